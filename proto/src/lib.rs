@@ -1,0 +1,1 @@
+//! Wire messages between service and worker.

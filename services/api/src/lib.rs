@@ -1,0 +1,1 @@
+//! The HTTP API: routes, problems, limits, and the worker protocol.

@@ -1,0 +1,1 @@
+//! The SQLite catalogue of jobs, scenes, images, measurements and artifacts.

@@ -1,0 +1,1 @@
+//! Leases on frames: grant, beat, fence, expire, strike; and the worker's client over HTTP.

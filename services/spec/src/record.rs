@@ -1,0 +1,110 @@
+//! The record of a rendered frame: what was asked, what was done, what came out. It travels from worker to catalogue.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
+
+/// Everything known about one image apart from its bytes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrameRecord {
+    /// Position in the job.
+    pub frame: u64,
+    /// The resolved frame as canonical JSON ([`crate::Frame::parameters`]).
+    pub parameters: Value,
+    /// The numbers the water stage ran with: per-channel coefficients after preset, derivation and range scale, and
+    /// which of them were derived. Empty without optics.
+    pub optics: Map<String, Value>,
+    /// The plan: per stage whether it was skipped, its variant, terms and bound.
+    pub plan: Value,
+    /// Metric values by subject (`rgb`, `hscm`, …) and metric (`uiqm`, `uiqm@table1`, …).
+    pub measurements: BTreeMap<String, BTreeMap<String, f64>>,
+    /// The stored files.
+    pub artifacts: Vec<ArtifactEntry>,
+    /// What was counted on the way.
+    pub counts: Counts,
+    /// Milliseconds per stage. Not part of any digest.
+    pub timings_ms: BTreeMap<String, f64>,
+    /// What the user should know about this image.
+    pub warnings: Vec<String>,
+    /// With what it was made.
+    pub provenance: Provenance,
+}
+
+/// One stored file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ArtifactEntry {
+    /// Artifact kind, such as `rgb`.
+    pub kind: String,
+    /// SHA-256 of the bytes, lower-case hex.
+    pub digest: String,
+    /// Length in bytes.
+    pub bytes: u64,
+    /// Such as `image/png`.
+    pub media_type: String,
+}
+
+/// What was counted while rendering.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Pixels without a valid range.
+    pub holes: u64,
+    /// Samples of negative radiance that were set to 0.
+    pub negative_radiance: u64,
+    /// Samples of the result outside 0..=1 that the encoder clamped.
+    pub clamped: u64,
+    /// Range pixels beyond what 16-bit millimetres hold.
+    pub range_saturated: u64,
+}
+
+/// With what an image was made.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Version of the code.
+    pub code_version: String,
+    /// Version of ONNX Runtime, if a style network ran.
+    pub onnx_runtime: Option<String>,
+    /// CPU features that choose code paths, such as `avx2,fma`.
+    pub cpu_features: String,
+    /// SHA-256 of every model and uploaded file that went in, by name.
+    pub inputs: BTreeMap<String, String>,
+}
+
+impl FrameRecord {
+    /// SHA-256 over (frame, kind, artifact digest, resolved parameters): the same wherever and however often the
+    /// frame is rendered on one build, runtime and CPU feature set. Lower-case hex.
+    #[must_use]
+    pub fn digest(&self) -> String {
+        let mut artifacts: Vec<_> = self.artifacts.iter().map(|a| (a.kind.as_str(), a.digest.as_str())).collect();
+        artifacts.sort_unstable();
+        let mut hash = Sha256::new();
+        hash.update(b"fathom-frame-v1");
+        hash.update(self.frame.to_le_bytes());
+        for (kind, digest) in artifacts {
+            hash.update(kind.as_bytes());
+            hash.update([0]);
+            hash.update(digest.as_bytes());
+            hash.update([0]);
+        }
+        hash.update(self.parameters.to_string().as_bytes());
+        hex(&hash.finalize())
+    }
+}
+
+/// SHA-256 over the frame digests of a job in frame order, lower-case hex.
+#[must_use]
+pub fn job_digest<'a>(frame_digests: impl IntoIterator<Item = &'a str>) -> String {
+    let mut hash = Sha256::new();
+    hash.update(b"fathom-job-v1");
+    for digest in frame_digests {
+        hash.update(digest.as_bytes());
+    }
+    hex(&hash.finalize())
+}
+
+/// Lower-case hexadecimal.
+#[must_use]
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,1 @@
+//! Artifacts by digest in append-only SQLite packs.

@@ -1,0 +1,1 @@
+//! Image enhancement: the homomorphic, median and CLAHE chain (HSCM) with its circular mask.

@@ -1,0 +1,48 @@
+//! The pinhole camera, and range along the ray from distance along the optical axis.
+
+use crate::plane::Plane;
+
+/// A pinhole camera with square pixels, in index coordinates: the centre of pixel (0, 0) is (0, 0).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Intrinsics {
+    /// Focal length in pixels, above 0.
+    pub focal_px: f64,
+    /// Column of the principal point in pixels.
+    pub cx: f64,
+    /// Row of the principal point in pixels.
+    pub cy: f64,
+}
+
+impl Intrinsics {
+    /// A camera whose principal point is the centre of the frame: `((W-1)/2, (H-1)/2)`.
+    #[must_use]
+    pub fn centred(focal_px: f64, width: usize, height: usize) -> Self {
+        Self { focal_px, cx: (width as f64 - 1.0) / 2.0, cy: (height as f64 - 1.0) / 2.0 }
+    }
+}
+
+/// Range in metres along the ray, `Z = d sqrt(1 + ((x-cx)/f)² + ((y-cy)/f)²)`, from z-depth `d` in metres.
+/// What is not a distance (NaN, infinity, 0, negative) stays as it is.
+#[must_use]
+pub fn range_from_z_depth(z_depth: &Plane<f32>, camera: &Intrinsics) -> Plane<f32> {
+    Plane::from_fn(z_depth.width(), z_depth.height(), |x, y| {
+        let u = (x as f64 - camera.cx) / camera.focal_px;
+        let v = (y as f64 - camera.cy) / camera.focal_px;
+        (f64::from(z_depth.at(x, y)) * (1.0 + u * u + v * v).sqrt()) as f32
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn range_grows_away_from_the_principal_point_of_a_flat_wall() {
+        let wall = Plane::filled(3, 1, 2.0f32);
+        let camera = Intrinsics { focal_px: 1.0, cx: 1.0, cy: 0.0 };
+        let range = range_from_z_depth(&wall, &camera);
+        assert_eq!(range.at(1, 0), 2.0);
+        assert!((range.at(0, 0) - 2.0 * 2.0f32.sqrt()).abs() < 1e-6);
+        assert_eq!(range.at(0, 0), range.at(2, 0));
+    }
+}

@@ -1,0 +1,12 @@
+//! Planes, rasters, colour transfer, transforms, codecs and the counter-based random stream.
+//!
+//! Everything here is a pure function of its arguments: no file, clock, environment or global state.
+
+pub mod geometry;
+mod plane;
+mod raster;
+mod rgb;
+
+pub use plane::{Plane, SizeError};
+pub use raster::{Channels, Raster, Rgb8, Samples, luma1000};
+pub use rgb::Rgb;

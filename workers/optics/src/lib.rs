@@ -1,0 +1,1 @@
+//! Image formation in water: attenuation, forward scatter, style blend, haze, presets and the plan.

@@ -1,0 +1,1 @@
+//! Image quality metrics in their published profiles, and the registry that names them.

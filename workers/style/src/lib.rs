@@ -1,0 +1,1 @@
+//! Style water models: ONNX networks that repaint a frame in the look of one water.
