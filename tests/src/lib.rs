@@ -1,1 +1,226 @@
-//! End-to-end tests of the fathom binary and of the house rules.
+//! Runs the real `fathom` binary for end-to-end tests: services, workers and single commands.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// How long a service may take until it listens: migrations and worker start on a loaded machine.
+const START_LIMIT: Duration = Duration::from_secs(60);
+/// How long a test waits for a job of a few dozen small frames on a loaded machine.
+const JOB_LIMIT: Duration = Duration::from_secs(300);
+
+/// The repository's root.
+#[must_use]
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the tests folder lies in the root").to_owned()
+}
+
+/// The binary, built beside the test executables.
+///
+/// # Panics
+/// When it was not built: tests of a binary must not pass without it.
+#[must_use]
+pub fn fathom() -> PathBuf {
+    let test = std::env::current_exe().expect("a test knows its own file");
+    let binary = test.parent().and_then(Path::parent).expect("tests lie in deps/").join("fathom");
+    assert!(binary.is_file(), "{} is missing: build the workspace first", binary.display());
+    binary
+}
+
+/// Runs a command to its end.
+///
+/// # Panics
+/// When the binary cannot be started.
+#[must_use]
+pub fn run(arguments: &[&str]) -> Output {
+    Command::new(fathom())
+        .args(arguments)
+        .env_remove("FATHOM_TOKEN")
+        .current_dir(root())
+        .output()
+        .expect("the binary starts")
+}
+
+/// A running `fathom serve` on a free port; stops when dropped.
+pub struct Service {
+    child: Child,
+    /// `http://127.0.0.1:…`
+    pub url: String,
+}
+
+impl Service {
+    /// Starts a service over a data folder and waits until it listens.
+    ///
+    /// # Panics
+    /// When it does not listen in time; what it printed is in the message.
+    #[must_use]
+    pub fn start(data: &Path, arguments: &[&str]) -> Self {
+        let mut child = Command::new(fathom())
+            .args(["serve", "--listen", "127.0.0.1:0", "--data"])
+            .arg(data)
+            .args(arguments)
+            .env_remove("FATHOM_TOKEN")
+            .env("FATHOM_LOG", "warn")
+            .current_dir(root())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the binary starts");
+        let (sender, receiver) = mpsc::channel();
+        let lines = BufReader::new(child.stderr.take().expect("stderr is piped")).lines();
+        std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| drop(sender.send(line))));
+        let mut printed = Vec::new();
+        let begun = Instant::now();
+        while begun.elapsed() < START_LIMIT {
+            match receiver.recv_timeout(Duration::from_millis(100)) {
+                Ok(line) => {
+                    if let Some(url) = line.strip_prefix("fathom listens on ") {
+                        let url = url.to_owned();
+                        std::thread::spawn(move || receiver.iter().for_each(|line| eprintln!("service: {line}")));
+                        return Self { child, url };
+                    }
+                    printed.push(line);
+                }
+                Err(mpsc::RecvTimeoutError::Timeout) => {}
+                Err(mpsc::RecvTimeoutError::Disconnected) => break,
+            }
+        }
+        let _ = child.kill();
+        panic!("the service does not listen; it printed:\n{}", printed.join("\n"));
+    }
+
+    /// GET, as JSON with its status.
+    #[must_use]
+    pub fn get(&self, path: &str) -> (u16, Value) {
+        let (status, bytes) = self.get_bytes(path);
+        (status, serde_json::from_slice(&bytes).unwrap_or_default())
+    }
+
+    /// GET, as bytes with the status.
+    ///
+    /// # Panics
+    /// When the service does not answer.
+    #[must_use]
+    pub fn get_bytes(&self, path: &str) -> (u16, Vec<u8>) {
+        let mut response = agent().get(format!("{}{path}", self.url)).call().expect("the service answers");
+        let bytes = response.body_mut().with_config().limit(1 << 30).read_to_vec().expect("a whole answer");
+        (response.status().as_u16(), bytes)
+    }
+
+    /// POST of JSON.
+    ///
+    /// # Panics
+    /// When the service does not answer.
+    #[must_use]
+    pub fn post(&self, path: &str, body: &Value) -> (u16, Value) {
+        let mut response = agent()
+            .post(format!("{}{path}", self.url))
+            .header("content-type", "application/json")
+            .send(body.to_string())
+            .expect("the service answers");
+        let bytes = response.body_mut().read_to_vec().expect("a whole answer");
+        (response.status().as_u16(), serde_json::from_slice(&bytes).unwrap_or_default())
+    }
+
+    /// Submits a job that must be accepted.
+    ///
+    /// # Panics
+    /// When it is not.
+    #[must_use]
+    pub fn submit(&self, job: &Value) -> String {
+        let (status, answer) = self.post("/v1/jobs", job);
+        assert_eq!(status, 202, "{answer}");
+        answer["id"].as_str().expect("a job has an id").to_owned()
+    }
+
+    /// Waits for the end of a job and answers it.
+    ///
+    /// # Panics
+    /// When it does not end in time.
+    #[must_use]
+    pub fn finished(&self, job: &str) -> Value {
+        let begun = Instant::now();
+        let mut since = 0;
+        while begun.elapsed() < JOB_LIMIT {
+            let (status, answer) = self.get(&format!("/v1/jobs/{job}?wait=10&since={since}"));
+            assert_eq!(status, 200, "{answer}");
+            since = answer["version"].as_u64().unwrap_or_default();
+            if matches!(answer["state"].as_str(), Some("done" | "done_with_failures" | "cancelled")) {
+                return answer;
+            }
+        }
+        panic!("job {job} did not end within {JOB_LIMIT:?}");
+    }
+}
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        stop(&mut self.child);
+    }
+}
+
+/// A `fathom worker` of a service; stops when dropped.
+pub struct Worker {
+    child: Child,
+}
+
+impl Worker {
+    /// Starts a worker process.
+    ///
+    /// # Panics
+    /// When the binary cannot be started.
+    #[must_use]
+    pub fn start(url: &str, name: &str, slots: usize) -> Self {
+        let child = Command::new(fathom())
+            .args(["worker", "--server", url, "--name", name, "--slots", &slots.to_string()])
+            .env_remove("FATHOM_TOKEN")
+            .env("FATHOM_LOG", "warn")
+            .current_dir(root())
+            .spawn()
+            .expect("the binary starts");
+        Self { child }
+    }
+
+    /// SIGKILL, as an out-of-memory killer would send it.
+    ///
+    /// # Panics
+    /// When the process cannot be killed.
+    pub fn kill(mut self) {
+        self.child.kill().expect("a worker can be killed");
+        self.child.wait().expect("a killed worker ends");
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        stop(&mut self.child);
+    }
+}
+
+/// SIGTERM, then SIGKILL after 15 s.
+fn stop(child: &mut Child) {
+    if matches!(child.try_wait(), Ok(Some(_))) {
+        return;
+    }
+    let _ = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(15) {
+        if matches!(child.try_wait(), Ok(Some(_))) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+fn agent() -> ureq::Agent {
+    ureq::Agent::config_builder()
+        .http_status_as_error(false)
+        .timeout_global(Some(Duration::from_secs(120)))
+        .build()
+        .into()
+}

@@ -1,2 +1,31 @@
-//! The `fathom` command.
-fn main() {}
+//! The `fathom` command: one binary for the service, its workers and everything a person does with them.
+
+mod commands;
+mod exit;
+mod files;
+mod progress;
+mod remote;
+mod sheet;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Underwater image datasets on demand.
+#[derive(Parser)]
+#[command(name = "fathom", version, about, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: commands::Command,
+}
+
+fn main() -> ExitCode {
+    match Arguments::parse().command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("fathom: {failure}");
+            failure.code()
+        }
+    }
+}

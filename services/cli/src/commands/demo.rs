@@ -1,0 +1,115 @@
+//! `fathom demo`: the main job from end to end on this machine alone.
+//!
+//! Starts a service with its own workers on a free port, submits a job of 24 frames, waits for it, prints the
+//! dataset's metrics and writes a contact sheet. Everything goes the way it goes in production: HTTP, leases, commits.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Context;
+use serde_json::Value;
+
+use super::query::{Question, rows_table};
+use super::{StyleArguments, serve, sheet, submit};
+use crate::exit::Failure;
+use crate::remote::{Remote, ServerArguments};
+use crate::table::{cell, table};
+
+/// Options of `fathom demo`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folder of the catalogue, the artifacts and the sheet
+    #[arg(long, value_name = "DIR", default_value = "data/demo")]
+    out: PathBuf,
+    #[command(flatten)]
+    style: StyleArguments,
+}
+
+/// The job that the demonstration submits; it is also the example of the README.
+const TOUR: &str = include_str!("../../../../examples/tour.json");
+const ROW_FIELDS: [&str; 9] =
+    ["frame", "water.optics", "water.style", "alpha", "entropy", "uicm", "uiqm", "uciqe", "hscm.uiqm"];
+const GROUP_METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    serve::start_log();
+    let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
+    let config = serve::config(serve::Arguments {
+        data: arguments.out.clone(),
+        listen: ([127, 0, 0, 1], 0).into(),
+        workers: 1,
+        slots: None,
+        token: None,
+        style: arguments.style.clone(),
+    })?;
+    let service = runtime.block_on(api::start(config)).map_err(|error| Failure::BadInput(error.to_string()))?;
+    let remote = Remote::new(&ServerArguments { server: format!("http://{}", service.address()), token: None });
+    let shown = show(&remote, &arguments.out);
+    runtime.block_on(service.stop()).map_err(anyhow::Error::from)?;
+    shown
+}
+
+fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
+    let begun = Instant::now();
+    let job = submit::submit(remote, TOUR.as_bytes(), None)?;
+    let job = submit::wait(remote, &job)?;
+    let text = |name: &str| cell(job.get(name).unwrap_or(&Value::Null));
+    let (id, dataset) = (text("id"), text("dataset"));
+    println!("\njob {id}: {} of {} frames in {:.1} s\n", text("done"), text("frames"), begun.elapsed().as_secs_f64());
+
+    let fields = ROW_FIELDS.map(str::to_owned);
+    let filter = format!("job == \"{id}\"");
+    let mut question =
+        Question { dataset: Some(&dataset), filter: &filter, order_by: Some("frame"), fields: &fields, limit: 1000 };
+    println!("{}\n", rows_table(&fields, &question.ask(remote)?));
+    println!("{}\n", by_style(remote, &dataset, &filter)?);
+
+    let picture = out.join("contact-sheet.png");
+    let fields = sheet::FIELDS.map(str::to_owned);
+    question.fields = &fields;
+    sheet::draw(remote, &question, "rgb", &picture)?;
+    println!("contact sheet  {}", picture.display());
+    println!("catalogue      {}", out.join("catalogue.sqlite").display());
+    println!("images         {}", out.join("packs").display());
+    println!("digest         {}", text("digest"));
+    println!("serve it again fathom serve --data {}", out.display());
+    if text("state") == "done" {
+        return Ok(());
+    }
+    let number = |name: &str| job.get(name).and_then(Value::as_u64).unwrap_or_default();
+    Err(Failure::SomeFrames { failed: number("failed"), frames: number("frames"), hint: String::new() })
+}
+
+/// Mean and standard deviation of each metric for each style water.
+fn by_style(remote: &Remote, dataset: &str, filter: &str) -> Result<String, Failure> {
+    let path = format!(
+        "/v1/datasets/{dataset}/stats?metrics={}&group_by=water.style&filter={}",
+        GROUP_METRICS.join(","),
+        crate::remote::query_value(filter)
+    );
+    let stats = remote.get(&path)?.json()?;
+    let groups = stats.get("groups").and_then(Value::as_array).cloned().unwrap_or_default();
+    let mut names: Vec<String> = groups.iter().map(|row| cell(row.get("group").unwrap_or(&Value::Null))).collect();
+    names.dedup();
+    let rows: Vec<Vec<String>> = names
+        .iter()
+        .map(|name| {
+            let value = |metric: &str| {
+                let row = groups.iter().find(|row| {
+                    cell(row.get("group").unwrap_or(&Value::Null)) == *name
+                        && row.get("metric").and_then(Value::as_str) == Some(metric)
+                });
+                let number = |field| row.and_then(|row| row.get(field)).and_then(Value::as_f64);
+                match (number("mean"), number("sd")) {
+                    (Some(mean), Some(sd)) => format!("{mean:.3} ({sd:.3})"),
+                    (Some(mean), None) => format!("{mean:.3}"),
+                    _ => "–".to_owned(),
+                }
+            };
+            std::iter::once(name.clone()).chain(GROUP_METRICS.map(value)).collect()
+        })
+        .collect();
+    let header: Vec<&str> = std::iter::once("style").chain(GROUP_METRICS).collect();
+    Ok(table(&header, &rows))
+}

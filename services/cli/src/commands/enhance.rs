@@ -1,0 +1,47 @@
+//! `fathom enhance`: an enhancement on a picture of the user's own.
+
+use std::path::PathBuf;
+
+use enhance::Method;
+
+use crate::exit::Failure;
+use crate::files;
+
+/// Options of `fathom enhance`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Enhancement method
+    #[arg(value_parser = method)]
+    method: Method,
+    /// Picture to enhance (PNG, JPEG or WebP; 8 or 16 bit, gray or colour)
+    input: PathBuf,
+    /// Where to write the result (.png, .jpg or .webp)
+    output: PathBuf,
+    /// Keep the whole frame instead of the circular mask
+    #[arg(long)]
+    no_mask: bool,
+    /// Also write the mask itself, 255 where the picture is kept
+    #[arg(long, value_name = "FILE")]
+    mask_out: Option<PathBuf>,
+}
+
+fn method(name: &str) -> Result<Method, String> {
+    Method::parse(name)
+        .ok_or_else(|| format!("enhancement `{name}` does not exist; there is {}", enhance::METHODS.join(", ")))
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let picture = files::read_picture(&arguments.input)?;
+    let enhanced = enhance::run(&arguments.method, &picture)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", arguments.input.display())))?;
+    let result = if arguments.no_mask { &enhanced.unmasked } else { &enhanced.picture };
+    files::write_picture(&arguments.output, result)?;
+    if let Some(path) = &arguments.mask_out {
+        let mask = enhanced
+            .mask
+            .ok_or_else(|| Failure::BadInput(format!("method {} has no mask", arguments.method.name())))?;
+        files::write_picture(path, &mask.into())?;
+    }
+    Ok(())
+}

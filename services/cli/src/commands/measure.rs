@@ -1,0 +1,84 @@
+//! `fathom measure`: quality metrics of pictures of the user's own.
+
+use std::path::PathBuf;
+
+use quality::{MetricId, Profile};
+use serde_json::{Map, Value, json};
+
+use crate::exit::Failure;
+use crate::files;
+use crate::table::{decimal, table};
+
+/// Options of `fathom measure`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Pictures to measure
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Measure every metric of one profile instead of the usual six
+    #[arg(long, value_parser = ["panetta", "funie", "table1"])]
+    profile: Option<String>,
+    /// Metrics by name, such as uiqm or uiqm@table1, comma-separated
+    #[arg(long, value_delimiter = ',', conflicts_with = "profile")]
+    metrics: Vec<String>,
+    /// The clean picture, for psnr and ssim
+    #[arg(long, value_name = "FILE")]
+    clean: Option<PathBuf>,
+    /// Print one JSON object per picture
+    #[arg(long)]
+    json: bool,
+}
+
+const USUAL: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let metrics = metrics(arguments)?;
+    let clean = arguments.clean.as_deref().map(files::read_picture).transpose()?.map(|raster| raster.to_rgb8());
+    let mut rows = Vec::new();
+    for path in &arguments.files {
+        let picture = files::read_picture(path)?.to_rgb8();
+        let values = quality::measure(&picture, clean.as_ref(), &metrics)
+            .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
+        if arguments.json {
+            let metrics: Map<String, Value> = values.iter().map(|(id, v)| (id.to_string(), json!(v))).collect();
+            println!("{}", json!({"file": path.display().to_string(), "width": picture.width(), "height": picture.height(), "metrics": metrics}));
+        } else {
+            let mut row = vec![path.display().to_string()];
+            row.extend(values.iter().map(|(_, value)| decimal(*value)));
+            rows.push(row);
+        }
+    }
+    if !arguments.json {
+        let names: Vec<String> = metrics.iter().map(MetricId::to_string).collect();
+        let header: Vec<&str> = std::iter::once("file").chain(names.iter().map(String::as_str)).collect();
+        println!("{}", table(&header, &rows));
+    }
+    Ok(())
+}
+
+fn metrics(arguments: &Arguments) -> Result<Vec<MetricId>, Failure> {
+    let mut names: Vec<String> = if !arguments.metrics.is_empty() {
+        arguments.metrics.clone()
+    } else if let Some(profile) = &arguments.profile {
+        let profile = match profile.as_str() {
+            "funie" => Profile::Funie,
+            "table1" => Profile::Table1,
+            _ => Profile::Panetta,
+        };
+        let chosen = quality::registry().iter().filter(|metric| !metric.needs_reference);
+        chosen.filter(|m| m.profile.is_none_or(|p| p == profile)).map(|m| m.id().to_string()).collect()
+    } else {
+        USUAL.map(str::to_owned).to_vec()
+    };
+    if arguments.clean.is_some() && arguments.metrics.is_empty() {
+        names.extend(["psnr".to_owned(), "ssim".to_owned()]);
+    }
+    let parse = |name: &String| {
+        MetricId::parse(name).ok_or_else(|| {
+            let known: Vec<String> = quality::registry().iter().map(|m| m.id().to_string()).collect();
+            Failure::BadInput(format!("metric `{name}` does not exist; there is {}", known.join(", ")))
+        })
+    };
+    names.iter().map(parse).collect()
+}

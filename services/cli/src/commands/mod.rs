@@ -1,0 +1,81 @@
+//! One file for each command.
+
+mod demo;
+mod enhance;
+mod figure;
+mod measure;
+mod query;
+mod render;
+mod serve;
+mod sheet;
+mod styles;
+mod submit;
+mod upload;
+mod waters;
+mod worker;
+
+use std::path::PathBuf;
+
+use crate::exit::Failure;
+
+/// What `fathom` can do.
+#[derive(clap::Subcommand)]
+pub enum Command {
+    /// Start the service with its own workers
+    Serve(serve::Arguments),
+    /// Pull frames from a service and render them
+    Worker(worker::Arguments),
+    /// Render a job here, without a service
+    Render(render::Arguments),
+    /// Submit a job to a service
+    Submit(submit::Arguments),
+    /// Ask for images by their parameters and metrics
+    Query(query::Arguments),
+    /// Upload a scene: a picture with its range
+    Upload(upload::Arguments),
+    /// Write a contact sheet of a dataset
+    Sheet(sheet::Arguments),
+    /// Enhance a picture
+    Enhance(enhance::Arguments),
+    /// Measure the quality of pictures
+    Measure(measure::Arguments),
+    /// List the optical water presets
+    Waters(waters::Arguments),
+    /// List the style waters
+    Styles(styles::Arguments),
+    /// Draw the steps of the chain and the style waters for one scene
+    Figure(figure::Arguments),
+    /// Start a service, render a small dataset with it and show the result
+    Demo(demo::Arguments),
+}
+
+impl Command {
+    pub fn run(self) -> Result<(), Failure> {
+        match self {
+            Self::Serve(arguments) => serve::run(arguments),
+            Self::Worker(arguments) => worker::run(arguments),
+            Self::Render(arguments) => render::run(&arguments),
+            Self::Submit(arguments) => submit::run(&arguments),
+            Self::Query(arguments) => query::run(&arguments),
+            Self::Upload(arguments) => upload::run(&arguments),
+            Self::Sheet(arguments) => sheet::run(&arguments),
+            Self::Enhance(arguments) => enhance::run(&arguments),
+            Self::Measure(arguments) => measure::run(&arguments),
+            Self::Waters(arguments) => waters::run(&arguments),
+            Self::Styles(arguments) => styles::run(&arguments),
+            Self::Figure(arguments) => figure::run(&arguments),
+            Self::Demo(arguments) => demo::run(&arguments),
+        }
+    }
+}
+
+/// Where style networks and their runtime are found.
+#[derive(Debug, Clone, clap::Args)]
+pub struct StyleArguments {
+    /// Folder with more style models: NAME.onnx and, if there is one, NAME.card.json
+    #[arg(long, env = "FATHOM_STYLES", value_name = "DIR")]
+    pub styles: Option<PathBuf>,
+    /// The ONNX Runtime library, if it is not where scripts/get-onnxruntime.sh puts it
+    #[arg(long, env = "FATHOM_ONNXRUNTIME", value_name = "FILE")]
+    pub onnxruntime: Option<PathBuf>,
+}

@@ -1,0 +1,118 @@
+//! `fathom query`: images by their parameters and metrics.
+
+use serde_json::Value;
+
+use crate::exit::Failure;
+use crate::remote::{Remote, ServerArguments, query_value};
+use crate::table::{cell, table};
+
+/// Options of `fathom query`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Which images, such as 'uiqm > 0.8 and water.style in ("muddy")'; empty: all
+    #[arg(default_value = "")]
+    filter: String,
+    /// Only this dataset
+    #[arg(long)]
+    dataset: Option<String>,
+    /// Order, such as uiqm or -uiqm (largest first)
+    #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
+    order_by: Option<String>,
+    /// Most rows to print
+    #[arg(long, default_value_t = 50)]
+    limit: usize,
+    /// Columns to print, comma-separated
+    #[arg(long, value_delimiter = ',')]
+    fields: Vec<String>,
+    /// Print one JSON object per image
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    server: ServerArguments,
+}
+
+/// Columns shown unless others are asked for.
+pub const USUAL_FIELDS: [&str; 9] =
+    ["job", "frame", "water.optics", "water.style", "alpha", "entropy", "uicm", "uiqm", "uciqe"];
+/// Rows that one request asks for.
+const PAGE_ROWS: usize = 500;
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let remote = Remote::new(&arguments.server);
+    let usual = USUAL_FIELDS.map(str::to_owned).to_vec();
+    let fields = if arguments.fields.is_empty() { usual } else { arguments.fields.clone() };
+    let question = Question {
+        dataset: arguments.dataset.as_deref(),
+        filter: &arguments.filter,
+        order_by: arguments.order_by.as_deref(),
+        fields: &fields,
+        limit: arguments.limit,
+    };
+    let rows = question.ask(&remote)?;
+    if arguments.json {
+        rows.iter().for_each(|row| println!("{row}"));
+        return Ok(());
+    }
+    println!("{}", rows_table(&fields, &rows));
+    println!("{} images", rows.len());
+    Ok(())
+}
+
+/// Image rows as a text table with these columns.
+pub fn rows_table(fields: &[String], rows: &[Value]) -> String {
+    let header: Vec<&str> = fields.iter().map(String::as_str).collect();
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| fields.iter().map(|field| cell(row.get(field).unwrap_or(&Value::Null))).collect())
+        .collect();
+    table(&header, &cells)
+}
+
+/// A question about images.
+pub struct Question<'a> {
+    pub dataset: Option<&'a str>,
+    pub filter: &'a str,
+    pub order_by: Option<&'a str>,
+    pub fields: &'a [String],
+    pub limit: usize,
+}
+
+impl Question<'_> {
+    /// All rows up to the limit, page by page.
+    pub fn ask(&self, remote: &Remote) -> Result<Vec<Value>, Failure> {
+        let mut rows = Vec::new();
+        let mut cursor: Option<String> = None;
+        while rows.len() < self.limit {
+            let path = self.path((self.limit - rows.len()).min(PAGE_ROWS), cursor.as_deref());
+            let mut page = remote.get(&path)?.json()?;
+            if let Some(items) = page.get_mut("items").and_then(Value::as_array_mut) {
+                rows.append(items);
+            }
+            cursor = page.get("next_cursor").and_then(Value::as_str).map(str::to_owned);
+            if cursor.is_none() {
+                break;
+            }
+        }
+        Ok(rows)
+    }
+
+    fn path(&self, limit: usize, cursor: Option<&str>) -> String {
+        let mut path = format!("/v1/images?limit={limit}");
+        let fields = self.fields.join(",");
+        let filter = (!self.filter.trim().is_empty()).then_some(self.filter);
+        let parameters = [
+            ("dataset", self.dataset),
+            ("filter", filter),
+            ("order_by", self.order_by),
+            ("fields", Some(fields.as_str())),
+            ("cursor", cursor),
+        ];
+        for (name, value) in parameters {
+            if let Some(value) = value {
+                path.push_str(&format!("&{name}={}", query_value(value)));
+            }
+        }
+        path
+    }
+}

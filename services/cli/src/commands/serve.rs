@@ -1,0 +1,84 @@
+//! `fathom serve`: the service and its own workers.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use tracing_subscriber::EnvFilter;
+
+use super::StyleArguments;
+use crate::exit::Failure;
+
+/// Options of `fathom serve`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folder of the catalogue and the artifacts
+    #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
+    pub data: PathBuf,
+    /// Address to listen on; anything but loopback needs a token
+    #[arg(long, env = "FATHOM_LISTEN", default_value = "127.0.0.1:7311", value_name = "ADDRESS")]
+    pub listen: SocketAddr,
+    /// Worker processes to start; 0: only remote workers
+    #[arg(long, env = "FATHOM_WORKERS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(0..=256))]
+    pub workers: u16,
+    /// Slots of each worker process [default: the machine's cores shared among the workers]
+    #[arg(long, env = "FATHOM_SLOTS", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub slots: Option<u16>,
+    /// Token, or tokens as scope+scope:SECRET,… with the scopes read, submit, work, admin
+    #[arg(long, env = "FATHOM_TOKEN", hide_env_values = true)]
+    pub token: Option<String>,
+    #[command(flatten)]
+    pub style: StyleArguments,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<(), Failure> {
+    start_log();
+    let config = config(arguments)?;
+    let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
+    runtime.block_on(async {
+        let service = api::start(config).await.map_err(|error| Failure::BadInput(error.to_string()))?;
+        eprintln!("fathom listens on http://{}", service.address());
+        stop_signal().await?;
+        service.stop().await.map_err(|error| Failure::Other(error.into()))
+    })
+}
+
+/// The service's configuration from the command line.
+pub fn config(arguments: Arguments) -> Result<api::Config, Failure> {
+    let workers = usize::from(arguments.workers);
+    let cores = super::render::cores();
+    let slots = arguments.slots.map_or_else(|| cores.div_ceil(workers.max(1)), usize::from);
+    let library = super::styles::library(&arguments.style)?;
+    Ok(api::Config {
+        data: arguments.data,
+        listen: arguments.listen,
+        workers,
+        slots_per_worker: slots,
+        worker_program: std::env::current_exe().context("cannot find this program's own file")?,
+        token: arguments.token,
+        styles: arguments.style.styles,
+        onnxruntime: arguments.style.onnxruntime,
+        library,
+    })
+}
+
+/// Log lines to standard error; `FATHOM_LOG` chooses the level, `FATHOM_LOG_FORMAT=json` the form.
+pub fn start_log() {
+    let filter = EnvFilter::try_from_env("FATHOM_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
+    let builder = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    if std::env::var("FATHOM_LOG_FORMAT").is_ok_and(|format| format == "json") {
+        builder.json().init();
+    } else {
+        builder.init();
+    }
+}
+
+async fn stop_signal() -> anyhow::Result<()> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut terminate = signal(SignalKind::terminate()).context("cannot listen for SIGTERM")?;
+    tokio::select! {
+        result = tokio::signal::ctrl_c() => result.context("cannot listen for SIGINT"),
+        _ = terminate.recv() => Ok(()),
+    }
+}

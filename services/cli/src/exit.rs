@@ -1,0 +1,42 @@
+//! How a command ends badly, and the exit status that says so.
+
+use std::process::ExitCode;
+
+/// Why a command failed. The exit statuses are part of the interface: scripts branch on them.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The command ran to its end, but not every frame has an image.
+    #[error("{failed} of {frames} frames failed{hint}")]
+    SomeFrames {
+        /// Frames without an image.
+        failed: u64,
+        /// Frames asked for.
+        frames: u64,
+        /// Where to read why, beginning with its own punctuation.
+        hint: String,
+    },
+    /// What the user gave cannot be used.
+    #[error("{0}")]
+    BadInput(String),
+    /// No service answers.
+    #[error("{0}")]
+    NoServer(String),
+    /// A library that the job needs is not installed.
+    #[error("{0}")]
+    RuntimeMissing(String),
+    /// Anything else.
+    #[error("{0:#}")]
+    Other(#[from] anyhow::Error),
+}
+
+impl Failure {
+    /// Exit status: 1 some frames failed (and anything unforeseen), 2 bad input, 3 no server, 4 runtime missing.
+    pub fn code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::SomeFrames { .. } | Self::Other(_) => 1,
+            Self::BadInput(_) => 2,
+            Self::NoServer(_) => 3,
+            Self::RuntimeMissing(_) => 4,
+        })
+    }
+}

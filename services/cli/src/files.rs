@@ -1,0 +1,55 @@
+//! Reading what the user names and writing results so that no half-written file is ever visible.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::Context;
+use imaging::Raster;
+use imaging::codec;
+
+use crate::exit::Failure;
+
+/// Reads a file that the user named.
+pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    fs::read(path).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
+}
+
+/// Reads and decodes a picture that the user named.
+pub fn read_picture(path: &Path) -> Result<Raster, Failure> {
+    codec::decode_picture(&read(path)?)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
+}
+
+/// Writes a file under a temporary name beside it and renames it into place.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    }
+    let mut temporary = path.as_os_str().to_owned();
+    temporary.push(format!(".part-{}", std::process::id()));
+    fs::write(&temporary, bytes)
+        .and_then(|()| fs::rename(&temporary, path))
+        .with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(())
+}
+
+/// Writes a picture; the format follows the file's extension: `.png` (default), `.jpg`, `.webp`.
+pub fn write_picture(path: &Path, picture: &Raster) -> Result<(), Failure> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("png").to_ascii_lowercase();
+    let bytes = match extension.as_str() {
+        "png" => codec::encode_png(picture),
+        "jpg" | "jpeg" => codec::encode_jpeg(&picture.to_rgb8(), JPEG_QUALITY),
+        "webp" => codec::encode_webp_lossless(&picture.to_rgb8()),
+        other => {
+            return Err(Failure::BadInput(format!(
+                "{}: format `{other}` cannot be written; use png, jpg or webp",
+                path.display()
+            )));
+        }
+    }
+    .with_context(|| format!("cannot encode {}", path.display()))?;
+    write(path, &bytes)
+}
+
+/// Quality of JPEG files that a command writes: visually lossless on ordinary frames.
+const JPEG_QUALITY: u8 = 95;
