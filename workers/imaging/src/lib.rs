@@ -3,6 +3,8 @@
 //! Everything here is a pure function of its arguments: no file, clock, environment or global state.
 
 pub mod geometry;
+pub mod random;
+pub mod transfer;
 mod plane;
 mod raster;
 mod rgb;
