@@ -2,6 +2,7 @@
 //!
 //! Everything here is a pure function of its arguments: no file, clock, environment or global state.
 
+pub mod codec;
 pub mod geometry;
 pub mod random;
 pub mod transfer;

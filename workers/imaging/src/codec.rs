@@ -1,0 +1,75 @@
+//! Files as values: bytes in, pictures out, and back. No file is opened here.
+//!
+//! Whatever the bytes are, decoding answers a value or an error. Sides, pixels and the decoder's memory are limited
+//! before anything is allocated, from what the header says.
+
+mod decode;
+mod encode;
+mod npy;
+mod scale;
+
+pub use decode::{FilePlane, Radiance, decode_picture, decode_plane, decode_radiance};
+pub use encode::{EncodeError, encode_jpeg, encode_png, encode_webp_lossless};
+pub use npy::{encode_npy_plane, encode_npy_rgb};
+pub use scale::downscale;
+
+/// Longest side of a picture: beyond it a frame no longer fits the buffers of one worker slot.
+pub const MAX_SIDE_PX: usize = 16_384;
+/// Most pixels of a picture: about twelve planes of f32 at this size fill 3 GiB.
+pub const MAX_PIXELS: usize = 64_000_000;
+/// Most memory a decoder may take beside its output.
+pub const MAX_DECODER_BYTES: u64 = 256 << 20;
+
+/// Bytes that are no picture or plane that can be used.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// The first bytes belong to no known format.
+    #[error("the file is neither {}", expected.join(" nor "))]
+    UnknownFormat {
+        /// Formats that would do.
+        expected: &'static [&'static str],
+    },
+    /// A side of the picture is 0.
+    #[error("the picture is empty: {width}×{height}")]
+    Empty {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// The header announces a picture beyond the limits.
+    #[error("the picture is {width}×{height} but at most {MAX_SIDE_PX} pixels a side and {MAX_PIXELS} pixels are taken")]
+    TooLarge {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// The bytes are cut off or damaged.
+    #[error("the {format} file is damaged or cut off: {reason}")]
+    Damaged {
+        /// The format that the first bytes announce.
+        format: &'static str,
+        /// What the decoder says.
+        reason: String,
+    },
+    /// The file is whole but holds something else than what is wanted.
+    #[error("the file holds {found} but {wanted} is needed")]
+    Unsuitable {
+        /// What it holds.
+        found: String,
+        /// What is needed.
+        wanted: &'static str,
+    },
+}
+
+/// Checks announced sides against the limits.
+fn check_size(width: usize, height: usize) -> Result<(), DecodeError> {
+    if width == 0 || height == 0 {
+        return Err(DecodeError::Empty { width, height });
+    }
+    if width > MAX_SIDE_PX || height > MAX_SIDE_PX || width.saturating_mul(height) > MAX_PIXELS {
+        return Err(DecodeError::TooLarge { width, height });
+    }
+    Ok(())
+}
