@@ -3,6 +3,7 @@
 //! Everything here is a pure function of its arguments: no file, clock, environment or global state.
 
 pub mod codec;
+pub mod dct;
 pub mod geometry;
 pub mod random;
 pub mod transfer;
