@@ -1,0 +1,126 @@
+//! The water of one frame: from what is asked for to numbers that the chain can run with.
+
+mod derive;
+mod error;
+mod request;
+
+pub use error::WaterError;
+pub use request::{Ambient, ScatterModel, ScatterRequest, ScatterSource, WaterRequest};
+
+use crate::range::HoleRule;
+
+/// Width of the forward-scatter kernel: `γ(Z) = offset + per_metre · Z` in pixels, for each channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// γ₀ in pixels, at least 0.
+    pub offset_px: [f64; 3],
+    /// k in pixels per metre, at least 0.
+    pub per_m: [f64; 3],
+}
+
+/// Forward scatter of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scatter {
+    /// None.
+    None,
+    /// The Jaffe–McGlamery form: each point of the scene spreads with its own range.
+    Jaffe {
+        /// G in 1/m, 0 ≤ G ≤ c.
+        g: [f64; 3],
+        /// What light is spread.
+        source: ScatterSource,
+        /// How far.
+        spread: Spread,
+    },
+    /// The simplified form: each pixel of the attenuated image gathers with its own range.
+    Simplified {
+        /// How far.
+        spread: Spread,
+    },
+}
+
+/// A water that is complete and consistent. Coefficients in 1/m along the ray, already multiplied by the range scale.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Water {
+    pub(crate) preset: Option<&'static str>,
+    pub(crate) absorption: Option<[f64; 3]>,
+    pub(crate) scattering: Option<[f64; 3]>,
+    pub(crate) direct_attenuation: [f64; 3],
+    pub(crate) backscatter_attenuation: [f64; 3],
+    pub(crate) diffuse_attenuation: Option<[f64; 3]>,
+    pub(crate) veiling_light: [f64; 3],
+    pub(crate) radiance_gain: [f64; 3],
+    pub(crate) scatter: Scatter,
+    pub(crate) holes: HoleRule,
+    pub(crate) derived: Vec<&'static str>,
+}
+
+impl Water {
+    /// Completes a request for a camera of this focal length in pixels: preset, given fields, what follows from them.
+    ///
+    /// # Errors
+    /// Every contradiction and every missing number at once, each with its field, value and limit.
+    pub fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Self, Vec<WaterError>> {
+        derive::resolve(request, focal_px)
+    }
+
+    /// The same checks for a request whose camera is not known yet.
+    #[must_use]
+    pub fn validate(request: &WaterRequest) -> Vec<WaterError> {
+        /// Any focal length will do: no limit depends on it.
+        const ANY_FOCAL_PX: f64 = 1000.0;
+        derive::resolve(request, ANY_FOCAL_PX).err().unwrap_or_default()
+    }
+
+    /// The full name of the preset, if one was used.
+    #[must_use]
+    pub fn preset(&self) -> Option<&'static str> {
+        self.preset
+    }
+
+    /// Attenuation of light from the scene, 1/m.
+    #[must_use]
+    pub fn direct_attenuation(&self) -> [f64; 3] {
+        self.direct_attenuation
+    }
+
+    /// Veiling light, linear.
+    #[must_use]
+    pub fn veiling_light(&self) -> [f64; 3] {
+        self.veiling_light
+    }
+
+    /// Forward scatter.
+    #[must_use]
+    pub fn scatter(&self) -> &Scatter {
+        &self.scatter
+    }
+
+    /// The fields that were derived and not given by preset or request.
+    #[must_use]
+    pub fn derived(&self) -> &[&'static str] {
+        &self.derived
+    }
+
+    /// The numbers that the chain runs with, by the names of the job description.
+    #[must_use]
+    pub fn numbers(&self) -> Vec<(&'static str, Option<[f64; 3]>)> {
+        let (g, spread) = match self.scatter {
+            Scatter::None => (None, None),
+            Scatter::Jaffe { g, spread, .. } => (Some(g), Some(spread)),
+            Scatter::Simplified { spread } => (None, Some(spread)),
+        };
+        vec![
+            ("absorption_per_m", self.absorption),
+            ("scattering_per_m", self.scattering),
+            ("beam_attenuation_per_m", Some(self.direct_attenuation)),
+            ("backscatter_attenuation_per_m", Some(self.backscatter_attenuation)),
+            ("diffuse_attenuation_per_m", self.diffuse_attenuation),
+            ("veiling_light", Some(self.veiling_light)),
+            ("radiance_gain", Some(self.radiance_gain)),
+            ("g_per_m", g),
+            ("spread_px_per_m", spread.map(|spread| spread.per_m)),
+            ("spread_offset_px", spread.map(|spread| spread.offset_px)),
+        ]
+    }
+}

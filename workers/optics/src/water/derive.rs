@@ -1,0 +1,240 @@
+//! What a preset or a request lacks and can be derived, and all the checks.
+//!
+//! G = a + 0.05 b and γ(Z) = f (0.009 + 0.009 b Z) are fits to Monte Carlo runs in Fournier–Forand and Henyey–Greenstein
+//! waters up to b Z of about 6. A derived veiling light has the colour of daylight at the depth, exp(−K_d h), and by
+//! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
+
+use super::{Ambient, Scatter, ScatterModel, ScatterRequest, Spread, Water, WaterError, WaterRequest};
+use crate::preset;
+use crate::range::HoleRule;
+
+const G_SHARE_OF_SCATTERING: f64 = 0.05;
+const SPREAD_OFFSET_RAD: f64 = 0.009;
+const SPREAD_PER_SCATTERING_RAD: f64 = 0.009;
+const VEIL_GAIN: f64 = 0.3;
+const VEIL_DEPTH_M: f64 = 5.0;
+
+/// Ink attenuates less: beyond it a coefficient is a slip of units.
+const MOST_PER_M: f64 = 1000.0;
+const MOST_SPREAD_PX: f64 = 1e6;
+const MOST_LIGHT: f64 = 1e4;
+const MOST_DEPTH_M: f64 = 12_000.0;
+const MOST_RANGE_SCALE: f64 = 1000.0;
+/// Printed tables round a, b and c to three decimals each.
+const SUM_SLACK_PER_M: f64 = 0.002;
+const CHANNELS: [char; 3] = ['R', 'G', 'B'];
+
+pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Vec<WaterError>> {
+    let mut checks = Checks::default();
+    checks.ranges(request);
+    let preset = request.preset.as_deref().and_then(|name| {
+        let found = preset::find(name);
+        if found.is_none() {
+            checks.errors.push(WaterError::UnknownPreset { name: name.to_owned() });
+        }
+        found
+    });
+    // A given beam attenuation replaces the preset's whole decomposition: a and b of another water would contradict it.
+    let decomposition = preset.filter(|_| request.beam_attenuation.is_none());
+    let absorption = request.absorption.or(decomposition.and_then(|p| p.absorption));
+    let scattering = request.scattering.or(decomposition.and_then(|p| p.scattering));
+    let sum = absorption.zip(scattering).map(|(a, b)| each(|i| a[i] + b[i]));
+    if let (Some(c), Some(sum)) = (request.beam_attenuation, sum) {
+        for i in (0..3).filter(|&i| (c[i] - sum[i]).abs() > SUM_SLACK_PER_M) {
+            checks.errors.push(WaterError::Inconsistent { channel: CHANNELS[i], value: c[i], sum: sum[i] });
+        }
+    }
+    let attenuation = request.beam_attenuation.or(sum).or(decomposition.and_then(|p| p.beam_attenuation));
+    if attenuation.is_none() && (preset.is_some() || request.preset.is_none()) {
+        let reason = "give it, or both absorption_per_m and scattering_per_m";
+        checks.errors.push(WaterError::Missing { field: "beam_attenuation_per_m", reason });
+    }
+    let diffuse_attenuation = request.diffuse_attenuation.or(preset.and_then(|p| p.diffuse_attenuation));
+    let decay = request.depth_m.zip(diffuse_attenuation).map(|(h, kd)| kd.map(|k| (-k * h).exp()));
+    if request.ambient != Ambient::None && decay.is_none() {
+        let (field, reason) = if request.depth_m.is_none() {
+            ("depth_m", "ambient light decays with it")
+        } else {
+            ("diffuse_attenuation_per_m", "ambient light decays with it")
+        };
+        checks.errors.push(WaterError::Missing { field, reason });
+    }
+    let given_veil = request.veiling_light.or(preset.and_then(|p| p.veiling_light));
+    let veiling_light = match (given_veil, diffuse_attenuation) {
+        (Some(veil), _) if request.ambient == Ambient::Absolute => decay.map(|decay| each(|i| veil[i] * decay[i])),
+        (Some(veil), _) => Some(veil),
+        (None, Some(kd)) => {
+            checks.derived.push("veiling_light");
+            let daylight = kd.map(|k| (-k * request.depth_m.unwrap_or(VEIL_DEPTH_M)).exp());
+            let brightest = daylight.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+            Some(daylight.map(|e| request.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
+        }
+        (None, None) => None,
+    };
+    if veiling_light.is_none() && given_veil.is_none() && (preset.is_some() || request.preset.is_none()) {
+        let reason = "give it, or diffuse_attenuation_per_m to derive its colour from";
+        checks.errors.push(WaterError::Missing { field: "veiling_light", reason });
+    }
+    let medium = Medium { absorption, scattering, attenuation, focal_px };
+    let scatter = checks.scatter(request.scatter.as_ref(), &medium);
+    if !checks.errors.is_empty() {
+        return Err(checks.errors);
+    }
+    let (Some(attenuation), Some(veiling_light)) = (attenuation, veiling_light) else {
+        unreachable!("their absence is an error above");
+    };
+    let scale = request.range_scale;
+    let scaled = |values: [f64; 3]| values.map(|v| v * scale);
+    Ok(Water {
+        preset: preset.map(|p| p.name),
+        absorption: absorption.map(scaled),
+        scattering: scattering.map(scaled),
+        direct_attenuation: scaled(attenuation),
+        backscatter_attenuation: scaled(request.backscatter_attenuation.unwrap_or(attenuation)),
+        diffuse_attenuation,
+        veiling_light,
+        radiance_gain: radiance_gain(request.ambient, decay),
+        scatter: scaled_scatter(scatter, scale),
+        holes: request.holes,
+        derived: checks.derived,
+    })
+}
+
+fn each(value: impl FnMut(usize) -> f64) -> [f64; 3] {
+    [0, 1, 2].map(value)
+}
+
+fn radiance_gain(ambient: Ambient, decay: Option<[f64; 3]>) -> [f64; 3] {
+    let decay = decay.unwrap_or([1.0; 3]);
+    match ambient {
+        Ambient::None => [1.0; 3],
+        Ambient::Absolute => decay,
+        Ambient::Exposed => {
+            let brightest = decay.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+            decay.map(|e| e / brightest)
+        }
+    }
+}
+
+fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
+    let wider = |spread: Spread| Spread { per_m: spread.per_m.map(|k| k * scale), ..spread };
+    match scatter {
+        Scatter::None => Scatter::None,
+        Scatter::Jaffe { g, source, spread } => {
+            Scatter::Jaffe { g: g.map(|g| g * scale), source, spread: wider(spread) }
+        }
+        Scatter::Simplified { spread } => Scatter::Simplified { spread: wider(spread) },
+    }
+}
+
+/// What is known of the medium before the range scale.
+struct Medium {
+    absorption: Option<[f64; 3]>,
+    scattering: Option<[f64; 3]>,
+    attenuation: Option<[f64; 3]>,
+    focal_px: f64,
+}
+
+#[derive(Default)]
+struct Checks {
+    errors: Vec<WaterError>,
+    derived: Vec<&'static str>,
+}
+
+impl Checks {
+    fn ranges(&mut self, request: &WaterRequest) {
+        let scatter = request.scatter.as_ref();
+        let triples = [
+            ("beam_attenuation_per_m", request.beam_attenuation, MOST_PER_M),
+            ("absorption_per_m", request.absorption, MOST_PER_M),
+            ("scattering_per_m", request.scattering, MOST_PER_M),
+            ("backscatter_attenuation_per_m", request.backscatter_attenuation, MOST_PER_M),
+            ("diffuse_attenuation_per_m", request.diffuse_attenuation, MOST_PER_M),
+            ("veiling_light", request.veiling_light, MOST_LIGHT),
+            ("g_per_m", scatter.and_then(|s| s.g), MOST_PER_M),
+            ("spread_px_per_m", scatter.and_then(|s| s.spread_px_per_m), MOST_SPREAD_PX),
+            ("spread_offset_px", scatter.and_then(|s| s.spread_offset_px), MOST_SPREAD_PX),
+        ];
+        for (field, values, most) in triples {
+            for (channel, value) in CHANNELS.into_iter().zip(values.into_iter().flatten()) {
+                self.range(field, channel, value, 0.0, most);
+            }
+        }
+        let singles = [
+            ("veil_gain", request.veil_gain, 0.0, MOST_LIGHT),
+            ("depth_m", request.depth_m, 0.0, MOST_DEPTH_M),
+            ("range_scale", Some(request.range_scale), f64::MIN_POSITIVE, MOST_RANGE_SCALE),
+            ("holes", if let HoleRule::Range(metres) = request.holes { Some(metres) } else { None }, 1e-3, 1e6),
+        ];
+        for (field, value, least, most) in singles {
+            value.into_iter().for_each(|value| self.range(field, '-', value, least, most));
+        }
+    }
+
+    fn range(&mut self, field: &'static str, channel: char, value: f64, least: f64, most: f64) {
+        if !(least..=most).contains(&value) {
+            self.errors.push(WaterError::OutOfRange { field, channel, value, least, most });
+        }
+    }
+
+    fn scatter(&mut self, request: Option<&ScatterRequest>, medium: &Medium) -> Scatter {
+        let known = medium.absorption.is_some() && medium.scattering.is_some();
+        let usual = ScatterRequest {
+            model: if known { ScatterModel::Jaffe } else { ScatterModel::None },
+            g: None,
+            spread_px_per_m: None,
+            spread_offset_px: None,
+            source: Default::default(),
+        };
+        let request = request.unwrap_or(&usual);
+        match request.model {
+            ScatterModel::None => Scatter::None,
+            ScatterModel::Simplified => {
+                self.spread(request, medium).map_or(Scatter::None, |spread| Scatter::Simplified { spread })
+            }
+            ScatterModel::Jaffe => {
+                let g = self.g(request, medium);
+                let spread = self.spread(request, medium);
+                g.zip(spread).map_or(Scatter::None, |(g, spread)| Scatter::Jaffe { g, source: request.source, spread })
+            }
+        }
+    }
+
+    fn g(&mut self, request: &ScatterRequest, medium: &Medium) -> Option<[f64; 3]> {
+        if request.g.is_none() {
+            let Some((a, b)) = medium.absorption.zip(medium.scattering) else {
+                let reason = "give it, or both absorption_per_m and scattering_per_m";
+                self.errors.push(WaterError::Missing { field: "g_per_m", reason });
+                return None;
+            };
+            self.derived.push("g_per_m");
+            // The sum of rounded a and b may fall short of a given c by rounding; G may not exceed it.
+            let limit = medium.attenuation.unwrap_or([f64::INFINITY; 3]);
+            return Some(each(|i| (a[i] + G_SHARE_OF_SCATTERING * b[i]).min(limit[i])));
+        }
+        if let (Some(g), Some(c)) = (request.g, medium.attenuation) {
+            for i in (0..3).filter(|&i| g[i] > c[i]) {
+                let (channel, value, limit) = (CHANNELS[i], g[i], c[i]);
+                self.errors.push(WaterError::MoreScatterThanAttenuation { channel, value, limit });
+            }
+        }
+        request.g
+    }
+
+    fn spread(&mut self, request: &ScatterRequest, medium: &Medium) -> Option<Spread> {
+        if let Some(per_m) = request.spread_px_per_m {
+            return Some(Spread { offset_px: request.spread_offset_px.unwrap_or([0.0; 3]), per_m });
+        }
+        let Some(b) = medium.scattering else {
+            let reason = "give it, or scattering_per_m to derive it from";
+            self.errors.push(WaterError::Missing { field: "spread_px_per_m", reason });
+            return None;
+        };
+        self.derived.push("spread_px_per_m");
+        let offset_px = request.spread_offset_px.unwrap_or_else(|| {
+            self.derived.push("spread_offset_px");
+            [SPREAD_OFFSET_RAD * medium.focal_px; 3]
+        });
+        Some(Spread { offset_px, per_m: b.map(|b| SPREAD_PER_SCATTERING_RAD * b * medium.focal_px) })
+    }
+}
