@@ -38,7 +38,9 @@ pub enum DecodeError {
         height: usize,
     },
     /// The header announces a picture beyond the limits.
-    #[error("the picture is {width}×{height} but at most {MAX_SIDE_PX} pixels a side and {MAX_PIXELS} pixels are taken")]
+    #[error(
+        "the picture is {width}×{height} but at most {MAX_SIDE_PX} pixels a side and {MAX_PIXELS} pixels are taken"
+    )]
     TooLarge {
         /// Columns.
         width: usize,

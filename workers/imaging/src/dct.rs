@@ -61,7 +61,13 @@ impl<T: FftNum> Dct2<T> {
     }
 
     fn both_axes(&mut self, plane: &mut [T], pass: fn(&mut Lines<T>, &mut [T], &mut [T])) {
-        assert_eq!(plane.len(), self.width * self.height, "a plane of {}×{}", self.width, self.height);
+        assert_eq!(
+            plane.len(),
+            self.width * self.height,
+            "a plane of {}×{}",
+            self.width,
+            self.height
+        );
         if plane.is_empty() {
             return;
         }
@@ -104,7 +110,9 @@ impl<T: FftNum> Lines<T> {
     fn new(planner: &mut FftPlanner<T>, length: usize) -> Self {
         let forward = planner.plan_fft_forward(length);
         let inverse = planner.plan_fft_inverse(length);
-        let scratch = forward.get_inplace_scratch_len().max(inverse.get_inplace_scratch_len());
+        let scratch = forward
+            .get_inplace_scratch_len()
+            .max(inverse.get_inplace_scratch_len());
         let twiddle = |k: usize| {
             let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
             Complex::new(real(angle.cos()), real(angle.sin()))
@@ -121,7 +129,11 @@ impl<T: FftNum> Lines<T> {
 
     /// Even samples go forward, odd samples come back: the order in which the FFT sees a mirrored line.
     fn place(&self, index: usize) -> usize {
-        if index % 2 == 0 { index / 2 } else { self.length - 1 - index / 2 }
+        if index % 2 == 0 {
+            index / 2
+        } else {
+            self.length - 1 - index / 2
+        }
     }
 
     fn forward(&mut self, first: &mut [T], second: &mut [T]) {
@@ -129,7 +141,8 @@ impl<T: FftNum> Lines<T> {
             let place = self.place(index);
             self.buffer[place] = Complex::new(first[index], second.get(index).copied().unwrap_or(T::zero()));
         }
-        self.forward.process_with_scratch(&mut self.buffer, &mut self.scratch);
+        self.forward
+            .process_with_scratch(&mut self.buffer, &mut self.scratch);
         let half: T = real(0.5);
         for k in 0..self.length {
             let here = self.buffer[k];
@@ -154,10 +167,15 @@ impl<T: FftNum> Lines<T> {
                 Complex::new(line[k], -mirrored) * back
             };
             let one = pair(first);
-            let two = if second.is_empty() { Complex::new(T::zero(), T::zero()) } else { pair(second) };
+            let two = if second.is_empty() {
+                Complex::new(T::zero(), T::zero())
+            } else {
+                pair(second)
+            };
             self.buffer[k] = Complex::new(one.re - two.im, one.im + two.re);
         }
-        self.inverse.process_with_scratch(&mut self.buffer, &mut self.scratch);
+        self.inverse
+            .process_with_scratch(&mut self.buffer, &mut self.scratch);
         for index in 0..self.length {
             let place = self.place(index);
             first[index] = self.buffer[place].re;
@@ -177,12 +195,23 @@ mod tests {
     use super::*;
     use crate::random::Stream;
 
-    const SIZES: [(usize, usize); 9] =
-        [(1, 1), (1, 7), (7, 1), (2, 2), (5, 3), (13, 17), (16, 9), (33, 20), (41, 12)];
+    const SIZES: [(usize, usize); 9] = [
+        (1, 1),
+        (1, 7),
+        (7, 1),
+        (2, 2),
+        (5, 3),
+        (13, 17),
+        (16, 9),
+        (33, 20),
+        (41, 12),
+    ];
 
     fn noise(width: usize, height: usize) -> Vec<f64> {
         let stream = Stream::stage(3, "dct");
-        (0..(width * height) as u64).map(|i| stream.unit(i, 0) - 0.5).collect()
+        (0..(width * height) as u64)
+            .map(|i| stream.unit(i, 0) - 0.5)
+            .collect()
     }
 
     /// The definition, term by term.
@@ -232,7 +261,10 @@ mod tests {
             transform.forward(&mut single);
             transform.inverse(&mut single);
             let single: Vec<f64> = single.iter().map(|&v| f64::from(v)).collect();
-            assert!(largest_difference(&single, &original) < 1e-6, "{width}×{height} in f32");
+            assert!(
+                largest_difference(&single, &original) < 1e-6,
+                "{width}×{height} in f32"
+            );
         }
     }
 

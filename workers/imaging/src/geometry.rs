@@ -17,7 +17,11 @@ impl Intrinsics {
     /// A camera whose principal point is the centre of the frame: `((W-1)/2, (H-1)/2)`.
     #[must_use]
     pub fn centred(focal_px: f64, width: usize, height: usize) -> Self {
-        Self { focal_px, cx: (width as f64 - 1.0) / 2.0, cy: (height as f64 - 1.0) / 2.0 }
+        Self {
+            focal_px,
+            cx: (width as f64 - 1.0) / 2.0,
+            cy: (height as f64 - 1.0) / 2.0,
+        }
     }
 }
 
@@ -39,7 +43,11 @@ mod tests {
     #[test]
     fn range_grows_away_from_the_principal_point_of_a_flat_wall() {
         let wall = Plane::filled(3, 1, 2.0f32);
-        let camera = Intrinsics { focal_px: 1.0, cx: 1.0, cy: 0.0 };
+        let camera = Intrinsics {
+            focal_px: 1.0,
+            cx: 1.0,
+            cy: 0.0,
+        };
         let range = range_from_z_depth(&wall, &camera);
         assert_eq!(range.at(1, 0), 2.0);
         assert!((range.at(0, 0) - 2.0 * 2.0f32.sqrt()).abs() < 1e-6);

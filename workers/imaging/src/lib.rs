@@ -5,11 +5,11 @@
 pub mod codec;
 pub mod dct;
 pub mod geometry;
-pub mod random;
-pub mod transfer;
 mod plane;
+pub mod random;
 mod raster;
 mod rgb;
+pub mod transfer;
 
 pub use plane::{Plane, SizeError};
 pub use raster::{Channels, Raster, Rgb8, Samples, luma1000};

@@ -45,7 +45,12 @@ impl<T> Plane<T> {
     pub fn new(width: usize, height: usize, data: Vec<T>) -> Result<Self, SizeError> {
         let expected = width.saturating_mul(height);
         if data.len() != expected {
-            return Err(SizeError::Length { width, height, expected, actual: data.len() });
+            return Err(SizeError::Length {
+                width,
+                height,
+                expected,
+                actual: data.len(),
+            });
         }
         Ok(Self { width, height, data })
     }
@@ -115,7 +120,11 @@ impl<T> Plane<T> {
 
     /// A plane of the same size with every sample mapped.
     pub fn map<U>(&self, sample: impl FnMut(&T) -> U) -> Plane<U> {
-        Plane { width: self.width, height: self.height, data: self.data.iter().map(sample).collect() }
+        Plane {
+            width: self.width,
+            height: self.height,
+            data: self.data.iter().map(sample).collect(),
+        }
     }
 }
 
@@ -123,7 +132,11 @@ impl<T: Clone> Plane<T> {
     /// A plane of one value.
     #[must_use]
     pub fn filled(width: usize, height: usize, value: T) -> Self {
-        Self { width, height, data: vec![value; width * height] }
+        Self {
+            width,
+            height,
+            data: vec![value; width * height],
+        }
     }
 }
 

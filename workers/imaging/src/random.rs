@@ -52,15 +52,27 @@ impl Stream {
     }
 
     fn keyed(tag: &str, seed: u64, name: &str) -> Self {
-        let digest = Sha256::new().chain_update(tag).chain_update(seed.to_le_bytes()).chain_update(name).finalize();
-        let word = |at: usize| u32::from_le_bytes([digest[at], digest[at + 1], digest[at + 2], digest[at + 3]]);
-        Self { key: [word(0), word(4)] }
+        let digest = Sha256::new()
+            .chain_update(tag)
+            .chain_update(seed.to_le_bytes())
+            .chain_update(name)
+            .finalize();
+        let word =
+            |at: usize| u32::from_le_bytes([digest[at], digest[at + 1], digest[at + 2], digest[at + 3]]);
+        Self {
+            key: [word(0), word(4)],
+        }
     }
 
     /// 64 random bits: the first two words of the block at counter (index, element), low word first.
     #[must_use]
     pub fn bits(&self, index: u64, element: u64) -> u64 {
-        let counter = [index as u32, (index >> 32) as u32, element as u32, (element >> 32) as u32];
+        let counter = [
+            index as u32,
+            (index >> 32) as u32,
+            element as u32,
+            (element >> 32) as u32,
+        ];
         let [low, high, ..] = philox4x32_10(counter, self.key);
         u64::from(low) | u64::from(high) << 32
     }
@@ -80,8 +92,16 @@ mod tests {
     #[test]
     fn philox_gives_its_published_answers() {
         let answers = [
-            ([0; 4], [0; 2], [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]),
-            ([u32::MAX; 4], [u32::MAX; 2], [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]),
+            (
+                [0; 4],
+                [0; 2],
+                [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8],
+            ),
+            (
+                [u32::MAX; 4],
+                [u32::MAX; 2],
+                [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd],
+            ),
             (
                 [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344],
                 [0xa409_3822, 0x299f_31d0],

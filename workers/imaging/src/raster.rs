@@ -32,7 +32,10 @@ impl Samples {
     pub fn to_u8(&self) -> Vec<u8> {
         match self {
             Self::U8(codes) => codes.clone(),
-            Self::U16(codes) => codes.iter().map(|&v| ((u32::from(v) * 255 + 32767) / 65535) as u8).collect(),
+            Self::U16(codes) => codes
+                .iter()
+                .map(|&v| ((u32::from(v) * 255 + 32767) / 65535) as u8)
+                .collect(),
         }
     }
 }
@@ -82,14 +85,30 @@ impl Raster {
         let pixels = width.saturating_mul(height);
         let expected = pixels.saturating_mul(channels.count());
         if samples.len() != expected {
-            return Err(SizeError::Length { width, height, expected, actual: samples.len() });
+            return Err(SizeError::Length {
+                width,
+                height,
+                expected,
+                actual: samples.len(),
+            });
         }
         if let Some(alpha) = &alpha
             && alpha.len() != pixels
         {
-            return Err(SizeError::Length { width, height, expected: pixels, actual: alpha.len() });
+            return Err(SizeError::Length {
+                width,
+                height,
+                expected: pixels,
+                actual: alpha.len(),
+            });
         }
-        Ok(Self { width, height, channels, samples, alpha })
+        Ok(Self {
+            width,
+            height,
+            channels,
+            samples,
+            alpha,
+        })
     }
 
     /// Columns.
@@ -130,28 +149,50 @@ impl Raster {
             Channels::Rgb => codes,
             Channels::Gray => codes.into_iter().flat_map(|v| [v; 3]).collect(),
         };
-        Rgb8 { width: self.width, height: self.height, data }
+        Rgb8 {
+            width: self.width,
+            height: self.height,
+            data,
+        }
     }
 }
 
 impl From<Rgb8> for Raster {
     fn from(picture: Rgb8) -> Self {
         let Rgb8 { width, height, data } = picture;
-        Self { width, height, channels: Channels::Rgb, samples: Samples::U8(data), alpha: None }
+        Self {
+            width,
+            height,
+            channels: Channels::Rgb,
+            samples: Samples::U8(data),
+            alpha: None,
+        }
     }
 }
 
 impl From<Plane<u8>> for Raster {
     fn from(plane: Plane<u8>) -> Self {
         let (width, height) = plane.size();
-        Self { width, height, channels: Channels::Gray, samples: Samples::U8(plane.into_data()), alpha: None }
+        Self {
+            width,
+            height,
+            channels: Channels::Gray,
+            samples: Samples::U8(plane.into_data()),
+            alpha: None,
+        }
     }
 }
 
 impl From<Plane<u16>> for Raster {
     fn from(plane: Plane<u16>) -> Self {
         let (width, height) = plane.size();
-        Self { width, height, channels: Channels::Gray, samples: Samples::U16(plane.into_data()), alpha: None }
+        Self {
+            width,
+            height,
+            channels: Channels::Gray,
+            samples: Samples::U16(plane.into_data()),
+            alpha: None,
+        }
     }
 }
 
@@ -171,7 +212,12 @@ impl Rgb8 {
     pub fn new(width: usize, height: usize, data: Vec<u8>) -> Result<Self, SizeError> {
         let expected = width.saturating_mul(height).saturating_mul(3);
         if data.len() != expected {
-            return Err(SizeError::Length { width, height, expected, actual: data.len() });
+            return Err(SizeError::Length {
+                width,
+                height,
+                expected,
+                actual: data.len(),
+            });
         }
         Ok(Self { width, height, data })
     }
@@ -229,7 +275,10 @@ impl Rgb8 {
     /// `gray8 = (299 R + 587 G + 114 B + 500) div 1000`, the integer luma rounded to nearest.
     #[must_use]
     pub fn to_gray8(&self) -> Plane<u8> {
-        let codes = self.pixels().map(|p| ((luma1000(p) + 500) / 1000) as u8).collect();
+        let codes = self
+            .pixels()
+            .map(|p| ((luma1000(p) + 500) / 1000) as u8)
+            .collect();
         Plane::new(self.width, self.height, codes).expect("one code for each pixel")
     }
 }

@@ -18,7 +18,12 @@ impl<T> Rgb<T> {
         for plane in &planes[1..] {
             let (other_width, other_height) = plane.size();
             if (other_width, other_height) != (width, height) {
-                return Err(SizeError::Mismatch { width, height, other_width, other_height });
+                return Err(SizeError::Mismatch {
+                    width,
+                    height,
+                    other_width,
+                    other_height,
+                });
             }
         }
         Ok(Self { planes })
@@ -37,7 +42,8 @@ impl<T> Rgb<T> {
                 }
             }
         }
-        let planes = bands.map(|band| Plane::new(width, height, band).expect("width × height pixels were pushed"));
+        let planes =
+            bands.map(|band| Plane::new(width, height, band).expect("width × height pixels were pushed"));
         Self { planes }
     }
 
@@ -78,7 +84,9 @@ impl<T> Rgb<T> {
 
     /// A picture of the same size with every sample mapped.
     pub fn map<U>(&self, mut sample: impl FnMut(&T) -> U) -> Rgb<U> {
-        Rgb { planes: self.planes.each_ref().map(|plane| plane.map(&mut sample)) }
+        Rgb {
+            planes: self.planes.each_ref().map(|plane| plane.map(&mut sample)),
+        }
     }
 }
 

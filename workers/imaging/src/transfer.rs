@@ -23,13 +23,21 @@ pub enum Transfer {
 /// Linear light of an sRGB-encoded value; the straight part continues below 0, the curve above 1.
 #[must_use]
 pub fn decode(v: f64) -> f64 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    if v <= 0.04045 {
+        v / 12.92
+    } else {
+        ((v + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 /// sRGB-encoded value of linear light; the inverse of [`decode`].
 #[must_use]
 pub fn encode(l: f64) -> f64 {
-    if l <= 0.040_45 / 12.92 { l * 12.92 } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 }
+    if l <= 0.040_45 / 12.92 {
+        l * 12.92
+    } else {
+        1.055 * l.powf(1.0 / 2.4) - 0.055
+    }
 }
 
 static DECODED: LazyLock<[f32; 256]> =
@@ -46,7 +54,9 @@ pub fn decode_u8(code: u8) -> f32 {
 #[must_use]
 pub fn decode_rgb8(picture: &Rgb8) -> Rgb<f32> {
     let table = &*DECODED;
-    planar(picture.width(), picture.height(), picture.data(), 3, |code| table[usize::from(code)])
+    planar(picture.width(), picture.height(), picture.data(), 3, |code| {
+        table[usize::from(code)]
+    })
 }
 
 /// Linear light of a file's samples; gray becomes three equal planes, alpha is not looked at.
@@ -80,8 +90,15 @@ fn planar<T: Copy>(
     light: impl Fn(T) -> f32,
 ) -> Rgb<f32> {
     let band = |channel: usize| {
-        let channel = if stride == Channels::Gray.count() { 0 } else { channel };
-        let data = samples.chunks_exact(stride).map(|pixel| light(pixel[channel])).collect();
+        let channel = if stride == Channels::Gray.count() {
+            0
+        } else {
+            channel
+        };
+        let data = samples
+            .chunks_exact(stride)
+            .map(|pixel| light(pixel[channel]))
+            .collect();
         Plane::new(width, height, data).expect("a raster holds width × height pixels")
     };
     Rgb::new([band(0), band(1), band(2)]).expect("three planes of one raster")
@@ -102,7 +119,10 @@ pub fn encode_rgb8(linear: &Rgb<f32>) -> (Rgb8, u64) {
             data.push(encoder.code(l));
         }
     }
-    (Rgb8::new(width, height, data).expect("three codes for each pixel"), clamped)
+    (
+        Rgb8::new(width, height, data).expect("three codes for each pixel"),
+        clamped,
+    )
 }
 
 /// sRGB-encoded values in 0..=1 of linear light, clamped: what the style network and the blend work in.

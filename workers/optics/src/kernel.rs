@@ -36,7 +36,11 @@ const FAR_R2: f64 = 400.0;
 /// Light that stays on its own pixel: `k(0,0) = (2/π) atan(1 / (4γ √(γ² + ½)))`.
 #[must_use]
 pub fn centre(gamma: f64) -> f64 {
-    if gamma <= 0.0 { 1.0 } else { 2.0 / PI * (1.0 / (4.0 * gamma * (gamma * gamma + 0.5).sqrt())).atan() }
+    if gamma <= 0.0 {
+        1.0
+    } else {
+        2.0 / PI * (1.0 / (4.0 * gamma * (gamma * gamma + 0.5).sqrt())).atan()
+    }
 }
 
 #[cfg(test)]
@@ -57,8 +61,12 @@ mod tests {
             }
             // The square of side 2R+1 has the mass of its four corners' integral.
             let half = reach as f64 + 0.5;
-            let square = 4.0 * (half * half / (gamma * (gamma * gamma + 2.0 * half * half).sqrt())).atan() / TAU;
-            assert!((mass - square).abs() < 1e-8, "γ = {gamma}: {mass} against {square}");
+            let square =
+                4.0 * (half * half / (gamma * (gamma * gamma + 2.0 * half * half).sqrt())).atan() / TAU;
+            assert!(
+                (mass - square).abs() < 1e-8,
+                "γ = {gamma}: {mass} against {square}"
+            );
         }
     }
 
@@ -67,7 +75,8 @@ mod tests {
         for gamma in [0.2, 1.0, 5.0] {
             let i = (20.0 * f64::max(gamma, 1.0)) as i64;
             let (inside, outside) = (pixel(i, 0, gamma), pixel(i + 1, 0, gamma));
-            let ratio = ((gamma * gamma + ((i + 1) * (i + 1)) as f64) / (gamma * gamma + (i * i) as f64)).powf(1.5);
+            let ratio =
+                ((gamma * gamma + ((i + 1) * (i + 1)) as f64) / (gamma * gamma + (i * i) as f64)).powf(1.5);
             assert!((inside / outside / ratio - 1.0).abs() < 1e-4, "γ = {gamma}");
         }
     }

@@ -55,7 +55,9 @@ pub fn presets() -> &'static [Preset] {
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Preset> {
     let bare = |preset: &Preset| preset.name.split('/').next() == Some(name);
-    presets().iter().find(|preset| preset.name == name || bare(preset))
+    presets()
+        .iter()
+        .find(|preset| preset.name == name || bare(preset))
 }
 
 #[cfg(test)]
@@ -64,9 +66,15 @@ mod tests {
 
     #[test]
     fn a_bare_name_is_its_default_source() {
-        assert_eq!(find("jerlov-3C").map(|p| p.name), Some("jerlov-3C/williamson2022"));
+        assert_eq!(
+            find("jerlov-3C").map(|p| p.name),
+            Some("jerlov-3C/williamson2022")
+        );
         assert_eq!(find("jerlov-9C").map(|p| p.name), Some("jerlov-9C/solonenko2015"));
-        assert_eq!(find("jerlov-3C/solonenko2015").map(|p| p.name), Some("jerlov-3C/solonenko2015"));
+        assert_eq!(
+            find("jerlov-3C/solonenko2015").map(|p| p.name),
+            Some("jerlov-3C/solonenko2015")
+        );
         assert!(find("jerlov-4C").is_none() && find("jerlov").is_none());
     }
 
@@ -90,6 +98,9 @@ mod tests {
         // 650 is tabulated; 555 lies a tenth of the way from 550 (0.19) to 600 (0.33); 440 between 400 and 450.
         let expected = [0.46, 0.19 + 0.1 * (0.33 - 0.19), 0.78 + 0.8 * (0.39 - 0.78)];
         let known = preset.diffuse_attenuation.unwrap();
-        assert!(known.iter().zip(expected).all(|(k, e)| (k - e).abs() < 1e-12), "{known:?}");
+        assert!(
+            known.iter().zip(expected).all(|(k, e)| (k - e).abs() < 1e-12),
+            "{known:?}"
+        );
     }
 }

@@ -114,7 +114,10 @@ impl Water {
             ("absorption_per_m", self.absorption),
             ("scattering_per_m", self.scattering),
             ("beam_attenuation_per_m", Some(self.direct_attenuation)),
-            ("backscatter_attenuation_per_m", Some(self.backscatter_attenuation)),
+            (
+                "backscatter_attenuation_per_m",
+                Some(self.backscatter_attenuation),
+            ),
             ("diffuse_attenuation_per_m", self.diffuse_attenuation),
             ("veiling_light", Some(self.veiling_light)),
             ("radiance_gain", Some(self.radiance_gain)),

@@ -34,13 +34,18 @@ pub enum Radiance {
 /// # Errors
 /// [`DecodeError`]: unknown format, sides beyond the limits (told from the header alone), damaged data.
 pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
-    let format = picture_format(bytes).ok_or(DecodeError::UnknownFormat { expected: PICTURE_FORMATS })?;
+    let format = picture_format(bytes).ok_or(DecodeError::UnknownFormat {
+        expected: PICTURE_FORMATS,
+    })?;
     let name = match format {
         ImageFormat::Png => "PNG",
         ImageFormat::Jpeg => "JPEG",
         _ => "WebP",
     };
-    let damaged = |error: image::ImageError| DecodeError::Damaged { format: name, reason: error.to_string() };
+    let damaged = |error: image::ImageError| DecodeError::Damaged {
+        format: name,
+        reason: error.to_string(),
+    };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     limits.max_alloc = None;
@@ -76,14 +81,24 @@ fn raster(picture: DynamicImage) -> Result<Raster, DecodeError> {
         DynamicImage::ImageRgba8(p) => apart(Channels::Rgb, p.into_raw(), Samples::U8),
         DynamicImage::ImageLumaA16(p) => apart(Channels::Gray, p.into_raw(), Samples::U16),
         DynamicImage::ImageRgba16(p) => apart(Channels::Rgb, p.into_raw(), Samples::U16),
-        other => return Err(unsuitable(other.color(), "an 8- or 16-bit gray or colour picture")),
+        other => {
+            return Err(unsuitable(
+                other.color(),
+                "an 8- or 16-bit gray or colour picture",
+            ));
+        }
     };
-    Raster::new(width, height, channels, samples, alpha)
-        .map_err(|error| DecodeError::Damaged { format: "picture", reason: error.to_string() })
+    Raster::new(width, height, channels, samples, alpha).map_err(|error| DecodeError::Damaged {
+        format: "picture",
+        reason: error.to_string(),
+    })
 }
 
 fn unsuitable(found: ColorType, wanted: &'static str) -> DecodeError {
-    DecodeError::Unsuitable { found: format!("{found:?} samples"), wanted }
+    DecodeError::Unsuitable {
+        found: format!("{found:?} samples"),
+        wanted,
+    }
 }
 
 /// Splits interleaved samples into colour and alpha.
@@ -93,8 +108,14 @@ fn apart<T: Copy>(
     wrap: fn(Vec<T>) -> Samples,
 ) -> (Channels, Samples, Option<Samples>) {
     let stride = channels.count() + 1;
-    let alpha = samples.chunks_exact(stride).map(|pixel| pixel[stride - 1]).collect();
-    let colour = samples.chunks_exact(stride).flat_map(|pixel| pixel[..stride - 1].iter().copied()).collect();
+    let alpha = samples
+        .chunks_exact(stride)
+        .map(|pixel| pixel[stride - 1])
+        .collect();
+    let colour = samples
+        .chunks_exact(stride)
+        .flat_map(|pixel| pixel[..stride - 1].iter().copied())
+        .collect();
     (channels, wrap(colour), Some(wrap(alpha)))
 }
 
@@ -104,9 +125,17 @@ fn apart<T: Copy>(
 /// [`DecodeError`]: also when the file is a colour picture or an array of another shape.
 pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     if npy::is_npy(bytes) {
-        let Array { width, height, channels, values } = npy::decode(bytes)?;
+        let Array {
+            width,
+            height,
+            channels,
+            values,
+        } = npy::decode(bytes)?;
         if channels.is_some() {
-            return Err(DecodeError::Unsuitable { found: "a 3-D array".into(), wanted: "one of shape [height, width]" });
+            return Err(DecodeError::Unsuitable {
+                found: "a 3-D array".into(),
+                wanted: "one of shape [height, width]",
+            });
         }
         return match values {
             npy::Values::Floats(data) => Ok(FilePlane::Floats(plane(width, height, data)?)),
@@ -114,11 +143,16 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
         };
     }
     if picture_format(bytes) != Some(ImageFormat::Png) {
-        return Err(DecodeError::UnknownFormat { expected: PLANE_FORMATS });
+        return Err(DecodeError::UnknownFormat {
+            expected: PLANE_FORMATS,
+        });
     }
     let raster = decode_picture(bytes)?;
     if raster.channels() != Channels::Gray {
-        return Err(DecodeError::Unsuitable { found: "a colour picture".into(), wanted: "one gray channel" });
+        return Err(DecodeError::Unsuitable {
+            found: "a colour picture".into(),
+            wanted: "one gray channel",
+        });
     }
     let codes = match raster.samples() {
         Samples::U8(codes) => codes.iter().map(|&code| u16::from(code)).collect(),
@@ -136,17 +170,30 @@ pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
         return Ok(Radiance::Encoded(decode_picture(bytes)?));
     }
     let wanted = "floats of shape [height, width, 3]";
-    let Array { width, height, channels, values } = npy::decode(bytes)?;
+    let Array {
+        width,
+        height,
+        channels,
+        values,
+    } = npy::decode(bytes)?;
     let (Some(3), npy::Values::Floats(data)) = (channels, values) else {
-        return Err(DecodeError::Unsuitable { found: "another array".into(), wanted });
+        return Err(DecodeError::Unsuitable {
+            found: "another array".into(),
+            wanted,
+        });
     };
     let band = |c: usize| plane(width, height, data.iter().skip(c).step_by(3).copied().collect());
     Rgb::new([band(0)?, band(1)?, band(2)?])
         .map(Radiance::Linear)
-        .map_err(|error| DecodeError::Damaged { format: "NPY", reason: error.to_string() })
+        .map_err(|error| DecodeError::Damaged {
+            format: "NPY",
+            reason: error.to_string(),
+        })
 }
 
 fn plane<T>(width: usize, height: usize, data: Vec<T>) -> Result<Plane<T>, DecodeError> {
-    Plane::new(width, height, data)
-        .map_err(|error| DecodeError::Damaged { format: "picture", reason: error.to_string() })
+    Plane::new(width, height, data).map_err(|error| DecodeError::Damaged {
+        format: "picture",
+        reason: error.to_string(),
+    })
 }

@@ -20,7 +20,12 @@ pub struct EncodeError {
 }
 
 fn failure(width: usize, height: usize, format: &'static str) -> impl Fn(image::ImageError) -> EncodeError {
-    move |error| EncodeError { width, height, format, reason: error.to_string() }
+    move |error| EncodeError {
+        width,
+        height,
+        format,
+        reason: error.to_string(),
+    }
 }
 
 /// A PNG file: 8 or 16 bit, gray or colour, with alpha if the raster has it. Fast deflate with the `Up` filter:
@@ -57,7 +62,9 @@ pub fn encode_png(raster: &Raster) -> Result<Vec<u8>, EncodeError> {
 /// Colour and alpha interleaved again.
 fn woven<T: Copy>(colour: &[T], alpha: &[T], channels: Channels) -> Vec<T> {
     let pixels = colour.chunks_exact(channels.count()).zip(alpha);
-    pixels.flat_map(|(pixel, alpha)| pixel.iter().copied().chain([*alpha])).collect()
+    pixels
+        .flat_map(|(pixel, alpha)| pixel.iter().copied().chain([*alpha]))
+        .collect()
 }
 
 fn wide(alpha: &Samples) -> Vec<u16> {
@@ -80,7 +87,12 @@ pub fn encode_webp_lossless(picture: &Rgb8) -> Result<Vec<u8>, EncodeError> {
     let (width, height) = (picture.width(), picture.height());
     let mut file = Cursor::new(Vec::new());
     WebPEncoder::new_lossless(&mut file)
-        .write_image(picture.data(), width as u32, height as u32, ExtendedColorType::Rgb8)
+        .write_image(
+            picture.data(),
+            width as u32,
+            height as u32,
+            ExtendedColorType::Rgb8,
+        )
         .map_err(failure(width, height, "WebP"))?;
     Ok(file.into_inner())
 }
@@ -93,7 +105,12 @@ pub fn encode_jpeg(picture: &Rgb8, quality: u8) -> Result<Vec<u8>, EncodeError> 
     let (width, height) = (picture.width(), picture.height());
     let mut file = Vec::new();
     JpegEncoder::new_with_quality(&mut file, quality.clamp(1, 100))
-        .write_image(picture.data(), width as u32, height as u32, ExtendedColorType::Rgb8)
+        .write_image(
+            picture.data(),
+            width as u32,
+            height as u32,
+            ExtendedColorType::Rgb8,
+        )
         .map_err(failure(width, height, "JPEG"))?;
     Ok(file)
 }

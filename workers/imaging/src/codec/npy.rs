@@ -29,7 +29,10 @@ pub(super) fn is_npy(bytes: &[u8]) -> bool {
 }
 
 fn damaged(reason: impl ToString) -> DecodeError {
-    DecodeError::Damaged { format: "NPY", reason: reason.to_string() }
+    DecodeError::Damaged {
+        format: "NPY",
+        reason: reason.to_string(),
+    }
 }
 
 /// Decodes an array of f32, f64, u8 or u16.
@@ -40,7 +43,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Array, DecodeError> {
         _ => return Err(damaged("no header")),
     };
     if header_bytes > MAX_HEADER_BYTES {
-        return Err(damaged(format!("a header of {header_bytes} bytes, at most {MAX_HEADER_BYTES} are read")));
+        return Err(damaged(format!(
+            "a header of {header_bytes} bytes, at most {MAX_HEADER_BYTES} are read"
+        )));
     }
     let header = NpyHeader::from_reader(bytes).map_err(damaged)?;
     let (height, width, channels) = match *header.shape() {
@@ -48,23 +53,37 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Array, DecodeError> {
         [height, width, channels @ 1..=4] => (height, width, Some(channels as usize)),
         _ => {
             let found = format!("an array of shape {:?}", header.shape());
-            return Err(DecodeError::Unsuitable { found, wanted: "shape [height, width] or [height, width, 3]" });
+            return Err(DecodeError::Unsuitable {
+                found,
+                wanted: "shape [height, width] or [height, width, 3]",
+            });
         }
     };
     let side = |length: u64| usize::try_from(length).unwrap_or(usize::MAX);
     let (width, height) = (side(width), side(height));
     check_size(width, height)?;
     if header.order() != Order::C {
-        return Err(DecodeError::Unsuitable { found: "a Fortran-order array".into(), wanted: "C order" });
+        return Err(DecodeError::Unsuitable {
+            found: "a Fortran-order array".into(),
+            wanted: "C order",
+        });
     }
     let kind = match header.dtype() {
         DType::Plain(kind) => (kind.type_char(), kind.size_field()),
-        _ => return Err(DecodeError::Unsuitable { found: "a structured array".into(), wanted: "plain numbers" }),
+        _ => {
+            return Err(DecodeError::Unsuitable {
+                found: "a structured array".into(),
+                wanted: "plain numbers",
+            });
+        }
     };
-    let expected = width * height * channels.unwrap_or(1) * usize::try_from(kind.1).unwrap_or(usize::MAX).min(16);
+    let expected =
+        width * height * channels.unwrap_or(1) * usize::try_from(kind.1).unwrap_or(usize::MAX).min(16);
     let present = bytes.len().saturating_sub(header_bytes);
     if present < expected {
-        return Err(damaged(format!("{present} bytes of data where {expected} are announced")));
+        return Err(damaged(format!(
+            "{present} bytes of data where {expected} are announced"
+        )));
     }
     let file = NpyFile::new(bytes).map_err(damaged)?;
     let values = match kind {
@@ -80,10 +99,18 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Array, DecodeError> {
         (TypeChar::Uint, 2) => Values::Codes(file.into_vec::<u16>().map_err(damaged)?),
         (kind, size) => {
             let found = format!("{kind:?} values of {size} bytes");
-            return Err(DecodeError::Unsuitable { found, wanted: "float32, float64, uint8 or uint16" });
+            return Err(DecodeError::Unsuitable {
+                found,
+                wanted: "float32, float64, uint8 or uint16",
+            });
         }
     };
-    Ok(Array { width, height, channels, values })
+    Ok(Array {
+        width,
+        height,
+        channels,
+        values,
+    })
 }
 
 /// An NPY file of shape [height, width, 3], f32, little endian.
@@ -91,13 +118,21 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Array, DecodeError> {
 pub fn encode_npy_rgb(picture: &Rgb<f32>) -> Vec<u8> {
     let [r, g, b] = picture.planes().each_ref().map(Plane::data);
     let values = r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b]);
-    encode(&format!("({}, {}, 3)", picture.height(), picture.width()), values, 3 * r.len())
+    encode(
+        &format!("({}, {}, 3)", picture.height(), picture.width()),
+        values,
+        3 * r.len(),
+    )
 }
 
 /// An NPY file of shape [height, width], f32, little endian.
 #[must_use]
 pub fn encode_npy_plane(plane: &Plane<f32>) -> Vec<u8> {
-    encode(&format!("({}, {})", plane.height(), plane.width()), plane.data().iter().copied(), plane.data().len())
+    encode(
+        &format!("({}, {})", plane.height(), plane.width()),
+        plane.data().iter().copied(),
+        plane.data().len(),
+    )
 }
 
 fn encode(shape: &str, values: impl Iterator<Item = f32>, count: usize) -> Vec<u8> {

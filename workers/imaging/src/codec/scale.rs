@@ -13,7 +13,8 @@ pub fn downscale(picture: &Rgb8, max_side: usize) -> Rgb8 {
     }
     let scaled = |side: usize| (side * max_side / longer).max(1);
     let (columns, rows) = (scaled(width), scaled(height));
-    let span = |index: usize, count: usize, side: usize| index * side / count..((index + 1) * side).div_ceil(count);
+    let span =
+        |index: usize, count: usize, side: usize| index * side / count..((index + 1) * side).div_ceil(count);
     Rgb8::from_fn(columns, rows, |x, y| {
         let mut sums = [0u64; 3];
         let mut pixels = 0u64;

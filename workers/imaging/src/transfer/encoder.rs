@@ -28,9 +28,15 @@ impl Encoder {
             let start = f32::from_bits((index as u32) << SHIFT);
             let code = thresholds.partition_point(|&t| t <= start);
             let threshold = thresholds.get(code).copied().unwrap_or(f32::INFINITY);
-            Bucket { threshold, code: code as u8 }
+            Bucket {
+                threshold,
+                code: code as u8,
+            }
         };
-        Self { first, buckets: (first..=last).map(bucket).collect() }
+        Self {
+            first,
+            buckets: (first..=last).map(bucket).collect(),
+        }
     }
 
     /// The code of linear light, clamped to 0..=1; NaN is 0.
@@ -54,7 +60,11 @@ fn threshold(code: u8) -> f32 {
     let (mut below, mut from) = (0u32, 1.0f32.to_bits());
     while from - below > 1 {
         let middle = below + (from - below) / 2;
-        if reference(f32::from_bits(middle)) >= code { from = middle } else { below = middle }
+        if reference(f32::from_bits(middle)) >= code {
+            from = middle
+        } else {
+            below = middle
+        }
     }
     f32::from_bits(from)
 }
@@ -89,7 +99,9 @@ mod tests {
 
     #[test]
     fn no_bucket_holds_two_thresholds() {
-        let thresholds: Vec<u32> = (1..=255u8).map(|code| threshold(code).to_bits() >> SHIFT).collect();
+        let thresholds: Vec<u32> = (1..=255u8)
+            .map(|code| threshold(code).to_bits() >> SHIFT)
+            .collect();
         assert!(thresholds.is_sorted_by(|a, b| a < b));
         assert!(threshold(1) > LOWEST);
     }

@@ -34,7 +34,11 @@ impl Transfer {
     pub fn new(gamma: f64) -> Self {
         let gamma = gamma.max(0.0);
         let folded = (gamma < NO_FOLDING).then(|| {
-            if gamma >= INTERPOLATED_BELOW { fit(|fx, fy| folded_sum(fx, fy, gamma)) } else { TABLE.at(gamma) }
+            if gamma >= INTERPOLATED_BELOW {
+                fit(|fx, fy| folded_sum(fx, fy, gamma))
+            } else {
+                TABLE.at(gamma)
+            }
         });
         Self { gamma, folded }
     }
@@ -43,9 +47,13 @@ impl Transfer {
     #[must_use]
     pub fn at(&self, fx: f64, fy: f64) -> f64 {
         let main = sinc(fx) * sinc(fy) * (-TAU * self.gamma * fx.hypot(fy)).exp();
-        let Some(coefficients) = &self.folded else { return main };
+        let Some(coefficients) = &self.folded else {
+            return main;
+        };
         let (tx, ty) = (even_chebyshev(fx), even_chebyshev(fy));
-        let rows = coefficients.iter().map(|row| row.iter().zip(&ty).map(|(c, t)| c * t).sum::<f64>());
+        let rows = coefficients
+            .iter()
+            .map(|row| row.iter().zip(&ty).map(|(c, t)| c * t).sum::<f64>());
         main + rows.zip(&tx).map(|(row, t)| row * t).sum::<f64>()
     }
 
@@ -67,8 +75,9 @@ impl Transfer {
             for p in 0..width {
                 let fx = columns[p];
                 let main = column_sinc[p] * row_sinc * (-TAU * self.gamma * (fx * fx + fy * fy).sqrt()).exp();
-                let folded =
-                    row.map_or(0.0, |row| row.iter().zip(&column_terms[p]).map(|(c, t)| c * t).sum::<f64>());
+                let folded = row.map_or(0.0, |row| {
+                    row.iter().zip(&column_terms[p]).map(|(c, t)| c * t).sum::<f64>()
+                });
                 grid.push(main + folded);
             }
         }
@@ -77,7 +86,11 @@ impl Transfer {
 }
 
 fn sinc(x: f64) -> f64 {
-    if x.abs() < 1e-9 { 1.0 } else { (PI * x).sin() / (PI * x) }
+    if x.abs() < 1e-9 {
+        1.0
+    } else {
+        (PI * x).sin() / (PI * x)
+    }
 }
 
 /// `T_0, T_2, … T_16` at 2f.
@@ -159,7 +172,9 @@ impl SmallGamma {
         let nodes: Vec<f64> = std::iter::once(0.0).chain((0..GAMMA_NODES).map(node)).collect();
         let weight = |k: usize| {
             let others = nodes.iter().enumerate().filter(|(other, _)| *other != k);
-            1.0 / others.map(|(_, &other)| (nodes[k] - other) / half).product::<f64>()
+            1.0 / others
+                .map(|(_, &other)| (nodes[k] - other) / half)
+                .product::<f64>()
         };
         let weights = (0..nodes.len()).map(weight).collect();
         let coefficients = nodes
@@ -172,14 +187,23 @@ impl SmallGamma {
                 }
             })
             .collect();
-        Self { nodes, weights, coefficients }
+        Self {
+            nodes,
+            weights,
+            coefficients,
+        }
     }
 
     fn at(&self, gamma: f64) -> Coefficients {
         if let Some(exact) = self.nodes.iter().position(|&node| node == gamma) {
             return self.coefficients[exact];
         }
-        let shares: Vec<f64> = self.nodes.iter().zip(&self.weights).map(|(n, w)| w / (gamma - n)).collect();
+        let shares: Vec<f64> = self
+            .nodes
+            .iter()
+            .zip(&self.weights)
+            .map(|(n, w)| w / (gamma - n))
+            .collect();
         let total: f64 = shares.iter().sum();
         let mut mixed = [[0.0; TERMS]; TERMS];
         for (coefficients, share) in self.coefficients.iter().zip(&shares) {
@@ -203,7 +227,10 @@ mod tests {
     #[test]
     fn all_light_arrives_whatever_the_spread() {
         for gamma in [0.0, 0.01, 0.1, 0.29, 0.31, 1.0, 5.9, 6.1, 50.0] {
-            assert!((Transfer::new(gamma).at(0.0, 0.0) - 1.0).abs() < FIT, "γ = {gamma}");
+            assert!(
+                (Transfer::new(gamma).at(0.0, 0.0) - 1.0).abs() < FIT,
+                "γ = {gamma}"
+            );
         }
     }
 
@@ -219,8 +246,12 @@ mod tests {
         for gamma in [0.07, 0.2, 0.3, 0.7, 2.0] {
             let transfer = Transfer::new(gamma);
             for (fx, fy) in [(0.0, 0.5), (0.13, 0.31), (0.5, 0.5), (0.02, 0.44)] {
-                let direct = sinc(fx) * sinc(fy) * (-TAU * gamma * f64::hypot(fx, fy)).exp() + folded_sum(fx, fy, gamma);
-                assert!((transfer.at(fx, fy) - direct).abs() < FIT, "γ = {gamma} at ({fx}, {fy})");
+                let direct = sinc(fx) * sinc(fy) * (-TAU * gamma * f64::hypot(fx, fy)).exp()
+                    + folded_sum(fx, fy, gamma);
+                assert!(
+                    (transfer.at(fx, fy) - direct).abs() < FIT,
+                    "γ = {gamma} at ({fx}, {fy})"
+                );
             }
         }
     }

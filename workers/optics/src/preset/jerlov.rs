@@ -11,16 +11,28 @@ const UNKNOWN: &str = "unknown";
 
 const NARROW: &str = "three wavelengths stand for three broad camera channels";
 const KD: &str = "K_d after Jerlov 1976, interpolated linearly between tabulated wavelengths";
-const MEASURED: &[&str] = &[NARROW, KD, "standard deviations of the scattering are typically 20 to 50 %"];
+const MEASURED: &[&str] = &[
+    NARROW,
+    KD,
+    "standard deviations of the scattering are typically 20 to 50 %",
+];
 const FEW: &[&str] = &[NARROW, KD, "fewer than five campaigns in red"];
-const INVERTED: &[&str] = &[NARROW, KD, "absorption and scattering are inverted from K_d, not measured"];
+const INVERTED: &[&str] = &[
+    NARROW,
+    KD,
+    "absorption and scattering are inverted from K_d, not measured",
+];
 const SUSPECT: &[&str] = &[
     NARROW,
     KD,
     "absorption and scattering are inverted from K_d, not measured; the scattering is marked suspect in the transcription",
     "beam attenuation in red lies below the tabulated K_d",
 ];
-const INCOMPLETE: &[&str] = &[NARROW, KD, "absorption at 650 nm is a duplicated row in print and therefore unknown"];
+const INCOMPLETE: &[&str] = &[
+    NARROW,
+    KD,
+    "absorption at 650 nm is a duplicated row in print and therefore unknown",
+];
 
 /// Williamson & Hollins keep their measured wavelengths.
 const NM_WILLIAMSON: [f64; 3] = [650.0, 555.0, 440.0];
@@ -30,25 +42,100 @@ const NM_SOLONENKO: [f64; 3] = [650.0, 550.0, 450.0];
 type Row = (&'static str, Option<[f64; 3]>, [f64; 3], &'static [&'static str]);
 
 const WILLIAMSON_ROWS: [Row; 6] = [
-    ("jerlov-IB/williamson2022", Some([0.346, 0.071, 0.042]), [0.118, 0.120, 0.135], FEW),
-    ("jerlov-II/williamson2022", Some([0.353, 0.077, 0.066]), [0.164, 0.184, 0.195], MEASURED),
-    ("jerlov-III/williamson2022", Some([0.364, 0.091, 0.114]), [0.271, 0.306, 0.309], MEASURED),
-    ("jerlov-1C/williamson2022", Some([0.366, 0.099, 0.159]), [0.412, 0.447, 0.435], MEASURED),
-    ("jerlov-3C/williamson2022", Some([0.375, 0.118, 0.231]), [0.652, 0.675, 0.636], MEASURED),
-    ("jerlov-5C/williamson2022", Some([0.395, 0.157, 0.327]), [1.237, 1.267, 1.072], MEASURED),
+    (
+        "jerlov-IB/williamson2022",
+        Some([0.346, 0.071, 0.042]),
+        [0.118, 0.120, 0.135],
+        FEW,
+    ),
+    (
+        "jerlov-II/williamson2022",
+        Some([0.353, 0.077, 0.066]),
+        [0.164, 0.184, 0.195],
+        MEASURED,
+    ),
+    (
+        "jerlov-III/williamson2022",
+        Some([0.364, 0.091, 0.114]),
+        [0.271, 0.306, 0.309],
+        MEASURED,
+    ),
+    (
+        "jerlov-1C/williamson2022",
+        Some([0.366, 0.099, 0.159]),
+        [0.412, 0.447, 0.435],
+        MEASURED,
+    ),
+    (
+        "jerlov-3C/williamson2022",
+        Some([0.375, 0.118, 0.231]),
+        [0.652, 0.675, 0.636],
+        MEASURED,
+    ),
+    (
+        "jerlov-5C/williamson2022",
+        Some([0.395, 0.157, 0.327]),
+        [1.237, 1.267, 1.072],
+        MEASURED,
+    ),
 ];
 
 const SOLONENKO_ROWS: [Row; 10] = [
-    ("jerlov-I/solonenko2015", Some([0.334, 0.062, 0.018]), [0.0009, 0.0017, 0.0038], SUSPECT),
-    ("jerlov-IA/solonenko2015", Some([0.334, 0.0622, 0.0221]), [0.0023, 0.0035, 0.0063], SUSPECT),
-    ("jerlov-IB/solonenko2015", Some([0.334, 0.0623, 0.0235]), [0.045, 0.0536, 0.068], INVERTED),
-    ("jerlov-II/solonenko2015", Some([0.334, 0.0622, 0.0241]), [0.270, 0.358, 0.504], INVERTED),
-    ("jerlov-III/solonenko2015", Some([0.336, 0.0646, 0.0388]), [0.737, 0.980, 1.38], INVERTED),
-    ("jerlov-1C/solonenko2015", Some([0.344, 0.076, 0.105]), [0.274, 0.365, 0.514], INVERTED),
-    ("jerlov-3C/solonenko2015", Some([0.346, 0.082, 0.154]), [0.800, 1.06, 1.50], INVERTED),
+    (
+        "jerlov-I/solonenko2015",
+        Some([0.334, 0.062, 0.018]),
+        [0.0009, 0.0017, 0.0038],
+        SUSPECT,
+    ),
+    (
+        "jerlov-IA/solonenko2015",
+        Some([0.334, 0.0622, 0.0221]),
+        [0.0023, 0.0035, 0.0063],
+        SUSPECT,
+    ),
+    (
+        "jerlov-IB/solonenko2015",
+        Some([0.334, 0.0623, 0.0235]),
+        [0.045, 0.0536, 0.068],
+        INVERTED,
+    ),
+    (
+        "jerlov-II/solonenko2015",
+        Some([0.334, 0.0622, 0.0241]),
+        [0.270, 0.358, 0.504],
+        INVERTED,
+    ),
+    (
+        "jerlov-III/solonenko2015",
+        Some([0.336, 0.0646, 0.0388]),
+        [0.737, 0.980, 1.38],
+        INVERTED,
+    ),
+    (
+        "jerlov-1C/solonenko2015",
+        Some([0.344, 0.076, 0.105]),
+        [0.274, 0.365, 0.514],
+        INVERTED,
+    ),
+    (
+        "jerlov-3C/solonenko2015",
+        Some([0.346, 0.082, 0.154]),
+        [0.800, 1.06, 1.50],
+        INVERTED,
+    ),
     ("jerlov-5C/solonenko2015", None, [1.001, 1.33, 1.87], INCOMPLETE),
-    ("jerlov-7C/solonenko2015", Some([0.403, 0.195, 0.542]), [1.77, 2.35, 3.30], INVERTED),
-    ("jerlov-9C/solonenko2015", Some([0.456, 0.348, 0.943]), [2.35, 3.12, 4.39], INVERTED),
+    (
+        "jerlov-7C/solonenko2015",
+        Some([0.403, 0.195, 0.542]),
+        [1.77, 2.35, 3.30],
+        INVERTED,
+    ),
+    (
+        "jerlov-9C/solonenko2015",
+        Some([0.456, 0.348, 0.943]),
+        [2.35, 3.12, 4.39],
+        INVERTED,
+    ),
 ];
 
 /// K_d of Jerlov 1976 at 400, 450, 500, 550, 600, 650, 700 nm, 1/m.
@@ -74,12 +161,20 @@ fn diffuse_attenuation(water: &str, wavelength_nm: f64) -> Option<f64> {
     let below = place.floor() as usize;
     let share = place - place.floor();
     let left = *table.get(below)?;
-    if share == 0.0 { Some(left) } else { Some(left + share * (table.get(below + 1)? - left)) }
+    if share == 0.0 {
+        Some(left)
+    } else {
+        Some(left + share * (table.get(below + 1)? - left))
+    }
 }
 
 fn preset(row: &Row, source: &'static str, licence: &'static str, wavelength_nm: [f64; 3]) -> Preset {
     let (name, absorption, scattering, caveats) = *row;
-    let water = name.trim_start_matches("jerlov-").split('/').next().unwrap_or_default();
+    let water = name
+        .trim_start_matches("jerlov-")
+        .split('/')
+        .next()
+        .unwrap_or_default();
     let [r, g, b] = wavelength_nm.map(|nm| diffuse_attenuation(water, nm));
     Preset {
         name,
@@ -89,7 +184,8 @@ fn preset(row: &Row, source: &'static str, licence: &'static str, wavelength_nm:
         wavelength_nm: Some(wavelength_nm),
         absorption,
         scattering: Some(scattering),
-        beam_attenuation: absorption.map(|a| [a[0] + scattering[0], a[1] + scattering[1], a[2] + scattering[2]]),
+        beam_attenuation: absorption
+            .map(|a| [a[0] + scattering[0], a[1] + scattering[1], a[2] + scattering[2]]),
         diffuse_attenuation: r.zip(g).zip(b).map(|((r, g), b)| [r, g, b]),
         veiling_light: None,
     }
@@ -117,7 +213,11 @@ fn uuv_simulator() -> Preset {
 }
 
 pub(super) static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
-    let measured = WILLIAMSON_ROWS.iter().map(|row| preset(row, WILLIAMSON, OPEN_DATA, NM_WILLIAMSON));
-    let inverted = SOLONENKO_ROWS.iter().map(|row| preset(row, SOLONENKO, UNKNOWN, NM_SOLONENKO));
+    let measured = WILLIAMSON_ROWS
+        .iter()
+        .map(|row| preset(row, WILLIAMSON, OPEN_DATA, NM_WILLIAMSON));
+    let inverted = SOLONENKO_ROWS
+        .iter()
+        .map(|row| preset(row, SOLONENKO, UNKNOWN, NM_SOLONENKO));
     measured.chain(inverted).chain([uuv_simulator()]).collect()
 });

@@ -37,13 +37,33 @@ pub fn self_test(presets: &[Preset]) -> Vec<Defect> {
 }
 
 fn water(preset: &Preset) -> &str {
-    preset.name.trim_start_matches("jerlov-").split('/').next().unwrap_or_default()
+    preset
+        .name
+        .trim_start_matches("jerlov-")
+        .split('/')
+        .next()
+        .unwrap_or_default()
 }
 
 fn alone(preset: &Preset, defects: &mut Vec<Defect>) {
-    let mut report = |what: String| defects.push(Defect { preset: preset.name.to_owned(), what });
-    let triples = [preset.absorption, preset.scattering, preset.beam_attenuation, preset.diffuse_attenuation];
-    if triples.iter().flatten().flatten().any(|v| !v.is_finite() || *v < 0.0) {
+    let mut report = |what: String| {
+        defects.push(Defect {
+            preset: preset.name.to_owned(),
+            what,
+        })
+    };
+    let triples = [
+        preset.absorption,
+        preset.scattering,
+        preset.beam_attenuation,
+        preset.diffuse_attenuation,
+    ];
+    if triples
+        .iter()
+        .flatten()
+        .flatten()
+        .any(|v| !v.is_finite() || *v < 0.0)
+    {
         report("a coefficient is negative or not finite".to_owned());
     }
     if let (Some(a), Some(b), Some(c)) = (preset.absorption, preset.scattering, preset.beam_attenuation)
@@ -52,16 +72,28 @@ fn alone(preset: &Preset, defects: &mut Vec<Defect>) {
         report("beam attenuation is not absorption plus scattering".to_owned());
     }
     let clear = matches!(water(preset), "I" | "IA");
-    if let Some(c) = preset.beam_attenuation.filter(|c| clear && (c[1] > CLEAR_LIMIT_PER_M || c[2] > CLEAR_LIMIT_PER_M)) {
-        report(format!("clear water attenuates {} and {} per metre in green and blue", c[1], c[2]));
+    if let Some(c) = preset
+        .beam_attenuation
+        .filter(|c| clear && (c[1] > CLEAR_LIMIT_PER_M || c[2] > CLEAR_LIMIT_PER_M))
+    {
+        report(format!(
+            "clear water attenuates {} and {} per metre in green and blue",
+            c[1], c[2]
+        ));
     }
-    let Some([red, green, blue]) = preset.diffuse_attenuation else { return };
+    let Some([red, green, blue]) = preset.diffuse_attenuation else {
+        return;
+    };
     match water(preset) {
         "I" | "IA" | "IB" | "II" if !(blue <= green && green < red) => {
-            report(format!("K_d of ocean water must grow from blue to red, but is {red}, {green}, {blue}"));
+            report(format!(
+                "K_d of ocean water must grow from blue to red, but is {red}, {green}, {blue}"
+            ));
         }
         "7C" | "9C" if !(blue > green && blue > red) => {
-            report(format!("K_d of turbid coastal water must be largest in blue, but is {red}, {green}, {blue}"));
+            report(format!(
+                "K_d of turbid coastal water must be largest in blue, but is {red}, {green}, {blue}"
+            ));
         }
         _ => {}
     }
@@ -69,11 +101,19 @@ fn alone(preset: &Preset, defects: &mut Vec<Defect>) {
 
 fn pairs(presets: &[Preset], lower: &str, higher: &str, defects: &mut Vec<Defect>) {
     for clear in presets.iter().filter(|preset| water(preset) == lower) {
-        for murky in presets.iter().filter(|preset| water(preset) == higher && preset.source == clear.source) {
-            let Some((c, m)) = clear.beam_attenuation.zip(murky.beam_attenuation) else { continue };
+        for murky in presets
+            .iter()
+            .filter(|preset| water(preset) == higher && preset.source == clear.source)
+        {
+            let Some((c, m)) = clear.beam_attenuation.zip(murky.beam_attenuation) else {
+                continue;
+            };
             for channel in (0..3).filter(|&channel| m[channel] < c[channel]) {
                 let what = format!("attenuates less than {} in {}", clear.name, CHANNELS[channel]);
-                defects.push(Defect { preset: murky.name.to_owned(), what });
+                defects.push(Defect {
+                    preset: murky.name.to_owned(),
+                    what,
+                });
             }
         }
     }
@@ -93,11 +133,19 @@ mod tests {
     fn red_and_blue_in_the_wrong_order_are_found() {
         let mut swapped = presets().to_vec();
         for preset in &mut swapped {
-            for triple in [&mut preset.absorption, &mut preset.scattering, &mut preset.diffuse_attenuation] {
+            for triple in [
+                &mut preset.absorption,
+                &mut preset.scattering,
+                &mut preset.diffuse_attenuation,
+            ] {
                 triple.as_mut().into_iter().for_each(|values| values.swap(0, 2));
             }
         }
-        assert!(self_test(&swapped).iter().any(|defect| defect.what.starts_with("K_d")));
+        assert!(
+            self_test(&swapped)
+                .iter()
+                .any(|defect| defect.what.starts_with("K_d"))
+        );
     }
 
     #[test]
@@ -107,7 +155,15 @@ mod tests {
             preset.beam_attenuation = preset.beam_attenuation.map(|c| c.map(|v| (-v).exp()));
         }
         let defects = self_test(&wrong);
-        assert!(defects.iter().any(|defect| defect.what.starts_with("clear water")));
-        assert!(defects.iter().any(|defect| defect.what.starts_with("attenuates less")));
+        assert!(
+            defects
+                .iter()
+                .any(|defect| defect.what.starts_with("clear water"))
+        );
+        assert!(
+            defects
+                .iter()
+                .any(|defect| defect.what.starts_with("attenuates less"))
+        );
     }
 }

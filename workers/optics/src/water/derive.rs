@@ -30,7 +30,9 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     let preset = request.preset.as_deref().and_then(|name| {
         let found = preset::find(name);
         if found.is_none() {
-            checks.errors.push(WaterError::UnknownPreset { name: name.to_owned() });
+            checks.errors.push(WaterError::UnknownPreset {
+                name: name.to_owned(),
+            });
         }
         found
     });
@@ -41,16 +43,31 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     let sum = absorption.zip(scattering).map(|(a, b)| each(|i| a[i] + b[i]));
     if let (Some(c), Some(sum)) = (request.beam_attenuation, sum) {
         for i in (0..3).filter(|&i| (c[i] - sum[i]).abs() > SUM_SLACK_PER_M) {
-            checks.errors.push(WaterError::Inconsistent { channel: CHANNELS[i], value: c[i], sum: sum[i] });
+            checks.errors.push(WaterError::Inconsistent {
+                channel: CHANNELS[i],
+                value: c[i],
+                sum: sum[i],
+            });
         }
     }
-    let attenuation = request.beam_attenuation.or(sum).or(decomposition.and_then(|p| p.beam_attenuation));
+    let attenuation = request
+        .beam_attenuation
+        .or(sum)
+        .or(decomposition.and_then(|p| p.beam_attenuation));
     if attenuation.is_none() && (preset.is_some() || request.preset.is_none()) {
         let reason = "give it, or both absorption_per_m and scattering_per_m";
-        checks.errors.push(WaterError::Missing { field: "beam_attenuation_per_m", reason });
+        checks.errors.push(WaterError::Missing {
+            field: "beam_attenuation_per_m",
+            reason,
+        });
     }
-    let diffuse_attenuation = request.diffuse_attenuation.or(preset.and_then(|p| p.diffuse_attenuation));
-    let decay = request.depth_m.zip(diffuse_attenuation).map(|(h, kd)| kd.map(|k| (-k * h).exp()));
+    let diffuse_attenuation = request
+        .diffuse_attenuation
+        .or(preset.and_then(|p| p.diffuse_attenuation));
+    let decay = request
+        .depth_m
+        .zip(diffuse_attenuation)
+        .map(|(h, kd)| kd.map(|k| (-k * h).exp()));
     if request.ambient != Ambient::None && decay.is_none() {
         let (field, reason) = if request.depth_m.is_none() {
             ("depth_m", "ambient light decays with it")
@@ -61,7 +78,9 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     }
     let given_veil = request.veiling_light.or(preset.and_then(|p| p.veiling_light));
     let veiling_light = match (given_veil, diffuse_attenuation) {
-        (Some(veil), _) if request.ambient == Ambient::Absolute => decay.map(|decay| each(|i| veil[i] * decay[i])),
+        (Some(veil), _) if request.ambient == Ambient::Absolute => {
+            decay.map(|decay| each(|i| veil[i] * decay[i]))
+        }
         (Some(veil), _) => Some(veil),
         (None, Some(kd)) => {
             checks.derived.push("veiling_light");
@@ -73,9 +92,17 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     };
     if veiling_light.is_none() && given_veil.is_none() && (preset.is_some() || request.preset.is_none()) {
         let reason = "give it, or diffuse_attenuation_per_m to derive its colour from";
-        checks.errors.push(WaterError::Missing { field: "veiling_light", reason });
+        checks.errors.push(WaterError::Missing {
+            field: "veiling_light",
+            reason,
+        });
     }
-    let medium = Medium { absorption, scattering, attenuation, focal_px };
+    let medium = Medium {
+        absorption,
+        scattering,
+        attenuation,
+        focal_px,
+    };
     let scatter = checks.scatter(request.scatter.as_ref(), &medium);
     if !checks.errors.is_empty() {
         return Err(checks.errors);
@@ -117,13 +144,20 @@ fn radiance_gain(ambient: Ambient, decay: Option<[f64; 3]>) -> [f64; 3] {
 }
 
 fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
-    let wider = |spread: Spread| Spread { per_m: spread.per_m.map(|k| k * scale), ..spread };
+    let wider = |spread: Spread| Spread {
+        per_m: spread.per_m.map(|k| k * scale),
+        ..spread
+    };
     match scatter {
         Scatter::None => Scatter::None,
-        Scatter::Jaffe { g, source, spread } => {
-            Scatter::Jaffe { g: g.map(|g| g * scale), source, spread: wider(spread) }
-        }
-        Scatter::Simplified { spread } => Scatter::Simplified { spread: wider(spread) },
+        Scatter::Jaffe { g, source, spread } => Scatter::Jaffe {
+            g: g.map(|g| g * scale),
+            source,
+            spread: wider(spread),
+        },
+        Scatter::Simplified { spread } => Scatter::Simplified {
+            spread: wider(spread),
+        },
     }
 }
 
@@ -148,12 +182,28 @@ impl Checks {
             ("beam_attenuation_per_m", request.beam_attenuation, MOST_PER_M),
             ("absorption_per_m", request.absorption, MOST_PER_M),
             ("scattering_per_m", request.scattering, MOST_PER_M),
-            ("backscatter_attenuation_per_m", request.backscatter_attenuation, MOST_PER_M),
-            ("diffuse_attenuation_per_m", request.diffuse_attenuation, MOST_PER_M),
+            (
+                "backscatter_attenuation_per_m",
+                request.backscatter_attenuation,
+                MOST_PER_M,
+            ),
+            (
+                "diffuse_attenuation_per_m",
+                request.diffuse_attenuation,
+                MOST_PER_M,
+            ),
             ("veiling_light", request.veiling_light, MOST_LIGHT),
             ("g_per_m", scatter.and_then(|s| s.g), MOST_PER_M),
-            ("spread_px_per_m", scatter.and_then(|s| s.spread_px_per_m), MOST_SPREAD_PX),
-            ("spread_offset_px", scatter.and_then(|s| s.spread_offset_px), MOST_SPREAD_PX),
+            (
+                "spread_px_per_m",
+                scatter.and_then(|s| s.spread_px_per_m),
+                MOST_SPREAD_PX,
+            ),
+            (
+                "spread_offset_px",
+                scatter.and_then(|s| s.spread_offset_px),
+                MOST_SPREAD_PX,
+            ),
         ];
         for (field, values, most) in triples {
             for (channel, value) in CHANNELS.into_iter().zip(values.into_iter().flatten()) {
@@ -163,24 +213,50 @@ impl Checks {
         let singles = [
             ("veil_gain", request.veil_gain, 0.0, MOST_LIGHT),
             ("depth_m", request.depth_m, 0.0, MOST_DEPTH_M),
-            ("range_scale", Some(request.range_scale), f64::MIN_POSITIVE, MOST_RANGE_SCALE),
-            ("holes", if let HoleRule::Range(metres) = request.holes { Some(metres) } else { None }, 1e-3, 1e6),
+            (
+                "range_scale",
+                Some(request.range_scale),
+                f64::MIN_POSITIVE,
+                MOST_RANGE_SCALE,
+            ),
+            (
+                "holes",
+                if let HoleRule::Range(metres) = request.holes {
+                    Some(metres)
+                } else {
+                    None
+                },
+                1e-3,
+                1e6,
+            ),
         ];
         for (field, value, least, most) in singles {
-            value.into_iter().for_each(|value| self.range(field, '-', value, least, most));
+            value
+                .into_iter()
+                .for_each(|value| self.range(field, '-', value, least, most));
         }
     }
 
     fn range(&mut self, field: &'static str, channel: char, value: f64, least: f64, most: f64) {
         if !(least..=most).contains(&value) {
-            self.errors.push(WaterError::OutOfRange { field, channel, value, least, most });
+            self.errors.push(WaterError::OutOfRange {
+                field,
+                channel,
+                value,
+                least,
+                most,
+            });
         }
     }
 
     fn scatter(&mut self, request: Option<&ScatterRequest>, medium: &Medium) -> Scatter {
         let known = medium.absorption.is_some() && medium.scattering.is_some();
         let usual = ScatterRequest {
-            model: if known { ScatterModel::Jaffe } else { ScatterModel::None },
+            model: if known {
+                ScatterModel::Jaffe
+            } else {
+                ScatterModel::None
+            },
             g: None,
             spread_px_per_m: None,
             spread_offset_px: None,
@@ -189,13 +265,17 @@ impl Checks {
         let request = request.unwrap_or(&usual);
         match request.model {
             ScatterModel::None => Scatter::None,
-            ScatterModel::Simplified => {
-                self.spread(request, medium).map_or(Scatter::None, |spread| Scatter::Simplified { spread })
-            }
+            ScatterModel::Simplified => self
+                .spread(request, medium)
+                .map_or(Scatter::None, |spread| Scatter::Simplified { spread }),
             ScatterModel::Jaffe => {
                 let g = self.g(request, medium);
                 let spread = self.spread(request, medium);
-                g.zip(spread).map_or(Scatter::None, |(g, spread)| Scatter::Jaffe { g, source: request.source, spread })
+                g.zip(spread).map_or(Scatter::None, |(g, spread)| Scatter::Jaffe {
+                    g,
+                    source: request.source,
+                    spread,
+                })
             }
         }
     }
@@ -204,7 +284,10 @@ impl Checks {
         if request.g.is_none() {
             let Some((a, b)) = medium.absorption.zip(medium.scattering) else {
                 let reason = "give it, or both absorption_per_m and scattering_per_m";
-                self.errors.push(WaterError::Missing { field: "g_per_m", reason });
+                self.errors.push(WaterError::Missing {
+                    field: "g_per_m",
+                    reason,
+                });
                 return None;
             };
             self.derived.push("g_per_m");
@@ -215,7 +298,11 @@ impl Checks {
         if let (Some(g), Some(c)) = (request.g, medium.attenuation) {
             for i in (0..3).filter(|&i| g[i] > c[i]) {
                 let (channel, value, limit) = (CHANNELS[i], g[i], c[i]);
-                self.errors.push(WaterError::MoreScatterThanAttenuation { channel, value, limit });
+                self.errors.push(WaterError::MoreScatterThanAttenuation {
+                    channel,
+                    value,
+                    limit,
+                });
             }
         }
         request.g
@@ -223,11 +310,17 @@ impl Checks {
 
     fn spread(&mut self, request: &ScatterRequest, medium: &Medium) -> Option<Spread> {
         if let Some(per_m) = request.spread_px_per_m {
-            return Some(Spread { offset_px: request.spread_offset_px.unwrap_or([0.0; 3]), per_m });
+            return Some(Spread {
+                offset_px: request.spread_offset_px.unwrap_or([0.0; 3]),
+                per_m,
+            });
         }
         let Some(b) = medium.scattering else {
             let reason = "give it, or scattering_per_m to derive it from";
-            self.errors.push(WaterError::Missing { field: "spread_px_per_m", reason });
+            self.errors.push(WaterError::Missing {
+                field: "spread_px_per_m",
+                reason,
+            });
             return None;
         };
         self.derived.push("spread_px_per_m");
@@ -235,6 +328,9 @@ impl Checks {
             self.derived.push("spread_offset_px");
             [SPREAD_OFFSET_RAD * medium.focal_px; 3]
         });
-        Some(Spread { offset_px, per_m: b.map(|b| SPREAD_PER_SCATTERING_RAD * b * medium.focal_px) })
+        Some(Spread {
+            offset_px,
+            per_m: b.map(|b| SPREAD_PER_SCATTERING_RAD * b * medium.focal_px),
+        })
     }
 }

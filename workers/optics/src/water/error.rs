@@ -28,7 +28,9 @@ pub enum WaterError {
         limit: f64,
     },
     /// Beam attenuation is not the sum of absorption and scattering.
-    #[error("beam_attenuation_per_m is {value} in channel {channel} but absorption and scattering sum to {sum}")]
+    #[error(
+        "beam_attenuation_per_m is {value} in channel {channel} but absorption and scattering sum to {sum}"
+    )]
     Inconsistent {
         /// `R`, `G` or `B`.
         channel: char,

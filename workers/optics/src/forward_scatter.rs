@@ -1,0 +1,40 @@
+//! Forward scatter: light that leaves its ray by a small angle and arrives beside its own pixel.
+//!
+//! Scatter (the Jaffe–McGlamery form): every source pixel y spreads its own light, `F(x) = Σ_y U(y) K(x, y; γ(y))`; energy is
+//! kept. Gather (the simplified form): every pixel x collects with its own kernel, `F(x) = Σ_y K(x, y; γ(x)) I(y)`; a
+//! uniform field stays uniform. They are adjoint to each other. The frame is a mirror box, so that K is diagonal under
+//! the cosine transform: `K(γ) = DCT⁻¹ diag(H(γ)) DCT`.
+//!
+//! Neither form knows occlusion: light of the background that leaks over a near object is about four times too strong.
+
+mod cache;
+mod chebyshev;
+mod nodes;
+mod reference;
+
+pub use cache::KernelCache;
+pub use chebyshev::{gather, scatter};
+pub use nodes::{Nodes, closed_form_terms};
+pub use reference::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference};
+
+/// Largest kernel scale in frame sides: beyond it the kernel is flat across the frame.
+pub const MAX_GAMMA_IN_SIDES: f64 = 4.0;
+
+/// `γ = min(offset + per_m · Z, 4 max(W, H))` for every pixel; `hole_m` stands in where there is no range.
+#[must_use]
+pub fn gamma_plane(
+    range: &imaging::Plane<f32>,
+    offset_px: f64,
+    per_m: f64,
+    hole_m: f64,
+) -> imaging::Plane<f64> {
+    let most = MAX_GAMMA_IN_SIDES * range.width().max(range.height()) as f64;
+    range.map(|&z| {
+        let metres = if crate::range::is_hole(z) {
+            hole_m
+        } else {
+            f64::from(z)
+        };
+        (offset_px + per_m * metres).min(most)
+    })
+}

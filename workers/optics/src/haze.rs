@@ -1,0 +1,161 @@
+//! Haze from lights: the paper's Gaussian overlay (Algorithm 1, with the lights laid one over the other).
+//!
+//! `α_l(x) = k exp(−|x − p|² / 2σ²)`, distances in image heights; `over`: `I ← I (1 − α_l) + colour α_l` in list order;
+//! `add`: `I ← I + colour α_l`. It is an overlay, not physics: it knows neither range nor water.
+
+use imaging::{Rgb, transfer};
+
+/// One light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HazeLight {
+    /// Position in fractions of the width; may lie outside the frame.
+    pub x: f64,
+    /// Position in fractions of the height.
+    pub y: f64,
+    /// σ in image heights; 0, negative or not finite: the light is skipped.
+    pub size: f64,
+    /// k, clamped to 0..=1.
+    pub intensity: f64,
+    /// Colour in the working space; may exceed 1.
+    pub color: [f64; 3],
+    /// How it is laid over the picture.
+    pub blend: HazeBlend,
+}
+
+/// How haze is laid over the picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum HazeBlend {
+    /// Covers what is below.
+    #[default]
+    Over,
+    /// Adds to what is below.
+    Add,
+}
+
+/// The space haze is laid in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum HazeSpace {
+    /// Linear light.
+    #[default]
+    Linear,
+    /// sRGB-encoded values, clamped to 0..=1.
+    Display,
+}
+
+impl HazeLight {
+    /// Whether the light does anything at all.
+    #[must_use]
+    pub fn shines(&self) -> bool {
+        self.size > 0.0 && self.size.is_finite() && self.intensity > 0.0
+    }
+}
+
+/// Lays every light over a linear picture.
+#[must_use]
+pub fn haze(image: Rgb<f32>, lights: &[HazeLight], space: HazeSpace) -> Rgb<f32> {
+    let mut shining = lights.iter().filter(|light| light.shines()).peekable();
+    if shining.peek().is_none() {
+        return image;
+    }
+    match space {
+        HazeSpace::Linear => shining.fold(image, lay),
+        HazeSpace::Display => {
+            let encoded = shining.fold(transfer::encode_unit(&image), lay);
+            transfer::decode_unit(&encoded.map(|v| v.clamp(0.0, 1.0)))
+        }
+    }
+}
+
+fn lay(mut image: Rgb<f32>, light: &HazeLight) -> Rgb<f32> {
+    let (width, height) = image.size();
+    let falloff = |distance: f64| (-distance * distance / (2.0 * light.size * light.size)).exp();
+    let aspect = width as f64 / height as f64;
+    // The Gaussian is a product of one along the row and one along the column.
+    let across: Vec<f32> = (0..width)
+        .map(|x| falloff(((x as f64 + 0.5) / width as f64 - light.x) * aspect) as f32)
+        .collect();
+    let down: Vec<f64> = (0..height)
+        .map(|y| falloff((y as f64 + 0.5) / height as f64 - light.y))
+        .collect();
+    let strength = light.intensity.min(1.0);
+    for (plane, color) in image.planes_mut().into_iter().zip(light.color) {
+        let color = color as f32;
+        for (row, down) in plane.chunks_exact_mut(width).zip(&down) {
+            let strength = (strength * down) as f32;
+            for (sample, across) in row.iter_mut().zip(&across) {
+                let alpha = strength * across;
+                *sample = match light.blend {
+                    HazeBlend::Over => *sample * (1.0 - alpha) + color * alpha,
+                    HazeBlend::Add => *sample + color * alpha,
+                };
+            }
+        }
+    }
+    image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(x: f64, color: [f64; 3], blend: HazeBlend) -> HazeLight {
+        HazeLight {
+            x,
+            y: 0.5,
+            size: 0.3,
+            intensity: 1.0,
+            color,
+            blend,
+        }
+    }
+
+    #[test]
+    fn the_middle_of_a_full_light_has_its_colour() {
+        let image = Rgb::from_fn(1, 1, |_, _| [0.1f32; 3]);
+        let lit = haze(
+            image,
+            &[light(0.5, [1.0, 0.5, 2.0], HazeBlend::Over)],
+            HazeSpace::Linear,
+        );
+        assert_eq!(lit.at(0, 0), [1.0, 0.5, 2.0]);
+    }
+
+    #[test]
+    fn over_depends_on_the_order_and_add_does_not() {
+        let image = Rgb::from_fn(4, 4, |_, _| [0.2f32; 3]);
+        for (blend, commutes) in [(HazeBlend::Over, false), (HazeBlend::Add, true)] {
+            let (a, b) = (
+                light(0.4, [1.0, 0.0, 0.0], blend),
+                light(0.6, [0.0, 1.0, 0.0], blend),
+            );
+            let one = haze(image.clone(), &[a.clone(), b.clone()], HazeSpace::Linear);
+            let other = haze(image.clone(), &[b, a], HazeSpace::Linear);
+            let worst = one
+                .at(1, 1)
+                .iter()
+                .zip(other.at(1, 1))
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f32::max);
+            assert_eq!(worst < 1e-6, commutes, "{blend:?}: {worst}");
+        }
+    }
+
+    #[test]
+    fn a_light_without_size_or_strength_changes_nothing() {
+        let image = Rgb::from_fn(3, 2, |x, _| [1.5 * x as f32; 3]);
+        for (size, intensity) in [
+            (0.0, 1.0),
+            (-1.0, 1.0),
+            (f64::NAN, 1.0),
+            (0.2, 0.0),
+            (0.2, f64::NAN),
+        ] {
+            let dark = HazeLight {
+                size,
+                intensity,
+                ..light(0.5, [1.0; 3], HazeBlend::Over)
+            };
+            assert_eq!(haze(image.clone(), &[dark], HazeSpace::Display), image);
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Reference vectors: every folder under `tests/vectors/chain`, and under `chain/` of each path in `FATHOM_GOLDEN_EXTRA`.
+//!
+//! A case is `params.json` with a `stage` and arrays in NPY. A stage or parameter that is not known fails, and so does a
+//! place without cases.
+
+#[path = "golden/case.rs"]
+mod case;
+#[path = "golden/stages.rs"]
+mod stages;
+
+use std::path::{Path, PathBuf};
+
+use case::Case;
+
+fn places() -> Vec<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors");
+    let extra = std::env::var("FATHOM_GOLDEN_EXTRA").unwrap_or_default();
+    let extra = extra
+        .split(':')
+        .filter(|path| !path.is_empty())
+        .map(PathBuf::from)
+        .collect::<Vec<_>>();
+    std::iter::once(own)
+        .chain(extra)
+        .map(|place| place.join("chain"))
+        .collect()
+}
+
+fn cases(place: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(place).unwrap_or_else(|error| panic!("{}: {error}", place.display()));
+    let mut folders: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("a readable folder").path())
+        .collect();
+    folders.retain(|path| path.is_dir());
+    folders.sort();
+    assert!(!folders.is_empty(), "{} holds no case", place.display());
+    folders
+}
+
+#[test]
+fn golden_chain_cases_pass() {
+    let mut failures = Vec::new();
+    for place in places() {
+        for folder in cases(&place) {
+            let name = folder.display().to_string();
+            let result = std::panic::catch_unwind(|| {
+                let case = Case::read(&folder);
+                match case.text("stage").as_str() {
+                    "attenuation" => stages::attenuation(&case),
+                    "jaffe" | "simplified" => stages::scatter(&case),
+                    "haze" => stages::haze(&case),
+                    "chain" => stages::chain(&case),
+                    "kernel" => stages::kernel(&case),
+                    other => panic!("stage `{other}` is not known"),
+                }
+            });
+            match result {
+                Ok(()) => println!("ok {name}"),
+                Err(_) => failures.push(name),
+            }
+        }
+    }
+    assert!(failures.is_empty(), "failed: {failures:#?}");
+}
