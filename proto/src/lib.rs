@@ -1,1 +1,21 @@
-//! Wire messages between service and worker.
+//! The worker protocol: wire messages, plain messages, and the only conversions between them.
+//!
+//! Bytes become a [`wire`] type by prost, and a [`message`] type by `TryFrom`, which checks everything that the rest
+//! of the program then trusts: presence, lengths, digests, numbers, the JSON of a record. A transport is the only place
+//! that names wire types.
+
+mod check;
+mod convert;
+pub mod limits;
+pub mod message;
+
+pub use check::MessageError;
+
+/// Content type of every message.
+pub const CONTENT_TYPE: &str = "application/x-protobuf";
+
+/// What prost makes of `fathom/worker/v1.proto`.
+#[allow(missing_docs)]
+pub mod wire {
+    include!(concat!(env!("OUT_DIR"), "/fathom.worker.v1.rs"));
+}

@@ -1,1 +1,12 @@
 //! Leases on frames: grant, beat, fence, expire, strike; and the worker's client over HTTP.
+//!
+//! [`LeaseTable`] is a pure state machine: time and tokens are arguments, so a test can play any history. Delivery is at
+//! least once; a stale token changes nothing.
+
+pub mod client;
+mod job;
+mod table;
+mod types;
+
+pub use table::LeaseTable;
+pub use types::{Beat, Grant, JobEntry, Millis, Stale, StrikeEvent, Totals, WorkerRow};

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::artifact::ArtifactKind;
+
 /// One image of a job, with every law replaced by its value.
 ///
 /// `parameters` is the same description as canonical JSON (sorted keys, defaults filled in): it is what the record
@@ -109,7 +111,7 @@ impl Camera {
 }
 
 /// The water of a frame: optics, what varies with the place, and the style.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Water {
     /// Optical properties; absent: no attenuation and no scatter.
     pub optics: Option<Optics>,
@@ -229,7 +231,7 @@ pub enum HoleRule {
 }
 
 /// A light's haze, the paper's Gaussian overlay.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Haze {
     /// Position in fractions of the width; may lie outside 0..=1.
     pub x: f64,
@@ -278,77 +280,6 @@ pub enum Fidelity {
     Terms(usize),
     /// The slow f64 reference.
     Reference,
-}
-
-/// What can be stored of a frame.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ArtifactKind {
-    /// The result.
-    Rgb,
-    /// The scene in air.
-    Clean,
-    /// Light that arrives unscattered, linear NPY.
-    Direct,
-    /// Light that arrives scattered forward, linear NPY.
-    ForwardScatter,
-    /// Veiling light along the ray, linear NPY.
-    Backscatter,
-    /// The picture after the water.
-    Scattered,
-    /// What the style network made of it.
-    Styled,
-    /// The picture after haze; the same as `rgb` before encoding.
-    Hazed,
-    /// Range in millimetres, 16-bit PNG, 0 = hole.
-    Range,
-    /// Transmittance, linear NPY.
-    Transmittance,
-    /// Instance mask, 16-bit PNG.
-    Instances,
-    /// Result of an enhancement method.
-    Enhanced(String),
-    /// The circular mask of HSCM, 8-bit PNG.
-    HscmMask,
-    /// Thumbnail.
-    Preview,
-}
-
-impl ArtifactKind {
-    /// Every kind with a fixed name; `enhanced.<method>` comes beside them.
-    pub const FIXED: [(&'static str, Self); 13] = [
-        ("rgb", Self::Rgb),
-        ("clean", Self::Clean),
-        ("direct", Self::Direct),
-        ("forward_scatter", Self::ForwardScatter),
-        ("backscatter", Self::Backscatter),
-        ("scattered", Self::Scattered),
-        ("styled", Self::Styled),
-        ("hazed", Self::Hazed),
-        ("range", Self::Range),
-        ("transmittance", Self::Transmittance),
-        ("instances", Self::Instances),
-        ("hscm_mask", Self::HscmMask),
-        ("preview", Self::Preview),
-    ];
-
-    /// The kind of this name: a fixed one or `enhanced.<method>`.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        if let Some(method) = name.strip_prefix("enhanced.") {
-            return (!method.is_empty()).then(|| Self::Enhanced(method.to_owned()));
-        }
-        Self::FIXED.iter().find(|(fixed, _)| *fixed == name).map(|(_, kind)| kind.clone())
-    }
-}
-
-impl std::fmt::Display for ArtifactKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if let Self::Enhanced(method) = self {
-            return write!(f, "enhanced.{method}");
-        }
-        let name = Self::FIXED.iter().find(|(_, kind)| kind == self).map_or("", |(name, _)| name);
-        f.write_str(name)
-    }
 }
 
 /// How RGB-like artifacts are stored.

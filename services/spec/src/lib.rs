@@ -3,11 +3,38 @@
 //! A [`Job`] is a frame description with laws in place of values. [`Job::parse`] checks everything once and reports
 //! all errors together; [`Job::resolve`] is a pure function of (job, index) to a [`Frame`] without any law left.
 
+mod artifact;
+mod check;
+mod draw;
+#[rustfmt::skip]
+pub mod fields;
 mod frame;
+mod haze;
+mod invalid;
+mod job;
+mod json;
+pub mod law;
+mod node;
+mod normal;
 mod record;
+pub mod schema;
+mod suggest;
+pub mod table;
+mod typed;
+mod vocabulary;
+mod warnings;
+mod water;
 
+pub use artifact::ArtifactKind;
 pub use frame::{
-    Ambient, ArtifactKind, Camera, Encode, Fidelity, ForwardScatter, ForwardScatterModel, Format, Frame, Haze,
-    HazeBlend, HazeSpace, HoleRule, Optics, RangeFile, Scene, ScatterSource, Water,
+    Ambient, Camera, Encode, Fidelity, Format, ForwardScatter, ForwardScatterModel, Frame, Haze, HazeBlend,
+    HazeSpace, HoleRule, Optics, RangeFile, ScatterSource, Scene, Water,
 };
+pub use haze::{haze_lights, haze_space};
+pub use invalid::{FieldError, Invalid, MAX_ERRORS};
+pub use job::Job;
+pub use json::{MAX_BYTES, MAX_DEPTH};
+pub use normal::normal_quantile;
 pub use record::{ArtifactEntry, Counts, FrameRecord, Provenance, hex, job_digest};
+pub use vocabulary::Vocabulary;
+pub use water::water_request;

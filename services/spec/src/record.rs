@@ -76,7 +76,11 @@ impl FrameRecord {
     /// frame is rendered on one build, runtime and CPU feature set. Lower-case hex.
     #[must_use]
     pub fn digest(&self) -> String {
-        let mut artifacts: Vec<_> = self.artifacts.iter().map(|a| (a.kind.as_str(), a.digest.as_str())).collect();
+        let mut artifacts: Vec<_> = self
+            .artifacts
+            .iter()
+            .map(|a| (a.kind.as_str(), a.digest.as_str()))
+            .collect();
         artifacts.sort_unstable();
         let mut hash = Sha256::new();
         hash.update(b"fathom-frame-v1");

@@ -1,0 +1,95 @@
+//! What goes in and out of the lease table.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Milliseconds of a clock that never goes back.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Millis(pub u64);
+
+impl Millis {
+    /// Later by so many milliseconds.
+    #[must_use]
+    pub fn plus(self, ms: u64) -> Self {
+        Self(self.0.saturating_add(ms))
+    }
+}
+
+/// A job as the table takes it up, fresh or after a restart.
+#[derive(Debug, Clone, Default)]
+pub struct JobEntry {
+    /// The job's id.
+    pub id: String,
+    /// How many frames it has.
+    pub frames: u64,
+    /// Higher goes first.
+    pub priority: i32,
+    /// Frames that have their image.
+    pub done: Vec<Range<u64>>,
+    /// Frames that were given up.
+    pub failed: Vec<u64>,
+    /// Strikes of frames that are still tried.
+    pub strikes: BTreeMap<u64, u32>,
+    /// Whether to hold its frames back.
+    pub paused: bool,
+}
+
+/// Frames given to a worker.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Grant {
+    /// The fencing token.
+    pub token: u64,
+    /// The job.
+    pub job_id: String,
+    /// Frames and the number of each one's attempt, from 1.
+    pub frames: Vec<(u64, u32)>,
+}
+
+/// Answer to a beat.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Beat {
+    /// Leases of cancelled jobs.
+    pub cancelled: Vec<u64>,
+    /// Leases that ran out.
+    pub lost: Vec<u64>,
+}
+
+/// The token, frame or attempt of a call is not that of a current lease.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the lease is stale")]
+pub struct Stale;
+
+/// A failed or lost attempt that counts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StrikeEvent {
+    /// The job.
+    pub job: String,
+    /// The frame.
+    pub frame: u64,
+    /// Strikes so far.
+    pub strikes: u32,
+    /// What happened.
+    pub error: String,
+    /// Whether the frame is given up.
+    pub quarantined: bool,
+}
+
+/// A worker as the table sees it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WorkerRow {
+    /// The worker's id.
+    pub id: String,
+    /// Frames that it holds.
+    pub leased_frames: u64,
+    /// When it was heard of last.
+    pub last_seen: Millis,
+}
+
+/// Sums over all jobs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Totals {
+    /// Frames that nobody holds yet.
+    pub queued: u64,
+    /// Frames that are held.
+    pub leased: u64,
+}

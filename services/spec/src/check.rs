@@ -1,0 +1,241 @@
+//! Checks a description against the table of fields and collects every error.
+
+mod across;
+mod law;
+mod names;
+mod object;
+mod water;
+
+use std::collections::BTreeSet;
+
+use serde_json::{Number, Value};
+
+use crate::fields::EXACT;
+use crate::invalid::{FieldError, MAX_ERRORS, quote};
+use crate::json::{describe, step};
+use crate::node::{Node, float};
+use crate::schema::{Range, Shape};
+use crate::vocabulary::Vocabulary;
+
+pub(crate) use across::places;
+
+/// Walks document and table side by side.
+pub(crate) struct Checker<'v> {
+    pub(crate) vocabulary: &'v Vocabulary,
+    /// The job's seed, for the laws' streams.
+    pub(crate) seed: u64,
+    pub(crate) errors: Vec<FieldError>,
+}
+
+/// Where in the document a value stands.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Place {
+    /// JSON pointer.
+    pub(crate) pointer: String,
+    /// For messages: `lights[0].x`. The steps of laws are left out.
+    pub(crate) name: String,
+}
+
+impl Place {
+    pub(crate) fn field(&self, key: &str) -> Self {
+        let dot = if self.name.is_empty() { "" } else { "." };
+        Self {
+            pointer: format!("{}{}", self.pointer, step(key)),
+            name: format!("{}{dot}{key}", self.name),
+        }
+    }
+
+    fn item(&self, position: usize) -> Self {
+        Self {
+            pointer: format!("{}/{position}", self.pointer),
+            name: format!("{}[{position}]", self.name),
+        }
+    }
+
+    /// A value of the choice or grid that stands here.
+    pub(crate) fn alternative(&self, law: &str, position: usize) -> Self {
+        Self {
+            pointer: format!("{}/{law}/{position}", self.pointer),
+            name: self.name.clone(),
+        }
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.name.is_empty() {
+            f.write_str("the description")
+        } else {
+            write!(f, "`{}`", self.name)
+        }
+    }
+}
+
+impl Checker<'_> {
+    /// Adds an error, as long as there is room; built only then.
+    pub(crate) fn refuse(&mut self, error: impl FnOnce() -> FieldError) {
+        match self.errors.len() {
+            0..MAX_ERRORS => self.errors.push(error()),
+            MAX_ERRORS => {
+                let message = format!("there are more than {MAX_ERRORS} errors; the rest are not listed");
+                self.errors.push(FieldError::new("", message));
+            }
+            _ => {}
+        }
+    }
+
+    /// The checked value; `None` if it is refused, with its errors added. Objects keep the fields that are right, so
+    /// that checks across fields find what they can.
+    pub(crate) fn node(&mut self, at: &Place, shape: &Shape, laws: bool, value: &Value) -> Option<Node> {
+        if let Value::Object(map) = value
+            && !matches!(shape, Shape::Labels)
+            && let Some(key) = law::key_of(map)
+        {
+            if laws {
+                return self.law(at, shape, key, map);
+            }
+            self.refuse(|| FieldError::new(&at.pointer, format!("{at} cannot be a law")));
+            return None;
+        }
+        match (shape, value) {
+            (Shape::Number(range), Value::Number(_)) => self.number(at, range, value),
+            (Shape::Integer(min, max), Value::Number(_)) => self.integer(at, *min, *max, value),
+            (Shape::Text(names), Value::String(text)) => self.text(at, *names, text),
+            (Shape::Scalar, _) => self.scalar(at, value),
+            (
+                Shape::List {
+                    element,
+                    max,
+                    distinct,
+                },
+                Value::Array(items),
+            ) => self.list(at, element, *max, *distinct, items),
+            (Shape::Rgb(range), Value::Array(items)) if items.len() == 3 => {
+                self.items(at, &Shape::Number(*range), items)
+            }
+            (Shape::Object(fields), Value::Object(map)) => Some(self.object(at, fields, map)),
+            (Shape::OneOf(fields), Value::Object(map)) => self.one_of(at, fields, map),
+            (
+                Shape::Tagged {
+                    tag,
+                    presence,
+                    options,
+                },
+                Value::Object(map),
+            ) => self.tagged(at, tag, *presence, options, map),
+            (Shape::Short(field, fields), _) => self.short(at, field, fields, value),
+            (Shape::Either(names, _), Value::String(text)) => self.text(at, *names, text),
+            (Shape::Either(_, object), Value::Object(_)) => self.node(at, object, laws, value),
+            (Shape::Labels, Value::Object(map)) => self.labels(at, map),
+            _ => self.wrong_kind(at, shape, laws, value),
+        }
+    }
+
+    fn wrong_kind(&mut self, at: &Place, shape: &Shape, laws: bool, value: &Value) -> Option<Node> {
+        self.refuse(|| {
+            let or_law = if laws { " or a law" } else { "" };
+            let message = format!(
+                "{at} must be {}{or_law}, but is {}",
+                shape.describe(),
+                describe(value)
+            );
+            let error = FieldError::new(&at.pointer, message)
+                .value(value)
+                .limit(shape.describe());
+            match value {
+                Value::Object(map) if laws => {
+                    error.allowed(law::KEYS, map.keys().next().map_or("", String::as_str))
+                }
+                _ => error,
+            }
+        });
+        None
+    }
+
+    fn number(&mut self, at: &Place, range: &Range, value: &Value) -> Option<Node> {
+        let number = value.as_f64()?;
+        if range.holds(number) {
+            return Some(Node::Constant(float(number)));
+        }
+        self.out_of_range(at, value, &range.to_string())
+    }
+
+    fn integer(&mut self, at: &Place, min: i128, max: i128, value: &Value) -> Option<Node> {
+        let limit = Shape::Integer(min, max).limit();
+        match whole(value) {
+            Some(number) if (min..=max).contains(&number) => constant(number),
+            Some(_) => self.out_of_range(at, value, &limit),
+            None => self.out_of_range(at, value, &format!("whole numbers in {limit}")),
+        }
+    }
+
+    pub(crate) fn out_of_range(&mut self, at: &Place, value: &Value, limit: &str) -> Option<Node> {
+        let message = || format!("{at} is {}, the limit is {limit}", quote(value));
+        self.refuse(|| FieldError::new(&at.pointer, message()).value(value).limit(limit));
+        None
+    }
+
+    fn list(
+        &mut self,
+        at: &Place,
+        element: &Shape,
+        max: usize,
+        distinct: bool,
+        items: &[Value],
+    ) -> Option<Node> {
+        if items.len() > max {
+            let message = format!("{at} has {} elements, the limit is {max}", items.len());
+            self.refuse(|| FieldError::new(&at.pointer, message).limit(format!("at most {max} elements")));
+            return None;
+        }
+        let list = self.items(at, element, items)?;
+        if distinct {
+            self.refuse_repeats(at, &list);
+        }
+        Some(list)
+    }
+
+    fn items(&mut self, at: &Place, element: &Shape, items: &[Value]) -> Option<Node> {
+        let nodes: Vec<_> = items
+            .iter()
+            .enumerate()
+            .map(|(i, item)| self.node(&at.item(i), element, true, item))
+            .collect();
+        nodes.into_iter().collect::<Option<Vec<_>>>().map(Node::List)
+    }
+
+    fn refuse_repeats(&mut self, at: &Place, list: &Node) {
+        let Node::List(items) = list else { return };
+        let mut seen = BTreeSet::new();
+        for (position, item) in items.iter().enumerate() {
+            let at = at.item(position);
+            let names = item.strings(&at.pointer);
+            for (pointer, name) in names.iter().filter(|(_, name)| seen.contains(name)) {
+                self.refuse(|| {
+                    FieldError::new(
+                        pointer,
+                        format!("{at} can be \"{name}\", which stands in the list already"),
+                    )
+                    .value(&Value::from(*name))
+                });
+            }
+            seen.extend(names.into_iter().map(|(_, name)| name));
+        }
+    }
+}
+
+/// The whole number that this value is; doubles count up to 2^53.
+pub(crate) fn whole(value: &Value) -> Option<i128> {
+    if let Some(number) = value.as_u64() {
+        return Some(number.into());
+    }
+    if let Some(number) = value.as_i64() {
+        return Some(number.into());
+    }
+    let number = value.as_f64()?;
+    (number.fract() == 0.0 && number.abs() <= EXACT as f64).then_some(number as i128)
+}
+
+fn constant(number: i128) -> Option<Node> {
+    Number::from_i128(number).map(|number| Node::Constant(Value::Number(number)))
+}

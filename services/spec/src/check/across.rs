@@ -1,0 +1,151 @@
+//! What must fit together across fields, apart from the water.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use super::{Checker, Place};
+use crate::fields::MAX_PIXELS;
+use crate::invalid::FieldError;
+use crate::node::Node;
+
+impl Checker<'_> {
+    /// Checks a description whose fields are right by themselves; those that are not are missing here.
+    pub(crate) fn across(&mut self, document: &Node) {
+        self.camera(document);
+        self.scene_files(document);
+        self.light_spaces(document);
+        self.artifacts(document);
+    }
+
+    fn camera(&mut self, document: &Node) {
+        for (pointer, camera) in places(document, "camera") {
+            let side = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
+            let (width, height) = (side("width"), side("height"));
+            if width * height > MAX_PIXELS as f64 {
+                let message =
+                    format!("`camera` can be {width}×{height} pixels, the limit is {MAX_PIXELS} pixels");
+                self.refuse(|| FieldError::new(&pointer, message).limit(format!("{MAX_PIXELS} pixels")));
+            }
+        }
+    }
+
+    fn scene_files(&mut self, document: &Node) {
+        for (pointer, scene) in places(document, "scene") {
+            let has = |name| scene.get(name).is_some();
+            let at = Place {
+                pointer,
+                name: "scene".to_owned(),
+            };
+            if has("range") && has("z_depth") {
+                let at = at.field("z_depth");
+                self.refuse(|| {
+                    FieldError::new(
+                        &at.pointer,
+                        "`scene` has both `range` and `z_depth`, give one of them",
+                    )
+                });
+            }
+            for name in ["unit_m", "invalid_code"] {
+                if has(name) && !has("range") && !has("z_depth") {
+                    let at = at.field(name);
+                    let message =
+                        format!("{at} describes a range file, but neither `range` nor `z_depth` is given");
+                    self.refuse(|| FieldError::new(&at.pointer, message));
+                }
+            }
+        }
+    }
+
+    fn light_spaces(&mut self, document: &Node) {
+        let mut first: Option<String> = None;
+        for (pointer, space) in lights(document) {
+            match &first {
+                None => first = Some(space.to_owned()),
+                Some(first) if first == space => {}
+                Some(first) => {
+                    let message =
+                        format!("this light's `space` is \"{space}\", but another's is \"{first}\"");
+                    self.refuse(|| {
+                        FieldError::new(&pointer, message)
+                            .value(&space.into())
+                            .limit("the same for all lights")
+                    });
+                }
+            }
+        }
+    }
+
+    fn artifacts(&mut self, document: &Node) {
+        if document.get("enhance").is_none() {
+            return;
+        }
+        let runs: Vec<_> = places(document, "enhance")
+            .iter()
+            .map(|(_, list)| certain(list))
+            .collect();
+        for (pointer, list) in places(document, "artifacts") {
+            let Node::List(items) = list else { continue };
+            for (position, item) in items.iter().enumerate() {
+                for (pointer, kind) in item.strings(&format!("{pointer}/{position}")) {
+                    let method = if kind == "hscm_mask" {
+                        "hscm"
+                    } else {
+                        kind.strip_prefix("enhanced.").unwrap_or_default()
+                    };
+                    if !method.is_empty() && !runs.iter().all(|names| names.contains(method)) {
+                        let message =
+                            format!("the artifact \"{kind}\" needs \"{method}\" in `enhance` of every frame");
+                        self.refuse(|| FieldError::new(&pointer, message).value(&Value::from(kind)));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What can stand in a field of the document, each with its pointer.
+pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Node)> {
+    document
+        .get(name)
+        .map(|node| node.alternatives(&format!("/{name}")))
+        .unwrap_or_default()
+}
+
+/// The space of every light that can be, with its pointer.
+fn lights(document: &Node) -> Vec<(String, &str)> {
+    let mut spaces = Vec::new();
+    for (pointer, list) in places(document, "lights") {
+        let Node::List(items) = list else { continue };
+        for (position, item) in items.iter().enumerate() {
+            for (pointer, light) in item.alternatives(&format!("{pointer}/{position}")) {
+                spaces.extend(
+                    light
+                        .get("space")
+                        .map(|node| node.strings(&format!("{pointer}/space")))
+                        .unwrap_or_default(),
+                );
+            }
+        }
+    }
+    spaces
+}
+
+/// The names that a list holds in every frame.
+fn certain(list: &Node) -> BTreeSet<&str> {
+    let Node::List(items) = list else {
+        return BTreeSet::new();
+    };
+    let only = |item| {
+        let names: BTreeSet<_> = Node::strings(item, "")
+            .into_iter()
+            .map(|(_, name)| name)
+            .collect();
+        if names.len() == 1 {
+            names.into_iter().next()
+        } else {
+            None
+        }
+    };
+    items.iter().filter_map(only).collect()
+}

@@ -1,0 +1,150 @@
+//! Strings: names of the vocabulary, fixed words, ids and paths.
+
+use serde_json::Value;
+
+use super::{Checker, Place};
+use crate::artifact::ArtifactKind;
+use crate::invalid::{FieldError, quote};
+use crate::node::Node;
+use crate::schema::Names;
+
+/// Longest path in bytes, that of common systems.
+const MAX_PATH_BYTES: usize = 4096;
+
+/// Longest name of a dataset and longest id of a scene.
+const MAX_NAME: usize = 100;
+
+/// Artifact kinds that have a name but cannot be made.
+const NOT_YET: [&str; 3] = ["normals", "semantics", "snow_mask"];
+
+impl Checker<'_> {
+    /// The string in its canonical form: presets by their full name, the others as written.
+    pub(super) fn text(&mut self, at: &Place, names: Names, text: &str) -> Option<Node> {
+        let canonical = match names {
+            Names::Preset => self.vocabulary.preset(text),
+            Names::Dataset => is_dataset(text).then(|| text.to_owned()),
+            Names::SceneId => is_scene_id(text).then(|| text.to_owned()),
+            Names::Path => is_path(text).then(|| text.to_owned()),
+            _ => self
+                .listed(names)
+                .iter()
+                .any(|name| name == text)
+                .then(|| text.to_owned()),
+        };
+        if let Some(name) = canonical {
+            return Some(Node::Constant(name.into()));
+        }
+        self.refuse_text(at, names, text);
+        None
+    }
+
+    fn refuse_text(&mut self, at: &Place, names: Names, text: &str) {
+        let allowed = self.listed(names);
+        self.refuse(|| {
+            let value = Value::from(text);
+            let problem = match names {
+                Names::Artifact if NOT_YET.contains(&text) => "is not available yet".to_owned(),
+                Names::Dataset | Names::SceneId | Names::Path => format!("must be {}", names.describe()),
+                _ => format!("is not {}", names.describe()),
+            };
+            let error =
+                FieldError::new(&at.pointer, format!("{at} {} {problem}", quote(&value))).value(&value);
+            if allowed.is_empty() {
+                error.limit(names.describe())
+            } else {
+                error.allowed(allowed, text)
+            }
+        });
+    }
+
+    /// The names that may stand here, if they are listed anywhere.
+    fn listed(&self, names: Names) -> Vec<String> {
+        match names {
+            Names::Fixed(list) => list.iter().map(|name| (*name).to_owned()).collect(),
+            Names::Family => self.vocabulary.families.clone(),
+            Names::Preset => self.vocabulary.presets.clone(),
+            Names::Style => self.vocabulary.styles.clone(),
+            Names::Enhancement => self.vocabulary.enhancements.clone(),
+            Names::Metric => self.vocabulary.metrics.clone(),
+            Names::Artifact => {
+                let enhanced = self
+                    .vocabulary
+                    .enhancements
+                    .iter()
+                    .map(|method| format!("enhanced.{method}"));
+                ArtifactKind::FIXED
+                    .iter()
+                    .map(|(name, _)| (*name).to_owned())
+                    .chain(enhanced)
+                    .collect()
+            }
+            Names::Dataset | Names::SceneId | Names::Path => Vec::new(),
+        }
+    }
+
+    /// Refuses presets that lack what rendering needs. With coefficients beside them the optics decide.
+    pub(super) fn refuse_unrenderable(&mut self, at: &Place, optics: &Node, is_object: bool) {
+        let Node::Object(fields) = optics else { return };
+        let harmless = ["preset", "veil_gain", "forward_scatter"];
+        if !fields.iter().all(|(name, _)| harmless.contains(&name.as_str())) {
+            return;
+        }
+        let Some(preset) = optics.get("preset") else {
+            return;
+        };
+        let pointer = if is_object {
+            at.field("preset").pointer
+        } else {
+            at.pointer.clone()
+        };
+        for (pointer, name) in preset.strings(&pointer) {
+            let Some(why) = self.vocabulary.why_unrenderable(name) else {
+                continue;
+            };
+            let message = format!("{at}: the preset \"{name}\" cannot be rendered: {why}");
+            self.refuse(|| FieldError::new(&pointer, message).value(&Value::from(name)));
+        }
+    }
+}
+
+fn is_dataset(text: &str) -> bool {
+    let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
+    let starts = text.starts_with(letter);
+    starts
+        && text.len() <= MAX_NAME
+        && !text.contains("..")
+        && text.chars().all(|c| letter(c) || "._-".contains(c))
+}
+
+fn is_scene_id(text: &str) -> bool {
+    let tail = text.strip_prefix("scn_").unwrap_or_default();
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+    !tail.is_empty() && text.len() <= MAX_NAME && tail.chars().all(plain)
+}
+
+fn is_path(text: &str) -> bool {
+    !text.is_empty() && text.len() <= MAX_PATH_BYTES && !text.contains('\0')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dataset_names_are_safe_as_parts_of_addresses_and_paths() {
+        for good in ["a", "shaft-v1", "0.1_x", &"a".repeat(100)] {
+            assert!(is_dataset(good), "{good}");
+        }
+        for bad in ["", ".a", "-a", "A", "a..b", "a/b", "ä", "a b", &"a".repeat(101)] {
+            assert!(!is_dataset(bad), "{bad}");
+        }
+    }
+
+    #[test]
+    fn scene_ids_carry_their_prefix() {
+        assert!(is_scene_id("scn_01890a5d-ac96-774b-bcce-b302099a8057"));
+        for bad in ["", "scn_", "job_1", "scn_a/b", "scn_../x"] {
+            assert!(!is_scene_id(bad), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Objects: known and unknown fields, defaults, kinds, labels.
+
+use serde_json::{Map, Value};
+
+use super::{Checker, Place};
+use crate::invalid::FieldError;
+use crate::json::describe;
+use crate::node::{Node, float};
+use crate::schema::{Field, MAX_LABEL_KEY, MAX_LABEL_TEXT, MAX_LABELS, Presence, Shape, Variant};
+
+impl Checker<'_> {
+    pub(super) fn object(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Node {
+        let names: Vec<_> = fields.iter().map(|field| field.name).collect();
+        self.refuse_unknown(at, &names, map, |_| None);
+        Node::Object(self.fields(at, fields, map))
+    }
+
+    pub(super) fn one_of(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Option<Node> {
+        let names: Vec<_> = fields.iter().map(|field| field.name).collect();
+        let present: Vec<_> = fields
+            .iter()
+            .filter(|field| map.contains_key(field.name))
+            .copied()
+            .collect();
+        if present.len() == 1 {
+            self.refuse_unknown(at, &names, map, |_| None);
+            return Some(Node::Object(self.fields(at, &present, map)));
+        }
+        let message = format!(
+            "{at} must hold exactly one of {}, but holds {}",
+            names.join(", "),
+            present.len()
+        );
+        let written = map
+            .keys()
+            .find(|key| !names.contains(&key.as_str()))
+            .map_or("", String::as_str);
+        self.refuse(|| {
+            FieldError::new(&at.pointer, message)
+                .limit("exactly one")
+                .allowed(names, written)
+        });
+        None
+    }
+
+    pub(super) fn tagged(
+        &mut self,
+        at: &Place,
+        tag: &'static str,
+        presence: Presence,
+        options: &[Variant],
+        map: &Map<String, Value>,
+    ) -> Option<Node> {
+        let written = match (map.get(tag), presence) {
+            (None, Presence::Default(text)) => default(text),
+            (Some(value), _) => value.clone(),
+            (None, _) => return self.refuse_tag(&at.field(tag), options, None),
+        };
+        let Value::String(written) = &written else {
+            return self.refuse_tag(&at.field(tag), options, Some(&written));
+        };
+        let Some(option) = options
+            .iter()
+            .find(|option| option.name == *written && self.offers(option))
+        else {
+            return self.refuse_tag(&at.field(tag), options, Some(&written.as_str().into()));
+        };
+        let names: Vec<_> = option
+            .fields
+            .iter()
+            .map(|field| field.name)
+            .chain([tag])
+            .collect();
+        self.refuse_unknown(at, &names, map, |key| {
+            let has = |other: &&Variant| other.fields.iter().any(|field| field.name == key);
+            let owner = options.iter().find(has)?.name;
+            Some(format!(
+                "`{key}` goes with {tag} \"{owner}\", not with \"{written}\""
+            ))
+        });
+        let mut fields = self.fields(at, option.fields, map);
+        fields.push((tag.to_owned(), Node::Constant(written.as_str().into())));
+        Some(Node::Object(fields))
+    }
+
+    fn refuse_tag(&mut self, at: &Place, options: &[Variant], value: Option<&Value>) -> Option<Node> {
+        let allowed: Vec<_> = options
+            .iter()
+            .filter(|option| self.offers(option))
+            .map(|option| option.name)
+            .collect();
+        self.refuse(|| match value {
+            None => FieldError::new(&at.pointer, format!("{at} is missing"))
+                .limit("required")
+                .allowed(allowed, ""),
+            Some(Value::String(name)) => {
+                let known = options.iter().any(|option| option.name == name);
+                let why = if known {
+                    "works only with `fathom render`"
+                } else {
+                    "is not known"
+                };
+                let message = format!("{at} {} {why}", crate::invalid::quote(&name.as_str().into()));
+                FieldError::new(&at.pointer, message)
+                    .value(&name.as_str().into())
+                    .allowed(allowed, name)
+            }
+            Some(other) => {
+                let message = format!(
+                    "{at} decides which fields there are: it must be a string, but is {}; \
+                    a choice of whole objects can vary it",
+                    describe(other)
+                );
+                FieldError::new(&at.pointer, message)
+                    .value(other)
+                    .allowed(allowed, "")
+            }
+        });
+        None
+    }
+
+    /// Whether this kind of object can be had here: files only on the machine that renders.
+    fn offers(&self, option: &Variant) -> bool {
+        self.vocabulary.local || option.name != "files"
+    }
+
+    /// An object, or a string in place of its field `field`.
+    pub(super) fn short(&mut self, at: &Place, field: &str, fields: &[Field], value: &Value) -> Option<Node> {
+        let checked = match value {
+            Value::Object(map) => self.object(at, fields, map),
+            Value::String(_) => {
+                let field = fields.iter().find(|candidate| candidate.name == field)?;
+                let node = self.node(at, &field.shape, false, value)?;
+                Node::Object(vec![(field.name.to_owned(), node)])
+            }
+            _ => return self.wrong_kind(at, &Shape::Short("", &[]), true, value),
+        };
+        self.refuse_unrenderable(at, &checked, value.is_object());
+        Some(checked)
+    }
+
+    pub(super) fn labels(&mut self, at: &Place, map: &Map<String, Value>) -> Option<Node> {
+        if map.len() > MAX_LABELS {
+            let message = format!("{at} has {} entries, the limit is {MAX_LABELS}", map.len());
+            self.refuse(|| {
+                FieldError::new(&at.pointer, message).limit(format!("at most {MAX_LABELS} entries"))
+            });
+            return None;
+        }
+        let mut labels = Vec::new();
+        for (key, value) in map {
+            let at = at.field(key);
+            let plain = |letter: char| letter.is_ascii_alphanumeric() || "_.-".contains(letter);
+            if key.is_empty() || key.len() > MAX_LABEL_KEY || !key.chars().all(plain) {
+                let limit = format!("1 to {MAX_LABEL_KEY} of A-Z a-z 0-9 _ . -");
+                self.refuse(|| {
+                    FieldError::new(&at.pointer, format!("{at}: the name must be {limit}")).limit(limit)
+                });
+            }
+            if let Some(node) = self.node(&at, &Shape::Scalar, true, value) {
+                labels.push((key.clone(), node));
+            }
+        }
+        Some(Node::Object(labels))
+    }
+
+    /// A label's value. A whole number keeps its form, whether it was written 2 or 2.0.
+    pub(super) fn scalar(&mut self, at: &Place, value: &Value) -> Option<Node> {
+        match value {
+            Value::Bool(_) => Some(Node::Constant(value.clone())),
+            Value::Number(number) => Some(
+                match (super::whole(value).and_then(super::constant), number.as_f64()) {
+                    (Some(whole), _) => whole,
+                    (None, float_value) => Node::Constant(float(float_value?)),
+                },
+            ),
+            Value::String(text) if text.chars().count() <= MAX_LABEL_TEXT => {
+                Some(Node::Constant(value.clone()))
+            }
+            Value::String(_) => self.out_of_range(at, value, &format!("at most {MAX_LABEL_TEXT} characters")),
+            _ => self.wrong_kind(at, &Shape::Scalar, true, value),
+        }
+    }
+
+    fn refuse_unknown(
+        &mut self,
+        at: &Place,
+        names: &[&str],
+        map: &Map<String, Value>,
+        note: impl Fn(&str) -> Option<String>,
+    ) {
+        for (key, value) in map.iter().filter(|(key, _)| !names.contains(&key.as_str())) {
+            self.refuse(|| {
+                let message = note(key).unwrap_or_else(|| format!("{at} has no field `{key}`"));
+                FieldError::new(&at.field(key).pointer, message)
+                    .value(value)
+                    .allowed(names, key)
+            });
+        }
+    }
+
+    fn fields(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Vec<(String, Node)> {
+        let checked = fields.iter().filter_map(|field| {
+            let node = self.field(&at.field(field.name), field, map.get(field.name))?;
+            Some((field.name.to_owned(), node))
+        });
+        checked.collect()
+    }
+
+    fn field(&mut self, at: &Place, field: &Field, value: Option<&Value>) -> Option<Node> {
+        match (value, field.presence) {
+            (Some(value), _) => self.node(at, &field.shape, field.laws, value),
+            (None, Presence::Optional) => None,
+            (None, Presence::Default(text)) => self.node(at, &field.shape, field.laws, &default(text)),
+            (None, Presence::Required) => {
+                let message = format!("{at} is missing: {}", field.doc);
+                self.refuse(|| FieldError::new(&at.pointer, message).limit("required"));
+                None
+            }
+        }
+    }
+}
+
+fn default(text: &str) -> Value {
+    serde_json::from_str(text).expect("the defaults of the table are JSON, a test reads them all")
+}

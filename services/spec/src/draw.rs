@@ -1,0 +1,162 @@
+//! A law in its place: what it yields for a frame, and the ends of what it can yield.
+
+use imaging::random::Stream;
+use serde_json::{Value, json};
+
+use crate::law;
+use crate::node::{Node, float};
+
+/// A law with the place where it stands.
+#[derive(Debug, Clone)]
+pub(crate) struct LawNode {
+    /// JSON pointer of the law.
+    pub(crate) pointer: String,
+    /// Its random numbers.
+    pub(crate) stream: Stream,
+    /// What it does with them.
+    pub(crate) law: Law,
+}
+
+/// What can stand in place of a value. The checker guarantees: ends in order and within the field's range, lists not
+/// empty, as many weights as values, none negative, one positive.
+#[derive(Debug, Clone)]
+pub(crate) enum Law {
+    /// One of the values. `weighted`: the weights were written, not all 1 by default.
+    Choice {
+        values: Vec<Node>,
+        weights: Vec<f64>,
+        weighted: bool,
+    },
+    /// Each value in turn, for `stride` frames each.
+    Grid { values: Vec<Node>, stride: u64 },
+    /// Between two ends.
+    Uniform(f64, f64),
+    /// Between two ends, in the logarithm.
+    LogUniform(f64, f64),
+    /// Whole numbers; `as_float` in a number field.
+    Int { a: i64, b: i64, as_float: bool },
+    /// Normal, clamped.
+    Normal { mean: f64, sd: f64, clip: (f64, f64) },
+}
+
+/// What a law yields.
+pub(crate) enum Drawn {
+    /// The value at this position of [`LawNode::values`], which may hold laws of its own.
+    One(usize),
+    /// A number.
+    Number(Value),
+}
+
+impl LawNode {
+    /// What this law yields for a frame.
+    pub(crate) fn at(&self, index: u64) -> Drawn {
+        let unit = || self.stream.unit(index, 0);
+        match &self.law {
+            Law::Choice { weights, .. } => Drawn::One(law::choice(unit(), weights)),
+            Law::Grid { values, stride } => Drawn::One((index / stride % values.len() as u64) as usize),
+            Law::Uniform(a, b) => Drawn::Number(float(law::uniform(unit(), *a, *b))),
+            Law::LogUniform(a, b) => Drawn::Number(float(law::log_uniform(unit(), *a, *b))),
+            Law::Int { a, b, as_float } => Drawn::Number(whole(law::int(unit(), *a, *b), *as_float)),
+            Law::Normal {
+                mean,
+                sd,
+                clip: (low, high),
+            } => Drawn::Number(float(law::normal(unit(), *mean, *sd, *low, *high))),
+        }
+    }
+
+    /// How many extremes this law has: the values of a choice or grid, the two ends of an interval.
+    pub(crate) fn extreme_count(&self) -> usize {
+        if self.values().is_empty() {
+            2
+        } else {
+            self.values().len()
+        }
+    }
+
+    /// The extreme of this number, from 0 to [`Self::extreme_count`] exclusive.
+    pub(crate) fn extreme(&self, position: usize) -> Drawn {
+        let end = |a, b| if position == 0 { a } else { b };
+        match &self.law {
+            Law::Choice { .. } | Law::Grid { .. } => Drawn::One(position),
+            Law::Uniform(a, b) | Law::LogUniform(a, b) | Law::Normal { clip: (a, b), .. } => {
+                Drawn::Number(float(end(*a, *b)))
+            }
+            Law::Int { a, b, as_float } => {
+                Drawn::Number(whole(if position == 0 { *a } else { *b }, *as_float))
+            }
+        }
+    }
+
+    /// The upper end of an interval.
+    pub(crate) fn greatest(&self) -> Option<f64> {
+        match self.law {
+            Law::Uniform(_, b) | Law::LogUniform(_, b) | Law::Normal { clip: (_, b), .. } => Some(b),
+            Law::Int { b, .. } => Some(b as f64),
+            Law::Choice { .. } | Law::Grid { .. } => None,
+        }
+    }
+
+    /// The values of a choice or grid; empty for the other laws.
+    pub(crate) fn values(&self) -> &[Node] {
+        match &self.law {
+            Law::Choice { values, .. } | Law::Grid { values, .. } => values,
+            _ => &[],
+        }
+    }
+
+    /// The values of a choice or grid; empty for the other laws.
+    pub(crate) fn values_mut(&mut self) -> &mut [Node] {
+        match &mut self.law {
+            Law::Choice { values, .. } | Law::Grid { values, .. } => values,
+            _ => &mut [],
+        }
+    }
+
+    /// The key that marks the law.
+    pub(crate) fn key(&self) -> &'static str {
+        match self.law {
+            Law::Choice { .. } => "choice",
+            Law::Grid { .. } => "grid",
+            Law::Uniform(..) => "uniform",
+            Law::LogUniform(..) => "log_uniform",
+            Law::Int { .. } => "int",
+            Law::Normal { .. } => "normal",
+        }
+    }
+
+    /// The law as it is written.
+    pub(crate) fn canonical(&self) -> Value {
+        let key = self.key();
+        let list = |values: &[Node]| values.iter().map(Node::canonical).collect::<Value>();
+        match &self.law {
+            Law::Choice {
+                values,
+                weights,
+                weighted: true,
+            } => json!({key: list(values), "weights": floats(weights)}),
+            Law::Choice { values, .. } | Law::Grid { values, .. } => json!({key: list(values)}),
+            Law::Uniform(a, b) | Law::LogUniform(a, b) => json!({key: floats(&[*a, *b])}),
+            Law::Int { a, b, .. } => json!({key: [a, b]}),
+            Law::Normal {
+                mean,
+                sd,
+                clip: (low, high),
+            } => {
+                json!({key: floats(&[*mean, *sd]), "clip": floats(&[*low, *high])})
+            }
+        }
+    }
+}
+
+fn floats(numbers: &[f64]) -> Value {
+    numbers.iter().map(|number| float(*number)).collect()
+}
+
+fn whole(number: i64, as_float: bool) -> Value {
+    if as_float {
+        float(number as f64)
+    } else {
+        number.into()
+    }
+}

@@ -1,0 +1,214 @@
+//! A job: a frame description with laws in place of values, valid by construction.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use crate::check::{Checker, Place, places, whole};
+use crate::draw::Law;
+use crate::fields::{DOCUMENT, MAX_FRAMES};
+use crate::frame::Frame;
+use crate::invalid::{FieldError, Invalid};
+use crate::json::{self, MAX_BYTES};
+use crate::node::Node;
+use crate::vocabulary::Vocabulary;
+use crate::{typed, warnings};
+
+/// A job, valid by construction: N frames as a formula.
+///
+/// Each law draws its value for frame i from (seed, JSON pointer of the law, i) alone, see [`crate::law`]; so any
+/// frame can be resolved by itself, another law changes nothing, and a greater `count` keeps the frames there were.
+/// Grids span the frames instead: cell = i mod product of the axes, axes in the order of their pointers' bytes, the
+/// last one fastest. An axis inside a choice or another grid counts whether or not its place is chosen.
+#[derive(Debug, Clone)]
+pub struct Job {
+    document: Node,
+    canonical: String,
+    dataset: String,
+    frames: u64,
+    seed: u64,
+    warnings: Vec<String>,
+}
+
+impl Job {
+    /// Reads and checks a description.
+    ///
+    /// # Errors
+    /// Every error of the description together, at most [`crate::MAX_ERRORS`]; of a text that is not JSON, that one.
+    pub fn parse(json: &[u8], vocabulary: &Vocabulary) -> Result<Self, Invalid> {
+        let value = json::read(json)?;
+        let seed = value
+            .get("seed")
+            .and_then(whole)
+            .and_then(|seed| u64::try_from(seed).ok())
+            .unwrap_or(0);
+        let mut checker = Checker {
+            vocabulary,
+            seed,
+            errors: Vec::new(),
+        };
+        let document = checker.node(&Place::default(), &DOCUMENT, false, &value);
+        let Some(mut document) = document else {
+            return Err(Invalid(checker.errors));
+        };
+        checker.across(&document);
+        let product = lay_out_grids(&mut document);
+        let frames = frames(&document, product, &mut checker);
+        checker.water(&document, frames);
+        let canonical = document.canonical().to_string();
+        if canonical.len() > MAX_BYTES {
+            let message = format!(
+                "the description with its defaults has {} bytes, the limit is {MAX_BYTES}",
+                canonical.len()
+            );
+            checker.refuse(|| FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")));
+        }
+        if !checker.errors.is_empty() {
+            return Err(Invalid(checker.errors));
+        }
+        let dataset = document
+            .get("dataset")
+            .map(|node| node.strings(""))
+            .unwrap_or_default();
+        Ok(Self {
+            dataset: dataset.into_iter().map(|(_, name)| name.to_owned()).collect(),
+            warnings: warnings::of(&document, &value),
+            canonical,
+            frames,
+            seed,
+            document,
+        })
+    }
+
+    /// Reads a canonical description again, with the same checks as [`Job::parse`].
+    ///
+    /// # Errors
+    /// As [`Job::parse`].
+    pub fn from_canonical(json: &str, vocabulary: &Vocabulary) -> Result<Self, Invalid> {
+        Self::parse(json.as_bytes(), vocabulary)
+    }
+
+    /// Canonical JSON text: sorted keys, no spaces, defaults filled in, presets by full name and in object form,
+    /// laws kept; number fields with a point or exponent (`1.0`), whole-number fields without. Parsing it again
+    /// yields the same text.
+    #[must_use]
+    pub fn canonical(&self) -> &str {
+        &self.canonical
+    }
+
+    /// SHA-256 of the canonical text, lower-case hex.
+    #[must_use]
+    pub fn digest(&self) -> String {
+        crate::hex(&Sha256::digest(self.canonical.as_bytes()))
+    }
+
+    /// Name of the dataset.
+    #[must_use]
+    pub fn dataset(&self) -> &str {
+        &self.dataset
+    }
+
+    /// Number of frames: count × product of the grid axes, 1..=[`MAX_FRAMES`].
+    #[must_use]
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// The job's seed.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The frame of this index: a pure function of the description and the index. It does not depend on `count`.
+    ///
+    /// # Errors
+    /// An index beyond the last frame.
+    pub fn resolve(&self, index: u64) -> Result<Frame, Invalid> {
+        if index >= self.frames {
+            let message = format!("frame {index} does not exist, the job has {} frames", self.frames);
+            return Err(one(
+                FieldError::new("", message).limit(format!("0..{}", self.frames))
+            ));
+        }
+        let Value::Object(fields) = self.document.value(&|law| law.at(index)) else {
+            return Err(one(FieldError::new("", "the description is not an object")));
+        };
+        typed::frame(index, fields)
+            .map_err(|error| one(FieldError::new("", format!("frame {index}: {error}"))))
+    }
+
+    /// Whether any frame can ask for a style model.
+    #[must_use]
+    pub fn uses_style(&self) -> bool {
+        places(&self.document, "water")
+            .iter()
+            .any(|(_, water)| water.get("style").is_some())
+    }
+
+    /// Ids of all uploaded scenes that a frame can ask for, sorted.
+    #[must_use]
+    pub fn uploaded_scene_ids(&self) -> Vec<String> {
+        let ids: BTreeSet<_> = places(&self.document, "scene")
+            .into_iter()
+            .filter_map(|(_, scene)| scene.get("id"))
+            .flat_map(|id| id.strings(""))
+            .map(|(_, id)| id.to_owned())
+            .collect();
+        ids.into_iter().collect()
+    }
+
+    /// What the user should know, though nothing is wrong.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+fn one(error: FieldError) -> Invalid {
+    Invalid(vec![error])
+}
+
+/// Gives every grid axis its stride; returns the product of their lengths, or `None` beyond u64.
+fn lay_out_grids(document: &mut Node) -> Option<u64> {
+    let mut axes: Vec<_> = document
+        .laws()
+        .into_iter()
+        .filter(|node| matches!(node.law, Law::Grid { .. }))
+        .map(|node| (node.pointer.clone(), node.values().len() as u64))
+        .collect();
+    axes.sort_unstable();
+    let mut product: Option<u64> = Some(1);
+    let mut strides = std::collections::BTreeMap::new();
+    for (pointer, length) in axes.into_iter().rev() {
+        strides.insert(pointer, product.unwrap_or(1));
+        product = product.and_then(|product| product.checked_mul(length));
+    }
+    document.change_laws(&mut |node| {
+        if let Law::Grid { stride, .. } = &mut node.law {
+            *stride = strides.get(&node.pointer).copied().unwrap_or(1);
+        }
+    });
+    product
+}
+
+fn frames(document: &Node, product: Option<u64>, checker: &mut Checker<'_>) -> u64 {
+    let Some(count) = document.get("count").and_then(Node::greatest) else {
+        return 0;
+    };
+    let count = count as u64;
+    match product.and_then(|product| product.checked_mul(count)) {
+        Some(frames) if frames <= MAX_FRAMES => frames,
+        _ => {
+            let cells = product.map_or("more than 2^64".to_owned(), |product| product.to_string());
+            let message = format!("`count` {count} × {cells} grid cells is more than {MAX_FRAMES} frames");
+            checker.refuse(|| {
+                FieldError::new("/count", message)
+                    .value(&count.into())
+                    .limit(format!("{MAX_FRAMES} frames"))
+            });
+            0
+        }
+    }
+}

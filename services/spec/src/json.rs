@@ -1,0 +1,238 @@
+//! Strict reading of JSON: RFC 8259 within limits, and no key twice.
+//!
+//! A common reader keeps the last of two equal keys and drops the other silently; here both stay visible as an error.
+
+use std::fmt;
+
+use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Number, Value};
+
+use crate::invalid::{FieldError, Invalid, MAX_ERRORS, quote};
+
+/// Longest description in bytes, as submitted and in canonical form. A grid of ten thousand scenes fits.
+pub const MAX_BYTES: usize = 1 << 20;
+
+/// Deepest nesting of lists and objects. The deepest field needs 4; each law around it adds 2.
+pub const MAX_DEPTH: usize = 32;
+
+/// Longest key in bytes, so that pointers stay short. No field and no label comes near.
+const MAX_KEY_BYTES: usize = 256;
+
+/// Reads one JSON document.
+///
+/// # Errors
+/// Too long, not JSON, nested too deeply, a key that is too long, or keys that stand twice (all of them).
+pub(crate) fn read(bytes: &[u8]) -> Result<Value, Invalid> {
+    if bytes.len() > MAX_BYTES {
+        let message = format!(
+            "the description has {} bytes, the limit is {MAX_BYTES}",
+            bytes.len()
+        );
+        return Err(Invalid(vec![
+            FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")),
+        ]));
+    }
+    let mut reader = Reader::default();
+    let mut deserializer = serde_json::Deserializer::from_slice(bytes);
+    let value = Seed(&mut reader).deserialize(&mut deserializer);
+    match value.and_then(|value| deserializer.end().map(|()| value)) {
+        Ok(value) if reader.duplicates.is_empty() => Ok(value),
+        Ok(_) => Err(Invalid(reader.duplicates)),
+        Err(error) => Err(Invalid(vec![FieldError::new(
+            &pointer(&reader.path),
+            format!("not valid JSON: {error}"),
+        )])),
+    }
+}
+
+/// One more step of a JSON pointer, escaped as RFC 6901 asks.
+pub(crate) fn step(key: &str) -> String {
+    format!("/{}", key.replace('~', "~0").replace('/', "~1"))
+}
+
+fn pointer(path: &[String]) -> String {
+    path.iter().map(|key| step(key)).collect()
+}
+
+#[derive(Default)]
+struct Reader {
+    path: Vec<String>,
+    duplicates: Vec<FieldError>,
+}
+
+struct Seed<'r>(&'r mut Reader);
+
+impl<'de> DeserializeSeed<'de> for Seed<'_> {
+    type Value = Value;
+
+    fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Seed<'_> {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(Value::Bool(value))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Value, E> {
+        Number::from_f64(value)
+            .map(Value::Number)
+            .ok_or_else(|| E::custom("number is not finite"))
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(Value::String(value.to_owned()))
+    }
+
+    fn visit_string<E>(self, value: String) -> Result<Value, E> {
+        Ok(Value::String(value))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+        let mut list = Vec::new();
+        loop {
+            enter(self.0, list.len().to_string())?;
+            let Some(item) = items.next_element_seed(Seed(self.0))? else {
+                break;
+            };
+            self.0.path.pop();
+            list.push(item);
+        }
+        self.0.path.pop();
+        Ok(Value::Array(list))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
+        let mut map = Map::new();
+        while let Some(key) = entries.next_key::<String>()? {
+            if key.len() > MAX_KEY_BYTES {
+                return Err(A::Error::custom(format!(
+                    "a key has {} bytes, the limit is {MAX_KEY_BYTES}",
+                    key.len()
+                )));
+            }
+            enter(self.0, key.clone())?;
+            let value = entries.next_value_seed(Seed(self.0))?;
+            if map.contains_key(&key) {
+                let error =
+                    FieldError::new(&pointer(&self.0.path), format!("`{key}` stands twice")).value(&value);
+                if self.0.duplicates.len() < MAX_ERRORS {
+                    self.0.duplicates.push(error);
+                }
+            } else {
+                map.insert(key, value);
+            }
+            self.0.path.pop();
+        }
+        Ok(Value::Object(map))
+    }
+}
+
+fn enter<E: Error>(reader: &mut Reader, key: String) -> Result<(), E> {
+    if reader.path.len() == MAX_DEPTH {
+        return Err(E::custom(format!("nested more than {MAX_DEPTH} deep")));
+    }
+    reader.path.push(key);
+    Ok(())
+}
+
+/// What kind of JSON value this is, for messages.
+pub(crate) fn describe(value: &Value) -> String {
+    match value {
+        Value::Null => "null; leave the field out instead".to_owned(),
+        Value::String(_) => format!("the string {}", quote(value)),
+        other => quote(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn errors(text: &str) -> Vec<FieldError> {
+        read(text.as_bytes()).unwrap_err().0
+    }
+
+    #[test]
+    fn every_duplicate_key_is_named_with_its_place() {
+        let found = errors(r#"{"a": 1, "a": 2, "l": [{"x/y": 1, "x/y": 1}]}"#);
+        let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();
+        assert_eq!(pointers, ["/a", "/l/0/x~1y"]);
+        assert_eq!(found[0].value, Some(2.into()));
+    }
+
+    #[test]
+    fn what_json_does_not_know_is_refused() {
+        for text in [
+            "",
+            "{",
+            "NaN",
+            "[1,]",
+            "{\"a\":Infinity}",
+            "1e999",
+            "{} {}",
+            "\"\\ud800\"",
+            "01",
+        ] {
+            assert!(errors(text)[0].message.starts_with("not valid JSON"), "{text}");
+        }
+        assert!(read(b"\"\xff\"").is_err());
+    }
+
+    #[test]
+    fn nesting_is_limited() {
+        let deep = |levels: usize| "[".repeat(levels) + &"]".repeat(levels);
+        assert!(read(deep(MAX_DEPTH).as_bytes()).is_ok());
+        assert!(
+            errors(&deep(MAX_DEPTH + 1))[0]
+                .message
+                .contains("nested more than 32")
+        );
+        assert!(errors(&deep(400_000))[0].message.contains("nested more than 32"));
+    }
+
+    #[test]
+    fn size_and_key_length_are_limited() {
+        let long = format!("\"{}\"", "x".repeat(MAX_BYTES));
+        assert!(errors(&long)[0].message.contains("the limit is 1048576"));
+        assert!(
+            errors(&format!("{{\"{}\": 1}}", "k".repeat(300)))[0]
+                .message
+                .contains("300 bytes")
+        );
+    }
+
+    #[test]
+    fn numbers_survive_writing_and_reading() {
+        for number in [
+            0.1,
+            1.0 / 3.0,
+            5e-324,
+            1.797_693_134_862_315_7e308,
+            0.3 - 0.1,
+            123_456_789.123_456_79,
+        ] {
+            let text = Value::from(number).to_string();
+            assert_eq!(read(text.as_bytes()).unwrap().as_f64(), Some(number), "{text}");
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! The checked description as a tree whose leaves are constants and laws.
+
+use serde_json::{Map, Value};
+
+use crate::draw::{Drawn, LawNode};
+
+/// A place of the checked description.
+#[derive(Debug, Clone)]
+pub(crate) enum Node {
+    /// A scalar.
+    Constant(Value),
+    /// A list.
+    List(Vec<Node>),
+    /// An object, each key once; sorted where it is written.
+    Object(Vec<(String, Node)>),
+    /// A law in place of a value.
+    Law(Box<LawNode>),
+}
+
+impl Node {
+    /// The value with every law replaced by what `draw` yields for it.
+    pub(crate) fn value(&self, draw: &impl Fn(&LawNode) -> Drawn) -> Value {
+        match self {
+            Self::Constant(value) => value.clone(),
+            Self::List(items) => items.iter().map(|item| item.value(draw)).collect(),
+            Self::Object(fields) => object(fields, |node| node.value(draw)),
+            Self::Law(law) => match draw(law) {
+                Drawn::Number(number) => number,
+                Drawn::One(position) => law.values()[position].value(draw),
+            },
+        }
+    }
+
+    /// The canonical form: laws kept.
+    pub(crate) fn canonical(&self) -> Value {
+        match self {
+            Self::Constant(value) => value.clone(),
+            Self::List(items) => items.iter().map(Self::canonical).collect(),
+            Self::Object(fields) => object(fields, Self::canonical),
+            Self::Law(law) => law.canonical(),
+        }
+    }
+
+    /// Pointer of the field at `path` once laws are replaced by what `draw` yields; if there is none, of the deepest
+    /// place on the way that exists. `pointer` is that of this place.
+    pub(crate) fn locate(&self, pointer: &str, path: &[&str], draw: &impl Fn(&LawNode) -> Drawn) -> String {
+        if let Self::Law(law) = self
+            && let Drawn::One(position) = draw(law)
+        {
+            return law.values()[position].locate(&format!("{pointer}/{}/{position}", law.key()), path, draw);
+        }
+        match path
+            .split_first()
+            .and_then(|(name, rest)| Some((name, self.get(name)?, rest)))
+        {
+            Some((name, node, rest)) => node.locate(&format!("{pointer}/{name}"), rest, draw),
+            None => pointer.to_owned(),
+        }
+    }
+
+    /// All laws of this tree, those inside choices and grids included, outer before inner.
+    pub(crate) fn laws(&self) -> Vec<&LawNode> {
+        let mut found = Vec::new();
+        self.visit(&mut |law| found.push(law));
+        found
+    }
+
+    fn visit<'a>(&'a self, seen: &mut impl FnMut(&'a LawNode)) {
+        match self {
+            Self::Constant(_) => {}
+            Self::List(items) => items.iter().for_each(|item| item.visit(seen)),
+            Self::Object(fields) => fields.iter().for_each(|(_, node)| node.visit(seen)),
+            Self::Law(law) => {
+                seen(law);
+                law.values().iter().for_each(|value| value.visit(seen));
+            }
+        }
+    }
+
+    /// Changes every law of this tree.
+    pub(crate) fn change_laws(&mut self, change: &mut impl FnMut(&mut LawNode)) {
+        match self {
+            Self::Constant(_) => {}
+            Self::List(items) => items.iter_mut().for_each(|item| item.change_laws(change)),
+            Self::Object(fields) => fields.iter_mut().for_each(|(_, node)| node.change_laws(change)),
+            Self::Law(law) => {
+                change(law);
+                law.values_mut()
+                    .iter_mut()
+                    .for_each(|value| value.change_laws(change));
+            }
+        }
+    }
+
+    /// The field of this name, if this is an object that has it.
+    pub(crate) fn get(&self, name: &str) -> Option<&Self> {
+        let Self::Object(fields) = self else { return None };
+        fields.iter().find(|(key, _)| key == name).map(|(_, node)| node)
+    }
+
+    /// What can stand here once the values of choices and grids are laid open, each with its pointer.
+    /// `pointer` is that of this place.
+    pub(crate) fn alternatives(&self, pointer: &str) -> Vec<(String, &Self)> {
+        match self {
+            Self::Law(law) if !law.values().is_empty() => {
+                let within = |(position, value): (usize, _)| {
+                    Self::alternatives(value, &format!("{pointer}/{}/{position}", law.key()))
+                };
+                law.values().iter().enumerate().flat_map(within).collect()
+            }
+            _ => vec![(pointer.to_owned(), self)],
+        }
+    }
+
+    /// The strings that can stand here, each with its pointer.
+    pub(crate) fn strings(&self, pointer: &str) -> Vec<(String, &str)> {
+        let text = |(pointer, node)| match node {
+            &Self::Constant(Value::String(ref text)) => Some((pointer, text.as_str())),
+            _ => None,
+        };
+        self.alternatives(pointer).into_iter().filter_map(text).collect()
+    }
+
+    /// The greatest number that can stand here.
+    pub(crate) fn greatest(&self) -> Option<f64> {
+        let number = |(_, node): (String, &Self)| match node {
+            Self::Constant(value) => value.as_f64(),
+            Self::Law(law) => law.greatest(),
+            _ => None,
+        };
+        self.alternatives("")
+            .into_iter()
+            .filter_map(number)
+            .reduce(f64::max)
+    }
+}
+
+/// A number as number fields have it: always with a point or an exponent, and no negative zero.
+pub(crate) fn float(number: f64) -> Value {
+    Value::from(number + 0.0)
+}
+
+fn object(fields: &[(String, Node)], value: impl Fn(&Node) -> Value) -> Value {
+    let sorted: std::collections::BTreeMap<_, _> =
+        fields.iter().map(|(key, node)| (key, value(node))).collect();
+    Value::Object(
+        sorted
+            .into_iter()
+            .map(|(key, value)| (key.clone(), value))
+            .collect::<Map<_, _>>(),
+    )
+}

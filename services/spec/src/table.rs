@@ -1,0 +1,146 @@
+//! The table of fields laid flat, for documentation.
+
+use crate::fields::DOCUMENT;
+use crate::schema::{Field, Presence, Shape};
+
+/// One accepted field.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Row {
+    /// Path such as `lights[].x`; for objects of several kinds with the kind: `scene(uploaded).id`.
+    pub path: String,
+    /// What may stand there.
+    pub kind: &'static str,
+    /// Its limits.
+    pub limit: String,
+    /// What an absent field means.
+    pub presence: Presence,
+    /// Whether a law may stand in its place.
+    pub laws: bool,
+    /// What it means.
+    pub doc: &'static str,
+}
+
+/// Every accepted field, parents before children.
+#[must_use]
+pub fn rows() -> Vec<Row> {
+    let mut rows = Vec::new();
+    lay_out("", &DOCUMENT, &mut rows);
+    rows
+}
+
+/// The table in Markdown.
+#[must_use]
+pub fn markdown() -> String {
+    let mut text =
+        "| field | kind | limits | default | law | meaning |\n|---|---|---|---|---|---|\n".to_owned();
+    for Row {
+        path,
+        kind,
+        limit,
+        presence,
+        laws,
+        doc,
+    } in rows()
+    {
+        let default = match presence {
+            Presence::Required => "required".to_owned(),
+            Presence::Optional => "–".to_owned(),
+            Presence::Default(value) => format!("`{value}`"),
+        };
+        let law = if laws { "yes" } else { "no" };
+        text += &format!("| `{path}` | {kind} | {limit} | {default} | {law} | {doc} |\n");
+    }
+    text
+}
+
+fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
+    match shape {
+        Shape::Object(fields) | Shape::OneOf(fields) | Shape::Short(_, fields) => {
+            lay_out_fields(path, fields, rows)
+        }
+        Shape::Tagged {
+            tag,
+            presence,
+            options,
+        } => {
+            rows.push(Row {
+                path: format!("{path}.{tag}"),
+                kind: "a string",
+                limit: options
+                    .iter()
+                    .map(|option| format!("`{}`", option.name))
+                    .collect::<Vec<_>>()
+                    .join(", "),
+                presence: *presence,
+                laws: false,
+                doc: "decides which other fields there are",
+            });
+            for option in *options {
+                lay_out_fields(&format!("{path}({})", option.name), option.fields, rows);
+            }
+        }
+        Shape::List { element, .. } => lay_out(&format!("{path}[]"), element, rows),
+        Shape::Either(_, object) => lay_out(path, object, rows),
+        Shape::Number(_)
+        | Shape::Integer(..)
+        | Shape::Text(_)
+        | Shape::Rgb(_)
+        | Shape::Labels
+        | Shape::Scalar => {}
+    }
+}
+
+fn lay_out_fields(path: &str, fields: &[Field], rows: &mut Vec<Row>) {
+    for field in fields {
+        let dot = if path.is_empty() { "" } else { "." };
+        let path = format!("{path}{dot}{}", field.name);
+        rows.push(Row {
+            path: path.clone(),
+            kind: field.shape.describe(),
+            limit: field.shape.limit(),
+            presence: field.presence,
+            laws: field.laws,
+            doc: field.doc,
+        });
+        lay_out(&path, &field.shape, rows);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_is_json() {
+        for row in rows() {
+            if let Presence::Default(text) = row.presence {
+                assert!(
+                    serde_json::from_str::<serde_json::Value>(text).is_ok(),
+                    "{}: {text}",
+                    row.path
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_path_stands_once_and_has_a_meaning() {
+        let rows = rows();
+        let mut paths: Vec<_> = rows.iter().map(|row| row.path.as_str()).collect();
+        paths.sort_unstable();
+        paths.dedup();
+        assert_eq!(paths.len(), rows.len());
+        assert!(rows.iter().all(|row| !row.doc.is_empty()));
+    }
+
+    /// The documented table is this one. After a change of the fields, copy what the failure prints.
+    #[test]
+    fn the_field_table_of_the_documentation_is_up_to_date() {
+        let written = include_str!("../FIELDS.md");
+        assert!(
+            written.contains(&markdown()),
+            "FIELDS.md should hold:\n{}",
+            markdown()
+        );
+    }
+}

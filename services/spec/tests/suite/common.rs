@@ -1,0 +1,71 @@
+//! What the tests of this crate share.
+
+use fathom_spec::{FieldError, Job, Vocabulary};
+use serde_json::{Value, json};
+
+/// Names to test with; `local` allows files.
+pub(crate) fn vocabulary(local: bool) -> Vocabulary {
+    let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+    Vocabulary {
+        families: names(&["structure"]),
+        presets: names(&["jerlov-1C", "jerlov-3C", "uuv-simulator", "clear-kd"]),
+        unrenderable_presets: vec![("clear-kd".to_owned(), "it has no beam attenuation".to_owned())],
+        styles: names(&["atlantic", "mediterranean", "muddy"]),
+        enhancements: names(&["hscm", "ulap"]),
+        metrics: names(&[
+            "entropy",
+            "uicm",
+            "uism",
+            "uiconm",
+            "uiqm",
+            "uiqm@table1",
+            "uciqe",
+            "psnr",
+            "ssim",
+        ]),
+        local,
+    }
+}
+
+/// The least that a description must say, with these fields beside it.
+pub(crate) fn with(fields: Value) -> Value {
+    let mut document = json!({"scene": {"kind": "procedural", "family": "structure"}});
+    let Value::Object(fields) = fields else {
+        return fields;
+    };
+    for (key, value) in fields {
+        document[key] = value;
+    }
+    document
+}
+
+/// The job of this description.
+pub(crate) fn job(document: &Value) -> Job {
+    let text = document.to_string();
+    Job::parse(text.as_bytes(), &vocabulary(false)).unwrap_or_else(|errors| panic!("{text}\n{errors}"))
+}
+
+/// The job of the least description with these fields beside it.
+pub(crate) fn job_with(fields: Value) -> Job {
+    job(&with(fields))
+}
+
+/// All errors of this description.
+pub(crate) fn errors(document: &Value) -> Vec<FieldError> {
+    match Job::parse(document.to_string().as_bytes(), &vocabulary(false)) {
+        Ok(_) => panic!("accepted: {document}"),
+        Err(errors) => errors.0,
+    }
+}
+
+/// The only error of the least description with these fields beside it.
+pub(crate) fn only_error(fields: Value) -> FieldError {
+    let mut found = errors(&with(fields.clone()));
+    assert_eq!(found.len(), 1, "{fields}: {found:#?}");
+    found.remove(0)
+}
+
+/// The parameters of a frame.
+pub(crate) fn parameters(job: &Job, index: u64) -> Value {
+    job.resolve(index).unwrap().parameters
+}

@@ -1,0 +1,224 @@
+//! Valid descriptions: defaults, canonical form, frames.
+
+use fathom_spec::{ArtifactKind, Camera, Fidelity, Format, HazeBlend, HoleRule, Job, Scene};
+use serde_json::{Value, json};
+
+use crate::common::{job, job_with, parameters, vocabulary, with};
+
+const LEAST: &str = concat!(
+    r#"{"alpha":1.0,"artifacts":["rgb"],"camera":{"height":492,"hfov_deg":80.0,"width":768},"count":1,"#,
+    r#""dataset":"default","encode":{"format":"png"},"enhance":[],"fidelity":{"tolerance":0.0003},"labels":{},"#,
+    r#""lights":[],"metrics":["entropy","uicm","uism","uiconm","uiqm","uciqe"],"#,
+    r#""scene":{"family":"structure","kind":"procedural","seed":0},"seed":0,"#,
+    r#""water":{"ambient":"none","holes":"background","range_scale":1.0}}"#,
+);
+
+/// One of everything.
+fn everything() -> Value {
+    json!({
+        "dataset": "shaft-v1", "count": 1000, "seed": 42,
+        "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 1_000_000]}},
+        "camera": {"width": 640, "height": 480, "hfov_deg": {"uniform": [60, 90]}},
+        "water": {"optics": {"choice": ["jerlov-1C", "jerlov-3C"]}, "range_scale": {"uniform": [0.5, 2.0]},
+            "style": {"choice": ["atlantic", "mediterranean", "muddy"], "weights": [1, 1, 2]},
+            "depth_m": 4, "ambient": "exposed", "holes": {"range_m": 20}},
+        "alpha": {"uniform": [0.0, 1.0]},
+        "lights": [{"kind": "haze", "x": {"uniform": [0, 1]}, "y": 1.0, "size": 0.2,
+            "intensity": {"normal": [0.8, 0.1], "clip": [0, 1]}, "color": [1, 1, {"grid": [0.5, 1]}],
+            "blend": "add", "space": "display"}],
+        "enhance": ["hscm"], "metrics": ["uiqm@table1", "psnr"], "fidelity": {"terms": 6},
+        "artifacts": ["rgb", "range", "enhanced.hscm", "hscm_mask"],
+        "encode": {"format": "jpeg", "quality": 80},
+        "labels": {"run": "exp-41", "n": 2.0, "choice": true, "t": {"log_uniform": [1, 10]}},
+    })
+}
+
+#[test]
+fn the_least_description_gets_every_default() {
+    assert_eq!(job(&with(json!({}))).canonical(), LEAST);
+}
+
+#[test]
+fn the_canonical_form_is_a_fixed_point() {
+    for document in [with(json!({})), everything()] {
+        let first = job(&document);
+        let second = Job::from_canonical(first.canonical(), &vocabulary(false)).unwrap();
+        assert_eq!(first.canonical(), second.canonical());
+        assert_eq!(first.digest(), second.digest());
+        for index in [0, 1, first.frames() - 1] {
+            assert_eq!(first.resolve(index), second.resolve(index));
+        }
+    }
+}
+
+#[test]
+fn order_spacing_and_the_form_of_numbers_do_not_change_the_digest() {
+    let one = br#"{"scene":{"kind":"procedural","family":"structure","seed":7},"alpha":0.50,"count":10}"#;
+    let other = br#"{ "count": 1e1, "alpha": 5e-1, "scene": {"seed": 7.0, "family": "structure", "kind": "procedural"},
+        "water": {"range_scale": 1}, "labels": {} }"#;
+    let [one, other] = [&one[..], &other[..]].map(|text| Job::parse(text, &vocabulary(false)).unwrap());
+    assert_eq!(one.canonical(), other.canonical());
+    assert_eq!(one.digest(), other.digest());
+    assert_eq!(one.digest().len(), 64);
+    assert_ne!(
+        one.digest(),
+        job_with(json!({"alpha": 0.5, "count": 10})).digest()
+    );
+}
+
+#[test]
+fn minus_zero_is_zero_and_a_large_seed_is_kept_exactly() {
+    let job = job_with(json!({"alpha": -0.0, "seed": u64::MAX}));
+    assert!(job.canonical().contains(r#""alpha":0.0"#));
+    assert!(job.canonical().contains(r#""seed":18446744073709551615"#));
+    assert_eq!(job.seed(), u64::MAX);
+    assert_eq!(job.resolve(0).unwrap().seed, u64::MAX);
+}
+
+#[test]
+fn parameters_are_the_resolved_description_without_count() {
+    let mut expected: Value = serde_json::from_str(LEAST).unwrap();
+    expected.as_object_mut().unwrap().remove("count");
+    assert_eq!(parameters(&job(&with(json!({}))), 0), expected);
+}
+
+#[test]
+fn a_frame_has_the_values_of_its_parameters() {
+    let job = job(&everything());
+    assert_eq!(
+        (job.frames(), job.dataset(), job.uses_style()),
+        (2000, "shaft-v1", true)
+    );
+    let frame = job.resolve(1).unwrap();
+    assert_eq!(
+        (frame.index, frame.seed, frame.dataset.as_str()),
+        (1, 42, "shaft-v1")
+    );
+    let Scene::Procedural { family, seed } = &frame.scene else {
+        panic!("{:?}", frame.scene)
+    };
+    assert_eq!(family, "structure");
+    assert_eq!(frame.parameters["scene"]["seed"], json!(seed));
+    assert_eq!((frame.camera.width, frame.camera.height), (640, 480));
+    assert_eq!(
+        frame.parameters["camera"]["hfov_deg"].as_f64(),
+        Some(frame.camera.hfov_deg)
+    );
+    assert_eq!(frame.parameters["alpha"].as_f64(), Some(frame.alpha));
+    assert_eq!(frame.water.holes, HoleRule::RangeM(20.0));
+    assert_eq!(frame.water.depth_m, Some(4.0));
+    let light = &frame.lights[0];
+    assert_eq!(
+        (light.y, light.blend, light.color),
+        (1.0, HazeBlend::Add, [1.0, 1.0, 1.0])
+    );
+    assert_eq!(job.resolve(0).unwrap().lights[0].color, [1.0, 1.0, 0.5]);
+    assert_eq!(frame.fidelity, Fidelity::Terms(6));
+    assert_eq!(frame.artifacts[2], ArtifactKind::Enhanced("hscm".to_owned()));
+    assert_eq!(
+        (frame.encode.format, frame.encode.quality),
+        (Format::Jpeg, Some(80))
+    );
+    assert_eq!(frame.labels["run"], json!("exp-41"));
+    assert_eq!(frame.labels["n"], json!(2));
+    assert_eq!(frame.labels["choice"], json!(true));
+}
+
+#[test]
+fn presets_are_stored_by_their_full_name_whatever_their_form() {
+    for optics in [
+        json!("jerlov-3C"),
+        json!("jerlov-3C/williamson2022"),
+        json!({"preset": "jerlov-3C"}),
+    ] {
+        let frame = job_with(json!({"water": {"optics": optics}})).resolve(0).unwrap();
+        assert_eq!(
+            frame.parameters["water"]["optics"],
+            json!({"preset": "jerlov-3C/williamson2022"})
+        );
+        assert_eq!(
+            frame.water.optics.unwrap().preset.as_deref(),
+            Some("jerlov-3C/williamson2022")
+        );
+    }
+}
+
+#[test]
+fn a_jpeg_has_a_quality_and_no_other_format_has() {
+    let encode = |format: &str| {
+        job_with(json!({"encode": {"format": format}}))
+            .resolve(0)
+            .unwrap()
+            .encode
+            .quality
+    };
+    assert_eq!(encode("jpeg"), Some(95));
+    assert_eq!(encode("webp"), None);
+}
+
+#[test]
+fn uploaded_scenes_are_listed_whether_chosen_or_not() {
+    let job = job(&json!({"scene": {"choice": [
+        {"kind": "uploaded", "id": {"grid": ["scn_b", "scn_a"]}},
+        {"kind": "uploaded", "id": "scn_c"},
+        {"kind": "procedural", "family": "structure"}]}}));
+    assert_eq!(job.uploaded_scene_ids(), ["scn_a", "scn_b", "scn_c"]);
+    assert_eq!(job_with(json!({})).uploaded_scene_ids(), [""; 0]);
+}
+
+#[test]
+fn files_are_read_only_where_the_vocabulary_says_local() {
+    let text = json!({"scene": {"kind": "files", "rgb": "a.png", "z_depth": "d.png", "unit_m": 0.001,
+        "invalid_code": 0}});
+    let frame = Job::parse(text.to_string().as_bytes(), &vocabulary(true))
+        .unwrap()
+        .resolve(0)
+        .unwrap();
+    let Scene::Files {
+        rgb,
+        range: Some(range),
+    } = frame.scene
+    else {
+        panic!("{:?}", frame.scene)
+    };
+    assert_eq!(
+        (rgb.as_str(), range.z_depth.as_deref(), range.range),
+        ("a.png", Some("d.png"), None)
+    );
+    assert_eq!((range.unit_m, range.invalid_code), (Some(0.001), Some(0)));
+
+    let alone = json!({"scene": {"kind": "files", "rgb": "a.png"}}).to_string();
+    let frame = Job::parse(alone.as_bytes(), &vocabulary(true))
+        .unwrap()
+        .resolve(0)
+        .unwrap();
+    assert_eq!(
+        frame.scene,
+        Scene::Files {
+            rgb: "a.png".to_owned(),
+            range: None
+        }
+    );
+}
+
+#[test]
+fn what_has_no_effect_is_warned_of() {
+    let warnings = |fields: Value| job_with(fields).warnings().join("\n");
+    assert_eq!(warnings(json!({})), "");
+    assert!(warnings(json!({"alpha": 0.5})).contains("`alpha`"));
+    assert_eq!(warnings(json!({"alpha": 0.5, "water": {"style": "muddy"}})), "");
+    assert!(warnings(json!({"water": {"range_scale": 2}})).contains("`water.range_scale`"));
+    let uploaded =
+        json!({"scene": {"kind": "uploaded", "id": "scn_1"}, "camera": {"width": 9, "hfov_deg": 60}});
+    assert!(warnings(uploaded).contains("`camera.width`"));
+}
+
+#[test]
+fn the_focal_length_follows_from_the_field_of_view() {
+    let camera = Camera {
+        width: 200,
+        height: 100,
+        hfov_deg: 90.0,
+    };
+    assert!((camera.focal_px(200) - 100.0).abs() < 1e-12);
+}

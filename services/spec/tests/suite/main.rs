@@ -1,0 +1,10 @@
+//! The public surface of `spec`, tested as its users see it.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+mod documents;
+mod errors;
+mod law_errors;
+mod laws;
+mod soup;
+mod waters;

@@ -1,0 +1,190 @@
+//! Waters: what must fit together, and what the optics are asked for.
+
+use fathom_spec::{haze_lights, haze_space, water_request};
+use serde_json::{Value, json};
+
+use crate::common::{errors, job_with, only_error, with};
+
+fn optics(optics: Value) -> Value {
+    json!({"water": {"optics": optics}})
+}
+
+#[test]
+fn without_optics_nothing_is_asked_for() {
+    assert_eq!(
+        water_request(&job_with(json!({"water": {"range_scale": 2}})).resolve(0).unwrap()),
+        None
+    );
+}
+
+#[test]
+fn every_field_reaches_the_optics() {
+    let job = job_with(
+        json!({"water": {"range_scale": 2, "depth_m": 3, "ambient": "absolute", "holes": "reject",
+        "optics": {"absorption_per_m": [0.1, 0.2, 0.3], "scattering_per_m": [0.4, 0.5, 0.6],
+            "beam_attenuation_per_m": [0.5, 0.7, 0.9], "backscatter_attenuation_per_m": [1, 2, 3],
+            "diffuse_attenuation_per_m": [0.01, 0.02, 0.03], "veiling_light": [0.7, 0.8, 0.9], "veil_gain": 0.4,
+            "forward_scatter": {"model": "jaffe", "g_per_m": [0.11, 0.12, 0.13], "spread_px_per_m": [4, 5, 6],
+                "spread_offset_px": [7, 8, 9], "source": "direct"}}}}),
+    );
+    let request = water_request(&job.resolve(0).unwrap()).unwrap();
+    assert_eq!(request.preset, None);
+    assert_eq!(request.absorption, Some([0.1, 0.2, 0.3]));
+    assert_eq!(request.scattering, Some([0.4, 0.5, 0.6]));
+    assert_eq!(request.beam_attenuation, Some([0.5, 0.7, 0.9]));
+    assert_eq!(request.backscatter_attenuation, Some([1.0, 2.0, 3.0]));
+    assert_eq!(request.diffuse_attenuation, Some([0.01, 0.02, 0.03]));
+    assert_eq!(
+        (request.veiling_light, request.veil_gain),
+        (Some([0.7, 0.8, 0.9]), Some(0.4))
+    );
+    assert_eq!((request.range_scale, request.depth_m), (2.0, Some(3.0)));
+    assert_eq!(request.ambient, optics::water::Ambient::Absolute);
+    assert_eq!(request.holes, optics::range::HoleRule::Reject);
+    let scatter = request.scatter.unwrap();
+    assert_eq!(scatter.model, optics::water::ScatterModel::Jaffe);
+    assert_eq!(scatter.source, optics::water::ScatterSource::Direct);
+    assert_eq!(scatter.g, Some([0.11, 0.12, 0.13]));
+    assert_eq!(
+        (scatter.spread_px_per_m, scatter.spread_offset_px),
+        (Some([4.0, 5.0, 6.0]), Some([7.0, 8.0, 9.0]))
+    );
+}
+
+#[test]
+fn a_preset_that_cannot_be_rendered_says_why() {
+    let error = only_error(optics(json!("clear-kd")));
+    assert_eq!(
+        (
+            error.pointer.as_str(),
+            error.message.contains("it has no beam attenuation")
+        ),
+        ("/water/optics", true)
+    );
+    assert_eq!(
+        only_error(optics(json!({"preset": "clear-kd"}))).pointer,
+        "/water/optics/preset"
+    );
+    assert_eq!(
+        only_error(optics(json!({"choice": ["jerlov-1C", "clear-kd"]}))).pointer,
+        "/water/optics/choice/1"
+    );
+}
+
+const WATER: &str = r#"{"absorption_per_m": [0.1, 0.1, 0.1], "scattering_per_m": [0.2, 0.2, 0.2], "veiling_light": [0, 0, 0]}"#;
+
+fn with_g(g: Value) -> Value {
+    let mut water: Value = serde_json::from_str(WATER).unwrap();
+    water["forward_scatter"] = json!({"g_per_m": g});
+    optics(water)
+}
+
+#[test]
+fn scatter_above_attenuation_is_refused_at_its_place() {
+    let error = only_error(with_g(json!([0.1, 0.5, 0.1])));
+    assert_eq!(error.pointer, "/water/optics/forward_scatter/g_per_m");
+    assert!(error.message.contains("0.5"), "{}", error.message);
+    job_with(with_g(json!([0.1, 0.3, 0.1])));
+}
+
+#[test]
+fn the_ends_of_laws_are_tried_against_each_other() {
+    let low = json!({"uniform": [0.1, 0.30001]});
+    let error = only_error(with_g(json!([low, 0, 0])));
+    assert_eq!(error.pointer, "/water/optics/forward_scatter/g_per_m");
+    assert!(
+        error.message.starts_with("a water that the laws can yield: "),
+        "{}",
+        error.message
+    );
+    job_with(with_g(json!([{"uniform": [0.1, 0.3]}, 0, 0])));
+}
+
+#[test]
+fn many_laws_are_tried_one_at_a_time_and_the_pair_that_clashes_is_found() {
+    let law = |a: f64, b: f64| json!({"uniform": [a, b]});
+    let three = |a: f64, b: f64| json!([law(a, b), law(a, b), law(a, b)]);
+    let water = |clash: f64| {
+        json!({"water": {"range_scale": law(0.5, 2.0), "depth_m": law(0.0, 10.0), "optics": {"choice": ["jerlov-1C", {
+            "beam_attenuation_per_m": three(0.3, 0.6), "backscatter_attenuation_per_m": three(0.1, 0.2),
+            "diffuse_attenuation_per_m": three(0.1, 0.2), "veiling_light": three(0.0, 0.2), "veil_gain": law(0.1, 0.2),
+            "forward_scatter": {"g_per_m": [law(0.0, 0.3), law(0.0, 0.3), law(0.0, clash)],
+                "spread_px_per_m": three(0.0, 1.0)}}]}}})
+    };
+    job_with(water(0.3));
+    let error = only_error(water(0.300_001));
+    assert_eq!(error.pointer, "/water/optics/choice/1/forward_scatter/g_per_m");
+}
+
+#[test]
+fn a_water_that_lacks_numbers_says_which() {
+    let found = errors(&with(optics(json!({}))));
+    let messages: Vec<_> = found.iter().map(|error| error.message.as_str()).collect();
+    assert!(
+        messages
+            .iter()
+            .any(|message| message.starts_with("beam_attenuation_per_m is missing")),
+        "{messages:?}"
+    );
+    assert_eq!(found[0].pointer, "/water/optics");
+    let ambient = only_error(json!({"water": {"optics": "jerlov-1C", "ambient": "exposed"}}));
+    assert!(
+        ambient.message.starts_with("depth_m is missing"),
+        "{}",
+        ambient.message
+    );
+    assert_eq!(ambient.pointer, "/water");
+}
+
+#[test]
+fn laws_of_fields_that_must_agree_are_refused() {
+    let water = json!({"absorption_per_m": [{"int": [0, 1]}, 0, 0], "scattering_per_m": [0, 0, 0],
+        "beam_attenuation_per_m": [{"int": [0, 1]}, 0, 0], "veiling_light": [0, 0, 0]});
+    let error = only_error(optics(water));
+    assert_eq!(error.pointer, "/water/optics/beam_attenuation_per_m");
+}
+
+#[test]
+fn lights_reach_the_optics_in_their_order_and_space() {
+    let job = job_with(json!({"lights": [
+        {"kind": "haze", "x": 0.1, "y": 0.2, "size": 0.3, "intensity": 0.4, "color": [1, 2, 3], "blend": "add",
+            "space": "display"},
+        {"kind": "haze", "x": 1, "y": 1, "space": "display"}]}));
+    let frame = job.resolve(0).unwrap();
+    let lights = haze_lights(&frame);
+    let first = optics::HazeLight {
+        x: 0.1,
+        y: 0.2,
+        size: 0.3,
+        intensity: 0.4,
+        color: [1.0, 2.0, 3.0],
+        blend: optics::HazeBlend::Add,
+    };
+    assert_eq!(lights[0], first);
+    assert_eq!(
+        (lights[1].size, lights[1].intensity, lights[1].blend),
+        (0.2, 1.0, optics::HazeBlend::Over)
+    );
+    assert_eq!(haze_space(&frame), optics::HazeSpace::Display);
+    assert_eq!(
+        haze_space(&job_with(json!({})).resolve(0).unwrap()),
+        optics::HazeSpace::Linear
+    );
+}
+
+#[test]
+fn fields_that_vary_together_stand_in_one_choice() {
+    let coupled = json!({"choice": [
+        {"absorption_per_m": [0.1, 0, 0], "scattering_per_m": [0, 0, 0], "beam_attenuation_per_m": [0.1, 0, 0],
+            "veiling_light": [0, 0, 0]},
+        {"absorption_per_m": [0.2, 0, 0], "scattering_per_m": [0, 0, 0], "beam_attenuation_per_m": [0.2, 0, 0],
+            "veiling_light": [0, 0, 0]}]});
+    job_with(optics(coupled));
+    let axis = json!({"grid": [0.1, 0.2]});
+    let crossed = json!({"absorption_per_m": [axis, 0, 0], "scattering_per_m": [0, 0, 0],
+        "beam_attenuation_per_m": [axis, 0, 0], "veiling_light": [0, 0, 0]});
+    assert_eq!(
+        only_error(optics(crossed)).pointer,
+        "/water/optics/beam_attenuation_per_m"
+    );
+}
