@@ -1,0 +1,76 @@
+//! HSCM: homomorphic filter, spatial median, CLAHE and circular mask.
+//!
+//! The chain is plain calls in this order: [`Luma`] → [`homomorphic`] → [`median`] → [`clahe`] → [`merge`] →
+//! [`circle`]. The first stages work on luma alone; colours come back in the merge, which keeps the chroma of the
+//! input. Every stage is public, so that each can be compared with a reference given the stage before it.
+
+pub mod circle;
+pub mod clahe;
+pub mod homomorphic;
+mod luma;
+pub mod median;
+pub mod merge;
+mod options;
+
+use imaging::{Channels, Plane, Raster, Rgb8, Samples};
+
+pub use luma::Luma;
+pub use options::{
+    CIRCLE_MAX, Circle, GRID_MAX, MAGNITUDE_MAX, MAGNITUDE_MIN, MEDIAN_MAX, OptionError, Options, Output,
+    Profile, Settings,
+};
+
+use crate::method::{EnhanceError, Enhanced, Variant};
+
+/// Enhances one picture.
+///
+/// Gray stays gray. A 16-bit picture keeps its depth through the homomorphic stage and is reduced to 8 bit for the
+/// merge; the result, alpha included, is 8 bit.
+///
+/// # Errors
+/// [`EnhanceError::Empty`] for a picture without a pixel.
+pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<Enhanced, EnhanceError> {
+    let (width, height) = (picture.width(), picture.height());
+    if width == 0 || height == 0 {
+        return Err(EnhanceError::Empty { width, height });
+    }
+    let settings = options.settings();
+    let filtered = homomorphic::homomorphic(&Luma::of(picture), options, variant);
+    let smoothed = median::median(&filtered, settings.median, variant);
+    let equalised = clahe::clahe(&smoothed, settings.grid, settings.clip_limit);
+
+    let alpha = picture.alpha().map(|alpha| Samples::U8(alpha.to_u8()));
+    let (channels, unmasked) = if picture.channels() == Channels::Gray || settings.output == Output::Gray {
+        (Channels::Gray, equalised.into_data())
+    } else {
+        (Channels::Rgb, merged(picture, &equalised))
+    };
+    let raster = |codes| {
+        Raster::new(width, height, channels, Samples::U8(codes), alpha.clone())
+            .expect("the stages keep the size")
+    };
+    Ok(match settings.mask {
+        None => Enhanced {
+            picture: raster(unmasked.clone()),
+            unmasked: raster(unmasked),
+            mask: None,
+        },
+        Some(circle) => {
+            let mask = circle::plane(width, height, &circle);
+            let mut masked = unmasked.clone();
+            circle::black_out(&mut masked, channels.count(), &mask);
+            Enhanced {
+                picture: raster(masked),
+                unmasked: raster(unmasked),
+                mask: Some(mask),
+            }
+        }
+    })
+}
+
+fn merged(picture: &Raster, luma: &Plane<u8>) -> Vec<u8> {
+    match picture.samples() {
+        Samples::U8(codes) => merge::merge(codes, luma.data()),
+        Samples::U16(_) => merge::merge(Rgb8::data(&picture.to_rgb8()), luma.data()),
+    }
+}

@@ -1,0 +1,98 @@
+//! Square blocks from the top left corner; what is left over at the right and at the bottom is not looked at.
+
+/// The block grid over a picture.
+pub(crate) struct Blocks {
+    width_px: usize,
+    height_px: usize,
+    across: usize,
+    down: usize,
+}
+
+impl Blocks {
+    /// Blocks of `side` pixels; along an axis that is shorter there is one block as long as the axis.
+    pub(crate) fn of((width, height): (usize, usize), side: usize) -> Self {
+        let (width_px, height_px) = (side.min(width), side.min(height));
+        Self {
+            width_px,
+            height_px,
+            across: width / width_px,
+            down: height / height_px,
+        }
+    }
+
+    /// How many blocks there are; at least one.
+    pub(crate) fn count(&self) -> f64 {
+        (self.across * self.down) as f64
+    }
+
+    /// Rows that lie in blocks.
+    pub(crate) fn rows(&self) -> usize {
+        self.down * self.height_px
+    }
+
+    /// Least and greatest sample of each block, row by row. A picture's row holds `samples` values for each pixel, and
+    /// `fill(y, row)` writes that part of row y that lies in blocks. Rows are asked for once, from the top down.
+    #[inline(always)]
+    pub(crate) fn extremes<T: Copy + PartialOrd + Default>(
+        &self,
+        samples: usize,
+        mut fill: impl FnMut(usize, &mut [T]),
+    ) -> Vec<(T, T)> {
+        let block = self.width_px * samples;
+        let mut row = vec![T::default(); self.across * block];
+        let mut low = row.clone();
+        let mut high = row.clone();
+        let mut extremes = Vec::with_capacity(self.across * self.down);
+        for y in 0..self.rows() {
+            if y % self.height_px == 0 {
+                fill(y, &mut low);
+                high.copy_from_slice(&low);
+            } else {
+                fill(y, &mut row);
+                for ((low, high), &value) in low.iter_mut().zip(&mut high).zip(&row) {
+                    *low = if value < *low { value } else { *low };
+                    *high = if value > *high { value } else { *high };
+                }
+            }
+            if y % self.height_px == self.height_px - 1 {
+                extremes.extend(
+                    low.chunks_exact(block)
+                        .zip(high.chunks_exact(block))
+                        .map(|(low, high)| {
+                            let least = low
+                                .iter()
+                                .fold(low[0], |least, &v| if v < least { v } else { least });
+                            let greatest = high
+                                .iter()
+                                .fold(high[0], |most, &v| if v > most { v } else { most });
+                            (least, greatest)
+                        }),
+                );
+            }
+        }
+        extremes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn left_over_columns_and_rows_belong_to_no_block() {
+        let blocks = Blocks::of((5, 3), 2);
+        let extremes = blocks.extremes(1, |y, row: &mut [u8]| {
+            for (x, sample) in row.iter_mut().enumerate() {
+                *sample = (10 * y + x) as u8;
+            }
+        });
+        assert_eq!(blocks.count(), 2.0);
+        assert_eq!(extremes, [(0, 11), (2, 13)]);
+    }
+
+    #[test]
+    fn a_short_axis_is_one_block_long() {
+        let blocks = Blocks::of((25, 3), 10);
+        assert_eq!((blocks.count(), blocks.rows()), (2.0, 3));
+    }
+}

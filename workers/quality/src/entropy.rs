@@ -1,0 +1,82 @@
+//! Shannon entropy, `H = -Σ p log2 p` in bits, of several distributions of a picture's codes.
+
+use crate::work::Work;
+
+/// Entropy of the 256-bin histogram of gray codes, 0..=8.
+pub(crate) fn gray(work: &Work) -> f64 {
+    of_codes(work.gray().data().iter().copied())
+}
+
+/// Entropy of the red channel, 0..=8.
+pub(crate) fn red(work: &Work) -> f64 {
+    of_codes(work.channels()[0].data().iter().copied())
+}
+
+/// Entropy of the green channel, 0..=8.
+pub(crate) fn green(work: &Work) -> f64 {
+    of_codes(work.channels()[1].data().iter().copied())
+}
+
+/// Entropy of the blue channel, 0..=8.
+pub(crate) fn blue(work: &Work) -> f64 {
+    of_codes(work.channels()[2].data().iter().copied())
+}
+
+/// Entropy over distinct colours, 0..=24 and never above `log2` of the number of pixels.
+pub(crate) fn joint(work: &Work) -> f64 {
+    let mut colours: Vec<u32> = work
+        .picture()
+        .pixels()
+        .map(|[r, g, b]| u32::from_be_bytes([0, r, g, b]))
+        .collect();
+    colours.sort_unstable();
+    of_counts(
+        colours.chunk_by(|a, b| a == b).map(|run| run.len() as u32),
+        colours.len(),
+    )
+}
+
+/// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighbourhood rounded down), 0..=16. The centre counts
+/// to its neighbourhood and the border is replicated.
+pub(crate) fn with_neighbourhood(work: &Work) -> f64 {
+    let gray = work.gray();
+    let (width, height) = gray.size();
+    let mut counts = vec![0u32; 1 << 16];
+    let mut sums = vec![0u16; width];
+    for y in 0..height {
+        let rows = [
+            gray.row(y.saturating_sub(1)),
+            gray.row(y),
+            gray.row((y + 1).min(height - 1)),
+        ];
+        for (x, sum) in sums.iter_mut().enumerate() {
+            *sum = rows.iter().map(|row| u16::from(row[x])).sum();
+        }
+        for (x, &code) in rows[1].iter().enumerate() {
+            let sum = sums[x.saturating_sub(1)] + sums[x] + sums[(x + 1).min(width - 1)];
+            counts[usize::from(code) << 8 | usize::from(sum / 9)] += 1;
+        }
+    }
+    of_counts(counts.into_iter(), gray.data().len())
+}
+
+fn of_codes(codes: impl Iterator<Item = u8>) -> f64 {
+    let mut counts = [0u32; 256];
+    let mut total = 0;
+    for code in codes {
+        counts[usize::from(code)] += 1;
+        total += 1;
+    }
+    of_counts(counts.into_iter(), total)
+}
+
+/// `-Σ p log2 p` with `p = count / total`, in the order given; `0 log 0` is 0.
+fn of_counts(counts: impl Iterator<Item = u32>, total: usize) -> f64 {
+    let total = total as f64;
+    let mut entropy = 0.0;
+    for count in counts.filter(|&count| count > 0) {
+        let p = f64::from(count) / total;
+        entropy -= p * p.log2();
+    }
+    entropy
+}

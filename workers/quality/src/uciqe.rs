@@ -1,0 +1,283 @@
+//! UCIQE: spread of chroma, contrast of lightness and mean saturation in CIE Lab (Yang and Sowmya 2015).
+//!
+//! sRGB codes → linear light → XYZ (sRGB primaries) → Lab with white (0.95047, 1, 1.08883); `l = L / 100`,
+//! `C = sqrt(a² + b²) / 100` (0 below 1e-6, which is rounding of a gray).
+//! `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the standard deviation of C; con_l the mean of the k largest l
+//! less the mean of the k smallest, k one hundredth of the pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
+
+use std::sync::LazyLock;
+
+use imaging::Rgb8;
+use pulp::{Simd, WithSimd};
+
+use crate::work::Work;
+
+/// UCIQE itself.
+pub(crate) fn uciqe(work: &Work) -> f64 {
+    let Terms { sigma_c, con_l, mu_s } = work.colourfulness();
+    0.4680 * sigma_c + 0.2745 * con_l + 0.2576 * mu_s
+}
+
+/// Standard deviation of chroma.
+pub(crate) fn sigma_c(work: &Work) -> f64 {
+    work.colourfulness().sigma_c
+}
+
+/// Contrast of lightness.
+pub(crate) fn con_l(work: &Work) -> f64 {
+    work.colourfulness().con_l
+}
+
+/// Mean saturation.
+pub(crate) fn mu_s(work: &Work) -> f64 {
+    work.colourfulness().mu_s
+}
+
+/// The three terms of a picture.
+pub(crate) struct Terms {
+    sigma_c: f64,
+    con_l: f64,
+    mu_s: f64,
+}
+
+impl Terms {
+    pub(crate) fn of(picture: &Rgb8) -> Self {
+        pulp::Arch::new().dispatch(Measure { picture })
+    }
+}
+
+/// Linear light of each sRGB code.
+static LINEAR: LazyLock<[f64; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|code| {
+        let c = code as f64 / 255.0;
+        if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        }
+    })
+});
+
+/// Rows of linear sRGB → XYZ, each divided by the white.
+const TO_XYZ: [[f64; 3]; 3] = [
+    [
+        0.412_456_4 / 0.950_47,
+        0.357_576_1 / 0.950_47,
+        0.180_437_5 / 0.950_47,
+    ],
+    [0.212_672_9, 0.715_152_2, 0.072_175],
+    [
+        0.019_333_9 / 1.088_83,
+        0.119_192 / 1.088_83,
+        0.950_304_1 / 1.088_83,
+    ],
+];
+
+/// Pixels whose colours are converted together.
+const BATCH: usize = 64;
+/// Independent partial sums, added up in this order whatever the vector unit.
+const LANES: usize = 8;
+
+struct Measure<'a> {
+    picture: &'a Rgb8,
+}
+
+impl WithSimd for Measure<'_> {
+    type Output = Terms;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Terms {
+        let linear: &[f64; 256] = &LINEAR;
+        let codes = self.picture.data();
+        let pixels = codes.len() / 3;
+        let mut lightness = vec![0.0f64; pixels];
+        // Chroma is taken relative to the first pixel's, so that its variance does not cancel.
+        let origin = chroma_of(linear, &codes[..3]);
+        let [mut chroma_sums, mut square_sums, mut saturation_sums] = [[0.0f64; LANES]; 3];
+        for (codes, lightness) in codes.chunks(3 * BATCH).zip(lightness.chunks_mut(BATCH)) {
+            let mut batch = Batch::load(linear, codes);
+            batch.convert();
+            let count = lightness.len();
+            lightness.copy_from_slice(&batch.lightness[..count]);
+            for i in 0..count {
+                let offset = batch.chroma[i] - origin;
+                chroma_sums[i % LANES] += offset;
+                square_sums[i % LANES] += offset * offset;
+                saturation_sums[i % LANES] += batch.saturation[i];
+            }
+        }
+        let [chroma, square, saturation] = [chroma_sums, square_sums, saturation_sums]
+            .map(|lanes| lanes.iter().sum::<f64>() / pixels as f64);
+        Terms {
+            sigma_c: (square - chroma * chroma).max(0.0).sqrt(),
+            con_l: contrast(&lightness),
+            mu_s: saturation,
+        }
+    }
+}
+
+#[inline(always)]
+fn chroma_of(linear: &[f64; 256], pixel: &[u8]) -> f64 {
+    let mut batch = Batch::load(linear, pixel);
+    batch.convert();
+    batch.chroma[0]
+}
+
+/// Linear light in, lightness, chroma and saturation out.
+struct Batch {
+    linear: [[f64; BATCH]; 3],
+    lightness: [f64; BATCH],
+    chroma: [f64; BATCH],
+    saturation: [f64; BATCH],
+}
+
+impl Batch {
+    #[inline(always)]
+    fn load(table: &[f64; 256], codes: &[u8]) -> Self {
+        let zero = [0.0; BATCH];
+        let mut linear = [zero; 3];
+        let [r, g, b] = &mut linear;
+        for (((r, g), b), pixel) in r.iter_mut().zip(g).zip(b).zip(codes.chunks_exact(3)) {
+            (*r, *g, *b) = (
+                table[usize::from(pixel[0])],
+                table[usize::from(pixel[1])],
+                table[usize::from(pixel[2])],
+            );
+        }
+        Self {
+            linear,
+            lightness: zero,
+            chroma: zero,
+            saturation: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn convert(&mut self) {
+        let [r, g, b] = &self.linear;
+        for i in 0..BATCH {
+            let response = |row: [f64; 3]| lab_response(row[0] * r[i] + row[1] * g[i] + row[2] * b[i]);
+            let (x, y, z) = (response(TO_XYZ[0]), response(TO_XYZ[1]), response(TO_XYZ[2]));
+            let l = (116.0 * y - 16.0) / 100.0;
+            let (a, b) = (500.0 * (x - y), 200.0 * (y - z));
+            let chroma = (a * a + b * b).sqrt() / 100.0;
+            let chroma = if chroma < 1e-6 { 0.0 } else { chroma };
+            let norm = (chroma * chroma + l * l).sqrt();
+            self.lightness[i] = l;
+            self.chroma[i] = chroma;
+            self.saturation[i] = if chroma > 0.0 { chroma / norm } else { 0.0 };
+        }
+    }
+}
+
+/// `f(t)` of CIE Lab: the cube root, and a straight line near 0.
+#[inline(always)]
+fn lab_response(t: f64) -> f64 {
+    const KNEE: f64 = (6.0 / 29.0) * (6.0 / 29.0) * (6.0 / 29.0);
+    const SLOPE: f64 = 1.0 / (3.0 * (6.0 / 29.0) * (6.0 / 29.0));
+    let root = cube_root(t.max(KNEE));
+    if t > KNEE { root } else { t * SLOPE + 4.0 / 29.0 }
+}
+
+/// Cube root of a normal positive number within 1e-14 of itself: a third of the exponent as first guess (3 % off),
+/// then a Halley step in single and one in double precision, each of which cubes the error.
+#[inline(always)]
+fn cube_root(t: f64) -> f64 {
+    let single = t as f32;
+    let guess = f32::from_bits(single.to_bits() / 3 + 0x2a51_37a0);
+    let cube = guess * guess * guess;
+    let root = f64::from(guess * ((cube + 2.0 * single) / (2.0 * cube + single)));
+    let cube = root * root * root;
+    root * ((cube + 2.0 * t) / (2.0 * cube + t))
+}
+
+/// Mean of the k largest values less the mean of the k smallest, k a hundredth of them, rounded, at least 1.
+fn contrast(lightness: &[f64]) -> f64 {
+    const BINS: usize = 4096;
+    let k = ((lightness.len() as f64 * 0.01 + 0.5) as usize).max(1);
+    let bin_of = |l: f64| ((l * BINS as f64) as usize).min(BINS - 1);
+    let mut counts = vec![0usize; BINS];
+    for &l in lightness {
+        counts[bin_of(l)] += 1;
+    }
+    let low = boundary((0..BINS).map(|bin| (bin, counts[bin])), k);
+    let high = boundary((0..BINS).rev().map(|bin| (bin, counts[bin])), k);
+    let (mut low_sum, mut high_sum) = (0.0, 0.0);
+    let (mut low_rest, mut high_rest) = (Vec::new(), Vec::new());
+    for &l in lightness {
+        let bin = bin_of(l);
+        if bin < low.bin {
+            low_sum += l;
+        }
+        if bin > high.bin {
+            high_sum += l;
+        }
+        if bin == low.bin {
+            low_rest.push(l);
+        }
+        if bin == high.bin {
+            high_rest.push(l);
+        }
+    }
+    low_rest.sort_unstable_by(f64::total_cmp);
+    high_rest.sort_unstable_by(|a, b| b.total_cmp(a));
+    low_sum += low_rest[..low.wanted].iter().sum::<f64>();
+    high_sum += high_rest[..high.wanted].iter().sum::<f64>();
+    (high_sum - low_sum) / k as f64
+}
+
+/// The bin that only some of the k first values fall into, and how many of it.
+struct Boundary {
+    bin: usize,
+    wanted: usize,
+}
+
+fn boundary(bins: impl Iterator<Item = (usize, usize)>, k: usize) -> Boundary {
+    let mut wanted = k;
+    for (bin, count) in bins {
+        if count >= wanted {
+            return Boundary { bin, wanted };
+        }
+        wanted -= count;
+    }
+    unreachable!("k is at most the number of values")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cube_root_is_exact_to_rounding() {
+        for i in 1..=200_000u32 {
+            let t = f64::from(i) / 190_000.0;
+            assert!((cube_root(t) / t.cbrt() - 1.0).abs() < 1e-14, "{t}");
+        }
+    }
+
+    #[test]
+    fn contrast_takes_a_hundredth_at_either_end_and_at_least_one() {
+        assert_eq!(contrast(&[0.25]), 0.0);
+        assert_eq!(contrast(&[0.25, 0.75, 0.5]), 0.5);
+        let ramp: Vec<f64> = (0..1000).rev().map(|i| f64::from(i) / 1000.0).collect();
+        // The ten smallest have the mean 0.0045, the ten largest 0.9945.
+        assert!((contrast(&ramp) - 0.99).abs() < 1e-12);
+    }
+
+    #[test]
+    fn values_that_share_a_bin_are_told_apart() {
+        let mut close: Vec<f64> = (0..150).map(|i| 0.5 + 1e-9 * f64::from(i)).collect();
+        close.reverse();
+        // k = 2: means of 148, 149 and of 0, 1.
+        assert!((contrast(&close) - 148e-9).abs() < 1e-15);
+    }
+
+    #[test]
+    fn gray_has_no_chroma() {
+        let gray = Rgb8::from_fn(16, 16, |x, y| [(16 * y + x) as u8; 3]);
+        let terms = Terms::of(&gray);
+        assert_eq!((terms.sigma_c, terms.mu_s), (0.0, 0.0));
+        // Black and white, three of 256 at either end.
+        assert!(terms.con_l > 0.98 && terms.con_l < 1.0);
+    }
+}

@@ -1,0 +1,135 @@
+//! One picture being measured: what metrics share is made once, when the first of them asks.
+
+use std::cell::{Cell, OnceCell};
+
+use imaging::{Plane, Rgb8};
+
+use crate::error::QualityError;
+use crate::registry::{MetricId, registry};
+use crate::{uciqe, uicm, uism};
+
+/// A picture, the clean one where given, and what has been made from them so far.
+pub(crate) struct Work<'a> {
+    picture: &'a Rgb8,
+    clean: Option<&'a Rgb8>,
+    gray: OnceCell<Plane<u8>>,
+    opponents: OnceCell<uicm::Opponents>,
+    channels: OnceCell<[Plane<u8>; 3]>,
+    sharpness: OnceCell<[f64; 3]>,
+    colourfulness: OnceCell<uciqe::Terms>,
+    values: Vec<Cell<Option<f64>>>,
+}
+
+impl<'a> Work<'a> {
+    fn new(picture: &'a Rgb8, clean: Option<&'a Rgb8>) -> Self {
+        Self {
+            picture,
+            clean,
+            gray: OnceCell::new(),
+            opponents: OnceCell::new(),
+            channels: OnceCell::new(),
+            sharpness: OnceCell::new(),
+            colourfulness: OnceCell::new(),
+            values: vec![Cell::new(None); registry().len()],
+        }
+    }
+
+    pub(crate) fn picture(&self) -> &'a Rgb8 {
+        self.picture
+    }
+
+    /// The clean picture, of the same size. Only metrics whose row says that they need it may ask.
+    pub(crate) fn clean(&self) -> &'a Rgb8 {
+        self.clean
+            .expect("metrics that compare run only with a clean picture")
+    }
+
+    /// Interleaved codes of row `y`.
+    pub(crate) fn picture_row(&self, y: usize) -> &'a [u8] {
+        let stride = 3 * self.picture.width();
+        &self.picture.data()[y * stride..][..stride]
+    }
+
+    pub(crate) fn gray(&self) -> &Plane<u8> {
+        self.gray.get_or_init(|| self.picture.to_gray8())
+    }
+
+    pub(crate) fn opponents(&self) -> &uicm::Opponents {
+        self.opponents.get_or_init(|| uicm::Opponents::of(self.picture))
+    }
+
+    /// Red, green and blue apart.
+    pub(crate) fn channels(&self) -> &[Plane<u8>; 3] {
+        self.channels.get_or_init(|| {
+            [0, 1, 2].map(|channel| {
+                let codes = self
+                    .picture
+                    .data()
+                    .iter()
+                    .skip(channel)
+                    .step_by(3)
+                    .copied()
+                    .collect();
+                Plane::new(self.picture.width(), self.picture.height(), codes)
+                    .expect("one code for each pixel")
+            })
+        })
+    }
+
+    /// EME of the three channels.
+    pub(crate) fn sharpness(&self) -> &[f64; 3] {
+        self.sharpness.get_or_init(|| uism::sharpness(self.channels()))
+    }
+
+    pub(crate) fn colourfulness(&self) -> &uciqe::Terms {
+        self.colourfulness.get_or_init(|| uciqe::Terms::of(self.picture))
+    }
+
+    /// A metric's value, computed once; other metrics may be made of it.
+    pub(crate) fn value(&self, metric: MetricId) -> f64 {
+        let cell = &self.values[metric.row()];
+        cell.get().unwrap_or_else(|| {
+            // Adding 0 turns -0 into +0 and leaves everything else.
+            let value = (metric.info().compute)(self) + 0.0;
+            cell.set(Some(value));
+            value
+        })
+    }
+}
+
+/// Measures a picture, and returns the values in the order of the request. Pixels are 8-bit sRGB codes.
+///
+/// # Errors
+/// [`QualityError`] when the picture has no pixel, when a metric compares and `clean` is `None`, or when `clean` has
+/// another size.
+pub fn measure(
+    picture: &Rgb8,
+    clean: Option<&Rgb8>,
+    metrics: &[MetricId],
+) -> Result<Vec<(MetricId, f64)>, QualityError> {
+    let (width, height) = (picture.width(), picture.height());
+    if width == 0 || height == 0 {
+        return Err(QualityError::Empty { width, height });
+    }
+    if let Some(metric) = metrics.iter().find(|metric| metric.info().needs_reference) {
+        let Some(clean) = clean else {
+            return Err(QualityError::NoReference {
+                metric: metric.to_string(),
+            });
+        };
+        let (clean_width, clean_height) = (clean.width(), clean.height());
+        if (clean_width, clean_height) != (width, height) {
+            return Err(QualityError::Size {
+                width,
+                height,
+                clean_width,
+                clean_height,
+            });
+        }
+    }
+    let work = Work::new(picture, clean);
+    Ok(metrics
+        .iter()
+        .map(|&metric| (metric, work.value(metric)))
+        .collect())
+}
