@@ -1,1 +1,12 @@
 //! Style water models: ONNX networks that repaint a frame in the look of one water.
+//!
+//! A network takes an sRGB-encoded picture and answers one of the same size. It runs on ONNX Runtime, a library that is
+//! loaded when the program runs; without it everything else still works and [`RuntimeMissing`] says what to do.
+
+mod library;
+mod runtime;
+mod session;
+
+pub use library::{Card, Library, LibraryError, StyleModel};
+pub use runtime::{Runtime, RuntimeMissing};
+pub use session::{Session, StyleError};
