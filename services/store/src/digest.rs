@@ -1,0 +1,85 @@
+//! SHA-256 digests: hexadecimal outside, 32 bytes inside.
+
+use sha2::{Digest as _, Sha256};
+
+use crate::error::StoreError;
+
+/// The name of a blob.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Digest(pub(crate) [u8; 32]);
+
+impl Digest {
+    pub(crate) fn parse(text: &str) -> Result<Self, StoreError> {
+        let digits = text.as_bytes();
+        let mut bytes = [0; 32];
+        if digits.len() != 64 {
+            return Err(refuse(text));
+        }
+        for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
+            let (Some(high), Some(low)) = (nibble(pair[0]), nibble(pair[1])) else {
+                return Err(refuse(text));
+            };
+            *byte = high << 4 | low;
+        }
+        Ok(Self(bytes))
+    }
+
+    pub(crate) fn of(bytes: &[u8]) -> Self {
+        Self(Sha256::digest(bytes).into())
+    }
+
+    pub(crate) fn from_row(bytes: &[u8]) -> Option<Self> {
+        bytes.try_into().ok().map(Self)
+    }
+}
+
+impl std::fmt::Display for Digest {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+/// Upper case is refused: a digest has one spelling, since it is also an ETag.
+fn nibble(digit: u8) -> Option<u8> {
+    match digit {
+        b'0'..=b'9' => Some(digit - b'0'),
+        b'a'..=b'f' => Some(digit - b'a' + 10),
+        _ => None,
+    }
+}
+
+fn refuse(text: &str) -> StoreError {
+    StoreError::NotADigest {
+        text: text.chars().take(80).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EMPTY: &str = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+
+    #[test]
+    fn a_digest_survives_the_way_to_text_and_back() {
+        assert_eq!(Digest::of(b"").to_string(), EMPTY);
+        assert_eq!(Digest::parse(EMPTY).unwrap(), Digest::of(b""));
+    }
+
+    #[test]
+    fn anything_but_64_lower_case_hexadecimal_digits_is_refused() {
+        for text in [
+            "",
+            "e3b0",
+            &EMPTY.to_uppercase(),
+            &format!("{EMPTY}00"),
+            &"é".repeat(32),
+            "../../etc/passwd",
+        ] {
+            assert!(
+                matches!(Digest::parse(text), Err(StoreError::NotADigest { .. })),
+                "{text}"
+            );
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! One pack: its file name, its tables, how it is created and checked.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqliteSynchronous};
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
+
+use crate::error::StoreError;
+
+/// Large pages keep a blob of some hundred kilobytes in few pages: measured 3 to 4 times faster than 4 KiB pages.
+const PAGE_BYTES: u32 = 65536;
+
+/// "FTHM", in the header of every pack: tells ours from any other SQLite file.
+const APPLICATION_ID: i64 = 0x4654_484d;
+
+/// Version of the tables below.
+const FORMAT: i64 = 1;
+
+/// How long a connection waits for a lock. Only the checkpoint at the end of a pack ever has to wait.
+const BUSY: Duration = Duration::from_secs(5);
+
+/// `entry` is small and has what a start must read; the bytes lie apart, so that reading it does not touch them.
+const TABLES: &str = "
+    CREATE TABLE data (id INTEGER PRIMARY KEY, bytes BLOB NOT NULL) STRICT;
+    CREATE TABLE entry (
+        digest BLOB NOT NULL PRIMARY KEY,
+        length INTEGER NOT NULL,
+        data INTEGER NOT NULL REFERENCES data (id)
+    ) STRICT, WITHOUT ROWID;
+";
+
+/// The folder of packs.
+#[derive(Debug, Clone)]
+pub(crate) struct Folder(pub(crate) PathBuf);
+
+impl Folder {
+    pub(crate) fn path(&self, pack: u32) -> PathBuf {
+        self.0.join(format!("pack-{pack:06}.sqlite"))
+    }
+
+    /// Numbers of the packs there are, in order. A pack that a crash left unfinished is taken away.
+    pub(crate) fn packs(&self) -> Result<Vec<u32>, StoreError> {
+        let mut packs = Vec::new();
+        for entry in std::fs::read_dir(&self.0)? {
+            let entry = entry?;
+            let name = entry.file_name();
+            let Some(name) = name.to_str() else { continue };
+            if name.contains(".sqlite.new") {
+                std::fs::remove_file(entry.path())?;
+            } else if let Some(number) = name
+                .strip_prefix("pack-")
+                .and_then(|name| name.strip_suffix(".sqlite"))
+            {
+                let number = number
+                    .parse()
+                    .map_err(|_| StoreError::pack(&entry.path(), "its name has no number"))?;
+                packs.push(number);
+            }
+        }
+        packs.sort_unstable();
+        Ok(packs)
+    }
+
+    /// Creates an empty pack under its final name, whole or not at all.
+    pub(crate) async fn create(&self, pack: u32) -> Result<(), StoreError> {
+        let path = self.path(pack);
+        let unfinished = path.with_extension("sqlite.new");
+        let options = SqliteConnectOptions::new()
+            .filename(&unfinished)
+            .create_if_missing(true);
+        let options = options
+            .page_size(PAGE_BYTES)
+            .synchronous(SqliteSynchronous::Full)
+            .disable_statement_logging();
+        let mut connection = SqliteConnection::connect_with(&options).await?;
+        let statements = format!(
+            "BEGIN; {TABLES} PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {FORMAT}; COMMIT;"
+        );
+        sqlx::raw_sql(AssertSqlSafe(statements))
+            .execute(&mut connection)
+            .await?;
+        connection.close().await?;
+        std::fs::rename(&unfinished, &path)?;
+        self.sync()
+    }
+
+    /// A connection that writes. WAL, so that readers go on meanwhile; FULL, so that a commit is on the disk.
+    pub(crate) async fn writer(&self, pack: u32) -> Result<SqliteConnection, StoreError> {
+        let options = SqliteConnectOptions::new()
+            .filename(self.path(pack))
+            .busy_timeout(BUSY);
+        let options = options
+            .journal_mode(SqliteJournalMode::Wal)
+            .synchronous(SqliteSynchronous::Full);
+        Ok(SqliteConnection::connect_with(&options.disable_statement_logging()).await?)
+    }
+
+    /// A connection that only reads.
+    pub(crate) async fn reader(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
+        let options = SqliteConnectOptions::new()
+            .filename(self.path(pack))
+            .busy_timeout(BUSY);
+        SqliteConnection::connect_with(&options.pragma("query_only", "1").disable_statement_logging()).await
+    }
+
+    fn sync(&self) -> Result<(), StoreError> {
+        Ok(std::fs::File::open(&self.0)?.sync_all()?)
+    }
+}
+
+/// Refuses a file that is not a pack of this format.
+pub(crate) async fn check(connection: &mut SqliteConnection, path: &Path) -> Result<(), StoreError> {
+    let damaged = |error: sqlx::Error| StoreError::pack(path, error);
+    let id: i64 = sqlx::query_scalar("PRAGMA application_id")
+        .fetch_one(&mut *connection)
+        .await
+        .map_err(damaged)?;
+    if id != APPLICATION_ID {
+        return Err(StoreError::pack(path, "it is some other SQLite database"));
+    }
+    let format: i64 = sqlx::query_scalar("PRAGMA user_version")
+        .fetch_one(connection)
+        .await
+        .map_err(damaged)?;
+    if format != FORMAT {
+        return Err(StoreError::pack(
+            path,
+            format!("its format is {format}, this program reads {FORMAT}"),
+        ));
+    }
+    Ok(())
+}
