@@ -1,0 +1,83 @@
+//! Cursors: where a page ended, bound to the question it belongs to.
+//!
+//! A cursor is readable text with a checksum. It is no secret: a forged one could only begin a page elsewhere in what the
+//! caller may read anyway; the checksum keeps mistakes from passing for answers.
+
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+use crate::error::CatalogueError;
+
+const CHECK_CHARS: usize = 16;
+
+/// A cursor for a place in the answer to a question.
+pub(crate) fn write(question: &str, place: &Value) -> String {
+    let text = place.to_string();
+    let body: String = text.bytes().map(|byte| format!("{byte:02x}")).collect();
+    format!("{}{body}", check(question, &text))
+}
+
+/// The place of a cursor.
+pub(crate) fn read(question: &str, cursor: &str) -> Result<Value, CatalogueError> {
+    let wrong = || CatalogueError::Cursor;
+    let body = cursor.get(CHECK_CHARS..).ok_or_else(wrong)?;
+    if body.len() % 2 != 0 || !body.is_ascii() {
+        return Err(wrong());
+    }
+    let byte = |at: usize| u8::from_str_radix(&body[at..at + 2], 16).map_err(|_| wrong());
+    let bytes = (0..body.len())
+        .step_by(2)
+        .map(byte)
+        .collect::<Result<Vec<u8>, _>>()?;
+    let text = String::from_utf8(bytes).map_err(|_| wrong())?;
+    if cursor.get(..CHECK_CHARS) != Some(check(question, &text).as_str()) {
+        return Err(wrong());
+    }
+    serde_json::from_str(&text).map_err(|_| wrong())
+}
+
+/// A question as one text that no other question has.
+pub(crate) fn question(parts: &[Option<&str>]) -> String {
+    json!(parts).to_string()
+}
+
+fn check(question: &str, text: &str) -> String {
+    let digest = Sha256::new()
+        .chain_update("fathom-cursor-v1")
+        .chain_update(question)
+        .chain_update([0])
+        .chain_update(text)
+        .finalize();
+    spec::hex(&digest)[..CHECK_CHARS].to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cursor_comes_back_for_its_own_question_only() {
+        let question = question(&[Some("bay"), None]);
+        let place = json!([1.5, "job_1", 7]);
+        let cursor = write(&question, &place);
+        assert_eq!(read(&question, &cursor).unwrap(), place);
+        assert!(matches!(read("another", &cursor), Err(CatalogueError::Cursor)));
+    }
+
+    #[test]
+    fn forged_and_broken_cursors_are_refused() {
+        let cursor = write("q", &json!([1]));
+        let mut forged = cursor.clone();
+        forged.replace_range(17..18, "9");
+        for text in [
+            "",
+            "zz",
+            "0123456789abcdef",
+            &cursor[..cursor.len() - 1],
+            &forged,
+            "ü".repeat(20).as_str(),
+        ] {
+            assert!(matches!(read("q", text), Err(CatalogueError::Cursor)), "{text}");
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! What can go wrong with the catalogue.
+
+use std::path::PathBuf;
+
+use crate::filter::FilterError;
+
+/// An error of the catalogue.
+#[derive(Debug, thiserror::Error)]
+pub enum CatalogueError {
+    /// A filter, order or field list that cannot be read.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+    /// A cursor that this catalogue did not give for this question.
+    #[error("the cursor does not belong to this question")]
+    Cursor,
+    /// What was named is not there.
+    #[error("no {what} `{name}`")]
+    NotFound {
+        /// The kind of thing.
+        what: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// A change of a job's state that makes no sense.
+    #[error("job {id} is {from} and cannot become {to}")]
+    Transition {
+        /// The job.
+        id: String,
+        /// Its state.
+        from: String,
+        /// The state that was asked for.
+        to: String,
+    },
+    /// The disk is full: nothing of the call is stored, reads go on.
+    #[error("no space left for the catalogue: {message}")]
+    Full {
+        /// What SQLite said.
+        message: String,
+    },
+    /// A question took too long.
+    #[error("the question took longer than {seconds} s")]
+    Timeout {
+        /// The limit.
+        seconds: u64,
+    },
+    /// The SQLite library is too old.
+    #[error("SQLite {version} has a fault that can damage the write-ahead log; {least} or later is needed")]
+    SqliteTooOld {
+        /// Its version.
+        version: String,
+        /// The first version without the fault.
+        least: &'static str,
+    },
+    /// The file cannot be opened as a catalogue.
+    #[error("{} cannot be opened as a catalogue: {reason}", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The catalogue was closed.
+    #[error("the catalogue is closed")]
+    Closed,
+    /// Anything else that the database reported.
+    #[error("catalogue: {message}")]
+    Failed {
+        /// What it said.
+        message: String,
+    },
+}
+
+impl CatalogueError {
+    pub(crate) fn from_ref(error: &sqlx::Error) -> Self {
+        /// SQLITE_FULL.
+        const FULL: &str = "13";
+        let full = error
+            .as_database_error()
+            .and_then(|e| e.code())
+            .is_some_and(|code| code == FULL);
+        let message = error.to_string();
+        if full {
+            Self::Full { message }
+        } else {
+            Self::Failed { message }
+        }
+    }
+
+    /// The same error for every caller whose change was in a transaction that failed.
+    pub(crate) fn again(&self) -> Self {
+        match self {
+            Self::Full { message } => Self::Full {
+                message: message.clone(),
+            },
+            other => Self::Failed {
+                message: other.to_string(),
+            },
+        }
+    }
+}
+
+impl From<sqlx::Error> for CatalogueError {
+    fn from(error: sqlx::Error) -> Self {
+        Self::from_ref(&error)
+    }
+}
+
+impl From<serde_json::Error> for CatalogueError {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Failed {
+            message: format!("a stored record is damaged: {error}"),
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! From tokens to SQL, by recursive descent.
+
+use super::lexer::{Token, tokens};
+use super::{Bind, Column, Compiled, FilterError, Kind, nearest};
+
+/// Deeper nesting is refused, so that no filter exhausts the stack.
+const MOST_DEPTH: usize = 64;
+/// Values of one filter: SQLite binds far more, but nobody needs them.
+const MOST_VALUES: usize = 256;
+
+/// Compiles a filter. `lookup` answers a column by its name; `names` are the names to suggest.
+pub(crate) fn compile(
+    text: &str,
+    lookup: &dyn Fn(&str) -> Option<Column>,
+    names: &[String],
+) -> Result<Compiled, FilterError> {
+    let tokens = tokens(text)?;
+    let mut parser = Parser {
+        tokens,
+        next: 0,
+        end: text.len(),
+        lookup,
+        names,
+        depth: 0,
+        binds: Vec::new(),
+    };
+    let sql = parser.either()?;
+    if parser.next < parser.tokens.len() {
+        return Err(parser.wrong("`and`, `or` or the end was expected"));
+    }
+    Ok(Compiled {
+        sql,
+        binds: parser.binds,
+    })
+}
+
+struct Parser<'a> {
+    tokens: Vec<(usize, Token)>,
+    next: usize,
+    end: usize,
+    lookup: &'a dyn Fn(&str) -> Option<Column>,
+    names: &'a [String],
+    depth: usize,
+    binds: Vec<Bind>,
+}
+
+impl Parser<'_> {
+    fn either(&mut self) -> Result<String, FilterError> {
+        let mut sql = self.both()?;
+        while self.keyword("or") {
+            sql = format!("({sql} OR {})", self.both()?);
+        }
+        Ok(sql)
+    }
+
+    fn both(&mut self) -> Result<String, FilterError> {
+        let mut sql = self.negation()?;
+        while self.keyword("and") {
+            sql = format!("({sql} AND {})", self.negation()?);
+        }
+        Ok(sql)
+    }
+
+    fn negation(&mut self) -> Result<String, FilterError> {
+        self.depth += 1;
+        if self.depth > MOST_DEPTH {
+            return Err(self.wrong(&format!("nested more than {MOST_DEPTH} deep")));
+        }
+        let sql = if self.keyword("not") {
+            format!("(NOT {})", self.negation()?)
+        } else if self.sign("(") {
+            let inner = self.either()?;
+            self.expect(")")?;
+            inner
+        } else {
+            self.comparison()?
+        };
+        self.depth -= 1;
+        Ok(sql)
+    }
+
+    fn comparison(&mut self) -> Result<String, FilterError> {
+        let position = self.position();
+        let Some(Token::Word(name)) = self.peek().cloned() else {
+            return Err(self.wrong("the name of a column was expected"));
+        };
+        self.next += 1;
+        let column = (self.lookup)(&name).ok_or_else(|| FilterError {
+            position,
+            message: format!("unknown column `{name}`"),
+            did_you_mean: nearest(&name, self.names),
+        })?;
+        self.binds.extend(column.binds.iter().cloned());
+        let sql = &column.sql;
+        // Two-valued: what is missing compares as false.
+        let known = |condition: String| format!("coalesce({condition}, 0)");
+        if self.keyword("is") {
+            let negated = if self.keyword("not") { " NOT" } else { "" };
+            if !self.keyword("null") {
+                return Err(self.wrong("`null` was expected"));
+            }
+            return Ok(format!("({sql} IS{negated} NULL)"));
+        }
+        if self.keyword("between") {
+            self.ordered(&column)?;
+            let low = self.value(&column)?;
+            if !self.keyword("and") {
+                return Err(self.wrong("`and` was expected between the two bounds"));
+            }
+            let high = self.value(&column)?;
+            if let (Bind::Number(low), Bind::Number(high)) = (&low, &high)
+                && low > high
+            {
+                return Err(self.wrong(&format!("the lower bound {low} is above the upper bound {high}")));
+            }
+            self.bind(low)?;
+            self.bind(high)?;
+            return Ok(known(format!("{sql} BETWEEN ? AND ?")));
+        }
+        let negated = self.keyword("not");
+        if self.keyword("in") {
+            let places = self.list(&column)?;
+            return Ok(if negated {
+                format!("(NOT {})", known(format!("{sql} IN ({places})")))
+            } else {
+                known(format!("{sql} IN ({places})"))
+            });
+        }
+        if negated {
+            return Err(self.wrong("`in` was expected after `not`"));
+        }
+        for (sign, operator) in [
+            ("==", "="),
+            ("=", "="),
+            ("!=", "!="),
+            ("<=", "<="),
+            (">=", ">="),
+            ("<", "<"),
+            (">", ">"),
+        ] {
+            if self.sign(sign) {
+                if !matches!(operator, "=" | "!=") {
+                    self.ordered(&column)?;
+                }
+                let value = self.value(&column)?;
+                self.bind(value)?;
+                return Ok(known(format!("{sql} {operator} ?")));
+            }
+        }
+        if column.kind == Kind::Bool {
+            Ok(known(sql.clone()))
+        } else {
+            Err(self.wrong("a comparison was expected"))
+        }
+    }
+
+    fn list(&mut self, column: &Column) -> Result<String, FilterError> {
+        self.expect("(")?;
+        let mut places = String::new();
+        loop {
+            let value = self.value(column)?;
+            self.bind(value)?;
+            places.push('?');
+            if !self.sign(",") {
+                break;
+            }
+            places.push_str(", ");
+        }
+        self.expect(")")?;
+        Ok(places)
+    }
+
+    fn ordered(&self, column: &Column) -> Result<(), FilterError> {
+        if column.kind == Kind::Number {
+            Ok(())
+        } else {
+            Err(self.wrong("only numbers have an order"))
+        }
+    }
+
+    fn value(&mut self, column: &Column) -> Result<Bind, FilterError> {
+        let truth = |word: &str| match word.to_ascii_lowercase().as_str() {
+            "true" => Some(1.0),
+            "false" => Some(0.0),
+            _ => None,
+        };
+        let value = match (self.peek(), column.kind) {
+            (Some(Token::Number(number)), Kind::Number) => Bind::Number(*number),
+            (Some(Token::Text(text)), Kind::Text) => Bind::Text(text.clone()),
+            (Some(Token::Word(word)), Kind::Bool) if truth(word).is_some() => {
+                Bind::Number(truth(word).unwrap_or(0.0))
+            }
+            (_, Kind::Number) => return Err(self.wrong("a number was expected")),
+            (_, Kind::Text) => return Err(self.wrong("a text in quotes was expected")),
+            (_, Kind::Bool) => return Err(self.wrong("`true` or `false` was expected")),
+        };
+        self.next += 1;
+        Ok(value)
+    }
+
+    fn bind(&mut self, value: Bind) -> Result<(), FilterError> {
+        if self.binds.len() == MOST_VALUES {
+            return Err(self.wrong(&format!("more than {MOST_VALUES} values")));
+        }
+        self.binds.push(value);
+        Ok(())
+    }
+
+    fn peek(&self) -> Option<&Token> {
+        self.tokens.get(self.next).map(|(_, token)| token)
+    }
+
+    fn keyword(&mut self, keyword: &str) -> bool {
+        let found = matches!(self.peek(), Some(Token::Word(word)) if word.eq_ignore_ascii_case(keyword));
+        self.next += usize::from(found);
+        found
+    }
+
+    fn sign(&mut self, sign: &str) -> bool {
+        let found = matches!(self.peek(), Some(Token::Sign(found)) if *found == sign);
+        self.next += usize::from(found);
+        found
+    }
+
+    fn expect(&mut self, sign: &str) -> Result<(), FilterError> {
+        if self.sign(sign) {
+            Ok(())
+        } else {
+            Err(self.wrong(&format!("`{sign}` was expected")))
+        }
+    }
+
+    fn position(&self) -> usize {
+        self.tokens
+            .get(self.next)
+            .map_or(self.end, |(position, _)| *position)
+    }
+
+    fn wrong(&self, message: &str) -> FilterError {
+        FilterError {
+            position: self.position(),
+            message: message.to_owned(),
+            did_you_mean: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn lookup(name: &str) -> Option<Column> {
+        let kind = match name {
+            "uiqm" | "alpha" => Kind::Number,
+            "style" | "labels.run" => Kind::Text,
+            "failed" => Kind::Bool,
+            _ => return None,
+        };
+        let binds = if name == "labels.run" {
+            vec![Bind::Text("$.run".into())]
+        } else {
+            Vec::new()
+        };
+        let sql = if binds.is_empty() {
+            name.to_owned()
+        } else {
+            "label(?)".to_owned()
+        };
+        Some(Column { sql, binds, kind })
+    }
+
+    fn compiled(text: &str) -> Result<Compiled, FilterError> {
+        compile(
+            text,
+            &lookup,
+            &[
+                "uiqm".to_owned(),
+                "alpha".to_owned(),
+                "style".to_owned(),
+                "failed".to_owned(),
+            ],
+        )
+    }
+
+    #[test]
+    fn not_binds_tighter_than_and_and_that_tighter_than_or() {
+        let sql = compiled("failed or not failed and uiqm > 1").unwrap().sql;
+        assert_eq!(
+            sql,
+            "(coalesce(failed, 0) OR ((NOT coalesce(failed, 0)) AND coalesce(uiqm > ?, 0)))"
+        );
+    }
+
+    #[test]
+    fn values_are_bound_in_the_order_of_their_places() {
+        let text = "labels.run = \"a\\\"b\" and alpha between 0.2 and 6e-1 and style not in ('x', \"y\")";
+        let condition = compiled(text).unwrap();
+        assert_eq!(condition.sql.matches('?').count(), condition.binds.len());
+        let text = |text: &str| Bind::Text(text.into());
+        let expected = [
+            text("$.run"),
+            text("a\"b"),
+            Bind::Number(0.2),
+            Bind::Number(0.6),
+            text("x"),
+            text("y"),
+        ];
+        assert_eq!(condition.binds, expected);
+    }
+
+    #[test]
+    fn an_unknown_column_has_its_place_and_its_neighbour() {
+        let error = compiled("alpha > 0 and uiqn > 1").unwrap_err();
+        assert_eq!(
+            (error.position, error.did_you_mean.as_deref()),
+            (14, Some("uiqm"))
+        );
+        assert!(error.to_string().contains("unknown column `uiqn`"));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        for text in [
+            "",
+            "uiqm",
+            "uiqm >",
+            "uiqm > 'a'",
+            "style < 'a'",
+            "style = 1",
+            "alpha between 2 and 1",
+            "(failed",
+            "failed)",
+            "uiqm in ()",
+            "uiqm > nan",
+            "uiqm > 1e999",
+            "style = 'open",
+            "uiqm ; drop",
+            "is null",
+            "alpha not 1",
+        ] {
+            assert!(compiled(text).is_err(), "{text}");
+        }
+        assert!(compiled(&"(".repeat(10_000)).is_err());
+        assert!(compiled(&format!("{}failed", "not ".repeat(900))).is_err());
+        assert!(compiled(&format!("uiqm in (1{})", ",1".repeat(300))).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_panics(text in ".{0,80}") {
+            let _ = compiled(&text);
+        }
+
+        #[test]
+        fn no_row_of_words_panics(words in proptest::collection::vec(0usize..16, 0..20)) {
+            let all = ["uiqm", "style", "failed", "and", "or", "not", "in", "between", "(", ")", ",", "1", "'a'", "<", "is", "null"];
+            let text: Vec<&str> = words.iter().map(|&index| all[index]).collect();
+            if let Ok(condition) = compiled(&text.join(" ")) {
+                prop_assert_eq!(condition.sql.matches('?').count(), condition.binds.len());
+            }
+        }
+    }
+}

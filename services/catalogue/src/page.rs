@@ -1,0 +1,247 @@
+//! Pages of images: filter, order, fields, and cursors that begin the next page where the last one ended.
+
+use serde_json::{Map, Value, json};
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use sqlx::{AssertSqlSafe, Row, TypeInfo, ValueRef};
+
+use crate::columns::Columns;
+use crate::cursor;
+use crate::error::CatalogueError;
+use crate::filter::{self, Bind, Column, Compiled, FilterError};
+use crate::images::bound;
+use crate::types::{ImageQuery, Page};
+
+/// A column by its name, or an error with the nearest one.
+pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueError> {
+    columns.get(name).ok_or_else(|| {
+        let did_you_mean = filter::nearest(name, &columns.names());
+        FilterError {
+            position: 0,
+            message: format!("unknown column `{name}`"),
+            did_you_mean,
+        }
+        .into()
+    })
+}
+
+/// A filter as SQL; none is true.
+pub(crate) fn condition(columns: &Columns, text: Option<&str>) -> Result<Compiled, CatalogueError> {
+    match text.filter(|text| !text.trim().is_empty()) {
+        None => Ok(Compiled {
+            sql: "1".to_owned(),
+            binds: Vec::new(),
+        }),
+        Some(text) => Ok(filter::compile(
+            text,
+            &|name| columns.get(name),
+            &columns.names(),
+        )?),
+    }
+}
+
+pub(crate) async fn images(
+    connection: &mut SqliteConnection,
+    columns: &Columns,
+    query: &ImageQuery,
+) -> Result<Page<Value>, CatalogueError> {
+    let names = if query.fields.is_empty() {
+        columns.names()
+    } else {
+        query.fields.clone()
+    };
+    let mut selected = names
+        .iter()
+        .map(|name| column(columns, name))
+        .collect::<Result<Vec<_>, _>>()?;
+    let order = Order::of(columns, query.order_by.as_deref())?;
+    // The cursor needs the place of the last row, whatever was asked for.
+    selected.extend([column(columns, "job")?, column(columns, "frame")?]);
+    selected.extend(order.column.clone());
+
+    let mut sql = Builder::default();
+    sql.push("SELECT ");
+    for (index, column) in selected.iter().enumerate() {
+        sql.push(if index > 0 { ", " } else { "" });
+        sql.column(column);
+    }
+    let filter = condition(columns, query.filter.as_deref())?;
+    sql.push(" FROM images WHERE (");
+    sql.text.push_str(&filter.sql);
+    sql.binds.extend(filter.binds.into_iter().map(Some));
+    sql.push(")");
+    if let Some(dataset) = &query.dataset {
+        sql.push(" AND images.dataset = ?");
+        sql.binds.push(Some(Bind::Text(dataset.clone())));
+    }
+    let question = cursor::question(&[
+        query.dataset.as_deref(),
+        query.filter.as_deref(),
+        query.order_by.as_deref(),
+    ]);
+    if let Some(text) = &query.cursor {
+        order.after(&mut sql, &cursor::read(&question, text)?)?;
+    }
+    order.by(&mut sql);
+    sql.push(" LIMIT ?");
+    sql.binds.push(Some(Bind::Number(f64::from(query.limit) + 1.0)));
+
+    let mut statement = sqlx::query(AssertSqlSafe(sql.text));
+    for value in &sql.binds {
+        statement = bound(statement, value.as_ref());
+    }
+    let rows = statement.fetch_all(connection).await?;
+    let limit = query.limit as usize;
+    let next_cursor = match rows.get(limit.wrapping_sub(1)).filter(|_| rows.len() > limit) {
+        Some(row) => Some(cursor::write(&question, &order.place(row, names.len())?)),
+        None => None,
+    };
+    let items = rows
+        .iter()
+        .take(limit)
+        .map(|row| item(row, &names))
+        .collect::<Result<_, _>>()?;
+    Ok(Page { items, next_cursor })
+}
+
+/// SQL with its binds in the order of their places.
+#[derive(Default)]
+struct Builder {
+    text: String,
+    binds: Vec<Option<Bind>>,
+}
+
+impl Builder {
+    fn push(&mut self, sql: &'static str) {
+        self.text.push_str(sql);
+    }
+
+    fn column(&mut self, column: &Column) {
+        self.text.push_str(&column.sql);
+        self.binds.extend(column.binds.iter().cloned().map(Some));
+    }
+}
+
+/// The order of a page: a column with missing values last, then job and frame.
+struct Order {
+    column: Option<Column>,
+    descending: bool,
+}
+
+impl Order {
+    fn of(columns: &Columns, text: Option<&str>) -> Result<Self, CatalogueError> {
+        let Some(text) = text.filter(|text| !text.is_empty()) else {
+            return Ok(Self {
+                column: None,
+                descending: false,
+            });
+        };
+        let (name, descending) = text.strip_prefix('-').map_or((text, false), |name| (name, true));
+        Ok(Self {
+            column: Some(column(columns, name)?),
+            descending,
+        })
+    }
+
+    fn by(&self, sql: &mut Builder) {
+        sql.push(" ORDER BY ");
+        if let Some(column) = &self.column {
+            sql.column(column);
+            sql.push(" IS NULL, ");
+            sql.column(column);
+            sql.push(if self.descending { " DESC, " } else { ", " });
+        }
+        sql.push("images.job_id, images.frame");
+    }
+
+    /// Only what comes after a place.
+    fn after(&self, sql: &mut Builder, place: &Value) -> Result<(), CatalogueError> {
+        let (Some(job), Some(frame)) = (place[1].as_str(), place[2].as_f64()) else {
+            return Err(CatalogueError::Cursor);
+        };
+        let (job, frame) = (Some(Bind::Text(job.to_owned())), Some(Bind::Number(frame)));
+        const BEHIND: &str = "(images.job_id, images.frame) > (?, ?)";
+        sql.push(" AND (");
+        let key = match &place[0] {
+            Value::Null => None,
+            Value::Number(number) => number.as_f64().map(Bind::Number),
+            Value::String(text) => Some(Bind::Text(text.clone())),
+            _ => return Err(CatalogueError::Cursor),
+        };
+        match (&self.column, key) {
+            (None, _) => sql.push(BEHIND),
+            (Some(column), None) => {
+                sql.column(column);
+                sql.push(" IS NULL AND ");
+                sql.push(BEHIND);
+            }
+            (Some(column), Some(key)) => {
+                sql.column(column);
+                sql.push(if self.descending { " < ? OR " } else { " > ? OR " });
+                sql.binds.push(Some(key.clone()));
+                sql.column(column);
+                sql.push(" IS NULL OR (");
+                sql.column(column);
+                sql.push(" = ? AND ");
+                sql.binds.push(Some(key));
+                sql.push(BEHIND);
+                sql.push(")");
+            }
+        }
+        sql.binds.extend([job, frame]);
+        sql.push(")");
+        Ok(())
+    }
+
+    /// Where a row stands: the value of the order column, job, frame.
+    fn place(&self, row: &SqliteRow, fields: usize) -> Result<Value, CatalogueError> {
+        let key = if self.column.is_some() {
+            value(row, fields + 2)?
+        } else {
+            Value::Null
+        };
+        Ok(json!([key, value(row, fields)?, value(row, fields + 1)?]))
+    }
+}
+
+/// A row as an object; what is missing is left out.
+fn item(row: &SqliteRow, names: &[String]) -> Result<Value, CatalogueError> {
+    let mut item = Map::new();
+    for (index, name) in names.iter().enumerate() {
+        let value = value(row, index)?;
+        if !value.is_null() {
+            item.insert(name.clone(), flag(name, value));
+        }
+    }
+    Ok(Value::Object(item))
+}
+
+/// SQLite has no booleans.
+fn flag(name: &str, value: Value) -> Value {
+    if matches!(name, "failed" | "warned") {
+        json!(value.as_f64() != Some(0.0))
+    } else {
+        value
+    }
+}
+
+/// A value of whatever type it has.
+pub(crate) fn value(row: &SqliteRow, index: usize) -> Result<Value, CatalogueError> {
+    let raw = row.try_get_raw(index)?;
+    if raw.is_null() {
+        return Ok(Value::Null);
+    }
+    match raw.type_info().name() {
+        "INTEGER" => Ok(json!(row.try_get_unchecked::<i64, _>(index)?)),
+        "REAL" => {
+            let number = row.try_get_unchecked::<f64, _>(index)?;
+            // Counts and seeds are kept as REAL beside fractions; whole ones read better as whole numbers.
+            let whole = number.fract() == 0.0 && number.abs() < 9e15;
+            Ok(if whole {
+                json!(number as i64)
+            } else {
+                json!(number)
+            })
+        }
+        _ => Ok(json!(row.try_get_unchecked::<String, _>(index)?)),
+    }
+}
