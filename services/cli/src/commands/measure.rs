@@ -66,8 +66,11 @@ fn metrics(arguments: &Arguments) -> Result<Vec<MetricId>, Failure> {
             "table1" => Profile::Table1,
             _ => Profile::Panetta,
         };
-        let chosen = quality::registry().iter().filter(|metric| !metric.needs_reference);
-        chosen.filter(|m| m.profile.is_none_or(|p| p == profile)).map(|m| m.id().to_string()).collect()
+        let belongs = |id: &MetricId| {
+            let info = id.info();
+            !info.needs_reference && info.profile.is_none_or(|its| its == profile)
+        };
+        MetricId::all().filter(belongs).map(|id| id.to_string()).collect()
     } else {
         USUAL.map(str::to_owned).to_vec()
     };
@@ -76,7 +79,7 @@ fn metrics(arguments: &Arguments) -> Result<Vec<MetricId>, Failure> {
     }
     let parse = |name: &String| {
         MetricId::parse(name).ok_or_else(|| {
-            let known: Vec<String> = quality::registry().iter().map(|m| m.id().to_string()).collect();
+            let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
             Failure::BadInput(format!("metric `{name}` does not exist; there is {}", known.join(", ")))
         })
     };
