@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 /// Why a command failed. The exit statuses are part of the interface: scripts branch on them.
 #[derive(Debug, thiserror::Error)]
-pub enum Failure {
+pub(crate) enum Failure {
     /// The command ran to its end, but not every frame has an image.
     #[error("{failed} of {frames} frames failed{hint}")]
     SomeFrames {
@@ -31,7 +31,7 @@ pub enum Failure {
 
 impl Failure {
     /// Exit status: 1 some frames failed (and anything unforeseen), 2 bad input, 3 no server, 4 runtime missing.
-    pub fn code(&self) -> ExitCode {
+    pub(crate) fn code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::SomeFrames { .. } | Self::Other(_) => 1,
             Self::BadInput(_) => 2,

@@ -10,18 +10,18 @@ use imaging::codec;
 use crate::exit::Failure;
 
 /// Reads a file that the user named.
-pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     fs::read(path).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
 /// Reads and decodes a picture that the user named.
-pub fn read_picture(path: &Path) -> Result<Raster, Failure> {
+pub(crate) fn read_picture(path: &Path) -> Result<Raster, Failure> {
     codec::decode_picture(&read(path)?)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
 /// Writes a file under a temporary name beside it and renames it into place.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
     }
@@ -34,8 +34,12 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 }
 
 /// Writes a picture; the format follows the file's extension: `.png` (default), `.jpg`, `.webp`.
-pub fn write_picture(path: &Path, picture: &Raster) -> Result<(), Failure> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("png").to_ascii_lowercase();
+pub(crate) fn write_picture(path: &Path, picture: &Raster) -> Result<(), Failure> {
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or("png")
+        .to_ascii_lowercase();
     let bytes = match extension.as_str() {
         "png" => codec::encode_png(picture),
         "jpg" | "jpeg" => codec::encode_jpeg(&picture.to_rgb8(), JPEG_QUALITY),

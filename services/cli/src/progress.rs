@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
 
 /// Progress of a known number of frames.
-pub struct Progress {
+pub(crate) struct Progress {
     bar: ProgressBar,
     plain: bool,
     what: String,
@@ -19,19 +19,29 @@ pub struct Progress {
 
 impl Progress {
     /// Starts at 0 of `frames`.
-    pub fn new(what: &str, frames: u64) -> Self {
+    pub(crate) fn new(what: &str, frames: u64) -> Self {
         let plain = !std::io::stderr().is_terminal();
-        let bar = if plain { ProgressBar::hidden() } else { ProgressBar::new(frames) };
+        let bar = if plain {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(frames)
+        };
         let style = "{msg} [{bar:40.cyan/blue}] {pos}/{len} frames · {per_sec} · {eta} left";
         if let Ok(style) = ProgressStyle::with_template(style) {
             bar.set_style(style.progress_chars("━╸ "));
         }
         bar.set_message(what.to_owned());
-        Self { bar, plain, what: what.to_owned(), frames, last: None }
+        Self {
+            bar,
+            plain,
+            what: what.to_owned(),
+            frames,
+            last: None,
+        }
     }
 
     /// Shows that `finished` frames are done or have failed.
-    pub fn set(&mut self, finished: u64) {
+    pub(crate) fn set(&mut self, finished: u64) {
         self.bar.set_position(finished);
         if !self.plain {
             return;
@@ -46,7 +56,7 @@ impl Progress {
     }
 
     /// Takes the bar away.
-    pub fn finish(self) {
+    pub(crate) fn finish(self) {
         self.bar.finish_and_clear();
     }
 }

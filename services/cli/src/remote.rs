@@ -12,13 +12,13 @@ use crate::exit::Failure;
 
 /// Which service to speak to.
 #[derive(Debug, Clone, clap::Args)]
-pub struct ServerArguments {
+pub(crate) struct ServerArguments {
     /// Base URL of the service.
     #[arg(long, env = "FATHOM_SERVER", default_value = "http://127.0.0.1:7311")]
-    pub server: String,
+    pub(crate) server: String,
     /// Bearer token, if the service wants one.
     #[arg(long, env = "FATHOM_TOKEN", hide_env_values = true)]
-    pub token: Option<String>,
+    pub(crate) token: Option<String>,
 }
 
 /// The longest answer that is read into memory: an artifact of the largest picture that the service accepts.
@@ -27,38 +27,41 @@ const ANSWER_LIMIT_BYTES: u64 = 1 << 30;
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(90);
 
 /// A connection to the service.
-pub struct Remote {
+pub(crate) struct Remote {
     agent: Agent,
     base: String,
     token: Option<String>,
 }
 
 /// An answer whose status says that the request succeeded.
-pub struct Answer {
-    pub status: u16,
-    pub location: Option<String>,
-    pub bytes: Vec<u8>,
+pub(crate) struct Answer {
+    pub(crate) status: u16,
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl Answer {
     /// The body as JSON.
-    pub fn json(&self) -> Result<Value, Failure> {
+    pub(crate) fn json(&self) -> Result<Value, Failure> {
         Ok(serde_json::from_slice(&self.bytes).context("the service's answer is not JSON")?)
     }
 }
 
 impl Remote {
-    pub fn new(arguments: &ServerArguments) -> Self {
+    pub(crate) fn new(arguments: &ServerArguments) -> Self {
         let config = Agent::config_builder()
             .http_status_as_error(false)
             .timeout_connect(Some(Duration::from_secs(5)))
             .timeout_global(Some(ANSWER_TIMEOUT))
             .build();
         let base = arguments.server.trim_end_matches('/').to_owned();
-        Self { agent: config.into(), base, token: arguments.token.clone() }
+        Self {
+            agent: config.into(),
+            base,
+            token: arguments.token.clone(),
+        }
     }
 
-    pub fn get(&self, path: &str) -> Result<Answer, Failure> {
+    pub(crate) fn get(&self, path: &str) -> Result<Answer, Failure> {
         let mut request = self.agent.get(format!("{}{path}", self.base));
         if let Some(token) = &self.token {
             request = request.header("authorization", format!("Bearer {token}"));
@@ -66,9 +69,16 @@ impl Remote {
         self.answer(request.call())
     }
 
-    pub fn post_json(&self, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Result<Answer, Failure> {
-        let mut request =
-            self.agent.post(format!("{}{path}", self.base)).header("content-type", "application/json");
+    pub(crate) fn post_json(
+        &self,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: &[u8],
+    ) -> Result<Answer, Failure> {
+        let mut request = self
+            .agent
+            .post(format!("{}{path}", self.base))
+            .header("content-type", "application/json");
         if let Some(token) = &self.token {
             request = request.header("authorization", format!("Bearer {token}"));
         }
@@ -78,7 +88,7 @@ impl Remote {
         self.answer(request.send(body))
     }
 
-    pub fn post_form(&self, path: &str, form: Form<'_>) -> Result<Answer, Failure> {
+    pub(crate) fn post_form(&self, path: &str, form: Form<'_>) -> Result<Answer, Failure> {
         let mut request = self.agent.post(format!("{}{path}", self.base));
         if let Some(token) = &self.token {
             request = request.header("authorization", format!("Bearer {token}"));
@@ -88,10 +98,12 @@ impl Remote {
 
     fn answer(&self, result: Result<Response<ureq::Body>, ureq::Error>) -> Result<Answer, Failure> {
         let mut response = result.map_err(|error| {
-            Failure::NoServer(format!("no service answers at {}: {error}; start one with `fathom serve`", self.base))
+            Failure::NoServer(format!(
+                "no service answers at {}: {error}; start one with `fathom serve`",
+                self.base
+            ))
         })?;
         let status = response.status().as_u16();
-        let location = response.headers().get("location").and_then(|v| v.to_str().ok()).map(str::to_owned);
         let bytes = response
             .body_mut()
             .with_config()
@@ -99,7 +111,7 @@ impl Remote {
             .read_to_vec()
             .context("the service's answer broke off")?;
         if status < 400 {
-            return Ok(Answer { status, location, bytes });
+            return Ok(Answer { status, bytes });
         }
         let problem: Value = serde_json::from_slice(&bytes).unwrap_or_default();
         Err(failure(status, &problem))
@@ -114,7 +126,12 @@ fn failure(status: u16, problem: &Value) -> Failure {
         (Some(one), None) | (None, Some(one)) => one.to_owned(),
         (None, None) => format!("the service answered {status}"),
     };
-    for error in problem.get("errors").and_then(Value::as_array).into_iter().flatten() {
+    for error in problem
+        .get("errors")
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+    {
         let part = |name: &str| error.get(name).and_then(Value::as_str).unwrap_or_default();
         message.push_str(&format!("\n  {} {}", part("pointer"), part("message")));
         if let Some(near) = error.get("did_you_mean").and_then(Value::as_str) {
@@ -129,10 +146,12 @@ fn failure(status: u16, problem: &Value) -> Failure {
 }
 
 /// Percent-encodes a query value (RFC 3986: everything but the unreserved characters).
-pub fn query_value(text: &str) -> String {
+pub(crate) fn query_value(text: &str) -> String {
     text.bytes()
         .map(|byte| match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => {
+                char::from(byte).to_string()
+            }
             _ => format!("%{byte:02X}"),
         })
         .collect()
@@ -148,7 +167,9 @@ mod tests {
         let problem = json!({"type": "/problems/validation", "title": "Invalid job", "detail": "2 errors",
             "errors": [{"pointer": "/alpha", "message": "alpha is 1.2 but at most 1"},
                        {"pointer": "/water/stile", "message": "unknown field", "did_you_mean": "style"}]});
-        let Failure::BadInput(message) = failure(422, &problem) else { panic!("not bad input") };
+        let Failure::BadInput(message) = failure(422, &problem) else {
+            panic!("not bad input")
+        };
         assert_eq!(
             message,
             "Invalid job: 2 errors\n  /alpha alpha is 1.2 but at most 1\n  /water/stile unknown field (did you mean `style`?)"

@@ -4,9 +4,9 @@ use imaging::{Rgb8, codec};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 /// A picture and the lines under it.
-pub struct Tile {
-    pub picture: Rgb8,
-    pub caption: Vec<String>,
+pub(crate) struct Tile {
+    pub(crate) picture: Rgb8,
+    pub(crate) caption: Vec<String>,
 }
 
 const GAP_PX: usize = 8;
@@ -15,9 +15,12 @@ const PAPER: [u8; 3] = [22, 26, 30];
 const INK: [u8; 3] = [222, 226, 230];
 
 /// Lays tiles out row by row, each picture reduced to `tile_width` columns at most, and captions below.
-pub fn sheet(tiles: &[Tile], columns: usize, tile_width: usize) -> Rgb8 {
+pub(crate) fn sheet(tiles: &[Tile], columns: usize, tile_width: usize) -> Rgb8 {
     let columns = columns.clamp(1, tiles.len().max(1));
-    let thumbnails: Vec<Rgb8> = tiles.iter().map(|tile| thumbnail(&tile.picture, tile_width)).collect();
+    let thumbnails: Vec<Rgb8> = tiles
+        .iter()
+        .map(|tile| thumbnail(&tile.picture, tile_width))
+        .collect();
     let picture_height = thumbnails.iter().map(Rgb8::height).max().unwrap_or(0);
     let caption_lines = tiles.iter().map(|tile| tile.caption.len()).max().unwrap_or(0);
     let cell_height = picture_height + caption_lines * LINE_PX + GAP_PX;
@@ -30,7 +33,13 @@ pub fn sheet(tiles: &[Tile], columns: usize, tile_width: usize) -> Rgb8 {
         let top = GAP_PX + index / columns * (cell_height + GAP_PX);
         paste(&mut paper, thumbnail, left, top);
         for (line, text) in tile.caption.iter().enumerate() {
-            write(&mut paper, text, left, top + picture_height + 4 + line * LINE_PX, left + tile_width);
+            write(
+                &mut paper,
+                text,
+                left,
+                top + picture_height + 4 + line * LINE_PX,
+                left + tile_width,
+            );
         }
     }
     paper
@@ -61,14 +70,19 @@ fn write(paper: &mut Rgb8, text: &str, left: usize, top: usize, right: usize) {
         if x + advance > right.min(paper.width()) || top + LINE_PX > paper.height() {
             return;
         }
-        let known = if character.is_ascii_graphic() || character == ' ' { character } else { '?' };
+        let known = if character.is_ascii_graphic() || character == ' ' {
+            character
+        } else {
+            '?'
+        };
         if let Some(glyph) = get_raster(known, FontWeight::Regular, RasterHeight::Size16) {
             for (row, coverage) in glyph.raster().iter().enumerate() {
                 for (column, &share) in coverage.iter().enumerate() {
                     let at = 3 * ((top + row) * paper.width() + x + column);
                     let pixel = &mut paper.data_mut()[at..at + 3];
                     for (sample, ink) in pixel.iter_mut().zip(INK) {
-                        let mixed = u32::from(*sample) * u32::from(255 - share) + u32::from(ink) * u32::from(share);
+                        let mixed =
+                            u32::from(*sample) * u32::from(255 - share) + u32::from(ink) * u32::from(share);
                         *sample = (mixed / 255) as u8;
                     }
                 }
@@ -83,21 +97,32 @@ mod tests {
 
     #[test]
     fn every_tile_has_its_place_and_its_caption_is_written_below() {
-        let tile = |value| Tile { picture: Rgb8::from_fn(40, 20, |_, _| [value; 3]), caption: vec!["Hg".into()] };
+        let tile = |value| Tile {
+            picture: Rgb8::from_fn(40, 20, |_, _| [value; 3]),
+            caption: vec!["Hg".into()],
+        };
         let paper = sheet(&[tile(100), tile(200), tile(50)], 2, 40);
         assert_eq!(paper.width(), 8 + 2 * 48);
         assert_eq!(paper.at(8, 8), [100; 3]);
         assert_eq!(paper.at(56, 8), [200; 3]);
         assert_eq!(paper.at(8, 8 + 20 + 16 + 8 + 8), [50; 3]);
         let ink = (0..16).flat_map(|y| (0..20).map(move |x| (x, y)));
-        assert!(ink.map(|(x, y)| paper.at(8 + x, 32 + y)[0]).any(|v| v > 150), "no caption was written");
+        assert!(
+            ink.map(|(x, y)| paper.at(8 + x, 32 + y)[0]).any(|v| v > 150),
+            "no caption was written"
+        );
     }
 
     #[test]
     fn a_caption_wider_than_its_tile_is_cut_off() {
-        let long = Tile { picture: Rgb8::from_fn(20, 10, |_, _| [9; 3]), caption: vec!["W".repeat(100)] };
+        let long = Tile {
+            picture: Rgb8::from_fn(20, 10, |_, _| [9; 3]),
+            caption: vec!["W".repeat(100)],
+        };
         let paper = sheet(&[long], 1, 20);
-        let beyond: Vec<_> = (0..paper.height()).map(|y| paper.at(paper.width() - 1, y)).collect();
+        let beyond: Vec<_> = (0..paper.height())
+            .map(|y| paper.at(paper.width() - 1, y))
+            .collect();
         assert!(beyond.iter().all(|&pixel| pixel == PAPER));
     }
 }

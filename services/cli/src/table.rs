@@ -3,10 +3,13 @@
 use serde_json::Value;
 
 /// Lays out a header and rows in columns.
-pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let widths: Vec<usize> = (0..header.len())
         .map(|column| {
-            let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
+            let cells = rows
+                .iter()
+                .filter_map(|row| row.get(column))
+                .map(|cell| cell.chars().count());
             cells.chain([header[column].chars().count()]).max().unwrap_or(0)
         })
         .collect();
@@ -16,19 +19,26 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
             .zip(&widths)
             .enumerate()
             .map(|(column, (cell, &width))| {
-                if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+                if column == 0 {
+                    format!("{cell:<width$}")
+                } else {
+                    format!("{cell:>width$}")
+                }
             })
             .collect();
         padded.join("  ").trim_end().to_owned()
     };
     let rule: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
     let mut lines = vec![line(header.to_vec()), rule.join("  ")];
-    lines.extend(rows.iter().map(|row| line(row.iter().map(String::as_str).collect())));
+    lines.extend(
+        rows.iter()
+            .map(|row| line(row.iter().map(String::as_str).collect())),
+    );
     lines.join("\n")
 }
 
 /// A JSON scalar as a cell: numbers to four significant places, absent as a dash.
-pub fn cell(value: &Value) -> String {
+pub(crate) fn cell(value: &Value) -> String {
     match value {
         Value::Null => "–".to_owned(),
         Value::String(text) => text.clone(),
@@ -38,7 +48,7 @@ pub fn cell(value: &Value) -> String {
 }
 
 /// A number in at most four decimals.
-pub fn decimal(number: f64) -> String {
+pub(crate) fn decimal(number: f64) -> String {
     if number == 0.0 || (1e-3..1e6).contains(&number.abs()) {
         let text = format!("{number:.4}");
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -53,7 +63,10 @@ mod tests {
 
     #[test]
     fn numbers_line_up_on_the_right_and_names_on_the_left() {
-        let rows = vec![vec!["muddy".to_owned(), "1.5".to_owned()], vec!["a".to_owned(), "10.25".to_owned()]];
+        let rows = vec![
+            vec!["muddy".to_owned(), "1.5".to_owned()],
+            vec!["a".to_owned(), "10.25".to_owned()],
+        ];
         assert_eq!(
             table(&["water", "uiqm"], &rows),
             "water   uiqm\n─────  ─────\nmuddy    1.5\na      10.25"

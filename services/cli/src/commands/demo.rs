@@ -17,7 +17,7 @@ use crate::table::{cell, table};
 
 /// Options of `fathom demo`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Folder of the catalogue, the artifacts and the sheet
     #[arg(long, value_name = "DIR", default_value = "data/demo")]
     out: PathBuf,
@@ -27,13 +27,22 @@ pub struct Arguments {
 
 /// The job that the demonstration submits; it is also the example of the README.
 const TOUR: &str = include_str!("../../../../examples/tour.json");
-const ROW_FIELDS: [&str; 9] =
-    ["frame", "water.optics", "water.style", "alpha", "entropy", "uicm", "uiqm", "uciqe", "hscm.uiqm"];
+const ROW_FIELDS: [&str; 9] = [
+    "frame",
+    "water.optics",
+    "water.style",
+    "alpha",
+    "entropy",
+    "uicm",
+    "uiqm",
+    "uciqe",
+    "hscm.uiqm",
+];
 const GROUP_METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    serve::start_log();
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    serve::start_log("warn");
     let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
     let config = serve::config(serve::Arguments {
         data: arguments.out.clone(),
@@ -43,8 +52,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         token: None,
         style: arguments.style.clone(),
     })?;
-    let service = runtime.block_on(api::start(config)).map_err(|error| Failure::BadInput(error.to_string()))?;
-    let remote = Remote::new(&ServerArguments { server: format!("http://{}", service.address()), token: None });
+    let service = runtime
+        .block_on(api::start(config))
+        .map_err(|error| Failure::BadInput(error.to_string()))?;
+    let remote = Remote::new(&ServerArguments {
+        server: format!("http://{}", service.address()),
+        token: None,
+    });
     let shown = show(&remote, &arguments.out);
     runtime.block_on(service.stop()).map_err(anyhow::Error::from)?;
     shown
@@ -56,12 +70,22 @@ fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
     let job = submit::wait(remote, &job)?;
     let text = |name: &str| cell(job.get(name).unwrap_or(&Value::Null));
     let (id, dataset) = (text("id"), text("dataset"));
-    println!("\njob {id}: {} of {} frames in {:.1} s\n", text("done"), text("frames"), begun.elapsed().as_secs_f64());
+    println!(
+        "\njob {id}: {} of {} frames in {:.1} s\n",
+        text("done"),
+        text("frames"),
+        begun.elapsed().as_secs_f64()
+    );
 
     let fields = ROW_FIELDS.map(str::to_owned);
     let filter = format!("job == \"{id}\"");
-    let mut question =
-        Question { dataset: Some(&dataset), filter: &filter, order_by: Some("frame"), fields: &fields, limit: 1000 };
+    let mut question = Question {
+        dataset: Some(&dataset),
+        filter: &filter,
+        order_by: Some("frame"),
+        fields: &fields,
+        limit: 1000,
+    };
     println!("{}\n", rows_table(&fields, &question.ask(remote)?));
     println!("{}\n", by_style(remote, &dataset, &filter)?);
 
@@ -78,7 +102,11 @@ fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let number = |name: &str| job.get(name).and_then(Value::as_u64).unwrap_or_default();
-    Err(Failure::SomeFrames { failed: number("failed"), frames: number("frames"), hint: String::new() })
+    Err(Failure::SomeFrames {
+        failed: number("failed"),
+        frames: number("frames"),
+        hint: String::new(),
+    })
 }
 
 /// Mean and standard deviation of each metric for each style water.
@@ -89,8 +117,16 @@ fn by_style(remote: &Remote, dataset: &str, filter: &str) -> Result<String, Fail
         crate::remote::query_value(filter)
     );
     let stats = remote.get(&path)?.json()?;
-    let groups = stats.get("groups").and_then(Value::as_array).cloned().unwrap_or_default();
-    let mut names: Vec<String> = groups.iter().map(|row| cell(row.get("group").unwrap_or(&Value::Null))).collect();
+    let groups = stats
+        .get("groups")
+        .and_then(Value::as_array)
+        .cloned()
+        .unwrap_or_default();
+    let mut names: Vec<String> = groups
+        .iter()
+        .map(|row| cell(row.get("group").unwrap_or(&Value::Null)))
+        .collect();
+    names.sort();
     names.dedup();
     let rows: Vec<Vec<String>> = names
         .iter()
@@ -107,7 +143,9 @@ fn by_style(remote: &Remote, dataset: &str, filter: &str) -> Result<String, Fail
                     _ => "–".to_owned(),
                 }
             };
-            std::iter::once(name.clone()).chain(GROUP_METRICS.map(value)).collect()
+            std::iter::once(name.clone())
+                .chain(GROUP_METRICS.map(value))
+                .collect()
         })
         .collect();
     let header: Vec<&str> = std::iter::once("style").chain(GROUP_METRICS).collect();

@@ -9,7 +9,7 @@ use crate::files;
 
 /// Options of `fathom enhance`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Enhancement method
     #[arg(value_parser = method)]
     method: Method,
@@ -26,16 +26,24 @@ pub struct Arguments {
 }
 
 fn method(name: &str) -> Result<Method, String> {
-    Method::parse(name)
-        .ok_or_else(|| format!("enhancement `{name}` does not exist; there is {}", enhance::METHODS.join(", ")))
+    Method::parse(name).ok_or_else(|| {
+        format!(
+            "enhancement `{name}` does not exist; there is {}",
+            enhance::METHODS.join(", ")
+        )
+    })
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let picture = files::read_picture(&arguments.input)?;
     let enhanced = enhance::run(&arguments.method, &picture)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", arguments.input.display())))?;
-    let result = if arguments.no_mask { &enhanced.unmasked } else { &enhanced.picture };
+    let result = if arguments.no_mask {
+        &enhanced.unmasked
+    } else {
+        &enhanced.picture
+    };
     files::write_picture(&arguments.output, result)?;
     if let Some(path) = &arguments.mask_out {
         let mask = enhanced

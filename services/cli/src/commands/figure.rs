@@ -19,7 +19,7 @@ use crate::sheet::{Tile, sheet};
 
 /// Options of `fathom figure`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The scene: FAMILY:SEED (structure:7) or a picture file
     scene: String,
     /// Folder for figure5.png and figure6.png
@@ -52,14 +52,18 @@ const TILE_PX: usize = 384;
 const LIGHTS: [(f64, f64); 2] = [(0.0, 1.0), (1.0, 1.0)];
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let library = super::styles::library(&arguments.style)?;
     let names: Vec<String> = library.names().iter().map(ToString::to_string).collect();
     let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
     if let Err(missing) = engine.runtime() {
         return Err(Failure::RuntimeMissing(missing.to_string()));
     }
-    let mut studio = Studio { slot: Slot::new(&engine), engine, arguments };
+    let mut studio = Studio {
+        slot: Slot::new(&engine),
+        engine,
+        arguments,
+    };
     let first = names.first().cloned().unwrap_or_default();
     let steps = studio.steps(&first)?;
     let waters = studio.waters(&names)?;
@@ -81,7 +85,16 @@ struct Studio<'a> {
 impl Studio<'_> {
     /// Figure 5: every step of the chain.
     fn steps(&mut self, style: &str) -> Result<Vec<Tile>, Failure> {
-        let kinds = ["clean", "range", "direct", "forward_scatter", "backscatter", "scattered", "styled", "hazed"];
+        let kinds = [
+            "clean",
+            "range",
+            "direct",
+            "forward_scatter",
+            "backscatter",
+            "scattered",
+            "styled",
+            "hazed",
+        ];
         let rendered = self.render(Some(style), 0.4, true, &kinds)?;
         let captions = [
             "in air: J".to_owned(),
@@ -93,9 +106,17 @@ impl Studio<'_> {
             format!("styled: {style}, alpha = 0.4"),
             "with two lights".to_owned(),
         ];
-        let present = kinds.iter().zip(captions).filter(|(kind, _)| artifact(&rendered, kind).is_some());
+        let present = kinds
+            .iter()
+            .zip(captions)
+            .filter(|(kind, _)| artifact(&rendered, kind).is_some());
         present
-            .map(|(kind, caption)| Ok(Tile { picture: picture(&rendered, kind)?, caption: vec![caption] }))
+            .map(|(kind, caption)| {
+                Ok(Tile {
+                    picture: picture(&rendered, kind)?,
+                    caption: vec![caption],
+                })
+            })
             .collect()
     }
 
@@ -104,18 +125,30 @@ impl Studio<'_> {
         let mut tiles = Vec::new();
         for style in styles {
             let air = self.render(None, 0.0, false, &["clean"])?;
-            tiles.push(Tile { picture: picture(&air, "clean")?, caption: vec!["in air".to_owned()] });
+            tiles.push(Tile {
+                picture: picture(&air, "clean")?,
+                caption: vec!["in air".to_owned()],
+            });
             for (alpha, lit) in [(1.0, false), (0.4, false), (0.4, true)] {
                 let rendered = self.render(Some(style), alpha, lit, &["rgb"])?;
                 let lights = if lit { ", two lights" } else { "" };
                 let caption = vec![format!("{style}, alpha = {alpha}{lights}")];
-                tiles.push(Tile { picture: picture(&rendered, "rgb")?, caption });
+                tiles.push(Tile {
+                    picture: picture(&rendered, "rgb")?,
+                    caption,
+                });
             }
         }
         Ok(tiles)
     }
 
-    fn render(&mut self, style: Option<&str>, alpha: f64, lit: bool, kinds: &[&str]) -> Result<Rendered, Failure> {
+    fn render(
+        &mut self,
+        style: Option<&str>,
+        alpha: f64,
+        lit: bool,
+        kinds: &[&str],
+    ) -> Result<Rendered, Failure> {
         let mut water = json!({"optics": self.arguments.water});
         if let Some(style) = style {
             water["style"] = json!(style);
@@ -131,8 +164,12 @@ impl Studio<'_> {
         let vocabulary = renderer::vocabulary(self.engine.library(), true);
         let job = Job::parse(description.to_string().as_bytes(), &vocabulary)
             .map_err(|invalid| super::render::bad_spec(Path::new(&self.arguments.scene), &invalid))?;
-        let frame = job.resolve(0).map_err(|invalid| super::render::bad_spec(Path::new(&self.arguments.scene), &invalid))?;
-        self.slot.render(&frame, &SceneSource::Local).map_err(|error| Failure::BadInput(error.to_string()))
+        let frame = job
+            .resolve(0)
+            .map_err(|invalid| super::render::bad_spec(Path::new(&self.arguments.scene), &invalid))?;
+        self.slot
+            .render(&frame, &SceneSource::Local)
+            .map_err(|error| Failure::BadInput(error.to_string()))
     }
 }
 
@@ -160,7 +197,11 @@ fn scene(arguments: &Arguments) -> Result<Value, Failure> {
 }
 
 fn artifact<'a>(rendered: &'a Rendered, kind: &str) -> Option<&'a [u8]> {
-    rendered.files.iter().find(|file| file.kind == kind).map(|file| file.bytes.as_slice())
+    rendered
+        .files
+        .iter()
+        .find(|file| file.kind == kind)
+        .map(|file| file.bytes.as_slice())
 }
 
 /// An artifact as a person can look at it: linear layers are encoded, range becomes brightness.
@@ -183,7 +224,13 @@ fn range_picture(raster: &imaging::Raster) -> Rgb8 {
         imaging::Samples::U16(codes) => codes.clone(),
         imaging::Samples::U8(codes) => codes.iter().map(|&code| u16::from(code)).collect(),
     };
-    let valid = || codes.iter().copied().filter(|&code| code > 0).map(|code| f64::from(code).ln());
+    let valid = || {
+        codes
+            .iter()
+            .copied()
+            .filter(|&code| code > 0)
+            .map(|code| f64::from(code).ln())
+    };
     let near = valid().fold(f64::INFINITY, f64::min);
     let far = valid().fold(f64::NEG_INFINITY, f64::max);
     let brightness = |&code: &u16| match code {

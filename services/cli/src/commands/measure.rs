@@ -11,7 +11,7 @@ use crate::table::{decimal, table};
 
 /// Options of `fathom measure`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Pictures to measure
     #[arg(required = true)]
     files: Vec<PathBuf>,
@@ -32,17 +32,26 @@ pub struct Arguments {
 const USUAL: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let metrics = metrics(arguments)?;
-    let clean = arguments.clean.as_deref().map(files::read_picture).transpose()?.map(|raster| raster.to_rgb8());
+    let clean = arguments
+        .clean
+        .as_deref()
+        .map(files::read_picture)
+        .transpose()?
+        .map(|raster| raster.to_rgb8());
     let mut rows = Vec::new();
     for path in &arguments.files {
         let picture = files::read_picture(path)?.to_rgb8();
         let values = quality::measure(&picture, clean.as_ref(), &metrics)
             .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
         if arguments.json {
-            let metrics: Map<String, Value> = values.iter().map(|(id, v)| (id.to_string(), json!(v))).collect();
-            println!("{}", json!({"file": path.display().to_string(), "width": picture.width(), "height": picture.height(), "metrics": metrics}));
+            let metrics: Map<String, Value> =
+                values.iter().map(|(id, v)| (id.to_string(), json!(v))).collect();
+            println!(
+                "{}",
+                json!({"file": path.display().to_string(), "width": picture.width(), "height": picture.height(), "metrics": metrics})
+            );
         } else {
             let mut row = vec![path.display().to_string()];
             row.extend(values.iter().map(|(_, value)| decimal(*value)));
@@ -51,7 +60,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if !arguments.json {
         let names: Vec<String> = metrics.iter().map(MetricId::to_string).collect();
-        let header: Vec<&str> = std::iter::once("file").chain(names.iter().map(String::as_str)).collect();
+        let header: Vec<&str> = std::iter::once("file")
+            .chain(names.iter().map(String::as_str))
+            .collect();
         println!("{}", table(&header, &rows));
     }
     Ok(())
@@ -80,7 +91,10 @@ fn metrics(arguments: &Arguments) -> Result<Vec<MetricId>, Failure> {
     let parse = |name: &String| {
         MetricId::parse(name).ok_or_else(|| {
             let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
-            Failure::BadInput(format!("metric `{name}` does not exist; there is {}", known.join(", ")))
+            Failure::BadInput(format!(
+                "metric `{name}` does not exist; there is {}",
+                known.join(", ")
+            ))
         })
     };
     names.iter().map(parse).collect()

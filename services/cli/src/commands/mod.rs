@@ -20,7 +20,7 @@ use crate::exit::Failure;
 
 /// What `fathom` can do.
 #[derive(clap::Subcommand)]
-pub enum Command {
+pub(crate) enum Command {
     /// Start the service with its own workers
     Serve(serve::Arguments),
     /// Pull frames from a service and render them
@@ -50,7 +50,7 @@ pub enum Command {
 }
 
 impl Command {
-    pub fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
             Self::Serve(arguments) => serve::run(arguments),
             Self::Worker(arguments) => worker::run(arguments),
@@ -71,11 +71,11 @@ impl Command {
 
 /// Where style networks and their runtime are found.
 #[derive(Debug, Clone, clap::Args)]
-pub struct StyleArguments {
+pub(crate) struct StyleArguments {
     /// Folder with more style models: NAME.onnx and, if there is one, NAME.card.json
     #[arg(long, env = "FATHOM_STYLES", value_name = "DIR")]
-    pub styles: Option<PathBuf>,
+    pub(crate) styles: Option<PathBuf>,
     /// The ONNX Runtime library, if it is not where scripts/get-onnxruntime.sh puts it
     #[arg(long, env = "FATHOM_ONNXRUNTIME", value_name = "FILE")]
-    pub onnxruntime: Option<PathBuf>,
+    pub(crate) onnxruntime: Option<PathBuf>,
 }

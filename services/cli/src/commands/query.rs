@@ -8,7 +8,7 @@ use crate::table::{cell, table};
 
 /// Options of `fathom query`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Which images, such as 'uiqm > 0.8 and water.style in ("muddy")'; empty: all
     #[arg(default_value = "")]
     filter: String,
@@ -32,16 +32,29 @@ pub struct Arguments {
 }
 
 /// Columns shown unless others are asked for.
-pub const USUAL_FIELDS: [&str; 9] =
-    ["job", "frame", "water.optics", "water.style", "alpha", "entropy", "uicm", "uiqm", "uciqe"];
+pub(crate) const USUAL_FIELDS: [&str; 9] = [
+    "job",
+    "frame",
+    "water.optics",
+    "water.style",
+    "alpha",
+    "entropy",
+    "uicm",
+    "uiqm",
+    "uciqe",
+];
 /// Rows that one request asks for.
 const PAGE_ROWS: usize = 500;
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
     let usual = USUAL_FIELDS.map(str::to_owned).to_vec();
-    let fields = if arguments.fields.is_empty() { usual } else { arguments.fields.clone() };
+    let fields = if arguments.fields.is_empty() {
+        usual
+    } else {
+        arguments.fields.clone()
+    };
     let question = Question {
         dataset: arguments.dataset.as_deref(),
         filter: &arguments.filter,
@@ -60,27 +73,32 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Image rows as a text table with these columns.
-pub fn rows_table(fields: &[String], rows: &[Value]) -> String {
+pub(crate) fn rows_table(fields: &[String], rows: &[Value]) -> String {
     let header: Vec<&str> = fields.iter().map(String::as_str).collect();
     let cells: Vec<Vec<String>> = rows
         .iter()
-        .map(|row| fields.iter().map(|field| cell(row.get(field).unwrap_or(&Value::Null))).collect())
+        .map(|row| {
+            fields
+                .iter()
+                .map(|field| cell(row.get(field).unwrap_or(&Value::Null)))
+                .collect()
+        })
         .collect();
     table(&header, &cells)
 }
 
 /// A question about images.
-pub struct Question<'a> {
-    pub dataset: Option<&'a str>,
-    pub filter: &'a str,
-    pub order_by: Option<&'a str>,
-    pub fields: &'a [String],
-    pub limit: usize,
+pub(crate) struct Question<'a> {
+    pub(crate) dataset: Option<&'a str>,
+    pub(crate) filter: &'a str,
+    pub(crate) order_by: Option<&'a str>,
+    pub(crate) fields: &'a [String],
+    pub(crate) limit: usize,
 }
 
 impl Question<'_> {
     /// All rows up to the limit, page by page.
-    pub fn ask(&self, remote: &Remote) -> Result<Vec<Value>, Failure> {
+    pub(crate) fn ask(&self, remote: &Remote) -> Result<Vec<Value>, Failure> {
         let mut rows = Vec::new();
         let mut cursor: Option<String> = None;
         while rows.len() < self.limit {

@@ -13,7 +13,7 @@ use crate::progress::Progress;
 
 /// Options of `fathom render`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The job: a frame description with laws, as JSON
     spec: PathBuf,
     /// Folder for the frames and records.jsonl
@@ -27,7 +27,7 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let library = super::styles::library(&arguments.style)?;
     let vocabulary = renderer::vocabulary(&library, true);
     let text = files::read(&arguments.spec)?;
@@ -43,7 +43,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let slots = arguments.slots.map_or_else(cores, usize::from);
     let mut progress = Progress::new("render", job.frames());
-    let summary = renderer::local::render_job(&job, &engine, &arguments.out, slots, |finished| progress.set(finished));
+    let summary = renderer::local::render_job(&job, &engine, &arguments.out, slots, |finished| {
+        progress.set(finished)
+    });
     progress.finish();
     let summary = summary.map_err(|error| Failure::BadInput(error.to_string()))?;
     println!(
@@ -56,18 +58,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     println!("digest {}", summary.digest);
     if summary.failed > 0 {
         let hint = format!("; see {}", arguments.out.join("errors.jsonl").display());
-        return Err(Failure::SomeFrames { failed: summary.failed, frames: summary.frames, hint });
+        return Err(Failure::SomeFrames {
+            failed: summary.failed,
+            frames: summary.frames,
+            hint,
+        });
     }
     Ok(())
 }
 
 /// The machine's cores.
-pub fn cores() -> usize {
+pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Every error of a job description, one per line.
-pub fn bad_spec(path: &std::path::Path, invalid: &spec::Invalid) -> Failure {
+pub(crate) fn bad_spec(path: &std::path::Path, invalid: &spec::Invalid) -> Failure {
     let mut message = format!("{}: {} errors", path.display(), invalid.0.len());
     for error in &invalid.0 {
         message.push_str(&format!("\n  {} {}", error.pointer, error.message));

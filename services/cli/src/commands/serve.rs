@@ -11,33 +11,40 @@ use crate::exit::Failure;
 
 /// Options of `fathom serve`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Folder of the catalogue and the artifacts
     #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
-    pub data: PathBuf,
+    pub(crate) data: PathBuf,
     /// Address to listen on; anything but loopback needs a token
-    #[arg(long, env = "FATHOM_LISTEN", default_value = "127.0.0.1:7311", value_name = "ADDRESS")]
-    pub listen: SocketAddr,
+    #[arg(
+        long,
+        env = "FATHOM_LISTEN",
+        default_value = "127.0.0.1:7311",
+        value_name = "ADDRESS"
+    )]
+    pub(crate) listen: SocketAddr,
     /// Worker processes to start; 0: only remote workers
     #[arg(long, env = "FATHOM_WORKERS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(0..=256))]
-    pub workers: u16,
+    pub(crate) workers: u16,
     /// Slots of each worker process [default: the machine's cores shared among the workers]
     #[arg(long, env = "FATHOM_SLOTS", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub slots: Option<u16>,
+    pub(crate) slots: Option<u16>,
     /// Token, or tokens as scope+scope:SECRET,… with the scopes read, submit, work, admin
     #[arg(long, env = "FATHOM_TOKEN", hide_env_values = true)]
-    pub token: Option<String>,
+    pub(crate) token: Option<String>,
     #[command(flatten)]
-    pub style: StyleArguments,
+    pub(crate) style: StyleArguments,
 }
 
 /// Runs the command.
-pub fn run(arguments: Arguments) -> Result<(), Failure> {
-    start_log();
+pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
+    start_log("info");
     let config = config(arguments)?;
     let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
     runtime.block_on(async {
-        let service = api::start(config).await.map_err(|error| Failure::BadInput(error.to_string()))?;
+        let service = api::start(config)
+            .await
+            .map_err(|error| Failure::BadInput(error.to_string()))?;
         eprintln!("fathom listens on http://{}", service.address());
         stop_signal().await?;
         service.stop().await.map_err(|error| Failure::Other(error.into()))
@@ -45,10 +52,12 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
 }
 
 /// The service's configuration from the command line.
-pub fn config(arguments: Arguments) -> Result<api::Config, Failure> {
+pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
     let workers = usize::from(arguments.workers);
     let cores = super::render::cores();
-    let slots = arguments.slots.map_or_else(|| cores.div_ceil(workers.max(1)), usize::from);
+    let slots = arguments
+        .slots
+        .map_or_else(|| cores.div_ceil(workers.max(1)), usize::from);
     let library = super::styles::library(&arguments.style)?;
     Ok(api::Config {
         data: arguments.data,
@@ -63,10 +72,12 @@ pub fn config(arguments: Arguments) -> Result<api::Config, Failure> {
     })
 }
 
-/// Log lines to standard error; `FATHOM_LOG` chooses the level, `FATHOM_LOG_FORMAT=json` the form.
-pub fn start_log() {
-    let filter = EnvFilter::try_from_env("FATHOM_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
-    let builder = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+/// Log lines to standard error; `FATHOM_LOG` chooses the level instead of the usual one, `FATHOM_LOG_FORMAT=json` the form.
+pub(crate) fn start_log(usual: &str) {
+    let filter = EnvFilter::try_from_env("FATHOM_LOG").unwrap_or_else(|_| EnvFilter::new(usual));
+    let builder = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr);
     if std::env::var("FATHOM_LOG_FORMAT").is_ok_and(|format| format == "json") {
         builder.json().init();
     } else {

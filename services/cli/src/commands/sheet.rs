@@ -14,7 +14,7 @@ use crate::table::cell;
 
 /// Options of `fathom sheet`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The dataset
     dataset: String,
     /// Where to write the sheet (.png, .jpg or .webp)
@@ -38,11 +38,19 @@ pub struct Arguments {
 
 const COLUMNS: usize = 6;
 const TILE_PX: usize = 320;
-pub const FIELDS: [&str; 8] =
-    ["job", "frame", "scene.seed", "water.optics", "water.style", "alpha", "uiqm", "uciqe"];
+pub(crate) const FIELDS: [&str; 8] = [
+    "job",
+    "frame",
+    "scene.seed",
+    "water.optics",
+    "water.style",
+    "alpha",
+    "uiqm",
+    "uciqe",
+];
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
     let question = Question {
         dataset: Some(&arguments.dataset),
@@ -57,12 +65,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Fetches the images that answer a question and draws them on one sheet.
-pub fn draw(remote: &Remote, question: &Question<'_>, kind: &str, out: &Path) -> Result<(), Failure> {
+pub(crate) fn draw(remote: &Remote, question: &Question<'_>, kind: &str, out: &Path) -> Result<(), Failure> {
     let rows = question.ask(remote)?;
     if rows.is_empty() {
-        return Err(Failure::BadInput("no image fits: the sheet would be empty".to_owned()));
+        return Err(Failure::BadInput(
+            "no image fits: the sheet would be empty".to_owned(),
+        ));
     }
-    let tiles = rows.iter().map(|row| tile(remote, row, kind)).collect::<Result<Vec<_>, _>>()?;
+    let tiles = rows
+        .iter()
+        .map(|row| tile(remote, row, kind))
+        .collect::<Result<Vec<_>, _>>()?;
     files::write_picture(out, &sheet(&tiles, COLUMNS, TILE_PX).into())
 }
 
@@ -70,15 +83,36 @@ fn tile(remote: &Remote, row: &Value, kind: &str) -> Result<Tile, Failure> {
     let field = |name: &str| cell(row.get(name).unwrap_or(&Value::Null));
     let path = format!("/v1/images/{}/{}/artifacts/{kind}", field("job"), field("frame"));
     let bytes = remote.get(&path)?.bytes;
-    let picture = codec::decode_picture(&bytes).map_err(anyhow::Error::from)?.to_rgb8();
-    let short = |name: &str| field(name).split('/').next().unwrap_or_default().replace('–', "-");
+    let picture = codec::decode_picture(&bytes)
+        .map_err(anyhow::Error::from)?
+        .to_rgb8();
+    let short = |name: &str| {
+        field(name)
+            .split('/')
+            .next()
+            .unwrap_or_default()
+            .replace('–', "-")
+    };
     let caption = vec![
-        format!("#{} {} + {} a={}", field("frame"), short("water.optics"), short("water.style"), two(row, "alpha")),
-        format!("seed {}  uiqm {}  uciqe {}", field("scene.seed"), two(row, "uiqm"), two(row, "uciqe")),
+        format!(
+            "#{} {} + {} a={}",
+            field("frame"),
+            short("water.optics"),
+            short("water.style"),
+            two(row, "alpha")
+        ),
+        format!(
+            "seed {}  uiqm {}  uciqe {}",
+            field("scene.seed"),
+            two(row, "uiqm"),
+            two(row, "uciqe")
+        ),
     ];
     Ok(Tile { picture, caption })
 }
 
 fn two(row: &Value, name: &str) -> String {
-    row.get(name).and_then(Value::as_f64).map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
+    row.get(name)
+        .and_then(Value::as_f64)
+        .map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
 }

@@ -8,7 +8,7 @@ use crate::table::table;
 
 /// Options of `fathom styles`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     style: StyleArguments,
     /// Print one JSON array
@@ -17,18 +17,24 @@ pub struct Arguments {
 }
 
 /// The shipped library with the user's folder, if there is one.
-pub fn library(arguments: &StyleArguments) -> Result<Library, Failure> {
+pub(crate) fn library(arguments: &StyleArguments) -> Result<Library, Failure> {
     let embedded = Library::embedded().map_err(anyhow::Error::from)?;
     match &arguments.styles {
-        Some(folder) => embedded.with_dir(folder).map_err(|error| Failure::BadInput(error.to_string())),
+        Some(folder) => embedded
+            .with_dir(folder)
+            .map_err(|error| Failure::BadInput(error.to_string())),
         None => Ok(embedded),
     }
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let library = library(&arguments.style)?;
-    let models: Vec<_> = library.names().into_iter().filter_map(|name| library.get(name)).collect();
+    let models: Vec<_> = library
+        .names()
+        .into_iter()
+        .filter_map(|name| library.get(name))
+        .collect();
     if arguments.json {
         let cards: Vec<_> = models.iter().map(|model| &model.card).collect();
         println!("{}", serde_json::to_string(&cards).map_err(anyhow::Error::from)?);
@@ -36,7 +42,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let rows: Vec<Vec<String>> = models
         .iter()
-        .map(|model| vec![model.name.clone(), model.card.licence.clone(), model.card.sha256[..16].to_owned()])
+        .map(|model| {
+            vec![
+                model.name.clone(),
+                model.card.licence.clone(),
+                model.card.sha256[..16].to_owned(),
+            ]
+        })
         .collect();
     println!("{}", table(&["style", "licence", "sha256"], &rows));
     match Runtime::load(arguments.style.onnxruntime.as_deref()) {

@@ -11,7 +11,7 @@ use crate::remote::{Remote, ServerArguments};
 
 /// Options of `fathom submit`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The job: a frame description with laws, as JSON
     spec: PathBuf,
     /// Wait until the job is finished
@@ -28,14 +28,23 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
-    let job = submit(&remote, &files::read(&arguments.spec)?, arguments.idempotency_key.as_deref())?;
+    let job = submit(
+        &remote,
+        &files::read(&arguments.spec)?,
+        arguments.idempotency_key.as_deref(),
+    )?;
     let job = if arguments.wait { wait(&remote, &job)? } else { job };
     if arguments.json {
         println!("{job}");
     } else {
-        println!("job {} · dataset {} · {}", text(&job, "id"), text(&job, "dataset"), text(&job, "state"));
+        println!(
+            "job {} · dataset {} · {}",
+            text(&job, "id"),
+            text(&job, "dataset"),
+            text(&job, "state")
+        );
         if let Some(digest) = job.get("digest").and_then(Value::as_str) {
             println!("digest {digest}");
         }
@@ -43,29 +52,40 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match (text(&job, "state"), number(&job, "failed")) {
         ("done_with_failures", failed) => {
             let hint = format!("; see job {}", text(&job, "id"));
-            Err(Failure::SomeFrames { failed, frames: number(&job, "frames"), hint })
+            Err(Failure::SomeFrames {
+                failed,
+                frames: number(&job, "frames"),
+                hint,
+            })
         }
         _ => Ok(()),
     }
 }
 
 /// Submits a job description and answers the job as the service sees it.
-pub fn submit(remote: &Remote, spec: &[u8], key: Option<&str>) -> Result<Value, Failure> {
+pub(crate) fn submit(remote: &Remote, spec: &[u8], key: Option<&str>) -> Result<Value, Failure> {
     let headers: Vec<(&str, &str)> = key.map(|key| ("idempotency-key", key)).into_iter().collect();
     let job = remote.post_json("/v1/jobs", &headers, spec)?.json()?;
-    for warning in job.get("warnings").and_then(Value::as_array).into_iter().flatten() {
+    for warning in job
+        .get("warnings")
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+    {
         eprintln!("warning: {}", warning.as_str().unwrap_or_default());
     }
     Ok(job)
 }
 
 /// Follows a job with long-polls until it is finished.
-pub fn wait(remote: &Remote, job: &Value) -> Result<Value, Failure> {
+pub(crate) fn wait(remote: &Remote, job: &Value) -> Result<Value, Failure> {
     let id = text(job, "id").to_owned();
     let mut progress = Progress::new(text(job, "dataset"), number(job, "frames"));
     let mut seen = number(job, "version");
     loop {
-        let job = remote.get(&format!("/v1/jobs/{id}?wait=30&since={seen}"))?.json()?;
+        let job = remote
+            .get(&format!("/v1/jobs/{id}?wait=30&since={seen}"))?
+            .json()?;
         seen = number(&job, "version");
         progress.set(number(&job, "done") + number(&job, "failed"));
         if matches!(text(&job, "state"), "done" | "done_with_failures" | "cancelled") {

@@ -10,7 +10,7 @@ use crate::remote::{Remote, ServerArguments};
 
 /// Options of `fathom upload`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The picture (PNG, JPEG, WebP, or NPY with linear radiance)
     rgb: PathBuf,
     /// Distances along the line of sight (16-bit PNG or NPY)
@@ -45,7 +45,7 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pictures = [
         ("rgb", Some(&arguments.rgb)),
         ("range", arguments.range.as_ref()),
@@ -77,7 +77,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let answer = Remote::new(&arguments.server).post_form("/v1/scenes", form)?;
     let scene = answer.json()?;
-    println!("{}", scene.get("id").and_then(serde_json::Value::as_str).unwrap_or_default());
+    println!(
+        "{}",
+        scene
+            .get("id")
+            .and_then(serde_json::Value::as_str)
+            .unwrap_or_default()
+    );
     if answer.status == 200 {
         eprintln!("this scene was uploaded before");
     }

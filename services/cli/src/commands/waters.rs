@@ -8,21 +8,24 @@ use crate::table::{decimal, table};
 
 /// Options of `fathom waters`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Print one JSON array
     #[arg(long)]
     json: bool,
 }
 
 /// Runs the command.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         let all: Vec<_> = presets().iter().map(describe).collect();
         println!("{}", json!(all));
         return Ok(());
     }
     let triple = |values: Option<[f64; 3]>| {
-        values.map_or_else(|| "–".to_owned(), |v| v.map(|x| decimal((x * 1e4).round() / 1e4)).join(" "))
+        values.map_or_else(
+            || "–".to_owned(),
+            |v| v.map(|x| decimal((x * 1e4).round() / 1e4)).join(" "),
+        )
     };
     let rows: Vec<Vec<String>> = presets()
         .iter()
@@ -34,11 +37,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 triple(preset.scattering),
                 triple(preset.beam_attenuation),
                 triple(preset.diffuse_attenuation),
-                if preset.unrenderable().is_none() { "yes" } else { "no" }.to_owned(),
+                if preset.unrenderable().is_none() {
+                    "yes"
+                } else {
+                    "no"
+                }
+                .to_owned(),
             ]
         })
         .collect();
-    println!("{}", table(&["water (R G B)", "nm", "a [1/m]", "b [1/m]", "c [1/m]", "Kd [1/m]", "renders"], &rows));
+    println!(
+        "{}",
+        table(
+            &[
+                "water (R G B)",
+                "nm",
+                "a [1/m]",
+                "b [1/m]",
+                "c [1/m]",
+                "Kd [1/m]",
+                "renders"
+            ],
+            &rows
+        )
+    );
     println!("\nSources and caveats: fathom waters --json");
     Ok(())
 }

@@ -14,7 +14,7 @@ use crate::remote::ServerArguments;
 
 /// Options of `fathom worker`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     server: ServerArguments,
     /// Frames rendered side by side, one thread each
@@ -31,8 +31,8 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub fn run(arguments: Arguments) -> Result<(), Failure> {
-    super::serve::start_log();
+pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
+    super::serve::start_log("info");
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
@@ -61,5 +61,9 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
 fn default_name() -> String {
     let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let host = host.trim();
-    format!("{}-{}", if host.is_empty() { "worker" } else { host }, std::process::id())
+    format!(
+        "{}-{}",
+        if host.is_empty() { "worker" } else { host },
+        std::process::id()
+    )
 }
