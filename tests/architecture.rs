@@ -22,17 +22,42 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("services/catalogue", &["spec"]),
     (
         "workers/renderer",
-        &["enhance", "imaging", "optics", "proto", "quality", "queue", "scenes", "spec", "style"],
+        &[
+            "enhance", "imaging", "optics", "proto", "quality", "queue", "scenes", "spec", "style",
+        ],
     ),
     (
         "services/api",
-        &["catalogue", "imaging", "optics", "proto", "quality", "queue", "renderer", "scenes", "spec", "store", "style"],
+        &[
+            "catalogue",
+            "imaging",
+            "optics",
+            "proto",
+            "quality",
+            "queue",
+            "renderer",
+            "scenes",
+            "spec",
+            "store",
+            "style",
+        ],
     ),
     (
         "services/cli",
         &[
-            "api", "catalogue", "enhance", "imaging", "optics", "proto", "quality", "queue", "renderer", "scenes",
-            "spec", "store", "style",
+            "api",
+            "catalogue",
+            "enhance",
+            "imaging",
+            "optics",
+            "proto",
+            "quality",
+            "queue",
+            "renderer",
+            "scenes",
+            "spec",
+            "store",
+            "style",
         ],
     ),
     ("tests", &[]),
@@ -50,25 +75,47 @@ const PURE: &[&str] = &[
 
 /// What a pure crate must not name: files, sockets, clock, environment, processes, logging, an async runtime.
 const IMPURE: &[&str] = &[
-    "std::fs", "std::net", "std::env", "std::process", "io::stdin", "io::stdout", "io::stderr", "SystemTime", "Instant::now", "tokio",
-    "tracing", "println!", "eprintln!", "thread_rng", "rand::",
+    "std::fs",
+    "std::net",
+    "std::env",
+    "std::process",
+    "io::stdin",
+    "io::stdout",
+    "io::stderr",
+    "SystemTime",
+    "Instant::now",
+    "tokio",
+    "tracing",
+    "println!",
+    "eprintln!",
+    "thread_rng",
+    "rand::",
 ];
 
 fn manifest(folder: &str) -> toml::Table {
     let path = root().join(folder).join("Cargo.toml");
     let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    text.parse().unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    text.parse()
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 fn dependencies(manifest: &toml::Table, section: &str) -> BTreeSet<String> {
     let table = manifest.get(section).and_then(toml::Value::as_table);
-    table.map(|table| table.keys().cloned().collect()).unwrap_or_default()
+    table
+        .map(|table| table.keys().cloned().collect())
+        .unwrap_or_default()
 }
 
 fn ours() -> BTreeSet<String> {
     let workspace = manifest("");
-    let all = workspace["workspace"]["dependencies"].as_table().expect("a table").clone();
-    all.into_iter().filter(|(_, value)| value.get("path").is_some()).map(|(name, _)| name).collect()
+    let all = workspace["workspace"]["dependencies"]
+        .as_table()
+        .expect("a table")
+        .clone();
+    all.into_iter()
+        .filter(|(_, value)| value.get("path").is_some())
+        .map(|(name, _)| name)
+        .collect()
 }
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
@@ -98,7 +145,10 @@ fn every_member_is_in_the_table_of_arrows_and_uses_only_what_it_may() {
     for (folder, allowed) in ARROWS {
         let used: BTreeSet<_> = dependencies(&manifest(folder), "dependencies");
         for name in used.intersection(&ours) {
-            assert!(allowed.contains(&name.as_str()), "{folder} must not depend on {name}");
+            assert!(
+                allowed.contains(&name.as_str()),
+                "{folder} must not depend on {name}"
+            );
         }
     }
 }
@@ -106,21 +156,31 @@ fn every_member_is_in_the_table_of_arrows_and_uses_only_what_it_may() {
 #[test]
 fn a_restoration_never_sees_the_water_that_it_is_judged_by() {
     let ours = ours();
-    let table: BTreeMap<&str, &[&str]> =
-        ARROWS.iter().map(|(folder, arrows)| (folder.rsplit('/').next().unwrap_or(folder), *arrows)).collect();
+    let table: BTreeMap<&str, &[&str]> = ARROWS
+        .iter()
+        .map(|(folder, arrows)| (folder.rsplit('/').next().unwrap_or(folder), *arrows))
+        .collect();
     for start in ["enhance", "quality"] {
         let mut seen = BTreeSet::from([start.to_owned()]);
         let mut open = vec![start.to_owned()];
         while let Some(name) = open.pop() {
-            let folder = ARROWS.iter().map(|(folder, _)| *folder).find(|f| f.ends_with(&format!("/{name}")));
-            for next in dependencies(&manifest(folder.expect("a listed crate")), "dependencies").intersection(&ours) {
+            let folder = ARROWS
+                .iter()
+                .map(|(folder, _)| *folder)
+                .find(|f| f.ends_with(&format!("/{name}")));
+            for next in
+                dependencies(&manifest(folder.expect("a listed crate")), "dependencies").intersection(&ours)
+            {
                 assert!(table.contains_key(next.as_str()));
                 if seen.insert(next.clone()) {
                     open.push(next.clone());
                 }
             }
         }
-        assert!(!seen.contains("optics"), "{start} reaches optics through {seen:?}");
+        assert!(
+            !seen.contains("optics"),
+            "{start} reaches optics through {seen:?}"
+        );
     }
 }
 
@@ -140,7 +200,11 @@ fn pure_crates_name_no_file_socket_clock_environment_or_log() {
 fn sql_is_spoken_only_by_the_catalogue_and_the_artifact_packs() {
     for (folder, _) in ARROWS {
         let speaks = dependencies(&manifest(folder), "dependencies").contains("sqlx");
-        assert_eq!(speaks, matches!(*folder, "services/catalogue" | "services/store"), "{folder}");
+        assert_eq!(
+            speaks,
+            matches!(*folder, "services/catalogue" | "services/store"),
+            "{folder}"
+        );
     }
 }
 
@@ -149,7 +213,11 @@ fn every_crate_keeps_the_workspace_lints_and_unsafe_is_forbidden() {
     let lints = &manifest("")["workspace"]["lints"];
     assert_eq!(lints["rust"]["unsafe_code"].as_str(), Some("forbid"));
     for (folder, _) in ARROWS {
-        assert_eq!(manifest(folder)["lints"]["workspace"].as_bool(), Some(true), "{folder}");
+        assert_eq!(
+            manifest(folder)["lints"]["workspace"].as_bool(),
+            Some(true),
+            "{folder}"
+        );
     }
 }
 
@@ -157,8 +225,15 @@ fn every_crate_keeps_the_workspace_lints_and_unsafe_is_forbidden() {
 fn no_source_file_outgrows_four_hundred_lines() {
     for (folder, _) in ARROWS {
         for path in sources(&root().join(folder)) {
-            let lines = fs::read_to_string(&path).expect("a readable source").lines().count();
-            assert!(lines <= 400, "{} has {lines} lines: is there a second topic in it?", path.display());
+            let lines = fs::read_to_string(&path)
+                .expect("a readable source")
+                .lines()
+                .count();
+            assert!(
+                lines <= 400,
+                "{} has {lines} lines: is there a second topic in it?",
+                path.display()
+            );
         }
     }
 }

@@ -15,18 +15,27 @@ fn text(bytes: &[u8]) -> String {
 fn no_service_exits_with_three_and_says_how_to_start_one() {
     let output = run(&["query", "", "--server", "http://127.0.0.1:9"]);
     assert_eq!(output.status.code(), Some(3));
-    assert!(text(&output.stderr).contains("fathom serve"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("fathom serve"),
+        "{}",
+        text(&output.stderr)
+    );
 }
 
 #[test]
 fn a_bad_job_exits_with_two_and_lists_every_error() {
     let folder = temporary();
     let spec = folder.path().join("bad.json");
-    let bad = json!({"scene": {"kind": "procedural", "family": "structur", "seed": 1}, "alpha": 1.2, "cuont": 3});
+    let bad =
+        json!({"scene": {"kind": "procedural", "family": "structur", "seed": 1}, "alpha": 1.2, "cuont": 3});
     std::fs::write(&spec, bad.to_string()).expect("a writable folder");
     let out = folder.path().join("out");
-    let output =
-        run(&["render", spec.to_str().expect("text"), "--out", out.to_str().expect("text")]);
+    let output = run(&[
+        "render",
+        spec.to_str().expect("text"),
+        "--out",
+        out.to_str().expect("text"),
+    ]);
     assert_eq!(output.status.code(), Some(2));
     let printed = text(&output.stderr);
     for part in ["/scene/family", "structure", "/alpha", "1.2", "/cuont", "count"] {
@@ -45,8 +54,15 @@ fn a_missing_runtime_exits_with_four_and_everything_else_still_renders() {
         "water": {"optics": "jerlov-3C", "style": "muddy"}, "alpha": 0.5});
     let nothing = folder.path().join("no-such-library.so");
     let arguments = |out: &std::path::Path| {
-        ["render", spec.to_str().expect("text"), "--out", out.to_str().expect("text"), "--onnxruntime", nothing.to_str().expect("text")]
-            .map(str::to_owned)
+        [
+            "render",
+            spec.to_str().expect("text"),
+            "--out",
+            out.to_str().expect("text"),
+            "--onnxruntime",
+            nothing.to_str().expect("text"),
+        ]
+        .map(str::to_owned)
     };
     let call = |out: &std::path::Path| {
         let arguments = arguments(out);
@@ -55,7 +71,11 @@ fn a_missing_runtime_exits_with_four_and_everything_else_still_renders() {
     std::fs::write(&spec, job.to_string()).expect("a writable folder");
     let output = call(&out);
     assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("scripts/get-onnxruntime.sh"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("scripts/get-onnxruntime.sh"),
+        "{}",
+        text(&output.stderr)
+    );
     job["water"] = json!({"optics": "jerlov-3C"});
     std::fs::write(&spec, job.to_string()).expect("a writable folder");
     let output = call(&folder.path().join("out2"));
@@ -73,13 +93,18 @@ fn a_picture_is_enhanced_and_measured() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let output = run(&["measure", input, better, "--json"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let rows: Vec<Value> =
-        text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON lines")).collect();
+    let rows: Vec<Value> = text(&output.stdout)
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("JSON lines"))
+        .collect();
     assert_eq!(rows.len(), 2);
-    let expected = std::fs::read_to_string(root().join("workers/enhance/tests/vectors/enhancement/expected.json"))
-        .expect("expected values");
+    let expected =
+        std::fs::read_to_string(root().join("workers/enhance/tests/vectors/enhancement/expected.json"))
+            .expect("expected values");
     let expected: Value = serde_json::from_str(&expected).expect("JSON");
-    let uiqm = expected["hazed_160x120"]["metrics"]["panetta"]["uiqm"].as_f64().expect("a number");
+    let uiqm = expected["hazed_160x120"]["metrics"]["panetta"]["uiqm"]
+        .as_f64()
+        .expect("a number");
     let measured = rows[0]["metrics"]["uiqm"].as_f64().expect("a number");
     assert!((measured - uiqm).abs() < 1e-9, "{measured} against {uiqm}");
     let unknown = run(&["enhance", "hscn", input, better]);
@@ -89,23 +114,53 @@ fn a_picture_is_enhanced_and_measured() {
 #[test]
 fn the_waters_carry_their_source_and_the_styles_their_digest() {
     let waters: Value = serde_json::from_slice(&run(&["waters", "--json"]).stdout).expect("JSON");
-    let names: Vec<&str> = waters.as_array().expect("a list").iter().filter_map(|w| w["name"].as_str()).collect();
-    for name in ["jerlov-IB/williamson2022", "jerlov-5C/williamson2022", "jerlov-9C/solonenko2015"] {
+    let names: Vec<&str> = waters
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|w| w["name"].as_str())
+        .collect();
+    for name in [
+        "jerlov-IB/williamson2022",
+        "jerlov-5C/williamson2022",
+        "jerlov-9C/solonenko2015",
+    ] {
         assert!(names.contains(&name), "{names:?}");
     }
-    assert!(waters.as_array().expect("a list").iter().all(|w| w["source"].as_str().is_some_and(|s| !s.is_empty())));
+    assert!(
+        waters
+            .as_array()
+            .expect("a list")
+            .iter()
+            .all(|w| w["source"].as_str().is_some_and(|s| !s.is_empty()))
+    );
     let styles: Value = serde_json::from_slice(&run(&["styles", "--json"]).stdout).expect("JSON");
     assert_eq!(styles.as_array().map(Vec::len), Some(3));
-    assert!(styles.as_array().expect("a list").iter().all(|s| s["sha256"].as_str().map(str::len) == Some(64)));
+    assert!(
+        styles
+            .as_array()
+            .expect("a list")
+            .iter()
+            .all(|s| s["sha256"].as_str().map(str::len) == Some(64))
+    );
 }
 
 #[test]
 fn the_figures_of_the_paper_are_drawn() {
     let folder = temporary();
-    let output = run(&["figure", "structure:3", "--out", folder.path().to_str().expect("text")]);
+    let output = run(&[
+        "figure",
+        "structure:3",
+        "--out",
+        folder.path().to_str().expect("text"),
+    ]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     for name in ["figure5.png", "figure6.png"] {
         let bytes = std::fs::read(folder.path().join(name)).expect("a figure");
-        assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 50_000, "{name} is {} bytes", bytes.len());
+        assert!(
+            bytes.starts_with(b"\x89PNG") && bytes.len() > 50_000,
+            "{name} is {} bytes",
+            bytes.len()
+        );
     }
 }

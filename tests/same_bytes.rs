@@ -43,8 +43,15 @@ fn digest_by_render(folder: &Path, slots: &str) -> String {
         slots,
     ]);
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success(), "{printed}\n{}", String::from_utf8_lossy(&output.stderr));
-    let digest = printed.lines().find_map(|line| line.strip_prefix("digest ")).expect("render prints a digest");
+    assert!(
+        output.status.success(),
+        "{printed}\n{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let digest = printed
+        .lines()
+        .find_map(|line| line.strip_prefix("digest "))
+        .expect("render prints a digest");
     let records = std::fs::read_to_string(out.join("records.jsonl")).expect("records");
     assert_eq!(records.lines().count() as u64, FRAMES);
     digest.to_owned()
@@ -54,12 +61,19 @@ fn digest_of(service: &Service, id: &str) -> String {
     let done = service.finished(id);
     assert_eq!(done["state"], "done", "{done}");
     assert_eq!(done["done"], FRAMES);
-    let (status, page) = service.get(&format!("/v1/images?dataset=same-bytes&limit=1000&fields=frame&order_by=frame"));
+    let (status, page) = service.get("/v1/images?dataset=same-bytes&limit=1000&fields=frame&order_by=frame");
     assert_eq!(status, 200, "{page}");
-    let frames: Vec<u64> =
-        page["items"].as_array().expect("rows").iter().filter_map(|row| row["frame"].as_u64()).collect();
+    let frames: Vec<u64> = page["items"]
+        .as_array()
+        .expect("rows")
+        .iter()
+        .filter_map(|row| row["frame"].as_u64())
+        .collect();
     assert_eq!(frames, (0..FRAMES).collect::<Vec<_>>());
-    done["digest"].as_str().expect("a finished job has a digest").to_owned()
+    done["digest"]
+        .as_str()
+        .expect("a finished job has a digest")
+        .to_owned()
 }
 
 fn temporary() -> tempfile::TempDir {
@@ -75,7 +89,11 @@ fn one_slot_three_slots_two_workers_with_a_kill_and_no_service_agree() {
         let data = temporary();
         let service = Service::start(data.path(), &["--workers", "1", "--slots", slots]);
         let id = service.submit(&job());
-        assert_eq!(digest_of(&service, &id), expected, "one worker child of {slots} slots");
+        assert_eq!(
+            digest_of(&service, &id),
+            expected,
+            "one worker child of {slots} slots"
+        );
     }
 
     let data = temporary();
@@ -85,7 +103,11 @@ fn one_slot_three_slots_two_workers_with_a_kill_and_no_service_agree() {
     let id = service.submit(&job());
     wait_until_half_done(&service, &id);
     first.kill();
-    assert_eq!(digest_of(&service, &id), expected, "two workers, one of them killed in the middle");
+    assert_eq!(
+        digest_of(&service, &id),
+        expected,
+        "two workers, one of them killed in the middle"
+    );
     drop(second);
 }
 
@@ -94,7 +116,10 @@ fn wait_until_half_done(service: &Service, id: &str) {
     while begun.elapsed() < Duration::from_secs(120) {
         let (_, answer) = service.get(&format!("/v1/jobs/{id}"));
         let done = answer["done"].as_u64().unwrap_or_default();
-        assert!(done < FRAMES, "the job ended before a worker could be killed in its middle");
+        assert!(
+            done < FRAMES,
+            "the job ended before a worker could be killed in its middle"
+        );
         if done >= FRAMES / 4 {
             return;
         }
@@ -117,6 +142,10 @@ fn a_frame_rendered_alone_is_the_frame_of_the_whole_job() {
     assert_eq!(service.finished(&longer)["state"], "done");
     for frame in 0..7 {
         let bytes = |id: &str| service.get_bytes(&format!("/v1/images/{id}/{frame}/artifacts/rgb"));
-        assert_eq!(bytes(&id), bytes(&longer), "frame {frame} changed when the job grew");
+        assert_eq!(
+            bytes(&id),
+            bytes(&longer),
+            "frame {frame} changed when the job grew"
+        );
     }
 }

@@ -24,11 +24,17 @@ fn a_job_becomes_images_that_can_be_asked_for_by_water_and_metric() {
     let service = Service::start(data.path(), &["--workers", "1", "--slots", "2"]);
     let id = service.submit(&job("bay"));
     let done = service.finished(&id);
-    assert_eq!((done["state"].as_str(), done["done"].as_u64()), (Some("done"), Some(12)), "{done}");
+    assert_eq!(
+        (done["state"].as_str(), done["done"].as_u64()),
+        (Some("done"), Some(12)),
+        "{done}"
+    );
 
-    let filter = "water.optics%20in%20(%22jerlov-5C/williamson2022%22)%20and%20labels.run%20%3D%20%22first%22";
-    let (status, page) =
-        service.get(&format!("/v1/images?dataset=bay&filter={filter}&order_by=-uiqm&fields=frame,uiqm,hscm.uiqm,holes"));
+    let filter =
+        "water.optics%20in%20(%22jerlov-5C/williamson2022%22)%20and%20labels.run%20%3D%20%22first%22";
+    let (status, page) = service.get(&format!(
+        "/v1/images?dataset=bay&filter={filter}&order_by=-uiqm&fields=frame,uiqm,hscm.uiqm,holes"
+    ));
     assert_eq!(status, 200, "{page}");
     let rows = page["items"].as_array().expect("rows");
     assert_eq!(rows.len(), 6, "{page}");
@@ -39,10 +45,21 @@ fn a_job_becomes_images_that_can_be_asked_for_by_water_and_metric() {
     let (status, record) = service.get(&format!("/v1/images/{id}/3"));
     assert_eq!(status, 200, "{record}");
     let text = record.to_string();
-    for part in ["plan", "timings_ms", "code_version", "cpu_features", "beam_attenuation", "veiling_light"] {
+    for part in [
+        "plan",
+        "timings_ms",
+        "code_version",
+        "cpu_features",
+        "beam_attenuation",
+        "veiling_light",
+    ] {
         assert!(text.contains(part), "the record says nothing of {part}: {text}");
     }
-    for (kind, magic) in [("rgb", &b"\x89PNG"[..]), ("range", b"\x89PNG"), ("transmittance", b"\x93NUMPY")] {
+    for (kind, magic) in [
+        ("rgb", &b"\x89PNG"[..]),
+        ("range", b"\x89PNG"),
+        ("transmittance", b"\x93NUMPY"),
+    ] {
         let (status, bytes) = service.get_bytes(&format!("/v1/images/{id}/3/artifacts/{kind}"));
         assert!(status == 200 && bytes.starts_with(magic), "{kind}: {status}");
     }
@@ -65,7 +82,11 @@ fn a_restarted_service_still_has_its_images_and_finishes_what_was_open() {
     };
     let service = Service::start(data.path(), &["--workers", "1", "--slots", "2"]);
     let done = service.finished(&id);
-    assert_eq!((done["state"].as_str(), done["done"].as_u64()), (Some("done"), Some(80)), "{done}");
+    assert_eq!(
+        (done["state"].as_str(), done["done"].as_u64()),
+        (Some("done"), Some(80)),
+        "{done}"
+    );
 }
 
 #[test]
@@ -76,9 +97,17 @@ fn ten_million_frames_are_accepted_at_once_and_cancelled() {
     huge["count"] = json!(5_000_000);
     let begun = std::time::Instant::now();
     let id = service.submit(&huge);
-    assert!(begun.elapsed().as_secs() < 5, "accepting took {:?}", begun.elapsed());
+    assert!(
+        begun.elapsed().as_secs() < 5,
+        "accepting took {:?}",
+        begun.elapsed()
+    );
     let (status, answer) = service.get(&format!("/v1/jobs/{id}"));
-    assert_eq!((status, answer["frames"].as_u64()), (200, Some(10_000_000)), "{answer}");
+    assert_eq!(
+        (status, answer["frames"].as_u64()),
+        (200, Some(10_000_000)),
+        "{answer}"
+    );
     let (status, answer) = service.post(&format!("/v1/jobs/{id}/cancel"), &json!({}));
     assert_eq!(status, 200, "{answer}");
     assert_eq!(service.finished(&id)["state"], "cancelled");
@@ -92,15 +121,40 @@ fn the_command_line_submits_waits_and_asks() {
     std::fs::write(&spec, job("shell").to_string()).expect("a writable folder");
     let spec = spec.to_str().expect("a path of text");
     let submitted = run(&["submit", spec, "--wait", "--server", &service.url]);
-    assert!(submitted.status.success(), "{}", String::from_utf8_lossy(&submitted.stderr));
-    let asked = run(&["query", "frame < 4", "--dataset", "shell", "--json", "--server", &service.url]);
+    assert!(
+        submitted.status.success(),
+        "{}",
+        String::from_utf8_lossy(&submitted.stderr)
+    );
+    let asked = run(&[
+        "query",
+        "frame < 4",
+        "--dataset",
+        "shell",
+        "--json",
+        "--server",
+        &service.url,
+    ]);
     let rows = String::from_utf8(asked.stdout).expect("text");
     assert_eq!(rows.lines().count(), 4, "{rows}");
     let sheet = data.path().join("sheet.png");
-    let drawn =
-        run(&["sheet", "shell", "--out", sheet.to_str().expect("a path of text"), "--server", &service.url]);
-    assert!(drawn.status.success() && sheet.is_file(), "{}", String::from_utf8_lossy(&drawn.stderr));
+    let drawn = run(&[
+        "sheet",
+        "shell",
+        "--out",
+        sheet.to_str().expect("a path of text"),
+        "--server",
+        &service.url,
+    ]);
+    assert!(
+        drawn.status.success() && sheet.is_file(),
+        "{}",
+        String::from_utf8_lossy(&drawn.stderr)
+    );
     let refused = run(&["query", "uiqn > 1", "--server", &service.url]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("uiqm"), "the nearest column is named");
+    assert!(
+        String::from_utf8_lossy(&refused.stderr).contains("uiqm"),
+        "the nearest column is named"
+    );
 }

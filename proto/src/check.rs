@@ -42,7 +42,11 @@ type Checked<T> = Result<T, MessageError>;
 
 /// A number that names something: 0 is what an absent field decodes to.
 pub(crate) fn number<T: Default + PartialEq>(field: &'static str, value: T) -> Checked<T> {
-    if value == T::default() { Err(MessageError::Missing { field }) } else { Ok(value) }
+    if value == T::default() {
+        Err(MessageError::Missing { field })
+    } else {
+        Ok(value)
+    }
 }
 
 pub(crate) fn id(field: &'static str, value: String) -> Checked<String> {
@@ -55,7 +59,16 @@ pub(crate) fn text(field: &'static str, value: String, limit: usize) -> Checked<
 }
 
 pub(crate) fn length(field: &'static str, length: usize, limit: usize, unit: &'static str) -> Checked<()> {
-    if length > limit { Err(MessageError::TooLong { field, length, limit, unit }) } else { Ok(()) }
+    if length > limit {
+        Err(MessageError::TooLong {
+            field,
+            length,
+            limit,
+            unit,
+        })
+    } else {
+        Ok(())
+    }
 }
 
 pub(crate) fn digest(field: &'static str, value: String) -> Checked<String> {
@@ -67,18 +80,34 @@ pub(crate) fn digest(field: &'static str, value: String) -> Checked<String> {
 }
 
 pub(crate) fn finite(field: &'static str, value: f64) -> Checked<f64> {
-    if value.is_finite() { Ok(value) } else { Err(wrong(field, &value, "a finite number")) }
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(wrong(field, &value, "a finite number"))
+    }
 }
 
 pub(crate) fn not_negative(field: &'static str, value: f64) -> Checked<f64> {
-    if value.is_finite() && value >= 0.0 { Ok(value) } else { Err(wrong(field, &value, "0 or more")) }
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(wrong(field, &value, "0 or more"))
+    }
 }
 
 pub(crate) fn positive(field: &'static str, value: f64) -> Checked<f64> {
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(wrong(field, &value, "above 0")) }
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(wrong(field, &value, "above 0"))
+    }
 }
 
 pub(crate) fn wrong(field: &'static str, value: &impl ToString, wanted: &'static str) -> MessageError {
     let value = value.to_string();
-    MessageError::Value { field, value: value.chars().take(80).collect(), wanted }
+    MessageError::Value {
+        field,
+        value: value.chars().take(80).collect(),
+        wanted,
+    }
 }

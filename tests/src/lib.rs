@@ -16,7 +16,10 @@ const JOB_LIMIT: Duration = Duration::from_secs(300);
 /// The repository's root.
 #[must_use]
 pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the tests folder lies in the root").to_owned()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the tests folder lies in the root")
+        .to_owned()
 }
 
 /// The binary, built beside the test executables.
@@ -26,8 +29,16 @@ pub fn root() -> PathBuf {
 #[must_use]
 pub fn fathom() -> PathBuf {
     let test = std::env::current_exe().expect("a test knows its own file");
-    let binary = test.parent().and_then(Path::parent).expect("tests lie in deps/").join("fathom");
-    assert!(binary.is_file(), "{} is missing: build the workspace first", binary.display());
+    let binary = test
+        .parent()
+        .and_then(Path::parent)
+        .expect("tests lie in deps/")
+        .join("fathom");
+    assert!(
+        binary.is_file(),
+        "{} is missing: build the workspace first",
+        binary.display()
+    );
     binary
 }
 
@@ -58,6 +69,10 @@ impl Service {
     /// # Panics
     /// When it does not listen in time; what it printed is in the message.
     #[must_use]
+    #[expect(
+        clippy::zombie_processes,
+        reason = "waited for when dropped, and the test ends where it panics"
+    )]
     pub fn start(data: &Path, arguments: &[&str]) -> Self {
         let mut child = Command::new(fathom())
             .args(["serve", "--listen", "127.0.0.1:0", "--data"])
@@ -71,7 +86,11 @@ impl Service {
             .expect("the binary starts");
         let (sender, receiver) = mpsc::channel();
         let lines = BufReader::new(child.stderr.take().expect("stderr is piped")).lines();
-        std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| drop(sender.send(line))));
+        std::thread::spawn(move || {
+            lines
+                .map_while(Result::ok)
+                .for_each(|line| drop(sender.send(line)))
+        });
         let mut printed = Vec::new();
         let begun = Instant::now();
         while begun.elapsed() < START_LIMIT {
@@ -79,7 +98,9 @@ impl Service {
                 Ok(line) => {
                     if let Some(url) = line.strip_prefix("fathom listens on ") {
                         let url = url.to_owned();
-                        std::thread::spawn(move || receiver.iter().for_each(|line| eprintln!("service: {line}")));
+                        std::thread::spawn(move || {
+                            receiver.iter().for_each(|line| eprintln!("service: {line}"))
+                        });
                         return Self { child, url };
                     }
                     printed.push(line);
@@ -105,8 +126,16 @@ impl Service {
     /// When the service does not answer.
     #[must_use]
     pub fn get_bytes(&self, path: &str) -> (u16, Vec<u8>) {
-        let mut response = agent().get(format!("{}{path}", self.url)).call().expect("the service answers");
-        let bytes = response.body_mut().with_config().limit(1 << 30).read_to_vec().expect("a whole answer");
+        let mut response = agent()
+            .get(format!("{}{path}", self.url))
+            .call()
+            .expect("the service answers");
+        let bytes = response
+            .body_mut()
+            .with_config()
+            .limit(1 << 30)
+            .read_to_vec()
+            .expect("a whole answer");
         (response.status().as_u16(), bytes)
     }
 
@@ -122,7 +151,10 @@ impl Service {
             .send(body.to_string())
             .expect("the service answers");
         let bytes = response.body_mut().read_to_vec().expect("a whole answer");
-        (response.status().as_u16(), serde_json::from_slice(&bytes).unwrap_or_default())
+        (
+            response.status().as_u16(),
+            serde_json::from_slice(&bytes).unwrap_or_default(),
+        )
     }
 
     /// Submits a job that must be accepted.
@@ -148,7 +180,10 @@ impl Service {
             let (status, answer) = self.get(&format!("/v1/jobs/{job}?wait=10&since={since}"));
             assert_eq!(status, 200, "{answer}");
             since = answer["version"].as_u64().unwrap_or_default();
-            if matches!(answer["state"].as_str(), Some("done" | "done_with_failures" | "cancelled")) {
+            if matches!(
+                answer["state"].as_str(),
+                Some("done" | "done_with_failures" | "cancelled")
+            ) {
                 return answer;
             }
         }
@@ -175,7 +210,15 @@ impl Worker {
     #[must_use]
     pub fn start(url: &str, name: &str, slots: usize) -> Self {
         let child = Command::new(fathom())
-            .args(["worker", "--server", url, "--name", name, "--slots", &slots.to_string()])
+            .args([
+                "worker",
+                "--server",
+                url,
+                "--name",
+                name,
+                "--slots",
+                &slots.to_string(),
+            ])
             .env_remove("FATHOM_TOKEN")
             .env("FATHOM_LOG", "warn")
             .current_dir(root())
@@ -205,7 +248,9 @@ fn stop(child: &mut Child) {
     if matches!(child.try_wait(), Ok(Some(_))) {
         return;
     }
-    let _ = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    let _ = Command::new("kill")
+        .args(["-TERM", &child.id().to_string()])
+        .status();
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_secs(15) {
         if matches!(child.try_wait(), Ok(Some(_))) {

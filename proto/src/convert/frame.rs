@@ -22,15 +22,30 @@ impl TryFrom<wire::PutArtifactsRequest> for PutArtifacts {
         length("artifacts", wire.artifacts.len(), limits::ARTIFACTS, "artifacts")?;
         Ok(Self {
             claim: claim(wire.token, wire.job_id, wire.frame, wire.attempt)?,
-            artifacts: wire.artifacts.into_iter().map(Artifact::try_from).collect::<Result<_, _>>()?,
+            artifacts: wire
+                .artifacts
+                .into_iter()
+                .map(Artifact::try_from)
+                .collect::<Result<_, _>>()?,
         })
     }
 }
 
 impl From<PutArtifacts> for wire::PutArtifactsRequest {
     fn from(PutArtifacts { claim, artifacts }: PutArtifacts) -> Self {
-        let Claim { token, job_id, frame, attempt } = claim;
-        Self { token, job_id, frame, attempt, artifacts: artifacts.into_iter().map(Into::into).collect() }
+        let Claim {
+            token,
+            job_id,
+            frame,
+            attempt,
+        } = claim;
+        Self {
+            token,
+            job_id,
+            frame,
+            attempt,
+            artifacts: artifacts.into_iter().map(Into::into).collect(),
+        }
     }
 }
 
@@ -45,7 +60,12 @@ impl TryFrom<wire::Artifact> for Artifact {
             return Err(wrong("media_type", &wire.media_type, "such as image/png"));
         }
         let digest = digest("digest", wire.digest)?;
-        Ok(Self { kind: wire.kind, media_type: wire.media_type, data: wire.data, digest })
+        Ok(Self {
+            kind: wire.kind,
+            media_type: wire.media_type,
+            data: wire.data,
+            digest,
+        })
     }
 }
 
@@ -58,14 +78,32 @@ fn is_kind(text: &str) -> bool {
 /// It becomes a header of answers, so nothing else may pass.
 fn is_media_type(text: &str) -> bool {
     let plain = |part: &str| {
-        !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte))
+        !part.is_empty()
+            && part
+                .bytes()
+                .all(|byte| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte))
     };
-    text.len() <= limits::ID_BYTES && text.split_once('/').is_some_and(|(kind, name)| plain(kind) && plain(name))
+    text.len() <= limits::ID_BYTES
+        && text
+            .split_once('/')
+            .is_some_and(|(kind, name)| plain(kind) && plain(name))
 }
 
 impl From<Artifact> for wire::Artifact {
-    fn from(Artifact { kind, media_type, data, digest }: Artifact) -> Self {
-        Self { kind, media_type, data, digest }
+    fn from(
+        Artifact {
+            kind,
+            media_type,
+            data,
+            digest,
+        }: Artifact,
+    ) -> Self {
+        Self {
+            kind,
+            media_type,
+            data,
+            digest,
+        }
     }
 }
 
@@ -74,11 +112,19 @@ impl TryFrom<wire::CommitRequest> for Commit {
 
     fn try_from(wire: wire::CommitRequest) -> Result<Self, MessageError> {
         let claim = claim(wire.token, wire.job_id, wire.frame, wire.attempt)?;
-        length("record_json", wire.record_json.len(), limits::RECORD_BYTES, "bytes")?;
-        let record: FrameRecord =
-            serde_json::from_slice(&wire.record_json).map_err(|error| MessageError::Record(error.to_string()))?;
+        length(
+            "record_json",
+            wire.record_json.len(),
+            limits::RECORD_BYTES,
+            "bytes",
+        )?;
+        let record: FrameRecord = serde_json::from_slice(&wire.record_json)
+            .map_err(|error| MessageError::Record(error.to_string()))?;
         if record.frame != claim.frame {
-            let message = format!("it is of frame {}, the claim is on frame {}", record.frame, claim.frame);
+            let message = format!(
+                "it is of frame {}, the claim is on frame {}",
+                record.frame, claim.frame
+            );
             return Err(MessageError::Record(message));
         }
         for artifact in &record.artifacts {
@@ -90,9 +136,21 @@ impl TryFrom<wire::CommitRequest> for Commit {
 
 impl From<Commit> for wire::CommitRequest {
     fn from(Commit { claim, record }: Commit) -> Self {
-        let Claim { token, job_id, frame, attempt } = claim;
-        let record_json = serde_json::to_vec(&record).expect("maps with string keys and numbers always serialise");
-        Self { token, job_id, frame, attempt, record_json }
+        let Claim {
+            token,
+            job_id,
+            frame,
+            attempt,
+        } = claim;
+        let record_json =
+            serde_json::to_vec(&record).expect("maps with string keys and numbers always serialise");
+        Self {
+            token,
+            job_id,
+            frame,
+            attempt,
+            record_json,
+        }
     }
 }
 
@@ -115,8 +173,28 @@ impl TryFrom<wire::FailRequest> for Fail {
 }
 
 impl From<Fail> for wire::FailRequest {
-    fn from(Fail { claim, error, retryable, timings_ms }: Fail) -> Self {
-        let Claim { token, job_id, frame, attempt } = claim;
-        Self { token, job_id, frame, attempt, error, retryable, timings_ms }
+    fn from(
+        Fail {
+            claim,
+            error,
+            retryable,
+            timings_ms,
+        }: Fail,
+    ) -> Self {
+        let Claim {
+            token,
+            job_id,
+            frame,
+            attempt,
+        } = claim;
+        Self {
+            token,
+            job_id,
+            frame,
+            attempt,
+            error,
+            retryable,
+            timings_ms,
+        }
     }
 }

@@ -26,8 +26,20 @@ impl TryFrom<wire::RegisterRequest> for Register {
 
 impl From<Register> for wire::RegisterRequest {
     fn from(message: Register) -> Self {
-        let Register { name, slots, code_version, onnx_runtime, cpu_features } = message;
-        Self { name, slots, code_version, onnx_runtime: onnx_runtime.unwrap_or_default(), cpu_features }
+        let Register {
+            name,
+            slots,
+            code_version,
+            onnx_runtime,
+            cpu_features,
+        } = message;
+        Self {
+            name,
+            slots,
+            code_version,
+            onnx_runtime: onnx_runtime.unwrap_or_default(),
+            cpu_features,
+        }
     }
 }
 
@@ -45,8 +57,16 @@ impl TryFrom<wire::RegisterResponse> for Registered {
 
 impl From<Registered> for wire::RegisterResponse {
     fn from(message: Registered) -> Self {
-        let Registered { worker_id, lease_term_ms, beat_ms } = message;
-        Self { worker_id, lease_term_ms, beat_ms }
+        let Registered {
+            worker_id,
+            lease_term_ms,
+            beat_ms,
+        } = message;
+        Self {
+            worker_id,
+            lease_term_ms,
+            beat_ms,
+        }
     }
 }
 
@@ -64,8 +84,16 @@ impl TryFrom<wire::LeaseRequest> for WantLease {
 
 impl From<WantLease> for wire::LeaseRequest {
     fn from(message: WantLease) -> Self {
-        let WantLease { worker_id, wait_ms, frame_ms } = message;
-        Self { worker_id, wait_ms, frame_ms }
+        let WantLease {
+            worker_id,
+            wait_ms,
+            frame_ms,
+        } = message;
+        Self {
+            worker_id,
+            wait_ms,
+            frame_ms,
+        }
     }
 }
 
@@ -77,12 +105,19 @@ impl TryFrom<wire::Lease> for Lease {
             return Err(MessageError::Missing { field: "frames" });
         }
         length("frames", wire.frames.len(), limits::LEASE_FRAMES, "frames")?;
-        let frames = wire.frames.into_iter().map(|claim| Ok((claim.frame, number("attempt", claim.attempt)?)));
+        let frames = wire
+            .frames
+            .into_iter()
+            .map(|claim| Ok((claim.frame, number("attempt", claim.attempt)?)));
         Ok(Self {
             frames: frames.collect::<Result<_, _>>()?,
             token: number("token", wire.token)?,
             job_id: id("job_id", wire.job_id)?,
-            spec_json: text("spec_json", number("spec_json", wire.spec_json)?, limits::SPEC_BYTES)?,
+            spec_json: text(
+                "spec_json",
+                number("spec_json", wire.spec_json)?,
+                limits::SPEC_BYTES,
+            )?,
             term_ms: number("term_ms", wire.term_ms)?,
         })
     }
@@ -90,9 +125,24 @@ impl TryFrom<wire::Lease> for Lease {
 
 impl From<Lease> for wire::Lease {
     fn from(message: Lease) -> Self {
-        let Lease { token, job_id, spec_json, frames, term_ms } = message;
-        let frames = frames.into_iter().map(|(frame, attempt)| wire::FrameClaim { frame, attempt }).collect();
-        Self { token, job_id, spec_json, frames, term_ms }
+        let Lease {
+            token,
+            job_id,
+            spec_json,
+            frames,
+            term_ms,
+        } = message;
+        let frames = frames
+            .into_iter()
+            .map(|(frame, attempt)| wire::FrameClaim { frame, attempt })
+            .collect();
+        Self {
+            token,
+            job_id,
+            spec_json,
+            frames,
+            term_ms,
+        }
     }
 }
 
@@ -101,7 +151,10 @@ impl TryFrom<wire::BeatRequest> for BeatOf {
 
     fn try_from(wire: wire::BeatRequest) -> Result<Self, MessageError> {
         length("tokens", wire.tokens.len(), limits::BEAT_TOKENS, "tokens")?;
-        Ok(Self { worker_id: id("worker_id", wire.worker_id)?, tokens: wire.tokens })
+        Ok(Self {
+            worker_id: id("worker_id", wire.worker_id)?,
+            tokens: wire.tokens,
+        })
     }
 }
 

@@ -21,7 +21,10 @@ impl TryFrom<wire::SceneResponse> for SceneFiles {
             rgb_digest: digest("rgb_digest", wire.rgb_digest)?,
             range,
             intrinsics: wire.intrinsics.map(Intrinsics::try_from).transpose()?,
-            instances_digest: wire.instances_digest.map(|it| digest("instances_digest", it)).transpose()?,
+            instances_digest: wire
+                .instances_digest
+                .map(|it| digest("instances_digest", it))
+                .transpose()?,
         })
     }
 }
@@ -62,9 +65,15 @@ impl From<SceneFiles> for wire::SceneResponse {
             rgb_digest: scene.rgb_digest,
             range_kind: range_kind.into(),
             unit_m: scene.range.as_ref().and_then(|range| range.unit_m),
-            invalid_code: scene.range.as_ref().and_then(|range| range.invalid_code).map(u32::from),
+            invalid_code: scene
+                .range
+                .as_ref()
+                .and_then(|range| range.invalid_code)
+                .map(u32::from),
             range_digest: scene.range.map(|range| range.digest),
-            intrinsics: scene.intrinsics.map(|Intrinsics { focal_px, cx, cy }| wire::Intrinsics { focal_px, cx, cy }),
+            intrinsics: scene
+                .intrinsics
+                .map(|Intrinsics { focal_px, cx, cy }| wire::Intrinsics { focal_px, cx, cy }),
             instances_digest: scene.instances_digest,
         }
     }

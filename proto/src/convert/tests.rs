@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
-use prost::Message;
 use proptest::prelude::*;
+use prost::Message;
 use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
 
 use crate::message::*;
@@ -19,7 +19,12 @@ where
 }
 
 fn claim() -> Claim {
-    Claim { token: u64::MAX, job_id: "job_1".to_owned(), frame: 7, attempt: 2 }
+    Claim {
+        token: u64::MAX,
+        job_id: "job_1".to_owned(),
+        frame: 7,
+        attempt: 2,
+    }
 }
 
 fn record() -> FrameRecord {
@@ -36,7 +41,10 @@ fn record() -> FrameRecord {
         plan: serde_json::json!([]),
         measurements: BTreeMap::from([("rgb".to_owned(), BTreeMap::from([("uiqm".to_owned(), 0.1 + 0.2)]))]),
         artifacts: vec![entry],
-        counts: Counts { holes: 3, ..Counts::default() },
+        counts: Counts {
+            holes: 3,
+            ..Counts::default()
+        },
         timings_ms: BTreeMap::from([("water".to_owned(), 1.5)]),
         warnings: vec!["dark".to_owned()],
         provenance: Provenance::default(),
@@ -47,8 +55,17 @@ fn scene() -> SceneFiles {
     let kind = RangeKind::ZDepth;
     SceneFiles {
         rgb_digest: "01".repeat(32),
-        range: Some(RangeFile { digest: "23".repeat(32), kind, unit_m: Some(0.001), invalid_code: Some(65535) }),
-        intrinsics: Some(Intrinsics { focal_px: 500.0, cx: 3.5, cy: -1.0 }),
+        range: Some(RangeFile {
+            digest: "23".repeat(32),
+            kind,
+            unit_m: Some(0.001),
+            invalid_code: Some(65535),
+        }),
+        intrinsics: Some(Intrinsics {
+            focal_px: 500.0,
+            cx: 3.5,
+            cy: -1.0,
+        }),
         instances_digest: Some("45".repeat(32)),
     }
 }
@@ -63,9 +80,17 @@ fn every_message_survives_the_wire_unchanged() {
         cpu_features: "avx2".to_owned(),
     };
     assert_eq!(sent::<_, wire::RegisterRequest>(register.clone()), register);
-    let registered = Registered { worker_id: "wrk_1".to_owned(), lease_term_ms: 15_000, beat_ms: 5000 };
+    let registered = Registered {
+        worker_id: "wrk_1".to_owned(),
+        lease_term_ms: 15_000,
+        beat_ms: 5000,
+    };
     assert_eq!(sent::<_, wire::RegisterResponse>(registered.clone()), registered);
-    let want = WantLease { worker_id: "wrk_1".to_owned(), wait_ms: 100, frame_ms: 12.5 };
+    let want = WantLease {
+        worker_id: "wrk_1".to_owned(),
+        wait_ms: 100,
+        frame_ms: 12.5,
+    };
     assert_eq!(sent::<_, wire::LeaseRequest>(want.clone()), want);
     let lease = Lease {
         token: 9,
@@ -75,11 +100,20 @@ fn every_message_survives_the_wire_unchanged() {
         term_ms: 15_000,
     };
     assert_eq!(sent::<_, wire::Lease>(lease.clone()), lease);
-    let beat = BeatOf { worker_id: "wrk_1".to_owned(), tokens: vec![1, u64::MAX] };
+    let beat = BeatOf {
+        worker_id: "wrk_1".to_owned(),
+        tokens: vec![1, u64::MAX],
+    };
     assert_eq!(sent::<_, wire::BeatRequest>(beat.clone()), beat);
-    let answer = Beat { cancelled: vec![1], lost: vec![2, 3] };
+    let answer = Beat {
+        cancelled: vec![1],
+        lost: vec![2, 3],
+    };
     assert_eq!(sent::<_, wire::BeatResponse>(answer.clone()), answer);
-    let release = Release { token: 4, reason: "stopped".to_owned() };
+    let release = Release {
+        token: 4,
+        reason: "stopped".to_owned(),
+    };
     assert_eq!(sent::<_, wire::ReleaseRequest>(release.clone()), release);
 }
 
@@ -91,15 +125,31 @@ fn what_is_said_of_a_frame_survives_the_wire_unchanged() {
         data: vec![0, 255],
         digest: "0f".repeat(32),
     };
-    let put = PutArtifacts { claim: claim(), artifacts: vec![artifact] };
+    let put = PutArtifacts {
+        claim: claim(),
+        artifacts: vec![artifact],
+    };
     assert_eq!(sent::<_, wire::PutArtifactsRequest>(put.clone()), put);
-    let commit = Commit { claim: claim(), record: record() };
+    let commit = Commit {
+        claim: claim(),
+        record: record(),
+    };
     assert_eq!(sent::<_, wire::CommitRequest>(commit.clone()), commit);
     let timings_ms = BTreeMap::from([("scene".to_owned(), 3.0)]);
-    let fail = Fail { claim: claim(), error: "no".to_owned(), retryable: true, timings_ms };
+    let fail = Fail {
+        claim: claim(),
+        error: "no".to_owned(),
+        retryable: true,
+        timings_ms,
+    };
     assert_eq!(sent::<_, wire::FailRequest>(fail.clone()), fail);
     assert_eq!(sent::<_, wire::SceneResponse>(scene()), scene());
-    let bare = SceneFiles { range: None, intrinsics: None, instances_digest: None, ..scene() };
+    let bare = SceneFiles {
+        range: None,
+        intrinsics: None,
+        instances_digest: None,
+        ..scene()
+    };
     assert_eq!(sent::<_, wire::SceneResponse>(bare.clone()), bare);
 }
 
@@ -114,15 +164,24 @@ fn an_absent_field_is_named() {
         timings_ms: BTreeMap::new(),
     });
     wire.attempt = 0;
-    assert_eq!(Fail::try_from(wire).unwrap_err().to_string(), "`attempt` is missing");
+    assert_eq!(
+        Fail::try_from(wire).unwrap_err().to_string(),
+        "`attempt` is missing"
+    );
 }
 
 #[test]
 fn a_record_of_another_frame_or_of_no_json_is_refused() {
-    let mut wire = wire::CommitRequest::from(Commit { claim: claim(), record: record() });
+    let mut wire = wire::CommitRequest::from(Commit {
+        claim: claim(),
+        record: record(),
+    });
     wire.frame = 8;
     let error = Commit::try_from(wire.clone()).unwrap_err().to_string();
-    assert_eq!(error, "`record_json` is no frame record: it is of frame 7, the claim is on frame 8");
+    assert_eq!(
+        error,
+        "`record_json` is no frame record: it is of frame 7, the claim is on frame 8"
+    );
     wire.record_json = b"{".to_vec();
     assert!(matches!(Commit::try_from(wire), Err(MessageError::Record(_))));
 }
@@ -148,11 +207,22 @@ fn text_that_could_become_a_path_or_a_header_is_refused() {
 #[test]
 fn too_many_and_too_long_are_refused_with_the_limit() {
     let tokens = vec![1; crate::limits::BEAT_TOKENS + 1];
-    let error = BeatOf::try_from(wire::BeatRequest { worker_id: "wrk_1".to_owned(), tokens }).unwrap_err();
+    let error = BeatOf::try_from(wire::BeatRequest {
+        worker_id: "wrk_1".to_owned(),
+        tokens,
+    })
+    .unwrap_err();
     assert_eq!(error.to_string(), "`tokens` has 4097 tokens, the limit is 4096");
     let name = "x".repeat(1000);
-    let request = wire::RegisterRequest { name, slots: 1, ..wire::RegisterRequest::default() };
-    assert!(matches!(Register::try_from(request), Err(MessageError::TooLong { field: "name", .. })));
+    let request = wire::RegisterRequest {
+        name,
+        slots: 1,
+        ..wire::RegisterRequest::default()
+    };
+    assert!(matches!(
+        Register::try_from(request),
+        Err(MessageError::TooLong { field: "name", .. })
+    ));
 }
 
 fn arrives<M: TryFrom<W>, W: Message + Default>(bytes: &[u8]) -> bool {

@@ -1,1 +1,42 @@
-//! The HTTP API: routes, problems, limits, and the worker protocol.
+//! The HTTP API: public routes, the worker protocol, and the service around them.
+//!
+//! [`start`] opens the data directory, takes up unfinished jobs, starts the service's own workers and answers
+//! requests until [`Service::stop`]. Handlers await; whatever computes runs on a bounded pool. Every refusal is an
+//! RFC 9457 problem.
+//!
+//! Absent on purpose: TLS (put a proxy in front), user accounts (tokens with scopes), a message broker.
+
+mod auth;
+mod clock;
+mod compute;
+mod config;
+mod dispatch;
+mod extract;
+mod failure;
+mod fleet;
+mod layers;
+mod limits;
+mod listener;
+mod lock;
+mod openapi;
+mod paging;
+mod problem;
+mod routes;
+mod service;
+mod state;
+mod stored;
+mod strikes;
+mod submit;
+mod telemetry;
+mod time;
+mod uploaded;
+mod uploads;
+mod wait;
+mod watch;
+
+pub use auth::TokenError;
+pub use clock::Clock;
+pub use config::{Config, Surroundings};
+pub use limits::Limits;
+pub use problem::Slug;
+pub use service::{Service, StartError, start, start_in};

@@ -96,10 +96,7 @@ async fn group(
         }
     }
     let committed = connection.execute("COMMIT").await;
-    let failure = committed
-        .as_ref()
-        .err()
-        .map(|error| CatalogueError::from_ref(error));
+    let failure = committed.as_ref().err().map(CatalogueError::from_ref);
     if failure.is_some() {
         let _ = connection.execute("ROLLBACK").await;
     }

@@ -80,7 +80,7 @@ impl Task {
                 self.open = None;
             }
             for answer in answers {
-                let told = result.as_ref().map(|()| ()).map_err(StoreError::again);
+                let told = result.as_ref().copied().map_err(StoreError::again);
                 // A caller that went away loses nothing: the bytes are stored under their digest.
                 let _ = answer.send(told);
             }

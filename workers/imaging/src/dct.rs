@@ -129,7 +129,7 @@ impl<T: FftNum> Lines<T> {
 
     /// Even samples go forward, odd samples come back: the order in which the FFT sees a mirrored line.
     fn place(&self, index: usize) -> usize {
-        if index % 2 == 0 {
+        if index.is_multiple_of(2) {
             index / 2
         } else {
             self.length - 1 - index / 2

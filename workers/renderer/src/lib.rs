@@ -1,1 +1,26 @@
 //! One frame from its description to stored bytes, and the worker that does it for a service.
+//!
+//! [`Slot::render`] is the way of one frame: scene, water, style, haze, encoding, enhancement, measurement. The same
+//! code runs for a service ([`worker`]) and without one ([`local`]), so both give the same bytes.
+
+mod attempt;
+mod engine;
+mod error;
+pub mod local;
+mod provenance;
+mod record;
+mod slot;
+mod source;
+mod stage;
+mod stopwatch;
+mod vocabulary;
+pub mod worker;
+
+pub use attempt::attempt;
+pub use engine::Engine;
+pub use error::RenderError;
+pub use provenance::{CODE_VERSION, cpu_features};
+pub use record::{File, Rendered};
+pub use slot::Slot;
+pub use source::{RangeUpload, SceneSource, UploadedScene};
+pub use vocabulary::vocabulary;

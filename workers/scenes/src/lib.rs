@@ -2,8 +2,11 @@
 //!
 //! Pure: a procedural scene is a function of (family, seed, camera), an uploaded one of its bytes.
 
+mod error;
 pub mod structure;
 pub mod uploaded;
+
+pub use error::SceneError;
 
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
@@ -24,17 +27,6 @@ pub struct Scene {
 /// The procedural families.
 pub const FAMILIES: &[&str] = &["structure"];
 
-/// A scene that cannot be made from what was given.
-#[derive(Debug, thiserror::Error)]
-pub enum SceneError {
-    /// No such procedural family.
-    #[error("scene family `{family}` does not exist; there is {}", FAMILIES.join(", "))]
-    UnknownFamily {
-        /// The name that was asked for.
-        family: String,
-    },
-}
-
 /// Renders a procedural scene.
 ///
 /// # Errors
@@ -48,6 +40,8 @@ pub fn procedural(
 ) -> Result<Scene, SceneError> {
     match family {
         "structure" => Ok(structure::render(seed, width, height, intrinsics)),
-        _ => Err(SceneError::UnknownFamily { family: family.to_owned() }),
+        _ => Err(SceneError::UnknownFamily {
+            family: family.to_owned(),
+        }),
     }
 }

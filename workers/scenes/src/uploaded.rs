@@ -1,1 +1,215 @@
-//! Uploaded scenes.
+//! Scenes from files: a picture, and with it a range map or a z-depth map, a camera, an instance mask.
+//!
+//! PNG, JPEG and WebP pictures are sRGB-encoded; NPY floats are linear radiance. Orientation tags are not applied, since
+//! the maps lie pixel by pixel on the picture as it is stored. Nothing is guessed: a map of integer codes needs the
+//! length of its unit and the code that stands for "no value".
+
+use imaging::codec::{self, FilePlane, Radiance};
+use imaging::geometry::{Intrinsics, range_from_z_depth};
+use imaging::transfer::{Transfer, decode_raster};
+use imaging::{Plane, Rgb};
+
+use crate::{Scene, SceneError};
+
+/// The files of a scene and what has to be known about them.
+#[derive(Debug, Clone, Copy)]
+pub struct Upload<'a> {
+    /// PNG, JPEG, WebP, or NPY floats of shape [height, width, 3].
+    pub rgb: &'a [u8],
+    /// Range or z-depth.
+    pub range: Option<RangeBytes<'a>>,
+    /// The camera; needed to turn z-depth into range.
+    pub intrinsics: Option<Intrinsics>,
+    /// Instance of each pixel, 0 = background: 8- or 16-bit gray PNG, or NPY uint8 or uint16.
+    pub instances: Option<&'a [u8]>,
+}
+
+/// A map of distances: 8- or 16-bit gray PNG, or NPY float32, float64, uint8 or uint16.
+#[derive(Debug, Clone, Copy)]
+pub struct RangeBytes<'a> {
+    /// The file.
+    pub bytes: &'a [u8],
+    /// What its values are.
+    pub kind: RangeKind,
+    /// Metres per unit of the file. Floats are metres if it is not given; integer codes need it.
+    pub unit_m: Option<f64>,
+    /// The value that stands for a hole. Integer codes need it; in a file of floats it is a hole beside what is not finite.
+    pub invalid_code: Option<u16>,
+}
+
+/// Which distance a map holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RangeKind {
+    /// Along the line of sight.
+    Range,
+    /// Along the optical axis, as depth cameras give it.
+    ZDepth,
+}
+
+impl RangeKind {
+    fn field(self) -> &'static str {
+        match self {
+            Self::Range => "range",
+            Self::ZDepth => "z_depth",
+        }
+    }
+
+    fn map(self) -> &'static str {
+        match self {
+            Self::Range => "range map",
+            Self::ZDepth => "z-depth map",
+        }
+    }
+}
+
+/// Decodes a scene. Holes of the range are NaN; a negative radiance stays, for the chain to clamp and count.
+///
+/// # Errors
+/// [`SceneError`]: a file that cannot be used, sides that differ, a number that is missing or out of its limits, a
+/// radiance that is not finite.
+pub fn decode(upload: &Upload) -> Result<Scene, SceneError> {
+    if let Some(camera) = &upload.intrinsics {
+        check_camera(camera)?;
+    }
+    let radiance = decode_radiance(upload.rgb)?;
+    let size = radiance.size();
+    let range = match &upload.range {
+        Some(file) => Some(decode_range(file, upload.intrinsics.as_ref(), size)?),
+        None => None,
+    };
+    let instances = match upload.instances {
+        Some(bytes) => Some(decode_instances(bytes, size)?),
+        None => None,
+    };
+    Ok(Scene {
+        radiance,
+        range,
+        instances,
+        intrinsics: upload.intrinsics,
+    })
+}
+
+fn check_camera(camera: &Intrinsics) -> Result<(), SceneError> {
+    if !(camera.focal_px.is_finite() && camera.focal_px > 0.0) {
+        return Err(number("focal_px", camera.focal_px, "finite and above 0"));
+    }
+    for (field, value) in [("cx", camera.cx), ("cy", camera.cy)] {
+        if !value.is_finite() {
+            return Err(number(field, value, "finite"));
+        }
+    }
+    Ok(())
+}
+
+fn number(field: &'static str, value: f64, limit: &'static str) -> SceneError {
+    SceneError::Number { field, value, limit }
+}
+
+fn decode_radiance(bytes: &[u8]) -> Result<Rgb<f32>, SceneError> {
+    let file = codec::decode_radiance(bytes).map_err(|reason| SceneError::File { field: "rgb", reason })?;
+    let radiance = match file {
+        Radiance::Encoded(raster) => return Ok(decode_raster(&raster, Transfer::Srgb)),
+        Radiance::Linear(radiance) => radiance,
+    };
+    let [r, g, b] = radiance.planes().each_ref().map(Plane::data);
+    let bad = |i: usize| [r[i], g[i], b[i]].into_iter().find(|sample| !sample.is_finite());
+    if let Some((i, value)) = (0..r.len()).find_map(|i| bad(i).map(|value| (i, value))) {
+        return Err(SceneError::Radiance {
+            x: i % radiance.width(),
+            y: i / radiance.width(),
+            value,
+        });
+    }
+    Ok(radiance)
+}
+
+fn decode_range(
+    file: &RangeBytes,
+    camera: Option<&Intrinsics>,
+    image: (usize, usize),
+) -> Result<Plane<f32>, SceneError> {
+    let field = file.kind.field();
+    if let Some(unit) = file.unit_m
+        && !(unit.is_finite() && unit > 0.0)
+    {
+        return Err(number("unit_m", unit, "finite and above 0"));
+    }
+    let camera = match (file.kind, camera) {
+        (RangeKind::Range, _) => None,
+        (RangeKind::ZDepth, Some(camera)) => Some(camera),
+        (RangeKind::ZDepth, None) => {
+            let reason = "z-depth becomes range along the ray by the focal length and the principal point";
+            return Err(SceneError::Missing {
+                field: "intrinsics",
+                reason,
+            });
+        }
+    };
+    let plane = codec::decode_plane(file.bytes).map_err(|reason| SceneError::File { field, reason })?;
+    let metres = match plane {
+        FilePlane::Floats(values) => {
+            check_size(values.size(), image, field, file.kind.map())?;
+            let (unit, invalid) = (file.unit_m.unwrap_or(1.0), file.invalid_code.map(f32::from));
+            values.map(|&value| metres_or_hole(f64::from(value), unit, Some(value) == invalid))
+        }
+        FilePlane::Codes(codes) => {
+            check_size(codes.size(), image, field, file.kind.map())?;
+            let missing = |field, reason| SceneError::Missing { field, reason };
+            let unit = file
+                .unit_m
+                .ok_or(missing("unit_m", "integer codes have no length of their own"))?;
+            let invalid = file.invalid_code.ok_or(missing(
+                "invalid_code",
+                "one of the integer codes stands for a pixel without a distance",
+            ))?;
+            codes.map(|&code| metres_or_hole(f64::from(code), unit, code == invalid))
+        }
+    };
+    Ok(match camera {
+        Some(camera) => range_from_z_depth(&metres, camera),
+        None => metres,
+    })
+}
+
+fn metres_or_hole(value: f64, unit_m: f64, hole: bool) -> f32 {
+    let metres = (value * unit_m) as f32;
+    if hole || !metres.is_finite() {
+        f32::NAN
+    } else {
+        metres
+    }
+}
+
+fn decode_instances(bytes: &[u8], image: (usize, usize)) -> Result<Plane<u16>, SceneError> {
+    let field = "instances";
+    let file = |reason| SceneError::File { field, reason };
+    match codec::decode_plane(bytes).map_err(file)? {
+        FilePlane::Codes(codes) => {
+            check_size(codes.size(), image, field, "instance mask")?;
+            Ok(codes)
+        }
+        FilePlane::Floats(_) => Err(file(codec::DecodeError::Unsuitable {
+            found: "floats".into(),
+            wanted: "integer codes, 8 or 16 bit",
+        })),
+    }
+}
+
+fn check_size(
+    (width, height): (usize, usize),
+    (image_width, image_height): (usize, usize),
+    field: &'static str,
+    map: &'static str,
+) -> Result<(), SceneError> {
+    if (width, height) == (image_width, image_height) {
+        return Ok(());
+    }
+    Err(SceneError::Size {
+        field,
+        map,
+        width,
+        height,
+        image_width,
+        image_height,
+    })
+}

@@ -3,10 +3,15 @@
 //! A network takes an sRGB-encoded picture and answers one of the same size. It runs on ONNX Runtime, a library that is
 //! loaded when the program runs; without it everything else still works and [`RuntimeMissing`] says what to do.
 
+mod card;
+mod error;
 mod library;
 mod runtime;
+mod search;
 mod session;
 
-pub use library::{Card, Library, LibraryError, StyleModel};
+pub use card::Card;
+pub use error::StyleError;
+pub use library::{Library, LibraryError, StyleModel};
 pub use runtime::{Runtime, RuntimeMissing};
-pub use session::{Session, StyleError};
+pub use session::Session;

@@ -2,42 +2,17 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
+use crate::card::Card;
 
-/// What is known of a model.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Card {
-    /// Name by which jobs ask for it.
-    pub name: String,
-    /// SHA-256 of the ONNX file, lower-case hex.
-    pub sha256: String,
-    /// What kind of network it is.
-    #[serde(default)]
-    pub architecture: String,
-    /// What it was trained on.
-    #[serde(default = "unknown")]
-    pub source: String,
-    /// Under what terms it may be used.
-    #[serde(default = "unknown")]
-    pub licence: String,
-    /// Its inputs.
-    #[serde(default)]
-    pub inputs: Vec<String>,
-    /// Its outputs.
-    #[serde(default)]
-    pub outputs: Vec<String>,
-    /// What a user should know.
-    #[serde(default)]
-    pub caveats: Vec<String>,
-}
-
-fn unknown() -> String {
-    "unknown".to_owned()
-}
+/// Largest ONNX file: the shipped ones have 43 KB, the largest network that anybody tried for this 7 MB.
+const MAX_MODEL_BYTES: u64 = 256 << 20;
+/// Longest name of a model.
+const MAX_NAME_CHARS: usize = 64;
 
 /// A model with its card.
 #[derive(Debug, Clone)]
@@ -50,27 +25,35 @@ pub struct StyleModel {
     pub card: Card,
 }
 
-/// A folder or card that cannot be used.
+/// A folder, model or card that cannot be used. Each names the file.
 #[derive(Debug, thiserror::Error)]
 pub enum LibraryError {
-    /// A file cannot be read.
-    #[error("{}: {source}", path.display())]
+    /// A file or the folder cannot be read.
+    #[error("{} cannot be read: {source}", path.display())]
     Read {
         /// The file or folder.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        source: io::Error,
     },
-    /// A card is not in its form.
-    #[error("card `{name}`: {reason}")]
+    /// A model that is too large.
+    #[error("{} has {bytes} bytes but a style model may have {MAX_MODEL_BYTES}", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+    },
+    /// A card that is not in its form, or that belongs to another model.
+    #[error("{} cannot be used: {reason}", path.display())]
     Card {
-        /// The model.
-        name: String,
+        /// The card.
+        path: PathBuf,
         /// What is wrong.
         reason: String,
     },
     /// A file name that cannot be a model's name.
-    #[error("{}: the name of a style has 1 to 64 of a-z, 0-9, _ and -", path.display())]
+    #[error("{}: the name of a style has 1 to {MAX_NAME_CHARS} characters of a-z, 0-9, _ and -", path.display())]
     Name {
         /// The file.
         path: PathBuf,
@@ -85,24 +68,18 @@ pub enum LibraryError {
     },
 }
 
-/// The shipped models: (name, ONNX, card).
-const SHIPPED: [(&str, &[u8], &str); 3] = [
-    (
-        "atlantic",
-        include_bytes!("../../../models/atlantic.onnx"),
-        include_str!("../../../models/atlantic.card.json"),
-    ),
-    (
-        "mediterranean",
-        include_bytes!("../../../models/mediterranean.onnx"),
-        include_str!("../../../models/mediterranean.card.json"),
-    ),
-    (
-        "muddy",
-        include_bytes!("../../../models/muddy.onnx"),
-        include_str!("../../../models/muddy.card.json"),
-    ),
-];
+macro_rules! shipped {
+    ($($name:literal),*) => {
+        [$((
+            $name,
+            include_bytes!(concat!("../../../models/", $name, ".onnx")),
+            include_str!(concat!("../../../models/", $name, ".card.json")),
+        )),*]
+    };
+}
+
+/// The shipped models: name, ONNX file, card.
+const SHIPPED: [(&str, &[u8], &str); 3] = shipped!("atlantic", "mediterranean", "muddy");
 
 /// Models by name; cheap to clone.
 #[derive(Debug, Clone)]
@@ -116,19 +93,17 @@ impl Library {
     /// # Errors
     /// [`LibraryError::Card`] when a shipped card does not fit its model.
     pub fn embedded() -> Result<Self, LibraryError> {
-        let mut models = BTreeMap::new();
+        let mut library = Self {
+            models: BTreeMap::new(),
+        };
         for (name, onnx, card) in SHIPPED {
-            let card = card_of(name, onnx, Some(card))?;
-            models.insert(
-                name.to_owned(),
-                Arc::new(StyleModel {
-                    name: name.to_owned(),
-                    onnx: onnx.into(),
-                    card,
-                }),
-            );
+            let card = Card::parse(card, name, onnx).map_err(|reason| LibraryError::Card {
+                path: Path::new("models").join(name).with_extension("card.json"),
+                reason,
+            })?;
+            library.add(name.to_owned(), onnx.into(), card);
         }
-        Ok(Self { models })
+        Ok(library)
     }
 
     /// Adds every `NAME.onnx` of a folder, with `NAME.card.json` where there is one.
@@ -136,47 +111,21 @@ impl Library {
     /// # Errors
     /// [`LibraryError`] naming the file.
     pub fn with_dir(mut self, folder: &Path) -> Result<Self, LibraryError> {
-        let read = |path: &Path, source| LibraryError::Read {
-            path: path.to_owned(),
-            source,
-        };
-        let mut files = Vec::new();
-        for entry in std::fs::read_dir(folder).map_err(|error| read(folder, error))? {
-            let path = entry.map_err(|error| read(folder, error))?.path();
-            if path.extension().is_some_and(|extension| extension == "onnx") {
-                files.push(path);
-            }
-        }
-        files.sort();
-        for path in files {
-            let name = path
-                .file_stem()
-                .and_then(|stem| stem.to_str())
-                .unwrap_or_default()
-                .to_owned();
-            let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
-            if name.is_empty() || name.len() > 64 || !name.chars().all(allowed) {
+        for path in model_files(folder)? {
+            let stem = path.file_stem().and_then(|stem| stem.to_str());
+            let Some(name) = stem.filter(|name| is_name(name)).map(str::to_owned) else {
                 return Err(LibraryError::Name { path });
-            }
+            };
             if self.models.contains_key(&name) {
                 return Err(LibraryError::Twice { path, name });
             }
-            let onnx = std::fs::read(&path).map_err(|error| read(&path, error))?;
-            let card_path = path.with_extension("card.json");
-            let card = match std::fs::read_to_string(&card_path) {
-                Ok(text) => Some(text),
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
-                Err(error) => return Err(read(&card_path, error)),
-            };
-            let card = card_of(&name, &onnx, card.as_deref())?;
-            self.models.insert(
-                name.clone(),
-                Arc::new(StyleModel {
-                    name,
-                    onnx: onnx.into(),
-                    card,
-                }),
-            );
+            let bytes = fs::metadata(&path).map_err(unreadable(&path))?.len();
+            if bytes > MAX_MODEL_BYTES {
+                return Err(LibraryError::TooLarge { path, bytes });
+            }
+            let onnx = fs::read(&path).map_err(unreadable(&path))?;
+            let card = card_beside(&path, &name, &onnx)?;
+            self.add(name, onnx.into(), card);
         }
         Ok(self)
     }
@@ -192,92 +141,143 @@ impl Library {
     pub fn get(&self, name: &str) -> Option<&StyleModel> {
         self.models.get(name).map(Arc::as_ref)
     }
+
+    fn add(&mut self, name: String, onnx: Cow<'static, [u8]>, card: Card) {
+        let model = StyleModel {
+            name: name.clone(),
+            onnx,
+            card,
+        };
+        self.models.insert(name, Arc::new(model));
+    }
 }
 
-/// The card of a model, checked against its bytes; a model without one gets one that says so.
-fn card_of(name: &str, onnx: &[u8], card: Option<&str>) -> Result<Card, LibraryError> {
-    let sha256: String = Sha256::digest(onnx)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
-    let wrong = |reason: String| LibraryError::Card {
-        name: name.to_owned(),
-        reason,
-    };
-    let Some(text) = card else {
-        let caveats = vec!["it came without a card".to_owned()];
-        let (inputs, outputs) = (Vec::new(), Vec::new());
-        let name = name.to_owned();
-        return Ok(Card {
-            name,
-            sha256,
-            architecture: unknown(),
-            source: unknown(),
-            licence: unknown(),
-            inputs,
-            outputs,
-            caveats,
-        });
-    };
-    let card: Card = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
-    if card.name != name {
-        return Err(wrong(format!("it names `{}`", card.name)));
+/// The ONNX files of a folder, in order of their names.
+fn model_files(folder: &Path) -> Result<Vec<PathBuf>, LibraryError> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable(folder))? {
+        let path = entry.map_err(unreadable(folder))?.path();
+        if path.extension().is_some_and(|extension| extension == "onnx") {
+            files.push(path);
+        }
     }
-    if card.sha256 != sha256 {
-        return Err(wrong(format!(
-            "it gives the digest {} but the file has {sha256}",
-            card.sha256
-        )));
+    files.sort();
+    Ok(files)
+}
+
+fn card_beside(model: &Path, name: &str, onnx: &[u8]) -> Result<Card, LibraryError> {
+    let path = model.with_extension("card.json");
+    match fs::read_to_string(&path) {
+        Ok(text) => Card::parse(&text, name, onnx).map_err(|reason| LibraryError::Card { path, reason }),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Card::absent(name, onnx)),
+        Err(error) => Err(unreadable(&path)(error)),
     }
-    Ok(card)
+}
+
+fn is_name(name: &str) -> bool {
+    let allowed = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_' || c == b'-';
+    (1..=MAX_NAME_CHARS).contains(&name.len()) && name.bytes().all(allowed)
+}
+
+fn unreadable(path: &Path) -> impl Fn(io::Error) -> LibraryError {
+    move |source| LibraryError::Read {
+        path: path.to_owned(),
+        source,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The shipped library and a folder with these files.
+    fn with_files(files: &[(&str, &[u8])]) -> Result<Library, LibraryError> {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, bytes) in files {
+            fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        Library::embedded().unwrap().with_dir(folder.path())
+    }
+
     #[test]
-    fn the_shipped_cards_fit_their_models() {
+    fn each_shipped_card_fits_its_model_and_says_where_it_comes_from() {
         let library = Library::embedded().unwrap();
         assert_eq!(library.names(), ["atlantic", "mediterranean", "muddy"]);
-        assert!(
-            library
-                .names()
-                .iter()
-                .all(|name| library.get(name).unwrap().card.licence == "MIT OR Apache-2.0")
+        for name in library.names() {
+            let card = &library.get(name).unwrap().card;
+            assert_eq!(card.licence, "MIT OR Apache-2.0");
+            assert!(
+                card.source.contains("no third-party data"),
+                "{name}: {}",
+                card.source
+            );
+            assert!(card.caveats.contains(&"prototype weights".to_owned()), "{name}");
+            assert!(
+                !card.alpha.is_empty() && !card.inputs.is_empty() && card.parameters.is_some(),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_folder_adds_its_models_and_nothing_else() {
+        let library = with_files(&[("harbour_2-b.onnx", b"model"), ("notes.txt", b"ignored")]).unwrap();
+        assert_eq!(
+            library.names(),
+            ["atlantic", "harbour_2-b", "mediterranean", "muddy"]
+        );
+        let card = &library.get("harbour_2-b").unwrap().card;
+        assert_eq!(
+            (card.licence.as_str(), card.caveats[0].as_str()),
+            ("unknown", "it came without a card")
         );
     }
 
     #[test]
-    fn a_folder_adds_models_and_says_what_is_wrong_with_its_files() {
+    fn what_cannot_be_used_is_refused_by_the_name_of_its_file() {
+        let long = format!("{}.onnx", "a".repeat(65));
+        let refused: [(&str, &[u8], &str); 5] = [
+            (
+                "muddy.onnx",
+                b"model",
+                "muddy.onnx: there is already a style `muddy`",
+            ),
+            ("Harbour.onnx", b"model", "Harbour.onnx: the name of a style"),
+            ("über.onnx", b"model", "über.onnx: the name of a style"),
+            (".onnx.onnx", b"model", ".onnx.onnx: the name of a style"),
+            (&long, b"model", "the name of a style"),
+        ];
+        for (file, bytes, expected) in refused {
+            let error = with_files(&[(file, bytes)]).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+        let card = br#"{"name": "harbour", "sha256": "0"}"#;
+        let error = with_files(&[("harbour.onnx", b"model"), ("harbour.card.json", card)])
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("harbour.card.json cannot be used: it gives the SHA-256 0"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_folder_or_a_model_that_cannot_be_read_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let with = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
-        with("harbour.onnx", b"model");
-        with("notes.txt", b"ignored");
-        let library = Library::embedded().unwrap().with_dir(folder.path()).unwrap();
-        assert_eq!(library.get("harbour").unwrap().card.licence, "unknown");
-        with("harbour.card.json", b"{\"name\": \"harbour\", \"sha256\": \"0\"}");
+        let missing = Library::embedded()
+            .unwrap()
+            .with_dir(&folder.path().join("missing"));
+        assert!(
+            missing
+                .unwrap_err()
+                .to_string()
+                .contains("missing cannot be read")
+        );
+        fs::create_dir(folder.path().join("folder.onnx")).unwrap();
         let error = Library::embedded().unwrap().with_dir(folder.path()).unwrap_err();
-        assert!(error.to_string().contains("gives the digest 0"), "{error}");
-        std::fs::remove_file(folder.path().join("harbour.card.json")).unwrap();
-        with("muddy.onnx", b"model");
-        assert!(matches!(
-            Library::embedded().unwrap().with_dir(folder.path()),
-            Err(LibraryError::Twice { .. })
-        ));
-        std::fs::rename(
-            folder.path().join("muddy.onnx"),
-            folder.path().join("Bad Name.onnx"),
-        )
-        .unwrap();
-        assert!(matches!(
-            Library::embedded().unwrap().with_dir(folder.path()),
-            Err(LibraryError::Name { .. })
-        ));
-        let missing = folder.path().join("missing");
-        assert!(matches!(
-            Library::embedded().unwrap().with_dir(&missing),
-            Err(LibraryError::Read { .. })
-        ));
+        assert!(
+            error.to_string().contains("folder.onnx cannot be read"),
+            "{error}"
+        );
     }
 }

@@ -1,49 +1,25 @@
-//! One model on one thread.
+//! One model, ready to run on one thread.
 
 use imaging::{Plane, Rgb};
 use ort::environment::Environment;
-use ort::session::builder::GraphOptimizationLevel;
-use ort::value::{Tensor, TensorElementType, ValueType};
+use ort::session::builder::{GraphOptimizationLevel, SessionBuilder};
+use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
 
+use crate::error::StyleError;
 use crate::library::StyleModel;
 
-/// A model that cannot run, or a picture that it cannot take.
-#[derive(Debug, thiserror::Error)]
-pub enum StyleError {
-    /// The model cannot be read or has an unknown form.
-    #[error("style `{name}`: {reason}")]
-    Model {
-        /// The model.
-        name: String,
-        /// What is wrong.
-        reason: String,
-    },
-    /// A sample of the picture is no number.
-    #[error("style `{name}`: the picture holds {value}, which is no number")]
-    NotFinite {
-        /// The model.
-        name: String,
-        /// The first such sample.
-        value: f32,
-    },
-    /// The network answered something that is no picture of this frame.
-    #[error("style `{name}`: the network answered {answer} for a frame of {width}×{height}")]
-    Answer {
-        /// The model.
-        name: String,
-        /// What it answered.
-        answer: String,
-        /// Columns of the frame.
-        width: usize,
-        /// Rows of the frame.
-        height: usize,
-    },
-}
-
-/// A model that is ready to run. It uses one thread: frames run side by side, each with its own session.
+/// A model that is ready to run. It uses the thread that calls it and no other: frames run side by side, each with a session
+/// of its own. The same frame gives the same bits on one build of ONNX Runtime and one set of CPU features.
 pub struct Session {
     name: String,
     session: ort::session::Session,
+    ports: Ports,
+    /// The frame as the network takes it, `[1, 3, height, width]`; kept between frames.
+    samples: Vec<f32>,
+}
+
+/// Names of the inputs and of the output.
+struct Ports {
     image: String,
     noise: Option<String>,
     styled: String,
@@ -55,122 +31,220 @@ impl Session {
             name: model.name.clone(),
             reason,
         };
-        let session = build(environment, &model.onnx).map_err(wrong)?;
-        let inputs: Vec<&str> = session.inputs().iter().map(|input| input.name()).collect();
-        let known = |name: &str| {
-            inputs
-                .iter()
-                .find(|input| **input == name)
-                .map(|input| (*input).to_owned())
-        };
-        let image = known("image").or_else(|| inputs.first().map(|input| (*input).to_owned()));
-        let image = image.ok_or_else(|| wrong("it has no input".to_owned()))?;
-        let noise = known("noise").filter(|noise| *noise != image);
-        if let Some(other) = inputs
-            .iter()
-            .find(|input| **input != image && Some(**input) != noise.as_deref())
-        {
-            return Err(wrong(format!(
-                "its input `{other}` is not known; it may have `image` and `noise`"
-            )));
-        }
-        let kind = session
-            .inputs()
-            .iter()
-            .find(|input| input.name() == image)
-            .map(|input| input.dtype().clone());
-        if !matches!(&kind, Some(ValueType::Tensor { ty: TensorElementType::Float32, shape, .. }) if shape.len() == 4)
-        {
-            return Err(wrong(format!(
-                "its input `{image}` is no float32 tensor of four dimensions"
-            )));
-        }
-        let outputs: Vec<&str> = session.outputs().iter().map(|output| output.name()).collect();
-        let styled = outputs.iter().find(|name| **name == "styled").or(outputs.first());
-        let styled = (*styled.ok_or_else(|| wrong("it has no output".to_owned()))?).to_owned();
+        let mut builder = options(environment).map_err(|error| wrong(error.to_string()))?;
+        let session = builder
+            .commit_from_memory(&model.onnx)
+            .map_err(|error| wrong(error.to_string()))?;
+        let ports = Ports::of(session.inputs(), session.outputs()).map_err(wrong)?;
         Ok(Self {
             name: model.name.clone(),
             session,
-            image,
-            noise,
-            styled,
+            ports,
+            samples: Vec::new(),
         })
     }
 
-    /// Repaints an sRGB-encoded picture, values in 0..=1. A larger answer (a network that pads) is cropped from the top left.
-    /// A model with a `noise` input gets zeros.
+    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An answer that is larger than the frame (of a
+    /// network that pads) is cropped from the top left. `noise` is standard normal, of the frame's size, for a model with
+    /// such an input: zeros if it is not given; other models do not look at it.
     ///
     /// # Errors
-    /// [`StyleError`]: a sample that is no number, or an answer that is no picture of this size.
-    pub fn apply(&mut self, encoded: &Rgb<f32>) -> Result<Rgb<f32>, StyleError> {
+    /// [`StyleError`]: an empty frame, a sample that is not finite, a network that fails, or an answer that is no picture, is
+    /// smaller than the frame, or holds a sample that is not finite.
+    pub fn apply(&mut self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<Rgb<f32>, StyleError> {
         let (width, height) = encoded.size();
-        let name = self.name.clone();
-        if let Some(&value) = encoded
-            .planes()
-            .iter()
-            .flat_map(|plane| plane.data())
-            .find(|value| !value.is_finite())
-        {
-            return Err(StyleError::NotFinite { name, value });
+        self.check(encoded, noise)?;
+        self.samples.clear();
+        for plane in encoded.planes() {
+            self.samples.extend_from_slice(plane.data());
         }
-        let failed = |error: ort::Error| StyleError::Model {
+        let Self {
+            name,
+            session,
+            ports,
+            samples,
+        } = self;
+        let failed = |error: ort::Error| StyleError::Run {
             name: name.clone(),
+            width,
+            height,
             reason: error.to_string(),
         };
-        let samples: Vec<f32> = encoded
-            .planes()
-            .iter()
-            .flat_map(|plane| plane.data().iter().copied())
-            .collect();
-        let image = Tensor::from_array(([1, 3, height, width], samples)).map_err(failed)?;
-        let mut inputs = vec![(self.image.as_str(), image)];
-        if let Some(noise) = &self.noise {
-            let zeros =
-                Tensor::from_array(([1, 1, height, width], vec![0.0f32; width * height])).map_err(failed)?;
-            inputs.push((noise, zeros));
+        let image =
+            TensorRef::from_array_view(([1, 3, height, width], samples.as_slice())).map_err(failed)?;
+        let mut inputs = vec![(ports.image.as_str(), image)];
+        let silence: Vec<f32>;
+        if let Some(port) = &ports.noise {
+            let noise = if let Some(noise) = noise {
+                noise.data()
+            } else {
+                silence = vec![0.0; width * height];
+                &silence
+            };
+            let noise = TensorRef::from_array_view(([1, 1, height, width], noise)).map_err(failed)?;
+            inputs.push((port, noise));
         }
-        let outputs = self.session.run(inputs).map_err(failed)?;
-        let answer = |answer: String| StyleError::Answer {
+        let outputs = session.run(inputs).map_err(failed)?;
+        let (shape, styled) = outputs[ports.styled.as_str()]
+            .try_extract_tensor::<f32>()
+            .map_err(failed)?;
+        cropped(shape, styled, width, height).map_err(|answer| StyleError::Answer {
             name: name.clone(),
             answer,
             width,
             height,
-        };
-        let value = outputs
-            .get(&self.styled)
-            .ok_or_else(|| answer("nothing".to_owned()))?;
-        let (shape, samples) = value
-            .try_extract_tensor::<f32>()
-            .map_err(|error| answer(error.to_string()))?;
-        let [1, 3, rows, columns] = **shape else {
-            return Err(answer(format!("a tensor of shape {shape}")));
-        };
-        let (rows, columns) = (rows as usize, columns as usize);
-        if rows < height || columns < width {
-            return Err(answer(format!("{columns}×{rows}")));
+        })
+    }
+
+    fn check(&self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<(), StyleError> {
+        let name = || self.name.clone();
+        let (width, height) = encoded.size();
+        if width == 0 || height == 0 {
+            return Err(StyleError::Empty {
+                name: name(),
+                width,
+                height,
+            });
         }
-        if let Some(value) = samples.iter().find(|value| !value.is_finite()) {
-            return Err(answer(format!("{value}, which is no number")));
+        let noise = noise.filter(|_| self.ports.noise.is_some());
+        if let Some(noise) = noise
+            && noise.size() != (width, height)
+        {
+            let (noise_width, noise_height) = noise.size();
+            return Err(StyleError::NoiseSize {
+                name: name(),
+                noise_width,
+                noise_height,
+                width,
+                height,
+            });
         }
-        let plane = |channel: usize| {
-            Plane::from_fn(width, height, |x, y| {
-                samples[(channel * rows + y) * columns + x].clamp(0.0, 1.0)
-            })
-        };
-        Ok(Rgb::new([plane(0), plane(1), plane(2)]).expect("three planes of one size"))
+        let planes = encoded.planes().iter().map(|plane| ("image", plane));
+        for (input, plane) in planes.chain(noise.map(|noise| ("noise", noise))) {
+            if let Some(at) = plane.data().iter().position(|sample| !sample.is_finite()) {
+                let (x, y, value) = (at % width, at / width, plane.data()[at]);
+                return Err(StyleError::NotFinite {
+                    name: name(),
+                    input,
+                    x,
+                    y,
+                    value,
+                });
+            }
+        }
+        Ok(())
     }
 }
 
-fn build(environment: &Environment, onnx: &[u8]) -> Result<ort::session::Session, String> {
-    let text = |error: &dyn std::fmt::Display| error.to_string();
-    let builder = ort::session::Session::builder(environment).map_err(|e| text(&e))?;
-    let builder = builder.with_intra_threads(1).map_err(|e| text(&e))?;
-    let builder = builder.with_inter_threads(1).map_err(|e| text(&e))?;
-    let builder = builder.with_parallel_execution(false).map_err(|e| text(&e))?;
-    let builder = builder.with_intra_op_spinning(false).map_err(|e| text(&e))?;
-    let builder = builder.with_deterministic_compute(true).map_err(|e| text(&e))?;
-    let mut builder = builder
-        .with_optimization_level(GraphOptimizationLevel::Level3)
-        .map_err(|e| text(&e))?;
-    builder.commit_from_memory(onnx).map_err(|e| text(&e))
+/// One thread, no spinning, one operator after the other, and kernels that repeat their result.
+fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
+    Ok(SessionBuilder::new(environment)?
+        .with_intra_threads(1)?
+        .with_inter_threads(1)?
+        .with_parallel_execution(false)?
+        .with_intra_op_spinning(false)?
+        .with_inter_op_spinning(false)?
+        .with_deterministic_compute(true)?
+        .with_optimization_level(GraphOptimizationLevel::All)?)
+}
+
+impl Ports {
+    /// Finds the inputs `image` and `noise` and the output `styled` by name; an only input or a first output of another name
+    /// takes the place of `image` or `styled`.
+    fn of(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
+        let named = |outlets: &[Outlet], name: &str| outlets.iter().position(|outlet| outlet.name() == name);
+        let noise = named(inputs, "noise").filter(|_| inputs.len() > 1);
+        let image = named(inputs, "image").or_else(|| (0..inputs.len()).find(|&input| Some(input) != noise));
+        let image = image.ok_or("it has no input")?;
+        let known = |input: usize| input == image || Some(input) == noise;
+        if let Some(other) = (0..inputs.len()).find(|&input| !known(input)) {
+            let other = inputs[other].name();
+            return Err(format!(
+                "nothing is known of its input `{other}`; it may have `image` and `noise`"
+            ));
+        }
+        let styled = named(outputs, "styled").unwrap_or(0);
+        let styled = outputs.get(styled).ok_or("it has no output")?;
+        check_kind(&inputs[image], 3)?;
+        check_kind(styled, 3)?;
+        if let Some(noise) = noise {
+            check_kind(&inputs[noise], 1)?;
+        }
+        Ok(Self {
+            image: inputs[image].name().to_owned(),
+            noise: noise.map(|noise| inputs[noise].name().to_owned()),
+            styled: styled.name().to_owned(),
+        })
+    }
+}
+
+/// Refuses what is not float32 of shape `[n, channels, h, w]`, where any of them may be open (-1).
+fn check_kind(outlet: &Outlet, channels: i64) -> Result<(), String> {
+    if let ValueType::Tensor {
+        ty: TensorElementType::Float32,
+        shape,
+        ..
+    } = outlet.dtype()
+        && let [n, c, _, _] = **shape
+        && (n == 1 || n < 0)
+        && (c == channels || c < 0)
+    {
+        return Ok(());
+    }
+    let (name, kind) = (outlet.name(), outlet.dtype());
+    Err(format!(
+        "`{name}` is {kind} but must be float32 of shape [1, {channels}, height, width]"
+    ))
+}
+
+/// The top left of the answer, clamped to 0..=1.
+fn cropped(shape: &[i64], samples: &[f32], width: usize, height: usize) -> Result<Rgb<f32>, String> {
+    let [1, 3, rows, columns] = *shape else {
+        return Err(format!("a tensor of shape {shape:?}"));
+    };
+    let (rows, columns) = (rows as usize, columns as usize);
+    if rows < height || columns < width {
+        return Err(format!("a picture of {columns}×{rows}"));
+    }
+    let plane = |channel: usize| {
+        let mut data = Vec::with_capacity(width * height);
+        let rows = samples[channel * rows * columns..]
+            .chunks_exact(columns)
+            .take(height);
+        for row in rows {
+            if let Some(value) = row[..width].iter().find(|value| !value.is_finite()) {
+                return Err(format!("a picture with a sample of {value}"));
+            }
+            data.extend(row[..width].iter().map(|value| value.clamp(0.0, 1.0)));
+        }
+        Plane::new(width, height, data).map_err(|error| error.to_string())
+    };
+    Rgb::new([plane(0)?, plane(1)?, plane(2)?]).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_larger_answer_is_cropped_from_the_top_left_and_clamped() {
+        let samples: Vec<f32> = (0..18).map(|i| i as f32 / 10.0 - 0.1).collect();
+        let picture = cropped(&[1, 3, 2, 3], &samples, 2, 1).unwrap();
+        assert_eq!(picture.planes()[0].data(), &[0.0, samples[1]]);
+        assert_eq!(picture.planes()[1].data(), &[samples[6], samples[7]]);
+        assert_eq!(picture.planes()[2].data(), &[1.0, 1.0]);
+    }
+
+    #[test]
+    fn an_answer_that_is_no_picture_of_the_frame_is_refused() {
+        let refused = |shape: &[i64], samples: &[f32]| cropped(shape, samples, 2, 1).unwrap_err();
+        assert_eq!(refused(&[1, 3, 1, 1], &[0.5; 3]), "a picture of 1×1");
+        assert_eq!(
+            refused(&[1, 1, 1, 2], &[0.5; 2]),
+            "a tensor of shape [1, 1, 1, 2]"
+        );
+        assert_eq!(refused(&[3, 1, 2], &[0.5; 6]), "a tensor of shape [3, 1, 2]");
+        let samples = [0.5, 0.5, 0.5, f32::NAN, 0.5, 0.5];
+        assert_eq!(refused(&[1, 3, 1, 2], &samples), "a picture with a sample of NaN");
+    }
 }

@@ -139,7 +139,7 @@ fn encode(shape: &str, values: impl Iterator<Item = f32>, count: usize) -> Vec<u
     const PREFIX_BYTES: usize = 10;
     let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
     // The data begins at a multiple of 64 bytes, and the header ends with a line feed.
-    while (PREFIX_BYTES + header.len() + 1) % 64 != 0 {
+    while !(PREFIX_BYTES + header.len() + 1).is_multiple_of(64) {
         header.push(' ');
     }
     header.push('\n');

@@ -42,8 +42,8 @@ impl Encoder {
     /// The code of linear light, clamped to 0..=1; NaN is 0.
     #[inline]
     pub(super) fn code(&self, l: f32) -> u8 {
-        // `max` answers the other operand for NaN, so NaN ends in the lowest bucket.
-        let l = l.max(LOWEST).min(1.0);
+        // NaN is not above anything, so it ends in the lowest bucket.
+        let l = if l > LOWEST { l.min(1.0) } else { LOWEST };
         let bucket = self.buckets[(l.to_bits() >> SHIFT) as usize - self.first];
         bucket.code + u8::from(l >= bucket.threshold)
     }

@@ -1,0 +1,57 @@
+//! What the service is told at its start.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use style::{Library, Runtime};
+
+use crate::clock::Clock;
+use crate::limits::Limits;
+
+/// What the user decides.
+pub struct Config {
+    /// Folder of the catalogue and the artifact packs; created if missing, held by one service at a time.
+    pub data: PathBuf,
+    /// Where to listen. Port 0 takes a free one. Anything but loopback needs a token.
+    pub listen: SocketAddr,
+    /// Worker processes to start and to keep alive; 0: only remote workers.
+    pub workers: usize,
+    /// Slots of each worker process.
+    pub slots_per_worker: usize,
+    /// The program that is started as `PROGRAM worker …`.
+    pub worker_program: PathBuf,
+    /// `SECRET` (may do everything) or `scope+scope:SECRET`, several separated by commas; scopes are read, submit,
+    /// work and admin. Absent: open to everybody who reaches the loopback address.
+    pub token: Option<String>,
+    /// Folder with more style models, passed on to the workers.
+    pub styles: Option<PathBuf>,
+    /// Explicit ONNX Runtime library, passed on to the workers.
+    pub onnxruntime: Option<PathBuf>,
+    /// The style models that jobs may name.
+    pub library: Library,
+}
+
+/// What the service finds around it: passed in by tests, read from the machine otherwise.
+pub struct Surroundings {
+    /// Where the time comes from.
+    pub clock: Clock,
+    /// Version of the ONNX Runtime that this machine's workers will find, or why there is none.
+    pub style_runtime: Result<String, String>,
+    /// Sizes and numbers that must not be exceeded.
+    pub limits: Limits,
+}
+
+impl Surroundings {
+    /// The machine's own clock and style runtime, and the usual limits.
+    #[must_use]
+    pub fn of_this_machine(config: &Config) -> Self {
+        let runtime = Runtime::load(config.onnxruntime.as_deref());
+        Self {
+            clock: Clock::system(),
+            style_runtime: runtime
+                .map(|r| r.version().to_string())
+                .map_err(|missing| missing.to_string()),
+            limits: Limits::default(),
+        }
+    }
+}

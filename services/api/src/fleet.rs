@@ -1,0 +1,189 @@
+//! The service's own workers: child processes that are started again when they end.
+//!
+//! A child is a worker like any other, over loopback. It stops when its standard input closes: on the service's wish,
+//! and also when the service is killed, since the kernel then closes the other end. Nobody is left behind.
+
+use std::path::PathBuf;
+use std::process::{ExitStatus, Stdio};
+use std::sync::Arc;
+use std::time::Duration;
+
+use futures::future::BoxFuture;
+use tokio::io::{AsyncBufReadExt, BufReader};
+use tokio::process::{Child, ChildStderr, Command};
+use tokio::task::JoinHandle;
+use tokio::time::Instant;
+use tokio_util::sync::CancellationToken;
+
+use crate::limits;
+
+/// The first pause before a child is started again; it doubles each time.
+const FIRST_PAUSE: Duration = Duration::from_millis(200);
+/// The longest pause: a program that cannot start is tried a few times a minute.
+const LONGEST_PAUSE: Duration = Duration::from_secs(10);
+/// A child that lived this long was well: the pauses start over.
+const WELL: Duration = Duration::from_secs(30);
+
+/// How the children are started.
+pub(crate) struct Recipe {
+    /// The program.
+    pub(crate) program: PathBuf,
+    /// Its arguments, without the name.
+    pub(crate) arguments: Vec<String>,
+    /// The token in the children's environment.
+    pub(crate) token: Option<String>,
+}
+
+/// Told the name of a worker whose process has ended, before the next one starts under that name.
+pub(crate) type OnExit = Arc<dyn Fn(String) -> BoxFuture<'static, ()> + Send + Sync>;
+
+/// Running children.
+pub(crate) struct Fleet {
+    keepers: Vec<JoinHandle<()>>,
+    stop: CancellationToken,
+}
+
+impl Fleet {
+    /// Starts this many children, named `local-1`, `local-2`, …
+    pub(crate) fn start(recipe: Recipe, workers: usize, on_exit: &OnExit) -> Self {
+        let (recipe, stop) = (Arc::new(recipe), CancellationToken::new());
+        let keeper = |number: usize| {
+            let name = format!("local-{number}");
+            tokio::spawn(keep(Arc::clone(&recipe), name, Arc::clone(on_exit), stop.clone()))
+        };
+        Self {
+            keepers: (1..=workers).map(keeper).collect(),
+            stop,
+        }
+    }
+
+    /// Asks all children to stop, and kills those that have not after a while.
+    pub(crate) async fn stop(self) {
+        self.stop.cancel();
+        for keeper in self.keepers {
+            if let Err(error) = keeper.await {
+                tracing::error!(%error, "the keeper of a worker failed");
+            }
+        }
+    }
+}
+
+async fn keep(recipe: Arc<Recipe>, name: String, on_exit: OnExit, stop: CancellationToken) {
+    let mut pause = FIRST_PAUSE;
+    while !stop.is_cancelled() {
+        let start = Instant::now();
+        match spawn(&recipe, &name) {
+            Ok(child) => {
+                let status = live(child, &name, &stop).await;
+                if !stop.is_cancelled() {
+                    tracing::warn!(
+                        worker = name,
+                        ?status,
+                        "a worker process ended and is started again"
+                    );
+                }
+                on_exit(name.clone()).await;
+            }
+            Err(error) => {
+                tracing::error!(worker = name, program = %recipe.program.display(), %error, "cannot start a worker");
+            }
+        }
+        if start.elapsed() > WELL {
+            pause = FIRST_PAUSE;
+        }
+        tokio::select! {
+            () = stop.cancelled() => {}
+            () = tokio::time::sleep(pause) => {}
+        }
+        pause = (pause * 2).min(LONGEST_PAUSE);
+    }
+}
+
+fn spawn(recipe: &Recipe, name: &str) -> std::io::Result<Child> {
+    let mut command = Command::new(&recipe.program);
+    command
+        .args(&recipe.arguments)
+        .args(["--name", name])
+        .env("NO_COLOR", "1")
+        .env_remove("FATHOM_TOKEN");
+    if let Some(token) = &recipe.token {
+        command.env("FATHOM_TOKEN", token);
+    }
+    command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .kill_on_drop(true)
+        .spawn()
+}
+
+async fn live(mut child: Child, name: &str, stop: &CancellationToken) -> Option<ExitStatus> {
+    if let Some(stderr) = child.stderr.take() {
+        tokio::spawn(pass_on(stderr, name.to_owned()));
+    }
+    let stdin = child.stdin.take();
+    tokio::select! {
+        status = child.wait() => return status.ok(),
+        () = stop.cancelled() => drop(stdin),
+    }
+    if let Ok(status) = tokio::time::timeout(limits::WORKER_STOP, child.wait()).await {
+        return status.ok();
+    }
+    tracing::warn!(worker = name, "a worker did not stop in time and is killed");
+    if let Err(error) = child.kill().await {
+        tracing::error!(worker = name, %error, "cannot kill a worker");
+    }
+    None
+}
+
+async fn pass_on(stderr: ChildStderr, worker: String) {
+    let mut lines = BufReader::new(stderr).split(b'\n');
+    while let Ok(Some(line)) = lines.next_segment().await {
+        tracing::info!(worker, "{}", String::from_utf8_lossy(&line));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::sync::mpsc;
+
+    use super::*;
+
+    fn fleet(script: &str) -> (Fleet, mpsc::UnboundedReceiver<String>) {
+        let (send, receive) = mpsc::unbounded_channel();
+        let on_exit: OnExit = Arc::new(move |name| {
+            let send = send.clone();
+            Box::pin(async move { send.send(name).unwrap() })
+        });
+        let arguments = vec!["-c".to_owned(), script.to_owned()];
+        let recipe = Recipe {
+            program: "/bin/sh".into(),
+            arguments,
+            token: None,
+        };
+        (Fleet::start(recipe, 1, &on_exit), receive)
+    }
+
+    #[tokio::test]
+    async fn a_child_that_dies_is_reported_and_started_again() {
+        let (fleet, mut exits) = fleet("exit 3");
+        assert_eq!(exits.recv().await.unwrap(), "local-1");
+        assert_eq!(exits.recv().await.unwrap(), "local-1");
+        fleet.stop().await;
+    }
+
+    #[tokio::test]
+    async fn a_child_stops_when_its_standard_input_closes() {
+        let dir = tempfile::tempdir().unwrap();
+        let started = dir.path().join("started");
+        let (fleet, mut exits) = fleet(&format!("touch {}; cat > /dev/null", started.display()));
+        while !started.exists() {
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        let asked = Instant::now();
+        fleet.stop().await;
+        assert!(asked.elapsed() < limits::WORKER_STOP);
+        assert_eq!(exits.recv().await.as_deref(), Some("local-1"));
+        assert!(exits.recv().await.is_none());
+    }
+}

@@ -1,0 +1,96 @@
+//! Every limit of the service, with its reason.
+
+use std::time::Duration;
+
+/// A job description: the documented example has 900 bytes; a choice among ten thousand scenes has 400 KiB.
+pub(crate) const JSON_BYTES: usize = 1 << 20;
+/// One scene upload: radiance as float NPY of 16 Mpx (192 MiB) and its range (64 MiB).
+pub(crate) const SCENE_BYTES: usize = 256 << 20;
+/// The text fields of a scene upload are numbers.
+pub(crate) const SCENE_FIELD_BYTES: usize = 64;
+/// The artifacts of one frame: three float layers of 12 Mpx, and the pictures.
+pub(crate) const ARTIFACT_BYTES: usize = 512 << 20;
+/// A worker's message without artifacts: the record of a frame is a few tens of kilobytes.
+pub(crate) const WORKER_MESSAGE_BYTES: usize = 8 << 20;
+/// A request line and headers: a filter in the query may have a few kilobytes.
+pub(crate) const HEADER_BYTES: usize = 64 << 10;
+
+/// An ordinary request: the slowest is a query over a large dataset, which the catalogue ends earlier.
+pub(crate) const REQUEST: Duration = Duration::from_secs(30);
+/// A request with a large body: 256 MiB at 10 Mbit/s take 215 s.
+pub(crate) const UPLOAD: Duration = Duration::from_secs(300);
+/// Beyond the wait that a long-poll asks for.
+pub(crate) const LONG_POLL_GRACE: Duration = Duration::from_secs(15);
+/// The longest wait that a request may ask for: proxies commonly cut at 60 s.
+pub(crate) const MAX_WAIT: Duration = Duration::from_secs(60);
+/// How long a direct render is waited for unless `Prefer` says otherwise.
+pub(crate) const DEFAULT_RENDER_WAIT: Duration = Duration::from_secs(30);
+/// How long open requests may go on after a stop.
+pub(crate) const DRAIN: Duration = Duration::from_secs(10);
+/// How long a worker process may take to hand its leases back: it takes 10 s at most itself.
+pub(crate) const WORKER_STOP: Duration = Duration::from_secs(12);
+
+/// A page of a list.
+pub(crate) const DEFAULT_PAGE_ROWS: u32 = 100;
+/// The largest page: a few hundred kilobytes of JSON.
+pub(crate) const MAX_PAGE_ROWS: u32 = 1000;
+/// A filter of this length is parsed in microseconds; nobody types a longer one.
+pub(crate) const FILTER_BYTES: usize = 4096;
+/// An idempotency key: a UUID has 36 characters.
+pub(crate) const IDEMPOTENCY_KEY_BYTES: usize = 255;
+/// Side of a thumbnail.
+pub(crate) const PREVIEW_PX: usize = 256;
+
+/// The lease of a frame: three missed beats.
+pub(crate) const LEASE_TERM_MS: u32 = 15_000;
+/// The beat of a worker.
+pub(crate) const BEAT_MS: u32 = 5_000;
+
+/// A frame's priority when a person waits for it, and of an ordinary job.
+pub(crate) const RENDER_PRIORITY: i32 = 100;
+/// The priority of an ordinary job.
+pub(crate) const JOB_PRIORITY: i32 = 0;
+
+/// Numbers that a test wants smaller.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Public requests at work at the same time; the next is shed with 503. Each holds at most a small body and an
+    /// artifact in memory.
+    pub requests: usize,
+    /// Public requests that wait: long-polls and direct renders. They hold a few kilobytes each, and must not take
+    /// the places of the others.
+    pub waits: usize,
+    /// Uploads at the same time: each may hold 256 MiB.
+    pub uploads: usize,
+    /// Worker calls at the same time, apart from those that wait for a lease. Their own budget, so that a flood of
+    /// public requests cannot let leases expire.
+    pub worker_calls: usize,
+    /// Artifact messages at the same time: each may hold 512 MiB, usually 2 MiB.
+    pub worker_uploads: usize,
+    /// Worker calls that wait for a lease: one for each slot of the fleet.
+    pub worker_waits: usize,
+    /// Open connections; further ones wait in the listen queue.
+    pub connections: usize,
+    /// How long the head of a request may take, and how long an idle connection is kept. Longer than the 15 s after
+    /// which a worker's connection pool drops an idle connection by itself.
+    pub head_read: Duration,
+    /// Decoding and thumbnails at the same time: one for each core, they hold whole pictures.
+    pub compute: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        let cores = std::thread::available_parallelism().map_or(4, usize::from);
+        Self {
+            requests: 256,
+            waits: 1024,
+            uploads: 4,
+            worker_calls: 256,
+            worker_uploads: 64,
+            worker_waits: 4096,
+            connections: 16_384,
+            head_read: Duration::from_secs(30),
+            compute: cores,
+        }
+    }
+}

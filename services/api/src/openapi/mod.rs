@@ -1,0 +1,117 @@
+//! The OpenAPI document: what does not stand beside the handlers.
+
+mod job;
+
+use utoipa::openapi::OpenApi;
+use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
+use utoipa::{Modify, OpenApi as _, ToResponse, ToSchema};
+
+use crate::problem::Slug;
+
+pub(crate) use job::JobDescription;
+
+/// A problem (RFC 9457).
+#[derive(ToResponse, ToSchema)]
+#[response(
+    description = "A problem. `type` says which.",
+    content_type = "application/problem+json"
+)]
+#[expect(
+    dead_code,
+    reason = "describes the body; the answer itself is built member by member"
+)]
+pub(crate) struct Problem {
+    /// `/problems/<slug>`; the list of slugs stands in this document's description.
+    #[schema(example = "/problems/validation")]
+    r#type: String,
+    /// The same for every problem of the type.
+    #[schema(example = "The description is not valid")]
+    title: String,
+    /// The HTTP status.
+    #[schema(example = 422)]
+    status: u16,
+    /// What is wrong this time.
+    #[schema(example = "alpha is 1.2 but must be in 0..=1")]
+    detail: String,
+    /// The request id, as in the header `X-Request-Id` and in the log.
+    #[schema(example = "req_0198c0ffee007000800000000000000a")]
+    instance: String,
+    /// All errors of a description.
+    errors: Option<Vec<FieldError>>,
+    /// Where a filter stops making sense, in characters from 0.
+    position: Option<usize>,
+}
+
+/// One error of a description.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the body; `spec` writes it")]
+pub(crate) struct FieldError {
+    /// JSON pointer to the place.
+    #[schema(example = "/alpha")]
+    pointer: String,
+    /// Names the field, its value and the limit.
+    #[schema(example = "alpha is 1.2 but must be in 0..=1")]
+    message: String,
+    /// The refused value.
+    value: Option<serde_json::Value>,
+    /// The limit that it breaks.
+    #[schema(example = "0..=1")]
+    limit: Option<String>,
+    /// What may stand there.
+    allowed: Option<Vec<String>>,
+    /// The nearest allowed name.
+    did_you_mean: Option<String>,
+}
+
+#[derive(utoipa::OpenApi)]
+#[openapi(
+    info(title = "Fathom", version = env!("CARGO_PKG_VERSION"), license(name = "MIT OR Apache-2.0")),
+    components(responses(Problem), schemas(Problem, FieldError, JobDescription)),
+    modifiers(&Bearer, &ProblemTypes),
+    security(("token" = [])),
+    tags((name = "jobs", description = "Submitting descriptions and following them"),
+         (name = "images", description = "What was rendered"),
+         (name = "datasets", description = "Collections of images"),
+         (name = "scenes", description = "Pictures and ranges of your own"),
+         (name = "waters", description = "Optical presets and style models"),
+         (name = "operations", description = "For those who run the service"))
+)]
+struct Frame;
+
+struct Bearer;
+
+impl Modify for Bearer {
+    fn modify(&self, document: &mut OpenApi) {
+        let scheme = SecurityScheme::Http(Http::new(HttpAuthScheme::Bearer));
+        document
+            .components
+            .get_or_insert_default()
+            .add_security_scheme("token", scheme);
+    }
+}
+
+struct ProblemTypes;
+
+impl Modify for ProblemTypes {
+    fn modify(&self, document: &mut OpenApi) {
+        let mut text = String::from(
+            "Underwater image datasets on demand. Every refusal is a problem (RFC 9457); these are their types.\n\n\
+             | type | status | meaning |\n|---|---|---|\n",
+        );
+        for slug in Slug::ALL {
+            let row = format!(
+                "| `/problems/{}` | {} | {} |\n",
+                slug.name(),
+                slug.status().as_u16(),
+                slug.meaning()
+            );
+            text.push_str(&row);
+        }
+        document.info.description = Some(text);
+    }
+}
+
+/// The document without paths; the router adds those.
+pub(crate) fn frame() -> OpenApi {
+    Frame::openapi()
+}

@@ -1,0 +1,40 @@
+//! `GET /v1/datasets`.
+
+use axum::Json;
+use axum::extract::State;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::paging::Page;
+use crate::problem::Problem;
+use crate::state::Shared;
+
+/// A named, growing collection of images.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Dataset {
+    /// Its name.
+    name: String,
+    /// Number of images.
+    images: u64,
+    /// Bytes of their artifacts, counting shared ones each time.
+    bytes: u64,
+    /// Number of jobs.
+    jobs: u64,
+}
+
+/// List datasets by name, all on one page.
+#[utoipa::path(get, path = "/v1/datasets", tag = "datasets",
+    responses((status = 200, description = "All datasets.", body = Page<Dataset>)))]
+pub(crate) async fn list(State(app): State<Shared>) -> Result<Json<Page<Dataset>>, Problem> {
+    let rows = app.catalogue.datasets().await?.into_iter();
+    let items = rows.map(|row| Dataset {
+        name: row.name,
+        images: row.images,
+        bytes: row.bytes,
+        jobs: row.jobs,
+    });
+    Ok(Json(Page {
+        items: items.collect(),
+        next_cursor: None,
+    }))
+}

@@ -1,0 +1,4 @@
+//! Datasets.
+
+pub(crate) mod list;
+pub(crate) mod stats;

@@ -1,0 +1,6 @@
+//! What operators and their machines ask.
+
+pub(crate) mod livez;
+pub(crate) mod metrics;
+pub(crate) mod readyz;
+pub(crate) mod version;

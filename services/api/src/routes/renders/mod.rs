@@ -1,0 +1,3 @@
+//! One frame, now.
+
+pub(crate) mod create;

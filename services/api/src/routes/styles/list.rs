@@ -1,0 +1,28 @@
+//! `GET /v1/styles`.
+
+use axum::Json;
+use axum::extract::State;
+use serde_json::Value;
+
+use crate::paging::Page;
+use crate::problem::Problem;
+use crate::state::Shared;
+
+/// List the style models with their cards, all on one page.
+#[utoipa::path(get, path = "/v1/styles", tag = "waters",
+    responses((status = 200, description = "All style models: name, digest, source, licence, caveats.",
+               body = Page<Value>)))]
+pub(crate) async fn list(State(app): State<Shared>) -> Result<Json<Page<Value>>, Problem> {
+    let names = app.library.names();
+    let cards = names
+        .iter()
+        .filter_map(|name| app.library.get(name))
+        .map(|model| serde_json::to_value(&model.card));
+    let items = cards
+        .collect::<Result<_, _>>()
+        .map_err(|error| Problem::internal(&error))?;
+    Ok(Json(Page {
+        items,
+        next_cursor: None,
+    }))
+}

@@ -1,0 +1,3 @@
+//! Style water models.
+
+pub(crate) mod list;

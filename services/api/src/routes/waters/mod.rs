@@ -1,0 +1,3 @@
+//! Optical water presets.
+
+pub(crate) mod list;

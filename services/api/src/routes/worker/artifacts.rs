@@ -1,0 +1,26 @@
+//! `POST /v1/worker/artifacts`.
+
+use axum::extract::State;
+use proto::message::PutArtifacts;
+use proto::wire::{PutArtifactsRequest, PutArtifactsResponse};
+use store::Blob;
+
+use super::stale_lease;
+use crate::extract::{Proto, ProtoBody};
+use crate::problem::Problem;
+use crate::state::Shared;
+
+/// Stores the files of a frame; they are durable when this answers. Only the holder of the lease can.
+pub(crate) async fn artifacts(
+    State(app): State<Shared>,
+    Proto(request): Proto<PutArtifactsRequest>,
+) -> Result<ProtoBody<PutArtifactsResponse>, Problem> {
+    let PutArtifacts { claim, artifacts } = request.try_into()?;
+    app.dispatch.check(&claim).map_err(|_| stale_lease(&claim))?;
+    let blobs = artifacts.into_iter().map(|file| Blob {
+        digest: file.digest,
+        bytes: file.data,
+    });
+    app.store.put_all(blobs.collect()).await?;
+    Ok(ProtoBody(PutArtifactsResponse {}))
+}

@@ -1,0 +1,61 @@
+//! `POST /v1/worker/commit`.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use catalogue::InsertImage;
+use proto::message::{Claim, Commit};
+use proto::wire::{CommitRequest, CommitResponse};
+use spec::FrameRecord;
+
+use super::stale_lease;
+use crate::extract::{Proto, ProtoBody};
+use crate::problem::{Problem, Slug};
+use crate::state::{App, Shared};
+use crate::telemetry;
+
+/// Makes a frame's image visible. Repeats are harmless: the first one wins and the others change nothing.
+pub(crate) async fn commit(
+    State(app): State<Shared>,
+    Proto(request): Proto<CommitRequest>,
+) -> Result<ProtoBody<CommitResponse>, Problem> {
+    let Commit { claim, record } = request.try_into()?;
+    app.dispatch
+        .begin_commit(&claim)
+        .map_err(|_| stale_lease(&claim))?;
+    // From here on the frame is held: the task ends the hold even if the worker hangs up.
+    let app = Arc::clone(&app);
+    let task = tokio::spawn(async move { held(&app, &claim, &record).await });
+    let already_there = task.await.map_err(|error| Problem::internal(&error))??;
+    Ok(ProtoBody(CommitResponse { already_there }))
+}
+
+async fn held(app: &App, claim: &Claim, record: &FrameRecord) -> Result<bool, Problem> {
+    let inserted = insert(app, claim, record).await;
+    match inserted {
+        Ok(InsertImage::AlreadyThere) => app.dispatch.finish_commit(claim),
+        Ok(InsertImage::Inserted) => {
+            app.dispatch.finish_commit(claim);
+            telemetry::committed(&record.timings_ms);
+        }
+        Err(_) => app.dispatch.abort_commit(claim),
+    }
+    app.watch.wake(&claim.job_id);
+    inserted.map(|inserted| matches!(inserted, InsertImage::AlreadyThere))
+}
+
+async fn insert(app: &App, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
+    for artifact in &record.artifacts {
+        if !app.store.contains(&artifact.digest).await? {
+            let detail = format!(
+                "artifact `{}` with digest {} was not stored",
+                artifact.kind, artifact.digest
+            );
+            return Err(Problem::new(Slug::InvalidBody, detail));
+        }
+    }
+    Ok(app
+        .catalogue
+        .insert_image(&claim.job_id, record, app.clock.unix_ms())
+        .await?)
+}

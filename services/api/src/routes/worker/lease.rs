@@ -1,0 +1,56 @@
+//! `POST /v1/worker/lease`.
+
+use std::time::Duration;
+
+use axum::extract::State;
+use proto::message::{Lease, WantLease};
+use proto::wire::{LeaseRequest, LeaseResponse};
+use queue::Grant;
+
+use super::unknown_worker;
+use crate::extract::{Proto, ProtoBody};
+use crate::limits;
+use crate::problem::Problem;
+use crate::state::Shared;
+
+/// Waits for frames to render and leases them.
+pub(crate) async fn lease(
+    State(app): State<Shared>,
+    Proto(request): Proto<LeaseRequest>,
+) -> Result<ProtoBody<LeaseResponse>, Problem> {
+    let WantLease {
+        worker_id,
+        wait_ms,
+        frame_ms,
+    } = request.try_into()?;
+    let wait = Duration::from_millis(wait_ms.into()).min(limits::MAX_WAIT);
+    let granted = tokio::select! {
+        granted = app.dispatch.lease(&worker_id, wait, frame_ms) => granted.map_err(unknown_worker)?,
+        // An empty answer would be asked again at once.
+        () = app.stop.cancelled() => return Err(Problem::overloaded("the service is stopping")),
+    };
+    let Some(granted) = granted else {
+        return Ok(ProtoBody(LeaseResponse { lease: None }));
+    };
+    let job = app.catalogue.job(&granted.lease().job_id).await?;
+    let job = job.ok_or_else(|| Problem::internal(&"a leased job is not stored"))?;
+    let lease = described(granted.hand_over(), job.spec);
+    Ok(ProtoBody(LeaseResponse {
+        lease: Some(lease.into()),
+    }))
+}
+
+fn described(grant: Grant, spec_json: String) -> Lease {
+    let Grant {
+        token,
+        job_id,
+        frames,
+    } = grant;
+    Lease {
+        token,
+        job_id,
+        spec_json,
+        frames,
+        term_ms: limits::LEASE_TERM_MS,
+    }
+}

@@ -1,0 +1,31 @@
+//! `POST /v1/worker/register`.
+
+use axum::extract::State;
+use proto::message::{Register, Registered};
+use proto::wire::{RegisterRequest, RegisterResponse};
+
+use crate::extract::{Proto, ProtoBody};
+use crate::limits;
+use crate::problem::Problem;
+use crate::state::Shared;
+
+/// Takes a worker on. It registers again whenever a call answers `unknown-worker`.
+pub(crate) async fn register(
+    State(app): State<Shared>,
+    Proto(request): Proto<RegisterRequest>,
+) -> Result<ProtoBody<RegisterResponse>, Problem> {
+    let about = Register::try_from(request)?;
+    tracing::info!(
+        worker = about.name,
+        slots = about.slots,
+        version = about.code_version,
+        "worker registered"
+    );
+    let worker_id = app.dispatch.register(about);
+    let registered = Registered {
+        worker_id,
+        lease_term_ms: limits::LEASE_TERM_MS,
+        beat_ms: limits::BEAT_MS,
+    };
+    Ok(ProtoBody(registered.into()))
+}

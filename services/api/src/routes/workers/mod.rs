@@ -1,0 +1,3 @@
+//! The fleet, as people see it.
+
+pub(crate) mod list;

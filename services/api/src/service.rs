@@ -1,0 +1,262 @@
+//! The service as a whole: its start, the tasks beside the requests, and its end.
+
+use std::fs::File;
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use catalogue::{Catalogue, CatalogueError};
+use queue::JobEntry;
+use store::{Store, StoreError};
+use tokio::net::TcpListener;
+use tokio::task::{JoinError, JoinHandle};
+use tokio_util::sync::CancellationToken;
+use uuid::Uuid;
+
+use crate::auth::{TokenError, Tokens};
+use crate::compute::Compute;
+use crate::config::{Config, Surroundings};
+use crate::dispatch::Dispatch;
+use crate::fleet::{Fleet, OnExit, Recipe};
+use crate::lock::{self, LockError};
+use crate::state::{App, Shared};
+use crate::watch::Watch;
+use crate::{listener, routes, strikes, telemetry};
+
+/// How often ended leases are looked for: a killed worker's frames are offered again this much after their term.
+const EXPIRY_INTERVAL: Duration = Duration::from_millis(200);
+/// How often silent workers are forgotten and the metrics recorder's histograms are tidied up.
+const UPKEEP_INTERVAL: Duration = Duration::from_secs(5);
+
+/// Why the service does not start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The token setting.
+    #[error(transparent)]
+    Token(#[from] TokenError),
+    /// The data directory.
+    #[error("cannot create {}: {source}", path.display())]
+    Data {
+        /// The directory.
+        path: PathBuf,
+        /// What the file system said.
+        source: io::Error,
+    },
+    /// Another service, or a file system without locks.
+    #[error(transparent)]
+    Lock(#[from] LockError),
+    /// The database of jobs and images.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+    /// The artifact packs.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The listen address.
+    #[error("cannot listen on {address}: {source}")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+/// A running service.
+pub struct Service {
+    address: SocketAddr,
+    app: Shared,
+    fleet: Fleet,
+    /// Ends the tasks, after the workers have handed their leases back.
+    end: CancellationToken,
+    /// The server and what runs beside it.
+    tasks: Vec<JoinHandle<()>>,
+    _lock: File,
+}
+
+/// Starts a service on this machine.
+///
+/// # Errors
+/// Whatever keeps it from answering requests.
+pub async fn start(config: Config) -> Result<Service, StartError> {
+    let surroundings = Surroundings::of_this_machine(&config);
+    start_in(config, surroundings).await
+}
+
+/// Starts a service in given surroundings.
+///
+/// # Errors
+/// Whatever keeps it from answering requests.
+pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Service, StartError> {
+    let mut tokens = Tokens::parse(config.token.as_deref(), config.listen)?;
+    let worker_token = tokens.are_needed().then(random_secret);
+    if let Some(secret) = &worker_token {
+        tokens.add_worker(secret);
+    }
+    let path = config.data.clone();
+    tokio::fs::create_dir_all(&path)
+        .await
+        .map_err(|source| StartError::Data { path, source })?;
+    let lock = lock::take(&config.data)?;
+    let limits = surroundings.limits;
+    let app = Arc::new(open(&config, surroundings).await?);
+    take_up_open_jobs(&app).await?;
+    let listen = |source| StartError::Listen {
+        address: config.listen,
+        source,
+    };
+    let listener = TcpListener::bind(config.listen).await.map_err(listen)?;
+    let address = listener.local_addr().map_err(listen)?;
+    let end = CancellationToken::new();
+    let router = routes::router(Arc::clone(&app), &Arc::new(tokens), &limits);
+    let tasks = vec![
+        tokio::spawn(listener::serve(listener, router, limits, end.clone())),
+        tokio::spawn(expire_leases(Arc::clone(&app), end.clone())),
+        tokio::spawn(tidy_up(Arc::clone(&app), end.clone())),
+    ];
+    let recipe = recipe(&config, address, worker_token);
+    let fleet = Fleet::start(recipe, config.workers, &frames_back(&app));
+    tracing::info!(%address, data = %config.data.display(), workers = config.workers, "service started");
+    Ok(Service {
+        address,
+        app,
+        fleet,
+        end,
+        tasks,
+        _lock: lock,
+    })
+}
+
+impl Service {
+    /// Where it listens.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Ends it in order: waiting requests are answered, the service's workers hand their leases back and stop, open
+    /// requests finish, the catalogue and the store are closed.
+    ///
+    /// # Errors
+    /// A task of the service had failed before. Nothing that was acknowledged is lost.
+    pub async fn stop(self) -> Result<(), JoinError> {
+        self.app.stop.cancel();
+        self.fleet.stop().await;
+        self.end.cancel();
+        let mut ended = Ok(());
+        for task in self.tasks {
+            ended = ended.and(task.await);
+        }
+        self.app.catalogue.close().await;
+        self.app.store.close().await;
+        tracing::info!("service stopped");
+        ended
+    }
+}
+
+async fn open(config: &Config, surroundings: Surroundings) -> Result<App, StartError> {
+    let vocabulary = renderer::vocabulary(&config.library, false);
+    Ok(App {
+        catalogue: Catalogue::open(&config.data.join("catalogue.sqlite"), &vocabulary.metrics).await?,
+        store: Store::open(&config.data).await?,
+        dispatch: Dispatch::new(surroundings.clock.clone(), first_token()),
+        watch: Watch::default(),
+        compute: Compute::new(surroundings.limits.compute),
+        vocabulary,
+        library: config.library.clone(),
+        style_runtime: surroundings.style_runtime,
+        clock: surroundings.clock,
+        telemetry: telemetry::install(),
+        stop: CancellationToken::new(),
+    })
+}
+
+/// Offers the frames that an earlier life of the service left open.
+async fn take_up_open_jobs(app: &App) -> Result<(), StartError> {
+    let jobs = app.catalogue.open_jobs().await?;
+    if !jobs.is_empty() {
+        tracing::info!(jobs = jobs.len(), "unfinished jobs are taken up again");
+    }
+    for job in jobs {
+        app.dispatch.add_job(JobEntry {
+            id: job.row.id,
+            frames: job.row.frames,
+            priority: job.row.priority,
+            done: job.done,
+            failed: job.failed,
+            strikes: job.strikes,
+            paused: job.row.state == catalogue::JobState::Paused,
+        });
+    }
+    Ok(())
+}
+
+/// Tokens only grow, also from one life of the service to the next: the high half of a UUIDv7 is the time in
+/// milliseconds and a random part.
+fn first_token() -> u64 {
+    Uuid::now_v7().as_u64_pair().0
+}
+
+/// A secret for the service's own workers, known to nobody else.
+fn random_secret() -> String {
+    format!("{}{}", Uuid::now_v7().simple(), Uuid::now_v7().simple())
+}
+
+fn recipe(config: &Config, address: SocketAddr, token: Option<String>) -> Recipe {
+    let host = match address.ip() {
+        IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
+        ip => ip,
+    };
+    let server = format!("http://{}", SocketAddr::new(host, address.port()));
+    let slots = config.slots_per_worker.to_string();
+    let mut arguments = vec![
+        "worker",
+        "--server",
+        &server,
+        "--slots",
+        &slots,
+        "--stop-with-stdin",
+    ]
+    .into_iter()
+    .map(str::to_owned)
+    .collect::<Vec<_>>();
+    for (option, path) in [
+        ("--styles", &config.styles),
+        ("--onnxruntime", &config.onnxruntime),
+    ] {
+        if let Some(path) = path {
+            arguments.extend([option.to_owned(), path.display().to_string()]);
+        }
+    }
+    Recipe {
+        program: config.worker_program.clone(),
+        arguments,
+        token,
+    }
+}
+
+/// What happens when one of the service's workers has ended: its frames are offered again at once.
+fn frames_back(app: &Shared) -> OnExit {
+    let app = Arc::clone(app);
+    Arc::new(move |name| {
+        let app = Arc::clone(&app);
+        Box::pin(async move { strikes::record(&app, app.dispatch.drop_workers_named(&name)).await })
+    })
+}
+
+async fn expire_leases(app: Shared, end: CancellationToken) {
+    let mut ticks = tokio::time::interval(EXPIRY_INTERVAL);
+    while end.run_until_cancelled(ticks.tick()).await.is_some() {
+        strikes::record(&app, app.dispatch.expire()).await;
+    }
+}
+
+async fn tidy_up(app: Shared, end: CancellationToken) {
+    let mut ticks = tokio::time::interval(UPKEEP_INTERVAL);
+    while end.run_until_cancelled(ticks.tick()).await.is_some() {
+        app.dispatch.forget_workers();
+        app.telemetry.run_upkeep();
+    }
+}

@@ -1,0 +1,35 @@
+//! What every handler can reach.
+
+use std::sync::Arc;
+
+use catalogue::Catalogue;
+use metrics_exporter_prometheus::PrometheusHandle;
+use spec::Vocabulary;
+use store::Store;
+use style::Library;
+use tokio_util::sync::CancellationToken;
+
+use crate::clock::Clock;
+use crate::compute::Compute;
+use crate::dispatch::Dispatch;
+use crate::watch::Watch;
+
+/// The parts of a running service.
+pub(crate) struct App {
+    pub(crate) catalogue: Catalogue,
+    pub(crate) store: Store,
+    pub(crate) dispatch: Dispatch,
+    pub(crate) watch: Watch,
+    pub(crate) compute: Compute,
+    pub(crate) library: Library,
+    pub(crate) vocabulary: Vocabulary,
+    /// Version of the ONNX Runtime that this machine's workers find, or why there is none.
+    pub(crate) style_runtime: Result<String, String>,
+    pub(crate) clock: Clock,
+    pub(crate) telemetry: &'static PrometheusHandle,
+    /// Cancelled when the service stops: waiting requests then answer what they have.
+    pub(crate) stop: CancellationToken,
+}
+
+/// The state as handlers get it.
+pub(crate) type Shared = Arc<App>;

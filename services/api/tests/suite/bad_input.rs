@@ -1,0 +1,377 @@
+//! Bad input is refused with a problem that names field, value and limit; it stores nothing and breaks nothing.
+
+use crate::common::bytes::{png, png_head, range_npy, range_png};
+use crate::common::{Running, job, start, start_on};
+use catalogue::Catalogue;
+use serde_json::{Value, json};
+use store::Store;
+use tempfile::TempDir;
+
+/// Rows and stored bytes of a directory that no service uses at the moment.
+fn counted(data: &TempDir) -> String {
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    runtime.block_on(async {
+        let catalogue = Catalogue::open(&data.path().join("catalogue.sqlite"), &[])
+            .await
+            .unwrap();
+        let store = Store::open(data.path()).await.unwrap();
+        let counts = format!("{:?} {:?}", catalogue.counts().await.unwrap(), store.stats());
+        catalogue.close().await;
+        store.close().await;
+        counts
+    })
+}
+
+/// Runs refusals against a service that already holds a job, a scene and images; nothing may have changed afterwards.
+fn nothing_changes(refusals: impl FnOnce(&Running)) {
+    let service = start();
+    service.submit(&job());
+    assert_eq!(service.upload(&[("rgb", &png(8, 6))]).status, 201);
+    let data = service.stop();
+    let before = counted(&data);
+    let service = start_on(data, crate::common::Setup::default());
+    let shown = service.shown();
+    refusals(&service);
+    assert_eq!(service.get("/readyz").status, 200);
+    assert_eq!(service.shown(), shown);
+    assert_eq!(counted(&service.stop()), before);
+}
+
+/// The job with the value at a JSON pointer replaced; parents are made as needed.
+fn with(pointer: &str, value: Value) -> Value {
+    let mut changed = job();
+    let mut place = &mut changed;
+    for key in pointer.split('/').skip(1) {
+        if place.is_string() || place.is_null() {
+            *place = json!({});
+        }
+        place = &mut place[key];
+    }
+    *place = value;
+    changed
+}
+
+#[test]
+fn a_bad_description_is_refused_with_the_place_and_the_limit() {
+    let optics = "/water/optics";
+    let explicit = |more: Value| {
+        let mut optics = json!({"absorption_per_m": [0.3, 0.1, 0.1], "scattering_per_m": [0.1, 0.1, 0.1],
+                                "veiling_light": [0.1, 0.2, 0.3]});
+        optics
+            .as_object_mut()
+            .unwrap()
+            .extend(more.as_object().unwrap().clone());
+        optics
+    };
+    let attenuation =
+        |values: Value| json!({"beam_attenuation_per_m": values, "veiling_light": [0.1, 0.2, 0.3]});
+    let cases: Vec<(&str, Value, &str, &[&str])> = vec![
+        ("unknown field", with("/alhpa", json!(1)), "/alhpa", &["alhpa"]),
+        (
+            "wrong type",
+            with("/camera/width", json!("wide")),
+            "/camera/width",
+            &["width"],
+        ),
+        (
+            "alpha above 1",
+            with("/alpha", json!(1.2)),
+            "/alpha",
+            &["1.2", "1"],
+        ),
+        ("alpha as text", with("/alpha", json!("NaN")), "/alpha", &["NaN"]),
+        (
+            "negative attenuation",
+            with(optics, attenuation(json!([0.4, -0.1, 0.1]))),
+            "/water/optics/beam_attenuation_per_m",
+            &["-0.1", "0"],
+        ),
+        (
+            "G above c",
+            with(
+                optics,
+                explicit(json!({"forward_scatter": {"model": "jaffe", "g_per_m": [9, 0.1, 0.1]}})),
+            ),
+            "/water/optics/forward_scatter/g_per_m",
+            &["9"],
+        ),
+        (
+            "law backwards",
+            with("/alpha", json!({"uniform": [0.8, 0.2]})),
+            "/alpha",
+            &["0.8", "0.2"],
+        ),
+        (
+            "empty choice",
+            with("/alpha", json!({"choice": []})),
+            "/alpha",
+            &["choice"],
+        ),
+        ("count 0", with("/count", json!(0)), "/count", &["0", "1"]),
+        (
+            "count 10^12",
+            with("/count", json!(1_000_000_000_000_u64)),
+            "/count",
+            &["1000000000000", "100000000"],
+        ),
+        (
+            "preset lacks coefficients",
+            with(optics, json!({"preset": "jerlov-5C/solonenko2015"})),
+            "/water/optics",
+            &[],
+        ),
+        (
+            "unknown style",
+            with("/water/style", json!("mudy")),
+            "/water/style",
+            &["mudy"],
+        ),
+        (
+            "scene not uploaded",
+            with(
+                "/scene",
+                json!({"kind": "uploaded", "id": "scn_00000000000000000000000000000000"}),
+            ),
+            "/scene",
+            &["scn_"],
+        ),
+    ];
+    nothing_changes(|service| {
+        for (name, body, pointer, fragments) in cases {
+            let problem = service.post("/v1/jobs", &body).problem(422, "validation");
+            let errors = problem["errors"]
+                .as_array()
+                .unwrap_or_else(|| panic!("{name}: {problem}"));
+            let here = |error: &&Value| {
+                error["pointer"]
+                    .as_str()
+                    .is_some_and(|place| place.starts_with(pointer))
+            };
+            let error = errors
+                .iter()
+                .find(here)
+                .unwrap_or_else(|| panic!("{name}: {problem}"))
+                .to_string();
+            for fragment in fragments {
+                assert!(error.contains(fragment), "{name}: {fragment} is not in {error}");
+            }
+        }
+    });
+}
+
+#[test]
+fn all_errors_of_a_description_come_together_with_the_nearest_name() {
+    nothing_changes(|service| {
+        let mut body = with("/alpha", json!(1.2));
+        body["metrics"] = json!(["uiqn"]);
+        body["count"] = json!(0);
+        let problem = service.post("/v1/jobs", &body).problem(422, "validation");
+        assert_eq!(problem["errors"].as_array().unwrap().len(), 3, "{problem}");
+        assert!(
+            problem.to_string().contains(r#""did_you_mean":"uiqm""#),
+            "{problem}"
+        );
+    });
+}
+
+#[test]
+fn what_looks_odd_but_has_a_meaning_is_accepted() {
+    let service = start();
+    let light = json!([{"kind": "haze", "x": 0.5, "y": 0.5, "size": 0, "intensity": 1}]);
+    service.submit(&with("/lights", light));
+    service.submit(&with("/seed", json!(0)));
+}
+
+#[test]
+fn a_body_that_is_no_json_of_bearable_size_is_refused() {
+    nothing_changes(|service| {
+        let json = [("content-type", "application/json")];
+        service
+            .post_with("/v1/jobs", &json, b"{\"alpha\": NaN}")
+            .problem(422, "validation");
+        service
+            .post_with("/v1/jobs", &json, b"{\"alpha\": 1, \"alpha\": 1}")
+            .problem(422, "validation");
+        service
+            .post_with("/v1/jobs", &json, &vec![b' '; (1 << 20) + 1])
+            .problem(413, "too-large");
+        service
+            .post_with("/v1/jobs", &[("content-type", "text/plain")], b"{}")
+            .problem(415, "unsupported-media-type");
+        service
+            .post_with("/v1/jobs", &[], b"{}")
+            .problem(415, "unsupported-media-type");
+    });
+}
+
+/// A name for the case, the fields, where the error stands, and what it says.
+type Refused<'a> = (&'a str, Vec<(&'a str, &'a [u8])>, &'a str, &'a [&'a str]);
+
+#[test]
+fn a_bad_upload_is_refused_with_the_field() {
+    let whole = png(16, 12);
+    let range = range_npy(16, 12, |x, _| 1.0 + x as f32);
+    let refused: Vec<Refused> = vec![
+        (
+            "range of another size",
+            vec![("rgb", &whole), ("range", &RANGE_8X8)],
+            "/range",
+            &["8", "16"],
+        ),
+        (
+            "truncated PNG",
+            vec![("rgb", &whole[..whole.len() / 2])],
+            "/rgb",
+            &[],
+        ),
+        ("no picture", vec![("rgb", b"hello")], "/rgb", &[]),
+        ("bomb", vec![("rgb", &BOMB)], "/rgb", &["60000", "16384"]),
+        (
+            "bomb as range",
+            vec![
+                ("rgb", &whole),
+                ("range", &BOMB),
+                ("unit_m", b"1"),
+                ("invalid_code", b"0"),
+            ],
+            "/range",
+            &["60000", "16384"],
+        ),
+        ("nothing", vec![], "/rgb", &["missing"]),
+        (
+            "both ranges",
+            vec![("rgb", &whole), ("range", &range), ("z_depth", &range)],
+            "/z_depth",
+            &["not both"],
+        ),
+        (
+            "unknown field",
+            vec![("rgb", &whole), ("deph", &range)],
+            "/deph",
+            &["z_depth"],
+        ),
+        (
+            "unit of text",
+            vec![("rgb", &whole), ("range", &range), ("unit_m", b"NaN")],
+            "/unit_m",
+            &["NaN", "above 0"],
+        ),
+        (
+            "negative focal length",
+            vec![("rgb", &whole), ("fx", b"-1")],
+            "/fx",
+            &["-1", "above 0"],
+        ),
+        (
+            "codes without a unit",
+            vec![("rgb", &whole), ("range", &RANGE_CODES)],
+            "",
+            &["unit_m"],
+        ),
+    ];
+    nothing_changes(|service| {
+        for (name, fields, pointer, fragments) in refused {
+            let problem = service.upload(&fields).problem(422, "validation");
+            let error = problem["errors"][0].to_string();
+            assert!(
+                error.contains(&format!(r#""pointer":"{pointer}"#)),
+                "{name}: {problem}"
+            );
+            for fragment in fragments {
+                assert!(error.contains(fragment), "{name}: {fragment} is not in {error}");
+            }
+        }
+        service
+            .post_with("/v1/scenes", &[("content-type", "multipart/form-data")], b"x")
+            .problem(400, "invalid-body");
+        service
+            .post_with("/v1/scenes", &[("content-type", "image/png")], &whole)
+            .problem(415, "unsupported-media-type");
+    });
+}
+
+static RANGE_8X8: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| range_npy(8, 8, |_, _| 1.0));
+static RANGE_CODES: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| range_png(16, 12));
+static BOMB: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| png_head(60_000, 60_000));
+
+#[test]
+fn holes_are_no_errors_even_if_there_is_nothing_else() {
+    let service = start();
+    let picture = png(16, 12);
+    let some = range_npy(16, 12, |x, _| if x < 8 { f32::NAN } else { 2.0 });
+    let all = range_npy(16, 12, |_, _| f32::NAN);
+    for range in [some, all] {
+        let answer = service.upload(&[("rgb", &picture), ("range", &range)]);
+        assert_eq!(answer.status, 201, "{}", answer.text());
+    }
+}
+
+#[test]
+fn bad_questions_are_refused_with_what_is_wrong() {
+    nothing_changes(|service| {
+        let problem = service
+            .get("/v1/images?filter=uiqn%20%3E%200.5")
+            .problem(400, "invalid-filter");
+        assert_eq!(problem["position"], 0, "{problem}");
+        assert_eq!(problem["did_you_mean"], "uiqm", "{problem}");
+        service
+            .get("/v1/images?filter=uiqm%20%3E")
+            .problem(400, "invalid-filter");
+        service
+            .get(&format!("/v1/images?filter={}", "x".repeat(5000)))
+            .problem(400, "invalid-filter");
+        for list in ["images", "jobs", "scenes"] {
+            service
+                .get(&format!("/v1/{list}?cursor=Zm9yZ2Vk"))
+                .problem(400, "invalid-cursor");
+            let problem = service
+                .get(&format!("/v1/{list}?limit=0"))
+                .problem(400, "invalid-query");
+            assert!(
+                problem["detail"].as_str().unwrap().contains("1..=1000"),
+                "{problem}"
+            );
+            service
+                .get(&format!("/v1/{list}?limit=many"))
+                .problem(400, "invalid-query");
+            let problem = service
+                .get(&format!("/v1/{list}?colour=red"))
+                .problem(400, "invalid-query");
+            assert!(
+                problem["detail"].as_str().unwrap().contains("colour"),
+                "{problem}"
+            );
+        }
+        service.get("/v1/images/job_x/first").problem(400, "invalid-path");
+        service.get("/v1/images/job_x/0").problem(404, "not-found");
+        service.get("/v1/jobs/job_x").problem(404, "not-found");
+        service.get("/v1/no-such-route").problem(404, "not-found");
+        let refused = service.post("/v1/waters", &json!({}));
+        refused.problem(405, "method-not-allowed");
+        assert_eq!(refused.header("allow"), "GET,HEAD");
+    });
+}
+
+#[test]
+fn bytes_that_are_no_message_are_refused_by_the_worker_routes() {
+    let protobuf = [("content-type", "application/x-protobuf")];
+    nothing_changes(|service| {
+        for call in [
+            "register",
+            "lease",
+            "beat",
+            "artifacts",
+            "commit",
+            "fail",
+            "release",
+        ] {
+            let path = format!("/v1/worker/{call}");
+            service
+                .post_with(&path, &protobuf, &[0xff; 40])
+                .problem(400, "invalid-body");
+            service
+                .post_with(&path, &[], b"")
+                .problem(415, "unsupported-media-type");
+        }
+    });
+}

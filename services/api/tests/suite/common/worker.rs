@@ -1,0 +1,154 @@
+//! A worker over the real protocol that stores made-up pictures.
+
+use std::collections::BTreeMap;
+
+use proto::message::{
+    Artifact, BeatOf, Claim, Commit, Fail, Lease, PutArtifacts, Register, Release, WantLease,
+};
+use proto::wire::BeatResponse;
+use queue::client::{Client, ClientError};
+use serde_json::{Map, json};
+use sha2::{Digest, Sha256};
+use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
+
+use super::Running;
+use super::bytes::png;
+
+pub(crate) struct Fake {
+    pub(crate) client: Client,
+    pub(crate) id: String,
+}
+
+impl Fake {
+    pub(crate) fn register(service: &Running) -> Self {
+        Self::with_runtime(service, None)
+    }
+
+    /// A worker that has, or lacks, the runtime of the style models.
+    pub(crate) fn with_runtime(service: &Running, onnx_runtime: Option<&str>) -> Self {
+        let client = Client::new(&service.url, service.token);
+        let about = Register {
+            name: "fake".into(),
+            slots: 1,
+            code_version: "test".into(),
+            onnx_runtime: onnx_runtime.map(str::to_owned),
+            cpu_features: "none".into(),
+        };
+        let id = client.register(&about.into()).unwrap().worker_id;
+        Self { client, id }
+    }
+
+    pub(crate) fn try_lease(&self, wait_ms: u32) -> Result<Option<Lease>, ClientError> {
+        let want = WantLease {
+            worker_id: self.id.clone(),
+            wait_ms,
+            frame_ms: 0.0,
+        };
+        let answer = self.client.lease(&want.into())?;
+        Ok(answer.lease.map(|lease| lease.try_into().unwrap()))
+    }
+
+    pub(crate) fn lease(&self, wait_ms: u32) -> Option<Lease> {
+        self.try_lease(wait_ms).unwrap()
+    }
+
+    pub(crate) fn beat(&self, tokens: &[u64]) -> BeatResponse {
+        self.client
+            .beat(
+                &BeatOf {
+                    worker_id: self.id.clone(),
+                    tokens: tokens.to_vec(),
+                }
+                .into(),
+            )
+            .unwrap()
+    }
+
+    pub(crate) fn release(&self, lease: &Lease) {
+        self.client
+            .release(
+                &Release {
+                    token: lease.token,
+                    reason: "test".into(),
+                }
+                .into(),
+            )
+            .unwrap();
+    }
+
+    /// Puts and commits the first frame of a lease; says whether it was there already.
+    pub(crate) fn finish(&self, lease: &Lease) -> Result<bool, ClientError> {
+        let claim = claim(lease);
+        let picture = png(32 + claim.frame as usize, 24);
+        let digest = spec::hex(&Sha256::digest(&picture));
+        let record = record(claim.frame, &digest, picture.len() as u64);
+        let file = Artifact {
+            kind: "rgb".into(),
+            media_type: "image/png".into(),
+            data: picture,
+            digest,
+        };
+        self.client.put_artifacts(
+            &PutArtifacts {
+                claim: claim.clone(),
+                artifacts: vec![file],
+            }
+            .into(),
+        )?;
+        Ok(self
+            .client
+            .commit(&Commit { claim, record }.into())?
+            .already_there)
+    }
+
+    /// Gives the first frame of a lease up.
+    pub(crate) fn fail(&self, lease: &Lease, error: &str) {
+        let claim = claim(lease);
+        let fail = Fail {
+            claim,
+            error: error.into(),
+            retryable: false,
+            timings_ms: BTreeMap::new(),
+        };
+        self.client.fail(&fail.into()).unwrap();
+    }
+
+    /// Takes and finishes frames until there are none. Leases of an unknown cost have one frame.
+    pub(crate) fn work(&self) {
+        while let Some(lease) = self.lease(300) {
+            self.finish(&lease).unwrap();
+        }
+    }
+}
+
+/// The claim on the first frame of a lease.
+pub(crate) fn claim(lease: &Lease) -> Claim {
+    let (frame, attempt) = lease.frames[0];
+    Claim {
+        token: lease.token,
+        job_id: lease.job_id.clone(),
+        frame,
+        attempt,
+    }
+}
+
+pub(crate) fn record(frame: u64, digest: &str, bytes: u64) -> FrameRecord {
+    let measured = BTreeMap::from([("uiqm".to_owned(), 0.5 + frame as f64), ("uciqe".to_owned(), 0.4)]);
+    FrameRecord {
+        frame,
+        parameters: json!({"dataset": "tests", "alpha": 1.0, "seed": 7}),
+        optics: Map::new(),
+        plan: json!([]),
+        measurements: BTreeMap::from([("rgb".to_owned(), measured)]),
+        artifacts: vec![ArtifactEntry {
+            kind: "rgb".into(),
+            digest: digest.to_owned(),
+            bytes,
+            media_type: "image/png".into(),
+        }],
+        counts: Counts::default(),
+        timings_ms: BTreeMap::from([("water".to_owned(), 3.0)]),
+        warnings: Vec::new(),
+        provenance: Provenance::default(),
+    }
+}

@@ -1,0 +1,70 @@
+//! The OpenAPI document says what the service does.
+
+use crate::common::start;
+
+const ROUTES: [(&str, &str); 21] = [
+    ("/v1/renders", "post"),
+    ("/v1/jobs", "post"),
+    ("/v1/jobs", "get"),
+    ("/v1/jobs/{id}", "get"),
+    ("/v1/jobs/{id}/cancel", "post"),
+    ("/v1/scenes", "post"),
+    ("/v1/scenes", "get"),
+    ("/v1/waters", "get"),
+    ("/v1/styles", "get"),
+    ("/v1/datasets", "get"),
+    ("/v1/datasets/{name}/stats", "get"),
+    ("/v1/images", "get"),
+    ("/v1/images/{job}/{frame}", "get"),
+    ("/v1/images/{job}/{frame}/artifacts/{kind}", "get"),
+    ("/v1/images/{job}/{frame}/preview", "get"),
+    ("/v1/workers", "get"),
+    ("/livez", "get"),
+    ("/readyz", "get"),
+    ("/version", "get"),
+    ("/metrics", "get"),
+    ("/v1/jobs", "post"),
+];
+
+#[test]
+fn every_route_is_described_and_every_reference_resolves() {
+    let service = start();
+    let document = service.get("/openapi.json").json();
+    for (path, method) in ROUTES {
+        let operation = &document["paths"][path][method];
+        assert!(
+            operation["responses"].is_object() && operation["summary"].is_string(),
+            "{method} {path}"
+        );
+    }
+    let text = document.to_string();
+    for reference in text.split("\"$ref\":\"#").skip(1) {
+        let pointer = reference.split('"').next().unwrap();
+        assert!(document.pointer(pointer).is_some(), "{pointer} is nowhere");
+    }
+    for slug in fathom_api::Slug::ALL {
+        assert!(text.contains(&format!("/problems/{}`", slug.name())), "{slug:?}");
+        assert_eq!(service.get(&format!("/problems/{}", slug.name())).status, 200);
+    }
+}
+
+#[test]
+fn the_example_of_the_document_is_accepted() {
+    let service = start();
+    let document = service.get("/openapi.json").json();
+    let example = &document["components"]["schemas"]["JobDescription"]["examples"][0];
+    assert!(example.is_object(), "{document}");
+    service.submit(example);
+}
+
+#[test]
+fn the_documentation_page_brings_its_own_files() {
+    let service = start();
+    let page = service.get("/docs/");
+    assert_eq!(page.status, 200, "{}", page.text());
+    assert!(
+        !page.text().contains("http://") && !page.text().contains("https://"),
+        "{}",
+        page.text()
+    );
+}

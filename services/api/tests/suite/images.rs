@@ -1,0 +1,163 @@
+//! Stored bytes over HTTP, previews, and direct renders.
+
+use crate::common::worker::Fake;
+use crate::common::{Running, job, start};
+use imaging::codec::decode_picture;
+use serde_json::{Value, json};
+
+fn finished() -> (Running, String) {
+    let service = start();
+    let id = service.submit(&job());
+    Fake::register(&service).work();
+    (service, id)
+}
+
+#[test]
+fn an_artifact_carries_its_digest_and_copies_are_recognised() {
+    let (service, id) = finished();
+    let path = format!("/v1/images/{id}/0/artifacts/rgb");
+    let whole = service.get(&path);
+    assert_eq!((whole.status, whole.header("content-type")), (200, "image/png"));
+    assert!(whole.header("cache-control").contains("immutable"));
+    let record = service.get(&format!("/v1/images/{id}/0")).json();
+    assert_eq!(
+        whole.header("etag"),
+        format!("\"{}\"", record["artifacts"][0]["digest"].as_str().unwrap())
+    );
+    let copy = service.get_with(&path, &[("if-none-match", whole.header("etag"))]);
+    assert_eq!((copy.status, copy.body.len()), (304, 0));
+
+    let part = service.get_with(&path, &[("range", "bytes=1-3")]);
+    assert_eq!((part.status, part.body.as_slice()), (206, &b"PNG"[..]));
+    assert_eq!(
+        part.header("content-range"),
+        format!("bytes 1-3/{}", whole.body.len())
+    );
+    let beyond = service.get_with(&path, &[("range", "bytes=99999999-")]);
+    beyond.problem(416, "range-not-satisfiable");
+    assert_eq!(
+        beyond.header("content-range"),
+        format!("bytes */{}", whole.body.len())
+    );
+    service
+        .get(&format!("/v1/images/{id}/0/artifacts/range"))
+        .problem(404, "not-found");
+}
+
+#[test]
+fn a_preview_is_a_png_that_fits() {
+    let (service, id) = finished();
+    let preview = service.get(&format!("/v1/images/{id}/0/preview"));
+    assert_eq!(
+        (preview.status, preview.header("content-type")),
+        (200, "image/png")
+    );
+    let picture = decode_picture(&preview.body).unwrap();
+    assert!(picture.width() <= 256 && picture.height() <= 256);
+}
+
+fn one() -> Value {
+    let mut one = job();
+    one["count"] = json!(1);
+    one.as_object_mut().unwrap().remove("dataset");
+    one
+}
+
+#[test]
+fn a_render_answers_the_picture_or_the_record() {
+    let service = start();
+    let worker = Fake::register(&service);
+    let json = ("content-type", "application/json");
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            for _ in 0..2 {
+                let lease = worker.lease(60_000).expect("a frame");
+                worker.finish(&lease).unwrap();
+            }
+        });
+        let body = one().to_string();
+        let picture = service.post_with("/v1/renders", &[json, ("accept", "image/png")], body.as_bytes());
+        assert_eq!(
+            (picture.status, picture.header("content-type")),
+            (200, "image/png"),
+            "{}",
+            picture.text()
+        );
+        assert!(decode_picture(&picture.body).is_ok());
+        let record = service.post_with("/v1/renders", &[json], body.as_bytes());
+        assert_eq!(
+            (record.status, &record.json()["dataset"]),
+            (200, &json!("renders")),
+            "{}",
+            record.text()
+        );
+    });
+}
+
+#[test]
+fn a_render_that_takes_longer_than_one_wants_to_wait_becomes_a_job() {
+    let service = start();
+    let headers = [("content-type", "application/json"), ("prefer", "wait=0")];
+    let accepted = service.post_with("/v1/renders", &headers, one().to_string().as_bytes());
+    assert_eq!(accepted.status, 202, "{}", accepted.text());
+    let id = accepted.json()["id"].as_str().unwrap().to_owned();
+    assert_eq!(accepted.header("location"), format!("/v1/jobs/{id}"));
+    let headers = [("content-type", "application/json"), ("prefer", "wait=soon")];
+    service
+        .post_with("/v1/renders", &headers, one().to_string().as_bytes())
+        .problem(400, "invalid-header");
+    let problem = service.post("/v1/renders", &job()).problem(422, "validation");
+    assert_eq!(problem["errors"][0]["pointer"], "/count");
+}
+
+#[test]
+fn a_render_goes_before_a_job_that_was_there_first() {
+    let service = start();
+    service.submit(&job());
+    let headers = [("content-type", "application/json"), ("prefer", "wait=0")];
+    let render = service
+        .post_with("/v1/renders", &headers, one().to_string().as_bytes())
+        .json();
+    let worker = Fake::register(&service);
+    assert_eq!(json!(worker.lease(1000).expect("a frame").job_id), render["id"]);
+}
+
+#[test]
+fn a_render_that_fails_says_why() {
+    let service = start();
+    let worker = Fake::register(&service);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let lease = worker.lease(60_000).expect("a frame");
+            worker.fail(&lease, "the lens is fogged");
+        });
+        let problem = service.post("/v1/renders", &one()).problem(422, "render-failed");
+        assert_eq!(problem["detail"], "the lens is fogged");
+    });
+}
+
+#[test]
+fn the_same_scene_twice_is_one_scene() {
+    let service = start();
+    let picture = crate::common::bytes::png(16, 12);
+    let range = crate::common::bytes::range_png(16, 12);
+    let fields: [(&str, &[u8]); 5] = [
+        ("rgb", &picture),
+        ("z_depth", &range),
+        ("unit_m", b"0.001"),
+        ("invalid_code", b"0"),
+        ("hfov_deg", b"80"),
+    ];
+    let first = service.upload(&fields);
+    assert_eq!(first.status, 201, "{}", first.text());
+    let again = service.upload(&fields);
+    assert_eq!((again.status, &again.json()["id"]), (200, &first.json()["id"]));
+    let other = service.upload(&fields[..1]);
+    assert_eq!(other.status, 201);
+    let listed = service.get("/v1/scenes").json();
+    assert_eq!(listed["items"].as_array().unwrap().len(), 2, "{listed}");
+    let mut uses = one();
+    uses["scene"] = json!({"kind": "uploaded", "id": first.json()["id"]});
+    uses.as_object_mut().unwrap().remove("camera");
+    service.submit(&uses);
+}

@@ -1,0 +1,216 @@
+//! The life of a job: submitted, leased, committed, asked for; repeated, cancelled, taken up again.
+
+use std::time::{Duration, Instant};
+
+use crate::common::worker::Fake;
+use crate::common::{job, start, start_on};
+use proto::message::Lease;
+use queue::client::ClientError;
+use serde_json::json;
+
+#[test]
+fn a_submitted_job_becomes_images_that_can_be_asked_for() {
+    let service = start();
+    let accepted = service.post("/v1/jobs", &job());
+    assert_eq!(accepted.status, 202, "{}", accepted.text());
+    let id = accepted.json()["id"].as_str().unwrap().to_owned();
+    assert_eq!(accepted.header("location"), format!("/v1/jobs/{id}"));
+    Fake::register(&service).work();
+    let done = service.get(&format!("/v1/jobs/{id}")).json();
+    assert_eq!(
+        (&done["state"], &done["done"]),
+        (&json!("done"), &json!(2)),
+        "{done}"
+    );
+    assert!(
+        done["digest"].as_str().is_some_and(|digest| digest.len() == 64),
+        "{done}"
+    );
+
+    let rows = service
+        .get("/v1/images?dataset=tests&filter=uiqm%20%3E%201&fields=frame,uiqm")
+        .json();
+    assert_eq!(rows["items"], json!([{"frame": 1, "uiqm": 1.5}]));
+    let record = service.get(&format!("/v1/images/{id}/1")).json();
+    assert_eq!(record["job"], json!(id), "{record}");
+    assert_eq!(record["measurements"]["rgb"]["uiqm"], 1.5);
+    let stats = service.get("/v1/datasets/tests/stats?metrics=uiqm").json();
+    assert_eq!(
+        (&stats["groups"][0]["count"], &stats["groups"][0]["mean"]),
+        (&json!(2), &json!(1.0)),
+        "{stats}"
+    );
+    assert_eq!(service.get("/v1/datasets").json()["items"][0]["images"], 2);
+    assert_eq!(service.get("/v1/workers").json()["items"][0]["name"], "fake");
+    let metrics = service.get("/metrics").text();
+    assert!(
+        metrics.contains("fathom_frames_committed_total") && metrics.contains("fathom_stage_seconds_bucket")
+    );
+}
+
+#[test]
+fn the_same_key_answers_the_same_job_and_another_description_is_refused() {
+    let service = start();
+    let key = [("content-type", "application/json"), ("idempotency-key", "once")];
+    let post = |body: &serde_json::Value| service.post_with("/v1/jobs", &key, body.to_string().as_bytes());
+    let first = post(&job()).json();
+    assert_eq!(post(&job()).json()["id"], first["id"]);
+    let mut other = job();
+    other["seed"] = json!(8);
+    post(&other).problem(422, "idempotency-key-reused");
+    assert_eq!(service.shown()[0], 1);
+    let long = "k".repeat(256);
+    let headers = [
+        ("content-type", "application/json"),
+        ("idempotency-key", long.as_str()),
+    ];
+    service
+        .post_with("/v1/jobs", &headers, job().to_string().as_bytes())
+        .problem(400, "invalid-header");
+}
+
+#[test]
+fn a_long_poll_wakes_with_the_change_and_not_before() {
+    let service = start();
+    let id = service.submit(&job());
+    let version = service.get(&format!("/v1/jobs/{id}")).json()["version"]
+        .as_u64()
+        .unwrap();
+    let begun = Instant::now();
+    let same = service
+        .get(&format!("/v1/jobs/{id}?wait=1&since={version}"))
+        .json();
+    assert_eq!(same["version"], version);
+    assert!(begun.elapsed() >= Duration::from_secs(1));
+
+    std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| {
+            service
+                .get(&format!("/v1/jobs/{id}?wait=60&since={version}"))
+                .json()
+        });
+        let worker = Fake::register(&service);
+        let begun = Instant::now();
+        worker.work();
+        let changed = waiting.join().unwrap();
+        assert!(changed["version"].as_u64().unwrap() > version, "{changed}");
+        assert!(begun.elapsed() < Duration::from_secs(20));
+    });
+    let ended = service.get(&format!("/v1/jobs/{id}?wait=60&since=999999")).json();
+    assert_eq!(ended["state"], "done");
+}
+
+#[test]
+fn a_waiting_worker_gets_a_job_as_soon_as_it_is_submitted() {
+    let service = start();
+    let worker = Fake::register(&service);
+    std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| worker.lease(30_000));
+        let begun = Instant::now();
+        let id = service.submit(&job());
+        let lease = waiting.join().unwrap().expect("frames");
+        assert_eq!(lease.job_id, id);
+        assert!(begun.elapsed() < Duration::from_secs(10));
+    });
+}
+
+#[test]
+fn a_cancelled_job_offers_nothing_more_and_its_worker_is_told() {
+    let service = start();
+    let id = service.submit(&job());
+    let worker = Fake::register(&service);
+    let lease = worker.lease(1000).expect("frames");
+    let cancelled = service.post(&format!("/v1/jobs/{id}/cancel"), &json!({}));
+    assert_eq!(
+        (cancelled.status, &cancelled.json()["state"]),
+        (200, &json!("cancelled"))
+    );
+    let beat = worker.beat(&[lease.token]);
+    assert_eq!(beat.cancelled, [lease.token]);
+    assert!(worker.lease(300).is_none());
+    assert_eq!(
+        service.post(&format!("/v1/jobs/{id}/cancel"), &json!({})).status,
+        200
+    );
+    service
+        .post("/v1/jobs/job_x/cancel", &json!({}))
+        .problem(404, "not-found");
+}
+
+#[test]
+fn a_stale_token_changes_nothing_and_a_repeated_commit_is_harmless() {
+    let service = start();
+    let id = service.submit(&job());
+    let worker = Fake::register(&service);
+    let lease = worker.lease(1000).expect("frames");
+    let forged = Lease {
+        token: lease.token + 1,
+        ..lease.clone()
+    };
+    assert!(matches!(worker.finish(&forged), Err(ClientError::Stale)));
+    assert_eq!(service.shown()[2], 0);
+    worker.release(&lease);
+    assert!(matches!(worker.finish(&lease), Err(ClientError::Stale)));
+    worker.work();
+    assert_eq!(service.get(&format!("/v1/jobs/{id}")).json()["state"], "done");
+    assert_eq!(service.shown()[2], 2);
+}
+
+#[test]
+fn a_failure_that_is_final_ends_the_frame_and_the_job() {
+    let service = start();
+    let mut one = job();
+    one["count"] = json!(1);
+    let id = service.submit(&one);
+    let worker = Fake::register(&service);
+    let lease = worker.lease(1000).expect("a frame");
+    worker.fail(&lease, "no such scene");
+    let ended = service.get(&format!("/v1/jobs/{id}?wait=10")).json();
+    assert_eq!(
+        (&ended["state"], &ended["failed"]),
+        (&json!("done_with_failures"), &json!(1)),
+        "{ended}"
+    );
+}
+
+#[test]
+fn a_restart_offers_what_was_open_and_knows_no_old_worker_or_token() {
+    let service = start();
+    let id = service.submit(&job());
+    let worker = Fake::register(&service);
+    let lease = worker.lease(1000).expect("frames");
+    worker.finish(&lease).unwrap();
+    let service = start_on(service.stop(), crate::common::Setup::default());
+    let fresh = Fake::register(&service);
+    assert!(matches!(fresh.finish(&lease), Err(ClientError::Stale)));
+    let old = Fake {
+        client: fresh.client.clone(),
+        id: worker.id,
+    };
+    assert!(matches!(old.try_lease(0), Err(ClientError::UnknownWorker)));
+    fresh.work();
+    let done = service.get(&format!("/v1/jobs/{id}")).json();
+    assert_eq!(
+        (&done["state"], &done["done"]),
+        (&json!("done"), &json!(2)),
+        "{done}"
+    );
+}
+
+#[test]
+fn a_job_with_a_style_needs_a_runtime_somewhere() {
+    let service = start();
+    let mut styled = job();
+    let styles = service.get("/v1/styles").json();
+    styled["water"]["style"] = styles["items"][0]["name"].clone();
+    let problem = service.post("/v1/jobs", &styled).problem(409, "runtime-missing");
+    assert!(
+        problem["detail"]
+            .as_str()
+            .unwrap()
+            .contains("scripts/get-onnxruntime.sh"),
+        "{problem}"
+    );
+    Fake::with_runtime(&service, Some("1.31.1"));
+    service.submit(&styled);
+}

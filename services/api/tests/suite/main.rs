@@ -1,0 +1,13 @@
+//! The service over real HTTP.
+#![allow(
+    clippy::unwrap_used,
+    reason = "these are tests; helpers beside the test functions may unwrap too"
+)]
+
+mod auth;
+mod bad_input;
+mod common;
+mod documents;
+mod images;
+mod jobs;
+mod load;

@@ -1,0 +1,51 @@
+//! One try at a frame in which even a panic is only an error.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use spec::Frame;
+
+use crate::engine::Engine;
+use crate::error::RenderError;
+use crate::record::Rendered;
+use crate::slot::Slot;
+use crate::source::SceneSource;
+
+/// Renders a frame. After a panic the slot is replaced: its caches may be half written.
+///
+/// # Errors
+/// As [`Slot::render`], and [`RenderError::Panic`].
+pub fn attempt(
+    slot: &mut Slot,
+    engine: &Arc<Engine>,
+    frame: &Frame,
+    source: &SceneSource,
+) -> Result<Rendered, RenderError> {
+    catch_unwind(AssertUnwindSafe(|| slot.render(frame, source))).unwrap_or_else(|panic| {
+        *slot = Slot::new(engine);
+        Err(RenderError::Panic(message(&*panic)))
+    })
+}
+
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_tells_its_message_and_may_be_tried_again() {
+        let caught =
+            |panic: Box<dyn FnOnce() + std::panic::UnwindSafe>| message(&*catch_unwind(panic).unwrap_err());
+        assert_eq!(caught(Box::new(|| panic!("plain"))), "plain");
+        let index = 7;
+        assert_eq!(caught(Box::new(move || panic!("row {index}"))), "row 7");
+        assert_eq!(caught(Box::new(|| std::panic::panic_any(1u8))), "no message");
+        assert!(RenderError::Panic("plain".to_owned()).retryable());
+    }
+}

@@ -1,0 +1,109 @@
+//! Why a frame has no image.
+
+use enhance::EnhanceError;
+use imaging::codec::EncodeError;
+use optics::chain::ChainError;
+use optics::water::WaterError;
+use quality::QualityError;
+use scenes::SceneError;
+use style::StyleError;
+
+/// Why a frame has no image.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The job has no such frame.
+    #[error(transparent)]
+    Resolve(spec::Invalid),
+    /// The scene cannot be made or decoded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A file of this machine cannot be read.
+    #[error("cannot read {path}: {source}")]
+    File {
+        /// The file.
+        path: String,
+        /// What the file system said.
+        source: std::io::Error,
+    },
+    /// The frame asks for an uploaded scene, which only a service has.
+    #[error("scene `{id}` was uploaded to a service and can only be rendered by one of its workers")]
+    NotHere {
+        /// The scene.
+        id: String,
+    },
+    /// The files of an uploaded scene did not arrive.
+    #[error("scene `{id}` cannot be fetched: {reason}")]
+    Fetch {
+        /// The scene.
+        id: String,
+        /// What happened.
+        reason: String,
+        /// Whether it may go better next time.
+        retryable: bool,
+    },
+    /// The water contradicts itself or lacks a number.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Water(Vec<WaterError>),
+    /// The water cannot be applied to this scene.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
+    /// ONNX Runtime is not installed.
+    #[error("{0}")]
+    RuntimeMissing(String),
+    /// The worker does not have the style model.
+    #[error("style `{name}` does not exist here; there is {}", known.join(", "))]
+    UnknownStyle {
+        /// The style.
+        name: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// The style network failed.
+    #[error(transparent)]
+    Style(#[from] StyleError),
+    /// A name that this build does not know.
+    #[error("{kind} `{name}` does not exist in this version")]
+    Unknown {
+        /// What is named.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// An enhancement failed.
+    #[error(transparent)]
+    Enhance(#[from] EnhanceError),
+    /// A metric failed.
+    #[error(transparent)]
+    Quality(#[from] QualityError),
+    /// The result does not fit the file format.
+    #[error(transparent)]
+    Encode(#[from] EncodeError),
+    /// A defect of this program.
+    #[error("rendering panicked: {0}")]
+    Panic(String),
+}
+
+impl RenderError {
+    /// Whether the same frame may succeed when it is tried again, here or elsewhere. What follows from the frame's
+    /// description alone fails for good.
+    #[must_use]
+    pub fn retryable(&self) -> bool {
+        match self {
+            Self::Fetch { retryable, .. } => *retryable,
+            Self::Panic(_) => true,
+            Self::Resolve(_)
+            | Self::Scene(_)
+            | Self::File { .. }
+            | Self::NotHere { .. }
+            | Self::Water(_)
+            | Self::Chain(_)
+            | Self::RuntimeMissing(_)
+            | Self::UnknownStyle { .. }
+            | Self::Style(_)
+            | Self::Unknown { .. }
+            | Self::Enhance(_)
+            | Self::Quality(_)
+            | Self::Encode(_) => false,
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Rendering a job without a service: the same frames, byte for byte.
+//!
+//! The folder gets `job.json` (the canonical description), `<frame>/<kind>.<ext>`, and in frame order `records.jsonl`
+//! (one record a line) and `errors.jsonl`. A frame's folder appears whole or not at all. Rendering the same job into
+//! the folder again goes on behind the last line; another job is refused.
+
+mod folder;
+mod lines;
+mod window;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Arc, mpsc};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use spec::{FrameRecord, Job};
+
+use crate::attempt::attempt;
+use crate::engine::Engine;
+use crate::slot::Slot;
+use crate::source::SceneSource;
+
+use folder::Folder;
+pub use folder::LocalError;
+use lines::{Failure, Lines};
+use window::Window;
+
+/// How many frames beyond the oldest unfinished one each slot may be ahead: their records wait in memory.
+const AHEAD_PER_SLOT: u64 = 16;
+
+/// What became of a job.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Summary {
+    /// Frames of the job.
+    pub frames: u64,
+    /// Frames that were there from an earlier run.
+    pub kept: u64,
+    /// Frames without an image; `errors.jsonl` says why.
+    pub failed: u64,
+    /// Digest over all images: the same for any number of slots, and as a service computes it.
+    pub digest: String,
+    /// Time of this run.
+    pub elapsed: Duration,
+}
+
+/// Renders every frame of a job into a folder, on this many threads. `progress` is told how many frames are finished.
+///
+/// # Errors
+/// [`LocalError`]: the folder holds something else or cannot be written. Frames that fail are no error here.
+pub fn render_job(
+    job: &Job,
+    engine: &Arc<Engine>,
+    out: &Path,
+    slots: usize,
+    mut progress: impl FnMut(u64),
+) -> Result<Summary, LocalError> {
+    let begun = Instant::now();
+    let folder = Folder::open(out, job)?;
+    let mut lines = Lines::open(&folder)?;
+    let kept = lines.next();
+    progress(kept);
+    let slots = slots.max(1);
+    let window = Window::new(kept, job.frames(), AHEAD_PER_SLOT * slots as u64);
+    thread::scope(|scope| {
+        let (send, finished) = mpsc::channel();
+        for _ in 0..slots {
+            let (send, window, folder) = (send.clone(), &window, &folder);
+            scope.spawn(move || work(job, engine, folder, window, &send));
+        }
+        drop(send);
+        let written = write_in_order(&mut lines, &window, finished, &mut progress);
+        window.close();
+        written
+    })?;
+    Ok(Summary {
+        frames: job.frames(),
+        kept,
+        failed: lines.failed(),
+        digest: lines.digest(),
+        elapsed: begun.elapsed(),
+    })
+}
+
+type Outcome = Result<Result<FrameRecord, Failure>, LocalError>;
+
+/// One slot: takes frames until there are none.
+fn work(
+    job: &Job,
+    engine: &Arc<Engine>,
+    folder: &Folder,
+    window: &Window,
+    finished: &mpsc::Sender<(u64, Outcome)>,
+) {
+    let mut slot = Slot::new(engine);
+    while let Some(index) = window.take() {
+        let outcome = frame(job, engine, folder, &mut slot, index);
+        if finished.send((index, outcome)).is_err() {
+            return;
+        }
+    }
+}
+
+/// Renders one frame and stores its files.
+fn frame(job: &Job, engine: &Arc<Engine>, folder: &Folder, slot: &mut Slot, index: u64) -> Outcome {
+    let failed = |error: String| Ok(Err(Failure { frame: index, error }));
+    let frame = match job.resolve(index) {
+        Ok(frame) => frame,
+        Err(invalid) => return failed(invalid.to_string()),
+    };
+    match attempt(slot, engine, &frame, &SceneSource::Local) {
+        Err(error) => failed(error.to_string()),
+        Ok(rendered) => {
+            folder.store(index, &rendered.files)?;
+            Ok(Ok(rendered.record))
+        }
+    }
+}
+
+fn write_in_order(
+    lines: &mut Lines,
+    window: &Window,
+    finished: mpsc::Receiver<(u64, Outcome)>,
+    progress: &mut impl FnMut(u64),
+) -> Result<(), LocalError> {
+    let mut early = BTreeMap::new();
+    for (index, outcome) in finished {
+        early.insert(index, outcome?);
+        while let Some(outcome) = early.remove(&lines.next()) {
+            lines.write(outcome)?;
+            window.wrote(lines.next());
+        }
+        progress(lines.next() + early.len() as u64);
+    }
+    Ok(())
+}

@@ -1,0 +1,139 @@
+//! What a rendered frame consists of: files and the record.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
+use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
+
+use crate::provenance::{CODE_VERSION, cpu_features};
+use crate::stage::measure::Measurements;
+use crate::stage::water::Chosen;
+
+/// A rendered frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rendered {
+    /// The artifacts that the frame asks for.
+    pub files: Vec<File>,
+    /// Everything known about the image.
+    pub record: FrameRecord,
+}
+
+/// A file of a frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Artifact kind, such as `rgb`.
+    pub kind: String,
+    /// Such as `image/png`.
+    pub media_type: &'static str,
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// SHA-256 of the bytes, lower-case hex.
+    pub digest: String,
+}
+
+impl File {
+    pub(crate) fn new(kind: String, media_type: &'static str, bytes: Vec<u8>) -> Self {
+        let digest = spec::hex(&Sha256::digest(&bytes));
+        Self {
+            kind,
+            media_type,
+            bytes,
+            digest,
+        }
+    }
+
+    /// File name extension without the dot.
+    #[must_use]
+    pub fn extension(&self) -> &'static str {
+        match self.media_type {
+            "image/png" => "png",
+            "image/webp" => "webp",
+            "image/jpeg" => "jpg",
+            "application/x-npy" => "npy",
+            _ => "bin",
+        }
+    }
+
+    fn entry(&self) -> ArtifactEntry {
+        ArtifactEntry {
+            kind: self.kind.clone(),
+            digest: self.digest.clone(),
+            bytes: self.bytes.len() as u64,
+            media_type: self.media_type.to_owned(),
+        }
+    }
+}
+
+/// What the record is made of, beside what the frame and the files say.
+pub(crate) struct Findings<'a> {
+    pub(crate) frame: &'a spec::Frame,
+    pub(crate) chosen: &'a Chosen,
+    pub(crate) measurements: Measurements,
+    pub(crate) counts: Counts,
+    pub(crate) timings_ms: BTreeMap<String, f64>,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) inputs: BTreeMap<String, String>,
+    pub(crate) onnx_runtime: Option<String>,
+}
+
+/// Joins files and findings.
+pub(crate) fn finish(files: Vec<File>, findings: Findings<'_>) -> Rendered {
+    let record = FrameRecord {
+        frame: findings.frame.index,
+        parameters: findings.frame.parameters.clone(),
+        optics: numbers(findings.chosen),
+        plan: plan(findings.chosen),
+        measurements: findings.measurements,
+        artifacts: files.iter().map(File::entry).collect(),
+        counts: findings.counts,
+        timings_ms: findings.timings_ms,
+        warnings: findings.warnings,
+        provenance: Provenance {
+            code_version: CODE_VERSION.to_owned(),
+            onnx_runtime: findings.onnx_runtime,
+            cpu_features: cpu_features(),
+            inputs: findings.inputs,
+        },
+    };
+    Rendered { files, record }
+}
+
+/// The water's numbers by name, which of them were derived, and the preset; empty without water.
+fn numbers(chosen: &Chosen) -> Map<String, Value> {
+    let Some(water) = &chosen.water else {
+        return Map::new();
+    };
+    let known = water
+        .numbers()
+        .into_iter()
+        .filter_map(|(name, rgb)| Some((name.to_owned(), json!(rgb?))));
+    let mut numbers: Map<String, Value> = known.collect();
+    numbers.insert("derived".to_owned(), json!(water.derived()));
+    if let Some(preset) = water.preset() {
+        numbers.insert("preset".to_owned(), json!(preset));
+    }
+    numbers
+}
+
+/// The plan as a list of stages; what is not known of a stage is left out.
+fn plan(chosen: &Chosen) -> Value {
+    let in_water = |stage: &str| stage.starts_with("attenuation") || stage.starts_with("forward_scatter");
+    let notes = chosen.plan.describe().into_iter().map(|note| {
+        let skipped = chosen.water.is_none() && in_water(note.stage);
+        let mut entry = Map::new();
+        entry.insert("stage".to_owned(), json!(note.stage));
+        entry.insert(
+            "variant".to_owned(),
+            json!(if skipped { "skip" } else { note.variant }),
+        );
+        if let Some(terms) = note.terms {
+            entry.insert("terms".to_owned(), json!(terms));
+        }
+        if let Some(bound) = note.bound {
+            entry.insert("bound".to_owned(), json!(bound));
+        }
+        Value::Object(entry)
+    });
+    notes.collect()
+}

@@ -1,0 +1,144 @@
+//! The way of one frame.
+
+use std::sync::Arc;
+
+use imaging::transfer;
+use optics::forward_scatter::KernelCache;
+use spec::{Counts, Frame, Scene};
+
+use crate::engine::Engine;
+use crate::error::RenderError;
+use crate::record::{self, Findings, Rendered};
+use crate::source::SceneSource;
+use crate::stage::files::{self, Products};
+use crate::stage::scene::{self, Prepared};
+use crate::stage::water::{self, Chosen};
+use crate::stage::{enhance, haze, measure, style};
+use crate::stopwatch::Stopwatch;
+
+/// What one worker thread reuses from frame to frame. Nothing in it changes a result.
+pub struct Slot {
+    engine: Arc<Engine>,
+    kernels: KernelCache,
+    sessions: style::Sessions,
+    last_scene: Option<(SceneKey, Arc<Prepared>)>,
+}
+
+/// What a prepared scene depends on; files of this machine may change and have none.
+#[derive(PartialEq)]
+struct SceneKey {
+    scene: Scene,
+    camera: spec::Camera,
+}
+
+impl Slot {
+    /// A slot with empty caches.
+    #[must_use]
+    pub fn new(engine: &Arc<Engine>) -> Self {
+        Self {
+            engine: Arc::clone(engine),
+            kernels: KernelCache::new(),
+            sessions: style::Sessions::default(),
+            last_scene: None,
+        }
+    }
+
+    /// Renders a frame: the same bytes whatever the slot has rendered before.
+    ///
+    /// # Errors
+    /// [`RenderError`], which says whether trying again can help.
+    pub fn render(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
+        let mut watch = Stopwatch::start();
+        let lights = spec::haze_lights(frame);
+
+        let prepared = watch.time("scene", || self.scene(frame, source))?;
+        let radiance = &prepared.scene.radiance;
+        let chosen = watch.time("plan", || water::choose(frame, &prepared, &lights))?;
+        let layers = watch.time("water", || water::run(&prepared, &chosen, &mut self.kernels))?;
+        let styled = watch.time("style", || {
+            style::run(frame, &layers.scattered, &self.engine, &mut self.sessions)
+        })?;
+        let hazed = watch.time("haze", || haze::run(frame, &styled.picture, &lights));
+        let (rgb, clamped) = watch.time("encode", || transfer::encode_rgb8(&hazed));
+        let enhanced = watch.time("enhance", || enhance::run(frame, &rgb))?;
+        let clean = match measure::needs_clean(frame)? {
+            true => Some(watch.time("encode", || transfer::encode_rgb8(radiance).0)),
+            false => None,
+        };
+        let measurements = watch.time("metrics", || measure::run(frame, &rgb, clean.as_ref(), &enhanced))?;
+        let products = Products {
+            frame,
+            prepared: &prepared,
+            chosen: &chosen,
+            layers: &layers,
+            styled: &styled.picture,
+            rgb: &rgb,
+            enhanced: &enhanced,
+        };
+        let files = watch.time("files", || files::encode(&products))?;
+
+        let counts = Counts {
+            holes: prepared.holes,
+            negative_radiance: prepared.negative_radiance,
+            clamped,
+            range_saturated: files.range_saturated,
+        };
+        let mut inputs = prepared.inputs.clone();
+        inputs.extend(
+            styled
+                .model
+                .iter()
+                .map(|(name, digest)| (format!("style.{name}"), digest.clone())),
+        );
+        let ran = styled.model.as_ref().and_then(|_| self.engine.runtime().ok());
+        let findings = Findings {
+            frame,
+            chosen: &chosen,
+            measurements,
+            counts,
+            timings_ms: watch.stop(),
+            warnings: warnings(frame, &prepared, &chosen)
+                .into_iter()
+                .chain(files.warnings)
+                .collect(),
+            inputs,
+            onnx_runtime: ran.map(|runtime| runtime.version().to_owned()),
+        };
+        Ok(record::finish(files.files, findings))
+    }
+
+    /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
+    fn scene(&mut self, frame: &Frame, source: &SceneSource) -> Result<Arc<Prepared>, RenderError> {
+        let key = SceneKey {
+            scene: frame.scene.clone(),
+            camera: frame.camera,
+        };
+        if let Some((last, prepared)) = &self.last_scene
+            && *last == key
+        {
+            return Ok(Arc::clone(prepared));
+        }
+        let prepared = Arc::new(scene::prepare(frame, source)?);
+        self.last_scene = match frame.scene {
+            Scene::Files { .. } => None,
+            _ => Some((key, Arc::clone(&prepared))),
+        };
+        Ok(prepared)
+    }
+}
+
+fn warnings(frame: &Frame, prepared: &Prepared, chosen: &Chosen) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if frame.water.optics.is_some() && chosen.water.is_none() {
+        warnings.push("the scene has no range: the water's optics are skipped".to_owned());
+    }
+    let pixels = prepared
+        .scene
+        .range
+        .as_ref()
+        .map_or(0, |range| range.data().len() as u64);
+    if pixels > 0 && prepared.holes == pixels {
+        warnings.push("no pixel has a valid range".to_owned());
+    }
+    warnings
+}

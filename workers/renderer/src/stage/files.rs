@@ -1,0 +1,145 @@
+//! The files of a frame: one match from artifact kind to bytes.
+
+use enhance::Enhanced;
+use imaging::codec::{self, EncodeError};
+use imaging::{Raster, Rgb, Rgb8, transfer};
+use optics::chain::Layers;
+use spec::{ArtifactKind, Encode, Format, Frame};
+
+use super::range_file::millimetres;
+use super::scene::Prepared;
+use super::water::{Chosen, transmittance};
+use crate::error::RenderError;
+use crate::record::File;
+
+/// Longer side of a thumbnail.
+const PREVIEW_PX: usize = 256;
+/// Quality of a JPEG file that does not say one.
+const JPEG_QUALITY: u8 = 95;
+
+const PNG: &str = "image/png";
+const NPY: &str = "application/x-npy";
+
+/// Everything that a frame has gone through.
+pub(crate) struct Products<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) prepared: &'a Prepared,
+    pub(crate) chosen: &'a Chosen,
+    pub(crate) layers: &'a Layers,
+    pub(crate) styled: &'a Rgb<f32>,
+    pub(crate) rgb: &'a Rgb8,
+    pub(crate) enhanced: &'a [(String, Enhanced)],
+}
+
+/// The files that the frame asks for, in its order.
+pub(crate) struct Files {
+    pub(crate) files: Vec<File>,
+    /// Range pixels beyond what 16-bit millimetres hold.
+    pub(crate) range_saturated: u64,
+    /// Which files are missing, and why.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Encodes the files of a frame.
+pub(crate) fn encode(products: &Products<'_>) -> Result<Files, RenderError> {
+    let mut files = Files {
+        files: Vec::new(),
+        range_saturated: 0,
+        warnings: Vec::new(),
+    };
+    for kind in &products.frame.artifacts {
+        match bytes(products, kind, &mut files.range_saturated)? {
+            Some((media_type, bytes)) => files.files.push(File::new(kind.to_string(), media_type, bytes)),
+            None => files
+                .warnings
+                .push(format!("there is no artifact `{kind}`: {}", why_missing(kind))),
+        }
+    }
+    if files.range_saturated > 0 {
+        let pixels = files.range_saturated;
+        files.warnings.push(format!(
+            "{pixels} pixels are farther than 65.535 m and stored as that"
+        ));
+    }
+    Ok(files)
+}
+
+type Encoded = (&'static str, Vec<u8>);
+
+/// `None`: the frame has nothing of this kind.
+fn bytes(
+    products: &Products<'_>,
+    kind: &ArtifactKind,
+    saturated: &mut u64,
+) -> Result<Option<Encoded>, RenderError> {
+    let Products {
+        frame,
+        prepared,
+        chosen,
+        layers,
+        styled,
+        rgb,
+        enhanced,
+    } = products;
+    let scene = &prepared.scene;
+    let linear = |layer: &Rgb<f32>| Some((NPY, codec::encode_npy_rgb(layer)));
+    let shown = |layer: &Rgb<f32>| picture(&transfer::encode_rgb8(layer).0, frame.encode);
+    let of = |name: &str| {
+        enhanced
+            .iter()
+            .find(|(method, _)| method == name)
+            .map(|(_, enhanced)| enhanced)
+    };
+    Ok(match kind {
+        ArtifactKind::Rgb | ArtifactKind::Hazed => Some(picture(rgb, frame.encode)?),
+        ArtifactKind::Clean => Some(shown(&scene.radiance)?),
+        ArtifactKind::Scattered => Some(shown(&layers.scattered)?),
+        ArtifactKind::Styled => Some(shown(styled)?),
+        ArtifactKind::Direct => linear(&layers.direct),
+        ArtifactKind::ForwardScatter => linear(&layers.forward_scatter),
+        ArtifactKind::Backscatter => linear(&layers.backscatter),
+        ArtifactKind::Transmittance => linear(&transmittance(prepared, chosen)),
+        ArtifactKind::Preview => Some(picture(&codec::downscale(rgb, PREVIEW_PX), frame.encode)?),
+        ArtifactKind::Enhanced(method) => match of(method) {
+            None => None,
+            Some(enhanced) => Some(picture(&enhanced.picture.to_rgb8(), frame.encode)?),
+        },
+        ArtifactKind::HscmMask => mask(of("hscm").and_then(|hscm| hscm.mask.clone()).map(Raster::from))?,
+        ArtifactKind::Instances => mask(scene.instances.clone().map(Raster::from))?,
+        ArtifactKind::Range => match &scene.range {
+            None => None,
+            Some(range) => {
+                let (codes, beyond) = millimetres(range);
+                *saturated = beyond;
+                mask(Some(Raster::from(codes)))?
+            }
+        },
+    })
+}
+
+/// A picture in the format that the frame asks for.
+fn picture(picture: &Rgb8, encode: Encode) -> Result<Encoded, EncodeError> {
+    Ok(match encode.format {
+        Format::Png => (PNG, codec::encode_png(&Raster::from(picture.clone()))?),
+        Format::Webp => ("image/webp", codec::encode_webp_lossless(picture)?),
+        Format::Jpeg => {
+            let quality = encode.quality.unwrap_or(JPEG_QUALITY);
+            ("image/jpeg", codec::encode_jpeg(picture, quality)?)
+        }
+    })
+}
+
+/// Codes that must stay what they are, whatever format pictures have.
+fn mask(codes: Option<Raster>) -> Result<Option<Encoded>, EncodeError> {
+    codes
+        .map(|codes| Ok((PNG, codec::encode_png(&codes)?)))
+        .transpose()
+}
+
+fn why_missing(kind: &ArtifactKind) -> &'static str {
+    match kind {
+        ArtifactKind::Range => "the scene has no range",
+        ArtifactKind::Instances => "the scene has no instance mask",
+        _ => "the enhancement did not run",
+    }
+}

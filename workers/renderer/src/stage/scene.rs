@@ -1,0 +1,150 @@
+//! The scene of a frame: rendered from a seed, uploaded, or made of files of this machine.
+
+use std::collections::BTreeMap;
+
+use imaging::codec::{self, Radiance};
+use imaging::geometry::Intrinsics;
+use optics::range::is_hole;
+use scenes::SceneError;
+use scenes::uploaded::{self, RangeBytes, RangeKind, Upload};
+use sha2::{Digest, Sha256};
+use spec::{Frame, Scene as SceneOf};
+
+use crate::error::RenderError;
+use crate::source::{RangeUpload, SceneSource, UploadedScene};
+
+/// A scene that is fit for the chain.
+pub(crate) struct Prepared {
+    /// Radiance is finite and not negative.
+    pub(crate) scene: scenes::Scene,
+    /// Of the scene's own camera, else of the frame's.
+    pub(crate) focal_px: f64,
+    /// Samples of negative radiance that were set to 0.
+    pub(crate) negative_radiance: u64,
+    /// Pixels without a valid range; 0 without range.
+    pub(crate) holes: u64,
+    /// SHA-256 of the files that went in.
+    pub(crate) inputs: BTreeMap<String, String>,
+}
+
+/// Makes the scene of a frame.
+pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, RenderError> {
+    match (&frame.scene, source) {
+        (SceneOf::Procedural { family, seed }, _) => {
+            let (width, height) = (frame.camera.width, frame.camera.height);
+            let camera = Intrinsics::centred(frame.camera.focal_px(width), width, height);
+            checked(
+                frame,
+                scenes::procedural(family, *seed, width, height, camera)?,
+                BTreeMap::new(),
+            )
+        }
+        (SceneOf::Uploaded { .. }, SceneSource::Uploaded(files)) => from_files(frame, files),
+        (SceneOf::Uploaded { id }, SceneSource::Local) => Err(RenderError::NotHere { id: id.clone() }),
+        (SceneOf::Files { rgb, range }, _) => from_files(frame, &read(rgb, range.as_ref())?),
+    }
+}
+
+fn from_files(frame: &Frame, files: &UploadedScene) -> Result<Prepared, RenderError> {
+    let range = files.range.as_ref().map(|range| RangeBytes {
+        bytes: &range.bytes,
+        kind: range.kind,
+        unit_m: range.unit_m,
+        invalid_code: range.invalid_code,
+    });
+    let z_depth = files
+        .range
+        .as_ref()
+        .is_some_and(|range| matches!(range.kind, RangeKind::ZDepth));
+    let intrinsics = match files.intrinsics {
+        // Only z-depth is converted with the camera; to know the camera, the size must be known first.
+        None if z_depth => Some(camera_of(frame, &files.rgb)?),
+        given => given,
+    };
+    let upload = Upload {
+        rgb: &files.rgb,
+        range,
+        intrinsics,
+        instances: files.instances.as_deref(),
+    };
+    checked(frame, uploaded::decode(&upload)?, digests(files))
+}
+
+fn checked(
+    frame: &Frame,
+    mut scene: scenes::Scene,
+    inputs: BTreeMap<String, String>,
+) -> Result<Prepared, RenderError> {
+    let negative_radiance = optics::chain::check_radiance(&mut scene.radiance)?;
+    let holes = scene
+        .range
+        .as_ref()
+        .map_or(0, |range| range.data().iter().filter(|&&z| is_hole(z)).count());
+    let focal_px = match scene.intrinsics {
+        Some(camera) => camera.focal_px,
+        None => frame.camera.focal_px(scene.radiance.width()),
+    };
+    Ok(Prepared {
+        scene,
+        focal_px,
+        negative_radiance,
+        holes: holes as u64,
+        inputs,
+    })
+}
+
+fn camera_of(frame: &Frame, rgb: &[u8]) -> Result<Intrinsics, RenderError> {
+    let decoded = codec::decode_radiance(rgb).map_err(|reason| SceneError::File { field: "rgb", reason })?;
+    let (width, height) = match &decoded {
+        Radiance::Encoded(raster) => (raster.width(), raster.height()),
+        Radiance::Linear(radiance) => radiance.size(),
+    };
+    Ok(Intrinsics::centred(frame.camera.focal_px(width), width, height))
+}
+
+fn read(rgb: &str, range: Option<&spec::RangeFile>) -> Result<UploadedScene, RenderError> {
+    let file = |path: &str| {
+        std::fs::read(path).map_err(|source| RenderError::File {
+            path: path.to_owned(),
+            source,
+        })
+    };
+    let range = match range {
+        None => None,
+        Some(range) => {
+            let (path, kind) = match (&range.range, &range.z_depth) {
+                (Some(path), _) => (path, RangeKind::Range),
+                (None, Some(path)) => (path, RangeKind::ZDepth),
+                (None, None) => return read(rgb, None),
+            };
+            let (unit_m, invalid_code) = (range.unit_m, range.invalid_code);
+            Some(RangeUpload {
+                bytes: file(path)?,
+                kind,
+                unit_m,
+                invalid_code,
+            })
+        }
+    };
+    Ok(UploadedScene {
+        rgb: file(rgb)?,
+        range,
+        intrinsics: None,
+        instances: None,
+    })
+}
+
+fn digests(files: &UploadedScene) -> BTreeMap<String, String> {
+    let parts = [
+        ("scene.rgb", Some(files.rgb.as_slice())),
+        (
+            "scene.range",
+            files.range.as_ref().map(|range| range.bytes.as_slice()),
+        ),
+        ("scene.instances", files.instances.as_deref()),
+    ];
+    let present = parts.into_iter().filter_map(|(name, bytes)| Some((name, bytes?)));
+    present
+        .map(|(name, bytes)| (name.to_owned(), spec::hex(&Sha256::digest(bytes))))
+        .collect()
+}

@@ -1,0 +1,28 @@
+//! The names that a description may use, from the crates that own them.
+
+use quality::MetricId;
+use spec::Vocabulary;
+use style::Library;
+
+/// The vocabulary of this build with these style models. `local`: a scene may be made of files of this machine.
+#[must_use]
+pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
+    let presets = optics::preset::presets();
+    let unrenderable = presets.iter().filter_map(|preset| {
+        let why = preset.unrenderable()?;
+        Some((preset.name.to_owned(), why.to_owned()))
+    });
+    Vocabulary {
+        families: owned(scenes::FAMILIES),
+        presets: presets.iter().map(|preset| preset.name.to_owned()).collect(),
+        unrenderable_presets: unrenderable.collect(),
+        styles: library.names().iter().map(ToString::to_string).collect(),
+        enhancements: owned(enhance::METHODS),
+        metrics: MetricId::all().map(|metric| metric.to_string()).collect(),
+        local,
+    }
+}
+
+fn owned(names: &[&str]) -> Vec<String> {
+    names.iter().map(ToString::to_string).collect()
+}

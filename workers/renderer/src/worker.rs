@@ -1,0 +1,158 @@
+//! The worker: leases frames from a service, renders them, hands them in.
+//!
+//! Each slot is two threads: one renders, the other hands in what is finished, so that transport and computing overlap.
+//! One more thread beats for all leases. Nothing here is trusted to succeed: a lease that is lost is dropped, a service
+//! that is away is waited for, a frame that fails is reported, a panic fails one frame.
+
+mod beat;
+mod deliver;
+mod held;
+mod jobs;
+mod patience;
+mod scenes;
+mod service;
+mod slot;
+mod stop;
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use proto::message::Register;
+use queue::client::Client;
+use style::Library;
+
+use crate::engine::Engine;
+use crate::provenance::{CODE_VERSION, cpu_features};
+use held::Held;
+use jobs::Jobs;
+use scenes::Scenes;
+use service::Service;
+use stop::Stop;
+
+/// What a slot may take to finish and hand in its frame when the worker is told to stop. What takes longer is given
+/// back unfinished; the whole stop stays within the 10 s that a supervisor commonly waits.
+const STOP_LIMIT: Duration = Duration::from_secs(8);
+/// Finished frames of a slot that may wait to be handed in. They hold pictures, so there are few.
+const WAITING_FRAMES: usize = 2;
+/// How often the main thread looks whether to stop.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// How a worker is started.
+pub struct WorkerOptions {
+    /// URL of the service.
+    pub server: String,
+    /// Bearer token, if the service wants one.
+    pub token: Option<String>,
+    /// Frames rendered side by side.
+    pub slots: usize,
+    /// Shown in the list of workers.
+    pub name: String,
+    /// The style models.
+    pub library: Library,
+    /// ONNX Runtime, if it lies in an unusual place.
+    pub onnxruntime: Option<PathBuf>,
+}
+
+/// What the threads of a worker share.
+struct Shared {
+    engine: Arc<Engine>,
+    service: Service,
+    held: Held,
+    jobs: Jobs,
+    scenes: Scenes,
+    stop: Stop,
+}
+
+/// Works until `stop` is set, then hands leases back without burning an attempt.
+///
+/// # Errors
+/// The service refuses the worker, or a thread ended by a defect.
+pub fn run(options: WorkerOptions, stop: &AtomicBool) -> anyhow::Result<()> {
+    let engine = Arc::new(Engine::new(options.library, options.onnxruntime.as_deref()));
+    let about = Register {
+        name: options.name,
+        slots: u32::try_from(options.slots).context("too many slots")?,
+        code_version: CODE_VERSION.to_owned(),
+        onnx_runtime: engine.runtime().ok().map(|runtime| runtime.version().to_owned()),
+        cpu_features: cpu_features(),
+    };
+    let client = Client::new(&options.server, options.token.as_deref());
+    let Some(service) = Service::join(client, about, stop).context("the service refuses this worker")? else {
+        return Ok(());
+    };
+    tracing::info!(
+        server = options.server,
+        slots = options.slots,
+        worker = service.worker_id(),
+        "worker ready"
+    );
+    let shared = Arc::new(Shared {
+        jobs: Jobs::new(engine.library()),
+        engine,
+        service,
+        held: Held::default(),
+        scenes: Scenes::default(),
+        stop: Stop::default(),
+    });
+    let threads = start(&shared, options.slots)?;
+    let defect = watch(&threads, stop);
+    shared.stop.set();
+    finish(&shared, &threads);
+    if defect {
+        bail!("a thread of the worker ended unexpectedly");
+    }
+    Ok(())
+}
+
+fn start(shared: &Arc<Shared>, slots: usize) -> anyhow::Result<Vec<JoinHandle<()>>> {
+    let mut threads = Vec::new();
+    let mut spawn = |name: String, body: Box<dyn FnOnce(&Shared) + Send>| {
+        let shared = Arc::clone(shared);
+        let thread = thread::Builder::new().name(name).spawn(move || body(&shared));
+        thread
+            .map(|thread| threads.push(thread))
+            .context("cannot start a thread")
+    };
+    for slot in 0..slots {
+        let (send, finished) = mpsc::sync_channel(WAITING_FRAMES);
+        spawn(
+            format!("render-{slot}"),
+            Box::new(move |shared| slot::run(shared, &send)),
+        )?;
+        spawn(
+            format!("deliver-{slot}"),
+            Box::new(move |shared| deliver::run(shared, &finished)),
+        )?;
+    }
+    spawn("beat".to_owned(), Box::new(beat::run))?;
+    Ok(threads)
+}
+
+/// Waits until the worker is to stop, or a thread has ended: answers whether it was the latter.
+fn watch(threads: &[JoinHandle<()>], stop: &AtomicBool) -> bool {
+    while !stop.load(Ordering::SeqCst) {
+        if threads.iter().any(JoinHandle::is_finished) {
+            return true;
+        }
+        thread::sleep(LOOK);
+    }
+    false
+}
+
+/// Lets the slots finish their frames, then gives back what is still held. A thread that is not done by then ends with
+/// the process; nothing that it still says is accepted.
+fn finish(shared: &Shared, threads: &[JoinHandle<()>]) {
+    let deadline = Instant::now() + STOP_LIMIT;
+    while Instant::now() < deadline && !threads.iter().all(JoinHandle::is_finished) {
+        thread::sleep(LOOK);
+    }
+    for token in shared.held.tokens() {
+        if let Err(error) = shared.service.release(token, "the worker is stopping") {
+            tracing::warn!(token, %error, "cannot hand a lease back; it will run out");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Repeats calls to a service that is away.
+
+use std::time::Duration;
+
+use queue::client::ClientError;
+
+use super::stop::Stop;
+
+const FIRST: Duration = Duration::from_millis(200);
+const LONGEST: Duration = Duration::from_secs(5);
+/// Tries that a call has left when the worker is to stop.
+const LAST_TRIES: u32 = 5;
+
+/// The pause after the given number of tries: doubling, with a ceiling.
+pub(crate) fn pause_after(tries: u32) -> Duration {
+    FIRST
+        .saturating_mul(1 << tries.saturating_sub(1).min(16))
+        .min(LONGEST)
+}
+
+/// What a repeated call came to.
+pub(crate) struct Answered<T> {
+    pub(crate) result: Result<T, ClientError>,
+    /// An earlier try may have arrived without its answer coming back.
+    pub(crate) repeated: bool,
+}
+
+/// Repeats a call until the service answers, as long as the answer is wanted; a few times more once the worker is to stop.
+pub(crate) fn persist<T>(
+    stop: &Stop,
+    wanted: impl Fn() -> bool,
+    call: impl Fn() -> Result<T, ClientError>,
+) -> Answered<T> {
+    let (mut tries, mut last_tries) = (0, LAST_TRIES);
+    loop {
+        let result = call();
+        tries += 1;
+        let away = matches!(result, Err(ClientError::Unavailable { .. }));
+        if stop.is_set() {
+            last_tries -= 1;
+        }
+        if !away || !wanted() || last_tries == 0 {
+            return Answered {
+                result,
+                repeated: tries > 1,
+            };
+        }
+        if stop.is_set() {
+            std::thread::sleep(FIRST);
+        } else {
+            stop.pause(pause_after(tries));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    fn away() -> ClientError {
+        ClientError::Unavailable {
+            reason: "away".to_owned(),
+        }
+    }
+
+    #[test]
+    fn pauses_double_up_to_a_ceiling() {
+        let pauses = [1, 2, 3, 5, 6, 400].map(|tries| pause_after(tries).as_millis());
+        assert_eq!(pauses, [200, 400, 800, 3200, 5000, 5000]);
+    }
+
+    #[test]
+    fn a_call_is_repeated_until_it_is_answered() {
+        let tries = Cell::new(0);
+        let call = || {
+            tries.set(tries.get() + 1);
+            if tries.get() < 2 { Err(away()) } else { Ok(7) }
+        };
+        let answered = persist(&Stop::default(), || true, call);
+        assert!(matches!(answered.result, Ok(7)));
+        assert!(answered.repeated);
+    }
+
+    #[test]
+    fn nobody_insists_on_what_is_not_wanted_or_once_the_worker_stops() {
+        let tries = Cell::new(0);
+        let call = || {
+            tries.set(tries.get() + 1);
+            Err::<(), _>(away())
+        };
+        assert!(persist(&Stop::default(), || false, call).result.is_err());
+        assert_eq!(tries.replace(0), 1);
+        let stop = Stop::default();
+        stop.set();
+        assert!(persist(&stop, || true, call).result.is_err());
+        assert_eq!(tries.get(), LAST_TRIES);
+    }
+}

@@ -1,0 +1,30 @@
+//! The wish to stop, and pauses that end with it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How soon a pause notices that the worker is to stop.
+const STEP: Duration = Duration::from_millis(50);
+
+/// Set once, when the worker is to stop.
+#[derive(Default)]
+pub(crate) struct Stop(AtomicBool);
+
+impl Stop {
+    pub(crate) fn set(&self) {
+        self.0.store(true, Ordering::SeqCst);
+    }
+
+    pub(crate) fn is_set(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
+
+    /// Sleeps; ends early when the worker is to stop.
+    pub(crate) fn pause(&self, duration: Duration) {
+        let end = Instant::now() + duration;
+        while !self.is_set() && Instant::now() < end {
+            thread::sleep(STEP.min(end.saturating_duration_since(Instant::now())));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! A small scene in files, and jobs about it.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use fathom_renderer::{Engine, RenderError, Rendered, SceneSource, Slot};
+use imaging::codec::{encode_npy_plane, encode_png};
+use imaging::{Plane, Raster, Rgb8};
+use serde_json::{Value, json};
+use spec::Job;
+use style::Library;
+use tempfile::TempDir;
+
+pub(crate) const WIDTH: usize = 48;
+pub(crate) const HEIGHT: usize = 32;
+
+/// A picture and its range: 1 m at the left to 5 m at the right, a hole in the corner.
+pub(crate) struct Files {
+    folder: TempDir,
+}
+
+impl Files {
+    pub(crate) fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let picture = Rgb8::from_fn(WIDTH, HEIGHT, |x, y| [5 * x as u8, 7 * y as u8, 90]);
+        write(
+            &folder.path().join("rgb.png"),
+            encode_png(&Raster::from(picture)).unwrap(),
+        );
+        let range = Plane::from_fn(WIDTH, HEIGHT, |x, y| match (x, y) {
+            (0, 0) => f32::NAN,
+            _ => 1.0 + 4.0 * x as f32 / (WIDTH - 1) as f32,
+        });
+        write(&folder.path().join("range.npy"), encode_npy_plane(&range));
+        write(
+            &folder.path().join("holes.npy"),
+            encode_npy_plane(&range.map(|_| 0.0)),
+        );
+        Self { folder }
+    }
+
+    /// A job of one frame: these fields over a scene with range and nothing else.
+    pub(crate) fn job(&self, fields: &Value) -> Job {
+        parse(&self.description(fields))
+    }
+
+    pub(crate) fn description(&self, fields: &Value) -> Value {
+        let mut description = json!({"scene": self.scene("range.npy"), "metrics": []});
+        merge(&mut description, fields);
+        description
+    }
+
+    pub(crate) fn scene(&self, range: &str) -> Value {
+        json!({"kind": "files", "rgb": self.path("rgb.png"), "range": self.path(range)})
+    }
+
+    pub(crate) fn scene_without_range(&self) -> Value {
+        json!({"kind": "files", "rgb": self.path("rgb.png")})
+    }
+
+    /// The picture's and the range's bytes.
+    pub(crate) fn bytes(&self) -> (Vec<u8>, Vec<u8>) {
+        let read = |name| std::fs::read(self.folder.path().join(name)).unwrap();
+        (read("rgb.png"), read("range.npy"))
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().unwrap().to_owned()
+    }
+}
+
+fn write(path: &Path, bytes: Vec<u8>) {
+    std::fs::write(path, bytes).unwrap();
+}
+
+fn merge(into: &mut Value, fields: &Value) {
+    for (name, value) in fields.as_object().unwrap() {
+        into[name] = value.clone();
+    }
+}
+
+/// The shipped styles; the runtime as scripts/get-onnxruntime.sh installs it.
+pub(crate) fn engine() -> Arc<Engine> {
+    let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
+    let installed = installed.is_file().then_some(installed);
+    Arc::new(Engine::new(Library::embedded().unwrap(), installed.as_deref()))
+}
+
+/// An engine whose runtime cannot be loaded.
+pub(crate) fn engine_without_runtime() -> Arc<Engine> {
+    Arc::new(Engine::new(
+        Library::embedded().unwrap(),
+        Some(Path::new("/nowhere/libonnxruntime.so")),
+    ))
+}
+
+pub(crate) fn parse(description: &Value) -> Job {
+    let vocabulary = fathom_renderer::vocabulary(&Library::embedded().unwrap(), true);
+    Job::parse(description.to_string().as_bytes(), &vocabulary).unwrap_or_else(|invalid| panic!("{invalid}"))
+}
+
+/// Frame 0 of a job.
+pub(crate) fn render(job: &Job) -> Rendered {
+    try_render(job, &engine_without_runtime()).unwrap()
+}
+
+pub(crate) fn try_render(job: &Job, engine: &Arc<Engine>) -> Result<Rendered, RenderError> {
+    Slot::new(engine).render(&job.resolve(0).unwrap(), &SceneSource::Local)
+}
+
+/// The bytes of an artifact.
+pub(crate) fn file<'a>(rendered: &'a Rendered, kind: &str) -> &'a [u8] {
+    let found = rendered.files.iter().find(|file| file.kind == kind);
+    &found.unwrap_or_else(|| panic!("no artifact {kind}")).bytes
+}

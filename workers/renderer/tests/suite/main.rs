@@ -1,0 +1,11 @@
+//! Frames from description to bytes, jobs without a service, and the worker against a service of a hundred lines.
+
+#![allow(clippy::unwrap_used)]
+
+mod artifacts;
+mod common;
+mod fake_service;
+mod folders;
+mod style;
+mod waters;
+mod workers;

@@ -1,0 +1,102 @@
+//! Groups of surface points that are shaded together, one array per quantity, so that every loop over them
+//! turns into vector instructions.
+
+/// Points in a group.
+pub(super) const LANES: usize = 32;
+
+/// One quantity of all points.
+pub(super) type Lane = [f32; LANES];
+
+pub(super) const ZEROS: Lane = [0.0; LANES];
+
+/// A vector quantity of all points.
+pub(super) type Lane3 = [Lane; 3];
+
+/// `f(i)` for every point.
+#[inline(always)]
+pub(super) fn each(f: impl Fn(usize) -> f32) -> Lane {
+    let mut lane = ZEROS;
+    for (i, sample) in lane.iter_mut().enumerate() {
+        *sample = f(i);
+    }
+    lane
+}
+
+/// 0 below `low`, 1 above `high`, smooth between.
+#[inline(always)]
+pub(super) fn ramp(value: f32, low: f32, high: f32) -> f32 {
+    let share = clamp01((value - low) * (1.0 / (high - low)));
+    share * share * (3.0 - 2.0 * share)
+}
+
+/// Bounded to 0..1; written as two selections because `clamp` and `max` handle NaN, which takes extra instructions.
+#[inline(always)]
+pub(super) fn clamp01(value: f32) -> f32 {
+    larger(smaller(value, 1.0), 0.0)
+}
+
+#[inline(always)]
+pub(super) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+pub(super) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+pub(super) fn mix(a: f32, b: f32, share: f32) -> f32 {
+    a + (b - a) * share
+}
+
+/// Rounds to the nearest integer for |value| below 2²²; `round` would be a library call without SSE 4.1.
+#[inline(always)]
+pub(super) fn nearest_integer(value: f32) -> f32 {
+    const SHIFT: f32 = 12_582_912.0;
+    (value + SHIFT) - SHIFT
+}
+
+/// The largest integer not above the value, for |value| below 2²².
+#[inline(always)]
+pub(super) fn floor(value: f32) -> f32 {
+    let rounded = nearest_integer(value);
+    rounded - if rounded > value { 1.0 } else { 0.0 }
+}
+
+/// Sine of an angle in turns, to 0.0011 (a parabola, refined once); of period 1 for any angle below 2²² turns.
+#[inline(always)]
+pub(super) fn sin_turns(turns: f32) -> f32 {
+    let rest = turns - nearest_integer(turns);
+    let parabola = 8.0 * rest - 16.0 * rest * rest.abs();
+    parabola + 0.225 * (parabola * parabola.abs() - parabola)
+}
+
+/// Cosine of an angle in turns, to 0.0011.
+#[inline(always)]
+pub(super) fn cos_turns(turns: f32) -> f32 {
+    sin_turns(turns + 0.25)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_follow_sine_and_cosine() {
+        for i in -40..40 {
+            let turns = i as f32 * 0.061;
+            let (sin, cos) = (turns * std::f32::consts::TAU).sin_cos();
+            assert!((sin_turns(turns) - sin).abs() < 1.2e-3, "{turns}");
+            assert!((cos_turns(turns) - cos).abs() < 1.2e-3, "{turns}");
+        }
+    }
+
+    #[test]
+    fn floor_goes_down_on_both_sides_of_zero() {
+        assert_eq!(
+            [-1.5, -1.0, -0.25, 0.0, 0.75, 2.0].map(floor),
+            [-2.0, -1.0, -1.0, 0.0, 0.0, 2.0]
+        );
+    }
+}

@@ -1,0 +1,61 @@
+//! An ellipsoid.
+
+use crate::structure::lanes::{larger, smaller};
+use crate::structure::vector::{Vec3, vec3};
+
+/// An ellipsoid about the origin, radii in metres.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::structure) struct Ball {
+    pub radii: Vec3,
+}
+
+impl Ball {
+    #[inline(always)]
+    fn scaled(&self, v: Vec3) -> Vec3 {
+        vec3(v.x / self.radii.x, v.y / self.radii.y, v.z / self.radii.z)
+    }
+
+    #[inline(always)]
+    pub(super) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+        let (o, d) = (self.scaled(o), self.scaled(d));
+        let square = d.dot(d);
+        let cross = o.cross(d);
+        let discriminant = square - cross.dot(cross);
+        let enter = (-o.dot(d) - larger(discriminant, 0.0).sqrt()) / square;
+        if (discriminant > 0.0) & (enter > 0.0) {
+            enter
+        } else {
+            f32::INFINITY
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn distance(&self, p: Vec3) -> f32 {
+        let least = smaller(smaller(self.radii.x, self.radii.y), self.radii.z);
+        (self.scaled(p).length() - 1.0) * least
+    }
+
+    #[inline(always)]
+    pub(super) fn normal(&self, p: Vec3) -> Vec3 {
+        let outward = self.scaled(self.scaled(p));
+        outward * (1.0 / larger(outward.length(), 1e-9))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_enters_an_ellipsoid_at_its_radius() {
+        let ball = Ball {
+            radii: vec3(1.0, 2.0, 0.5),
+        };
+        assert_eq!(ball.enter(vec3(0.0, -5.0, 0.0), vec3(0.0, 1.0, 0.0)), 3.0);
+        assert_eq!(
+            ball.enter(vec3(1.01, -5.0, 0.0), vec3(0.0, 1.0, 0.0)),
+            f32::INFINITY
+        );
+        assert_eq!(ball.normal(vec3(0.0, 0.0, 0.5)), vec3(0.0, 0.0, 1.0));
+    }
+}

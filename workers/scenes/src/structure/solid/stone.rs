@@ -1,0 +1,102 @@
+//! A broken stone: the body that a dozen planes cut out of space.
+
+use crate::structure::chance::Dice;
+use crate::structure::lanes::{larger, smaller};
+use crate::structure::vector::{Vec3, vec3};
+
+const PLANES: usize = 14;
+
+/// Inside of every plane: `normal · p <= offset`, in metres.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::structure) struct Stone {
+    planes: [(Vec3, f32); PLANES],
+    reach: Vec3,
+}
+
+impl Stone {
+    /// A stone of about the given half sides.
+    pub(in crate::structure) fn broken(half: Vec3, dice: Dice) -> Self {
+        // Directions of a golden spiral are spread evenly, so that the body is closed on every side.
+        let planes = std::array::from_fn(|i| {
+            let choice = 100 + 4 * i as u64;
+            let z = 1.0 - (2.0 * i as f32 + 1.0) / PLANES as f32 + dice.between(choice, -0.06, 0.06);
+            let (sin, cos) = libm::sincosf(2.399_963 * i as f32 + dice.between(choice + 1, -0.35, 0.35));
+            let flat = (1.0 - z * z).max(0.0).sqrt();
+            let direction = vec3(flat * cos, flat * sin, z);
+            // The plane that cuts the unit ball, stretched to the half sides.
+            let normal = vec3(direction.x / half.x, direction.y / half.y, direction.z / half.z);
+            let scale = 1.0 / normal.length();
+            (normal * scale, scale * dice.between(choice + 2, 0.62, 0.95))
+        });
+        Self {
+            planes,
+            reach: half * 1.7,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+        let (mut enter, mut leave) = (0.0, f32::INFINITY);
+        for (normal, offset) in &self.planes {
+            let (toward, above) = (normal.dot(d), normal.dot(o) - offset);
+            let at = -above / toward;
+            enter = if toward < 0.0 { larger(at, enter) } else { enter };
+            leave = if toward > 0.0 { smaller(at, leave) } else { leave };
+        }
+        if (enter < leave) & (enter > 0.0) {
+            enter
+        } else {
+            f32::INFINITY
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn distance(&self, p: Vec3) -> f32 {
+        let mut farthest = -1e9;
+        for (normal, offset) in &self.planes {
+            farthest = larger(farthest, normal.dot(p) - offset);
+        }
+        farthest
+    }
+
+    #[inline(always)]
+    pub(super) fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
+        let bevel = bevel + 0.06 * self.reach.z;
+        let (mut sum, mut most) = (vec3(0.0, 0.0, 1e-6), 0.0);
+        for (normal, offset) in &self.planes {
+            let share = larger(normal.dot(p) - offset + bevel, 0.0);
+            sum = sum + *normal * (share * share);
+            most = larger(most, share * share);
+        }
+        let length = sum.length();
+        (
+            sum * (1.0 / length),
+            smaller(2.0 * (1.0 - most / larger(length, most)), 1.0),
+        )
+    }
+
+    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+        (-self.reach, self.reach)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stone_is_closed_and_stays_in_its_box() {
+        for seed in 0..20 {
+            let stone = Stone::broken(vec3(1.0, 0.7, 0.5), Dice::about(seed, "structure.test"));
+            let (low, high) = stone.bounds();
+            for turn in 0..64 {
+                let (sin, cos) = libm::sincosf(turn as f32 * 0.1);
+                let eye = vec3(10.0 * cos, 10.0 * sin, 4.0);
+                let enter = stone.enter(eye, -eye);
+                let p = eye + -eye * enter;
+                assert!(enter.is_finite() && stone.distance(p).abs() < 1e-4);
+                assert!(p.x > low.x && p.x < high.x && p.y > low.y && p.y < high.y && p.z < high.z);
+            }
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Twenty-four seeds are twenty-four scenes.
+
+use fathom_scenes::procedural;
+use imaging::geometry::Intrinsics;
+use imaging::{Rgb8, transfer};
+use quality::MetricId;
+
+/// Frames more alike than this would look like one scene from two places.
+const MOST_ALIKE: f64 = 0.8;
+
+#[test]
+fn no_two_of_twenty_four_seeds_look_alike() {
+    let (width, height) = (192, 123);
+    let lens = Intrinsics::centred(114.5, width, height);
+    let frame = |seed| {
+        let scene = procedural("structure", seed, width, height, lens).unwrap();
+        transfer::encode_rgb8(&scene.radiance).0
+    };
+    let frames: Vec<Rgb8> = (0..24).map(frame).collect();
+    let ssim = MetricId::parse("ssim").unwrap();
+    let mut most = (0.0, 0, 0);
+    for (a, one) in frames.iter().enumerate() {
+        for (b, other) in frames.iter().enumerate().skip(a + 1) {
+            let likeness = quality::measure(one, Some(other), &[ssim]).unwrap()[0].1;
+            if likeness > most.0 {
+                most = (likeness, a, b);
+            }
+        }
+    }
+    println!("most alike: {most:?}");
+    assert!(
+        most.0 < MOST_ALIKE,
+        "seeds {} and {} have an SSIM of {:.3}",
+        most.1,
+        most.2,
+        most.0
+    );
+}
+
+#[test]
+fn an_unknown_family_is_named() {
+    let lens = Intrinsics::centred(10.0, 4, 4);
+    let error = procedural("castle", 1, 4, 4, lens).unwrap_err();
+    assert!(
+        error.to_string().contains("castle") && error.to_string().contains("structure"),
+        "{error}"
+    );
+}

@@ -1,0 +1,18 @@
+//! Style networks on ONNX Runtime. Without the runtime these tests fail and say what to run.
+
+#![allow(clippy::unwrap_used)]
+
+mod models;
+mod onnx;
+mod waters;
+
+use std::path::Path;
+
+use fathom_style::Runtime;
+
+/// ONNX Runtime as scripts/get-onnxruntime.sh installs it, else from where it usually lies.
+fn runtime() -> Runtime {
+    let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
+    let installed = installed.is_file().then_some(installed);
+    Runtime::load(installed.as_deref()).unwrap_or_else(|missing| panic!("{missing}"))
+}

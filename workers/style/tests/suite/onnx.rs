@@ -1,0 +1,77 @@
+//! ONNX files of one operator, written by hand: enough of protobuf for what the tests need.
+
+/// float32 and float64 of ONNX's element types.
+pub(crate) const FLOAT: u64 = 1;
+pub(crate) const DOUBLE: u64 = 11;
+
+/// A graph of one operator from all inputs to one output.
+pub(crate) struct Graph<'a> {
+    pub(crate) operator: &'a str,
+    /// An integer attribute.
+    pub(crate) attribute: Option<(&'a str, u64)>,
+    /// Name, element type and channels of each input; all have shape [1, channels, h, w].
+    pub(crate) inputs: &'a [(&'a str, u64, u64)],
+    /// Which inputs the operator takes, by position.
+    pub(crate) operands: &'a [usize],
+    pub(crate) output: &'a str,
+}
+
+impl Graph<'_> {
+    /// The file.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        let mut node = Vec::new();
+        for &operand in self.operands {
+            node.extend(field(1, self.inputs[operand].0.as_bytes()));
+        }
+        node.extend(field(2, self.output.as_bytes()));
+        node.extend(field(4, self.operator.as_bytes()));
+        if let Some((name, value)) = self.attribute {
+            const INT: u64 = 2;
+            let attribute = [field(1, name.as_bytes()), number(3, value), number(20, INT)].concat();
+            node.extend(field(5, &attribute));
+        }
+        let mut graph = [field(1, &node), field(2, b"test")].concat();
+        for &(name, kind, channels) in self.inputs {
+            let sides = [number(1, 1), number(1, channels), field(2, b"h"), field(2, b"w")];
+            graph.extend(field(11, &value(name, kind, &sides)));
+        }
+        let sides = [
+            number(1, 1),
+            number(1, 3),
+            field(2, b"rows"),
+            field(2, b"columns"),
+        ];
+        graph.extend(field(12, &value(self.output, self.inputs[0].1, &sides)));
+        let operators = [field(1, b""), number(2, 17)].concat();
+        [number(1, 8), field(7, &graph), field(8, &operators)].concat()
+    }
+}
+
+fn value(name: &str, kind: u64, sides: &[Vec<u8>]) -> Vec<u8> {
+    let shape: Vec<u8> = sides.iter().flat_map(|side| field(1, side)).collect();
+    let tensor = field(1, &[number(1, kind), field(2, &shape)].concat());
+    [field(1, name.as_bytes()), field(2, &tensor)].concat()
+}
+
+fn field(number: u64, bytes: &[u8]) -> Vec<u8> {
+    [
+        varint(number << 3 | 2),
+        varint(bytes.len() as u64),
+        bytes.to_vec(),
+    ]
+    .concat()
+}
+
+fn number(number: u64, value: u64) -> Vec<u8> {
+    [varint(number << 3), varint(value)].concat()
+}
+
+fn varint(mut value: u64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    while value >= 0x80 {
+        bytes.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    bytes.push(value as u8);
+    bytes
+}
