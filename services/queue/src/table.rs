@@ -1,9 +1,23 @@
 //! The lease table.
+//!
+//! **Who is served.** The highest priority; among equals the job that was served longest ago, where a new job stands
+//! behind those that wait already. So a huge job does not starve a small later one, nor do many small ones starve it.
+//! A lease holds about three seconds of work, and less towards the end of a job, so that all slots finish together.
+//!
+//! **Who is to blame for a crash.** A worker that vanishes takes all its frames along, and renders several at a time.
+//! Only a frame that was the single one its worker held gets a strike. Frames from leases of several are offered one
+//! at a time from then on. Frames that were alone in their lease but not alone in their worker become suspects: a
+//! suspect is given only to a worker that holds nothing else, and that worker gets nothing beside it. One worker at a
+//! time is kept from new work until it is empty, so that suspects are not waited for for ever.
 
-use std::collections::{BTreeMap, HashMap};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Range;
 
-use crate::job::Job;
-use crate::types::{Beat, Grant, JobEntry, Millis, Stale, StrikeEvent, Totals, WorkerRow};
+use crate::job::{Job, Struck};
+use crate::lease::{Lease, Leases};
+use crate::suspects::Suspects;
+use crate::types::{Beat, Grant, JobEntry, Millis, StrikeEvent, Totals, WorkerRow};
 
 /// How long a lease lasts without a beat.
 const TERM_MS: u64 = 15_000;
@@ -17,20 +31,21 @@ const FORGET_AFTER_MS: u64 = 600_000;
 /// All leases of a service.
 #[derive(Default)]
 pub struct LeaseTable {
-    jobs: BTreeMap<String, Job>,
-    leases: BTreeMap<u64, Lease>,
-    pinned: HashMap<(String, u64), u64>,
-    workers: BTreeMap<String, Millis>,
+    pub(crate) jobs: BTreeMap<String, Job>,
+    /// The jobs in the order in which they are served: priority, when served last, id.
+    line: BTreeSet<(Reverse<i32>, u64, String)>,
+    suspects: Suspects,
+    pub(crate) leases: Leases,
+    /// Frames whose image is being written, with the token of their lease.
+    pub(crate) pinned: HashMap<(String, u64), u64>,
+    workers: BTreeMap<String, Worker>,
     grants: u64,
 }
 
-struct Lease {
-    worker: String,
-    job: String,
-    /// Frames that are still open, with their attempt.
-    frames: BTreeMap<u64, u32>,
-    alone: bool,
-    ends: Millis,
+struct Worker {
+    name: String,
+    slots: u64,
+    seen: Millis,
 }
 
 impl LeaseTable {
@@ -42,174 +57,130 @@ impl LeaseTable {
 
     /// Offers a job's open frames.
     pub fn add_job(&mut self, entry: JobEntry) {
-        let job = Job::new(&entry);
-        if !job.finished() {
+        let mut job = Job::new(&entry);
+        if !job.finished() && !self.jobs.contains_key(&entry.id) {
+            job.served = self.grants;
+            self.line.insert(place(&entry.id, &job));
             self.jobs.insert(entry.id, job);
         }
     }
 
-    /// Offers nothing more of a job; its leases are void.
+    /// Offers nothing more of a job; its leases are void. An image that is being written at the moment still counts.
     pub fn cancel(&mut self, job: &str) {
-        if let Some(job) = self.jobs.get_mut(job) {
-            job.cancelled = true;
-        }
-    }
-
-    /// Takes a worker on.
-    pub fn register(&mut self, worker: &str, _name: &str, _slots: u32, now: Millis) {
-        self.workers.insert(worker.to_owned(), now);
-    }
-
-    /// Leases the next frames to a worker: of the highest priority, the job that waited longest. `frame_ms` is what a frame
-    /// costs the worker; not positive: unknown, and one frame is given.
-    pub fn grant(&mut self, worker: &str, now: Millis, token: u64, frame_ms: f64) -> Option<Grant> {
-        self.workers.insert(worker.to_owned(), now);
-        let most = if frame_ms > 0.0 {
-            (LEASE_WORK_MS / frame_ms).clamp(1.0, MOST_FRAMES as f64) as u64
-        } else {
-            1
-        };
-        let mut order: Vec<(&String, i32, u64)> = self
-            .jobs
-            .iter()
-            .filter(|(_, job)| job.queued() > 0)
-            .map(|(id, job)| (id, job.priority, job.served))
-            .collect();
-        order.sort_by_key(|&(_, priority, served)| (std::cmp::Reverse(priority), served));
-        let order: Vec<String> = order.into_iter().map(|(id, ..)| id.clone()).collect();
-        for id in order {
-            let Some(job) = self.jobs.get_mut(&id) else {
-                continue;
-            };
-            if let Some(frames) = job.take(most, now) {
-                self.grants += 1;
-                job.served = self.grants;
-                let frames: BTreeMap<u64, u32> = frames.map(|frame| (frame, job.attempt(frame))).collect();
-                let alone = frames.len() == 1;
-                let granted = frames.iter().map(|(&frame, &attempt)| (frame, attempt)).collect();
-                let ends = now.plus(TERM_MS);
-                self.leases.insert(
-                    token,
-                    Lease {
-                        worker: worker.to_owned(),
-                        job: id.clone(),
-                        frames,
-                        alone,
-                        ends,
-                    },
-                );
-                return Some(Grant {
-                    token,
-                    job_id: id,
-                    frames: granted,
-                });
+        self.forget_job(job);
+        for token in self.leases.of_job(job) {
+            self.drop_open(token);
+            if let Some(lease) = self.leases.get_mut(token) {
+                lease.cancelled = true;
             }
         }
-        None
+    }
+
+    /// Takes a worker on. `slots`: how many frames it renders at a time.
+    pub fn register(&mut self, worker: &str, name: &str, slots: u32, now: Millis) {
+        let (name, slots) = (name.to_owned(), u64::from(slots.max(1)));
+        self.workers.insert(
+            worker.to_owned(),
+            Worker {
+                name,
+                slots,
+                seen: now,
+            },
+        );
+    }
+
+    /// Leases the next frames to a worker. `token` must be new. `frame_ms` is what a frame costs the worker; not positive:
+    /// unknown, and one frame is given.
+    pub fn grant(&mut self, worker: &str, now: Millis, token: u64, frame_ms: f64) -> Option<Grant> {
+        self.saw(worker, now);
+        if self.leases.of_worker(worker).any(|lease| lease.apart) || self.leases.contains(token) {
+            return None;
+        }
+        if let Some((job, frame)) = self.suspects.due(now) {
+            if self.leases.of_worker(worker).next().is_none() {
+                return self.grant_suspect(worker, now, token, &job, frame);
+            }
+            if self.suspects.empties(worker, now) {
+                return None;
+            }
+        }
+        let most = frames_worth(frame_ms);
+        let alive = self
+            .workers
+            .values()
+            .filter(|worker| worker.seen.plus(TERM_MS) > now);
+        let slots: u64 = alive.map(|worker| worker.slots).sum();
+        let found = self.line.iter().find_map(|(_, _, id)| {
+            let job = self.jobs.get_mut(id)?;
+            // What is left is shared among all slots.
+            let most = most.min(job.queued().div_ceil(slots.max(1))).max(1);
+            Some((id.clone(), job.take(most, now)?))
+        });
+        let (id, frames) = found?;
+        Some(self.lease(worker, now, token, &id, frames, false))
+    }
+
+    fn grant_suspect(
+        &mut self,
+        worker: &str,
+        now: Millis,
+        token: u64,
+        job: &str,
+        frame: u64,
+    ) -> Option<Grant> {
+        self.suspects.take_first();
+        let frames = self.jobs.get_mut(job)?.take_suspect(frame);
+        Some(self.lease(worker, now, token, job, frames, true))
+    }
+
+    fn lease(
+        &mut self,
+        worker: &str,
+        now: Millis,
+        token: u64,
+        id: &str,
+        frames: Range<u64>,
+        apart: bool,
+    ) -> Grant {
+        let job = self.jobs.get_mut(id).expect("the frames were taken from it");
+        self.line.remove(&place(id, job));
+        self.grants += 1;
+        job.served = self.grants;
+        self.line.insert(place(id, job));
+        let frames: BTreeMap<u64, u32> = frames.map(|frame| (frame, job.attempt(frame))).collect();
+        let granted = frames.iter().map(|(&frame, &attempt)| (frame, attempt)).collect();
+        let lease = Lease {
+            worker: worker.to_owned(),
+            job: id.to_owned(),
+            several: frames.len() > 1,
+            frames,
+            apart,
+            cancelled: false,
+            ends: now.plus(TERM_MS),
+        };
+        self.leases.insert(token, lease);
+        Grant {
+            token,
+            job_id: id.to_owned(),
+            frames: granted,
+        }
     }
 
     /// Prolongs a worker's leases.
     pub fn beat(&mut self, worker: &str, tokens: &[u64], now: Millis) -> Beat {
-        self.workers.insert(worker.to_owned(), now);
+        self.saw(worker, now);
         let mut beat = Beat::default();
         for &token in tokens {
-            let Some(lease) = self.leases.get_mut(&token).filter(|lease| lease.worker == worker) else {
-                beat.lost.push(token);
-                continue;
-            };
-            if self.jobs.get(&lease.job).is_none_or(|job| job.cancelled) {
-                beat.cancelled.push(token);
-                self.drop_open(token);
-            } else {
-                lease.ends = now.plus(TERM_MS);
+            match self.leases.get_mut(token).filter(|lease| lease.worker == worker) {
+                None => beat.lost.push(token),
+                Some(lease) if lease.cancelled => {
+                    beat.cancelled.push(token);
+                    self.leases.remove_if_empty(token);
+                }
+                Some(_) => self.leases.prolong(token, now.plus(TERM_MS)),
             }
         }
         beat
-    }
-
-    /// Whether a claim on a frame is current.
-    ///
-    /// # Errors
-    /// [`Stale`].
-    pub fn check(&self, job: &str, frame: u64, token: u64, attempt: u32) -> Result<(), Stale> {
-        let lease = self
-            .leases
-            .get(&token)
-            .filter(|lease| lease.job == job)
-            .ok_or(Stale)?;
-        let cancelled = self.jobs.get(job).is_none_or(|job| job.cancelled);
-        if cancelled || lease.frames.get(&frame) != Some(&attempt) {
-            Err(Stale)
-        } else {
-            Ok(())
-        }
-    }
-
-    /// Pins a frame while its image is written: it cannot be lost meanwhile.
-    ///
-    /// # Errors
-    /// [`Stale`], also when the lease has run out by `now` or the frame is being written already.
-    pub fn begin_commit(
-        &mut self,
-        job: &str,
-        frame: u64,
-        token: u64,
-        attempt: u32,
-        now: Millis,
-    ) -> Result<(), Stale> {
-        self.check(job, frame, token, attempt)?;
-        let ended = self.leases.get(&token).is_none_or(|lease| lease.ends <= now);
-        let key = (job.to_owned(), frame);
-        if ended || self.pinned.contains_key(&key) {
-            return Err(Stale);
-        }
-        self.pinned.insert(key, token);
-        Ok(())
-    }
-
-    /// The image of a pinned frame is durable.
-    pub fn finish_commit(&mut self, job: &str, frame: u64) {
-        let Some(token) = self.pinned.remove(&(job.to_owned(), frame)) else {
-            return;
-        };
-        self.take_out(token, frame);
-        if let Some(entry) = self.jobs.get_mut(job) {
-            entry.complete(frame);
-            self.forget_finished(job);
-        }
-    }
-
-    /// The image of a pinned frame could not be written; the lease goes on.
-    pub fn abort_commit(&mut self, job: &str, frame: u64) {
-        self.pinned.remove(&(job.to_owned(), frame));
-    }
-
-    /// An attempt failed.
-    ///
-    /// # Errors
-    /// [`Stale`].
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "a claim, what happened to it, and the time"
-    )]
-    pub fn fail(
-        &mut self,
-        job: &str,
-        frame: u64,
-        token: u64,
-        attempt: u32,
-        retryable: bool,
-        error: &str,
-        now: Millis,
-    ) -> Result<StrikeEvent, Stale> {
-        self.check(job, frame, token, attempt)?;
-        if self.pinned.contains_key(&(job.to_owned(), frame)) {
-            return Err(Stale);
-        }
-        self.take_out(token, frame);
-        let event = self.strike(job, frame, retryable, error, now).ok_or(Stale)?;
-        self.forget_finished(job);
-        Ok(event)
     }
 
     /// Takes the open frames of a lease back; no attempt is burned.
@@ -219,51 +190,49 @@ impl LeaseTable {
                 job.give_back(frame);
             }
         }
+        self.leases.remove_if_empty(token);
     }
 
-    /// Takes back the leases that have run out.
+    /// Takes back the leases that have run out, worker by worker.
     pub fn expire(&mut self, now: Millis) -> Vec<StrikeEvent> {
-        let ended: Vec<u64> = self
-            .leases
-            .iter()
-            .filter(|(_, l)| l.ends <= now)
-            .map(|(&token, _)| token)
-            .collect();
-        let events = ended
+        let mut lost: BTreeMap<String, Vec<u64>> = BTreeMap::new();
+        for token in self.leases.ended(now) {
+            if let Some(lease) = self.leases.get(token) {
+                lost.entry(lease.worker.clone()).or_default().push(token);
+            }
+        }
+        let events = lost
             .into_iter()
-            .flat_map(|token| self.lose(token, "the lease ran out", now))
+            .flat_map(|(worker, tokens)| self.lose(&worker, &tokens, now))
             .collect();
-        let held: Vec<&str> = self.leases.values().map(|lease| lease.worker.as_str()).collect();
-        self.workers
-            .retain(|id, seen| held.contains(&id.as_str()) || seen.plus(FORGET_AFTER_MS) > now);
+        let leases = &self.leases;
+        self.workers.retain(|id, worker| {
+            worker.seen.plus(FORGET_AFTER_MS) > now || leases.of_worker(id).next().is_some()
+        });
         events
     }
 
     /// Takes back all leases of a worker whose process has ended.
     pub fn drop_worker(&mut self, worker: &str, now: Millis) -> Vec<StrikeEvent> {
+        let tokens = self.leases.tokens_of(worker);
+        let events = self.lose(worker, &tokens, now);
         self.workers.remove(worker);
-        let held: Vec<u64> = self
-            .leases
-            .iter()
-            .filter(|(_, l)| l.worker == worker)
-            .map(|(&token, _)| token)
-            .collect();
-        held.into_iter()
-            .flat_map(|token| self.lose(token, "the worker process ended", now))
-            .collect()
+        events
     }
 
     /// The known workers.
     #[must_use]
     pub fn workers(&self) -> Vec<WorkerRow> {
         let held = |id: &str| {
-            let leases = self.leases.values().filter(|lease| lease.worker == id);
-            leases.map(|lease| lease.frames.len() as u64).sum()
+            self.leases
+                .of_worker(id)
+                .map(|lease| lease.frames.len() as u64)
+                .sum()
         };
-        let row = |(id, seen): (&String, &Millis)| WorkerRow {
+        let row = |(id, worker): (&String, &Worker)| WorkerRow {
             id: id.clone(),
             leased_frames: held(id),
-            last_seen: *seen,
+            last_seen: worker.seen,
         };
         self.workers.iter().map(row).collect()
     }
@@ -274,50 +243,58 @@ impl LeaseTable {
         let queued = self.jobs.values().map(Job::queued).sum();
         Totals {
             queued,
-            leased: self.jobs.values().map(|job| job.leased).sum(),
+            leased: self.jobs.values().map(Job::leased).sum(),
         }
     }
 
-    /// A lost lease: a frame that was alone counts a strike, several are tried one at a time from now on.
-    fn lose(&mut self, token: u64, error: &str, now: Millis) -> Vec<StrikeEvent> {
-        let alone = self.leases.get(&token).is_some_and(|lease| lease.alone);
+    /// These leases of a worker are lost; see the top of this file for what that means to their frames.
+    fn lose(&mut self, worker: &str, tokens: &[u64], now: Millis) -> Vec<StrikeEvent> {
+        let alone = self
+            .leases
+            .of_worker(worker)
+            .map(|lease| lease.frames.len())
+            .sum::<usize>()
+            == 1;
+        let name = self
+            .workers
+            .get(worker)
+            .map_or(worker, |worker| &worker.name)
+            .to_owned();
         let mut events = Vec::new();
-        for (job, frame) in self.drop_open(token) {
-            if alone {
-                events.extend(self.strike(&job, frame, true, error, now));
-            } else if let Some(entry) = self.jobs.get_mut(&job) {
-                entry.single_out(frame);
+        for &token in tokens {
+            let several = self.leases.get(token).is_some_and(|lease| lease.several);
+            for (job, frame) in self.drop_open(token) {
+                let Some(entry) = self.jobs.get_mut(&job) else {
+                    continue;
+                };
+                if !alone && several {
+                    entry.single_out(frame);
+                } else if !alone {
+                    entry.suspect();
+                    self.suspects.add(now, job, frame);
+                } else {
+                    let Struck { strikes, again } = entry.strike(frame, true, now);
+                    // The first time it may have been the worker's fault, and nobody shall wait for it.
+                    let again = again.map(|pause| if strikes == 1 { now } else { pause });
+                    if let Some(from) = again {
+                        self.suspects.add(from, job.clone(), frame);
+                    }
+                    let error = format!("worker `{name}` was lost while it rendered this frame and no other");
+                    events.push(event(&job, frame, strikes, error, again.is_none()));
+                    self.forget_finished(&job);
+                }
             }
-            self.forget_finished(&job);
+            self.leases.remove_if_empty(token);
         }
         events
     }
 
-    fn strike(
-        &mut self,
-        job: &str,
-        frame: u64,
-        retryable: bool,
-        error: &str,
-        now: Millis,
-    ) -> Option<StrikeEvent> {
-        let (strikes, quarantined) = self.jobs.get_mut(job)?.strike(frame, retryable, now);
-        Some(StrikeEvent {
-            job: job.to_owned(),
-            frame,
-            strikes,
-            error: error.to_owned(),
-            quarantined,
-        })
-    }
-
-    /// Takes every frame that is not pinned out of a lease and answers them; a lease without frames is gone.
+    /// Takes every frame that is not pinned out of a lease and answers them.
     fn drop_open(&mut self, token: u64) -> Vec<(String, u64)> {
-        let Some(lease) = self.leases.get_mut(&token) else {
+        let Some(lease) = self.leases.get_mut(token) else {
             return Vec::new();
         };
-        let job = lease.job.clone();
-        let pinned = &self.pinned;
+        let (job, pinned) = (lease.job.clone(), &self.pinned);
         let mut open = Vec::new();
         lease.frames.retain(|&frame, _| {
             let stays = pinned.get(&(job.clone(), frame)) == Some(&token);
@@ -326,24 +303,50 @@ impl LeaseTable {
             }
             stays
         });
-        if lease.frames.is_empty() {
-            self.leases.remove(&token);
-        }
         open
     }
 
-    fn take_out(&mut self, token: u64, frame: u64) {
-        if let Some(lease) = self.leases.get_mut(&token) {
-            lease.frames.remove(&frame);
-            if lease.frames.is_empty() {
-                self.leases.remove(&token);
-            }
+    pub(crate) fn forget_finished(&mut self, job: &str) {
+        if self.jobs.get(job).is_some_and(Job::finished) {
+            self.forget_job(job);
         }
     }
 
-    fn forget_finished(&mut self, job: &str) {
-        if self.jobs.get(job).is_some_and(Job::finished) {
-            self.jobs.remove(job);
+    fn forget_job(&mut self, id: &str) {
+        if let Some(job) = self.jobs.remove(id) {
+            self.line.remove(&place(id, &job));
+            self.suspects.forget_job(id);
         }
+    }
+
+    fn saw(&mut self, worker: &str, now: Millis) {
+        if let Some(known) = self.workers.get_mut(worker) {
+            known.seen = now;
+        } else {
+            self.register(worker, worker, 1, now);
+        }
+    }
+}
+
+/// How many frames of this cost a lease should hold.
+fn frames_worth(frame_ms: f64) -> u64 {
+    if frame_ms > 0.0 {
+        (LEASE_WORK_MS / frame_ms).clamp(1.0, MOST_FRAMES as f64) as u64
+    } else {
+        1
+    }
+}
+
+fn place(id: &str, job: &Job) -> (Reverse<i32>, u64, String) {
+    (Reverse(job.priority), job.served, id.to_owned())
+}
+
+pub(crate) fn event(job: &str, frame: u64, strikes: u32, error: String, quarantined: bool) -> StrikeEvent {
+    StrikeEvent {
+        job: job.to_owned(),
+        frame,
+        strikes,
+        error,
+        quarantined,
     }
 }

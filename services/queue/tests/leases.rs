@@ -116,7 +116,7 @@ fn handing_back_burns_no_attempt_and_keeps_ranges_together() {
     let mut table = table(10);
     table.grant("w", Millis(0), 1, QUICK_MS).unwrap();
     table.release(1, Millis(1));
-    let again = table.grant("v", Millis(2), 2, QUICK_MS).unwrap();
+    let again = table.grant("w", Millis(2), 2, QUICK_MS).unwrap();
     assert_eq!(again.frames, (0..10).map(|frame| (frame, 1)).collect::<Vec<_>>());
 }
 
@@ -171,4 +171,82 @@ fn ten_million_frames_are_taken_up_without_a_list_of_them() {
     let mut table = table(10_000_000);
     assert_eq!(table.totals().queued, 10_000_000);
     assert_eq!(table.grant("w", Millis(0), 1, 0.001).unwrap().frames.len(), 256);
+}
+
+#[test]
+fn what_is_left_of_a_job_is_shared_among_all_slots() {
+    let mut table = table(24);
+    table.register("w", "one", 3, Millis(0));
+    table.register("v", "two", 1, Millis(0));
+    let sizes: Vec<usize> = (1..)
+        .map_while(|token| Some(table.grant("w", Millis(0), token, QUICK_MS)?.frames.len()))
+        .collect();
+    assert_eq!(sizes, [6, 5, 4, 3, 2, 1, 1, 1, 1]);
+}
+
+#[test]
+fn a_new_job_waits_for_those_that_wait_already_and_starves_nobody() {
+    let mut table = table(1000);
+    let mut turns = Vec::new();
+    for token in 1..=7 {
+        turns.push(table.grant("w", Millis(0), token, 0.0).unwrap().job_id);
+        table.add_job(job(&format!("small-{token}"), 1));
+    }
+    assert_eq!(turns, ["j", "j", "small-1", "j", "small-2", "small-3", "j"]);
+}
+
+#[test]
+fn after_a_crash_of_several_slots_a_suspect_has_a_worker_to_itself() {
+    let mut table = table(3);
+    table.register("w", "w", 2, Millis(0));
+    for token in [1, 2] {
+        assert_eq!(table.grant("w", Millis(0), token, 0.0).unwrap().frames.len(), 1);
+    }
+    assert_eq!(
+        table.drop_worker("w", Millis(1)),
+        [],
+        "either frame may have done it"
+    );
+    table.register("v", "v", 2, Millis(2));
+    assert_eq!(table.grant("v", Millis(2), 3, 0.0).unwrap().frames, [(0, 1)]);
+    assert_eq!(
+        table.grant("v", Millis(2), 4, 0.0),
+        None,
+        "nothing beside a suspect"
+    );
+    let lost = table.drop_worker("v", Millis(3));
+    assert_eq!((lost.len(), lost[0].frame, lost[0].strikes), (1, 0, 1));
+    assert!(lost[0].error.contains("worker `v` was lost"), "{}", lost[0].error);
+}
+
+#[test]
+fn one_busy_worker_is_emptied_for_a_suspect_and_the_others_go_on() {
+    let mut table = table(100);
+    for (worker, token) in [("dead", 1), ("dead", 2), ("v", 3), ("u", 4)] {
+        table.register(worker, worker, 2, Millis(0));
+        table.grant(worker, Millis(0), token, 0.0).unwrap();
+    }
+    table.drop_worker("dead", Millis(1));
+    assert_eq!(table.grant("v", Millis(2), 5, 0.0), None, "it is to become empty");
+    assert_eq!(table.grant("u", Millis(2), 6, 0.0).unwrap().frames, [(4, 1)]);
+    table.begin_commit("j", 2, 3, 1, Millis(3)).unwrap();
+    table.finish_commit("j", 2);
+    assert_eq!(table.grant("v", Millis(4), 7, 0.0).unwrap().frames, [(0, 1)]);
+}
+
+#[test]
+fn a_job_that_comes_back_after_a_cancel_owes_nothing_to_its_old_leases() {
+    let mut table = table(2);
+    table.grant("w", Millis(0), 1, 0.0).unwrap();
+    table.begin_commit("j", 0, 1, 1, Millis(1)).unwrap();
+    table.cancel("j");
+    assert_eq!(table.totals(), Default::default());
+    table.add_job(job("j", 2));
+    table.finish_commit("j", 0);
+    assert_eq!((table.totals().queued, table.totals().leased), (2, 0));
+    assert_eq!(
+        table.beat("w", &[1], Millis(2)).lost,
+        [1],
+        "its last frame was written"
+    );
 }
