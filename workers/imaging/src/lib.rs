@@ -9,6 +9,7 @@ mod plane;
 pub mod random;
 mod raster;
 mod rgb;
+pub mod simd;
 pub mod transfer;
 
 pub use plane::{Plane, SizeError};

@@ -9,32 +9,36 @@ mod check;
 mod fast;
 mod reference;
 
-pub use check::{ChainError, check_radiance};
+use std::borrow::Cow;
 
 use imaging::{Plane, Rgb};
 
 use crate::attenuation::exp_negative;
-use crate::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
-use crate::plan::Plan;
-use crate::range::{HoleRule, is_hole};
+use crate::forward_scatter::KernelCache;
+use crate::plan::{AttenuationStep, Plan};
+use crate::range::{HoleRule, bounds, is_hole};
 use crate::water::Water;
+
+pub use check::{ChainError, check_radiance};
+pub use reference::water as water_reference;
 
 /// The parts of an underwater image in linear light, not clamped.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layers {
+pub struct Layers<T = f32> {
     /// D: light of the scene that arrives on its own ray.
-    pub direct: Rgb<f32>,
+    pub direct: Rgb<T>,
     /// F: light that arrives scattered forward. In the simplified form: what gathering changed, which may be negative.
-    pub forward_scatter: Rgb<f32>,
+    pub forward_scatter: Rgb<T>,
     /// B: the veil.
-    pub backscatter: Rgb<f32>,
+    pub backscatter: Rgb<T>,
     /// The image.
-    pub scattered: Rgb<f32>,
+    pub scattered: Rgb<T>,
     /// Pixels without a valid range.
     pub holes: u64,
 }
 
-/// Takes a scene under water as planned. `radiance` is linear, finite and not negative ([`check_radiance`]).
+/// Takes a scene under water as planned. `radiance` is linear, finite and not negative ([`check_radiance`]); `range` is in
+/// metres along the ray.
 ///
 /// # Errors
 /// [`ChainError`]: sizes differ, the frame is empty, holes under the rule `reject`, a reference frame too large.
@@ -45,59 +49,78 @@ pub fn water(
     plan: &Plan,
     cache: &mut KernelCache,
 ) -> Result<Layers, ChainError> {
-    check::sizes(radiance, range)?;
-    let holes = range.data().iter().filter(|&&z| is_hole(z)).count();
-    if water.holes == HoleRule::Reject && holes > 0 {
-        return Err(ChainError::Holes { holes });
+    if plan.attenuation == AttenuationStep::Reference {
+        let layers = water_reference(
+            &radiance.map(|&j| f64::from(j)),
+            &range.map(|&z| f64::from(z)),
+            water,
+        )?;
+        let single = |layer: Rgb<f64>| layer.map(|&v| v as f32);
+        return Ok(Layers {
+            direct: single(layers.direct),
+            forward_scatter: single(layers.forward_scatter),
+            backscatter: single(layers.backscatter),
+            scattered: single(layers.scattered),
+            holes: layers.holes,
+        });
     }
-    let range = &filled(range, water.holes);
-    let bands = if plan.reference {
-        let pixels = range.data().len();
-        if pixels > MAX_REFERENCE_PIXELS {
-            return Err(ChainError::ReferenceTooLarge { pixels });
-        }
-        reference::bands(radiance, range, water, plan)
-    } else {
-        fast::bands(radiance, range, water, plan, cache)
+    check::sizes(radiance.size(), range.size())?;
+    let holes = check::holes(range, water.holes)?;
+    let range = &*filled(range, water.holes);
+    let farthest = bounds(range.data(), range.data(), f32::MAX).map(|(_, farthest)| farthest);
+    let frame = fast::Frame {
+        range,
+        farthest,
+        water,
     };
-    let [r, g, b] = bands;
-    let join = |part: fn(&Band) -> &Plane<f32>| {
-        Rgb::new([part(&r).clone(), part(&g).clone(), part(&b).clone()]).expect("bands of one frame")
-    };
-    Ok(Layers {
-        direct: join(|band| &band.direct),
-        forward_scatter: join(|band| &band.forward),
-        backscatter: join(|band| &band.veil),
-        scattered: join(|band| &band.image),
-        holes: holes as u64,
-    })
+    let band = |c: usize| fast::band(&frame, &radiance.planes()[c], c, &plan.scatter[c], cache);
+    Ok(layers([0, 1, 2].map(band), holes))
 }
 
 /// One channel of [`Layers`].
-struct Band {
-    direct: Plane<f32>,
-    forward: Plane<f32>,
-    veil: Plane<f32>,
-    image: Plane<f32>,
+struct Band<T> {
+    direct: Plane<T>,
+    forward: Plane<T>,
+    veil: Plane<T>,
+    image: Plane<T>,
 }
 
-/// The range with holes replaced where the rule names a distance.
-fn filled(range: &Plane<f32>, holes: HoleRule) -> Plane<f32> {
-    match holes {
-        HoleRule::Range(metres) => range.map(|&z| if is_hole(z) { metres as f32 } else { z }),
-        HoleRule::Background | HoleRule::Reject => range.clone(),
+fn layers<T>([r, g, b]: [Band<T>; 3], holes: u64) -> Layers<T> {
+    let join = |planes| Rgb::new(planes).expect("bands of one frame");
+    Layers {
+        direct: join([r.direct, g.direct, b.direct]),
+        forward_scatter: join([r.forward, g.forward, b.forward]),
+        backscatter: join([r.veil, g.veil, b.veil]),
+        scattered: join([r.image, g.image, b.image]),
+        holes,
     }
 }
 
-/// The largest valid range in metres, where holes take their kernel from; none if there is no valid range.
-fn farthest(range: &Plane<f32>) -> Option<f64> {
-    range
-        .data()
-        .iter()
-        .copied()
-        .filter(|&z| !is_hole(z))
-        .reduce(f32::max)
-        .map(f64::from)
+/// The range with holes replaced where the rule names a distance.
+fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
+    match holes {
+        HoleRule::Range(metres) => {
+            Cow::Owned(range.map(|&z| if is_hole(z) { T::from_metres(metres) } else { z }))
+        }
+        HoleRule::Background | HoleRule::Reject => Cow::Borrowed(range),
+    }
+}
+
+/// f32 or f64.
+trait Sample: Copy + Into<f64> {
+    fn from_metres(metres: f64) -> Self;
+}
+
+impl Sample for f32 {
+    fn from_metres(metres: f64) -> Self {
+        metres as f32
+    }
+}
+
+impl Sample for f64 {
+    fn from_metres(metres: f64) -> Self {
+        metres
+    }
 }
 
 /// Transmittance `exp(−c Z)` of every pixel; at a hole 0 where the water attenuates and 1 where it does not.
@@ -106,13 +129,8 @@ pub fn transmittance(range: &Plane<f32>, water: &Water) -> Rgb<f32> {
     let range = filled(range, water.holes);
     let band = |channel: usize| {
         let c = water.direct_attenuation[channel] as f32;
-        range.map(|&z| {
-            if is_hole(z) {
-                f32::from(u8::from(c == 0.0))
-            } else {
-                exp_negative(c * z)
-            }
-        })
+        let at_hole = f32::from(u8::from(c == 0.0));
+        range.map(|&z| if is_hole(z) { at_hole } else { exp_negative(c * z) })
     };
     Rgb::new([band(0), band(1), band(2)]).expect("bands of one frame")
 }

@@ -7,6 +7,8 @@
 //!
 //! Neither form knows occlusion: light of the background that leaks over a near object is about four times too strong.
 
+mod basis;
+mod buffers;
 mod cache;
 mod chebyshev;
 mod nodes;
@@ -18,23 +20,10 @@ pub use nodes::{Nodes, closed_form_terms};
 pub use reference::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference};
 
 /// Largest kernel scale in frame sides: beyond it the kernel is flat across the frame.
-pub const MAX_GAMMA_IN_SIDES: f64 = 4.0;
+const MAX_GAMMA_IN_SIDES: f64 = 4.0;
 
-/// `γ = min(offset + per_m · Z, 4 max(W, H))` for every pixel; `hole_m` stands in where there is no range.
+/// The widest kernel of a frame, in pixels: `4 max(W, H)`.
 #[must_use]
-pub fn gamma_plane(
-    range: &imaging::Plane<f32>,
-    offset_px: f64,
-    per_m: f64,
-    hole_m: f64,
-) -> imaging::Plane<f64> {
-    let most = MAX_GAMMA_IN_SIDES * range.width().max(range.height()) as f64;
-    range.map(|&z| {
-        let metres = if crate::range::is_hole(z) {
-            hole_m
-        } else {
-            f64::from(z)
-        };
-        (offset_px + per_m * metres).min(most)
-    })
+pub fn widest_px(width: usize, height: usize) -> f64 {
+    MAX_GAMMA_IN_SIDES * width.max(height) as f64
 }

@@ -5,6 +5,7 @@
 //! A pixel receives the integral over its square, so the kernel is positive, sums to 1 at every γ ≥ 0, and becomes a delta
 //! as γ → 0. Its tail falls only as γ/R: it must not be cut off.
 
+mod grid;
 mod transfer;
 
 pub use transfer::Transfer;

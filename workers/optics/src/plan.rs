@@ -37,11 +37,22 @@ pub enum ScatterStep {
     Reference,
 }
 
+/// Attenuation of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AttenuationStep {
+    /// There is no water.
+    Skip,
+    /// f32.
+    Fast,
+    /// f64.
+    Reference,
+}
+
 /// The plan of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Whether attenuation runs in f64.
-    pub reference: bool,
+    /// Attenuation; in f64 all of the water stage is.
+    pub attenuation: AttenuationStep,
     /// Forward scatter, for each channel.
     pub scatter: [ScatterStep; 3],
     /// Whether the style network runs.
@@ -77,7 +88,11 @@ impl Plan {
     ) -> Self {
         let scatter = [0, 1, 2].map(|channel| scatter_step(stats, water, channel, fidelity));
         Self {
-            reference: fidelity == Fidelity::Reference,
+            attenuation: if fidelity == Fidelity::Reference {
+                AttenuationStep::Reference
+            } else {
+                AttenuationStep::Fast
+            },
             scatter,
             bound: if let Fidelity::Tolerance(tolerance) = fidelity {
                 Some(tolerance)
@@ -92,7 +107,7 @@ impl Plan {
     #[must_use]
     pub fn without_water(style_weight: Option<f64>, lights: &[HazeLight]) -> Self {
         Self {
-            reference: false,
+            attenuation: AttenuationStep::Skip,
             scatter: [const { ScatterStep::Skip }; 3],
             style: style_weight.is_some_and(|alpha| alpha > 0.0),
             lights: lights.iter().filter(|light| light.shines()).count(),
@@ -108,7 +123,7 @@ impl Plan {
             let (variant, terms) = match step {
                 ScatterStep::Skip => ("skip", None),
                 ScatterStep::Pointwise => ("pointwise", None),
-                ScatterStep::Interpolated(nodes) => ("chebyshev", Some(nodes.gammas().len())),
+                ScatterStep::Interpolated(nodes) => ("chebyshev", Some(nodes.terms())),
                 ScatterStep::Reference => ("reference", None),
             };
             StageNote {
@@ -124,10 +139,14 @@ impl Plan {
             terms: None,
             bound: None,
         };
-        let attenuation = simple("attenuation", if self.reference { "reference" } else { "f32" });
+        let attenuation = match self.attenuation {
+            AttenuationStep::Skip => "skip",
+            AttenuationStep::Fast => "f32",
+            AttenuationStep::Reference => "reference",
+        };
         let style = simple("style", if self.style { "network" } else { "skip" });
         let haze = simple("haze", if self.lights > 0 { "overlay" } else { "skip" });
-        std::iter::once(attenuation)
+        std::iter::once(simple("attenuation", attenuation))
             .chain(scatter)
             .chain([style, haze])
             .collect()
@@ -135,83 +154,122 @@ impl Plan {
 }
 
 fn scatter_step(stats: &SceneStats, water: &Water, channel: usize, fidelity: Fidelity) -> ScatterStep {
-    let Some((nearest, farthest)) = stats.range_m else {
-        return ScatterStep::Skip;
-    };
-    let Some((brightest, spread)) = spread_light(stats, water, channel, nearest, farthest) else {
-        return ScatterStep::Skip;
-    };
-    let most_px = crate::forward_scatter::MAX_GAMMA_IN_SIDES * stats.longer_side as f64;
-    let gamma = |metres: f64| (spread.offset_px[channel] + spread.per_m[channel] * metres).min(most_px);
-    let (least, most) = (gamma(nearest), gamma(farthest));
-    if fidelity == Fidelity::Reference {
+    if fidelity == Fidelity::Reference && water.scatter != Scatter::None {
         return ScatterStep::Reference;
     }
+    let Some(light) = SpreadLight::of(stats, water, channel) else {
+        return ScatterStep::Skip;
+    };
     let gathers = matches!(water.scatter, Scatter::Simplified { .. });
-    if let Fidelity::Tolerance(tolerance) = fidelity {
-        let moved = (1.0 - kernel::centre(most)) * brightest;
-        if gathers && moved <= tolerance {
-            return ScatterStep::Skip;
-        }
-        // A cone-shaped range can focus scattered light to this multiple, at most.
-        let focus = 1.0 + FOCUS_PER_E_FOLD * (most / least).ln();
-        if !gathers && focus.is_finite() && focus * brightest <= tolerance {
-            return ScatterStep::Skip;
-        }
-        if !gathers && most < 0.5 && moved <= tolerance {
-            return ScatterStep::Pointwise;
-        }
+    let gamma = |metres: f64| light.spread.gamma(channel, metres, stats.widest_px);
+    let (least, most) = (gamma(light.nearest_m), gamma(light.farthest_m));
+    if most == 0.0 {
+        // The kernel is a delta.
+        return if gathers {
+            ScatterStep::Skip
+        } else {
+            ScatterStep::Pointwise
+        };
     }
     let terms = match fidelity {
         Fidelity::Terms(terms) => terms,
-        Fidelity::Tolerance(tolerance) => closed_form_terms(least, most, brightest, tolerance),
-        Fidelity::Reference => unreachable!("answered above"),
+        Fidelity::Tolerance(tolerance) => {
+            if let Some(step) = cheap_step(&light, gathers, (least, most), tolerance) {
+                return step;
+            }
+            closed_form_terms(least, most, light.brightest, tolerance)
+        }
+        Fidelity::Reference => return ScatterStep::Reference,
     };
     let few = stats
         .distinct_m
         .as_ref()
         .filter(|distinct| distinct.len() <= terms);
     ScatterStep::Interpolated(match few {
-        Some(distinct) => Nodes::exact(distinct.iter().map(|&metres| gamma(f64::from(metres))).collect()),
+        Some(distinct) => Nodes::exact(distinct.iter().map(|&metres| gamma(f64::from(metres)))),
         None => Nodes::chebyshev(least, most, terms),
     })
+}
+
+/// What stays within the tolerance without any transform, if something does.
+fn cheap_step(
+    light: &SpreadLight,
+    gathers: bool,
+    (least, most): (f64, f64),
+    tolerance: f64,
+) -> Option<ScatterStep> {
+    // Light that leaves its own pixel.
+    let moved = (1.0 - kernel::centre(most)) * light.brightest;
+    if gathers {
+        return (moved <= tolerance).then_some(ScatterStep::Skip);
+    }
+    // A cone-shaped range can focus scattered light to this multiple, at most.
+    let focus = 1.0 + FOCUS_PER_E_FOLD * (most / least).ln();
+    if focus.is_finite() && focus * light.brightest <= tolerance {
+        return Some(ScatterStep::Skip);
+    }
+    (most < 0.5 && moved <= tolerance).then_some(ScatterStep::Pointwise)
 }
 
 /// Growth of the focused light for each factor e between the widest and the narrowest kernel.
 const FOCUS_PER_E_FOLD: f64 = 0.385;
 
-/// The brightest light that is spread, and how far; none where there is nothing to spread.
-fn spread_light(
-    stats: &SceneStats,
-    water: &Water,
-    channel: usize,
-    nearest: f64,
-    farthest: f64,
-) -> Option<(f64, Spread)> {
-    let radiance = f64::from(stats.brightest[channel]) * water.radiance_gain[channel];
-    match water.scatter {
-        Scatter::None => None,
-        Scatter::Simplified { spread } => Some((radiance.max(water.veiling_light[channel]), spread)),
-        Scatter::Jaffe { g, source, spread } => {
-            let (g, c) = (
-                g[channel].min(water.direct_attenuation[channel]),
-                water.direct_attenuation[channel],
-            );
-            // e^{−GZ} − e^{−cZ} rises to its peak and then falls.
-            let peak = if g > 0.0 && c > g {
-                (c / g).ln() / (c - g)
-            } else {
-                f64::INFINITY
-            };
-            let at = peak.clamp(nearest, farthest);
-            let share = (-g * at).exp() * -(-(c - g) * at).exp_m1();
-            let arriving = if source == ScatterSource::Direct {
-                (-c * nearest).exp()
-            } else {
-                1.0
-            };
-            let light = radiance * share * arriving;
-            (light > 0.0).then_some((light, spread))
+/// The light of one channel that is spread, and from which ranges.
+struct SpreadLight {
+    /// Bound of its largest value.
+    brightest: f64,
+    spread: Spread,
+    nearest_m: f64,
+    farthest_m: f64,
+}
+
+impl SpreadLight {
+    /// None where there is nothing to spread.
+    fn of(stats: &SceneStats, water: &Water, channel: usize) -> Option<Self> {
+        let radiance = f64::from(stats.brightest[channel]) * water.radiance_gain[channel];
+        match water.scatter {
+            Scatter::None => None,
+            Scatter::Simplified { spread } => {
+                let (nearest_m, farthest_m) = stats.range_m?;
+                let brightest = radiance.max(water.veiling_light[channel]);
+                Some(Self {
+                    brightest,
+                    spread,
+                    nearest_m,
+                    farthest_m,
+                })
+            }
+            Scatter::Jaffe { g, source, spread } => {
+                let (nearest_m, farthest_m) = stats.lit_m[channel]?;
+                let c = water.direct_attenuation[channel];
+                let share = largest_share(g[channel].min(c), c, nearest_m, farthest_m);
+                let arriving = if source == ScatterSource::Direct {
+                    (-c * nearest_m).exp()
+                } else {
+                    1.0
+                };
+                let brightest = radiance * share * arriving;
+                (brightest > 0.0).then_some(Self {
+                    brightest,
+                    spread,
+                    nearest_m,
+                    farthest_m,
+                })
+            }
         }
     }
 }
+
+/// The largest `e^{−GZ} − e^{−cZ}` between two ranges: it rises to its peak at `ln(c/G)/(c − G)` and then falls.
+fn largest_share(g: f64, c: f64, nearest_m: f64, farthest_m: f64) -> f64 {
+    let peak = if g > 0.0 && c > g {
+        (c / g).ln() / (c - g)
+    } else {
+        f64::INFINITY
+    };
+    let at = peak.clamp(nearest_m, farthest_m);
+    (-g * at).exp() * -(-(c - g) * at).exp_m1()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,11 +1,14 @@
 //! Range along the ray, and what a pixel without one means.
 
+use imaging::simd::vectorised;
+
 /// The shortest range that is one, in metres: below it, and where it is not finite, the pixel is a hole.
-pub const SHORTEST_M: f32 = 1e-3;
+pub const SHORTEST_M: f64 = 1e-3;
 
 /// Whether a pixel's range is none: NaN, infinite, negative, zero or below a millimetre.
 #[must_use]
-pub fn is_hole(range: f32) -> bool {
+pub fn is_hole(range: impl Into<f64>) -> bool {
+    let range = range.into();
     !(range.is_finite() && range >= SHORTEST_M)
 }
 
@@ -21,15 +24,53 @@ pub enum HoleRule {
     Reject,
 }
 
+/// Several bounds at once, so that the loop vectorises.
+const LANES: usize = 16;
+
+/// Nearest and farthest range up to `most_m` metres among the pixels that are no holes and have light; none if there are none.
+pub(crate) fn bounds(light: &[f32], range: &[f32], most_m: f32) -> Option<(f32, f32)> {
+    let (nearest, farthest) = vectorised(
+        #[inline(always)]
+        || lane_bounds(light, range, most_m.min(f32::MAX)),
+    );
+    let nearest = nearest.into_iter().fold(f32::INFINITY, f32::min);
+    let farthest = farthest.into_iter().fold(0.0, f32::max);
+    (nearest <= farthest).then_some((nearest, farthest))
+}
+
+#[inline(always)]
+fn lane_bounds(light: &[f32], range: &[f32], most_m: f32) -> ([f32; LANES], [f32; LANES]) {
+    let (mut nearest, mut farthest) = ([f32::INFINITY; LANES], [0.0f32; LANES]);
+    for (light, range) in light.chunks(LANES).zip(range.chunks(LANES)) {
+        for (((near, far), &l), &z) in nearest.iter_mut().zip(&mut farthest).zip(light).zip(range) {
+            let counts = (l > 0.0) & (z >= SHORTEST_M as f32) & (z <= most_m);
+            *near = near.min(if counts { z } else { f32::INFINITY });
+            *far = far.max(if counts { z } else { 0.0 });
+        }
+    }
+    (nearest, farthest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bounds_pass_over_holes_and_dark_pixels() {
+        let mut range = [5.0f32; 40];
+        (range[3], range[20], range[33], range[39]) = (f32::NAN, 1.0, 0.5, 70.0);
+        let mut light = [1.0f32; 40];
+        light[33] = 0.0;
+        assert_eq!(bounds(&light, &range, f32::MAX), Some((1.0, 70.0)));
+        assert_eq!(bounds(&light, &range, 60.0), Some((1.0, 5.0)));
+        assert_eq!(bounds(&light, &[f32::INFINITY; 40], f32::INFINITY), None);
+    }
 
     #[test]
     fn what_is_no_distance_is_a_hole() {
         for range in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -1.0, 9.9e-4] {
             assert!(is_hole(range), "{range}");
         }
-        assert!(!is_hole(1e-3) && !is_hole(1e6));
+        assert!(!is_hole(1e-3_f32) && !is_hole(1e-3_f64) && !is_hole(1e6_f32));
     }
 }

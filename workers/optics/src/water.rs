@@ -18,6 +18,15 @@ pub struct Spread {
     pub per_m: [f64; 3],
 }
 
+impl Spread {
+    /// `min(γ₀ + k Z, widest)` in pixels, in one channel at a range in metres. Planner and executor both take it from here:
+    /// they must agree to the last bit on which scales a frame has.
+    #[must_use]
+    pub fn gamma(&self, channel: usize, range_m: f64, widest_px: f64) -> f64 {
+        (self.offset_px[channel] + self.per_m[channel] * range_m).min(widest_px)
+    }
+}
+
 /// Forward scatter of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scatter {
@@ -127,3 +136,6 @@ impl Water {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests;

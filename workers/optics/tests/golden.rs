@@ -37,28 +37,30 @@ fn cases(place: &Path) -> Vec<PathBuf> {
     folders
 }
 
+fn check(folder: &Path) {
+    let case = Case::read(folder);
+    match case.text("stage").as_str() {
+        "attenuation" => stages::attenuation(&case),
+        "jaffe" | "simplified" => stages::scatter(&case),
+        "haze" => stages::haze(&case),
+        "chain" => stages::chain(&case),
+        "kernel" => stages::kernel(&case),
+        other => panic!("stage `{other}` is not known"),
+    }
+}
+
 #[test]
 fn golden_chain_cases_pass() {
-    let mut failures = Vec::new();
-    for place in places() {
-        for folder in cases(&place) {
-            let name = folder.display().to_string();
-            let result = std::panic::catch_unwind(|| {
-                let case = Case::read(&folder);
-                match case.text("stage").as_str() {
-                    "attenuation" => stages::attenuation(&case),
-                    "jaffe" | "simplified" => stages::scatter(&case),
-                    "haze" => stages::haze(&case),
-                    "chain" => stages::chain(&case),
-                    "kernel" => stages::kernel(&case),
-                    other => panic!("stage `{other}` is not known"),
-                }
-            });
-            match result {
-                Ok(()) => println!("ok {name}"),
-                Err(_) => failures.push(name),
-            }
-        }
-    }
-    assert!(failures.is_empty(), "failed: {failures:#?}");
+    let folders: Vec<PathBuf> = places().iter().flat_map(|place| cases(place)).collect();
+    let failed: Vec<&PathBuf> = std::thread::scope(|scope| {
+        let checks: Vec<_> = folders
+            .iter()
+            .map(|folder| (folder, scope.spawn(|| check(folder))))
+            .collect();
+        checks
+            .into_iter()
+            .filter_map(|(folder, check)| check.join().is_err().then_some(folder))
+            .collect()
+    });
+    assert!(failed.is_empty(), "failed: {failed:#?}");
 }

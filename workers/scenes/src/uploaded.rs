@@ -1,8 +1,8 @@
 //! Scenes from files: a picture, and with it a range map or a z-depth map, a camera, an instance mask.
 //!
-//! PNG, JPEG and WebP pictures are sRGB-encoded; NPY floats are linear radiance. Orientation tags are not applied, since
-//! the maps lie pixel by pixel on the picture as it is stored. Nothing is guessed: a map of integer codes needs the
-//! length of its unit and the code that stands for "no value".
+//! PNG, JPEG and WebP pictures are sRGB-encoded; NPY floats are linear radiance. Orientation tags are not applied,
+//! since the maps lie pixel by pixel on the picture as it is stored. Nothing is guessed: a map of integer codes needs
+//! the length of its unit and the code that stands for "no value".
 
 use imaging::codec::{self, FilePlane, Radiance};
 use imaging::geometry::{Intrinsics, range_from_z_depth};
@@ -33,7 +33,8 @@ pub struct RangeBytes<'a> {
     pub kind: RangeKind,
     /// Metres per unit of the file. Floats are metres if it is not given; integer codes need it.
     pub unit_m: Option<f64>,
-    /// The value that stands for a hole. Integer codes need it; in a file of floats it is a hole beside what is not finite.
+    /// The value that stands for a hole. Integer codes need it; in a file of floats it is a hole beside what is not
+    /// finite.
     pub invalid_code: Option<u16>,
 }
 
@@ -190,7 +191,7 @@ fn decode_instances(bytes: &[u8], image: (usize, usize)) -> Result<Plane<u16>, S
         }
         FilePlane::Floats(_) => Err(file(codec::DecodeError::Unsuitable {
             found: "floats".into(),
-            wanted: "integer codes, 8 or 16 bit",
+            wanted: "integer codes of 8 or 16 bits",
         })),
     }
 }

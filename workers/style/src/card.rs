@@ -45,7 +45,8 @@ fn unknown() -> String {
 }
 
 impl Card {
-    /// The card of the model `name`, from the text of its card file; checked against the name and the bytes of the model.
+    /// The card of the model `name`, from the text of its card file; checked against the name and the bytes of the
+    /// model.
     pub(crate) fn parse(text: &str, name: &str, onnx: &[u8]) -> Result<Self, String> {
         let mut card: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
         if card.name != name {

@@ -54,10 +54,10 @@ pub struct Runtime {
 static LOADED: Mutex<Option<Runtime>> = Mutex::new(None);
 
 impl Runtime {
-    /// Loads the library: the file that is given; else the one that `ORT_DYLIB_PATH` names; else `libonnxruntime.so` beside the
-    /// executable; else the one in a folder `.onnxruntime` beside or up to three folders above the executable or the working
-    /// directory. A named file that does not load is an error, not a reason to look further. Loading again gives the same
-    /// runtime.
+    /// Loads the library: the file that is given; else the one that `ORT_DYLIB_PATH` names; else `libonnxruntime.so`
+    /// beside the executable; else the one in a folder `.onnxruntime` beside or up to three folders above the
+    /// executable or the working directory. A named file that does not load is an error, not a reason to look
+    /// further. Loading again gives the same runtime.
     ///
     /// # Errors
     /// [`RuntimeMissing`], which says what to run.
@@ -92,13 +92,13 @@ impl Runtime {
     }
 
     fn open(path: PathBuf) -> Result<Self, RuntimeMissing> {
-        let bytes = std::fs::read(&path).map_err(|error| unusable(&path, error.to_string()))?;
         let builder = ort::init_from(&path).map_err(|error| unusable(&path, reason(&error)))?;
         let environment = builder
             .with_name("fathom")
             .with_telemetry(false)
             .build()
             .map_err(|error| unusable(&path, error.to_string()))?;
+        let bytes = std::fs::read(&path).map_err(|error| unusable(&path, error.to_string()))?;
         let version = version_of(&bytes).unwrap_or_else(|| ort::info().to_owned());
         Ok(Self {
             environment,
@@ -153,8 +153,8 @@ fn reason(error: &LoadDynamicError) -> String {
     }
 }
 
-/// The version in the name of the library's symbol version, `VERS_1.31.1`. The library also answers it, but `ort` does not
-/// pass that call on and the build description that it does pass on has no version in it.
+/// The version in the name of the library's symbol version, `VERS_1.31.1`. The library also answers it, but `ort`
+/// does not pass that call on and the build description that it does pass on has no version in it.
 fn version_of(library: &[u8]) -> Option<String> {
     const TAG: &[u8] = b"\0VERS_";
     let numbers = library

@@ -8,8 +8,8 @@ use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
 use crate::error::StyleError;
 use crate::library::StyleModel;
 
-/// A model that is ready to run. It uses the thread that calls it and no other: frames run side by side, each with a session
-/// of its own. The same frame gives the same bits on one build of ONNX Runtime and one set of CPU features.
+/// A model that is ready to run. It uses the thread that calls it and no other: frames run side by side, each with a
+/// session of its own. The same frame gives the same bits on one build of ONNX Runtime and one set of CPU features.
 pub struct Session {
     name: String,
     session: ort::session::Session,
@@ -44,13 +44,13 @@ impl Session {
         })
     }
 
-    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An answer that is larger than the frame (of a
-    /// network that pads) is cropped from the top left. `noise` is standard normal, of the frame's size, for a model with
-    /// such an input: zeros if it is not given; other models do not look at it.
+    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An answer that is larger than the frame
+    /// (of a network that pads) is cropped from the top left. `noise` is standard normal, of the frame's size, for a
+    /// model with such an input: zeros if it is not given; other models do not look at it.
     ///
     /// # Errors
-    /// [`StyleError`]: an empty frame, a sample that is not finite, a network that fails, or an answer that is no picture, is
-    /// smaller than the frame, or holds a sample that is not finite.
+    /// [`StyleError`]: an empty frame, a sample that is not finite, a network that fails, or an answer that is no
+    /// picture, is smaller than the frame, or holds a sample that is not finite.
     pub fn apply(&mut self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<Rgb<f32>, StyleError> {
         let (width, height) = encoded.size();
         self.check(encoded, noise)?;
@@ -149,8 +149,8 @@ fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
 }
 
 impl Ports {
-    /// Finds the inputs `image` and `noise` and the output `styled` by name; an only input or a first output of another name
-    /// takes the place of `image` or `styled`.
+    /// Finds the inputs `image` and `noise` and the output `styled` by name; an only input or a first output of
+    /// another name takes the place of `image` or `styled`.
     fn of(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
         let named = |outlets: &[Outlet], name: &str| outlets.iter().position(|outlet| outlet.name() == name);
         let noise = named(inputs, "noise").filter(|_| inputs.len() > 1);

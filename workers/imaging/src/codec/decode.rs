@@ -5,10 +5,11 @@ use std::io::Cursor;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::npy::{self, Array};
-use super::{DecodeError, MAX_DECODER_BYTES, MAX_SIDE_PX, check_size};
+use super::{DecodeError, MAX_DECODER_BYTES, MAX_SIDE_PX, check_size, jpeg};
 use crate::{Channels, Plane, Raster, Rgb, Samples};
 
 const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP"];
+const RADIANCE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "NPY"];
 const PLANE_FORMATS: &[&str] = &["PNG", "NPY"];
 
 /// A plane as a file holds it.
@@ -29,14 +30,19 @@ pub enum Radiance {
     Linear(Rgb<f32>),
 }
 
-/// Decodes a PNG, JPEG or WebP picture: 8 or 16 bit, gray or colour, palettes expanded, alpha apart.
+/// Decodes a PNG, JPEG or WebP picture: 8 or 16 bit, gray or colour, palettes and fewer bits expanded, alpha apart.
+/// Of an animation the first picture. Colour profiles and orientation tags are not applied.
 ///
 /// # Errors
-/// [`DecodeError`]: unknown format, sides beyond the limits (told from the header alone), damaged data.
+/// [`DecodeError`]: unknown format, sides beyond the limits (told from the header alone), damaged data, a file that was
+/// cut off.
 pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
-    let format = picture_format(bytes).ok_or(DecodeError::UnknownFormat {
-        expected: PICTURE_FORMATS,
-    })?;
+    decode_or(bytes, PICTURE_FORMATS)
+}
+
+/// Decodes a picture; of bytes in no picture format the error says what else would have done.
+fn decode_or(bytes: &[u8], expected: &'static [&'static str]) -> Result<Raster, DecodeError> {
+    let format = picture_format(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
     let name = match format {
         ImageFormat::Png => "PNG",
         ImageFormat::Jpeg => "JPEG",
@@ -47,13 +53,19 @@ pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
         reason: error.to_string(),
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_alloc = None;
-    reader.limits(limits);
+    // Of the sides nothing yet: they are checked below, so that the error tells them.
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MAX_DECODER_BYTES);
+    reader.limits(limits.clone());
     let mut decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(width as usize, height as usize)?;
-    let mut limits = Limits::default();
+    if format == ImageFormat::Jpeg && !jpeg::is_whole(bytes) {
+        return Err(DecodeError::Damaged {
+            format: name,
+            reason: "it has no end".to_owned(),
+        });
+    }
     limits.max_image_width = Some(MAX_SIDE_PX as u32);
     limits.max_image_height = Some(MAX_SIDE_PX as u32);
     limits.max_alloc = Some(MAX_DECODER_BYTES + decoder.total_bytes());
@@ -122,25 +134,10 @@ fn apart<T: Copy>(
 /// Decodes a range file: an 8- or 16-bit gray PNG gives codes, a two-dimensional NPY array codes or floats.
 ///
 /// # Errors
-/// [`DecodeError`]: also when the file is a colour picture or an array of another shape.
+/// [`DecodeError`]: also when the file is a picture with colour, alpha or fewer bits, or an array of another shape.
 pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     if npy::is_npy(bytes) {
-        let Array {
-            width,
-            height,
-            channels,
-            values,
-        } = npy::decode(bytes)?;
-        if channels.is_some() {
-            return Err(DecodeError::Unsuitable {
-                found: "a 3-D array".into(),
-                wanted: "one of shape [height, width]",
-            });
-        }
-        return match values {
-            npy::Values::Floats(data) => Ok(FilePlane::Floats(plane(width, height, data)?)),
-            npy::Values::Codes(data) => Ok(FilePlane::Codes(plane(width, height, data)?)),
-        };
+        return array_plane(npy::decode(bytes)?);
     }
     if picture_format(bytes) != Some(ImageFormat::Png) {
         return Err(DecodeError::UnknownFormat {
@@ -148,10 +145,17 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
         });
     }
     let raster = decode_picture(bytes)?;
-    if raster.channels() != Channels::Gray {
+    let found = match (raster.channels(), raster.alpha(), png_depth(bytes)) {
+        (Channels::Gray, None, Some(8 | 16)) => None,
+        // Fewer bits were stretched to 8 on the way, so the codes would no longer be those of the file.
+        (Channels::Gray, None, _) => Some("a picture of less than 8 bits"),
+        (Channels::Gray, Some(_), _) => Some("a picture with alpha"),
+        (Channels::Rgb, ..) => Some("a colour picture"),
+    };
+    if let Some(found) = found {
         return Err(DecodeError::Unsuitable {
-            found: "a colour picture".into(),
-            wanted: "one gray channel",
+            found: found.to_owned(),
+            wanted: "one gray channel of 8 or 16 bits",
         });
     }
     let codes = match raster.samples() {
@@ -161,26 +165,56 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     Ok(FilePlane::Codes(plane(raster.width(), raster.height(), codes)?))
 }
 
-/// Decodes a colour picture: PNG, JPEG or WebP as codes, an NPY float array of shape [height, width, 3] as linear light.
+/// Bits of a sample, as the header of a PNG file says.
+fn png_depth(bytes: &[u8]) -> Option<u8> {
+    const PLACE: usize = 24;
+    bytes.get(PLACE).copied()
+}
+
+fn array_plane(array: Array) -> Result<FilePlane, DecodeError> {
+    let Array {
+        width,
+        height,
+        channels,
+        values,
+    } = array;
+    if let Some(channels) = channels {
+        return Err(DecodeError::Unsuitable {
+            found: format!("an array of shape [{height}, {width}, {channels}]"),
+            wanted: "one of shape [height, width]",
+        });
+    }
+    match values {
+        npy::Values::Floats(data) => Ok(FilePlane::Floats(plane(width, height, data)?)),
+        npy::Values::Codes(data) => Ok(FilePlane::Codes(plane(width, height, data)?)),
+    }
+}
+
+/// Decodes a colour picture: PNG, JPEG or WebP as codes, an NPY float array of shape [height, width, 3] as linear
+/// light.
 ///
 /// # Errors
 /// [`DecodeError`]: also for arrays of another shape or of integers.
 pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
     if !npy::is_npy(bytes) {
-        return Ok(Radiance::Encoded(decode_picture(bytes)?));
+        let picture = decode_or(bytes, RADIANCE_FORMATS)?;
+        return Ok(Radiance::Encoded(picture));
     }
-    let wanted = "floats of shape [height, width, 3]";
     let Array {
         width,
         height,
         channels,
         values,
     } = npy::decode(bytes)?;
-    let (Some(3), npy::Values::Floats(data)) = (channels, values) else {
-        return Err(DecodeError::Unsuitable {
-            found: "another array".into(),
-            wanted,
-        });
+    let unsuitable = |found: String| DecodeError::Unsuitable {
+        found,
+        wanted: "an array of floats of shape [height, width, 3]",
+    };
+    let data = match (channels, values) {
+        (Some(3), npy::Values::Floats(data)) => data,
+        (Some(3), npy::Values::Codes(_)) => return Err(unsuitable("an array of integers".to_owned())),
+        (Some(n), _) => return Err(unsuitable(format!("an array of shape [{height}, {width}, {n}]"))),
+        (None, _) => return Err(unsuitable(format!("an array of shape [{height}, {width}]"))),
     };
     let band = |c: usize| plane(width, height, data.iter().skip(c).step_by(3).copied().collect());
     Rgb::new([band(0)?, band(1)?, band(2)?])

@@ -1,6 +1,6 @@
 //! NumPy's array files (NPY 1.0 to 3.0) of two or three dimensions, C order.
 
-use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar};
+use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, TypeStr};
 
 use super::{DecodeError, check_size};
 use crate::{Plane, Rgb};
@@ -22,7 +22,7 @@ pub(super) enum Values {
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header: NumPy writes 128 bytes for the arrays that are taken here.
-const MAX_HEADER_BYTES: usize = 64 << 10;
+const MAX_HEADER_BYTES: usize = 4096;
 
 pub(super) fn is_npy(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
@@ -35,82 +35,98 @@ fn damaged(reason: impl ToString) -> DecodeError {
     }
 }
 
-/// Decodes an array of f32, f64, u8 or u16.
-pub(super) fn decode(bytes: &[u8]) -> Result<Array, DecodeError> {
-    let header_bytes = match bytes {
-        [_, _, _, _, _, _, 1, _, low, high, ..] => usize::from(u16::from_le_bytes([*low, *high])),
-        [_, _, _, _, _, _, 2 | 3, _, a, b, c, d, ..] => u32::from_le_bytes([*a, *b, *c, *d]) as usize,
-        _ => return Err(damaged("no header")),
-    };
-    if header_bytes > MAX_HEADER_BYTES {
-        return Err(damaged(format!(
-            "a header of {header_bytes} bytes, at most {MAX_HEADER_BYTES} are read"
-        )));
+fn unsuitable(found: impl Into<String>, wanted: &'static str) -> DecodeError {
+    DecodeError::Unsuitable {
+        found: found.into(),
+        wanted,
     }
+}
+
+/// Decodes an array of f32, f64, u8 or u16, either byte order.
+pub(super) fn decode(bytes: &[u8]) -> Result<Array, DecodeError> {
+    let data_from = checked_header(bytes)?;
     let header = NpyHeader::from_reader(bytes).map_err(damaged)?;
     let (height, width, channels) = match *header.shape() {
         [height, width] => (height, width, None),
         [height, width, channels @ 1..=4] => (height, width, Some(channels as usize)),
         _ => {
             let found = format!("an array of shape {:?}", header.shape());
-            return Err(DecodeError::Unsuitable {
-                found,
-                wanted: "shape [height, width] or [height, width, 3]",
-            });
+            return Err(unsuitable(found, "shape [height, width] or [height, width, 3]"));
         }
     };
     let side = |length: u64| usize::try_from(length).unwrap_or(usize::MAX);
     let (width, height) = (side(width), side(height));
     check_size(width, height)?;
     if header.order() != Order::C {
-        return Err(DecodeError::Unsuitable {
-            found: "a Fortran-order array".into(),
-            wanted: "C order",
-        });
+        return Err(unsuitable("an array in Fortran order", "C order"));
     }
-    let kind = match header.dtype() {
-        DType::Plain(kind) => (kind.type_char(), kind.size_field()),
-        _ => {
-            return Err(DecodeError::Unsuitable {
-                found: "a structured array".into(),
-                wanted: "plain numbers",
-            });
-        }
+    let DType::Plain(kind) = header.dtype() else {
+        return Err(unsuitable("a structured array", "plain numbers"));
     };
-    let expected =
-        width * height * channels.unwrap_or(1) * usize::try_from(kind.1).unwrap_or(usize::MAX).min(16);
-    let present = bytes.len().saturating_sub(header_bytes);
-    if present < expected {
-        return Err(damaged(format!(
-            "{present} bytes of data where {expected} are announced"
-        )));
-    }
-    let file = NpyFile::new(bytes).map_err(damaged)?;
-    let values = match kind {
-        (TypeChar::Float, 4) => Values::Floats(file.into_vec::<f32>().map_err(damaged)?),
-        (TypeChar::Float, 8) => {
-            let data = file.into_vec::<f64>().map_err(damaged)?;
-            Values::Floats(data.into_iter().map(|value| value as f32).collect())
-        }
-        (TypeChar::Uint, 1) => {
-            let data = file.into_vec::<u8>().map_err(damaged)?;
-            Values::Codes(data.into_iter().map(u16::from).collect())
-        }
-        (TypeChar::Uint, 2) => Values::Codes(file.into_vec::<u16>().map_err(damaged)?),
-        (kind, size) => {
-            let found = format!("{kind:?} values of {size} bytes");
-            return Err(DecodeError::Unsuitable {
-                found,
-                wanted: "float32, float64, uint8 or uint16",
-            });
-        }
-    };
+    let count = width * height * channels.unwrap_or(1);
+    let values = values(bytes, &kind, count, bytes.len() - data_from)?;
     Ok(Array {
         width,
         height,
         channels,
         values,
     })
+}
+
+/// Checks the header as far as its parser has to be kept from harm, and answers where the data begins.
+fn checked_header(bytes: &[u8]) -> Result<usize, DecodeError> {
+    let (prefix_bytes, header_bytes) = match bytes {
+        [_, _, _, _, _, _, 1, _, low, high, ..] => (10, usize::from(u16::from_le_bytes([*low, *high]))),
+        [_, _, _, _, _, _, 2 | 3, _, a, b, c, d, ..] => (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize),
+        _ => return Err(damaged("it has no header")),
+    };
+    if header_bytes > MAX_HEADER_BYTES {
+        let found = format!("a header of {header_bytes} bytes");
+        return Err(unsuitable(found, "one of at most 4096"));
+    }
+    let data_from = prefix_bytes + header_bytes;
+    match bytes.get(prefix_bytes..data_from) {
+        None => Err(damaged("its header is cut off")),
+        Some(header) if is_nested(header) => Err(unsuitable("a structured array", "plain numbers")),
+        Some(_) => Ok(data_from),
+    }
+}
+
+/// Whether a header holds more than one dictionary with one tuple in it, which is all that an array of numbers needs.
+/// The parser behind `npyz` tries every nested bracket twice: twenty levels take it seconds, two hundred for ever.
+fn is_nested(header: &[u8]) -> bool {
+    let count = |bracket: u8| header.iter().filter(|&&byte| byte == bracket).count();
+    count(b'[') > 0 || count(b'(') > 1 || count(b'{') > 1
+}
+
+fn values(bytes: &[u8], kind: &TypeStr, count: usize, present: usize) -> Result<Values, DecodeError> {
+    let value_bytes = match (kind.type_char(), kind.size_field()) {
+        (TypeChar::Float, size @ (4 | 8)) | (TypeChar::Uint, size @ (1 | 2)) => size as usize,
+        _ => {
+            let found = format!("values of type {kind}");
+            return Err(unsuitable(found, "float32, float64, uint8 or uint16"));
+        }
+    };
+    let expected = count * value_bytes;
+    if present < expected {
+        return Err(damaged(format!(
+            "it has {present} bytes of data where its header announces {expected}"
+        )));
+    }
+    let file = NpyFile::new(bytes).map_err(damaged)?;
+    let values = match (kind.type_char(), value_bytes) {
+        (TypeChar::Float, 4) => file.into_vec().map(Values::Floats),
+        (TypeChar::Float, _) => {
+            let narrow = |data: Vec<f64>| data.into_iter().map(|value| value as f32).collect();
+            file.into_vec().map(|data| Values::Floats(narrow(data)))
+        }
+        (_, 1) => {
+            let wide = |data: Vec<u8>| data.into_iter().map(u16::from).collect();
+            file.into_vec().map(|data| Values::Codes(wide(data)))
+        }
+        (_, _) => file.into_vec().map(Values::Codes),
+    };
+    values.map_err(damaged)
 }
 
 /// An NPY file of shape [height, width, 3], f32, little endian.

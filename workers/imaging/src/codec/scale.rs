@@ -2,8 +2,9 @@
 
 use crate::Rgb8;
 
-/// A picture whose longer side is at most `max_side`, by the mean of the codes under each new pixel. Codes are averaged as
-/// they are, not as light: this is for previews and sheets. A picture that already fits is returned unchanged.
+/// A picture whose longer side is at most `max_side`, by the mean of the codes under each new pixel. Codes are
+/// averaged as they are, not as light: this is for previews and sheets. A picture that already fits is returned
+/// unchanged.
 #[must_use]
 pub fn downscale(picture: &Rgb8, max_side: usize) -> Rgb8 {
     let (width, height) = (picture.width(), picture.height());

@@ -1,4 +1,5 @@
-//! Exact 8-bit sRGB encoding by table: the top bits of a float choose a bucket, and a bucket holds at most one threshold.
+//! Exact 8-bit sRGB encoding by table: the top bits of a float choose a bucket, and a bucket holds at most one
+//! threshold.
 //!
 //! Below 2^-13 every value has the code 0 (the threshold of code 1 is about 1.5e-4 > 2^-13 = 1.2e-4). From there on the
 //! upper 16 bits of the float number the buckets: at most 1/128 of an octave each, narrower than the distance of two
@@ -41,9 +42,12 @@ impl Encoder {
 
     /// The code of linear light, clamped to 0..=1; NaN is 0.
     #[inline]
+    #[expect(
+        clippy::manual_clamp,
+        reason = "`clamp` keeps NaN; this way it ends in the lowest bucket"
+    )]
     pub(super) fn code(&self, l: f32) -> u8 {
-        // NaN is not above anything, so it ends in the lowest bucket.
-        let l = if l > LOWEST { l.min(1.0) } else { LOWEST };
+        let l = l.max(LOWEST).min(1.0);
         let bucket = self.buckets[(l.to_bits() >> SHIFT) as usize - self.first];
         bucket.code + u8::from(l >= bucket.threshold)
     }

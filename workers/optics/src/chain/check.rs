@@ -3,6 +3,7 @@
 use imaging::{Plane, Rgb};
 
 use crate::forward_scatter::MAX_REFERENCE_PIXELS;
+use crate::range::{HoleRule, is_hole};
 
 /// A frame that cannot go through the chain.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -85,9 +86,10 @@ pub fn check_radiance(radiance: &mut Rgb<f32>) -> Result<u64, ChainError> {
     Ok(negative)
 }
 
-pub(super) fn sizes(radiance: &Rgb<f32>, range: &Plane<f32>) -> Result<(), ChainError> {
-    let (width, height) = radiance.size();
-    let (range_width, range_height) = range.size();
+pub(super) fn sizes(
+    (width, height): (usize, usize),
+    (range_width, range_height): (usize, usize),
+) -> Result<(), ChainError> {
     if width == 0 || height == 0 {
         return Err(ChainError::Empty { width, height });
     }
@@ -100,6 +102,15 @@ pub(super) fn sizes(radiance: &Rgb<f32>, range: &Plane<f32>) -> Result<(), Chain
         });
     }
     Ok(())
+}
+
+/// Counts the holes, and refuses them where the rule does.
+pub(super) fn holes<T: Copy + Into<f64>>(range: &Plane<T>, rule: HoleRule) -> Result<u64, ChainError> {
+    let holes = range.data().iter().filter(|&&z| is_hole(z)).count();
+    if rule == HoleRule::Reject && holes > 0 {
+        return Err(ChainError::Holes { holes });
+    }
+    Ok(holes as u64)
 }
 
 #[cfg(test)]

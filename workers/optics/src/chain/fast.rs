@@ -1,170 +1,128 @@
 //! The chain in f32 with the fast forward scatter.
 
-use imaging::{Plane, Rgb};
+use imaging::Plane;
+use imaging::simd::vectorised;
 
-use super::{Band, farthest};
-use crate::attenuation::{exp_negative, one_minus_exp_negative, scattered_share};
-use crate::forward_scatter::{self, KernelCache, gamma_plane};
-use crate::plan::{Plan, ScatterStep};
-use crate::range::is_hole;
+use super::Band;
+use crate::attenuation::{self, Channel, masked};
+use crate::forward_scatter::{KernelCache, Nodes, gather, scatter, widest_px};
+use crate::plan::ScatterStep;
 use crate::water::{Scatter, ScatterSource, Spread, Water};
 
-pub(super) fn bands(
-    radiance: &Rgb<f32>,
-    range: &Plane<f32>,
-    water: &Water,
-    plan: &Plan,
-    cache: &mut KernelCache,
-) -> [Band; 3] {
-    [0, 1, 2].map(|channel| {
-        let (direct, veil) = attenuate(&radiance.planes()[channel], range, water, channel);
-        let step = &plan.scatter[channel];
-        match &water.scatter {
-            Scatter::Jaffe { g, source, spread } => {
-                let light = spread_light(
-                    &radiance.planes()[channel],
-                    range,
-                    water,
-                    (g[channel], *source),
-                    channel,
-                );
-                let forward = jaffe(light, range, spread, step, channel, cache);
-                let image = sum(&sum(&direct, &forward), &veil);
-                Band {
-                    direct,
-                    forward,
-                    veil,
-                    image,
-                }
-            }
-            Scatter::Simplified { spread } => {
-                let attenuated = sum(&direct, &veil);
-                let image = simplified(&attenuated, range, spread, step, channel, cache);
-                Band {
-                    forward: difference(&image, &attenuated),
-                    direct,
-                    veil,
-                    image,
-                }
-            }
-            Scatter::None => {
-                let image = sum(&direct, &veil);
-                Band {
-                    forward: Plane::filled(image.width(), image.height(), 0.0),
-                    direct,
-                    veil,
-                    image,
-                }
-            }
-        }
-    })
+/// What all channels of a frame share.
+pub(super) struct Frame<'a> {
+    pub(super) range: &'a Plane<f32>,
+    /// The largest valid range in metres, where holes take their kernel from.
+    pub(super) farthest: Option<f32>,
+    pub(super) water: &'a Water,
 }
 
-/// D and B of one channel.
-fn attenuate(
+pub(super) fn band(
+    frame: &Frame<'_>,
     radiance: &Plane<f32>,
-    range: &Plane<f32>,
-    water: &Water,
     channel: usize,
-) -> (Plane<f32>, Plane<f32>) {
-    let gain = water.radiance_gain[channel] as f32;
-    let c = water.direct_attenuation[channel] as f32;
-    let c_back = water.backscatter_attenuation[channel] as f32;
-    let veil = water.veiling_light[channel] as f32;
-    // At a hole the path has no end: nothing arrives where the water attenuates, everything where it does not.
-    let direct_at_hole = if c > 0.0 { 0.0 } else { 1.0 };
-    let veil_at_hole = if c_back > 0.0 { veil } else { 0.0 };
-    let (width, height) = range.size();
-    let direct = radiance.data().iter().zip(range.data()).map(|(&j, &z)| {
-        let arriving = exp_negative(c * z);
-        j * gain * if is_hole(z) { direct_at_hole } else { arriving }
-    });
-    let backscatter = range.data().iter().map(|&z| {
-        let share = one_minus_exp_negative(c_back * z);
-        if is_hole(z) { veil_at_hole } else { veil * share }
-    });
-    let plane = |data: Vec<f32>| Plane::new(width, height, data).expect("the size of the frame");
-    (plane(direct.collect()), plane(backscatter.collect()))
-}
-
-/// U = J w, or D w; nothing at holes.
-fn spread_light(
-    radiance: &Plane<f32>,
-    range: &Plane<f32>,
-    water: &Water,
-    (g, source): (f64, ScatterSource),
-    channel: usize,
-) -> Plane<f32> {
-    let gain = water.radiance_gain[channel] as f32;
-    let c = water.direct_attenuation[channel];
-    // G may exceed c by the rounding of a derived sum; then nothing is scattered forward.
-    let excess = (c - g).max(0.0) as f32;
-    let (c, g) = (c as f32, g.min(c) as f32);
-    let light = radiance.data().iter().zip(range.data()).map(|(&j, &z)| {
-        let share = scattered_share(g, excess, z);
-        let arriving = if source == ScatterSource::Direct {
-            exp_negative(c * z)
-        } else {
-            1.0
-        };
-        if is_hole(z) {
-            0.0
-        } else {
-            j * gain * share * arriving
-        }
-    });
-    Plane::new(range.width(), range.height(), light.collect()).expect("the size of the frame")
-}
-
-fn jaffe(
-    light: Plane<f32>,
-    range: &Plane<f32>,
-    spread: &Spread,
     step: &ScatterStep,
-    channel: usize,
     cache: &mut KernelCache,
-) -> Plane<f32> {
-    match (step, farthest(range)) {
-        (ScatterStep::Pointwise, _) => light,
-        (ScatterStep::Interpolated(nodes), Some(farthest)) => {
-            let gamma = gamma_plane(range, spread.offset_px[channel], spread.per_m[channel], farthest);
-            forward_scatter::scatter(&light, &gamma, nodes, cache)
+) -> Band<f32> {
+    let Frame { range, water, .. } = frame;
+    let coefficients = Channel {
+        gain: water.radiance_gain[channel] as f32,
+        direct: water.direct_attenuation[channel] as f32,
+        backscatter: water.backscatter_attenuation[channel] as f32,
+        veil: water.veiling_light[channel] as f32,
+    };
+    let [mut direct, mut veil, mut image, mut forward] = [(); 4].map(|()| empty(range, cache));
+    vectorised(
+        #[inline(always)]
+        || {
+            attenuation::direct(radiance.data(), range.data(), coefficients, direct.data_mut());
+            attenuation::veil(range.data(), coefficients, veil.data_mut());
+            combine(direct.data(), veil.data(), image.data_mut(), |d, b| d + b);
+        },
+    );
+    match (&water.scatter, step) {
+        (Scatter::Jaffe { g, source, spread }, ScatterStep::Pointwise | ScatterStep::Interpolated(_)) => {
+            // G may exceed c by the rounding of a derived sum; then nothing is scattered forward.
+            let excess = (water.direct_attenuation[channel] - g[channel]).max(0.0) as f32;
+            let (source, gain) = match source {
+                ScatterSource::Radiance => (radiance, coefficients.gain),
+                ScatterSource::Direct => (&direct, 1.0),
+            };
+            let numbers = [gain, g[channel] as f32, excess];
+            vectorised(
+                #[inline(always)]
+                || attenuation::spread_light(source.data(), range.data(), numbers, forward.data_mut()),
+            );
+            if let Some((nodes, gamma)) = kernels(frame, spread, channel, step, cache) {
+                let spread = scatter(&forward, &gamma, nodes, cache);
+                let light = std::mem::replace(&mut forward, spread);
+                cache.buffers.give([light, gamma].map(Plane::into_data));
+            }
+            accumulate(image.data_mut(), forward.data());
         }
-        _ => light.map(|_| 0.0),
+        (Scatter::Simplified { spread }, ScatterStep::Interpolated(_)) => {
+            if let Some((nodes, gamma)) = kernels(frame, spread, channel, step, cache) {
+                let gathered = gather(&image, &gamma, nodes, cache);
+                let attenuated = std::mem::replace(&mut image, gathered);
+                combine(image.data(), attenuated.data(), forward.data_mut(), |i, a| i - a);
+                cache.buffers.give([attenuated, gamma].map(Plane::into_data));
+            } else {
+                forward.data_mut().fill(0.0);
+            }
+        }
+        _ => forward.data_mut().fill(0.0),
+    }
+    Band {
+        direct,
+        forward,
+        veil,
+        image,
     }
 }
 
-fn simplified(
-    attenuated: &Plane<f32>,
-    range: &Plane<f32>,
+/// The kernels of an interpolated step and each pixel's scale; none for another step, or where a frame of holes has no
+/// scale at all.
+fn kernels<'a>(
+    frame: &Frame<'_>,
     spread: &Spread,
-    step: &ScatterStep,
     channel: usize,
+    step: &'a ScatterStep,
     cache: &mut KernelCache,
-) -> Plane<f32> {
-    match (step, farthest(range)) {
-        (ScatterStep::Interpolated(nodes), Some(farthest)) => {
-            let gamma = gamma_plane(range, spread.offset_px[channel], spread.per_m[channel], farthest);
-            forward_scatter::gather(attenuated, &gamma, nodes, cache)
-        }
-        _ => attenuated.clone(),
+) -> Option<(&'a Nodes, Plane<f32>)> {
+    let (ScatterStep::Interpolated(nodes), Some(farthest)) = (step, frame.farthest) else {
+        return None;
+    };
+    let mut gamma = empty(frame.range, cache);
+    vectorised(
+        #[inline(always)]
+        || scales(frame.range, *spread, channel, farthest, gamma.data_mut()),
+    );
+    Some((nodes, gamma))
+}
+
+#[inline(always)]
+fn scales(range: &Plane<f32>, spread: Spread, channel: usize, farthest: f32, gamma: &mut [f32]) {
+    let widest = widest_px(range.width(), range.height());
+    for (gamma, &z) in gamma.iter_mut().zip(range.data()) {
+        let (valid, z) = masked(z);
+        let metres = if valid { z } else { farthest };
+        *gamma = spread.gamma(channel, f64::from(metres), widest) as f32;
     }
 }
 
-fn sum(a: &Plane<f32>, b: &Plane<f32>) -> Plane<f32> {
-    zipped(a, b, |a, b| a + b)
+/// A plane of the range's size with any content.
+fn empty(range: &Plane<f32>, cache: &mut KernelCache) -> Plane<f32> {
+    let data = cache.buffers.take(range.data().len());
+    Plane::new(range.width(), range.height(), data).expect("one sample for each pixel of the range")
 }
 
-fn difference(a: &Plane<f32>, b: &Plane<f32>) -> Plane<f32> {
-    zipped(a, b, |a, b| a - b)
+#[inline(always)]
+fn combine(a: &[f32], b: &[f32], to: &mut [f32], combine: impl Fn(f32, f32) -> f32) {
+    for (to, (&a, &b)) in to.iter_mut().zip(a.iter().zip(b)) {
+        *to = combine(a, b);
+    }
 }
 
-fn zipped(a: &Plane<f32>, b: &Plane<f32>, combine: impl Fn(f32, f32) -> f32) -> Plane<f32> {
-    let data = a
-        .data()
-        .iter()
-        .zip(b.data())
-        .map(|(&a, &b)| combine(a, b))
-        .collect();
-    Plane::new(a.width(), a.height(), data).expect("the size of the frame")
+fn accumulate(sum: &mut [f32], term: &[f32]) {
+    sum.iter_mut().zip(term).for_each(|(sum, &term)| *sum += term);
 }

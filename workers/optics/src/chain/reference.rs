@@ -2,96 +2,106 @@
 
 use imaging::{Plane, Rgb};
 
-use super::{Band, farthest};
-use crate::forward_scatter::{gamma_plane, gather_reference, scatter_reference};
-use crate::plan::{Plan, ScatterStep};
+use super::{Band, ChainError, Layers, check, filled, layers};
+use crate::forward_scatter::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference, widest_px};
 use crate::range::is_hole;
-use crate::water::{Scatter, ScatterSource, Water};
+use crate::water::{Scatter, ScatterSource, Spread, Water};
 
-pub(super) fn bands(radiance: &Rgb<f32>, range: &Plane<f32>, water: &Water, plan: &Plan) -> [Band; 3] {
-    [0, 1, 2].map(|channel| {
-        let radiance = radiance.planes()[channel].map(|&j| f64::from(j));
-        let parts = parts(
-            &radiance,
-            range,
-            water,
-            channel,
-            plan.scatter[channel] == ScatterStep::Reference,
-        );
-        let [direct, forward, veil, image] = parts.map(|plane| plane.map(|&v| v as f32));
-        Band {
-            direct,
-            forward,
-            veil,
-            image,
-        }
-    })
+/// Takes a scene under water exactly: [`water`](super::water) in f64, without any plan.
+///
+/// # Errors
+/// [`ChainError`]: sizes differ, the frame is empty or too large, holes under the rule `reject`.
+pub fn water(radiance: &Rgb<f64>, range: &Plane<f64>, water: &Water) -> Result<Layers<f64>, ChainError> {
+    check::sizes(radiance.size(), range.size())?;
+    let pixels = range.data().len();
+    if pixels > MAX_REFERENCE_PIXELS && water.scatter != Scatter::None {
+        return Err(ChainError::ReferenceTooLarge { pixels });
+    }
+    let holes = check::holes(range, water.holes)?;
+    let range = filled(range, water.holes);
+    Ok(layers(
+        [0, 1, 2].map(|channel| band(&radiance.planes()[channel], &range, water, channel)),
+        holes,
+    ))
 }
 
-/// D, F, B and their image of one channel, in f64.
-fn parts(
-    radiance: &Plane<f64>,
-    range: &Plane<f32>,
-    water: &Water,
-    channel: usize,
-    scatters: bool,
-) -> [Plane<f64>; 4] {
-    let (c, c_back) = (
-        water.direct_attenuation[channel],
-        water.backscatter_attenuation[channel],
-    );
+fn band(radiance: &Plane<f64>, range: &Plane<f64>, water: &Water, channel: usize) -> Band<f64> {
+    let c = water.direct_attenuation[channel];
+    let c_back = water.backscatter_attenuation[channel];
     let veil_light = water.veiling_light[channel];
     let lit = radiance.map(|j| j * water.radiance_gain[channel]);
-    let end = |attenuation: f64| if attenuation > 0.0 { 0.0 } else { 1.0 };
-    let direct = with_range(&lit, range, |j, z| j * z.map_or(end(c), |z| (-c * z).exp()));
+    let at_end = |attenuation: f64| if attenuation > 0.0 { 0.0 } else { 1.0 };
+    let direct = with_range(&lit, range, |j, z| j * z.map_or(at_end(c), |z| (-c * z).exp()));
     let veil = with_range(&lit, range, |_, z| {
-        veil_light * z.map_or(1.0 - end(c_back), |z| -(-c_back * z).exp_m1())
+        veil_light * z.map_or(1.0 - at_end(c_back), |z| -(-c_back * z).exp_m1())
     });
-    let attenuated = added(&direct, &veil);
-    let none = direct.map(|_| 0.0);
-    let Some(farthest) = farthest(range).filter(|_| scatters) else {
-        return [direct, none, veil, attenuated];
-    };
-    match &water.scatter {
-        Scatter::None => [direct, none, veil, attenuated],
-        Scatter::Jaffe { g, source, spread } => {
+    let attenuated = zipped(&direct, &veil, |d, b| d + b);
+    match (&water.scatter, farthest(range)) {
+        (Scatter::Jaffe { g, source, spread }, Some(farthest)) => {
             let g = g[channel].min(c);
-            let light = with_range(&lit, range, |j, z| {
-                let share = z.map_or(0.0, |z| (-g * z).exp() * -(-(c - g) * z).exp_m1());
-                let arriving = if *source == ScatterSource::Direct {
-                    z.map_or(0.0, |z| (-c * z).exp())
-                } else {
-                    1.0
-                };
-                j * share * arriving
+            let source = if *source == ScatterSource::Direct {
+                &direct
+            } else {
+                &lit
+            };
+            let light = with_range(source, range, |l, z| {
+                l * z.map_or(0.0, |z| (-g * z).exp() * -(-(c - g) * z).exp_m1())
             });
-            let gamma = gamma_plane(range, spread.offset_px[channel], spread.per_m[channel], farthest);
-            let forward = scatter_reference(&light, &gamma);
-            let image = added(&attenuated, &forward);
-            [direct, forward, veil, image]
+            let forward = scatter_reference(&light, &gamma(range, spread, channel, farthest));
+            let image = zipped(&attenuated, &forward, |i, f| i + f);
+            Band {
+                direct,
+                forward,
+                veil,
+                image,
+            }
         }
-        Scatter::Simplified { spread } => {
-            let gamma = gamma_plane(range, spread.offset_px[channel], spread.per_m[channel], farthest);
-            let image = gather_reference(&attenuated, &gamma);
-            let change = added(&image, &attenuated.map(|v| -v));
-            [direct, change, veil, image]
+        (Scatter::Simplified { spread }, Some(farthest)) => {
+            let image = gather_reference(&attenuated, &gamma(range, spread, channel, farthest));
+            let forward = zipped(&image, &attenuated, |i, a| i - a);
+            Band {
+                direct,
+                forward,
+                veil,
+                image,
+            }
         }
+        _ => Band {
+            forward: attenuated.map(|_| 0.0),
+            direct,
+            veil,
+            image: attenuated,
+        },
     }
 }
 
-/// Maps light together with the range in metres, which is none at a hole.
-fn with_range(light: &Plane<f64>, range: &Plane<f32>, map: impl Fn(f64, Option<f64>) -> f64) -> Plane<f64> {
-    let metres = |z: f32| (!is_hole(z)).then_some(f64::from(z));
-    let data = light
+/// The largest valid range in metres, where holes take their kernel from; none if there is no valid range.
+fn farthest(range: &Plane<f64>) -> Option<f64> {
+    range
         .data()
         .iter()
-        .zip(range.data())
-        .map(|(&j, &z)| map(j, metres(z)))
-        .collect();
-    Plane::new(light.width(), light.height(), data).expect("the size of the frame")
+        .copied()
+        .filter(|&z| !is_hole(z))
+        .reduce(f64::max)
 }
 
-fn added(a: &Plane<f64>, b: &Plane<f64>) -> Plane<f64> {
-    let data = a.data().iter().zip(b.data()).map(|(a, b)| a + b).collect();
+/// Each pixel's kernel scale; a hole takes the farthest one's.
+fn gamma(range: &Plane<f64>, spread: &Spread, channel: usize, farthest: f64) -> Plane<f64> {
+    let widest = widest_px(range.width(), range.height());
+    range.map(|&z| spread.gamma(channel, if is_hole(z) { farthest } else { z }, widest))
+}
+
+/// Maps light together with the range in metres, which is none at a hole.
+fn with_range(light: &Plane<f64>, range: &Plane<f64>, map: impl Fn(f64, Option<f64>) -> f64) -> Plane<f64> {
+    zipped(light, range, |light, z| map(light, (!is_hole(z)).then_some(z)))
+}
+
+fn zipped(a: &Plane<f64>, b: &Plane<f64>, combine: impl Fn(f64, f64) -> f64) -> Plane<f64> {
+    let data = a
+        .data()
+        .iter()
+        .zip(b.data())
+        .map(|(&a, &b)| combine(a, b))
+        .collect();
     Plane::new(a.width(), a.height(), data).expect("the size of the frame")
 }

@@ -3,25 +3,36 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use imaging::dct::Dct2;
+use imaging::dct::{Complex, PairDct};
 
+use super::buffers::Buffers;
+use crate::chain::Layers;
 use crate::kernel::Transfer;
 
 /// Memory that cached transfer functions may take: 40 of a 768×492 frame, a few frames' worth of nodes. Beyond it the
 /// least recently used goes.
 const CACHE_BYTES: usize = 64 << 20;
 
-/// Transfer functions by (kernel scale, frame size), least recently used first out, and the transform of the last size.
+/// Transfer functions by (kernel scale, frame size), least recently used first out, and the transform of the last size with
+/// its buffers. One for each thread, for a frame is computed on one.
 #[derive(Default)]
 pub struct KernelCache {
     grids: HashMap<(u64, usize, usize), Entry>,
     clock: u64,
     bytes: usize,
-    transform: Option<Dct2<f32>>,
+    work: Option<Work>,
+    pub(crate) buffers: Buffers,
+}
+
+/// The transform of a frame size and the planes it works in: samples in folded order, their spectrum column-major.
+pub(super) struct Work {
+    pub(super) transform: PairDct,
+    pub(super) samples: Vec<Complex<f32>>,
+    pub(super) spectrum: Vec<Complex<f32>>,
 }
 
 struct Entry {
-    grid: Arc<[f32]>,
+    grid: Arc<Vec<f32>>,
     used: u64,
 }
 
@@ -32,20 +43,32 @@ impl KernelCache {
         Self::default()
     }
 
-    /// H of a kernel scale on the grid of a frame size, times nothing: the transform carries no factor.
-    pub(super) fn transfer(&mut self, gamma: f64, width: usize, height: usize) -> Arc<[f32]> {
+    /// Takes the planes of layers that are no longer needed, for the next frame to be written into. Worth some milliseconds
+    /// a frame; nothing else depends on it.
+    pub fn recycle(&mut self, layers: Layers) {
+        let Layers {
+            direct,
+            forward_scatter,
+            backscatter,
+            scattered,
+            holes: _,
+        } = layers;
+        for layer in [direct, forward_scatter, backscatter, scattered] {
+            self.buffers
+                .give(layer.into_planes().map(imaging::Plane::into_data));
+        }
+    }
+
+    /// H of a kernel scale on the grid of a frame size, column-major.
+    pub(super) fn transfer(&mut self, gamma: f64, width: usize, height: usize) -> Arc<Vec<f32>> {
         self.clock += 1;
         let key = (gamma.to_bits(), width, height);
         if let Some(entry) = self.grids.get_mut(&key) {
             entry.used = self.clock;
             return Arc::clone(&entry.grid);
         }
-        let grid: Arc<[f32]> = Transfer::new(gamma)
-            .grid(width, height)
-            .into_iter()
-            .map(|h| h as f32)
-            .collect();
-        let bytes = size_of_val(&*grid);
+        let grid: Arc<Vec<f32>> = Transfer::new(gamma).grid_f32(width, height).into();
+        let bytes = size_of_val(grid.as_slice());
         while self.bytes + bytes > CACHE_BYTES {
             let Some(oldest) = self
                 .grids
@@ -58,7 +81,7 @@ impl KernelCache {
             let gone = self
                 .grids
                 .remove(&oldest)
-                .map_or(0, |entry| size_of_val(&*entry.grid));
+                .map_or(0, |entry| size_of_val(entry.grid.as_slice()));
             self.bytes -= gone;
         }
         self.bytes += bytes;
@@ -73,15 +96,13 @@ impl KernelCache {
     }
 
     /// The transform of a frame size.
-    pub(super) fn transform(&mut self, width: usize, height: usize) -> &mut Dct2<f32> {
-        let fits = self
-            .transform
-            .as_ref()
-            .is_some_and(|transform| transform.size() == (width, height));
-        if !fits {
-            self.transform = None;
-        }
-        self.transform.get_or_insert_with(|| Dct2::new(width, height))
+    pub(super) fn work(&mut self, (width, height): (usize, usize)) -> &mut Work {
+        self.work.take_if(|work| work.transform.size() != (width, height));
+        self.work.get_or_insert_with(|| Work {
+            transform: PairDct::new(width, height),
+            samples: vec![Complex::default(); width * height],
+            spectrum: vec![Complex::default(); width * height],
+        })
     }
 
     /// Bytes that the transfer functions take now.

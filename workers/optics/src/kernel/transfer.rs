@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
 /// Even Chebyshev terms per axis.
-const TERMS: usize = 9;
+pub(super) const TERMS: usize = 9;
 /// exp(−22) = 3e-10: what the direct sum leaves out.
 const EXPONENT_LIMIT: f64 = 22.0;
 /// From here on the folded terms are below exp(−22).
@@ -47,45 +47,51 @@ impl Transfer {
     #[must_use]
     pub fn at(&self, fx: f64, fy: f64) -> f64 {
         let main = sinc(fx) * sinc(fy) * (-TAU * self.gamma * fx.hypot(fy)).exp();
-        let Some(coefficients) = &self.folded else {
-            return main;
-        };
-        let (tx, ty) = (even_chebyshev(fx), even_chebyshev(fy));
-        let rows = coefficients
-            .iter()
-            .map(|row| row.iter().zip(&ty).map(|(c, t)| c * t).sum::<f64>());
-        main + rows.zip(&tx).map(|(row, t)| row * t).sum::<f64>()
+        main + self
+            .folded_along(fx)
+            .map_or(0.0, |folded| dot(&folded, &even_chebyshev(fy)))
+    }
+
+    /// The scale it was made for, pixels.
+    pub(super) fn gamma(&self) -> f64 {
+        self.gamma
+    }
+
+    /// Coefficients of the folded part along fy, for one fx; none where nothing is folded.
+    pub(super) fn folded_along(&self, fx: f64) -> Option<[f64; TERMS]> {
+        let terms = even_chebyshev(fx);
+        self.folded
+            .as_ref()
+            .map(|coefficients| coefficients.each_ref().map(|row| dot(row, &terms)))
     }
 
     /// H on the grid of the cosine transform, `fx = p/2W`, `fy = q/2H`, row-major in (q, p).
     #[must_use]
     pub fn grid(&self, width: usize, height: usize) -> Vec<f64> {
-        let frequency = |index: usize, side: usize| index as f64 / (2 * side) as f64;
-        let columns: Vec<f64> = (0..width).map(|p| frequency(p, width)).collect();
+        let columns: Vec<f64> = (0..width).map(|p| p as f64 / (2 * width) as f64).collect();
         let column_sinc: Vec<f64> = columns.iter().map(|&fx| sinc(fx)).collect();
         let column_terms: Vec<[f64; TERMS]> = columns.iter().map(|&fx| even_chebyshev(fx)).collect();
         let mut grid = Vec::with_capacity(width * height);
         for q in 0..height {
-            let fy = frequency(q, height);
+            let fy = q as f64 / (2 * height) as f64;
             let row_sinc = sinc(fy);
-            let row_terms = even_chebyshev(fy);
-            let row = self.folded.as_ref().map(|coefficients| {
-                coefficients.map(|line| line.iter().zip(&row_terms).map(|(c, t)| c * t).sum::<f64>())
-            });
+            // H is symmetric in its two frequencies.
+            let folded = self.folded_along(fy);
             for p in 0..width {
-                let fx = columns[p];
-                let main = column_sinc[p] * row_sinc * (-TAU * self.gamma * (fx * fx + fy * fy).sqrt()).exp();
-                let folded = row.map_or(0.0, |row| {
-                    row.iter().zip(&column_terms[p]).map(|(c, t)| c * t).sum::<f64>()
-                });
-                grid.push(main + folded);
+                let radius = (columns[p] * columns[p] + fy * fy).sqrt();
+                let main = column_sinc[p] * row_sinc * (-TAU * self.gamma * radius).exp();
+                grid.push(main + folded.map_or(0.0, |folded| dot(&folded, &column_terms[p])));
             }
         }
         grid
     }
 }
 
-fn sinc(x: f64) -> f64 {
+fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(super) fn sinc(x: f64) -> f64 {
     if x.abs() < 1e-9 {
         1.0
     } else {
@@ -94,7 +100,7 @@ fn sinc(x: f64) -> f64 {
 }
 
 /// `T_0, T_2, … T_16` at 2f.
-fn even_chebyshev(f: f64) -> [f64; TERMS] {
+pub(super) fn even_chebyshev(f: f64) -> [f64; TERMS] {
     // T_2p(x) = T_p(2x² − 1).
     let y = 8.0 * f * f - 1.0;
     let mut terms = [1.0; TERMS];

@@ -2,8 +2,10 @@
 
 use imaging::{Plane, Rgb};
 
-use crate::range::{HoleRule, is_hole};
-use crate::water::Water;
+use crate::attenuation::OPAQUE;
+use crate::forward_scatter::widest_px;
+use crate::range::{HoleRule, bounds, is_hole};
+use crate::water::{Scatter, ScatterSource, Water};
 
 /// Distinct ranges are counted up to here: with more, interpolation takes fewer kernels than there are ranges.
 const MOST_DISTINCT: usize = 32;
@@ -13,62 +15,124 @@ const MOST_DISTINCT: usize = 32;
 pub struct SceneStats {
     /// Nearest and farthest valid range in metres, holes by the water's rule; none if every pixel is a hole.
     pub range_m: Option<(f64, f64)>,
+    /// The same of the pixels that spread light in a channel: their radiance is not 0, and it is not all lost on the way.
+    pub lit_m: [Option<(f64, f64)>; 3],
     /// The distinct ranges, if there are few.
     pub distinct_m: Option<Vec<f32>>,
-    /// Pixels without a valid range.
-    pub holes: usize,
     /// Largest radiance of each channel.
     pub brightest: [f32; 3],
-    /// The longer side of the frame in pixels.
-    pub longer_side: usize,
+    /// The widest kernel that the frame's size admits, pixels.
+    pub widest_px: f64,
 }
 
 impl SceneStats {
-    /// Measures a scene.
+    /// Measures a scene. `radiance` and `range` are of one size.
     #[must_use]
     pub fn measure(radiance: &Rgb<f32>, range: &Plane<f32>, water: &Water) -> Self {
-        let holes = range.data().iter().filter(|&&z| is_hole(z)).count();
         let stand_in = match water.holes {
-            HoleRule::Range(metres) if holes > 0 => Some(metres as f32),
+            HoleRule::Range(metres) if range.data().iter().any(|&z| is_hole(z)) => Some(metres as f32),
             _ => None,
         };
-        let mut distinct = Some(Vec::new());
-        let (mut nearest, mut farthest, mut last) = (f32::INFINITY, 0.0f32, f32::NAN);
-        for z in range
-            .data()
-            .iter()
-            .copied()
-            .filter(|&z| !is_hole(z))
-            .chain(stand_in)
-        {
-            nearest = nearest.min(z);
-            farthest = farthest.max(z);
-            if z != last {
-                last = z;
-                note(&mut distinct, z);
-            }
-        }
+        let opaque_m = [0, 1, 2].map(|channel| opaque_m(water, channel));
+        // Which of the filled holes are lit is not worth a second look.
+        let filled = |seen: Option<(f32, f32)>| match (seen, stand_in) {
+            (Some((nearest, farthest)), Some(z)) => Some((nearest.min(z), farthest.max(z))),
+            (seen, stand_in) => seen.or(stand_in.map(|z| (z, z))),
+        };
+        let span = |light: &[f32], most_m: f32| {
+            let span = filled(bounds(light, range.data(), most_m));
+            span.map(|(nearest, farthest)| (f64::from(nearest), f64::from(farthest)))
+        };
         Self {
-            range_m: (nearest <= farthest).then_some((f64::from(nearest), f64::from(farthest))),
-            distinct_m: distinct,
-            holes,
-            brightest: radiance
-                .planes()
-                .each_ref()
-                .map(|p| p.data().iter().copied().fold(0.0, f32::max)),
-            longer_side: radiance.width().max(radiance.height()),
+            range_m: span(range.data(), f32::MAX),
+            lit_m: [0, 1, 2].map(|channel| span(radiance.planes()[channel].data(), opaque_m[channel])),
+            distinct_m: distinct(range.data(), stand_in),
+            brightest: radiance.planes().each_ref().map(|plane| largest(plane.data())),
+            widest_px: widest_px(range.width(), range.height()),
         }
     }
 }
 
-fn note(distinct: &mut Option<Vec<f32>>, z: f32) {
-    if let Some(seen) = distinct
-        && !seen.contains(&z)
-    {
-        if seen.len() == MOST_DISTINCT {
-            *distinct = None;
-        } else {
+/// The range from which on no spread light is left in f32.
+fn opaque_m(water: &Water, channel: usize) -> f32 {
+    match water.scatter {
+        Scatter::Jaffe {
+            source: ScatterSource::Direct,
+            ..
+        } => OPAQUE / water.direct_attenuation[channel] as f32,
+        Scatter::Jaffe { g, .. } => OPAQUE / g[channel] as f32,
+        Scatter::Simplified { .. } | Scatter::None => f32::MAX,
+    }
+}
+
+/// Several maxima at once, so that the loop vectorises.
+const LANES: usize = 16;
+
+fn largest(light: &[f32]) -> f32 {
+    let mut lanes = [0.0f32; LANES];
+    for chunk in light.chunks(LANES) {
+        for (lane, &l) in lanes.iter_mut().zip(chunk) {
+            *lane = lane.max(l);
+        }
+    }
+    lanes.into_iter().fold(0.0, f32::max)
+}
+
+/// The distinct valid ranges, none if there are more than [`MOST_DISTINCT`].
+fn distinct(range: &[f32], stand_in: Option<f32>) -> Option<Vec<f32>> {
+    let mut seen: Vec<f32> = stand_in.into_iter().collect();
+    let mut last = f32::NAN;
+    for &z in range {
+        if z == last || is_hole(z) {
+            continue;
+        }
+        last = z;
+        if !seen.contains(&z) {
+            if seen.len() == MOST_DISTINCT {
+                return None;
+            }
             seen.push(z);
         }
+    }
+    Some(seen)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::water::WaterRequest;
+
+    fn clear(holes: HoleRule) -> Water {
+        let request = WaterRequest {
+            beam_attenuation: Some([0.1; 3]),
+            veiling_light: Some([0.2; 3]),
+            holes,
+            ..WaterRequest::default()
+        };
+        Water::resolve(&request, 500.0).unwrap()
+    }
+
+    #[test]
+    fn holes_have_no_range_and_dark_pixels_spread_no_light() {
+        let range = Plane::new(5, 1, vec![2.0, f32::NAN, 9.0, 0.0, 3.0]).unwrap();
+        let radiance = Rgb::from_fn(5, 1, |x, _| [if x == 2 { 0.0 } else { 0.5 }, 1.0, 0.0]);
+        let stats = SceneStats::measure(&radiance, &range, &clear(HoleRule::Background));
+        assert_eq!(stats.range_m, Some((2.0, 9.0)));
+        assert_eq!(stats.lit_m, [Some((2.0, 3.0)), Some((2.0, 9.0)), None]);
+        assert_eq!(stats.distinct_m, Some(vec![2.0, 9.0, 3.0]));
+        assert_eq!(stats.brightest, [0.5, 1.0, 0.0]);
+        let filled = SceneStats::measure(&radiance, &range, &clear(HoleRule::Range(20.0)));
+        assert_eq!(
+            (filled.range_m, filled.lit_m[0]),
+            (Some((2.0, 20.0)), Some((2.0, 20.0)))
+        );
+    }
+
+    #[test]
+    fn a_frame_of_holes_has_no_range() {
+        let range = Plane::filled(3, 3, f32::INFINITY);
+        let radiance = Rgb::from_fn(3, 3, |_, _| [1.0; 3]);
+        let stats = SceneStats::measure(&radiance, &range, &clear(HoleRule::Background));
+        assert_eq!((stats.range_m, stats.lit_m), (None, [None; 3]));
     }
 }

@@ -191,24 +191,23 @@ fn preset(row: &Row, source: &'static str, licence: &'static str, wavelength_nm:
     }
 }
 
-/// Attenuation only, as the underwater camera of UUV Simulator's examples has it. Its background codes are decoded to
-/// linear light here; the simulator itself mixes codes.
+/// Attenuation only, as the underwater camera plugin of UUV Simulator has it where a robot description sets nothing:
+/// `attenuationR`, `G` and `B` 1/30 per metre, `backgroundR`, `G` and `B` 0.
 fn uuv_simulator() -> Preset {
-    let linear = |code: f64| imaging::transfer::decode(code / 255.0);
     Preset {
         name: "uuv-simulator",
-        source: "UUV Simulator (2016), underwater camera plugin, values of its example sensors",
+        source: "UUV Simulator (uuvsimulator/uuv_simulator), defaults of UnderwaterCameraROSPlugin.cc",
         licence: "Apache-2.0 (the simulator)",
         caveats: &[
-            "a baseline to compare with, not a measured water",
-            "the simulator mixes display codes; here the same numbers act on linear light",
+            "a baseline to compare with, not a measured water: grey attenuation and a black background",
+            "the simulator attenuates display codes; here the same numbers act on linear light",
         ],
         wavelength_nm: None,
         absorption: None,
         scattering: None,
-        beam_attenuation: Some([0.8, 0.5, 0.2]),
+        beam_attenuation: Some([1.0 / 30.0; 3]),
         diffuse_attenuation: None,
-        veiling_light: Some([linear(85.0), linear(107.0), linear(47.0)]),
+        veiling_light: Some([0.0; 3]),
     }
 }
 

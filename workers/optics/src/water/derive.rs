@@ -50,6 +50,10 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
             });
         }
     }
+    if sum.is_none() {
+        checks.within_attenuation("absorption_per_m", absorption, request.beam_attenuation);
+        checks.within_attenuation("scattering_per_m", scattering, request.beam_attenuation);
+    }
     let attenuation = request
         .beam_attenuation
         .or(sum)
@@ -207,7 +211,7 @@ impl Checks {
         ];
         for (field, values, most) in triples {
             for (channel, value) in CHANNELS.into_iter().zip(values.into_iter().flatten()) {
-                self.range(field, channel, value, 0.0, most);
+                self.range(field, Some(channel), value, 0.0, most);
             }
         }
         let singles = [
@@ -233,11 +237,27 @@ impl Checks {
         for (field, value, least, most) in singles {
             value
                 .into_iter()
-                .for_each(|value| self.range(field, '-', value, least, most));
+                .for_each(|value| self.range(field, None, value, least, most));
         }
     }
 
-    fn range(&mut self, field: &'static str, channel: char, value: f64, least: f64, most: f64) {
+    /// No part of the beam attenuation exceeds it in any channel.
+    fn within_attenuation(&mut self, field: &'static str, part: Option<[f64; 3]>, whole: Option<[f64; 3]>) {
+        let Some((part, whole)) = part.zip(whole) else {
+            return;
+        };
+        for i in (0..3).filter(|&i| part[i] > whole[i]) {
+            let (channel, value, limit) = (CHANNELS[i], part[i], whole[i]);
+            self.errors.push(WaterError::MoreThanAttenuation {
+                field,
+                channel,
+                value,
+                limit,
+            });
+        }
+    }
+
+    fn range(&mut self, field: &'static str, channel: Option<char>, value: f64, least: f64, most: f64) {
         if !(least..=most).contains(&value) {
             self.errors.push(WaterError::OutOfRange {
                 field,
@@ -295,16 +315,7 @@ impl Checks {
             let limit = medium.attenuation.unwrap_or([f64::INFINITY; 3]);
             return Some(each(|i| (a[i] + G_SHARE_OF_SCATTERING * b[i]).min(limit[i])));
         }
-        if let (Some(g), Some(c)) = (request.g, medium.attenuation) {
-            for i in (0..3).filter(|&i| g[i] > c[i]) {
-                let (channel, value, limit) = (CHANNELS[i], g[i], c[i]);
-                self.errors.push(WaterError::MoreScatterThanAttenuation {
-                    channel,
-                    value,
-                    limit,
-                });
-            }
-        }
+        self.within_attenuation("g_per_m", request.g, medium.attenuation);
         request.g
     }
 

@@ -4,12 +4,12 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WaterError {
     /// A number lies outside its limits.
-    #[error("{field} is {value} in channel {channel} but must lie in {least}..={most}")]
+    #[error("{field} is {value}{} but must lie in {least}..={most}", in_channel(.channel))]
     OutOfRange {
         /// The field.
         field: &'static str,
-        /// `R`, `G`, `B`, or `-` for a single number.
-        channel: char,
+        /// `R`, `G` or `B`; none of a single number.
+        channel: Option<char>,
         /// What was given.
         value: f64,
         /// Least value.
@@ -17,12 +17,14 @@ pub enum WaterError {
         /// Largest value.
         most: f64,
     },
-    /// G exceeds the beam attenuation.
-    #[error("g_per_m is {value} in channel {channel} but at most the beam attenuation, {limit}")]
-    MoreScatterThanAttenuation {
+    /// Absorption, scattering or G alone exceeds the beam attenuation.
+    #[error("{field} is {value} in channel {channel} but at most the beam attenuation, {limit}")]
+    MoreThanAttenuation {
+        /// The field.
+        field: &'static str,
         /// `R`, `G` or `B`.
         channel: char,
-        /// G, 1/m.
+        /// a, b or G, 1/m.
         value: f64,
         /// c, 1/m.
         limit: f64,
@@ -55,13 +57,18 @@ pub enum WaterError {
     },
 }
 
+fn in_channel(channel: &Option<char>) -> String {
+    channel.map_or_else(String::new, |channel| format!(" in channel {channel}"))
+}
+
 impl WaterError {
     /// The field of the job description that has to change.
     #[must_use]
     pub fn field(&self) -> &'static str {
         match self {
-            Self::OutOfRange { field, .. } | Self::Missing { field, .. } => field,
-            Self::MoreScatterThanAttenuation { .. } => "g_per_m",
+            Self::OutOfRange { field, .. }
+            | Self::MoreThanAttenuation { field, .. }
+            | Self::Missing { field, .. } => field,
             Self::Inconsistent { .. } => "beam_attenuation_per_m",
             Self::UnknownPreset { .. } => "preset",
         }

@@ -46,7 +46,8 @@ pub(crate) struct Case {
 pub(crate) struct Array {
     pub(crate) shape: Vec<usize>,
     pub(crate) values: Vec<f64>,
-    pub(crate) is_bytes: bool,
+    /// The largest code of an integer type.
+    pub(crate) top_code: Option<f64>,
 }
 
 impl Case {
@@ -72,11 +73,21 @@ impl Case {
         self.parameters.get(key)
     }
 
+    /// A text, empty where there is none.
     pub(crate) fn text(&self, key: &str) -> String {
-        self.get(key)
-            .and_then(Value::as_str)
-            .unwrap_or_default()
-            .to_owned()
+        let text = self
+            .get(key)
+            .map(|value| value.as_str().unwrap_or_else(|| panic!("`{key}` is not a text")));
+        text.unwrap_or_default().to_owned()
+    }
+
+    /// Panics where a text is given and says something else than one of `known`.
+    pub(crate) fn expect_text(&self, key: &str, known: &[&str]) {
+        let text = self.text(key);
+        assert!(
+            text.is_empty() || known.contains(&text.as_str()),
+            "{key} `{text}` is not known"
+        );
     }
 
     pub(crate) fn number(&self, key: &str) -> Option<f64> {
@@ -112,28 +123,17 @@ impl Case {
         let file = npyz::NpyFile::new(&bytes[..]).expect("an NPY file");
         let shape = file.shape().iter().map(|&side| side as usize).collect();
         let kind = file.dtype().descr();
-        let is_bytes = kind.contains("u1");
-        let values = if kind.contains("f8") {
-            file.into_vec::<f64>().expect("f64")
-        } else if kind.contains("f4") {
-            file.into_vec::<f32>()
-                .expect("f32")
-                .into_iter()
-                .map(f64::from)
-                .collect()
-        } else if is_bytes {
-            file.into_vec::<u8>()
-                .expect("u8")
-                .into_iter()
-                .map(f64::from)
-                .collect()
-        } else {
-            panic!("{}: type {kind} is not known", path.display())
+        let (values, top_code) = match kind.trim_matches(|c: char| !c.is_ascii_alphanumeric()) {
+            "f8" => (file.into_vec::<f64>().expect("f64"), None),
+            "f4" => (widened(file.into_vec::<f32>().expect("f32")), None),
+            "u1" => (widened(file.into_vec::<u8>().expect("u8")), Some(255.0)),
+            "u2" => (widened(file.into_vec::<u16>().expect("u16")), Some(65535.0)),
+            _ => panic!("{}: type {kind} is not known", path.display()),
         };
         Some(Array {
             shape,
             values,
-            is_bytes,
+            top_code,
         })
     }
 
@@ -142,52 +142,66 @@ impl Case {
             .unwrap_or_else(|| panic!("{}: {name}.npy is missing", self.folder.display()))
     }
 
-    /// Linear radiance of the input, whatever its form.
-    pub(crate) fn radiance(&self) -> Rgb<f32> {
-        let linear = self.text("transfer") == "linear";
-        match self.array("input_linear") {
-            Some(array) => array.rgb(|v| v as f32),
-            None => {
-                let array = self.needed("input_srgb");
-                assert!(array.is_bytes, "input_srgb holds 8-bit codes");
-                array.rgb(|code| {
-                    if linear {
-                        (code / 255.0) as f32
-                    } else {
-                        imaging::transfer::decode_u8(code as u8)
-                    }
-                })
+    /// Linear radiance of the input, whatever its form: the array that `input` names, else `input_linear` or `input_srgb`.
+    /// Integer codes are sRGB and floats linear unless `transfer` says otherwise.
+    pub(crate) fn radiance(&self) -> Rgb<f64> {
+        let named = self.text("input");
+        let array = if named.is_empty() {
+            self.array("input_linear")
+                .unwrap_or_else(|| self.needed("input_srgb"))
+        } else {
+            self.needed(named.trim_end_matches(".npy"))
+        };
+        let encoded = match self.text("transfer").as_str() {
+            "" => array.top_code.is_some(),
+            "srgb" => true,
+            "linear" => false,
+            other => panic!("transfer `{other}` is not known"),
+        };
+        let top_code = array.top_code.unwrap_or(1.0);
+        array.rgb(|code| {
+            let value = code / top_code;
+            if encoded {
+                imaging::transfer::decode(value)
+            } else {
+                value
             }
-        }
+        })
     }
 
-    pub(crate) fn range(&self) -> Plane<f32> {
+    pub(crate) fn range(&self) -> Plane<f64> {
         let array = self.needed("range_m");
-        let data = array.values.iter().map(|&v| v as f32).collect();
-        Plane::new(array.shape[1], array.shape[0], data).expect("the shape of the array")
+        assert_eq!(array.shape.len(), 2, "a range map has two dimensions");
+        Plane::new(array.shape[1], array.shape[0], array.values).expect("the shape of the array")
     }
 
-    /// Compares with an array of the case, if it is there: the largest error bounds, not the mean.
-    pub(crate) fn compare(&self, name: &str, actual: &Rgb<f32>, tolerance: f64, what: &str) {
+    /// Compares with an array of the case, if it is there: the largest error bounds, not the mean. Light above 1 is allowed
+    /// its share, for rounding is relative.
+    pub(crate) fn compare<T: Copy + Into<f64>>(
+        &self,
+        name: &str,
+        actual: &Rgb<T>,
+        tolerance: f64,
+        what: &str,
+    ) {
         let Some(expected) = self.array(name) else { return };
-        assert_eq!(expected.shape, [actual.height(), actual.width(), 3], "{name}");
+        let place = format!("{}: {name} by {what}", self.folder.display());
+        assert_eq!(expected.shape, [actual.height(), actual.width(), 3], "{place}");
+        let peak = expected.values.iter().copied().fold(1.0, f64::max);
         let mut worst = (0.0, 0);
         for (index, value) in expected.values.iter().enumerate() {
-            let error = (value - f64::from(actual.planes()[index % 3].data()[index / 3])).abs();
-            assert!(
-                !error.is_nan(),
-                "{}: {name}: NaN at {index}",
-                self.folder.display()
-            );
+            let actual: f64 = actual.planes()[index % 3].data()[index / 3].into();
+            let error = (value - actual).abs();
+            assert!(!error.is_nan(), "{place}: {actual} for {value} at {index}");
             if error > worst.0 {
                 worst = (error, index);
             }
         }
         let (x, y) = (worst.1 / 3 % actual.width(), worst.1 / 3 / actual.width());
+        println!("   {place}: {:.2e}", worst.0);
         assert!(
-            worst.0 <= tolerance,
-            "{}: {name} by {what}: error {:.3e} at ({x}, {y}) exceeds {tolerance:.1e}",
-            self.folder.display(),
+            worst.0 <= tolerance * peak,
+            "{place}: error {:.3e} at ({x}, {y}) exceeds {tolerance:.1e} of {peak}",
             worst.0
         );
     }
@@ -218,9 +232,16 @@ impl Case {
     }
 }
 
+fn widened<T: Into<f64>>(values: Vec<T>) -> Vec<f64> {
+    values.into_iter().map(Into::into).collect()
+}
+
 impl Array {
-    pub(crate) fn rgb(&self, sample: impl Fn(f64) -> f32) -> Rgb<f32> {
-        assert_eq!(self.shape.len(), 3, "a picture has three dimensions");
+    pub(crate) fn rgb<T>(&self, sample: impl Fn(f64) -> T) -> Rgb<T> {
+        assert!(
+            self.shape.len() == 3 && self.shape[2] == 3,
+            "a picture has rows, columns and three channels"
+        );
         Rgb::from_fn(self.shape[1], self.shape[0], |x, y| {
             let at = 3 * (y * self.shape[1] + x);
             [

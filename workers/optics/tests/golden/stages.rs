@@ -1,9 +1,10 @@
 //! What each stage compares.
 
-use fathom_optics::chain::{self, Layers};
-use fathom_optics::forward_scatter::KernelCache;
+use fathom_optics::chain::{self, ChainError, Layers};
+use fathom_optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
 use fathom_optics::kernel::{Transfer, pixel};
 use fathom_optics::plan::{Fidelity, Plan, SceneStats};
+use fathom_optics::range::HoleRule;
 use fathom_optics::water::{Ambient, ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
 use fathom_optics::{HazeBlend, HazeLight, HazeSpace, haze as lay_haze, style_blend};
 use imaging::Rgb;
@@ -11,43 +12,66 @@ use serde_json::Value;
 
 use crate::case::Case;
 
-/// f32 arithmetic on light up to a few units.
+/// f64 against f64: rounding alone.
+const REFERENCE: f64 = 1e-12;
+/// Transfer functions are fitted to 1e-8; the light of a frame meets that error in many coefficients.
+const REFERENCE_SCATTER: f64 = 1e-7;
+/// f32 arithmetic on light up to 1.
 const FLOAT: f64 = 2e-6;
 /// Sixteen kernels leave only the floor of f32.
-const SIXTEEN_TERMS: f64 = 2e-6;
+const SIXTEEN_TERMS: f64 = 1e-6;
 /// A tolerance that guarantees one 8-bit code at the steep foot of the sRGB curve.
 const ONE_CODE: f64 = 3e-4;
 const LOOSE: f64 = 4e-3;
+const TIGHT: f64 = 1e-5;
 const KERNEL: f64 = 1e-7;
-/// Transfer functions stored in f64 are fitted to 1e-8 per term.
+/// Transfer functions stored in f64 are fitted to 1e-8.
 const OTF: f64 = 1e-8;
 /// Share of 8-bit codes that may differ by one: rounding alone, and rounding after a tolerance of [`ONE_CODE`].
 const CODES_EXACT: f64 = 1e-3;
 const CODES_SCATTER: f64 = 1e-2;
 
 fn water(case: &Case) -> Water {
-    let known = case.triple("background").or(case.triple("background_surface"));
+    let stage = case.text("stage");
+    let spreads = case.get("G_per_m").is_some() || stage == "jaffe";
+    let model = match stage.as_str() {
+        "simplified" => ScatterModel::Simplified,
+        "jaffe" | "chain" if spreads => ScatterModel::Jaffe,
+        _ => ScatterModel::None,
+    };
+    case.expect_text("border", &["mirror"]);
+    case.expect_text(
+        "interpretation",
+        &[if model == ScatterModel::Simplified {
+            "gather"
+        } else {
+            "scatter"
+        }],
+    );
+    case.expect_text("scatter_source", &["radiance", "direct"]);
+    case.expect_text("hole_range", &["largest valid range in the frame"]);
+    let direct = case.text("scatter_source") == "direct";
     let request = WaterRequest {
         beam_attenuation: case.triple("attenuation_per_m"),
         backscatter_attenuation: case.triple("backscatter_per_m"),
         diffuse_attenuation: case.triple("kd_per_m"),
-        veiling_light: Some(known.unwrap_or([0.0; 3])),
+        veiling_light: case
+            .triple("background")
+            .or(case.triple("background_surface"))
+            .or(Some([0.0; 3])),
         depth_m: case.number("depth_m"),
         ambient: if case.get("kd_per_m").is_some() {
             Ambient::Absolute
         } else {
             Ambient::None
         },
+        holes: hole_rule(&case.text("hole_rule")),
         scatter: Some(ScatterRequest {
-            model: match case.text("stage").as_str() {
-                "simplified" => ScatterModel::Simplified,
-                "attenuation" => ScatterModel::None,
-                _ => ScatterModel::Jaffe,
-            },
+            model,
             g: case.triple("G_per_m"),
             spread_px_per_m: Some(case.triple("spread_px_per_m").unwrap_or([0.0; 3])),
             spread_offset_px: case.triple("spread_offset_px"),
-            source: if case.text("scatter_source") == "direct" {
+            source: if direct {
                 ScatterSource::Direct
             } else {
                 ScatterSource::Radiance
@@ -58,8 +82,29 @@ fn water(case: &Case) -> Water {
     Water::resolve(&request, 1.0).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 
+/// `range=<m>` replaces holes; any other text describes the default.
+fn hole_rule(text: &str) -> HoleRule {
+    match text.strip_prefix("range=") {
+        Some(metres) => HoleRule::Range(metres.parse().expect("metres")),
+        None => HoleRule::Background,
+    }
+}
+
+/// None of a frame that is too large for the reference.
+fn exact(case: &Case) -> Option<Layers<f64>> {
+    match chain::water_reference(&case.radiance(), &case.range(), &water(case)) {
+        Ok(layers) => Some(layers),
+        Err(ChainError::ReferenceTooLarge { .. }) => None,
+        Err(error) => panic!("{error}"),
+    }
+}
+
 fn layers(case: &Case, fidelity: Fidelity) -> Layers {
-    let (radiance, range, water) = (case.radiance(), case.range(), water(case));
+    let (radiance, range, water) = (
+        case.radiance().map(|&j| j as f32),
+        case.range().map(|&z| z as f32),
+        water(case),
+    );
     let stats = SceneStats::measure(&radiance, &range, &water);
     let plan = Plan::for_frame(&stats, &water, None, &[], fidelity);
     chain::water(&radiance, &range, &water, &plan, &mut KernelCache::new())
@@ -67,46 +112,83 @@ fn layers(case: &Case, fidelity: Fidelity) -> Layers {
 }
 
 pub(crate) fn attenuation(case: &Case) {
-    for (fidelity, what) in [
-        (Fidelity::Reference, "reference"),
-        (Fidelity::Tolerance(ONE_CODE), "f32"),
-    ] {
-        let layers = layers(case, fidelity);
-        case.compare("output_linear", &layers.scattered, FLOAT, what);
-        case.compare_codes("output_srgb", &layers.scattered, CODES_EXACT, what);
-    }
+    let reference = exact(case).expect("attenuation has no largest frame");
+    case.compare("output_linear", &reference.scattered, REFERENCE, "reference");
+    case.compare_codes(
+        "output_srgb",
+        &reference.scattered.map(|&v| v as f32),
+        CODES_EXACT,
+        "reference",
+    );
+    let fast = layers(case, Fidelity::Tolerance(ONE_CODE));
+    case.compare("output_linear", &fast.scattered, FLOAT, "f32");
+    case.compare_codes("output_srgb", &fast.scattered, CODES_EXACT, "f32");
 }
 
 pub(crate) fn scatter(case: &Case) {
+    if let Some(reference) = exact(case) {
+        case.compare("direct", &reference.direct, REFERENCE, "reference");
+        case.compare("backscatter", &reference.backscatter, REFERENCE, "reference");
+        case.compare("attenuated", &attenuated(&reference), REFERENCE, "reference");
+        case.compare(
+            "forward",
+            &reference.forward_scatter,
+            REFERENCE_SCATTER,
+            "reference",
+        );
+        case.compare(
+            "output_linear",
+            &reference.scattered,
+            REFERENCE_SCATTER,
+            "reference",
+        );
+        case.compare_codes(
+            "output_srgb",
+            &reference.scattered.map(|&v| v as f32),
+            CODES_EXACT,
+            "reference",
+        );
+    }
     let variants = [
-        (Fidelity::Reference, FLOAT, "reference"),
-        (Fidelity::Terms(16), SIXTEEN_TERMS, "16 terms"),
-        (Fidelity::Tolerance(ONE_CODE), ONE_CODE + FLOAT, "tolerance 3e-4"),
-        (Fidelity::Tolerance(LOOSE), LOOSE + FLOAT, "tolerance 4e-3"),
+        (
+            Fidelity::Terms(16),
+            SIXTEEN_TERMS,
+            Some(CODES_SCATTER),
+            "16 terms",
+        ),
+        (
+            Fidelity::Tolerance(TIGHT),
+            TIGHT + FLOAT,
+            Some(CODES_SCATTER),
+            "tolerance 1e-5",
+        ),
+        (
+            Fidelity::Tolerance(ONE_CODE),
+            ONE_CODE + FLOAT,
+            Some(CODES_SCATTER),
+            "tolerance 3e-4",
+        ),
+        (Fidelity::Tolerance(LOOSE), LOOSE + FLOAT, None, "tolerance 4e-3"),
     ];
-    for (fidelity, tolerance, what) in variants {
+    for (fidelity, tolerance, codes, what) in variants {
         let layers = layers(case, fidelity);
         case.compare("direct", &layers.direct, FLOAT, what);
         case.compare("backscatter", &layers.backscatter, FLOAT, what);
+        case.compare("attenuated", &attenuated(&layers), FLOAT, what);
         case.compare("forward", &layers.forward_scatter, tolerance, what);
         case.compare("output_linear", &layers.scattered, tolerance, what);
-        let attenuated = zipped(&layers.direct, &layers.backscatter, |d, b| d + b);
-        case.compare("attenuated", &attenuated, FLOAT, what);
-        let share = if fidelity == Fidelity::Reference {
-            CODES_EXACT
-        } else {
-            CODES_SCATTER
-        };
-        if tolerance < LOOSE {
+        if let Some(share) = codes {
             case.compare_codes("output_srgb", &layers.scattered, share, what);
         }
     }
 }
 
-fn zipped(a: &Rgb<f32>, b: &Rgb<f32>, combine: impl Fn(f32, f32) -> f32) -> Rgb<f32> {
-    Rgb::from_fn(a.width(), a.height(), |x, y| {
-        let (a, b) = (a.at(x, y), b.at(x, y));
-        [combine(a[0], b[0]), combine(a[1], b[1]), combine(a[2], b[2])]
+/// D + B.
+fn attenuated<T: Copy + std::ops::Add<Output = T>>(layers: &Layers<T>) -> Rgb<T> {
+    let (direct, veil) = (&layers.direct, &layers.backscatter);
+    Rgb::from_fn(direct.width(), direct.height(), |x, y| {
+        let (d, b) = (direct.at(x, y), veil.at(x, y));
+        [d[0] + b[0], d[1] + b[1], d[2] + b[2]]
     })
 }
 
@@ -131,34 +213,39 @@ fn lights(case: &Case) -> Vec<HazeLight> {
             size: number(&light["size"]),
             intensity: number(&light["intensity"]),
             color: [0, 1, 2].map(|c| number(&light["color"][c])),
-            blend: if light["blend"] == "add" {
-                HazeBlend::Add
-            } else {
-                HazeBlend::Over
+            blend: match light["blend"].as_str() {
+                None | Some("over") => HazeBlend::Over,
+                Some("add") => HazeBlend::Add,
+                Some(other) => panic!("blend `{other}` is not known"),
             },
         }
     };
     list.iter().map(light).collect()
 }
 
+fn haze_space(case: &Case) -> HazeSpace {
+    match case.text("haze_space").as_str() {
+        "" | "linear" => HazeSpace::Linear,
+        "display" => HazeSpace::Display,
+        other => panic!("haze space `{other}` is not known"),
+    }
+}
+
 pub(crate) fn haze(case: &Case) {
-    let lights = lights(case);
-    let linear = lay_haze(case.radiance(), &lights, HazeSpace::Linear);
-    case.compare("output_linear", &linear, FLOAT, "linear");
-    let display = lay_haze(case.radiance(), &lights, HazeSpace::Display);
-    case.compare("output_display_space", &display, FLOAT, "display");
+    let (lights, radiance) = (lights(case), case.radiance().map(|&j| j as f32));
+    let hazed = lay_haze(radiance.clone(), &lights, haze_space(case));
+    case.compare("output_linear", &hazed, FLOAT, "haze");
+    case.compare_codes("output_srgb", &hazed, CODES_EXACT, "haze");
+    let display = lay_haze(radiance, &lights, HazeSpace::Display);
+    case.compare("output_display_space", &display, FLOAT, "haze");
 }
 
 pub(crate) fn chain(case: &Case) {
+    case.expect_text("blend_space", &["srgb-encoded"]);
     let alpha = case.number("alpha").unwrap_or(1.0);
-    let space = if case.text("haze_space") == "display" {
-        HazeSpace::Display
-    } else {
-        HazeSpace::Linear
-    };
     let variants = [
         (Fidelity::Reference, FLOAT, CODES_EXACT, "reference"),
-        (Fidelity::Terms(16), SIXTEEN_TERMS, CODES_SCATTER, "16 terms"),
+        (Fidelity::Terms(16), FLOAT, CODES_SCATTER, "16 terms"),
         (
             Fidelity::Tolerance(ONE_CODE),
             ONE_CODE + FLOAT,
@@ -167,14 +254,24 @@ pub(crate) fn chain(case: &Case) {
         ),
     ];
     for (fidelity, tolerance, share, what) in variants {
-        let layers = layers(case, fidelity);
-        case.compare("after_water", &layers.scattered, tolerance, what);
+        // A scene without range stays in air.
+        let in_water = match case.array("range_m") {
+            Some(range) if fidelity == Fidelity::Reference && range.values.len() > MAX_REFERENCE_PIXELS => {
+                continue;
+            }
+            Some(_) => layers(case, fidelity).scattered,
+            None => case.radiance().map(|&j| j as f32),
+        };
+        case.compare("after_water", &in_water, tolerance, what);
         let blended = match case.array("model_srgb") {
-            Some(model) => style_blend(&layers.scattered, &model.rgb(|v| v as f32), alpha),
-            None => layers.scattered,
+            Some(model) => {
+                let top_code = model.top_code.unwrap_or(1.0);
+                style_blend(&in_water, &model.rgb(|v| (v / top_code) as f32), alpha)
+            }
+            None => in_water,
         };
         case.compare("after_blend", &blended, tolerance, what);
-        let hazed = lay_haze(blended, &lights(case), space);
+        let hazed = lay_haze(blended, &lights(case), haze_space(case));
         case.compare("output_linear", &hazed, tolerance, what);
         case.compare_codes("output_srgb", &hazed, share, what);
     }

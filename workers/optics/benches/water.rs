@@ -1,0 +1,121 @@
+//! Times of the water stages for one frame of 768×492 on one core.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use fathom_optics::forward_scatter::KernelCache;
+use fathom_optics::kernel::Transfer;
+use fathom_optics::plan::{Fidelity, Plan, SceneStats};
+use fathom_optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
+use fathom_optics::{HazeBlend, HazeLight, HazeSpace, chain, haze};
+use imaging::dct::{Complex, PairDct};
+use imaging::{Plane, Rgb};
+
+const WIDTH: usize = 768;
+const HEIGHT: usize = 492;
+
+fn radiance() -> Rgb<f32> {
+    Rgb::from_fn(WIDTH, HEIGHT, |x, y| {
+        let stripe = if (x / 37 + y / 23) % 2 == 0 { 0.8 } else { 0.1 };
+        [stripe, 0.7 * stripe, 0.9 - stripe]
+    })
+}
+
+/// A slope from 1 to 15 m with a near pole: a different range in every pixel.
+fn range() -> Plane<f32> {
+    Plane::from_fn(WIDTH, HEIGHT, |x, y| {
+        let slope = 1.0 + 14.0 * (y as f32 + x as f32 / WIDTH as f32) / HEIGHT as f32;
+        if (300..340).contains(&x) {
+            1.5 + 1e-3 * y as f32
+        } else {
+            slope
+        }
+    })
+}
+
+fn coastal(model: ScatterModel) -> Water {
+    let scatter = ScatterRequest {
+        model,
+        g: None,
+        spread_px_per_m: None,
+        spread_offset_px: None,
+        source: Default::default(),
+    };
+    let request = WaterRequest {
+        preset: Some("jerlov-1C".to_owned()),
+        scatter: Some(scatter),
+        ..WaterRequest::default()
+    };
+    Water::resolve(&request, 600.0).expect("a renderable preset")
+}
+
+fn water(bench: &mut Criterion) {
+    let (radiance, range) = (radiance(), range());
+    let mut cache = KernelCache::new();
+    let mut stage = |name: &str, model: ScatterModel, fidelity: Fidelity| {
+        let water = coastal(model);
+        let stats = SceneStats::measure(&radiance, &range, &water);
+        let plan = Plan::for_frame(&stats, &water, None, &[], fidelity);
+        bench.bench_function(name, |b| {
+            b.iter(|| {
+                let layers = chain::water(black_box(&radiance), &range, &water, &plan, &mut cache);
+                cache.recycle(layers.expect("a good frame"));
+            });
+        });
+    };
+    stage("attenuation", ScatterModel::None, Fidelity::Tolerance(3e-4));
+    for terms in [4, 6, 9] {
+        stage(
+            &format!("jaffe K={terms}"),
+            ScatterModel::Jaffe,
+            Fidelity::Terms(terms),
+        );
+    }
+    stage("simplified K=4", ScatterModel::Simplified, Fidelity::Terms(4));
+    let water = coastal(ScatterModel::Jaffe);
+    bench.bench_function("scene stats", |b| {
+        b.iter(|| SceneStats::measure(black_box(&radiance), &range, &water))
+    });
+}
+
+fn parts(bench: &mut Criterion) {
+    let mut transform = PairDct::new(WIDTH, HEIGHT);
+    let mut samples: Vec<_> = radiance().planes()[0]
+        .data()
+        .iter()
+        .map(|&v| Complex::new(v, 1.0 - v))
+        .collect();
+    let mut spectrum = samples.clone();
+    bench.bench_function("DCT of two planes, there and back", |b| {
+        b.iter(|| {
+            transform.forward(&mut samples, &mut spectrum);
+            transform.inverse(&mut spectrum, &mut samples);
+        });
+    });
+    bench.bench_function("transfer function of a new node", |b| {
+        b.iter(|| Transfer::new(black_box(2.5)).grid_f32(WIDTH, HEIGHT));
+    });
+    let light = |x| HazeLight {
+        x,
+        y: 1.0,
+        size: 0.2,
+        intensity: 0.8,
+        color: [1.0, 0.9, 0.7],
+        blend: HazeBlend::Over,
+    };
+    let lights = [0.0, 0.3, 0.6, 1.0].map(light);
+    bench.bench_function("haze of four lights", |b| {
+        b.iter_batched(
+            radiance,
+            |image| haze(image, &lights, HazeSpace::Linear),
+            criterion::BatchSize::LargeInput,
+        );
+    });
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20).measurement_time(std::time::Duration::from_secs(2)).warm_up_time(std::time::Duration::from_millis(500));
+    targets = water, parts
+}
+criterion_main!(benches);

@@ -1,0 +1,141 @@
+//! Plans are compared, not run.
+
+use imaging::{Plane, Rgb};
+
+use super::*;
+use crate::haze::HazeBlend;
+use crate::water::{ScatterModel, ScatterRequest, WaterRequest};
+
+fn wall(range_m: &[f32]) -> (Rgb<f32>, Plane<f32>) {
+    let radiance = Rgb::from_fn(range_m.len(), 1, |_, _| [0.5f32; 3]);
+    (radiance, Plane::new(range_m.len(), 1, range_m.to_vec()).unwrap())
+}
+
+fn water(model: ScatterModel, g: f64, spread_px_per_m: f64) -> Water {
+    let scatter = ScatterRequest {
+        model,
+        g: Some([g; 3]),
+        spread_px_per_m: Some([spread_px_per_m; 3]),
+        spread_offset_px: None,
+        source: Default::default(),
+    };
+    let request = WaterRequest {
+        beam_attenuation: Some([0.4; 3]),
+        veiling_light: Some([0.1; 3]),
+        scatter: Some(scatter),
+        ..WaterRequest::default()
+    };
+    Water::resolve(&request, 500.0).unwrap()
+}
+
+fn plan(range_m: &[f32], water: &Water, fidelity: Fidelity) -> Plan {
+    let (radiance, range) = wall(range_m);
+    Plan::for_frame(
+        &SceneStats::measure(&radiance, &range, water),
+        water,
+        None,
+        &[],
+        fidelity,
+    )
+}
+
+const SLOPE: [f32; 40] = {
+    let mut slope = [1.0; 40];
+    let mut i = 0;
+    while i < 40 {
+        slope[i] = 1.0 + 0.25 * i as f32;
+        i += 1;
+    }
+    slope
+};
+
+#[test]
+fn without_scattered_light_nothing_is_spread() {
+    let all_absorbed = water(ScatterModel::Jaffe, 0.4, 1.0);
+    for fidelity in [Fidelity::Tolerance(1e-6), Fidelity::Terms(4)] {
+        assert_eq!(
+            plan(&SLOPE, &all_absorbed, fidelity).scatter[0],
+            ScatterStep::Skip
+        );
+    }
+    let holes = [f32::NAN; 3];
+    assert_eq!(
+        plan(&holes, &water(ScatterModel::Jaffe, 0.1, 1.0), Fidelity::Terms(4)).scatter[0],
+        ScatterStep::Skip
+    );
+}
+
+#[test]
+fn a_kernel_without_width_needs_no_transform() {
+    assert_eq!(
+        plan(&SLOPE, &water(ScatterModel::Jaffe, 0.1, 0.0), Fidelity::Terms(4)).scatter[0],
+        ScatterStep::Pointwise
+    );
+    assert_eq!(
+        plan(
+            &SLOPE,
+            &water(ScatterModel::Simplified, 0.1, 0.0),
+            Fidelity::Terms(4)
+        )
+        .scatter[0],
+        ScatterStep::Skip
+    );
+}
+
+#[test]
+fn a_kernel_within_the_pixel_is_pointwise_as_the_tolerance_allows() {
+    let narrow = water(ScatterModel::Jaffe, 0.1, 1e-4);
+    assert_eq!(
+        plan(&SLOPE, &narrow, Fidelity::Tolerance(1e-3)).scatter[0],
+        ScatterStep::Pointwise
+    );
+    assert!(matches!(
+        plan(&SLOPE, &narrow, Fidelity::Tolerance(1e-6)).scatter[0],
+        ScatterStep::Interpolated(_)
+    ));
+}
+
+#[test]
+fn few_distinct_ranges_have_their_own_kernels() {
+    let steps = [2.0, 15.0, 2.0, 15.0, 2.0];
+    let exact = Nodes::exact([2.0, 15.0]);
+    assert_eq!(
+        plan(&steps, &water(ScatterModel::Jaffe, 0.1, 1.0), Fidelity::Terms(4)).scatter[1],
+        ScatterStep::Interpolated(exact)
+    );
+}
+
+#[test]
+fn a_smaller_tolerance_takes_more_kernels() {
+    let water = water(ScatterModel::Jaffe, 0.1, 1.0);
+    let terms = [1e-2, 1e-3, 1e-5].map(|tolerance| {
+        plan(&SLOPE, &water, Fidelity::Tolerance(tolerance)).describe()[1]
+            .terms
+            .unwrap()
+    });
+    assert!(terms.is_sorted() && terms[0] < terms[2], "{terms:?}");
+}
+
+#[test]
+fn the_widest_kernel_is_four_frame_sides() {
+    let water = water(ScatterModel::Jaffe, 0.001, 1e6);
+    let ScatterStep::Interpolated(nodes) = &plan(&SLOPE, &water, Fidelity::Terms(9)).scatter[0] else {
+        panic!("nothing is spread")
+    };
+    assert_eq!(nodes.terms(), 1);
+    assert!((nodes.gamma(0) - 160.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_description_says_what_is_skipped() {
+    let light = HazeLight {
+        x: 0.5,
+        y: 0.5,
+        size: 0.0,
+        intensity: 1.0,
+        color: [1.0; 3],
+        blend: HazeBlend::Over,
+    };
+    let notes = Plan::without_water(Some(0.0), &[light]).describe();
+    assert!(notes.iter().all(|note| note.variant == "skip"), "{notes:?}");
+}

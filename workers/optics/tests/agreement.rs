@@ -1,0 +1,215 @@
+//! The fast water stage agrees with its f64 reference: scene × form × size × fidelity, the largest error bounded.
+
+#![allow(clippy::unwrap_used)]
+
+#[path = "agreement/scenes.rs"]
+mod scenes;
+
+use fathom_optics::chain::{Layers, water, water_reference};
+use fathom_optics::forward_scatter::KernelCache;
+use fathom_optics::plan::{Fidelity, Plan, SceneStats};
+use fathom_optics::water::{ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
+use imaging::{Plane, Rgb};
+
+use scenes::{SCENES, Scene};
+
+/// A single pixel, single lines, primes, odd, even and composite sides.
+const SIZES: [(usize, usize); 8] = [
+    (1, 1),
+    (1, 7),
+    (7, 1),
+    (2, 2),
+    (13, 17),
+    (16, 9),
+    (31, 8),
+    (72, 41),
+];
+
+/// Rounding of f32 for light up to 1: a handful of operations in the attenuation, a few dozen in the transforms.
+const FLOAT: f64 = 1e-6;
+
+/// Largest error with a given number of kernels, for light up to 1 and kernel scales within a ratio of 45. Interpolation at
+/// Chebyshev nodes converges geometrically; published trials on smooth scenes report 1.9e-3, 2e-4, 1.1e-5 and 3e-7 for the
+/// first four, and noise, which these scenes are full of, takes up to half as much again with four.
+const BY_TERMS: [(usize, f64); 5] = [(4, 3.5e-3), (6, 4e-4), (8, 9e-5), (12, 3e-6), (16, FLOAT)];
+
+/// Both forms, and both sources of the first. Spread differs between the channels: pixels to subpixels.
+fn forms() -> [(&'static str, Water); 3] {
+    let form = |name, model, source| {
+        let scatter = ScatterRequest {
+            model,
+            g: Some([0.13, 0.042, 0.0315]),
+            spread_px_per_m: Some([0.9, 0.3, 0.04]),
+            spread_offset_px: Some([0.0, 0.5, 0.1]),
+            source,
+        };
+        let request = WaterRequest {
+            beam_attenuation: Some([0.37, 0.12, 0.09]),
+            backscatter_attenuation: Some([0.25, 0.12, 0.11]),
+            veiling_light: Some([0.03, 0.12, 0.18]),
+            scatter: Some(scatter),
+            ..WaterRequest::default()
+        };
+        (name, Water::resolve(&request, 500.0).unwrap())
+    };
+    [
+        form("jaffe", ScatterModel::Jaffe, ScatterSource::Radiance),
+        form(
+            "jaffe of direct light",
+            ScatterModel::Jaffe,
+            ScatterSource::Direct,
+        ),
+        form("simplified", ScatterModel::Simplified, ScatterSource::Radiance),
+    ]
+}
+
+fn fast(
+    radiance: &Rgb<f32>,
+    range: &Plane<f32>,
+    optics: &Water,
+    fidelity: Fidelity,
+    cache: &mut KernelCache,
+) -> Layers {
+    let plan = Plan::for_frame(
+        &SceneStats::measure(radiance, range, optics),
+        optics,
+        None,
+        &[],
+        fidelity,
+    );
+    water(radiance, range, optics, &plan, cache).unwrap()
+}
+
+fn reference(radiance: &Rgb<f32>, range: &Plane<f32>, optics: &Water) -> Layers<f64> {
+    water_reference(&radiance.map(|&j| j.into()), &range.map(|&z| z.into()), optics).unwrap()
+}
+
+/// The largest difference in any layer; NaN counts as infinite.
+fn largest_error(fast: &Layers, exact: &Layers<f64>) -> f64 {
+    assert_eq!(fast.holes, exact.holes);
+    let layers = [
+        (&fast.direct, &exact.direct),
+        (&fast.forward_scatter, &exact.forward_scatter),
+        (&fast.backscatter, &exact.backscatter),
+        (&fast.scattered, &exact.scattered),
+    ];
+    let planes = layers
+        .into_iter()
+        .flat_map(|(fast, exact)| fast.planes().iter().zip(exact.planes()));
+    let samples = planes.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data()));
+    samples
+        .map(|(&f, e)| (f64::from(f) - e).abs())
+        .fold(0.0, |worst, e| if e <= worst { worst } else { e })
+}
+
+/// Runs every scene, form and size, and answers what exceeds its limit.
+fn sweep(scenes: &[Scene], cases: impl Fn(&Scene, &Rgb<f32>) -> Vec<(Fidelity, f64)>) -> Vec<String> {
+    let mut failures = Vec::new();
+    let mut cache = KernelCache::new();
+    for scene in scenes {
+        for (width, height) in SIZES {
+            let (radiance, range) = scene.at(width, height);
+            for (form, optics) in forms() {
+                let exact = reference(&radiance, &range, &optics);
+                for (fidelity, limit) in cases(scene, &radiance) {
+                    let layers = fast(&radiance, &range, &optics, fidelity, &mut cache);
+                    let error = largest_error(&layers, &exact);
+                    if error.is_nan() || error > limit {
+                        let name = scene.name;
+                        failures.push(format!(
+                            "{name}, {form}, {width}×{height}, {fidelity:?}: {error:.2e} > {limit:.1e}"
+                        ));
+                    }
+                    cache.recycle(layers);
+                }
+            }
+        }
+    }
+    failures
+}
+
+#[test]
+fn fast_is_the_reference_within_what_its_number_of_kernels_allows() {
+    let moderate: Vec<Scene> = SCENES.into_iter().filter(|scene| scene.is_moderate).collect();
+    assert!(moderate.len() >= 4);
+    let failures = sweep(&moderate, |_, _| {
+        BY_TERMS
+            .iter()
+            .map(|&(terms, limit)| (Fidelity::Terms(terms), limit + FLOAT))
+            .collect()
+    });
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+#[test]
+fn fast_is_the_reference_within_the_tolerance_in_every_scene() {
+    let failures = sweep(&SCENES, |_, radiance| {
+        let peak = radiance
+            .planes()
+            .iter()
+            .flat_map(Plane::data)
+            .copied()
+            .fold(1.0, f32::max);
+        let float = FLOAT * f64::from(peak);
+        [1e-2, 1e-3, 3e-4, 1e-5]
+            .map(|tolerance| (Fidelity::Tolerance(tolerance), tolerance + float))
+            .to_vec()
+    });
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+#[test]
+fn what_a_thread_computed_before_changes_no_bit() {
+    let mut used = KernelCache::new();
+    for scene in SCENES {
+        for (form, optics) in forms() {
+            let (radiance, range) = scene.at(31, 8);
+            let first = fast(
+                &radiance,
+                &range,
+                &optics,
+                Fidelity::Terms(5),
+                &mut KernelCache::new(),
+            );
+            let (other_radiance, other_range) = scene.at(13, 17);
+            let other = fast(
+                &other_radiance,
+                &other_range,
+                &optics,
+                Fidelity::Terms(5),
+                &mut used,
+            );
+            used.recycle(other);
+            let again = fast(&radiance, &range, &optics, Fidelity::Terms(5), &mut used);
+            assert_eq!(again, first, "{}, {form}", scene.name);
+            used.recycle(again);
+        }
+    }
+}
+
+#[test]
+fn the_kind_of_hole_changes_no_bit() {
+    for (form, optics) in forms() {
+        let (radiance, range) = scenes::HOLES.at(31, 8);
+        let kinds = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -3.0, 5e-4];
+        let results = kinds.map(|kind| {
+            let range = range.map(|&z| if z.is_finite() { z } else { kind });
+            fast(
+                &radiance,
+                &range,
+                &optics,
+                Fidelity::Terms(6),
+                &mut KernelCache::new(),
+            )
+        });
+        assert!(results[0].holes > 0);
+        assert!(results.windows(2).all(|pair| pair[0] == pair[1]), "{form}");
+        let all_finite = |layer: &Rgb<f32>| {
+            layer
+                .planes()
+                .iter()
+                .all(|p| p.data().iter().all(|v| v.is_finite()))
+        };
+        assert!(all_finite(&results[0].scattered), "{form}");
+    }
+}

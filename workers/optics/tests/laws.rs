@@ -1,0 +1,258 @@
+//! What the water stage must obey whatever the method: conservation, symmetry, limits.
+
+#![allow(clippy::unwrap_used)]
+
+use fathom_optics::chain::{Layers, water};
+use fathom_optics::forward_scatter::{KernelCache, Nodes, gather, scatter};
+use fathom_optics::kernel::Transfer;
+use fathom_optics::plan::{Fidelity, Plan, ScatterStep, SceneStats};
+use fathom_optics::range::HoleRule;
+use fathom_optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
+use imaging::dct::Dct2;
+use imaging::random::Stream;
+use imaging::{Plane, Rgb};
+
+const WIDTH: usize = 41;
+const HEIGHT: usize = 29;
+
+fn noise(element: u64) -> Plane<f32> {
+    let stream = Stream::stage(5, "laws");
+    Plane::from_fn(WIDTH, HEIGHT, |x, y| {
+        stream.unit((y * WIDTH + x) as u64, element) as f32
+    })
+}
+
+fn scales() -> (Plane<f32>, Nodes) {
+    (noise(9).map(|r| 0.1 + 8.0 * r), Nodes::chebyshev(0.1, 8.1, 6))
+}
+
+fn sum(plane: &Plane<f32>) -> f64 {
+    plane.data().iter().map(|&v| f64::from(v)).sum()
+}
+
+fn dot(a: &Plane<f32>, b: &Plane<f32>) -> f64 {
+    a.data()
+        .iter()
+        .zip(b.data())
+        .map(|(&a, &b)| f64::from(a) * f64::from(b))
+        .sum()
+}
+
+fn request() -> WaterRequest {
+    let scatter = ScatterRequest {
+        model: ScatterModel::Jaffe,
+        g: Some([0.1; 3]),
+        spread_px_per_m: Some([0.7; 3]),
+        spread_offset_px: None,
+        source: Default::default(),
+    };
+    WaterRequest {
+        beam_attenuation: Some([0.4, 0.2, 0.15]),
+        veiling_light: Some([0.03, 0.12, 0.18]),
+        scatter: Some(scatter),
+        ..WaterRequest::default()
+    }
+}
+
+fn with_g(g: [f64; 3]) -> WaterRequest {
+    let request = request();
+    let scatter = request.scatter.map(|scatter| ScatterRequest {
+        g: Some(g),
+        ..scatter
+    });
+    WaterRequest { scatter, ..request }
+}
+
+fn render(request: &WaterRequest, range: &Plane<f32>, fidelity: Fidelity) -> (Layers, Plan, Rgb<f32>) {
+    let radiance = Rgb::new([noise(0), noise(1), noise(2)]).unwrap();
+    let optics = Water::resolve(request, 500.0).unwrap();
+    let plan = Plan::for_frame(
+        &SceneStats::measure(&radiance, range, &optics),
+        &optics,
+        None,
+        &[],
+        fidelity,
+    );
+    let layers = water(&radiance, range, &optics, &plan, &mut KernelCache::new()).unwrap();
+    (layers, plan, radiance)
+}
+
+#[test]
+fn scatter_keeps_all_light() {
+    let (gamma, nodes) = scales();
+    let light = noise(0);
+    let spread = scatter(&light, &gamma, &nodes, &mut KernelCache::new());
+    assert!((sum(&spread) / sum(&light) - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn gather_keeps_a_uniform_field() {
+    let (gamma, nodes) = scales();
+    let uniform = gather(
+        &Plane::filled(WIDTH, HEIGHT, 0.5),
+        &gamma,
+        &nodes,
+        &mut KernelCache::new(),
+    );
+    assert!(uniform.data().iter().all(|v| (v - 0.5).abs() < 1e-6));
+}
+
+#[test]
+fn scatter_and_gather_are_adjoint() {
+    let (gamma, nodes) = scales();
+    let (u, v) = (noise(0), noise(1));
+    let cache = &mut KernelCache::new();
+    let (left, right) = (
+        dot(&scatter(&u, &gamma, &nodes, cache), &v),
+        dot(&u, &gather(&v, &gamma, &nodes, cache)),
+    );
+    assert!((left / right - 1.0).abs() < 1e-6, "{left} and {right}");
+}
+
+#[test]
+fn a_flat_wall_is_one_transform() {
+    let range = Plane::filled(WIDTH, HEIGHT, 3.0);
+    let (layers, plan, radiance) = render(&request(), &range, Fidelity::Tolerance(1e-6));
+    let ScatterStep::Interpolated(nodes) = &plan.scatter[1] else {
+        panic!("nothing is spread")
+    };
+    assert_eq!(nodes.terms(), 1);
+    let (g, c, gamma) = (0.1, 0.2, 0.7 * 3.0);
+    let share = f64::exp(-g * 3.0) - f64::exp(-c * 3.0);
+    let mut light: Vec<f64> = radiance.planes()[1]
+        .data()
+        .iter()
+        .map(|&j| f64::from(j) * share)
+        .collect();
+    let mut transform = Dct2::new(WIDTH, HEIGHT);
+    transform.forward(&mut light);
+    light
+        .iter_mut()
+        .zip(Transfer::new(gamma).grid(WIDTH, HEIGHT))
+        .for_each(|(value, h)| *value *= h);
+    transform.inverse(&mut light);
+    for (forward, expected) in layers.forward_scatter.planes()[1].data().iter().zip(light) {
+        assert!((f64::from(*forward) - expected).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn the_image_is_direct_and_scattered_light_and_veil() {
+    let (layers, ..) = render(&request(), &noise(3).map(|r| 1.0 + 9.0 * r), Fidelity::Terms(5));
+    for (x, y) in [(0, 0), (20, 11), (40, 28)] {
+        for channel in 0..3 {
+            let parts =
+                [&layers.direct, &layers.forward_scatter, &layers.backscatter].map(|l| l.at(x, y)[channel]);
+            assert!((layers.scattered.at(x, y)[channel] - parts.iter().sum::<f32>()).abs() < 1e-6);
+            assert!(parts.iter().all(|&part| part > 0.0));
+        }
+    }
+}
+
+#[test]
+fn veiling_light_is_all_that_remains_at_long_range() {
+    let (layers, ..) = render(
+        &request(),
+        &Plane::filled(WIDTH, HEIGHT, 1e4),
+        Fidelity::Tolerance(1e-4),
+    );
+    assert_eq!(layers.scattered.at(7, 7), [0.03, 0.12, 0.18]);
+}
+
+#[test]
+fn the_scene_is_all_there_is_at_no_range() {
+    let (layers, _, radiance) = render(
+        &request(),
+        &Plane::filled(WIDTH, HEIGHT, 0.001),
+        Fidelity::Tolerance(1e-6),
+    );
+    for (seen, scene) in layers.scattered.at(5, 6).iter().zip(radiance.at(5, 6)) {
+        assert!((seen - scene).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn where_all_scattered_light_is_lost_none_is_spread() {
+    let (layers, plan, _) = render(
+        &with_g([0.4, 0.1, 0.1]),
+        &noise(3).map(|r| 1.0 + 9.0 * r),
+        Fidelity::Terms(5),
+    );
+    assert_eq!(plan.scatter[0], ScatterStep::Skip);
+    assert!(
+        layers.forward_scatter.planes()[0]
+            .data()
+            .iter()
+            .all(|&v| v == 0.0)
+    );
+    assert!(layers.forward_scatter.planes()[1].data().iter().all(|&v| v > 0.0));
+}
+
+#[test]
+fn only_the_red_coefficient_changes_only_red() {
+    let range = noise(3).map(|r| 1.0 + 9.0 * r);
+    let (before, ..) = render(&request(), &range, Fidelity::Terms(5));
+    let redder = WaterRequest {
+        beam_attenuation: Some([0.5, 0.2, 0.15]),
+        ..request()
+    };
+    let (after, ..) = render(&redder, &range, Fidelity::Terms(5));
+    assert_ne!(after.scattered.planes()[0], before.scattered.planes()[0]);
+    assert_eq!(after.scattered.planes()[1..], before.scattered.planes()[1..]);
+}
+
+#[test]
+fn range_scale_is_the_same_as_a_longer_range() {
+    let range = noise(3).map(|r| 1.0 + 4.0 * r);
+    let (scaled, ..) = render(
+        &WaterRequest {
+            range_scale: 2.0,
+            ..request()
+        },
+        &range,
+        Fidelity::Terms(6),
+    );
+    let (longer, ..) = render(&request(), &range.map(|z| 2.0 * z), Fidelity::Terms(6));
+    for (a, b) in scaled.scattered.planes().iter().zip(longer.scattered.planes()) {
+        assert!(a.data().iter().zip(b.data()).all(|(a, b)| (a - b).abs() < 2e-6));
+    }
+}
+
+#[test]
+fn holes_follow_their_rule() {
+    let range = Plane::from_fn(WIDTH, HEIGHT, |x, _| if x == 3 { f32::NAN } else { 4.0 });
+    let (background, ..) = render(&request(), &range, Fidelity::Terms(5));
+    assert_eq!((background.holes, background.direct.at(3, 3)), (29, [0.0; 3]));
+    let rule = |holes| WaterRequest { holes, ..request() };
+    let (replaced, ..) = render(&rule(HoleRule::Range(4.0)), &range, Fidelity::Terms(5));
+    let (flat, ..) = render(&request(), &Plane::filled(WIDTH, HEIGHT, 4.0), Fidelity::Terms(5));
+    assert_eq!((replaced.holes, &replaced.scattered), (29, &flat.scattered));
+    let optics = Water::resolve(&rule(HoleRule::Reject), 500.0).unwrap();
+    let plan = Plan::without_water(None, &[]);
+    let radiance = Rgb::new([noise(0), noise(1), noise(2)]).unwrap();
+    let error = water(&radiance, &range, &optics, &plan, &mut KernelCache::new()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "29 pixels have no valid range and the rule for holes is `reject`"
+    );
+}
+
+#[test]
+fn frames_that_do_not_fit_are_refused() {
+    let optics = Water::resolve(&request(), 500.0).unwrap();
+    let plan = Plan::without_water(None, &[]);
+    let radiance = |w, h| Rgb::from_fn(w, h, |_, _| [0.5f32; 3]);
+    let refused = |radiance: Rgb<f32>, range: Plane<f32>| {
+        water(&radiance, &range, &optics, &plan, &mut KernelCache::new())
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(
+        refused(radiance(4, 3), Plane::filled(4, 4, 1.0)),
+        "range map is 4×4 but the image is 4×3"
+    );
+    assert_eq!(
+        refused(radiance(0, 3), Plane::filled(0, 3, 1.0)),
+        "the frame is empty: 0×3"
+    );
+}
