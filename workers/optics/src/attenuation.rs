@@ -54,9 +54,14 @@ pub fn scattered_share(g: f32, excess: f32, z: f32) -> f32 {
 
 /// Whether the range is one, and a range to compute with in either case: finite and not negative.
 #[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "NaN has to become 0, and stays NaN through clamp"
+)]
 pub(crate) fn masked(z: f32) -> (bool, f32) {
-    // No `&&` and no constant in place of a hole: either would become a branch, and the loop scalar.
-    ((z >= SHORTEST_M) & (z <= f32::MAX), z.max(0.0).min(f32::MAX))
+    // No short circuit and no constant in place of a hole: either would become a branch, and the loop scalar.
+    let (far_enough, finite) = (z >= SHORTEST_M, z <= f32::MAX);
+    (far_enough & finite, z.max(0.0).min(f32::MAX))
 }
 
 /// Coefficients of one channel in f32.

@@ -74,7 +74,9 @@ pub fn water(
         water,
     };
     let band = |c: usize| fast::band(&frame, &radiance.planes()[c], c, &plan.scatter[c], cache);
-    Ok(layers([0, 1, 2].map(band), holes))
+    let bands = [0, 1, 2].map(band);
+    cache.trim();
+    Ok(layers(bands, holes))
 }
 
 /// One channel of [`Layers`].

@@ -66,32 +66,55 @@ pub fn haze(image: Rgb<f32>, lights: &[HazeLight], space: HazeSpace) -> Rgb<f32>
     }
 }
 
+/// A light weaker than this leaves every f32 of ordinary brightness as it is.
+const NOTHING: f64 = 1e-9;
+
 fn lay(mut image: Rgb<f32>, light: &HazeLight) -> Rgb<f32> {
     let (width, height) = image.size();
     let falloff = |distance: f64| (-distance * distance / (2.0 * light.size * light.size)).exp();
     let aspect = width as f64 / height as f64;
+    let strength = light.intensity.min(1.0);
     // The Gaussian is a product of one along the row and one along the column.
-    let across: Vec<f32> = (0..width)
-        .map(|x| falloff(((x as f64 + 0.5) / width as f64 - light.x) * aspect) as f32)
+    let across: Vec<f64> = (0..width)
+        .map(|x| falloff(((x as f64 + 0.5) / width as f64 - light.x) * aspect))
         .collect();
     let down: Vec<f64> = (0..height)
-        .map(|y| falloff((y as f64 + 0.5) / height as f64 - light.y))
+        .map(|y| strength * falloff((y as f64 + 0.5) / height as f64 - light.y))
         .collect();
-    let strength = light.intensity.min(1.0);
+    let (Some(left), Some(right)) = (
+        across.iter().position(|&a| a > NOTHING),
+        across.iter().rposition(|&a| a > NOTHING),
+    ) else {
+        return image;
+    };
+    let across: Vec<f32> = across[left..=right].iter().map(|&a| a as f32).collect();
     for (plane, color) in image.planes_mut().into_iter().zip(light.color) {
-        let color = color as f32;
-        for (row, down) in plane.chunks_exact_mut(width).zip(&down) {
-            let strength = (strength * down) as f32;
-            for (sample, across) in row.iter_mut().zip(&across) {
-                let alpha = strength * across;
-                *sample = match light.blend {
-                    HazeBlend::Over => *sample * (1.0 - alpha) + color * alpha,
-                    HazeBlend::Add => *sample + color * alpha,
-                };
+        for (row, &strength) in plane
+            .chunks_exact_mut(width)
+            .zip(&down)
+            .filter(|(_, s)| **s > NOTHING)
+        {
+            let row = &mut row[left..=right];
+            match light.blend {
+                HazeBlend::Over => cover(row, &across, strength as f32, color as f32),
+                HazeBlend::Add => add(row, &across, strength as f32, color as f32),
             }
         }
     }
     image
+}
+
+fn cover(row: &mut [f32], across: &[f32], strength: f32, color: f32) {
+    for (sample, across) in row.iter_mut().zip(across) {
+        let alpha = strength * across;
+        *sample = *sample * (1.0 - alpha) + color * alpha;
+    }
+}
+
+fn add(row: &mut [f32], across: &[f32], strength: f32, color: f32) {
+    for (sample, across) in row.iter_mut().zip(across) {
+        *sample += color * (strength * across);
+    }
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ fn forms() -> [(&'static str, Water); 3] {
             scatter: Some(scatter),
             ..WaterRequest::default()
         };
-        (name, Water::resolve(&request, 500.0).unwrap())
+        (name, Water::resolve(&request, 500.0).expect("a consistent water"))
     };
     [
         form("jaffe", ScatterModel::Jaffe, ScatterSource::Radiance),
@@ -77,11 +77,11 @@ fn fast(
         &[],
         fidelity,
     );
-    water(radiance, range, optics, &plan, cache).unwrap()
+    water(radiance, range, optics, &plan, cache).expect("a good frame")
 }
 
 fn reference(radiance: &Rgb<f32>, range: &Plane<f32>, optics: &Water) -> Layers<f64> {
-    water_reference(&radiance.map(|&j| j.into()), &range.map(|&z| z.into()), optics).unwrap()
+    water_reference(&radiance.map(|&j| j.into()), &range.map(|&z| z.into()), optics).expect("a small frame")
 }
 
 /// The largest difference in any layer; NaN counts as infinite.

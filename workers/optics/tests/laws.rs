@@ -64,8 +64,8 @@ fn with_g(g: [f64; 3]) -> WaterRequest {
 }
 
 fn render(request: &WaterRequest, range: &Plane<f32>, fidelity: Fidelity) -> (Layers, Plan, Rgb<f32>) {
-    let radiance = Rgb::new([noise(0), noise(1), noise(2)]).unwrap();
-    let optics = Water::resolve(request, 500.0).unwrap();
+    let radiance = Rgb::new([noise(0), noise(1), noise(2)]).expect("planes of one size");
+    let optics = Water::resolve(request, 500.0).expect("a consistent water");
     let plan = Plan::for_frame(
         &SceneStats::measure(&radiance, range, &optics),
         &optics,
@@ -73,7 +73,7 @@ fn render(request: &WaterRequest, range: &Plane<f32>, fidelity: Fidelity) -> (La
         &[],
         fidelity,
     );
-    let layers = water(&radiance, range, &optics, &plan, &mut KernelCache::new()).unwrap();
+    let layers = water(&radiance, range, &optics, &plan, &mut KernelCache::new()).expect("a good frame");
     (layers, plan, radiance)
 }
 

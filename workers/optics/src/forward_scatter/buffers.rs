@@ -1,6 +1,9 @@
 //! Planes that are used again. Fresh memory costs a page fault for each 4 KiB: more than the water computes in that time.
 
-/// Unused planes that are kept: the twelve of a frame's layers and those that one channel works with.
+/// Memory that unused planes may take: twenty of 1920×1080, the twelve of a frame's layers and those that one channel works
+/// with. Of larger frames fewer are kept.
+pub(super) const MOST_KEPT_BYTES: usize = 160 << 20;
+/// No frame needs more at once.
 const MOST_KEPT: usize = 20;
 
 /// Unused planes of one length.
@@ -18,8 +21,16 @@ impl Buffers {
 
     /// Keeps planes for later.
     pub(crate) fn give(&mut self, planes: impl IntoIterator<Item = Vec<f32>>) {
-        let room = MOST_KEPT - self.unused.len();
-        self.unused.extend(planes.into_iter().take(room));
+        for plane in planes {
+            let kept: usize = self
+                .unused
+                .iter()
+                .map(|unused| size_of_val(unused.as_slice()))
+                .sum();
+            if self.unused.len() < MOST_KEPT && kept + size_of_val(plane.as_slice()) <= MOST_KEPT_BYTES {
+                self.unused.push(plane);
+            }
+        }
     }
 }
 

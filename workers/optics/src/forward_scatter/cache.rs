@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use imaging::dct::{Complex, PairDct};
 
-use super::buffers::Buffers;
+use super::buffers::{Buffers, MOST_KEPT_BYTES};
 use crate::chain::Layers;
 use crate::kernel::Transfer;
 
@@ -103,6 +103,12 @@ impl KernelCache {
             samples: vec![Complex::default(); width * height],
             spectrum: vec![Complex::default(); width * height],
         })
+    }
+
+    /// Lets go of the work planes of a very large frame.
+    pub(crate) fn trim(&mut self) {
+        self.work
+            .take_if(|work| 2 * size_of_val(work.samples.as_slice()) > MOST_KEPT_BYTES);
     }
 
     /// Bytes that the transfer functions take now.

@@ -17,16 +17,17 @@ const MEASURED: &[&str] = &[
     "standard deviations of the scattering are typically 20 to 50 %",
 ];
 const FEW: &[&str] = &[NARROW, KD, "fewer than five campaigns in red"];
-const INVERTED: &[&str] = &[
+const NOT_MEASURED: &str = "absorption and scattering are inverted from K_d, not measured; the inversion is printed with a small-particle \
+     constant of 1.513 where Haltrin 1999 has 1.151302";
+const BELOW_KD: &str = "the scattering is marked suspect in the transcription; beam attenuation in red lies below the tabulated K_d";
+const INVERTED: &[&str] = &[NARROW, KD, NOT_MEASURED];
+const SUSPECT: &[&str] = &[NARROW, KD, NOT_MEASURED, BELOW_KD];
+const SUSPECT_CLEAREST: &[&str] = &[
     NARROW,
     KD,
-    "absorption and scattering are inverted from K_d, not measured",
-];
-const SUSPECT: &[&str] = &[
-    NARROW,
-    KD,
-    "absorption and scattering are inverted from K_d, not measured; the scattering is marked suspect in the transcription",
-    "beam attenuation in red lies below the tabulated K_d",
+    NOT_MEASURED,
+    BELOW_KD,
+    "Jerlov's K_d of type I lies below that of pure sea water at 9 of 15 wavelengths; Austin & Petzold 1986 recommend other values",
 ];
 const INCOMPLETE: &[&str] = &[
     NARROW,
@@ -85,7 +86,7 @@ const SOLONENKO_ROWS: [Row; 10] = [
         "jerlov-I/solonenko2015",
         Some([0.334, 0.062, 0.018]),
         [0.0009, 0.0017, 0.0038],
-        SUSPECT,
+        SUSPECT_CLEAREST,
     ),
     (
         "jerlov-IA/solonenko2015",

@@ -18,7 +18,7 @@ const ORDERS: [&[&str]; 2] = [&["I", "IA", "IB", "II", "III"], &["1C", "3C", "5C
 const CLEAR_LIMIT_PER_M: f64 = 0.5;
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// Checks a set of presets: within one source attenuation grows with the type in every channel; clear water is clear;
+/// Checks a set of presets: within one source attenuation and K_d grow with the type in every channel; clear water is clear;
 /// K_d has the colour of its type; c = a + b; nothing is negative or not finite. Answers every defect.
 #[must_use]
 pub fn self_test(presets: &[Preset]) -> Vec<Defect> {
@@ -105,15 +105,19 @@ fn pairs(presets: &[Preset], lower: &str, higher: &str, defects: &mut Vec<Defect
             .iter()
             .filter(|preset| water(preset) == higher && preset.source == clear.source)
         {
-            let Some((c, m)) = clear.beam_attenuation.zip(murky.beam_attenuation) else {
-                continue;
-            };
-            for channel in (0..3).filter(|&channel| m[channel] < c[channel]) {
-                let what = format!("attenuates less than {} in {}", clear.name, CHANNELS[channel]);
-                defects.push(Defect {
-                    preset: murky.name.to_owned(),
-                    what,
-                });
+            let kinds = [
+                ("beam attenuation", clear.beam_attenuation, murky.beam_attenuation),
+                ("K_d", clear.diffuse_attenuation, murky.diffuse_attenuation),
+            ];
+            for (kind, c, m) in kinds {
+                let Some((c, m)) = c.zip(m) else { continue };
+                for channel in (0..3).filter(|&channel| m[channel] < c[channel]) {
+                    let what = format!("less {kind} than {} in {}", clear.name, CHANNELS[channel]);
+                    defects.push(Defect {
+                        preset: murky.name.to_owned(),
+                        what,
+                    });
+                }
             }
         }
     }
@@ -163,7 +167,7 @@ mod tests {
         assert!(
             defects
                 .iter()
-                .any(|defect| defect.what.starts_with("attenuates less"))
+                .any(|defect| defect.what.starts_with("less beam attenuation"))
         );
     }
 }

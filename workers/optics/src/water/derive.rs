@@ -68,31 +68,12 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     let diffuse_attenuation = request
         .diffuse_attenuation
         .or(preset.and_then(|p| p.diffuse_attenuation));
-    let decay = request
-        .depth_m
-        .zip(diffuse_attenuation)
-        .map(|(h, kd)| kd.map(|k| (-k * h).exp()));
-    if request.ambient != Ambient::None && decay.is_none() {
-        let (field, reason) = if request.depth_m.is_none() {
-            ("depth_m", "ambient light decays with it")
-        } else {
-            ("diffuse_attenuation_per_m", "ambient light decays with it")
-        };
-        checks.errors.push(WaterError::Missing { field, reason });
-    }
+    let decay = checks.decay(request, diffuse_attenuation);
     let given_veil = request.veiling_light.or(preset.and_then(|p| p.veiling_light));
-    let veiling_light = match (given_veil, diffuse_attenuation) {
-        (Some(veil), _) if request.ambient == Ambient::Absolute => {
-            decay.map(|decay| each(|i| veil[i] * decay[i]))
-        }
-        (Some(veil), _) => Some(veil),
-        (None, Some(kd)) => {
-            checks.derived.push("veiling_light");
-            let daylight = kd.map(|k| (-k * request.depth_m.unwrap_or(VEIL_DEPTH_M)).exp());
-            let brightest = daylight.into_iter().fold(f64::MIN_POSITIVE, f64::max);
-            Some(daylight.map(|e| request.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
-        }
-        (None, None) => None,
+    let veiling_light = match given_veil {
+        Some(veil) if request.ambient == Ambient::Absolute => decay.map(|decay| each(|i| veil[i] * decay[i])),
+        Some(veil) => Some(veil),
+        None => checks.daylight_veil(request, diffuse_attenuation),
     };
     if veiling_light.is_none() && given_veil.is_none() && (preset.is_some() || request.preset.is_none()) {
         let reason = "give it, or diffuse_attenuation_per_m to derive its colour from";
@@ -239,6 +220,39 @@ impl Checks {
                 .into_iter()
                 .for_each(|value| self.range(field, None, value, least, most));
         }
+    }
+
+    /// exp(−K_d h) where depth and K_d are known; an error where ambient light asks for it and they are not.
+    fn decay(&mut self, request: &WaterRequest, diffuse_attenuation: Option<[f64; 3]>) -> Option<[f64; 3]> {
+        let decay = request
+            .depth_m
+            .zip(diffuse_attenuation)
+            .map(|(h, kd)| kd.map(|k| (-k * h).exp()));
+        if request.ambient != Ambient::None && decay.is_none() {
+            let field = if request.depth_m.is_none() {
+                "depth_m"
+            } else {
+                "diffuse_attenuation_per_m"
+            };
+            self.errors.push(WaterError::Missing {
+                field,
+                reason: "ambient light decays with it",
+            });
+        }
+        decay
+    }
+
+    /// The veil that daylight at the depth colours, where K_d is known.
+    fn daylight_veil(
+        &mut self,
+        request: &WaterRequest,
+        diffuse_attenuation: Option<[f64; 3]>,
+    ) -> Option<[f64; 3]> {
+        let depth_m = request.depth_m.unwrap_or(VEIL_DEPTH_M);
+        let daylight = diffuse_attenuation?.map(|k| (-k * depth_m).exp());
+        self.derived.push("veiling_light");
+        let brightest = daylight.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        Some(daylight.map(|e| request.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
     }
 
     /// No part of the beam attenuation exceeds it in any channel.
