@@ -36,14 +36,13 @@ const SEABED: u16 = u16::MAX - 1;
 pub fn render(seed: u64, width: usize, height: usize, intrinsics: Intrinsics) -> Scene {
     let site = Site::of(seed, (width, height), &intrinsics);
     let shader = Shader::new(&site);
-    let arch = pulp::Arch::new();
     let mut bands = [const { Vec::new() }; 3];
     let mut range = Vec::with_capacity(width * height);
     let mut instances = Vec::with_capacity(width * height);
     let (mut parameter, mut owner) = (vec![0.0f32; width], vec![NOTHING; width]);
     for y in 0..height {
-        trace(&site, shader.frames(), arch, y, &mut parameter, &mut owner);
-        shader.row(arch, y, &parameter, &owner, &mut bands);
+        trace(&site, shader.frames(), y, &mut parameter, &mut owner);
+        shader.row(y, &parameter, &owner, &mut bands);
         for x in 0..width {
             let length = site.camera.ray(x as f32, y as f32).length();
             range.push(parameter[x] * length);
@@ -65,14 +64,7 @@ pub fn render(seed: u64, width: usize, height: usize, intrinsics: Intrinsics) ->
 }
 
 /// The nearest surface for every ray of a row: its parameter along the ray (infinite: none) and whose it is.
-fn trace(
-    site: &Site,
-    frames: &[shade::Frame],
-    arch: pulp::Arch,
-    y: usize,
-    parameter: &mut [f32],
-    owner: &mut [u16],
-) {
+fn trace(site: &Site, frames: &[shade::Frame], y: usize, parameter: &mut [f32], owner: &mut [u16]) {
     let camera = &site.camera;
     for (x, (parameter, owner)) in parameter.iter_mut().zip(&mut *owner).enumerate() {
         let ray = camera.ray(x as f32, y as f32);
@@ -95,7 +87,7 @@ fn trace(
             parameter: &mut parameter[columns.clone()],
             owner: &mut owner[columns],
         };
-        solid.meet(arch, &rays, nearest, index as u16);
+        solid.meet(&rays, nearest, index as u16);
     }
 }
 

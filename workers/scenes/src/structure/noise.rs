@@ -1,6 +1,8 @@
 //! Seeded noise over space: gradient noise with its analytic slope (Perlin 2002; derivative after Quilez 2008),
 //! sums of its octaves, and scattered dots. The lattice is hashed with integers, so it is the same everywhere.
 
+use imaging::simd::vectorised;
+
 use super::lanes::{LANES, Lane, Lane3, ZEROS, clamp01, floor};
 
 /// Noise values, about -1..1 and 0 on average, and their slopes per metre.
@@ -12,7 +14,6 @@ pub(super) struct Noise {
 
 /// Where noise is asked for.
 pub(super) struct Site<'a> {
-    pub arch: pulp::Arch,
     /// Position in metres.
     pub position: &'a Lane3,
     /// Length in metres that a pixel covers on the surface.
@@ -59,16 +60,11 @@ impl Site<'_> {
             let key = octaves
                 .key
                 .wrapping_add(0x9e37_79b9u32.wrapping_mul(octave as u32 + 1));
-            self.arch.dispatch(|| {
-                add_octave(
-                    &mut sum,
-                    self.position,
-                    self.footprint,
-                    per_metre,
-                    (weight, fastest),
-                    key,
-                )
-            });
+            let (position, footprint) = (self.position, self.footprint);
+            vectorised(
+                #[inline(always)]
+                || add_octave(&mut sum, position, footprint, per_metre, (weight, fastest), key),
+            );
             weight *= 0.5;
             // Not exactly 2: lattice planes of successive octaves must not coincide.
             per_metre = per_metre.map(|f| f * 2.03);
@@ -83,17 +79,11 @@ impl Site<'_> {
             slope: [ZEROS; 3],
         };
         if per_metre * self.finest < 0.5 {
-            self.arch.dispatch(|| {
-                put_dots(
-                    &mut dots,
-                    self.position,
-                    self.footprint,
-                    per_metre,
-                    radius,
-                    share,
-                    key,
-                )
-            });
+            let (position, footprint) = (self.position, self.footprint);
+            vectorised(
+                #[inline(always)]
+                || put_dots(&mut dots, position, footprint, per_metre, radius, share, key),
+            );
         }
         dots
     }
@@ -249,7 +239,6 @@ mod tests {
     fn sample(position: [f32; 3], octaves: Octaves) -> (f32, [f32; 3]) {
         let position = position.map(|p| [p; LANES]);
         let site = Site {
-            arch: pulp::Arch::new(),
             position: &position,
             footprint: &[1e-6; LANES],
             finest: 1e-6,
@@ -284,7 +273,6 @@ mod tests {
     fn noise_finer_than_two_pixels_is_left_out() {
         let position = [[0.3; LANES], [0.4; LANES], [0.7; LANES]];
         let site = Site {
-            arch: pulp::Arch::new(),
             position: &position,
             footprint: &[0.3; LANES],
             finest: 0.3,

@@ -104,14 +104,7 @@ impl<'a> Shader<'a> {
     }
 
     /// Appends the light of a row to the three bands.
-    pub(super) fn row(
-        &self,
-        arch: pulp::Arch,
-        y: usize,
-        parameter: &[f32],
-        owner: &[u16],
-        bands: &mut [Vec<f32>; 3],
-    ) {
+    pub(super) fn row(&self, y: usize, parameter: &[f32], owner: &[u16], bands: &mut [Vec<f32>; 3]) {
         let mut start = 0;
         while start < owner.len() {
             let same = owner[start..]
@@ -130,7 +123,7 @@ impl<'a> Shader<'a> {
                     .zip(BACKDROP)
                     .for_each(|(band, light)| band.extend(std::iter::repeat_n(light, same)));
             } else {
-                let light = self.run(arch, &run, parameter);
+                let light = self.run(&run, parameter);
                 bands
                     .iter_mut()
                     .zip(light)
@@ -140,7 +133,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    fn run(&self, arch: pulp::Arch, run: &Run, parameter: &[f32]) -> Lane3 {
+    fn run(&self, run: &Run, parameter: &[f32]) -> Lane3 {
         let camera = &self.site.camera;
         let solid = (run.owner != SEABED).then(|| &self.site.solids[usize::from(run.owner)]);
         let pose = solid.map_or(Pose::upright(ZERO, 0.0), |solid| solid.pose);
@@ -167,20 +160,19 @@ impl<'a> Shader<'a> {
         }
         let (mut normal, mut edge) = ([ZEROS, ZEROS, [1.0; LANES]], ZEROS);
         if let Some(solid) = solid {
-            solid.normals(arch, &local, BEVEL_M, &mut normal, &mut edge);
+            solid.normals(&local, BEVEL_M, &mut normal, &mut edge);
         }
         let footprint = lane(|i| range[i] * camera.pixel_angle() / larger(dot(&normal, &view, i), 0.2));
         let finest = footprint.iter().copied().fold(f32::INFINITY, f32::min);
         let surface = finish.surface(
             &noise::Site {
-                arch,
                 position: &grain,
                 footprint: &footprint,
                 finest,
             },
             &edge,
         );
-        let open = self.openness(arch, run, &world, solid);
+        let open = self.openness(run, &world, solid);
         let up = pose.direction_in(UP);
         let ahead = pose.direction_in(camera.ahead);
         let lit = Lit {
@@ -195,12 +187,12 @@ impl<'a> Shader<'a> {
     }
 
     /// How open each point is to the light from above: less where another solid or the seabed is near.
-    fn openness(&self, arch: pulp::Arch, run: &Run, world: &Lane3, own: Option<&Solid>) -> Lane {
+    fn openness(&self, run: &Run, world: &Lane3, own: Option<&Solid>) -> Lane {
         let mut distance = [CONTACT_M; LANES];
         for (index, (solid, frame)) in self.site.solids.iter().zip(&self.frames).enumerate() {
             let other = index != usize::from(run.owner);
             if other && frame.may_shade(run.y, &run.columns) {
-                solid.approach(arch, world, &mut distance);
+                solid.approach(world, &mut distance);
             }
         }
         lane(|i| {

@@ -7,6 +7,8 @@ mod ring;
 mod stone;
 mod tube;
 
+use imaging::simd::vectorised;
+
 use super::lanes::{LANES, Lane3};
 use super::vector::{Pose, Vec3, vec3};
 
@@ -53,50 +55,208 @@ pub(super) struct Nearest<'a> {
 
 impl Solid {
     /// Takes over the rays that meet this solid first.
-    pub(super) fn meet(&self, arch: pulp::Arch, rays: &Rays, nearest: Nearest<'_>, owner: u16) {
+    pub(super) fn meet(&self, rays: &Rays, mut nearest: Nearest<'_>, owner: u16) {
         let rays = Rays {
             eye: self.pose.point_in(rays.eye),
             first: self.pose.direction_in(rays.first),
             step: self.pose.direction_in(rays.step),
         };
         match &self.shape {
-            Shape::Tube(tube) => arch.dispatch(|| take(&rays, nearest, owner, |o, d| tube.enter(o, d))),
-            Shape::Block(block) => arch.dispatch(|| take(&rays, nearest, owner, |o, d| block.enter(o, d))),
-            Shape::Ball(ball) => arch.dispatch(|| take(&rays, nearest, owner, |o, d| ball.enter(o, d))),
-            Shape::Stone(stone) => arch.dispatch(|| take(&rays, nearest, owner, |o, d| stone.enter(o, d))),
-            Shape::Ring(ring) => arch.dispatch(|| take(&rays, nearest, owner, |o, d| ring.enter(o, d))),
+            Shape::Tube(tube) => vectorised(
+                #[inline(always)]
+                || {
+                    take(
+                        &rays,
+                        &mut nearest,
+                        owner,
+                        #[inline(always)]
+                        |o, d| tube.enter(o, d),
+                    )
+                },
+            ),
+            Shape::Block(block) => vectorised(
+                #[inline(always)]
+                || {
+                    take(
+                        &rays,
+                        &mut nearest,
+                        owner,
+                        #[inline(always)]
+                        |o, d| block.enter(o, d),
+                    )
+                },
+            ),
+            Shape::Ball(ball) => vectorised(
+                #[inline(always)]
+                || {
+                    take(
+                        &rays,
+                        &mut nearest,
+                        owner,
+                        #[inline(always)]
+                        |o, d| ball.enter(o, d),
+                    )
+                },
+            ),
+            Shape::Stone(stone) => vectorised(
+                #[inline(always)]
+                || {
+                    take(
+                        &rays,
+                        &mut nearest,
+                        owner,
+                        #[inline(always)]
+                        |o, d| stone.enter(o, d),
+                    )
+                },
+            ),
+            Shape::Ring(ring) => vectorised(
+                #[inline(always)]
+                || {
+                    take(
+                        &rays,
+                        &mut nearest,
+                        owner,
+                        #[inline(always)]
+                        |o, d| ring.enter(o, d),
+                    )
+                },
+            ),
         }
     }
 
     /// Lowers each of `distances` to the distance in metres of its point from the surface; for balls and stones a lower bound
     /// of about the right size.
-    pub(super) fn approach(&self, arch: pulp::Arch, points: &Lane3, distances: &mut [f32; LANES]) {
+    pub(super) fn approach(&self, points: &Lane3, distances: &mut [f32; LANES]) {
         let pose = &self.pose;
         match &self.shape {
-            Shape::Tube(tube) => arch.dispatch(|| lower(pose, points, distances, |p| tube.distance(p))),
-            Shape::Block(block) => arch.dispatch(|| lower(pose, points, distances, |p| block.distance(p))),
-            Shape::Ball(ball) => arch.dispatch(|| lower(pose, points, distances, |p| ball.distance(p))),
-            Shape::Stone(stone) => arch.dispatch(|| lower(pose, points, distances, |p| stone.distance(p))),
-            Shape::Ring(ring) => arch.dispatch(|| lower(pose, points, distances, |p| ring.distance(p))),
+            Shape::Tube(tube) => vectorised(
+                #[inline(always)]
+                || {
+                    lower(
+                        pose,
+                        points,
+                        distances,
+                        #[inline(always)]
+                        |p| tube.distance(p),
+                    )
+                },
+            ),
+            Shape::Block(block) => vectorised(
+                #[inline(always)]
+                || {
+                    lower(
+                        pose,
+                        points,
+                        distances,
+                        #[inline(always)]
+                        |p| block.distance(p),
+                    )
+                },
+            ),
+            Shape::Ball(ball) => vectorised(
+                #[inline(always)]
+                || {
+                    lower(
+                        pose,
+                        points,
+                        distances,
+                        #[inline(always)]
+                        |p| ball.distance(p),
+                    )
+                },
+            ),
+            Shape::Stone(stone) => vectorised(
+                #[inline(always)]
+                || {
+                    lower(
+                        pose,
+                        points,
+                        distances,
+                        #[inline(always)]
+                        |p| stone.distance(p),
+                    )
+                },
+            ),
+            Shape::Ring(ring) => vectorised(
+                #[inline(always)]
+                || {
+                    lower(
+                        pose,
+                        points,
+                        distances,
+                        #[inline(always)]
+                        |p| ring.distance(p),
+                    )
+                },
+            ),
         }
     }
 
     /// Unit normals of points on the surface, in this solid's frame, and how close each is to an edge, 0..1.
     /// Edges are rounded over `bevel` metres in the normal only.
-    pub(super) fn normals(
-        &self,
-        arch: pulp::Arch,
-        local: &Lane3,
-        bevel: f32,
-        normals: &mut Lane3,
-        edge: &mut [f32; LANES],
-    ) {
+    pub(super) fn normals(&self, local: &Lane3, bevel: f32, normals: &mut Lane3, edge: &mut [f32; LANES]) {
         match &self.shape {
-            Shape::Tube(tube) => arch.dispatch(|| orient(local, normals, edge, |p| tube.normal(p, bevel))),
-            Shape::Block(block) => arch.dispatch(|| orient(local, normals, edge, |p| block.normal(p, bevel))),
-            Shape::Ball(ball) => arch.dispatch(|| orient(local, normals, edge, |p| (ball.normal(p), 0.0))),
-            Shape::Stone(stone) => arch.dispatch(|| orient(local, normals, edge, |p| stone.normal(p, bevel))),
-            Shape::Ring(ring) => arch.dispatch(|| orient(local, normals, edge, |p| (ring.normal(p), 0.0))),
+            Shape::Tube(tube) => vectorised(
+                #[inline(always)]
+                || {
+                    orient(
+                        local,
+                        normals,
+                        edge,
+                        #[inline(always)]
+                        |p| tube.normal(p, bevel),
+                    )
+                },
+            ),
+            Shape::Block(block) => vectorised(
+                #[inline(always)]
+                || {
+                    orient(
+                        local,
+                        normals,
+                        edge,
+                        #[inline(always)]
+                        |p| block.normal(p, bevel),
+                    )
+                },
+            ),
+            Shape::Ball(ball) => vectorised(
+                #[inline(always)]
+                || {
+                    orient(
+                        local,
+                        normals,
+                        edge,
+                        #[inline(always)]
+                        |p| (ball.normal(p), 0.0),
+                    )
+                },
+            ),
+            Shape::Stone(stone) => vectorised(
+                #[inline(always)]
+                || {
+                    orient(
+                        local,
+                        normals,
+                        edge,
+                        #[inline(always)]
+                        |p| stone.normal(p, bevel),
+                    )
+                },
+            ),
+            Shape::Ring(ring) => vectorised(
+                #[inline(always)]
+                || {
+                    orient(
+                        local,
+                        normals,
+                        edge,
+                        #[inline(always)]
+                        |p| (ring.normal(p), 0.0),
+                    )
+                },
+            ),
         }
     }
 
@@ -121,12 +281,12 @@ impl Solid {
 }
 
 #[inline(always)]
-fn take(rays: &Rays, nearest: Nearest<'_>, owner: u16, enter: impl Fn(Vec3, Vec3) -> f32) {
+fn take(rays: &Rays, nearest: &mut Nearest<'_>, owner: u16, enter: impl Fn(Vec3, Vec3) -> f32) {
     let Nearest {
         parameter,
         owner: owners,
     } = nearest;
-    for (i, (parameter, held)) in parameter.iter_mut().zip(owners).enumerate() {
+    for (i, (parameter, held)) in parameter.iter_mut().zip(owners.iter_mut()).enumerate() {
         let found = enter(rays.eye, rays.first + rays.step * (i as i32 as f32));
         let closer = found < *parameter;
         *parameter = if closer { found } else { *parameter };
