@@ -5,6 +5,12 @@ use crate::limits;
 /// A message that arrived whole but does not make sense.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MessageError {
+    /// The bytes end inside of a field.
+    #[error("the message is cut off or no message of this protocol")]
+    Cut,
+    /// A field has another type than the protocol says.
+    #[error("the message is not of this protocol: {0}")]
+    Wire(String),
     /// The sender must set this field.
     #[error("`{field}` is missing")]
     Missing {

@@ -1,5 +1,7 @@
 //! How large the parts of a message may be.
 
+/// Fields of a message, repeated ones counted each time: a beat with all its tokens has half as many.
+pub const MESSAGE_FIELDS: usize = 8192;
 /// Ids are a prefix and a UUID: 40 characters.
 pub const ID_BYTES: usize = 64;
 /// Names of workers, versions, lists of CPU features.

@@ -1,5 +1,6 @@
 //! Extractors whose refusals are problems that name what was refused.
 
+use std::marker::PhantomData;
 use std::time::Duration;
 
 use axum::RequestPartsExt;
@@ -9,12 +10,11 @@ use axum::extract::{FromRequest, FromRequestParts, Multipart, OptionalFromReques
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use proto::MessageError;
 use serde::de::DeserializeOwned;
 
 use crate::limits;
 use crate::problem::{Problem, Slug};
-
-const PROTOBUF: &str = "application/x-protobuf";
 
 /// Query parameters.
 pub(crate) struct Query<T>(pub(crate) T);
@@ -72,17 +72,21 @@ impl<S: Send + Sync> FromRequest<S> for MultipartBody {
     }
 }
 
-/// A protobuf message.
-pub(crate) struct Proto<M>(pub(crate) M);
+/// A message of a worker, decoded from its wire form and checked: no route sees one that is not.
+pub(crate) struct Checked<W, M>(pub(crate) M, pub(crate) PhantomData<W>);
 
-impl<M: prost::Message + Default, S: Send + Sync> FromRequest<S> for Proto<M> {
+impl<W, M, S> FromRequest<S> for Checked<W, M>
+where
+    W: prost::Message + Default,
+    M: TryFrom<W, Error = MessageError>,
+    S: Send + Sync,
+{
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
-        media_type(request.headers(), PROTOBUF)?;
+        media_type(request.headers(), proto::CONTENT_TYPE)?;
         let bytes = body(request, state).await?;
-        let message = M::decode(bytes).map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
-        Ok(Self(message))
+        Ok(Self(proto::decode(&bytes)?, PhantomData))
     }
 }
 
@@ -91,7 +95,11 @@ pub(crate) struct ProtoBody<M>(pub(crate) M);
 
 impl<M: prost::Message> IntoResponse for ProtoBody<M> {
     fn into_response(self) -> Response {
-        ([(header::CONTENT_TYPE, PROTOBUF)], self.0.encode_to_vec()).into_response()
+        (
+            [(header::CONTENT_TYPE, proto::CONTENT_TYPE)],
+            self.0.encode_to_vec(),
+        )
+            .into_response()
     }
 }
 

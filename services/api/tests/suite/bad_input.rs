@@ -23,7 +23,7 @@ fn counted(data: &TempDir) -> String {
 }
 
 /// Runs refusals against a service that already holds a job, a scene and images; nothing may have changed afterwards.
-fn nothing_changes(refusals: impl FnOnce(&Running)) {
+pub(crate) fn nothing_changes(refusals: impl FnOnce(&Running)) {
     let service = start();
     service.submit(&job());
     assert_eq!(service.upload(&[("rgb", &png(8, 6))]).status, 201);
@@ -349,29 +349,5 @@ fn bad_questions_are_refused_with_what_is_wrong() {
         let refused = service.post("/v1/waters", &json!({}));
         refused.problem(405, "method-not-allowed");
         assert_eq!(refused.header("allow"), "GET,HEAD");
-    });
-}
-
-#[test]
-fn bytes_that_are_no_message_are_refused_by_the_worker_routes() {
-    let protobuf = [("content-type", "application/x-protobuf")];
-    nothing_changes(|service| {
-        for call in [
-            "register",
-            "lease",
-            "beat",
-            "artifacts",
-            "commit",
-            "fail",
-            "release",
-        ] {
-            let path = format!("/v1/worker/{call}");
-            service
-                .post_with(&path, &protobuf, &[0xff; 40])
-                .problem(400, "invalid-body");
-            service
-                .post_with(&path, &[], b"")
-                .problem(415, "unsupported-media-type");
-        }
     });
 }

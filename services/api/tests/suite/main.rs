@@ -11,3 +11,4 @@ mod documents;
 mod images;
 mod jobs;
 mod load;
+mod messages;

@@ -6,16 +6,15 @@ use proto::wire::{PutArtifactsRequest, PutArtifactsResponse};
 use store::Blob;
 
 use super::stale_lease;
-use crate::extract::{Proto, ProtoBody};
+use crate::extract::{Checked, ProtoBody};
 use crate::problem::Problem;
 use crate::state::Shared;
 
 /// Stores the files of a frame; they are durable when this answers. Only the holder of the lease can.
 pub(crate) async fn artifacts(
     State(app): State<Shared>,
-    Proto(request): Proto<PutArtifactsRequest>,
+    Checked(PutArtifacts { claim, artifacts }, _): Checked<PutArtifactsRequest, PutArtifacts>,
 ) -> Result<ProtoBody<PutArtifactsResponse>, Problem> {
-    let PutArtifacts { claim, artifacts } = request.try_into()?;
     app.dispatch.check(&claim).map_err(|_| stale_lease(&claim))?;
     let blobs = artifacts.into_iter().map(|file| Blob {
         digest: file.digest,

@@ -5,16 +5,15 @@ use proto::message::BeatOf;
 use proto::wire::{BeatRequest, BeatResponse};
 
 use super::unknown_worker;
-use crate::extract::{Proto, ProtoBody};
+use crate::extract::{Checked, ProtoBody};
 use crate::problem::Problem;
 use crate::state::Shared;
 
 /// Prolongs the worker's leases; says which were cancelled and which are lost. Touches no database.
 pub(crate) async fn beat(
     State(app): State<Shared>,
-    Proto(request): Proto<BeatRequest>,
+    Checked(BeatOf { worker_id, tokens }, _): Checked<BeatRequest, BeatOf>,
 ) -> Result<ProtoBody<BeatResponse>, Problem> {
-    let BeatOf { worker_id, tokens } = request.try_into()?;
     let beat = app.dispatch.beat(&worker_id, &tokens).map_err(unknown_worker)?;
     let (cancelled, lost) = (beat.cancelled, beat.lost);
     Ok(ProtoBody(BeatResponse { cancelled, lost }))

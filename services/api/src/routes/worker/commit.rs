@@ -9,7 +9,7 @@ use proto::wire::{CommitRequest, CommitResponse};
 use spec::FrameRecord;
 
 use super::stale_lease;
-use crate::extract::{Proto, ProtoBody};
+use crate::extract::{Checked, ProtoBody};
 use crate::problem::{Problem, Slug};
 use crate::state::{App, Shared};
 use crate::telemetry;
@@ -17,9 +17,8 @@ use crate::telemetry;
 /// Makes a frame's image visible. Repeats are harmless: the first one wins and the others change nothing.
 pub(crate) async fn commit(
     State(app): State<Shared>,
-    Proto(request): Proto<CommitRequest>,
+    Checked(Commit { claim, record }, _): Checked<CommitRequest, Commit>,
 ) -> Result<ProtoBody<CommitResponse>, Problem> {
-    let Commit { claim, record } = request.try_into()?;
     app.dispatch
         .begin_commit(&claim)
         .map_err(|_| stale_lease(&claim))?;

@@ -5,7 +5,7 @@ use proto::message::Fail;
 use proto::wire::{FailRequest, FailResponse};
 
 use super::stale_lease;
-use crate::extract::{Proto, ProtoBody};
+use crate::extract::{Checked, ProtoBody};
 use crate::problem::Problem;
 use crate::state::Shared;
 use crate::strikes;
@@ -13,14 +13,14 @@ use crate::strikes;
 /// Reports a failed attempt: the frame is tried again after a pause, or given up.
 pub(crate) async fn fail(
     State(app): State<Shared>,
-    Proto(request): Proto<FailRequest>,
+    Checked(failure, _): Checked<FailRequest, Fail>,
 ) -> Result<ProtoBody<FailResponse>, Problem> {
     let Fail {
         claim,
         error,
         retryable,
         ..
-    } = request.try_into()?;
+    } = failure;
     let event = app.dispatch.fail(&claim, retryable, &error);
     let event = event.map_err(|_| stale_lease(&claim))?;
     strikes::record(&app, vec![event]).await;

@@ -8,7 +8,7 @@ use proto::wire::{LeaseRequest, LeaseResponse};
 use queue::Grant;
 
 use super::unknown_worker;
-use crate::extract::{Proto, ProtoBody};
+use crate::extract::{Checked, ProtoBody};
 use crate::limits;
 use crate::problem::Problem;
 use crate::state::Shared;
@@ -16,13 +16,13 @@ use crate::state::Shared;
 /// Waits for frames to render and leases them.
 pub(crate) async fn lease(
     State(app): State<Shared>,
-    Proto(request): Proto<LeaseRequest>,
+    Checked(want, _): Checked<LeaseRequest, WantLease>,
 ) -> Result<ProtoBody<LeaseResponse>, Problem> {
     let WantLease {
         worker_id,
         wait_ms,
         frame_ms,
-    } = request.try_into()?;
+    } = want;
     let wait = Duration::from_millis(wait_ms.into()).min(limits::MAX_WAIT);
     let granted = tokio::select! {
         granted = app.dispatch.lease(&worker_id, wait, frame_ms) => granted.map_err(unknown_worker)?,

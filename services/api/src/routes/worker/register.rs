@@ -4,7 +4,7 @@ use axum::extract::State;
 use proto::message::{Register, Registered};
 use proto::wire::{RegisterRequest, RegisterResponse};
 
-use crate::extract::{Proto, ProtoBody};
+use crate::extract::{Checked, ProtoBody};
 use crate::limits;
 use crate::problem::Problem;
 use crate::state::Shared;
@@ -12,9 +12,8 @@ use crate::state::Shared;
 /// Takes a worker on. It registers again whenever a call answers `unknown-worker`.
 pub(crate) async fn register(
     State(app): State<Shared>,
-    Proto(request): Proto<RegisterRequest>,
+    Checked(about, _): Checked<RegisterRequest, Register>,
 ) -> Result<ProtoBody<RegisterResponse>, Problem> {
-    let about = Register::try_from(request)?;
     tracing::info!(
         worker = about.name,
         slots = about.slots,

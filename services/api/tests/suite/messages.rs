@@ -1,0 +1,156 @@
+//! What workers send is checked before anything is done with it.
+
+use crate::bad_input::nothing_changes;
+use crate::common::Running;
+use crate::common::worker::{Fake, claim, record};
+use prost::Message;
+use proto::limits;
+use proto::message::{BeatOf, Commit, Register};
+use proto::wire;
+use serde_json::Value;
+
+const PROTOBUF: [(&str, &str); 1] = [("content-type", "application/x-protobuf")];
+
+const CALLS: [&str; 7] = [
+    "register",
+    "lease",
+    "beat",
+    "artifacts",
+    "commit",
+    "fail",
+    "release",
+];
+
+fn refused(service: &Running, call: &str, message: &impl Message) -> Value {
+    let path = format!("/v1/worker/{call}");
+    let answer = service.post_with(&path, &PROTOBUF, &message.encode_to_vec());
+    answer.problem(400, "invalid-body")
+}
+
+fn detail(problem: &Value) -> &str {
+    problem["detail"].as_str().unwrap()
+}
+
+#[test]
+fn bytes_that_are_no_message_are_refused() {
+    nothing_changes(|service| {
+        for call in CALLS {
+            let path = format!("/v1/worker/{call}");
+            for bytes in [&[0xff; 40][..], &[0x0a, 9, b'x'], b""] {
+                service
+                    .post_with(&path, &PROTOBUF, bytes)
+                    .problem(400, "invalid-body");
+            }
+            service
+                .post_with(&path, &[], b"")
+                .problem(415, "unsupported-media-type");
+        }
+    });
+}
+
+#[test]
+fn a_field_that_is_missing_too_long_or_out_of_its_range_is_named_with_the_limit() {
+    nothing_changes(|service| {
+        let about = Register {
+            name: "n".repeat(limits::NAME_BYTES + 1),
+            slots: 1,
+            code_version: String::new(),
+            onnx_runtime: None,
+            cpu_features: String::new(),
+        };
+        let problem = refused(service, "register", &wire::RegisterRequest::from(about.clone()));
+        assert!(
+            detail(&problem).contains("`name` has 257 bytes, the limit is 256"),
+            "{problem}"
+        );
+        let about = Register {
+            name: "n".to_owned(),
+            slots: limits::SLOTS + 1,
+            ..about
+        };
+        let problem = refused(service, "register", &wire::RegisterRequest::from(about));
+        assert!(
+            detail(&problem).contains("`slots` is 1025") && detail(&problem).contains("1024"),
+            "{problem}"
+        );
+        let beat = BeatOf {
+            worker_id: "wrk_1".to_owned(),
+            tokens: vec![1; limits::BEAT_TOKENS + 1],
+        };
+        let problem = refused(service, "beat", &wire::BeatRequest::from(beat));
+        assert!(detail(&problem).contains("the limit is 4096"), "{problem}");
+        let want = wire::LeaseRequest {
+            worker_id: "wrk_1".to_owned(),
+            wait_ms: 0,
+            frame_ms: f64::NAN,
+        };
+        let problem = refused(service, "lease", &want);
+        assert!(detail(&problem).contains("`frame_ms` is NaN"), "{problem}");
+        let problem = refused(service, "release", &wire::ReleaseRequest::default());
+        assert!(detail(&problem).contains("`token` is missing"), "{problem}");
+    });
+}
+
+#[test]
+fn artifacts_that_are_too_many_or_have_names_like_paths_are_not_stored() {
+    nothing_changes(|service| {
+        let worker = Fake::register(service);
+        let lease = worker.lease(1000).unwrap();
+        let held = claim(&lease);
+        let put = |artifacts: Vec<wire::Artifact>| wire::PutArtifactsRequest {
+            token: held.token,
+            job_id: held.job_id.clone(),
+            frame: held.frame,
+            attempt: held.attempt,
+            artifacts,
+        };
+        let many = vec![wire::Artifact::default(); limits::ARTIFACTS + 1];
+        let problem = refused(service, "artifacts", &put(many));
+        assert!(
+            detail(&problem).contains("65 artifacts, the limit is 64"),
+            "{problem}"
+        );
+        // A hundred bytes each in memory, two on the wire.
+        let bomb = put(vec![wire::Artifact::default(); 1_000_000]);
+        let problem = refused(service, "artifacts", &bomb);
+        assert!(
+            detail(&problem).contains("fields, the limit is 8192"),
+            "{problem}"
+        );
+        let path = wire::Artifact {
+            kind: "../../rgb".to_owned(),
+            media_type: "image/png".to_owned(),
+            data: vec![1],
+            digest: "ab".repeat(32),
+        };
+        let problem = refused(service, "artifacts", &put(vec![path.clone()]));
+        assert!(detail(&problem).contains("../../rgb"), "{problem}");
+        let wrong_digest = wire::Artifact {
+            kind: "rgb".to_owned(),
+            ..path
+        };
+        let problem = refused(service, "artifacts", &put(vec![wrong_digest]));
+        assert!(detail(&problem).contains("has the digest"), "{problem}");
+        worker.release(&lease);
+    });
+}
+
+#[test]
+fn a_record_of_another_frame_or_of_files_that_were_not_stored_is_no_image() {
+    nothing_changes(|service| {
+        let worker = Fake::register(service);
+        let lease = worker.lease(1000).unwrap();
+        let held = claim(&lease);
+        let commit = Commit {
+            claim: held.clone(),
+            record: record(held.frame, &"ab".repeat(32), 9),
+        };
+        let problem = refused(service, "commit", &wire::CommitRequest::from(commit.clone()));
+        assert!(detail(&problem).contains("was not stored"), "{problem}");
+        let mut other = wire::CommitRequest::from(commit);
+        other.frame += 1;
+        let problem = refused(service, "commit", &other);
+        assert!(detail(&problem).contains("no frame record"), "{problem}");
+        worker.release(&lease);
+    });
+}
