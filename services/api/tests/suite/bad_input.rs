@@ -1,8 +1,11 @@
 //! Bad input is refused with a problem that names field, value and limit; it stores nothing and breaks nothing.
 
 use crate::common::bytes::{png, png_head, range_npy, range_png};
+use crate::common::worker::Fake;
 use crate::common::{Running, job, start, start_on};
 use catalogue::Catalogue;
+use proto::message::Lease;
+use queue::client::ClientError;
 use serde_json::{Value, json};
 use store::Store;
 use tempfile::TempDir;
@@ -22,7 +25,8 @@ fn counted(data: &TempDir) -> String {
     })
 }
 
-/// Runs refusals against a service that already holds a job, a scene and images; nothing may have changed afterwards.
+/// Runs refusals against a service that already holds a job and a scene; nothing may have changed afterwards, and the
+/// service goes on.
 pub(crate) fn nothing_changes(refusals: impl FnOnce(&Running)) {
     let service = start();
     service.submit(&job());
@@ -34,6 +38,9 @@ pub(crate) fn nothing_changes(refusals: impl FnOnce(&Running)) {
     refusals(&service);
     assert_eq!(service.get("/readyz").status, 200);
     assert_eq!(service.shown(), shown);
+    // The service goes on: the job that was there is still offered.
+    let worker = Fake::register(&service);
+    worker.release(&worker.lease(1000).expect("a frame"));
     assert_eq!(counted(&service.stop()), before);
 }
 
@@ -66,25 +73,35 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
     let attenuation =
         |values: Value| json!({"beam_attenuation_per_m": values, "veiling_light": [0.1, 0.2, 0.3]});
     let cases: Vec<(&str, Value, &str, &[&str])> = vec![
-        ("unknown field", with("/alhpa", json!(1)), "/alhpa", &["alhpa"]),
+        (
+            "unknown field",
+            with("/alhpa", json!(1)),
+            "/alhpa",
+            &["alhpa", "did_you_mean\":\"alpha", "allowed"],
+        ),
         (
             "wrong type",
             with("/camera/width", json!("wide")),
             "/camera/width",
-            &["width"],
+            &["camera.width", "wide", "a whole number"],
         ),
         (
             "alpha above 1",
             with("/alpha", json!(1.2)),
             "/alpha",
-            &["1.2", "1"],
+            &["alpha", "1.2", "0..=1"],
         ),
-        ("alpha as text", with("/alpha", json!("NaN")), "/alpha", &["NaN"]),
+        (
+            "alpha as text",
+            with("/alpha", json!("NaN")),
+            "/alpha",
+            &["NaN", "a number"],
+        ),
         (
             "negative attenuation",
             with(optics, attenuation(json!([0.4, -0.1, 0.1]))),
             "/water/optics/beam_attenuation_per_m",
-            &["-0.1", "0"],
+            &["beam_attenuation_per_m[1]", "-0.1", "0..=1000"],
         ),
         (
             "G above c",
@@ -93,38 +110,52 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
                 explicit(json!({"forward_scatter": {"model": "jaffe", "g_per_m": [9, 0.1, 0.1]}})),
             ),
             "/water/optics/forward_scatter/g_per_m",
-            &["9"],
+            &["g_per_m is 9", "at most the beam attenuation, 0.4"],
         ),
         (
             "law backwards",
             with("/alpha", json!({"uniform": [0.8, 0.2]})),
             "/alpha",
-            &["0.8", "0.2"],
+            &["a = 0.8 above b = 0.2"],
         ),
         (
             "empty choice",
             with("/alpha", json!({"choice": []})),
             "/alpha",
-            &["choice"],
+            &["choice", "at least one value"],
         ),
-        ("count 0", with("/count", json!(0)), "/count", &["0", "1"]),
+        (
+            "count 0",
+            with("/count", json!(0)),
+            "/count",
+            &["`count` is 0", "1..=100000000"],
+        ),
+        (
+            "a light of text",
+            with(
+                "/lights",
+                json!([{"kind": "haze", "x": 0.5, "y": 0.5, "size": "NaN", "intensity": 1}]),
+            ),
+            "/lights/0/size",
+            &["lights[0].size", "NaN", "a number"],
+        ),
         (
             "count 10^12",
             with("/count", json!(1_000_000_000_000_u64)),
             "/count",
-            &["1000000000000", "100000000"],
+            &["`count` is 1000000000000", "1..=100000000"],
         ),
         (
             "preset lacks coefficients",
             with(optics, json!({"preset": "jerlov-5C/solonenko2015"})),
             "/water/optics",
-            &[],
+            &["jerlov-5C/solonenko2015", "unknown at one of its wavelengths"],
         ),
         (
             "unknown style",
             with("/water/style", json!("mudy")),
             "/water/style",
-            &["mudy"],
+            &["mudy", "did_you_mean\":\"muddy", "atlantic"],
         ),
         (
             "scene not uploaded",
@@ -133,7 +164,7 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
                 json!({"kind": "uploaded", "id": "scn_00000000000000000000000000000000"}),
             ),
             "/scene",
-            &["scn_"],
+            &["scn_", "not uploaded"],
         ),
     ];
     nothing_changes(|service| {
@@ -189,9 +220,24 @@ fn a_body_that_is_no_json_of_bearable_size_is_refused() {
         service
             .post_with("/v1/jobs", &json, b"{\"alpha\": NaN}")
             .problem(422, "validation");
-        service
+        let mut light = with(
+            "/lights",
+            json!([{"kind": "haze", "x": 0.5, "y": 0.5, "intensity": 1}]),
+        )
+        .to_string();
+        light = light.replace("\"kind\":\"haze\"", "\"kind\":\"haze\",\"size\":NaN");
+        assert!(light.contains("NaN"));
+        let problem = service
+            .post_with("/v1/jobs", &json, light.as_bytes())
+            .problem(422, "validation");
+        assert!(
+            problem["detail"].as_str().unwrap().contains("column"),
+            "{problem}"
+        );
+        let problem = service
             .post_with("/v1/jobs", &json, b"{\"alpha\": 1, \"alpha\": 1}")
             .problem(422, "validation");
+        assert!(problem["detail"].as_str().unwrap().contains("alpha"), "{problem}");
         service
             .post_with("/v1/jobs", &json, &vec![b' '; (1 << 20) + 1])
             .problem(413, "too-large");
@@ -216,15 +262,20 @@ fn a_bad_upload_is_refused_with_the_field() {
             "range of another size",
             vec![("rgb", &whole), ("range", &RANGE_8X8)],
             "/range",
-            &["8", "16"],
+            &["8×8", "16×12"],
         ),
         (
             "truncated PNG",
             vec![("rgb", &whole[..whole.len() / 2])],
             "/rgb",
-            &[],
+            &["damaged or cut off"],
         ),
-        ("no picture", vec![("rgb", b"hello")], "/rgb", &[]),
+        (
+            "no picture",
+            vec![("rgb", b"hello")],
+            "/rgb",
+            &["neither PNG nor JPEG"],
+        ),
         ("bomb", vec![("rgb", &BOMB)], "/rgb", &["60000", "16384"]),
         (
             "bomb as range",
@@ -349,5 +400,25 @@ fn bad_questions_are_refused_with_what_is_wrong() {
         let refused = service.post("/v1/waters", &json!({}));
         refused.problem(405, "method-not-allowed");
         assert_eq!(refused.header("allow"), "GET,HEAD");
+    });
+}
+
+#[test]
+fn a_stale_lease_token_stores_nothing() {
+    nothing_changes(|service| {
+        let worker = Fake::register(service);
+        let lease = worker.lease(1000).expect("a frame");
+        let forged = Lease {
+            token: lease.token + 1,
+            ..lease.clone()
+        };
+        assert!(matches!(worker.finish(&forged), Err(ClientError::Stale)));
+        let mut tried_before = lease.clone();
+        tried_before.frames[0].1 += 1;
+        assert!(matches!(worker.finish(&tried_before), Err(ClientError::Stale)));
+        worker.release(&lease);
+        assert!(matches!(worker.finish(&lease), Err(ClientError::Stale)));
+        assert!(matches!(worker.try_fail(&lease, "late"), Err(ClientError::Stale)));
+        worker.release(&lease);
     });
 }

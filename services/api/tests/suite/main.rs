@@ -12,3 +12,4 @@ mod images;
 mod jobs;
 mod load;
 mod messages;
+mod rendered;

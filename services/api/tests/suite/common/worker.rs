@@ -1,15 +1,20 @@
 //! A worker over the real protocol that stores made-up pictures.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 
 use proto::message::{
     Artifact, BeatOf, Claim, Commit, Fail, Lease, PutArtifacts, Register, Release, WantLease,
 };
 use proto::wire::BeatResponse;
 use queue::client::{Client, ClientError};
+use renderer::worker::WorkerOptions;
 use serde_json::{Map, json};
 use sha2::{Digest, Sha256};
 use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
+use style::Library;
 
 use super::Running;
 use super::bytes::png;
@@ -103,6 +108,10 @@ impl Fake {
 
     /// Gives the first frame of a lease up.
     pub(crate) fn fail(&self, lease: &Lease, error: &str) {
+        self.try_fail(lease, error).unwrap();
+    }
+
+    pub(crate) fn try_fail(&self, lease: &Lease, error: &str) -> Result<(), ClientError> {
         let claim = claim(lease);
         let fail = Fail {
             claim,
@@ -110,13 +119,48 @@ impl Fake {
             retryable: false,
             timings_ms: BTreeMap::new(),
         };
-        self.client.fail(&fail.into()).unwrap();
+        self.client.fail(&fail.into()).map(drop)
     }
 
     /// Takes and finishes frames until there are none. Leases of an unknown cost have one frame.
     pub(crate) fn work(&self) {
         while let Some(lease) = self.lease(300) {
             self.finish(&lease).unwrap();
+        }
+    }
+}
+
+/// The real worker, on threads of this process, over real HTTP; stops when dropped.
+pub(crate) struct Real {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Real {
+    pub(crate) fn start(service: &Running) -> Self {
+        let stop = Arc::new(AtomicBool::new(false));
+        let options = WorkerOptions {
+            server: service.url.clone(),
+            token: service.token.map(str::to_owned),
+            slots: 2,
+            name: "real".to_owned(),
+            library: Library::embedded().unwrap(),
+            onnxruntime: None,
+        };
+        let told = Arc::clone(&stop);
+        let thread = std::thread::spawn(move || renderer::worker::run(options, &told).unwrap());
+        Self {
+            stop,
+            thread: Some(thread),
+        }
+    }
+}
+
+impl Drop for Real {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::SeqCst);
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
         }
     }
 }
