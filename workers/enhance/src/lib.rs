@@ -1,13 +1,23 @@
-//! Image enhancement: methods that make an underwater picture easier to see without a model of the water.
+//! Image enhancement: methods that make an underwater picture easier to see, and the restorations that they are
+//! compared with.
 //!
-//! One method so far, [`hscm`]: homomorphic filter, median, CLAHE, colour merge and a circular mask.
-//! Every method takes any decoded raster of at least one pixel and returns an 8-bit one; alpha is not computed
-//! with and comes back beside the result. Nothing here knows the water: an enhancement must not see the ground
-//! truth that it is judged by.
+//! [`hscm`] is the homomorphic filter, median, CLAHE, colour merge and circular mask. Beside it stand the methods of the
+//! published comparison and two baselines; [`registry`] lists all of them with their sources. Every method takes any
+//! decoded raster of at least one pixel and returns an 8-bit one; alpha is not computed with and comes back beside the
+//! result. A picture on which a method is known to fail comes back with a [`Warning`].
+//!
+//! Nothing here knows the water: an enhancement must not see the ground truth that it is judged by.
 
+pub mod baseline;
 mod elementary;
 pub mod hscm;
 mod method;
 mod reflect;
+mod registry;
+mod result;
+mod warning;
 
-pub use method::{EnhanceError, Enhanced, METHODS, Method, Variant, run};
+pub use method::{Method, Variant, run, run_variant};
+pub use registry::{METHODS, MethodInfo, registry};
+pub use result::{EnhanceError, Enhanced};
+pub use warning::Warning;

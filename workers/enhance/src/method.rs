@@ -1,27 +1,29 @@
-//! The list of methods that a user chooses from.
+//! The methods that a user chooses from.
 
-use imaging::{Plane, Raster};
+use imaging::Raster;
 
-use crate::hscm;
-
-/// Names of all methods, as a job names them and as [`Method::parse`] reads them.
-pub const METHODS: &[&str] = &["hscm"];
+use crate::result::{EnhanceError, Enhanced};
+use crate::{baseline, hscm, registry};
 
 /// An enhancement method with its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
     /// Homomorphic filter, median, CLAHE, colour merge, circular mask.
     Hscm(hscm::Options),
+    /// CLAHE of the luma alone.
+    Clahe,
+    /// Channel means made equal.
+    GreyWorld,
 }
 
 impl Method {
     /// The method of this name with its default options; `None` when no method has the name.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
-        match name {
-            "hscm" => Some(Self::Hscm(hscm::Options::default())),
-            _ => None,
-        }
+        registry()
+            .iter()
+            .find(|info| info.name == name)
+            .map(|info| (info.default)())
     }
 
     /// The name that [`Method::parse`] reads.
@@ -29,6 +31,8 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Hscm(_) => "hscm",
+            Self::Clahe => "clahe",
+            Self::GreyWorld => "grey_world",
         }
     }
 }
@@ -36,57 +40,33 @@ impl Method {
 /// How a stage with a fast and a reference implementation is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Variant {
-    /// Single precision where the tolerance allows it.
+    /// Constant time per pixel, in single precision where the tolerance allows it.
     #[default]
     Fast,
     /// The definition, written plainly in double precision.
     Reference,
 }
 
-/// What a method returns.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Enhanced {
-    /// The result, 8 bit, masked where the options ask for a mask.
-    pub picture: Raster,
-    /// The same result before the mask: what metrics are taken from.
-    pub unmasked: Raster,
-    /// 255 where a pixel is kept and 0 where it is blacked out; `None` without a mask. A feature extractor wants
-    /// this plane, since the hard edge in the masked picture makes key points along the circle.
-    pub mask: Option<Plane<u8>>,
-}
-
-/// A picture that cannot be enhanced. Options cannot be wrong here: [`hscm::Options`] are checked when made.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum EnhanceError {
-    /// The picture has no pixel.
-    #[error("picture is {width}×{height} but needs at least 1×1")]
-    Empty {
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
-}
-
 /// Enhances one picture by its fast variant.
 ///
 /// # Errors
-/// [`EnhanceError::Empty`] for a picture without a pixel.
+/// [`EnhanceError::Empty`] for a picture without a pixel; [`EnhanceError::TooLarge`] for one beyond the method's limit.
 pub fn run(method: &Method, picture: &Raster) -> Result<Enhanced, EnhanceError> {
-    match method {
-        Method::Hscm(options) => hscm::enhance(picture, options, Variant::Fast),
-    }
+    run_variant(method, picture, Variant::Fast)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_listed_method_parses_to_its_own_name() {
-        for name in METHODS {
-            assert_eq!(Method::parse(name).map(|method| method.name()), Some(*name));
-        }
-        assert_eq!(Method::parse("HSCM"), None);
+/// Enhances one picture by the chosen variant.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Result<Enhanced, EnhanceError> {
+    let (width, height) = (picture.width(), picture.height());
+    if width == 0 || height == 0 {
+        return Err(EnhanceError::Empty { width, height });
+    }
+    match method {
+        Method::Hscm(options) => hscm::enhance(picture, options, variant),
+        Method::Clahe => Ok(baseline::clahe::enhance(picture)),
+        Method::GreyWorld => Ok(baseline::grey_world::enhance(picture)),
     }
 }

@@ -20,7 +20,8 @@ pub use options::{
     Profile, Settings,
 };
 
-use crate::method::{EnhanceError, Enhanced, Variant};
+use crate::method::Variant;
+use crate::result::{EnhanceError, Enhanced};
 
 /// Enhances one picture.
 ///
@@ -54,6 +55,7 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
             picture: raster(unmasked.clone()),
             unmasked: raster(unmasked),
             mask: None,
+            warnings: Vec::new(),
         },
         Some(circle) => {
             let mask = circle::plane(width, height, &circle);
@@ -63,6 +65,7 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
                 picture: raster(masked),
                 unmasked: raster(unmasked),
                 mask: Some(mask),
+                warnings: Vec::new(),
             }
         }
     })

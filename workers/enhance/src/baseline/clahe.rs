@@ -1,0 +1,43 @@
+//! CLAHE alone: the luma equalised in a grid of 8 × 8 tiles with a clip limit of 2 mean bins (Zuiderveld 1994), and the
+//! chroma of the input kept, `C' = C + Y' - Y`.
+
+use imaging::{Channels, Raster};
+
+use crate::hscm::{clahe, merge};
+use crate::result::{Enhanced, OfGray};
+
+/// Tiles across and down.
+pub const GRID: (usize, usize) = (8, 8);
+/// Contrast limit, in mean bins.
+pub const CLIP_LIMIT: f64 = 2.0;
+
+/// Equalises a picture of at least one pixel. Gray stays gray; 16 bit is reduced to 8.
+#[must_use]
+pub(crate) fn enhance(picture: &Raster) -> Enhanced {
+    let mut colours = picture.to_rgb8();
+    let luma = clahe::clahe(&colours.to_gray8(), GRID, CLIP_LIMIT);
+    if picture.channels() == Channels::Gray {
+        for (pixel, &code) in colours.data_mut().chunks_exact_mut(3).zip(luma.data()) {
+            pixel.fill(code);
+        }
+    } else {
+        let merged = merge::merge(colours.data(), luma.data());
+        colours.data_mut().copy_from_slice(&merged);
+    }
+    Enhanced::unmasked(picture, colours, OfGray::Gray)
+}
+
+#[cfg(test)]
+mod tests {
+    use imaging::{Plane, Samples};
+
+    use super::*;
+
+    #[test]
+    fn a_gray_picture_becomes_its_equalised_plane() {
+        let gray = Plane::from_fn(40, 24, |x, y| (x + y) as u8);
+        let expected = clahe::clahe(&gray, GRID, CLIP_LIMIT);
+        let enhanced = enhance(&Raster::from(gray));
+        assert_eq!(enhanced.picture.samples(), &Samples::U8(expected.into_data()));
+    }
+}

@@ -1,0 +1,78 @@
+//! What a method returns.
+
+use imaging::{Channels, Plane, Raster, Rgb8, Samples};
+
+use crate::warning::Warning;
+
+/// What a method returns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Enhanced {
+    /// The result, 8 bit, masked where the options ask for a mask.
+    pub picture: Raster,
+    /// The same result before the mask: what metrics are taken from.
+    pub unmasked: Raster,
+    /// 255 where a pixel is kept and 0 where it is blacked out; `None` without a mask. A feature extractor wants
+    /// this plane, since the hard edge in the masked picture makes key points along the circle.
+    pub mask: Option<Plane<u8>>,
+    /// Where the method is known to fail on pictures like this one; empty where no test found anything.
+    pub warnings: Vec<Warning>,
+}
+
+/// A picture that cannot be enhanced. Options cannot be wrong here: they are checked when made.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum EnhanceError {
+    /// The picture has no pixel.
+    #[error("picture is {width}×{height} but needs at least 1×1")]
+    Empty {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// The method holds many planes of the picture's size, and the picture is too large for that.
+    #[error("picture is {width}×{height} = {pixels} pixels but {method} takes at most {limit}")]
+    TooLarge {
+        /// The method's name.
+        method: &'static str,
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Their product.
+        pixels: usize,
+        /// Most pixels.
+        limit: usize,
+    },
+}
+
+/// What a method makes of a gray picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum OfGray {
+    /// The gray codes of the coloured result.
+    Gray,
+    #[expect(dead_code, reason = "restorations follow")]
+    /// The coloured result: a restoration colours a gray picture by nature.
+    Colour,
+}
+
+impl Enhanced {
+    /// The result of a method without a mask, from its colours.
+    pub(crate) fn unmasked(source: &Raster, colours: Rgb8, of_gray: OfGray) -> Self {
+        let alpha = source.alpha().map(|alpha| Samples::U8(alpha.to_u8()));
+        let gray = source.channels() == Channels::Gray && of_gray == OfGray::Gray;
+        let (width, height) = (colours.width(), colours.height());
+        let (channels, codes) = if gray {
+            (Channels::Gray, colours.to_gray8().into_data())
+        } else {
+            (Channels::Rgb, colours.data().to_vec())
+        };
+        let picture = Raster::new(width, height, channels, Samples::U8(codes), alpha)
+            .expect("a method keeps the size of its picture");
+        Self {
+            unmasked: picture.clone(),
+            picture,
+            mask: None,
+            warnings: Vec::new(),
+        }
+    }
+}

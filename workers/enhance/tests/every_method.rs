@@ -1,0 +1,106 @@
+//! What holds for every method of the registry on every decodable picture.
+
+#![allow(clippy::unwrap_used)]
+
+use fathom_enhance::{EnhanceError, METHODS, Method, run};
+use imaging::random::Stream;
+use imaging::{Channels, Raster, Samples};
+use proptest::prelude::*;
+
+fn methods() -> impl Iterator<Item = Method> {
+    METHODS.iter().map(|name| Method::parse(name).unwrap())
+}
+
+/// What the codes of a picture look like.
+const KINDS: usize = 7;
+
+/// Any decodable picture: gray or colour, 8 or 16 bit, with or without alpha, of one of several natures.
+fn picture(
+    width: usize,
+    height: usize,
+    kind: usize,
+    colour: bool,
+    wide: bool,
+    alpha: bool,
+    seed: u64,
+) -> Raster {
+    let stream = Stream::stage(seed, "picture");
+    let channels = if colour { Channels::Rgb } else { Channels::Gray };
+    let count = channels.count();
+    let code = |i: usize| {
+        let (pixel, channel) = (i / count, i % count);
+        let (x, y) = (pixel % width, pixel / width);
+        let any = (stream.bits(pixel as u64, channel as u64) >> 48) as u16;
+        let ends = if any & 1 == 0 { 0 } else { u16::MAX };
+        match kind {
+            0 => any,
+            1 => ends,
+            2 => (stream.bits(0, channel as u64) >> 48) as u16,
+            3 if channel == (seed % 3) as usize => any,
+            3 => 0,
+            4 if pixel == width * height / 2 => u16::MAX,
+            4 => 0,
+            5 => (x * 65535 / width) as u16 / (channel as u16 + 1) + (y as u16),
+            _ => 30000 + any % 600,
+        }
+    };
+    let length = width * height * count;
+    let samples = |length: usize| match wide {
+        true => Samples::U16((0..length).map(code).collect()),
+        false => Samples::U8((0..length).map(|i| (code(i) >> 8) as u8).collect()),
+    };
+    let alpha = alpha.then(|| Samples::U8((0..width * height).map(|i| i as u8).collect()));
+    Raster::new(width, height, channels, samples(length), alpha).unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    #[test]
+    fn every_method_takes_every_picture_and_keeps_its_size_and_alpha(
+        width in 1usize..70, height in 1usize..70, kind in 0..KINDS, colour in any::<bool>(),
+        wide in any::<bool>(), alpha in any::<bool>(), seed in any::<u64>(),
+    ) {
+        let picture = picture(width, height, kind, colour, wide, alpha, seed);
+        for method in methods() {
+            let enhanced = run(&method, &picture).unwrap();
+            for result in [&enhanced.picture, &enhanced.unmasked] {
+                prop_assert_eq!((result.width(), result.height()), (width, height), "{}", method.name());
+                prop_assert!(matches!(result.samples(), Samples::U8(_)), "{}", method.name());
+                prop_assert_eq!(result.alpha(), picture.alpha(), "{}", method.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn every_method_takes_the_smallest_pictures_of_every_nature() {
+    for (width, height) in [(1, 1), (1, 2), (2, 1), (1, 300), (300, 1), (3, 3)] {
+        for kind in 0..KINDS {
+            for colour in [false, true] {
+                let picture = picture(width, height, kind, colour, false, false, 5);
+                for method in methods() {
+                    assert!(
+                        run(&method, &picture).is_ok(),
+                        "{} {width}×{height}",
+                        method.name()
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_method_refuses_a_picture_without_pixels() {
+    let empty = Raster::new(3, 0, Channels::Rgb, Samples::U8(Vec::new()), None).unwrap();
+    for method in methods() {
+        let error = run(&method, &empty).unwrap_err();
+        assert_eq!(
+            error,
+            EnhanceError::Empty { width: 3, height: 0 },
+            "{}",
+            method.name()
+        );
+    }
+}
