@@ -29,6 +29,7 @@ pub(crate) struct Job {
     /// Frames that pause after a failure, and are then offered one at a time.
     pausing: BTreeSet<(Millis, u64)>,
     strikes: BTreeMap<u64, u32>,
+    given_up: BTreeSet<u64>,
 }
 
 /// What a strike means for a frame.
@@ -53,6 +54,12 @@ impl Job {
             alone: BTreeSet::new(),
             pausing: BTreeSet::new(),
             strikes: BTreeMap::new(),
+            given_up: entry
+                .failed
+                .iter()
+                .copied()
+                .filter(|&f| f < entry.frames)
+                .collect(),
         };
         let failed = entry.failed.iter().map(|&frame| frame..frame + 1);
         let mut closed: Vec<Range<u64>> = entry.done.iter().cloned().chain(failed).collect();
@@ -191,6 +198,7 @@ impl Job {
         let strikes = self.attempt(frame);
         if !retryable || strikes >= STRIKES {
             self.strikes.remove(&frame);
+            self.given_up.insert(frame);
             self.finished += 1;
             return Struck { strikes, again: None };
         }
@@ -199,6 +207,14 @@ impl Job {
         Struck {
             strikes,
             again: Some(now.plus(pause)),
+        }
+    }
+
+    /// A frame that was given up is offered again, as if it had never failed. Any other stays as it is.
+    pub(crate) fn retry(&mut self, frame: u64) {
+        if self.given_up.remove(&frame) {
+            self.finished -= 1;
+            self.alone.insert(frame);
         }
     }
 

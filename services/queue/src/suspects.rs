@@ -7,11 +7,13 @@ use crate::types::Millis;
 /// How long one worker is kept from new work to become empty: the longest a lease of it can take to end.
 const EMPTY_MS: u64 = 15_000;
 
+/// From when on, job, frame.
+pub(crate) type Suspect = (Millis, String, u64);
+
 /// The suspects, and the worker that is emptied for the next one.
 #[derive(Default)]
 pub(crate) struct Suspects {
-    /// From when on, job, frame.
-    waiting: BTreeSet<(Millis, String, u64)>,
+    waiting: BTreeSet<Suspect>,
     emptied: Option<(String, Millis)>,
 }
 
@@ -20,15 +22,15 @@ impl Suspects {
         self.waiting.insert((from, job, frame));
     }
 
-    /// The suspect that waits longest, if its pause is over.
-    pub(crate) fn due(&self, now: Millis) -> Option<(String, u64)> {
-        let (from, job, frame) = self.waiting.first()?;
-        (*from <= now).then(|| (job.clone(), *frame))
+    /// The suspect that waits longest among those whose pause is over and whose job is not held back.
+    pub(crate) fn due(&self, now: Millis, offered: impl Fn(&str) -> bool) -> Option<Suspect> {
+        let over = self.waiting.iter().take_while(|(from, ..)| *from <= now);
+        over.into_iter().find(|(_, job, _)| offered(job)).cloned()
     }
 
-    /// The first suspect has found its worker.
-    pub(crate) fn take_first(&mut self) {
-        self.waiting.pop_first();
+    /// A suspect has found its worker.
+    pub(crate) fn take(&mut self, suspect: &Suspect) {
+        self.waiting.remove(suspect);
         self.emptied = None;
     }
 

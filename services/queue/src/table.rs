@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use crate::job::{Job, Struck};
 use crate::lease::{Lease, Leases};
-use crate::suspects::Suspects;
+use crate::suspects::{Suspect, Suspects};
 use crate::types::{Beat, Grant, JobEntry, Millis, StrikeEvent, Totals, WorkerRow};
 
 /// How long a lease lasts without a beat.
@@ -65,7 +65,7 @@ impl LeaseTable {
         }
     }
 
-    /// Offers nothing more of a job; its leases are void. An image that is being written at the moment still counts.
+    /// Offers nothing more of a job, cancelled or deleted; its leases are void. An image that is being written at the moment still counts.
     pub fn cancel(&mut self, job: &str) {
         self.forget_job(job);
         for token in self.leases.of_job(job) {
@@ -74,6 +74,32 @@ impl LeaseTable {
                 lease.cancelled = true;
             }
         }
+    }
+
+    /// Offers nothing of a job for now; leases that are out go on and may be prolonged.
+    pub fn pause(&mut self, job: &str) {
+        self.hold_back(job, true);
+    }
+
+    /// Offers a paused job again.
+    pub fn resume(&mut self, job: &str) {
+        self.hold_back(job, false);
+    }
+
+    fn hold_back(&mut self, job: &str, back: bool) {
+        if let Some(job) = self.jobs.get_mut(job) {
+            job.held_back = back;
+        }
+    }
+
+    /// Offers those of these frames again that were given up, one at a time and as if they had never failed. Answers
+    /// whether the table has the job: one that has ended must be added again.
+    pub fn retry(&mut self, job: &str, frames: &[u64]) -> bool {
+        let Some(job) = self.jobs.get_mut(job) else {
+            return false;
+        };
+        frames.iter().for_each(|&frame| job.retry(frame));
+        true
     }
 
     /// Takes a worker on. `slots`: how many frames it renders at a time.
@@ -96,9 +122,10 @@ impl LeaseTable {
         if self.leases.of_worker(worker).any(|lease| lease.apart) || self.leases.contains(token) {
             return None;
         }
-        if let Some((job, frame)) = self.suspects.due(now) {
+        let offered = |job: &str| self.jobs.get(job).is_some_and(|job| !job.held_back);
+        if let Some(suspect) = self.suspects.due(now, offered) {
             if self.leases.of_worker(worker).next().is_none() {
-                return self.grant_suspect(worker, now, token, &job, frame);
+                return self.grant_suspect(worker, now, token, &suspect);
             }
             if self.suspects.empties(worker, now) {
                 return None;
@@ -120,16 +147,10 @@ impl LeaseTable {
         Some(self.lease(worker, now, token, &id, frames, false))
     }
 
-    fn grant_suspect(
-        &mut self,
-        worker: &str,
-        now: Millis,
-        token: u64,
-        job: &str,
-        frame: u64,
-    ) -> Option<Grant> {
-        self.suspects.take_first();
-        let frames = self.jobs.get_mut(job)?.take_suspect(frame);
+    fn grant_suspect(&mut self, worker: &str, now: Millis, token: u64, suspect: &Suspect) -> Option<Grant> {
+        self.suspects.take(suspect);
+        let (_, job, frame) = suspect;
+        let frames = self.jobs.get_mut(job)?.take_suspect(*frame);
         Some(self.lease(worker, now, token, job, frames, true))
     }
 
