@@ -18,18 +18,20 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("services/spec", &["imaging", "optics"]),
     ("proto", &["spec"]),
     ("services/queue", &["proto", "spec"]),
-    ("services/store", &[]),
-    ("services/catalogue", &["spec"]),
+    ("services/faults", &[]),
+    ("services/store", &["faults"]),
+    ("services/catalogue", &["faults", "spec"]),
     (
         "workers/renderer",
         &[
-            "enhance", "imaging", "optics", "proto", "quality", "queue", "scenes", "spec", "style",
+            "enhance", "faults", "imaging", "optics", "proto", "quality", "queue", "scenes", "spec", "style",
         ],
     ),
     (
         "services/api",
         &[
             "catalogue",
+            "faults",
             "imaging",
             "optics",
             "proto",
@@ -48,6 +50,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "api",
             "catalogue",
             "enhance",
+            "faults",
             "imaging",
             "optics",
             "proto",

@@ -3,10 +3,9 @@
 //! Failure is: any difference in the digest over frames, artifact digests and resolved parameters; a frame that is
 //! missing or there twice; a job that does not end.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
-use fathom_tests::{Service, Worker, run};
+use fathom_tests::{Service, Worker, digest_by_render};
 use serde_json::{Value, json};
 
 const FRAMES: u64 = 60;
@@ -28,33 +27,6 @@ fn job() -> Value {
         "enhance": ["hscm"],
         "artifacts": ["rgb", "range", "scattered", "enhanced.hscm"]
     })
-}
-
-fn digest_by_render(folder: &Path, slots: &str) -> String {
-    let spec = folder.join("job.json");
-    std::fs::write(&spec, job().to_string()).expect("a writable folder");
-    let out = folder.join("out");
-    let output = run(&[
-        "render",
-        spec.to_str().expect("a path of text"),
-        "--out",
-        out.to_str().expect("a path of text"),
-        "--slots",
-        slots,
-    ]);
-    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(
-        output.status.success(),
-        "{printed}\n{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let digest = printed
-        .lines()
-        .find_map(|line| line.strip_prefix("digest "))
-        .expect("render prints a digest");
-    let records = std::fs::read_to_string(out.join("records.jsonl")).expect("records");
-    assert_eq!(records.lines().count() as u64, FRAMES);
-    digest.to_owned()
 }
 
 fn digest_of(service: &Service, id: &str) -> String {
@@ -83,7 +55,7 @@ fn temporary() -> tempfile::TempDir {
 #[test]
 fn one_slot_three_slots_two_workers_with_a_kill_and_no_service_agree() {
     let folder = temporary();
-    let expected = digest_by_render(folder.path(), "2");
+    let expected = digest_by_render(&job(), folder.path(), "2");
 
     for slots in ["1", "3"] {
         let data = temporary();

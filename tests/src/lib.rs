@@ -56,6 +56,25 @@ pub fn run(arguments: &[&str]) -> Output {
         .expect("the binary starts")
 }
 
+/// The digest of a job by `fathom render`, without any service.
+///
+/// # Panics
+/// When a frame fails or is missing.
+#[must_use]
+pub fn digest_by_render(job: &Value, folder: &Path, slots: &str) -> String {
+    let (spec, out) = (folder.join("job.json"), folder.join("out"));
+    std::fs::write(&spec, job.to_string()).expect("a writable folder");
+    let path = |path: &Path| path.to_str().expect("a path of text").to_owned();
+    let output = run(&["render", &path(&spec), "--out", &path(&out), "--slots", slots]);
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{printed}\n{complaint}");
+    let digest = printed.lines().find_map(|line| line.strip_prefix("digest "));
+    let records = std::fs::read_to_string(out.join("records.jsonl")).expect("records");
+    assert_eq!(records.lines().count() as u64, job["count"].as_u64().unwrap_or(1));
+    digest.expect("render prints a digest").to_owned()
+}
+
 /// A running `fathom serve` on a free port; stops when dropped.
 pub struct Service {
     child: Child,
@@ -69,17 +88,27 @@ impl Service {
     /// # Panics
     /// When it does not listen in time; what it printed is in the message.
     #[must_use]
+    pub fn start(data: &Path, arguments: &[&str]) -> Self {
+        Self::start_with(data, arguments, &[])
+    }
+
+    /// As [`Service::start`], with further variables in its environment and that of its workers.
+    ///
+    /// # Panics
+    /// When it does not listen in time; what it printed is in the message.
+    #[must_use]
     #[expect(
         clippy::zombie_processes,
         reason = "waited for when dropped, and the test ends where it panics"
     )]
-    pub fn start(data: &Path, arguments: &[&str]) -> Self {
+    pub fn start_with(data: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Self {
         let mut child = Command::new(fathom())
             .args(["serve", "--listen", "127.0.0.1:0", "--data"])
             .arg(data)
             .args(arguments)
             .env_remove("FATHOM_TOKEN")
             .env("FATHOM_LOG", "warn")
+            .envs(environment.iter().copied())
             .current_dir(root())
             .stderr(Stdio::piped())
             .spawn()
@@ -111,6 +140,35 @@ impl Service {
         }
         let _ = child.kill();
         panic!("the service does not listen; it printed:\n{}", printed.join("\n"));
+    }
+
+    /// Sends the service SIGKILL and waits for its end.
+    ///
+    /// # Panics
+    /// When the process cannot be killed.
+    pub fn kill(mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        self.child.wait().expect("a killed service ends");
+    }
+
+    /// Whether the process is still there.
+    #[must_use]
+    pub fn is_alive(&mut self) -> bool {
+        matches!(self.child.try_wait(), Ok(None))
+    }
+
+    /// Submits a job under an idempotency key; answers its id if the service said so before it died.
+    #[must_use]
+    pub fn try_submit(&self, job: &Value, key: &str) -> Option<String> {
+        let mut response = agent()
+            .post(format!("{}/v1/jobs", self.url))
+            .header("content-type", "application/json")
+            .header("idempotency-key", key)
+            .send(job.to_string())
+            .ok()?;
+        let answer: Value = serde_json::from_slice(&response.body_mut().read_to_vec().ok()?).ok()?;
+        (response.status() == 202).then(|| answer["id"].as_str().map(str::to_owned))?
     }
 
     /// GET, as JSON with its status.
@@ -225,6 +283,19 @@ impl Worker {
             .spawn()
             .expect("the binary starts");
         Self { child }
+    }
+
+    /// SIGSTOP or SIGCONT.
+    ///
+    /// # Panics
+    /// When the process cannot be signalled.
+    pub fn signal(&self, name: &str) {
+        let arguments = [format!("-{name}"), self.child.id().to_string()];
+        let status = Command::new("kill").args(arguments).status();
+        assert!(
+            status.is_ok_and(|status| status.success()),
+            "no {name} for the worker"
+        );
     }
 
     /// SIGKILL, as an out-of-memory killer would send it.

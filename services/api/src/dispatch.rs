@@ -164,8 +164,9 @@ impl Dispatch {
         self.after_loss(events)
     }
 
-    /// Takes back all leases of the workers of this name, at once: their process has ended.
-    pub(crate) fn drop_workers_named(&self, name: &str) -> Vec<StrikeEvent> {
+    /// Takes back all leases of the workers of this name, at once: their process has ended. Answers also whether one was
+    /// registered.
+    pub(crate) fn drop_workers_named(&self, name: &str) -> (bool, Vec<StrikeEvent>) {
         let mut state = self.state();
         let ids: Vec<_> = state
             .about
@@ -173,13 +174,14 @@ impl Dispatch {
             .filter(|(_, about)| about.name == name)
             .map(|(id, _)| id.clone())
             .collect();
+        let registered = !ids.is_empty();
         let mut events = Vec::new();
         for id in ids {
             state.about.remove(&id);
             events.append(&mut state.table.drop_worker(&id, self.clock.now()));
         }
         drop(state);
-        self.after_loss(events)
+        (registered, self.after_loss(events))
     }
 
     /// Whether a registered worker has the runtime of the style models.
@@ -341,8 +343,10 @@ mod tests {
     async fn a_dead_childs_frame_comes_back_at_once_and_its_id_is_forgotten() {
         let (dispatch, worker, hand) = one_frame();
         token(&dispatch, &worker).await.unwrap();
-        assert!(dispatch.drop_workers_named("remote").is_empty());
-        assert_eq!(dispatch.drop_workers_named("local-1").len(), 1);
+        let (registered, events) = dispatch.drop_workers_named("remote");
+        assert!(!registered && events.is_empty());
+        let (registered, events) = dispatch.drop_workers_named("local-1");
+        assert!(registered && events.len() == 1);
         assert!(dispatch.lease(&worker, Duration::ZERO, 0.0).await.is_err());
         assert!(dispatch.workers().is_empty());
         hand.store(1_000, Ordering::SeqCst);

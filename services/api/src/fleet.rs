@@ -3,6 +3,7 @@
 //! A child is a worker like any other, over loopback. It stops when its standard input closes: on the service's wish,
 //! and also when the service is killed, since the kernel then closes the other end. Nobody is left behind.
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::process::{ExitStatus, Stdio};
 use std::sync::Arc;
@@ -12,17 +13,19 @@ use futures::future::BoxFuture;
 use tokio::io::{AsyncBufReadExt, BufReader};
 use tokio::process::{Child, ChildStderr, Command};
 use tokio::task::JoinHandle;
-use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use crate::limits;
 
-/// The first pause before a child is started again; it doubles each time.
+/// The first pause before a child is started again; it doubles while children end before they can register.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 /// The longest pause: a program that cannot start is tried a few times a minute.
 const LONGEST_PAUSE: Duration = Duration::from_secs(10);
-/// A child that lived this long was well: the pauses start over.
-const WELL: Duration = Duration::from_secs(30);
+
+/// How long the last lines of a child that has ended are waited for.
+const LAST_LINES: Duration = Duration::from_millis(500);
+/// Lines kept of what a child printed last.
+const TAIL_LINES: usize = 12;
 
 /// How the children are started.
 pub(crate) struct Recipe {
@@ -34,8 +37,9 @@ pub(crate) struct Recipe {
     pub(crate) token: Option<String>,
 }
 
-/// Told the name of a worker whose process has ended, before the next one starts under that name.
-pub(crate) type OnExit = Arc<dyn Fn(String) -> BoxFuture<'static, ()> + Send + Sync>;
+/// Told the name of a worker whose process has ended and the last lines that it printed, before the next one starts under
+/// that name. Answers whether it had come as far as to register: then it may start again at once.
+pub(crate) type OnExit = Arc<dyn Fn(String, String) -> BoxFuture<'static, bool> + Send + Sync>;
 
 /// Running children.
 pub(crate) struct Fleet {
@@ -71,10 +75,9 @@ impl Fleet {
 async fn keep(recipe: Arc<Recipe>, name: String, on_exit: OnExit, stop: CancellationToken) {
     let mut pause = FIRST_PAUSE;
     while !stop.is_cancelled() {
-        let start = Instant::now();
         match spawn(&recipe, &name) {
             Ok(child) => {
-                let status = live(child, &name, &stop).await;
+                let (status, tail) = live(child, &name, &stop).await;
                 if !stop.is_cancelled() {
                     tracing::warn!(
                         worker = name,
@@ -82,14 +85,13 @@ async fn keep(recipe: Arc<Recipe>, name: String, on_exit: OnExit, stop: Cancella
                         "a worker process ended and is started again"
                     );
                 }
-                on_exit(name.clone()).await;
+                if on_exit(name.clone(), tail).await {
+                    pause = FIRST_PAUSE;
+                }
             }
             Err(error) => {
                 tracing::error!(worker = name, program = %recipe.program.display(), %error, "cannot start a worker");
             }
-        }
-        if start.elapsed() > WELL {
-            pause = FIRST_PAUSE;
         }
         tokio::select! {
             () = stop.cancelled() => {}
@@ -117,10 +119,25 @@ fn spawn(recipe: &Recipe, name: &str) -> std::io::Result<Child> {
         .spawn()
 }
 
-async fn live(mut child: Child, name: &str, stop: &CancellationToken) -> Option<ExitStatus> {
-    if let Some(stderr) = child.stderr.take() {
-        tokio::spawn(pass_on(stderr, name.to_owned()));
-    }
+/// Waits for the end of a child; answers how it ended and what it printed last.
+async fn live(mut child: Child, name: &str, stop: &CancellationToken) -> (Option<ExitStatus>, String) {
+    let printed = child
+        .stderr
+        .take()
+        .map(|stderr| tokio::spawn(pass_on(stderr, name.to_owned())));
+    let status = ended(&mut child, name, stop).await;
+    let tail = match printed {
+        // A grandchild may hold the pipe open.
+        Some(task) => tokio::time::timeout(LAST_LINES, task)
+            .await
+            .ok()
+            .and_then(Result::ok),
+        None => None,
+    };
+    (status, tail.unwrap_or_default())
+}
+
+async fn ended(child: &mut Child, name: &str, stop: &CancellationToken) -> Option<ExitStatus> {
     let stdin = child.stdin.take();
     tokio::select! {
         status = child.wait() => return status.ok(),
@@ -136,24 +153,34 @@ async fn live(mut child: Child, name: &str, stop: &CancellationToken) -> Option<
     None
 }
 
-async fn pass_on(stderr: ChildStderr, worker: String) {
+/// Logs what a child prints; answers the end of it.
+async fn pass_on(stderr: ChildStderr, worker: String) -> String {
     let mut lines = BufReader::new(stderr).split(b'\n');
+    let mut tail = VecDeque::new();
     while let Ok(Some(line)) = lines.next_segment().await {
-        tracing::info!(worker, "{}", String::from_utf8_lossy(&line));
+        let line = String::from_utf8_lossy(&line).into_owned();
+        tracing::info!(worker, "{line}");
+        if tail.len() == TAIL_LINES {
+            tail.pop_front();
+        }
+        tail.push_back(line);
     }
+    Vec::from(tail).join("\n")
 }
 
 #[cfg(test)]
 mod tests {
     use tokio::sync::mpsc;
 
+    use tokio::time::Instant;
+
     use super::*;
 
-    fn fleet(script: &str) -> (Fleet, mpsc::UnboundedReceiver<String>) {
+    fn fleet(script: &str) -> (Fleet, mpsc::UnboundedReceiver<(String, String)>) {
         let (send, receive) = mpsc::unbounded_channel();
-        let on_exit: OnExit = Arc::new(move |name| {
+        let on_exit: OnExit = Arc::new(move |name, tail| {
             let send = send.clone();
-            Box::pin(async move { send.send(name).unwrap() })
+            Box::pin(async move { send.send((name, tail)).is_err() })
         });
         let arguments = vec!["-c".to_owned(), script.to_owned()];
         let recipe = Recipe {
@@ -166,9 +193,10 @@ mod tests {
 
     #[tokio::test]
     async fn a_child_that_dies_is_reported_and_started_again() {
-        let (fleet, mut exits) = fleet("exit 3");
-        assert_eq!(exits.recv().await.unwrap(), "local-1");
-        assert_eq!(exits.recv().await.unwrap(), "local-1");
+        let (fleet, mut exits) = fleet("echo cannot go on >&2; exit 3");
+        let told = ("local-1".to_owned(), "cannot go on".to_owned());
+        assert_eq!(exits.recv().await.unwrap(), told);
+        assert_eq!(exits.recv().await.unwrap(), told);
         fleet.stop().await;
     }
 
@@ -183,7 +211,7 @@ mod tests {
         let asked = Instant::now();
         fleet.stop().await;
         assert!(asked.elapsed() < limits::WORKER_STOP);
-        assert_eq!(exits.recv().await.as_deref(), Some("local-1"));
+        assert_eq!(exits.recv().await.unwrap().0, "local-1");
         assert!(exits.recv().await.is_none());
     }
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use catalogue::{Catalogue, CatalogueError};
+use proto::limits::shorten;
 use queue::JobEntry;
 use store::{Store, StoreError};
 use tokio::net::TcpListener;
@@ -240,9 +241,16 @@ fn recipe(config: &Config, address: SocketAddr, token: Option<String>) -> Recipe
 /// What happens when one of the service's workers has ended: its frames are offered again at once.
 fn frames_back(app: &Shared) -> OnExit {
     let app = Arc::clone(app);
-    Arc::new(move |name| {
+    Arc::new(move |name, tail| {
         let app = Arc::clone(&app);
-        Box::pin(async move { strikes::record(&app, app.dispatch.drop_workers_named(&name)).await })
+        Box::pin(async move {
+            let (registered, mut events) = app.dispatch.drop_workers_named(&name);
+            for event in events.iter_mut().filter(|_| !tail.is_empty()) {
+                event.error = shorten(&format!("{}; it printed last:\n{tail}", event.error));
+            }
+            strikes::record(&app, events).await;
+            registered
+        })
     })
 }
 

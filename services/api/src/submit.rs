@@ -53,7 +53,10 @@ async fn store(app: &App, submission: Submission) -> Result<JobRow, Problem> {
         created_ms: app.clock.unix_ms(),
         idempotency,
     };
-    let id = match app.catalogue.insert_job(new).await? {
+    faults::point("submit.checked");
+    let inserted = app.catalogue.insert_job(new).await?;
+    faults::point("submit.inserted");
+    let id = match inserted {
         InsertJob::Created => {
             app.dispatch.add_job(JobEntry {
                 id: id.clone(),

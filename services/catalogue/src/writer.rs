@@ -95,7 +95,9 @@ async fn group(
             next = timeout_at(gather_until, queue.recv()).await.ok().flatten();
         }
     }
+    faults::point("catalogue.written");
     let committed = connection.execute("COMMIT").await;
+    faults::point("catalogue.committed");
     let failure = committed.as_ref().err().map(CatalogueError::from_ref);
     if failure.is_some() {
         let _ = connection.execute("ROLLBACK").await;

@@ -11,6 +11,7 @@ mod table;
 use std::process::ExitCode;
 
 use clap::Parser;
+use exit::Failure;
 
 /// Underwater image datasets on demand.
 #[derive(Parser)]
@@ -21,7 +22,13 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    match Arguments::parse().command.run() {
+    let arguments = Arguments::parse();
+    let run = || {
+        faults::check()
+            .map_err(Failure::BadInput)
+            .and_then(|()| arguments.command.run())
+    };
+    match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("fathom: {failure}");

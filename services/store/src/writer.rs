@@ -122,7 +122,9 @@ impl Task {
                 .execute(&mut *transaction)
                 .await?;
         }
+        faults::point("pack.written");
         transaction.commit().await?;
+        faults::point("pack.committed");
         let mut index = self.index.lock().unwrap_or_else(PoisonError::into_inner);
         for blob in &blobs {
             index.insert(

@@ -22,7 +22,11 @@ pub fn attempt(
     frame: &Frame,
     source: &SceneSource,
 ) -> Result<Rendered, RenderError> {
-    catch_unwind(AssertUnwindSafe(|| slot.render(frame, source))).unwrap_or_else(|panic| {
+    let render = || {
+        let _ = faults::frame_point("frame", frame.index);
+        slot.render(frame, source)
+    };
+    catch_unwind(AssertUnwindSafe(render)).unwrap_or_else(|panic| {
         *slot = Slot::new(engine);
         Err(RenderError::Panic(message(&*panic)))
     })

@@ -1,7 +1,8 @@
 //! The worker: leases frames from a service, renders them, hands them in.
 //!
 //! Each slot is two threads: one renders, the other hands in what is finished, so that transport and computing overlap.
-//! One more thread beats for all leases. Nothing here is trusted to succeed: a lease that is lost is dropped, a service
+//! One more thread beats for all leases, and one ends the
+//! process when a frame runs without end or eats the memory. Nothing here is trusted to succeed: a lease that is lost is dropped, a service
 //! that is away is waited for, a frame that fails is reported, a panic fails one frame.
 
 mod beat;
@@ -13,6 +14,7 @@ mod scenes;
 mod service;
 mod slot;
 mod stop;
+mod watchdog;
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,6 +34,8 @@ use jobs::Jobs;
 use scenes::Scenes;
 use service::Service;
 use stop::Stop;
+use watchdog::Running;
+pub use watchdog::{Limits, machine_bytes};
 
 /// What a slot may take to finish and hand in its frame when the worker is told to stop. What takes longer is given
 /// back unfinished; the whole stop stays within the 10 s that a supervisor commonly waits.
@@ -55,6 +59,8 @@ pub struct WorkerOptions {
     pub library: Library,
     /// ONNX Runtime, if it lies in an unusual place.
     pub onnxruntime: Option<PathBuf>,
+    /// What a frame may cost.
+    pub limits: Limits,
 }
 
 /// What the threads of a worker share.
@@ -65,6 +71,8 @@ struct Shared {
     jobs: Jobs,
     scenes: Scenes,
     stop: Stop,
+    running: Running,
+    limits: Limits,
 }
 
 /// Works until `stop` is set, then hands leases back without burning an attempt.
@@ -97,6 +105,8 @@ pub fn run(options: WorkerOptions, stop: &AtomicBool) -> anyhow::Result<()> {
         held: Held::default(),
         scenes: Scenes::default(),
         stop: Stop::default(),
+        running: Running::default(),
+        limits: options.limits,
     });
     let threads = start(&shared, options.slots)?;
     let defect = watch(&threads, stop);
@@ -121,7 +131,7 @@ fn start(shared: &Arc<Shared>, slots: usize) -> anyhow::Result<Vec<JoinHandle<()
         let (send, finished) = mpsc::sync_channel(WAITING_FRAMES);
         spawn(
             format!("render-{slot}"),
-            Box::new(move |shared| slot::run(shared, &send)),
+            Box::new(move |shared| slot::run(shared, slot, &send)),
         )?;
         spawn(
             format!("deliver-{slot}"),
@@ -129,6 +139,7 @@ fn start(shared: &Arc<Shared>, slots: usize) -> anyhow::Result<Vec<JoinHandle<()
         )?;
     }
     spawn("beat".to_owned(), Box::new(beat::run))?;
+    spawn("watchdog".to_owned(), Box::new(watchdog::run))?;
     Ok(threads)
 }
 

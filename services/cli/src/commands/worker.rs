@@ -3,9 +3,10 @@
 use std::io::Read;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use anyhow::Context;
-use renderer::worker::{self, WorkerOptions};
+use renderer::worker::{self, Limits, WorkerOptions, machine_bytes};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::StyleArguments;
@@ -25,6 +26,12 @@ pub(crate) struct Arguments {
     name: Option<String>,
     #[command(flatten)]
     style: StyleArguments,
+    /// Longest time of one frame; a worker that takes longer ends itself, and its frames are offered again
+    #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = positive)]
+    frame_limit_s: f64,
+    /// Most memory of this worker; beyond it the worker ends itself [default: three quarters of the machine's]
+    #[arg(long, env = "FATHOM_MEMORY_LIMIT_MIB", value_parser = clap::value_parser!(u64).range(64..))]
+    memory_limit_mib: Option<u64>,
     /// Stop when standard input closes, as a child of a service does
     #[arg(long, hide = true)]
     stop_with_stdin: bool,
@@ -53,9 +60,29 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         name: arguments.name.unwrap_or_else(default_name),
         library,
         onnxruntime: arguments.style.onnxruntime,
+        limits: Limits {
+            frame: Duration::from_secs_f64(arguments.frame_limit_s),
+            memory_bytes: arguments
+                .memory_limit_mib
+                .map_or_else(usual_memory, |mib| mib << 20),
+        },
     };
     worker::run(options, &stop)?;
     Ok(())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    // A year: a duration needs some end.
+    if value > 0.0 && value <= 31_536_000.0 {
+        Ok(value)
+    } else {
+        Err(format!("{value} s is not within 0 < s <= 31536000"))
+    }
+}
+
+fn usual_memory() -> u64 {
+    machine_bytes().map_or(u64::MAX, |bytes| bytes / 4 * 3)
 }
 
 fn default_name() -> String {

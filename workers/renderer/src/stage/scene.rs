@@ -75,6 +75,9 @@ fn checked(
     mut scene: scenes::Scene,
     inputs: BTreeMap<String, String>,
 ) -> Result<Prepared, RenderError> {
+    if faults::frame_point("scene.nan", frame.index) {
+        scene.radiance.planes_mut()[0][0] = f32::NAN;
+    }
     let negative_radiance = optics::chain::check_radiance(&mut scene.radiance)?;
     let holes = scene
         .range

@@ -84,8 +84,12 @@ fn image(shared: &Shared, claim: &Claim, rendered: Rendered, hold: &Hold) -> Res
         claim: claim.clone(),
         record,
     });
-    let stored = insist(shared, hold, || shared.service.put(&files))
-        .and_then(|()| insist(shared, hold, || shared.service.commit(&commit).map(drop)));
+    faults::point("worker.rendered");
+    let stored = insist(shared, hold, || shared.service.put(&files)).and_then(|()| {
+        faults::point("worker.stored");
+        insist(shared, hold, || shared.service.commit(&commit).map(drop))
+    });
+    faults::point("worker.committed");
     match stored {
         // It would refuse the same bytes again and again, and the frame would circle for ever.
         Err(ClientError::Refused { status, problem }) => {

@@ -24,7 +24,7 @@ const AFTER_REFUSAL: Duration = Duration::from_secs(10);
 const NEWEST: f64 = 0.3;
 
 /// Leases and renders until the worker is to stop.
-pub(crate) fn run(shared: &Shared, parcels: &SyncSender<Parcel>) {
+pub(crate) fn run(shared: &Shared, number: usize, parcels: &SyncSender<Parcel>) {
     let mut slot = Slot::new(&shared.engine);
     let mut frame_ms = 0.0;
     let mut tries = 0;
@@ -38,7 +38,7 @@ pub(crate) fn run(shared: &Shared, parcels: &SyncSender<Parcel>) {
             Ok(lease) => {
                 tries = 0;
                 let Some(lease) = lease else { continue };
-                if work(shared, &mut slot, &lease, &mut frame_ms, parcels).is_err() {
+                if work(shared, (number, &mut slot), &lease, &mut frame_ms, parcels).is_err() {
                     return;
                 }
             }
@@ -63,12 +63,13 @@ struct Gone;
 /// Renders the frames of a lease until they are done, the lease is lost, or the worker is to stop.
 fn work(
     shared: &Shared,
-    slot: &mut Slot,
+    (number, slot): (usize, &mut Slot),
     lease: &Lease,
     frame_ms: &mut f64,
     parcels: &SyncSender<Parcel>,
 ) -> Result<(), Gone> {
     let hold = shared.held.take(lease.token);
+    faults::point("worker.leased");
     // A worker of another version may know what this one does not.
     let job = shared.jobs.of(lease).map_err(|invalid| Refusal {
         error: invalid.to_string(),
@@ -81,10 +82,12 @@ fn work(
             break;
         }
         let begun = Instant::now();
+        shared.running.begin(number, &lease.job_id, frame);
         let outcome = match &job {
             Ok(job) => render(shared, slot, job, frame, &hold).map_err(Refusal::from),
             Err(refusal) => Err(refusal.clone()),
         };
+        shared.running.end(number);
         *frame_ms = mean(*frame_ms, begun.elapsed().as_secs_f64() * 1000.0);
         let claim = Claim {
             token: lease.token,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use fathom_renderer::worker::{self, WorkerOptions};
+use fathom_renderer::worker::{self, Limits, WorkerOptions};
 use fathom_renderer::{Engine, RangeUpload, SceneSource, Slot, UploadedScene};
 use scenes::uploaded::RangeKind;
 use serde_json::{Value, json};
@@ -31,6 +31,10 @@ impl Worker {
             name: "test".to_owned(),
             library: Library::embedded().unwrap(),
             onnxruntime: Some("/nowhere/libonnxruntime.so".into()),
+            limits: Limits {
+                frame: Duration::from_secs(600),
+                memory_bytes: u64::MAX,
+            },
         };
         let stopped = Arc::clone(&stop);
         Self {

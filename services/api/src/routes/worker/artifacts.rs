@@ -20,6 +20,8 @@ pub(crate) async fn artifacts(
         digest: file.digest,
         bytes: file.data,
     });
+    faults::point("artifacts.received");
     app.store.put_all(blobs.collect()).await?;
+    faults::point("artifacts.stored");
     Ok(ProtoBody(PutArtifactsResponse {}))
 }

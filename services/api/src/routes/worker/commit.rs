@@ -22,6 +22,7 @@ pub(crate) async fn commit(
     app.dispatch
         .begin_commit(&claim)
         .map_err(|_| stale_lease(&claim))?;
+    faults::point("commit.begun");
     // From here on the frame is held: the task ends the hold even if the worker hangs up.
     let app = Arc::clone(&app);
     let task = tokio::spawn(async move { held(&app, &claim, &record).await });
@@ -31,6 +32,7 @@ pub(crate) async fn commit(
 
 async fn held(app: &App, claim: &Claim, record: &FrameRecord) -> Result<bool, Problem> {
     let inserted = insert(app, claim, record).await;
+    faults::point("commit.inserted");
     match inserted {
         Ok(InsertImage::AlreadyThere) => app.dispatch.finish_commit(claim),
         Ok(InsertImage::Inserted) => {

@@ -35,6 +35,7 @@ pub(crate) async fn lease(
     let job = app.catalogue.job(&granted.lease().job_id).await?;
     let job = job.ok_or_else(|| Problem::internal(&"a leased job is not stored"))?;
     let lease = described(granted.hand_over(), job.spec);
+    faults::point("lease.granted");
     Ok(ProtoBody(LeaseResponse {
         lease: Some(lease.into()),
     }))

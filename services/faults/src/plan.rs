@@ -1,0 +1,126 @@
+//! Which faults a process was asked to have.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What happens at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Action {
+    Abort,
+    Panic,
+    Hang,
+    Memory,
+    Flag,
+}
+
+/// Which passings are meant.
+#[derive(Debug)]
+enum When {
+    Always,
+    Nth { n: u64, passed: AtomicU64 },
+    Frames { remainder: u64, modulus: Option<u64> },
+}
+
+#[derive(Debug)]
+struct Fault {
+    point: String,
+    action: Action,
+    when: When,
+}
+
+/// The faults of a process.
+#[derive(Debug)]
+pub(crate) struct Plan(Vec<Fault>);
+
+impl Plan {
+    /// Reads `POINT=ACTION[@N | #F | #R/M]`, separated by commas.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        text.split(',')
+            .map(str::trim)
+            .filter(|part| !part.is_empty())
+            .map(fault)
+            .collect::<Result<_, _>>()
+            .map(Self)
+    }
+
+    /// What to do now that a point is passed.
+    pub(crate) fn passed(&self, point: &str, frame: Option<u64>) -> Option<Action> {
+        let here = self.0.iter().filter(|fault| fault.point == point);
+        here.filter(|fault| fault.when.is_now(frame))
+            .map(|fault| fault.action)
+            .next()
+    }
+}
+
+impl When {
+    fn is_now(&self, frame: Option<u64>) -> bool {
+        match self {
+            Self::Always => true,
+            Self::Nth { n, passed } => passed.fetch_add(1, Ordering::SeqCst) + 1 == *n,
+            Self::Frames { remainder, modulus } => {
+                frame.is_some_and(|frame| modulus.map_or(frame, |modulus| frame % modulus) == *remainder)
+            }
+        }
+    }
+}
+
+fn fault(text: &str) -> Result<Fault, String> {
+    let wrong =
+        || format!("fault `{text}` is not POINT=ACTION, POINT=ACTION@N, POINT=ACTION#F or POINT=ACTION#R/M");
+    let number = |text: &str| text.parse::<u64>().map_err(|_| wrong());
+    let (point, rest) = text.split_once('=').ok_or_else(wrong)?;
+    let (action, when) = if let Some((action, n)) = rest.split_once('@') {
+        let (n, passed) = (number(n)?, AtomicU64::new(0));
+        (action, When::Nth { n, passed })
+    } else if let Some((action, frames)) = rest.split_once('#') {
+        let (remainder, modulus) = match frames.split_once('/') {
+            Some((remainder, modulus)) => (number(remainder)?, Some(number(modulus)?)),
+            None => (number(frames)?, None),
+        };
+        if modulus == Some(0) {
+            return Err(wrong());
+        }
+        (action, When::Frames { remainder, modulus })
+    } else {
+        (rest, When::Always)
+    };
+    let action = match action {
+        "abort" => Action::Abort,
+        "panic" => Action::Panic,
+        "hang" => Action::Hang,
+        "memory" => Action::Memory,
+        "flag" => Action::Flag,
+        _ => return Err(wrong()),
+    };
+    Ok(Fault {
+        point: point.to_owned(),
+        action,
+        when,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_meets_the_passings_that_it_names_and_no_other() {
+        let plan = Plan::parse("a=abort@3, b=flag#7 ,c=hang#1/4,d=panic").unwrap_or_else(|e| panic!("{e}"));
+        let third: Vec<bool> = (0..4).map(|_| plan.passed("a", None).is_some()).collect();
+        assert_eq!(third, [false, false, true, false]);
+        assert_eq!(plan.passed("b", Some(7)), Some(Action::Flag));
+        assert_eq!(plan.passed("b", Some(8)), None);
+        assert_eq!(plan.passed("b", None), None);
+        let hit: Vec<u64> = (0..10).filter(|&f| plan.passed("c", Some(f)).is_some()).collect();
+        assert_eq!(hit, [1, 5, 9]);
+        assert_eq!(plan.passed("d", Some(1)), Some(Action::Panic));
+        assert_eq!(plan.passed("e", Some(1)), None);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_refused() {
+        for text in ["a", "a=burn", "a=abort@x", "a=abort#1/0", "=abort@"] {
+            assert!(Plan::parse(text).is_err(), "{text}");
+        }
+        assert!(Plan::parse("").is_ok_and(|plan| plan.0.is_empty()));
+    }
+}
