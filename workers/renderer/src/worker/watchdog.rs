@@ -19,6 +19,14 @@ pub struct Limits {
     pub memory_bytes: u64,
 }
 
+impl Limits {
+    /// No limit: for a worker that shares its process with its supervisor.
+    pub const NONE: Self = Self {
+        frame: Duration::MAX,
+        memory_bytes: u64::MAX,
+    };
+}
+
 /// The frames that are being rendered, by slot.
 #[derive(Default)]
 pub(crate) struct Running(Mutex<BTreeMap<usize, Frame>>);

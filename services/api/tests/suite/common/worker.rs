@@ -10,7 +10,7 @@ use proto::message::{
 };
 use proto::wire::BeatResponse;
 use queue::client::{Client, ClientError};
-use renderer::worker::WorkerOptions;
+use renderer::worker::{Limits, WorkerOptions};
 use serde_json::{Map, json};
 use sha2::{Digest, Sha256};
 use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
@@ -146,6 +146,7 @@ impl Real {
             name: "real".to_owned(),
             library: Library::embedded().unwrap(),
             onnxruntime: None,
+            limits: Limits::NONE,
         };
         let told = Arc::clone(&stop);
         let thread = std::thread::spawn(move || renderer::worker::run(options, &told).unwrap());
