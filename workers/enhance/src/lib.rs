@@ -9,15 +9,17 @@
 //! Nothing here knows the water: an enhancement must not see the ground truth that it is judged by.
 
 pub mod baseline;
+pub mod blocks;
 mod elementary;
 pub mod hscm;
 mod method;
 mod reflect;
 mod registry;
 mod result;
+pub mod ulap;
 mod warning;
 
 pub use method::{Method, Variant, run, run_variant};
-pub use registry::{METHODS, MethodInfo, registry};
+pub use registry::{GUIDED_PIXELS_MAX, METHODS, MethodInfo, registry};
 pub use result::{EnhanceError, Enhanced};
 pub use warning::Warning;

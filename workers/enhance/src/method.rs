@@ -2,8 +2,9 @@
 
 use imaging::Raster;
 
+use crate::registry::{MethodInfo, registry};
 use crate::result::{EnhanceError, Enhanced};
-use crate::{baseline, hscm, registry};
+use crate::{baseline, hscm, ulap};
 
 /// An enhancement method with its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +15,8 @@ pub enum Method {
     Clahe,
     /// Channel means made equal.
     GreyWorld,
+    /// Restoration by the light attenuation prior.
+    Ulap,
 }
 
 impl Method {
@@ -26,6 +29,13 @@ impl Method {
             .map(|info| (info.default)())
     }
 
+    /// The method's row of the registry.
+    #[must_use]
+    pub fn info(&self) -> &'static MethodInfo {
+        let own = |info: &&MethodInfo| info.name == self.name();
+        registry().iter().find(own).expect("every method has a row")
+    }
+
     /// The name that [`Method::parse`] reads.
     #[must_use]
     pub fn name(&self) -> &'static str {
@@ -33,6 +43,7 @@ impl Method {
             Self::Hscm(_) => "hscm",
             Self::Clahe => "clahe",
             Self::GreyWorld => "grey_world",
+            Self::Ulap => "ulap",
         }
     }
 }
@@ -64,9 +75,23 @@ pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Resul
     if width == 0 || height == 0 {
         return Err(EnhanceError::Empty { width, height });
     }
+    let pixels = width.saturating_mul(height);
+    if let Some(limit) = method.info().pixels_max
+        && pixels > limit
+    {
+        let method = method.name();
+        return Err(EnhanceError::TooLarge {
+            method,
+            width,
+            height,
+            pixels,
+            limit,
+        });
+    }
     match method {
         Method::Hscm(options) => hscm::enhance(picture, options, variant),
         Method::Clahe => Ok(baseline::clahe::enhance(picture)),
         Method::GreyWorld => Ok(baseline::grey_world::enhance(picture)),
+        Method::Ulap => Ok(ulap::enhance(picture, variant)),
     }
 }

@@ -38,6 +38,12 @@ const fn names() -> [&'static str; REGISTRY.len()] {
     names
 }
 
+/// Most pixels for the methods with a colour guided filter, which hold several planes in double precision.
+pub const GUIDED_PIXELS_MAX: usize = 16_000_000;
+
+/// Options of the guided filter, for the methods that use it.
+const GUIDED: &str = "guided filter radius 50, eps 0.001";
+
 const REGISTRY: &[MethodInfo] = &[
     MethodInfo {
         name: "hscm",
@@ -62,6 +68,14 @@ const REGISTRY: &[MethodInfo] = &[
         options: "none",
         pixels_max: None,
         default: || Method::GreyWorld,
+    },
+    MethodInfo {
+        name: "ulap",
+        what: "restoration: distance from the loss of red, background light, inverted image model",
+        source: "Song, Wang, Huang and Tjondronegoro 2018",
+        options: GUIDED,
+        pixels_max: Some(GUIDED_PIXELS_MAX),
+        default: || Method::Ulap,
     },
 ];
 

@@ -50,7 +50,6 @@ pub enum EnhanceError {
 pub(crate) enum OfGray {
     /// The gray codes of the coloured result.
     Gray,
-    #[expect(dead_code, reason = "restorations follow")]
     /// The coloured result: a restoration colours a gray picture by nature.
     Colour,
 }

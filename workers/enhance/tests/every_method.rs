@@ -104,3 +104,22 @@ fn every_method_refuses_a_picture_without_pixels() {
         );
     }
 }
+
+#[test]
+fn methods_with_a_limit_refuse_a_larger_picture_and_name_the_limit() {
+    let (width, height) = (4001, 4000);
+    let large = Raster::new(
+        width,
+        height,
+        Channels::Gray,
+        Samples::U8(vec![9; width * height]),
+        None,
+    )
+    .unwrap();
+    for method in methods().filter(|method| method.info().pixels_max.is_some()) {
+        let text = run(&method, &large).unwrap_err().to_string();
+        let name = method.name();
+        let expected = format!("picture is 4001×4000 = 16004000 pixels but {name} takes at most 16000000");
+        assert_eq!(text, expected);
+    }
+}

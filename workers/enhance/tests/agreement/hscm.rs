@@ -1,52 +1,14 @@
-//! Fast variants against reference variants: content × size × variant.
+//! The stages of HSCM.
 
 use fathom_enhance::hscm::{Luma, MEDIAN_MAX, Options, Profile, Settings, homomorphic, median};
 use fathom_enhance::{Variant, hscm};
-use imaging::{Channels, Plane, Raster, Rgb8, Samples};
+use imaging::{Channels, Plane, Raster, Samples};
+
+use crate::{SIZES, noise, pictures};
 
 /// Largest difference of the filtered logarithm at the default gains. The weight that the short kernel leaves out
 /// accounts for 1e-5 and single precision for about as much; the tolerance of the method itself is 2e-3.
 const LOG_AGREEMENT: f32 = 5e-5;
-const SIZES: [(usize, usize); 12] = [
-    (1, 1),
-    (1, 37),
-    (53, 1),
-    (2, 2),
-    (7, 5),
-    (11, 3),
-    (31, 29),
-    (97, 61),
-    (127, 101),
-    (160, 120),
-    (33, 250),
-    (320, 239),
-];
-
-fn noise(x: usize, y: usize) -> u8 {
-    let mut hash = (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77);
-    hash = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
-    (hash >> 24) as u8
-}
-
-type Pixel = fn(usize, usize) -> [u8; 3];
-
-fn pictures(width: usize, height: usize) -> [(&'static str, Rgb8); 5] {
-    let pixels: [(&str, Pixel); 5] = [
-        ("noise", |x, y| {
-            [noise(x, y), noise(x + 999, y), noise(x, y + 999)]
-        }),
-        ("ramp", |x, y| {
-            [(x % 256) as u8, (y % 256) as u8, ((x + y) / 2 % 256) as u8]
-        }),
-        ("one lamp in the dark", |x, y| {
-            if (x, y) == (3, 2) { [255; 3] } else { [0; 3] }
-        }),
-        ("edge", |x, _| if x % 40 < 20 { [0; 3] } else { [255; 3] }),
-        ("constant", |_, _| [60, 120, 140]),
-    ];
-    pixels.map(|(name, pixel)| (name, Rgb8::from_fn(width, height, pixel)))
-}
-
 fn settings() -> [(&'static str, Settings); 5] {
     let default = Settings::default();
     [

@@ -1,0 +1,82 @@
+//! Background light: the colour of the water far away, taken from the pixels that look farthest.
+
+use imaging::{Plane, Rgb8};
+
+use super::rank::largest;
+use crate::method::Variant;
+
+/// Part of the pixels that the background light is sought in.
+pub const TOP_SHARE: f64 = 0.001;
+
+/// How many pixels the top share is, at least one.
+pub(crate) fn top_count(pixels: usize) -> usize {
+    (pixels as f64 * TOP_SHARE).ceil() as usize
+}
+
+/// Among the pixels of the top share of `distance`, the colour with the largest R² + G² + B², as codes; the farther one
+/// of equals.
+#[must_use]
+pub fn brightest_of(picture: &Rgb8, distance: &Plane<f64>, variant: Variant) -> [u8; 3] {
+    let mut best = (0, [0; 3]);
+    for position in largest(distance, top_count(distance.data().len()), variant) {
+        let colour: [u8; 3] = std::array::from_fn(|channel| picture.data()[3 * position + channel]);
+        let power = colour.iter().map(|&code| u32::from(code).pow(2)).sum::<u32>();
+        if power > best.0 {
+            best = (power, colour);
+        }
+    }
+    best.1
+}
+
+/// The distance of the nearest pixel, `d0 = 1 - max |B_c - c| / max(B_c, 1 - B_c)` over all pixels and channels
+/// (Peng and Cosman 2017, eq. 12): 1 when every pixel has the colour of the light, 0 when one is as far from it as a colour can be.
+#[must_use]
+pub fn distance_offset(picture: &Rgb8, light: [f64; 3]) -> f64 {
+    let (low, high) = extremes(picture);
+    let farthest = (0..3).map(|c| {
+        let (low, high) = (f64::from(low[c]) / 255.0, f64::from(high[c]) / 255.0);
+        (light[c] - low).max(high - light[c]) / light[c].max(1.0 - light[c])
+    });
+    1.0 - farthest.fold(0.0, f64::max)
+}
+
+/// The least and the greatest code of each channel of a picture with pixels.
+pub(crate) fn extremes(picture: &Rgb8) -> ([u8; 3], [u8; 3]) {
+    let first = picture.at(0, 0);
+    let (mut low, mut high) = (first, first);
+    for pixel in picture.pixels() {
+        for c in 0..3 {
+            low[c] = low[c].min(pixel[c]);
+            high[c] = high[c].max(pixel[c]);
+        }
+    }
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_brightest_of_the_farthest_is_the_light() {
+        let picture = Rgb8::from_fn(2000, 1, |x, _| match x {
+            7 => [10, 20, 30],
+            8 => [40, 20, 30],
+            9 => [250; 3],
+            _ => [0; 3],
+        });
+        // The top share of 2000 pixels is two.
+        let distance = Plane::from_fn(2000, 1, |x, _| if x == 7 || x == 8 { 1.0 } else { 0.0 });
+        for variant in [Variant::Fast, Variant::Reference] {
+            assert_eq!(brightest_of(&picture, &distance, variant), [40, 20, 30]);
+        }
+    }
+
+    #[test]
+    fn the_nearest_pixel_is_the_one_farthest_from_the_light() {
+        let picture = Rgb8::from_fn(3, 1, |x, _| [51 * x as u8, 51, 51]);
+        let light = [0.4, 0.2, 0.2];
+        // Red reaches from 0 to 0.4: 0.4 away, of at most 0.6.
+        assert!((distance_offset(&picture, light) - (1.0 - 0.4 / 0.6)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,17 @@
+//! What several methods are made of. Each block with a fast form also has the definition, chosen by
+//! [`Variant`](crate::Variant); the `agreement` tests hold the two together.
+
+mod box_mean;
+mod guided;
+mod light;
+mod norm;
+mod rank;
+mod restore;
+mod sums;
+
+pub use box_mean::box_mean;
+pub use guided::{Guide, RADIUS_MAX, RADIUS_PX, REGULARISATION, guided};
+pub use light::{TOP_SHARE, brightest_of, distance_offset};
+pub use norm::{FLAT, normalised, range};
+pub use rank::largest;
+pub use restore::{Veil, restore};

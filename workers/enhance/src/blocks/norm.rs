@@ -1,0 +1,56 @@
+//! Stretching a plane to 0..=1.
+
+use imaging::Plane;
+
+/// A plane whose values span no more than this is flat.
+pub const FLAT: f64 = 1e-6;
+
+/// The least and the greatest value of a plane that holds some.
+#[must_use]
+pub fn range(plane: &Plane<f64>) -> (f64, f64) {
+    // Lanes of their own let the loop become vector code; the order of minima does not matter.
+    const LANES: usize = 8;
+    let first = plane.data()[0];
+    let (mut low, mut high) = ([first; LANES], [first; LANES]);
+    let (whole, rest) = plane.data().as_chunks::<LANES>();
+    for chunk in whole {
+        for i in 0..LANES {
+            low[i] = if chunk[i] < low[i] { chunk[i] } else { low[i] };
+            high[i] = if chunk[i] > high[i] { chunk[i] } else { high[i] };
+        }
+    }
+    let all =
+        |lanes: [f64; LANES], pick: fn(f64, f64) -> f64| lanes.iter().chain(rest).copied().fold(first, pick);
+    (all(low, f64::min), all(high, f64::max))
+}
+
+/// `(z - min) / (max - min)`, 0 everywhere when `max - min` is at most [`FLAT`]. The plane must hold a value.
+#[must_use]
+pub fn normalised(plane: &Plane<f64>) -> Plane<f64> {
+    let (low, high) = range(plane);
+    let scale = if high - low > FLAT {
+        1.0 / (high - low)
+    } else {
+        0.0
+    };
+    plane.map(|value| (value - low) * scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ends_become_zero_and_one() {
+        let plane = Plane::from_fn(5, 3, |x, y| (3 * x + y) as f64 - 4.0);
+        assert_eq!(range(&plane), (-4.0, 10.0));
+        assert_eq!(normalised(&plane).at(0, 0), 0.0);
+        assert_eq!(normalised(&plane).at(4, 2), 1.0);
+    }
+
+    #[test]
+    fn a_flat_plane_becomes_zero() {
+        let plane = Plane::new(2, 1, vec![0.3, 0.3 + 1e-7]).unwrap();
+        assert_eq!(normalised(&plane).data(), &[0.0, 0.0]);
+    }
+}

@@ -1,0 +1,67 @@
+//! The largest values of a plane.
+
+use imaging::Plane;
+
+use super::norm::range;
+use crate::method::Variant;
+
+/// Values whose distances from the largest agree to this many binary places are equal: windows with the same content
+/// must tie, and running sums leave 1e-13 of noise on them.
+const EQUAL_BITS: i32 = 30;
+
+/// Positions of the `count` largest values in falling order; of values as far below the
+/// largest, to the nearest 2^-30, the earlier position first. All positions when there are fewer. Values lie within ±2^32.
+#[must_use]
+pub fn largest(plane: &Plane<f64>, count: usize, variant: Variant) -> Vec<usize> {
+    let mut chosen = match variant {
+        Variant::Fast => candidates(plane, count),
+        Variant::Reference => (0..plane.data().len()).collect(),
+    };
+    let top = chosen.iter().fold(f64::MIN, |top, &i| top.max(plane.data()[i]));
+    let rank = |i: usize| ((top - plane.data()[i]) * 2f64.powi(EQUAL_BITS)).round() as u64;
+    chosen.sort_by_cached_key(|&i| (rank(i), i));
+    chosen.truncate(count);
+    chosen
+}
+
+/// A few more positions than asked for: those from a bound on that a histogram gives.
+fn candidates(plane: &Plane<f64>, count: usize) -> Vec<usize> {
+    const BINS: usize = 4096;
+    if plane.data().is_empty() {
+        return Vec::new();
+    }
+    let (low, high) = range(plane);
+    // A bin is at least as wide as what counts as equal.
+    let scale = ((BINS - 1) as f64 / (high - low)).min(2f64.powi(EQUAL_BITS));
+    let bin = |value: f64| ((value - low) * scale) as usize;
+    let mut counts = [0usize; BINS];
+    for &value in plane.data() {
+        counts[bin(value).min(BINS - 1)] += 1;
+    }
+    // One bin more than needed, for values that round up into the ones taken.
+    let mut bound = BINS;
+    let mut held = 0;
+    while held < count && bound > 0 {
+        bound -= 1;
+        held += counts[bound];
+    }
+    let bound = bound.saturating_sub(1);
+    let from_bound = |(i, &value): (usize, &f64)| (bin(value).min(BINS - 1) >= bound).then_some(i);
+    plane.data().iter().enumerate().filter_map(from_bound).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_values_come_in_the_order_of_their_positions() {
+        let plane = Plane::new(6, 1, vec![1.0, 3.0, 2.0, 3.0, -1.0, 3.0]).unwrap();
+        for variant in [Variant::Fast, Variant::Reference] {
+            assert_eq!(largest(&plane, 4, variant), [1, 3, 5, 2]);
+            assert_eq!(largest(&plane, 2, variant), [1, 3]);
+            assert_eq!(largest(&plane, 9, variant).len(), 6);
+            assert_eq!(largest(&Plane::filled(3, 2, 7.0), 2, variant), [0, 1]);
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Running sums over square windows that are clipped to the picture: a constant number of additions per pixel.
+
+use std::ops::Range;
+
+/// The positions of `0..n` in the window of `radius` around `i`.
+pub(super) fn inside(i: usize, radius: usize, n: usize) -> Range<usize> {
+    i.saturating_sub(radius)..(i + radius + 1).min(n)
+}
+
+/// One over the number of positions inside, for every position of `0..n`.
+pub(super) fn inverse_counts(n: usize, radius: usize) -> Vec<f64> {
+    (0..n).map(|i| 1.0 / inside(i, radius, n).len() as f64).collect()
+}
+
+/// Sums of K quantities over the windows of one row.
+pub(super) struct WindowSums<const K: usize> {
+    radius: usize,
+    width: usize,
+    /// For each quantity and column, the sum down the rows of the window. The user keeps them up to date.
+    pub(super) columns: [Vec<f64>; K],
+    /// Running totals along `columns`: entry j is the sum of the first `clamp(j - radius, 0, width)` columns.
+    totals: [Vec<f64>; K],
+}
+
+impl<const K: usize> WindowSums<K> {
+    pub(super) fn new(width: usize, radius: usize) -> Self {
+        Self {
+            radius,
+            width,
+            columns: std::array::from_fn(|_| vec![0.0; width]),
+            totals: std::array::from_fn(|_| vec![0.0; width + 2 * radius + 1]),
+        }
+    }
+
+    /// Adds up the columns; call it when they have changed.
+    #[inline(always)]
+    pub(super) fn total(&mut self) {
+        let (radius, width) = (self.radius, self.width);
+        let mut rest = self.totals.iter_mut().zip(&self.columns);
+        // Four sums at a time: one alone would wait for its own additions.
+        while let Some((a, from_a)) = rest.next() {
+            let (a, from_a) = (&mut a[radius + 1..], from_a.as_slice());
+            if let (Some((b, from_b)), Some((c, from_c)), Some((d, from_d))) =
+                (rest.next(), rest.next(), rest.next())
+            {
+                let (b, c, d) = (&mut b[radius + 1..], &mut c[radius + 1..], &mut d[radius + 1..]);
+                let mut sums = [0.0f64; 4];
+                let columns = from_a.iter().zip(from_b).zip(from_c.iter().zip(from_d));
+                let totals = a.iter_mut().zip(b.iter_mut()).zip(c.iter_mut().zip(d.iter_mut()));
+                for (((a, b), (c, d)), ((va, vb), (vc, vd))) in totals.zip(columns) {
+                    sums = [sums[0] + va, sums[1] + vb, sums[2] + vc, sums[3] + vd];
+                    [*a, *b, *c, *d] = sums;
+                }
+                for (totals, sum) in [a, b, c, d].into_iter().zip(sums) {
+                    totals[width..].fill(sum);
+                }
+            } else {
+                let mut sum = 0.0;
+                for (total, column) in a.iter_mut().zip(from_a) {
+                    sum += column;
+                    *total = sum;
+                }
+                a[width..].fill(sum);
+            }
+        }
+    }
+
+    /// Totals before and up to the end of the window of every column: their difference is the window's sum.
+    #[inline(always)]
+    pub(super) fn windows(&self, quantity: usize) -> (&[f64], &[f64]) {
+        let totals = &self.totals[quantity];
+        (&totals[..self.width], &totals[2 * self.radius + 1..])
+    }
+}
+
+/// Adds a row that enters the window to the columns and takes off the one that leaves.
+#[inline(always)]
+pub(super) fn exchange(columns: &mut [f64], enters: &[f64], leaves: &[f64]) {
+    for ((column, enters), leaves) in columns.iter_mut().zip(enters).zip(leaves) {
+        *column += enters - leaves;
+    }
+}

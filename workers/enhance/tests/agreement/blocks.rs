@@ -1,0 +1,94 @@
+//! The building blocks.
+
+use fathom_enhance::Variant::{Fast, Reference};
+use fathom_enhance::blocks::{Guide, Veil, box_mean, guided, largest, restore};
+use imaging::{Plane, Rgb8};
+
+use crate::{SIZES, noise, pictures};
+
+/// Running sums in double precision against sums made anew: a few thousand roundings of 1e-16.
+const BOX_AGREEMENT: f64 = 1e-12;
+/// Largest difference of the filtered plane, whose values lie within 0..=1. The inverse multiplies the rounding of the
+/// covariances by at most the largest variance over the regularisation, 0.25 / 1e-3.
+const GUIDED_AGREEMENT: f64 = 1e-10;
+const RADII: [usize; 4] = [0, 1, 7, 50];
+
+/// A plane in 0..=1 that has little to do with the picture, and one that is a function of it.
+fn planes(picture: &Rgb8) -> [Plane<f64>; 2] {
+    let (width, height) = (picture.width(), picture.height());
+    [
+        Plane::from_fn(width, height, |x, y| f64::from(noise(x + 31, y)) / 255.0),
+        Plane::from_fn(width, height, |x, y| f64::from(picture.at(x, y)[0]) / 255.0),
+    ]
+}
+
+fn assert_close(fast: &Plane<f64>, exact: &Plane<f64>, tolerance: f64, what: &str) {
+    for (a, b) in fast.data().iter().zip(exact.data()) {
+        assert!((a - b).abs() <= tolerance, "{what}: {a} for {b}");
+    }
+}
+
+#[test]
+fn box_means() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            for plane in planes(&picture) {
+                for radius in RADII {
+                    let what = format!("{width}×{height} {content}, radius {radius}");
+                    let [fast, exact] = [Fast, Reference].map(|variant| box_mean(&plane, radius, variant));
+                    assert_close(&fast, &exact, BOX_AGREEMENT, &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn guided_filters() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            for plane in planes(&picture) {
+                for (radius, regularisation) in [(50, 1e-3), (3, 1e-3), (7, 1e-2)] {
+                    let guide = Guide::of(&picture).window(radius, regularisation);
+                    let what = format!("{width}×{height} {content}, radius {radius}");
+                    let [fast, exact] = [Fast, Reference].map(|variant| guided(&guide, &plane, variant));
+                    assert_close(&fast, &exact, GUIDED_AGREEMENT, &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn largest_values() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            for plane in planes(&picture) {
+                for count in [1, 2, plane.data().len() / 3, plane.data().len()] {
+                    let [fast, exact] = [Fast, Reference].map(|variant| largest(&plane, count, variant));
+                    assert_eq!(fast, exact, "{width}×{height} {content}, {count}");
+                }
+            }
+        }
+    }
+}
+
+/// The least transmittance multiplies the rounding of single precision by ten: still far below one code, but a value
+/// may lie that near to a tie.
+#[test]
+fn restored_codes() {
+    let veil = Veil {
+        light: [0.1, 0.5, 0.55],
+        attenuation: [0.186, 0.05, 0.03],
+        transmittance: (0.1, 0.9),
+    };
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            let distance = planes(&picture)[0].map(|value| 25.0 * value);
+            let [fast, exact] = [Fast, Reference].map(|variant| restore(&picture, &distance, &veil, variant));
+            for (a, b) in fast.data().iter().zip(exact.data()) {
+                assert!(a.abs_diff(*b) <= 1, "{width}×{height} {content}: {a} for {b}");
+            }
+        }
+    }
+}
