@@ -102,6 +102,17 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// The camera of a picture of this size and focal length in pixels: the inverse of [`Camera::focal_px`].
+    #[must_use]
+    pub fn of_picture(width: usize, height: usize, focal_px: f64) -> Self {
+        let half = libm::atan(width as f64 / 2.0 / focal_px);
+        Self {
+            width,
+            height,
+            hfov_deg: (2.0 * half).to_degrees(),
+        }
+    }
+
     /// Focal length in pixels: `f = (W/2) / tan(hfov/2)`.
     #[must_use]
     pub fn focal_px(&self, width: usize) -> f64 {

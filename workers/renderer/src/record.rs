@@ -68,6 +68,8 @@ impl File {
 /// What the record is made of, beside what the frame and the files say.
 pub(crate) struct Findings<'a> {
     pub(crate) frame: &'a spec::Frame,
+    /// The camera of the picture, which for an uploaded scene is not the one of the frame.
+    pub(crate) camera: spec::Camera,
     pub(crate) chosen: &'a Chosen,
     pub(crate) measurements: Measurements,
     pub(crate) counts: Counts,
@@ -81,7 +83,7 @@ pub(crate) struct Findings<'a> {
 pub(crate) fn finish(files: Vec<File>, findings: Findings<'_>) -> Rendered {
     let record = FrameRecord {
         frame: findings.frame.index,
-        parameters: findings.frame.parameters.clone(),
+        parameters: parameters(&findings),
         optics: numbers(findings.chosen),
         plan: plan(findings.chosen),
         measurements: findings.measurements,
@@ -97,6 +99,15 @@ pub(crate) fn finish(files: Vec<File>, findings: Findings<'_>) -> Rendered {
         },
     };
     Rendered { files, record }
+}
+
+/// The frame's resolved values, with the camera that took the picture.
+fn parameters(findings: &Findings<'_>) -> Value {
+    let mut parameters = findings.frame.parameters.clone();
+    if !matches!(findings.frame.scene, spec::Scene::Procedural { .. }) {
+        parameters["camera"] = json!(findings.camera);
+    }
+    parameters
 }
 
 /// The water's numbers by name, which of them were derived, and the preset; empty without water.

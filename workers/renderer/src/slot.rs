@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use imaging::transfer;
 use optics::forward_scatter::KernelCache;
-use spec::{Counts, Frame, Scene};
+use spec::{Camera, Counts, Frame, Scene};
 
 use crate::engine::Engine;
 use crate::error::RenderError;
@@ -93,6 +93,7 @@ impl Slot {
         let ran = styled.model.as_ref().and_then(|_| self.engine.runtime().ok());
         let findings = Findings {
             frame,
+            camera: Camera::of_picture(radiance.width(), radiance.height(), prepared.focal_px),
             chosen: &chosen,
             measurements,
             counts,

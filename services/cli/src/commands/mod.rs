@@ -2,6 +2,7 @@
 
 mod demo;
 mod enhance;
+mod export;
 mod figure;
 mod measure;
 mod query;
@@ -31,6 +32,8 @@ pub(crate) enum Command {
     Submit(submit::Arguments),
     /// Ask for images by their parameters and metrics
     Query(query::Arguments),
+    /// Write a dataset as a folder for training scripts
+    Export(export::Arguments),
     /// Upload a scene: a picture with its range
     Upload(upload::Arguments),
     /// Write a contact sheet of a dataset
@@ -57,6 +60,7 @@ impl Command {
             Self::Render(arguments) => render::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),
             Self::Query(arguments) => query::run(&arguments),
+            Self::Export(arguments) => export::run(&arguments),
             Self::Upload(arguments) => upload::run(&arguments),
             Self::Sheet(arguments) => sheet::run(&arguments),
             Self::Enhance(arguments) => enhance::run(&arguments),

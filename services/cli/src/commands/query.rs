@@ -92,38 +92,54 @@ pub(crate) struct Question<'a> {
     pub(crate) dataset: Option<&'a str>,
     pub(crate) filter: &'a str,
     pub(crate) order_by: Option<&'a str>,
+    /// Columns; none: all.
     pub(crate) fields: &'a [String],
     pub(crate) limit: usize,
 }
 
 impl Question<'_> {
-    /// All rows up to the limit, page by page.
+    /// All rows up to the limit.
     pub(crate) fn ask(&self, remote: &Remote) -> Result<Vec<Value>, Failure> {
         let mut rows = Vec::new();
+        self.pages(remote, |mut page| {
+            rows.append(&mut page);
+            Ok(())
+        })?;
+        Ok(rows)
+    }
+
+    /// Hands on the rows page by page, up to the limit.
+    pub(crate) fn pages(
+        &self,
+        remote: &Remote,
+        mut take: impl FnMut(Vec<Value>) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let mut left = self.limit;
         let mut cursor: Option<String> = None;
-        while rows.len() < self.limit {
-            let path = self.path((self.limit - rows.len()).min(PAGE_ROWS), cursor.as_deref());
+        while left > 0 {
+            let path = self.path(left.min(PAGE_ROWS), cursor.as_deref());
             let mut page = remote.get(&path)?.json()?;
-            if let Some(items) = page.get_mut("items").and_then(Value::as_array_mut) {
-                rows.append(items);
-            }
+            let items = page.get_mut("items").and_then(Value::as_array_mut);
+            let rows = items.map(std::mem::take).unwrap_or_default();
+            left = left.saturating_sub(rows.len());
+            take(rows)?;
             cursor = page.get("next_cursor").and_then(Value::as_str).map(str::to_owned);
             if cursor.is_none() {
                 break;
             }
         }
-        Ok(rows)
+        Ok(())
     }
 
     fn path(&self, limit: usize, cursor: Option<&str>) -> String {
         let mut path = format!("/v1/images?limit={limit}");
-        let fields = self.fields.join(",");
+        let fields = (!self.fields.is_empty()).then(|| self.fields.join(","));
         let filter = (!self.filter.trim().is_empty()).then_some(self.filter);
         let parameters = [
             ("dataset", self.dataset),
             ("filter", filter),
             ("order_by", self.order_by),
-            ("fields", Some(fields.as_str())),
+            ("fields", fields.as_deref()),
             ("cursor", cursor),
         ];
         for (name, value) in parameters {

@@ -1,0 +1,138 @@
+//! A user's own picture goes in as a scene; a dataset comes out as a folder.
+
+use std::path::Path;
+use std::process::Command;
+
+use fathom_tests::{Service, root, run};
+use serde_json::{Value, json};
+
+fn temporary() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A range map as NumPy writes it: float32, metres, one hole.
+fn range_map(width: usize, height: usize) -> Vec<u8> {
+    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
+    while (10 + header.len() + 1) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend(u16::try_from(header.len()).expect("a short header").to_le_bytes());
+    file.extend(header.as_bytes());
+    for pixel in 0..width * height {
+        let metres = if pixel == 5 {
+            f32::NAN
+        } else {
+            1.0 + pixel as f32 * 1e-4
+        };
+        file.extend(metres.to_le_bytes());
+    }
+    file
+}
+
+fn export(service: &Service, out: &Path, more: &[&str]) -> String {
+    let out = out.to_str().expect("text");
+    let usual = [
+        "export",
+        "own",
+        "--kinds",
+        "rgb,range",
+        "--out",
+        out,
+        "--server",
+        &service.url,
+    ];
+    let output = run(&[&usual[..], more].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn rows(out: &Path) -> Vec<Value> {
+    let metadata = std::fs::read_to_string(out.join("metadata.jsonl")).expect("metadata");
+    metadata
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("JSON lines"))
+        .collect()
+}
+
+#[test]
+fn an_uploaded_picture_becomes_a_dataset_and_the_dataset_a_folder() {
+    let folder = temporary();
+    let service = Service::start(&folder.path().join("data"), &["--workers", "1", "--slots", "2"]);
+    let picture = root().join("workers/enhance/tests/vectors/enhancement/hazed_160x120.input.png");
+    let range = folder.path().join("range.npy");
+    std::fs::write(&range, range_map(160, 120)).expect("a writable folder");
+    let upload = || {
+        let (picture, range) = (picture.to_str().expect("text"), range.to_str().expect("text"));
+        let output = run(&[
+            "upload",
+            picture,
+            "--range",
+            range,
+            "--hfov-deg",
+            "60",
+            "--server",
+            &service.url,
+        ]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout).trim().to_owned()
+    };
+    let scene = upload();
+    assert_eq!(upload(), scene, "the same picture is the same scene");
+
+    let id = service.submit(&json!({
+        "dataset": "own", "scene": {"kind": "uploaded", "id": scene},
+        "water": {"optics": {"grid": ["jerlov-I", "jerlov-3C", "jerlov-9C"]}},
+        "artifacts": ["rgb", "range"]
+    }));
+    let done = service.finished(&id);
+    assert_eq!(
+        (done["state"].as_str(), done["done"].as_u64()),
+        (Some("done"), Some(3)),
+        "{done}"
+    );
+
+    let out = folder.path().join("out");
+    assert!(export(&service, &out, &[]).contains("6 files fetched"));
+    let all = rows(&out);
+    assert_eq!(all.len(), 3);
+    for row in &all {
+        assert_eq!(
+            (row["holes"].as_u64(), row["camera.width"].as_u64()),
+            (Some(1), Some(160)),
+            "{row}"
+        );
+        // The camera is that of the upload, not the default of a job.
+        let hfov = row["camera.hfov_deg"].as_f64().expect("a number");
+        assert!((hfov - 60.0).abs() < 1e-9, "{row}");
+        for column in ["file_name", "range"] {
+            let file = out.join(row[column].as_str().expect("a path"));
+            let bytes = std::fs::read(&file).expect("a file that the metadata names");
+            assert!(bytes.starts_with(b"\x89PNG"), "{}", file.display());
+        }
+    }
+    let sums = Command::new("sha256sum")
+        .args(["--check", "--quiet", "SHA256SUMS"])
+        .current_dir(&out)
+        .status();
+    assert!(
+        sums.is_ok_and(|status| status.success()),
+        "the digests of the list do not hold"
+    );
+
+    // Resumed: what is missing or damaged is fetched, the rest is kept.
+    std::fs::remove_file(out.join(all[0]["file_name"].as_str().expect("a path"))).expect("a file");
+    std::fs::write(out.join(all[1]["range"].as_str().expect("a path")), b"torn").expect("a file");
+    assert!(export(&service, &out, &[]).contains("2 files fetched"));
+    assert_eq!(rows(&out), all);
+
+    let some = folder.path().join("some");
+    let filter = "water.optics in (\"jerlov-9C/solonenko2015\", \"jerlov-9C/williamson2022\")";
+    export(&service, &some, &["--filter", filter]);
+    assert_eq!(rows(&some).len(), 1);
+}
