@@ -1,15 +1,13 @@
 //! The catalogue as its users see it.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::Duration;
 
 use spec::{ArtifactEntry, FrameRecord};
-use sqlx::sqlite::{
-    SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
-};
-use sqlx::{AssertSqlSafe, ConnectOptions, Executor, Row};
+use sqlx::Row;
+use sqlx::sqlite::{SqliteConnection, SqlitePool};
 use tokio::task::JoinHandle;
 
 use crate::columns::Columns;
@@ -19,108 +17,27 @@ use crate::types::{
     Counts, DatasetRow, FailureRow, GroupStats, ImageQuery, ImageRow, InsertImage, InsertJob, JobRow,
     JobState, NewJob, OpenJob, Page, SceneRow,
 };
-use crate::writer::{Write, Writer};
+use crate::writer::{Running, Writer};
 use crate::{images, jobs, page, recovery, scenes, stats};
 
-/// Earlier versions can damage the write-ahead log when it is reset.
-const LEAST_SQLITE: &str = "3.51.3";
-/// Questions that run side by side; more would only compete for the same cache.
-const READERS: u32 = 8;
 /// The longest a question may take.
 const QUESTION_LIMIT: Duration = Duration::from_secs(20);
-/// How long a connection waits for a lock of another process, such as a backup.
-const LOCK_WAIT: Duration = Duration::from_secs(5);
-
 /// A catalogue: one writer, several readers.
 pub struct Catalogue {
-    columns: Columns,
-    readers: SqlitePool,
-    writer: Mutex<Option<Writer>>,
-    task: Mutex<Option<JoinHandle<()>>>,
+    pub(crate) path: PathBuf,
+    pub(crate) columns: Columns,
+    pub(crate) readers: SqlitePool,
+    pub(crate) writer: Mutex<Option<Writer>>,
+    pub(crate) task: Mutex<Option<JoinHandle<()>>>,
 }
 
 impl Catalogue {
-    /// Opens or creates a catalogue whose images have these metrics (`uiqm`, `uiqm@table1`, …).
-    ///
-    /// # Errors
-    /// [`CatalogueError::Open`], [`CatalogueError::SqliteTooOld`].
-    pub async fn open(path: &Path, metrics: &[String]) -> Result<Self, CatalogueError> {
-        let unusable = |error: &dyn std::fmt::Display| CatalogueError::Open {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        };
-        let options = SqliteConnectOptions::new()
-            .filename(path)
-            .create_if_missing(true)
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(LOCK_WAIT)
-            .disable_statement_logging();
-        let mut connection = options.connect().await.map_err(|e| unusable(&e))?;
-        let version: String = sqlx::query_scalar("SELECT sqlite_version()")
-            .fetch_one(&mut connection)
-            .await?;
-        if numbers(&version) < numbers(LEAST_SQLITE) {
-            return Err(CatalogueError::SqliteTooOld {
-                version,
-                least: LEAST_SQLITE,
-            });
-        }
-        sqlx::migrate!("../../migrations")
-            .run(&mut connection)
-            .await
-            .map_err(|e| unusable(&e))?;
-        let columns = Columns::new(metrics);
-        add_columns(&mut connection, &columns).await?;
-        let readers = SqlitePoolOptions::new()
-            .max_connections(READERS)
-            .connect_with(options.pragma("query_only", "ON"))
-            .await
-            .map_err(|e| unusable(&e))?;
-        let (writer, task) = Writer::start(connection, columns.clone());
-        Ok(Self {
-            columns,
-            readers,
-            writer: Mutex::new(Some(writer)),
-            task: Mutex::new(Some(task)),
-        })
-    }
-
-    /// Ends the writer after what it has taken on, and closes all connections.
-    pub async fn close(&self) {
-        drop(
-            self.writer
-                .lock()
-                .unwrap_or_else(std::sync::PoisonError::into_inner)
-                .take(),
-        );
-        let task = self
-            .task
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
-            .take();
-        if let Some(task) = task {
-            let _ = task.await;
-        }
-        self.readers.close().await;
-    }
-
-    fn writer(&self) -> Result<Writer, CatalogueError> {
-        self.writer
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
-            .clone()
-            .ok_or(CatalogueError::Closed)
-    }
-
     /// Stores a job, or finds the one that the same key stored. One row, however many frames.
     ///
     /// # Errors
     /// [`CatalogueError`].
     pub async fn insert_job(&self, job: NewJob) -> Result<InsertJob, CatalogueError> {
-        self.writer()?
-            .write(|answer| Write::InsertJob(Box::new(job), answer))
+        self.write(move |c| Box::pin(async move { jobs::insert(c, &job).await }))
             .await
     }
 
@@ -129,8 +46,8 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError::NotFound`], [`CatalogueError::Transition`].
     pub async fn set_state(&self, id: &str, state: JobState) -> Result<JobRow, CatalogueError> {
-        self.writer()?
-            .write(|answer| Write::SetState(id.to_owned(), state, answer))
+        let id = id.to_owned();
+        self.write(move |c| Box::pin(async move { jobs::set_state(c, &id, state).await }))
             .await
     }
 
@@ -152,11 +69,9 @@ impl Catalogue {
             quarantined,
             error: error.to_owned(),
         };
-        let strike = Box::new(jobs::Strike {
-            job: job.to_owned(),
-            failure,
-        });
-        self.writer()?.write(|answer| Write::Strike(strike, answer)).await
+        let job = job.to_owned();
+        self.write(move |c| Box::pin(async move { jobs::strike(c, &job, &failure).await }))
+            .await
     }
 
     /// Stores an image with its measurements, artifact names and the job's counters, all or nothing.
@@ -169,9 +84,8 @@ impl Catalogue {
         record: &FrameRecord,
         now_ms: u64,
     ) -> Result<InsertImage, CatalogueError> {
-        let image = Box::new(images::NewImage::new(job, record, now_ms)?);
-        self.writer()?
-            .write(|answer| Write::InsertImage(image, answer))
+        let image = images::NewImage::new(&self.columns, job, record, now_ms)?;
+        self.write(move |c| Box::pin(async move { images::insert(c, &image).await }))
             .await
     }
 
@@ -180,8 +94,7 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn insert_scene(&self, scene: SceneRow) -> Result<String, CatalogueError> {
-        self.writer()?
-            .write(|answer| Write::InsertScene(Box::new(scene), answer))
+        self.write(move |c| Box::pin(async move { scenes::insert(c, &scene).await }))
             .await
     }
 
@@ -229,12 +142,38 @@ impl Catalogue {
         recovery::open_jobs(&mut *self.reader().await?).await
     }
 
-    /// Failed frames of a job in frame order.
+    /// A job that has not ended, with what is left of it.
     ///
     /// # Errors
     /// [`CatalogueError`].
-    pub async fn failures(&self, job: &str) -> Result<Vec<FailureRow>, CatalogueError> {
-        within(recovery::failures(&mut *self.reader().await?, job)).await
+    pub async fn open_job(&self, id: &str) -> Result<Option<OpenJob>, CatalogueError> {
+        recovery::open_job(&mut *self.reader().await?, id).await
+    }
+
+    /// Failed frames of a job in frame order, those after a frame.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn failures(
+        &self,
+        job: &str,
+        after: Option<u64>,
+        limit: u32,
+    ) -> Result<Vec<FailureRow>, CatalogueError> {
+        within(recovery::failures(&mut *self.reader().await?, job, after, limit)).await
+    }
+
+    /// Images of a job in frame order, those after a frame.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn results(
+        &self,
+        job: &str,
+        after: Option<u64>,
+        limit: u32,
+    ) -> Result<Vec<ImageRow>, CatalogueError> {
+        within(images::after(&mut *self.reader().await?, job, after, limit)).await
     }
 
     /// An image.
@@ -322,7 +261,7 @@ impl Catalogue {
         scenes::list(&mut *self.reader().await?, limit, cursor.as_deref()).await
     }
 
-    /// Rows of every table.
+    /// Rows of every table, also of jobs that are being deleted.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -330,7 +269,8 @@ impl Catalogue {
         let row = sqlx::query(
             "SELECT (SELECT count(*) FROM jobs), (SELECT count(*) FROM images), (SELECT count(*) FROM measurements),
                     (SELECT count(*) FROM artifacts), (SELECT count(*) FROM scenes), (SELECT count(*) FROM failures),
-                    (SELECT count(*) FROM idempotency_keys)",
+                    (SELECT count(*) FROM idempotency_keys), (SELECT count(*) FROM deletions),
+                    (SELECT count(*) FROM orphans)",
         )
         .fetch_one(&mut *self.reader().await?)
         .await?;
@@ -343,10 +283,27 @@ impl Catalogue {
             scenes: count(4)?,
             failures: count(5)?,
             idempotency_keys: count(6)?,
+            deletions: count(7)?,
+            orphans: count(8)?,
         })
     }
 
-    async fn reader(&self) -> Result<sqlx::pool::PoolConnection<sqlx::Sqlite>, CatalogueError> {
+    /// Brings a change to the writer and waits until it is durable.
+    pub(crate) async fn write<T: Send + 'static>(
+        &self,
+        change: impl for<'c> FnOnce(&'c mut SqliteConnection) -> Running<'c, Result<T, CatalogueError>>
+        + Send
+        + 'static,
+    ) -> Result<T, CatalogueError> {
+        let writer = self
+            .writer
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+            .clone();
+        writer.ok_or(CatalogueError::Closed)?.write(change).await
+    }
+
+    pub(crate) async fn reader(&self) -> Result<sqlx::pool::PoolConnection<sqlx::Sqlite>, CatalogueError> {
         match self.readers.acquire().await {
             Err(sqlx::Error::PoolClosed) => Err(CatalogueError::Closed),
             acquired => Ok(acquired?),
@@ -354,37 +311,11 @@ impl Catalogue {
     }
 }
 
-async fn within<T>(answer: impl Future<Output = Result<T, CatalogueError>>) -> Result<T, CatalogueError> {
+pub(crate) async fn within<T>(
+    answer: impl Future<Output = Result<T, CatalogueError>>,
+) -> Result<T, CatalogueError> {
     let late = |_| CatalogueError::Timeout {
         seconds: QUESTION_LIMIT.as_secs(),
     };
     tokio::time::timeout(QUESTION_LIMIT, answer).await.map_err(late)?
-}
-
-/// Adds the wide columns that are not there yet. A metric that is gone from the registry keeps its column.
-async fn add_columns(
-    connection: &mut sqlx::SqliteConnection,
-    columns: &Columns,
-) -> Result<(), CatalogueError> {
-    for column in columns.added() {
-        let there: i64 = sqlx::query_scalar("SELECT count(*) FROM pragma_table_info(?) WHERE name = ?")
-            .bind(column.table)
-            .bind(&column.name)
-            .fetch_one(&mut *connection)
-            .await?;
-        if there == 0 {
-            // Names come from the registries of the program, never from a request.
-            let name = column.name.replace('"', "");
-            let statement = format!(
-                "ALTER TABLE {} ADD COLUMN \"{name}\" {}",
-                column.table, column.kind
-            );
-            connection.execute(AssertSqlSafe(statement)).await?;
-        }
-    }
-    Ok(())
-}
-
-fn numbers(version: &str) -> Vec<u32> {
-    version.split('.').map(|part| part.parse().unwrap_or(0)).collect()
 }

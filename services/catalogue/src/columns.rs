@@ -108,7 +108,8 @@ const OWN: &[(&str, &str, Kind)] = &[
     ("failed", "0", Kind::Bool),
     (
         "warned",
-        "(json_array_length(images.record, '$.warnings') > 0)",
+        "((SELECT json_array_length(r.record, '$.warnings') FROM records r
+           WHERE r.job_id = images.job_id AND r.frame = images.frame) > 0)",
         Kind::Bool,
     ),
 ];
@@ -222,12 +223,14 @@ impl Columns {
 fn open_family(name: &str) -> Option<Column> {
     let quoted = |key: &str| (!key.is_empty() && !key.contains(['"', '\\'])).then(|| format!("\"{key}\""));
     let extract = |path: String, kind| {
-        let sql = match kind {
-            Kind::Text => "CAST(json_extract(images.record, ?) AS TEXT)",
-            Kind::Number | Kind::Bool => "json_extract(images.record, ?)",
+        let extracted = match kind {
+            Kind::Text => "CAST(json_extract(r.record, ?) AS TEXT)",
+            Kind::Number | Kind::Bool => "json_extract(r.record, ?)",
         };
         Some(Column {
-            sql: sql.to_owned(),
+            sql: format!(
+                "(SELECT {extracted} FROM records r WHERE r.job_id = images.job_id AND r.frame = images.frame)"
+            ),
             binds: vec![Bind::Text(path)],
             kind,
         })

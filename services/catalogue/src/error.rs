@@ -72,12 +72,12 @@ pub enum CatalogueError {
 
 impl CatalogueError {
     pub(crate) fn from_ref(error: &sqlx::Error) -> Self {
-        /// SQLITE_FULL.
-        const FULL: &str = "13";
+        /// FULL, and the shared-memory file of the log that could not grow.
+        const FULL: [&str; 2] = ["13", "4874"];
         let full = error
             .as_database_error()
             .and_then(|e| e.code())
-            .is_some_and(|code| code == FULL);
+            .is_some_and(|code| FULL.contains(&code.as_ref()));
         let message = error.to_string();
         if full {
             Self::Full { message }

@@ -1,18 +1,13 @@
 //! Jobs: one row each, however many frames.
 
+use futures::TryStreamExt;
 use serde_json::json;
-use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use sqlx::{AssertSqlSafe, Row};
 
 use crate::cursor;
 use crate::error::CatalogueError;
 use crate::types::{FailureRow, InsertJob, JobRow, JobState, NewJob, Page};
-
-/// A failed attempt at a frame of a job.
-pub(crate) struct Strike {
-    pub(crate) job: String,
-    pub(crate) failure: FailureRow,
-}
 
 /// Which jobs.
 pub(crate) struct Asked {
@@ -80,8 +75,9 @@ pub(crate) async fn get(
     id: &str,
 ) -> Result<Option<JobRow>, CatalogueError> {
     let found = sqlx::query(
-        "SELECT id, dataset, spec, frames, done, failed, state, version, priority, created_ms, started_ms, finished_ms, digest
-         FROM jobs WHERE id = ?",
+        "SELECT id, dataset, spec, frames, done, failed, state, version, priority, created_ms, started_ms, finished_ms, digest,
+                bytes
+         FROM jobs WHERE id = ?1 AND id NOT IN (SELECT job_id FROM deletions)",
     )
     .bind(id)
     .fetch_optional(connection)
@@ -103,18 +99,31 @@ pub(crate) async fn list(
         ),
         None => None,
     };
-    let rows = sqlx::query(
-        "SELECT id, dataset, spec, frames, done, failed, state, version, priority, created_ms, started_ms, finished_ms, digest
-         FROM jobs
-         WHERE (?1 IS NULL OR dataset = ?1) AND (?2 IS NULL OR state = ?2) AND (?3 IS NULL OR id < ?3)
-         ORDER BY id DESC LIMIT ?4",
-    )
-    .bind(&asked.dataset)
-    .bind(&asked.state)
-    .bind(before)
-    .bind(i64::from(asked.limit) + 1)
-    .fetch_all(connection)
-    .await?;
+    // Each condition only where it is asked for: an `OR` around it would keep the index from being used.
+    let mut sql =
+        "SELECT id, dataset, spec, frames, done, failed, state, version, priority, created_ms, started_ms,
+                          finished_ms, digest, bytes
+                   FROM jobs WHERE id NOT IN (SELECT job_id FROM deletions)"
+            .to_owned();
+    let conditions = [
+        (&asked.dataset, " AND dataset = ?"),
+        (&asked.state, " AND state = ?"),
+        (&before, " AND id < ?"),
+    ];
+    for (value, condition) in &conditions {
+        sql.push_str(if value.is_some() { condition } else { "" });
+    }
+    sql.push_str(" ORDER BY id DESC LIMIT ?");
+    let mut statement = sqlx::query(AssertSqlSafe(sql));
+    for (value, _) in conditions {
+        if let Some(value) = value {
+            statement = statement.bind(value.clone());
+        }
+    }
+    let rows = statement
+        .bind(i64::from(asked.limit) + 1)
+        .fetch_all(connection)
+        .await?;
     let mut items = rows.iter().map(row).collect::<Result<Vec<_>, _>>()?;
     let more = items.len() > asked.limit as usize;
     items.truncate(asked.limit as usize);
@@ -138,21 +147,16 @@ pub(crate) async fn set_state(
         name: id.to_owned(),
     };
     let job = get(connection, id).await?.ok_or_else(not_found)?;
-    if job.state == state {
-        return Ok(job);
-    }
-    let allowed = match state {
-        JobState::Cancelled | JobState::Paused => !job.state.has_ended(),
-        JobState::Queued | JobState::Running => job.state == JobState::Paused,
-        JobState::Done | JobState::DoneWithFailures => false,
+    let (state, allowed) = match (job.state, state) {
+        (from, to) if from == to => return Ok(job),
+        (JobState::Queued | JobState::Running, JobState::Queued | JobState::Running) => return Ok(job),
+        (from, JobState::Cancelled | JobState::Paused) => (state, !from.has_ended()),
+        // A job goes on as what it is: its frames say whether it has begun.
+        (from, JobState::Queued | JobState::Running) => (going(&job), from == JobState::Paused),
+        (_, JobState::Done | JobState::DoneWithFailures) => (state, false),
     };
     if !allowed {
-        let (from, to) = (job.state.to_string(), state.to_string());
-        return Err(CatalogueError::Transition {
-            id: id.to_owned(),
-            from,
-            to,
-        });
+        return Err(cannot_become(&job, &state.to_string()));
     }
     sqlx::query("UPDATE jobs SET state = ?, version = version + 1 WHERE id = ?")
         .bind(state.to_string())
@@ -162,15 +166,39 @@ pub(crate) async fn set_state(
     get(connection, id).await?.ok_or_else(not_found)
 }
 
-pub(crate) async fn strike(connection: &mut SqliteConnection, strike: &Strike) -> Result<(), CatalogueError> {
-    let failure = &strike.failure;
-    let given_up: Option<i64> =
-        sqlx::query_scalar("SELECT quarantined FROM failures WHERE job_id = ? AND frame = ?")
-            .bind(&strike.job)
-            .bind(failure.frame as i64)
-            .fetch_optional(&mut *connection)
-            .await?;
-    if given_up == Some(1) {
+/// What a job is that is neither paused nor at its end.
+pub(crate) fn going(job: &JobRow) -> JobState {
+    if job.done + job.failed > 0 {
+        JobState::Running
+    } else {
+        JobState::Queued
+    }
+}
+
+pub(crate) fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
+    CatalogueError::Transition {
+        id: job.id.clone(),
+        from: job.state.to_string(),
+        to: to.to_owned(),
+    }
+}
+
+/// Writes a failed attempt down, unless the frame was given up before or has its image by now.
+pub(crate) async fn strike(
+    connection: &mut SqliteConnection,
+    job: &str,
+    failure: &FailureRow,
+) -> Result<(), CatalogueError> {
+    let settled: Option<bool> = sqlx::query_scalar(
+        "SELECT EXISTS (SELECT 1 FROM failures WHERE job_id = ?1 AND frame = ?2 AND quarantined = 1)
+             OR EXISTS (SELECT 1 FROM images WHERE job_id = ?1 AND frame = ?2)
+         FROM jobs WHERE id = ?1 AND id NOT IN (SELECT job_id FROM deletions)",
+    )
+    .bind(job)
+    .bind(failure.frame as i64)
+    .fetch_optional(&mut *connection)
+    .await?;
+    if settled != Some(false) {
         return Ok(());
     }
     sqlx::query(
@@ -178,59 +206,86 @@ pub(crate) async fn strike(connection: &mut SqliteConnection, strike: &Strike) -
          ON CONFLICT (job_id, frame) DO UPDATE
          SET strikes = excluded.strikes, quarantined = excluded.quarantined, error = excluded.error",
     )
-    .bind(&strike.job)
+    .bind(job)
     .bind(failure.frame as i64)
     .bind(failure.strikes)
     .bind(failure.quarantined)
     .bind(&failure.error)
     .execute(&mut *connection)
     .await?;
-    sqlx::query("UPDATE jobs SET failed = failed + ?, version = version + 1 WHERE id = ?")
-        .bind(failure.quarantined)
-        .bind(&strike.job)
-        .execute(&mut *connection)
-        .await?;
-    advance(connection, &strike.job, None).await
+    let ended: bool = sqlx::query_scalar(
+        "UPDATE jobs SET failed = failed + ?2, version = version + 1,
+                         state = CASE WHEN state = 'queued' AND ?2 THEN 'running' ELSE state END
+         WHERE id = ?1
+         RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused')",
+    )
+    .bind(job)
+    .bind(failure.quarantined)
+    .fetch_one(&mut *connection)
+    .await?;
+    if ended {
+        finish(connection, job, None).await?;
+    }
+    Ok(())
 }
 
-/// Brings a job's state in line with its counters; a finished job gets its digest.
-pub(crate) async fn advance(
+/// Counts a new image of a job. `was_given_up`: its frame had counted as failed.
+pub(crate) async fn count_image(
+    connection: &mut SqliteConnection,
+    job: &str,
+    bytes: u64,
+    was_given_up: bool,
+    now_ms: u64,
+) -> Result<(), CatalogueError> {
+    let ended: bool = sqlx::query_scalar(
+        "UPDATE jobs SET done = done + 1, failed = failed - ?4, bytes = bytes + ?2, version = version + 1,
+                         started_ms = coalesce(started_ms, ?3),
+                         state = CASE state WHEN 'queued' THEN 'running' ELSE state END
+         WHERE id = ?1
+         RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused')",
+    )
+    .bind(job)
+    .bind(bytes as i64)
+    .bind(now_ms as i64)
+    .bind(was_given_up)
+    .fetch_one(&mut *connection)
+    .await?;
+    if ended {
+        finish(connection, job, Some(now_ms)).await?;
+    }
+    Ok(())
+}
+
+/// Every frame of the job has ended: a job without failures gets its digest.
+async fn finish(
     connection: &mut SqliteConnection,
     id: &str,
     now_ms: Option<u64>,
 ) -> Result<(), CatalogueError> {
-    let Some(job) = get(connection, id).await? else {
-        return Ok(());
-    };
-    if job.state.has_ended() || job.done + job.failed == 0 {
-        return Ok(());
-    }
-    let ended = job.done + job.failed >= job.frames;
-    let state = match (ended, job.failed, job.state) {
-        (true, 0, _) => JobState::Done,
-        (true, ..) => JobState::DoneWithFailures,
-        (false, _, JobState::Paused) => JobState::Paused,
-        _ => JobState::Running,
-    };
-    let digest = if ended && job.failed == 0 {
+    let (dataset, failed): (String, i64) = sqlx::query_as("SELECT dataset, failed FROM jobs WHERE id = ?")
+        .bind(id)
+        .fetch_one(&mut *connection)
+        .await?;
+    let (state, digest) = if failed == 0 {
+        // Answered by the index alone: the job may have millions.
         let frames: Vec<String> =
-            sqlx::query_scalar("SELECT digest FROM images WHERE job_id = ? ORDER BY frame")
+            sqlx::query_scalar("SELECT digest FROM images WHERE dataset = ? AND job_id = ? ORDER BY frame")
+                .bind(dataset)
                 .bind(id)
-                .fetch_all(&mut *connection)
+                .fetch(&mut *connection)
+                .try_collect()
                 .await?;
-        Some(spec::job_digest(frames.iter().map(String::as_str)))
+        let digest = spec::job_digest(frames.iter().map(String::as_str));
+        (JobState::Done, Some(digest))
     } else {
-        None
+        (JobState::DoneWithFailures, None)
     };
     sqlx::query(
-        "UPDATE jobs SET state = ?1, digest = ?2, started_ms = coalesce(started_ms, ?3),
-                         finished_ms = CASE WHEN ?4 THEN coalesce(?3, started_ms, created_ms) END
-         WHERE id = ?5",
+        "UPDATE jobs SET state = ?1, digest = ?2, finished_ms = coalesce(?3, started_ms, created_ms) WHERE id = ?4",
     )
     .bind(state.to_string())
     .bind(digest)
     .bind(now_ms.map(|ms| ms as i64))
-    .bind(ended)
     .bind(id)
     .execute(connection)
     .await?;
@@ -257,5 +312,6 @@ pub(crate) fn row(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
         started_ms: time(10)?,
         finished_ms: time(11)?,
         digest: row.try_get(12)?,
+        bytes: number(13)?,
     })
 }

@@ -7,21 +7,27 @@
 mod catalogue;
 mod columns;
 mod cursor;
+mod deletion;
+mod digests;
 mod error;
 mod filter;
 mod images;
 mod jobs;
+mod open;
 mod page;
 mod recovery;
+mod retry;
 mod scenes;
 mod stats;
+pub mod synthetic;
 mod types;
+mod upkeep;
 mod writer;
 
 pub use catalogue::Catalogue;
 pub use error::CatalogueError;
 pub use filter::FilterError;
 pub use types::{
-    Counts, DatasetRow, FailureRow, GroupStats, Idempotency, ImageQuery, ImageRow, InsertImage, InsertJob,
-    JobRow, JobState, NewJob, OpenJob, Page, SceneRow,
+    Counts, DatasetRow, Deleted, FailureRow, GroupStats, Idempotency, ImageQuery, ImageRow, InsertImage,
+    InsertJob, JobRow, JobState, NamedDigest, NewJob, OpenJob, Page, Retried, SceneRow,
 };

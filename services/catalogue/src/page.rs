@@ -65,7 +65,7 @@ pub(crate) async fn images(
         sql.column(column);
     }
     let filter = condition(columns, query.filter.as_deref())?;
-    sql.push(" FROM images WHERE (");
+    sql.push(" FROM images WHERE images.job_id NOT IN (SELECT job_id FROM deletions) AND (");
     sql.text.push_str(&filter.sql);
     sql.binds.extend(filter.binds.into_iter().map(Some));
     sql.push(")");

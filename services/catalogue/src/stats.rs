@@ -52,7 +52,8 @@ pub(crate) async fn stats(
         let group = question.group_by.map(|name| column(columns, name)).transpose()?;
         let (group_sql, group_binds) = group.map_or(("NULL".to_owned(), Vec::new()), |g| (g.sql, g.binds));
         let sql = format!(
-            "SELECT {group_sql}, {} FROM images WHERE images.dataset = ? AND ({})",
+            "SELECT {group_sql}, {} FROM images
+             WHERE images.dataset = ? AND images.job_id NOT IN (SELECT job_id FROM deletions) AND ({})",
             measured.sql, filter.sql
         );
         let mut statement = sqlx::query(AssertSqlSafe(sql));

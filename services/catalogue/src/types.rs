@@ -130,6 +130,8 @@ pub struct JobRow {
     pub done: u64,
     /// Frames that were given up.
     pub failed: u64,
+    /// Bytes of its artifacts, shared ones counted each time.
+    pub bytes: u64,
     /// Where it stands.
     pub state: JobState,
     /// Grows with every change.
@@ -157,6 +159,41 @@ pub struct OpenJob {
     pub failed: Vec<u64>,
     /// Strikes of frames that are still tried.
     pub strikes: BTreeMap<u64, u32>,
+}
+
+/// A job whose failed frames are tried again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Retried {
+    /// The job as it is now.
+    pub job: JobRow,
+    /// The frames that had been given up.
+    pub frames: Vec<u64>,
+}
+
+/// What a deletion took away.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Deleted {
+    /// Jobs.
+    pub jobs: u64,
+    /// Images.
+    pub images: u64,
+    /// Bytes of their artifacts, shared ones counted each time.
+    pub bytes: u64,
+}
+
+/// A digest with one of the rows that name it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedDigest {
+    /// SHA-256 of the bytes.
+    pub digest: String,
+    /// A job.
+    pub job_id: String,
+    /// A frame of it.
+    pub frame: u64,
+    /// The kind of artifact.
+    pub kind: String,
+    /// Length of the bytes.
+    pub bytes: u64,
 }
 
 /// A frame that failed.
@@ -308,4 +345,8 @@ pub struct Counts {
     pub failures: u64,
     /// Idempotency keys.
     pub idempotency_keys: u64,
+    /// Jobs whose rows still have to go.
+    pub deletions: u64,
+    /// Digests whose bytes may have to go.
+    pub orphans: u64,
 }

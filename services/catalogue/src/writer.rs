@@ -1,5 +1,6 @@
 //! The one task that writes. What callers bring within a few milliseconds shares a transaction and a flush to the disk.
 
+use std::pin::Pin;
 use std::time::Duration;
 
 use sqlx::sqlite::SqliteConnection;
@@ -7,10 +8,7 @@ use sqlx::{Connection, Executor};
 use tokio::sync::{mpsc, oneshot};
 use tokio::time::{Instant, timeout_at};
 
-use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::types::{InsertImage, InsertJob, JobRow, JobState, NewJob, SceneRow};
-use crate::{images, jobs, scenes};
 
 /// Operations that may wait for the writer: beyond it callers wait to be taken on, which slows them down before memory
 /// grows.
@@ -20,51 +18,51 @@ const GROUP: usize = 512;
 /// How long a transaction gathers: less than a flush to the disk takes.
 const GATHER: Duration = Duration::from_millis(2);
 
-type Answer<T> = oneshot::Sender<Result<T, CatalogueError>>;
+/// What a change is doing.
+pub(crate) type Running<'c, T> = Pin<Box<dyn Future<Output = T> + Send + 'c>>;
 
-/// A change, with the way to answer it.
-pub(crate) enum Write {
-    InsertJob(Box<NewJob>, Answer<InsertJob>),
-    SetState(String, JobState, Answer<JobRow>),
-    InsertImage(Box<images::NewImage>, Answer<InsertImage>),
-    Strike(Box<jobs::Strike>, Answer<()>),
-    InsertScene(Box<SceneRow>, Answer<String>),
-}
+/// A change with the way to answer it. Without a connection it only tells its caller why.
+type Call =
+    Box<dyn for<'c> FnOnce(Result<&'c mut SqliteConnection, CatalogueError>) -> Running<'c, Applied> + Send>;
 
 /// Answers one caller after the transaction has ended.
 type Reply = Box<dyn FnOnce(Option<&CatalogueError>) + Send>;
 
+/// A change that has run inside a transaction that is still open.
+struct Applied {
+    reply: Reply,
+    /// Why the whole transaction cannot go on.
+    fatal: Option<CatalogueError>,
+}
+
 /// The way to the writer.
 #[derive(Clone)]
-pub(crate) struct Writer(mpsc::Sender<Write>);
+pub(crate) struct Writer(mpsc::Sender<Call>);
 
 impl Writer {
     /// Starts the task over the one connection that writes. It ends when every `Writer` is gone.
-    pub(crate) fn start(
-        connection: SqliteConnection,
-        columns: Columns,
-    ) -> (Self, tokio::task::JoinHandle<()>) {
+    pub(crate) fn start(connection: SqliteConnection) -> (Self, tokio::task::JoinHandle<()>) {
         let (sender, receiver) = mpsc::channel(QUEUE);
-        (Self(sender), tokio::spawn(run(connection, columns, receiver)))
+        (Self(sender), tokio::spawn(run(connection, receiver)))
     }
 
     /// Brings a change and waits until it is durable.
-    pub(crate) async fn write<T>(
+    pub(crate) async fn write<T: Send + 'static>(
         &self,
-        change: impl FnOnce(Answer<T>) -> Write,
+        change: impl for<'c> FnOnce(&'c mut SqliteConnection) -> Running<'c, Result<T, CatalogueError>>
+        + Send
+        + 'static,
     ) -> Result<T, CatalogueError> {
         let (sender, receiver) = oneshot::channel();
-        self.0
-            .send(change(sender))
-            .await
-            .map_err(|_| CatalogueError::Closed)?;
+        let call: Call = Box::new(move |connection| Box::pin(enclosed(connection, change, sender)));
+        self.0.send(call).await.map_err(|_| CatalogueError::Closed)?;
         receiver.await.map_err(|_| CatalogueError::Closed)?
     }
 }
 
-async fn run(mut connection: SqliteConnection, columns: Columns, mut queue: mpsc::Receiver<Write>) {
+async fn run(mut connection: SqliteConnection, mut queue: mpsc::Receiver<Call>) {
     while let Some(first) = queue.recv().await {
-        if let Err(error) = group(&mut connection, &columns, first, &mut queue).await {
+        if let Err(error) = group(&mut connection, first, &mut queue).await {
             tracing::error!(%error, "the catalogue could not commit");
         }
     }
@@ -75,104 +73,82 @@ async fn run(mut connection: SqliteConnection, columns: Columns, mut queue: mpsc
 
 async fn group(
     connection: &mut SqliteConnection,
-    columns: &Columns,
-    first: Write,
-    queue: &mut mpsc::Receiver<Write>,
-) -> Result<(), sqlx::Error> {
+    first: Call,
+    queue: &mut mpsc::Receiver<Call>,
+) -> Result<(), CatalogueError> {
     let gather_until = Instant::now() + GATHER;
     if let Err(error) = connection.execute("BEGIN IMMEDIATE").await {
-        let failed = CatalogueError::Failed {
-            message: error.to_string(),
-        };
-        refuse(first, &failed);
-        return Err(error);
+        let failure = CatalogueError::from(error);
+        (first(Err(failure.again())).await.reply)(None);
+        return Err(failure);
     }
     let mut replies: Vec<Reply> = Vec::new();
+    let mut failure = None;
     let mut next = Some(first);
-    while let Some(write) = next.take() {
-        replies.push(apply(connection, columns, write).await);
-        if replies.len() < GROUP {
+    while let Some(call) = next.take() {
+        let applied = call(Ok(&mut *connection)).await;
+        replies.push(applied.reply);
+        failure = applied.fatal;
+        if failure.is_none() && replies.len() < GROUP {
             next = timeout_at(gather_until, queue.recv()).await.ok().flatten();
         }
     }
-    faults::point("catalogue.written");
-    let committed = connection.execute("COMMIT").await;
-    faults::point("catalogue.committed");
-    let failure = committed.as_ref().err().map(CatalogueError::from_ref);
+    if failure.is_none() {
+        faults::point("catalogue.written");
+        failure = connection.execute("COMMIT").await.err().map(CatalogueError::from);
+        faults::point("catalogue.committed");
+    }
     if failure.is_some() {
+        // SQLite may have rolled back by itself; then there is nothing to roll back and this says so.
         let _ = connection.execute("ROLLBACK").await;
     }
     replies.into_iter().for_each(|reply| reply(failure.as_ref()));
-    committed.map(|_| ())
+    failure.map_or(Ok(()), Err)
 }
 
-/// Runs one change within a savepoint: what fails leaves its neighbours in the transaction alone.
-async fn apply(connection: &mut SqliteConnection, columns: &Columns, write: Write) -> Reply {
-    match write {
-        Write::InsertJob(job, answer) => {
-            enclosed(connection, answer, async |c: &mut SqliteConnection| {
-                jobs::insert(c, &job).await
-            })
-            .await
-        }
-        Write::SetState(id, state, answer) => {
-            enclosed(connection, answer, async |c: &mut SqliteConnection| {
-                jobs::set_state(c, &id, state).await
-            })
-            .await
-        }
-        Write::InsertImage(image, answer) => {
-            enclosed(connection, answer, async |c: &mut SqliteConnection| {
-                images::insert(c, columns, &image).await
-            })
-            .await
-        }
-        Write::Strike(strike, answer) => {
-            enclosed(connection, answer, async |c: &mut SqliteConnection| {
-                jobs::strike(c, &strike).await
-            })
-            .await
-        }
-        Write::InsertScene(scene, answer) => {
-            enclosed(connection, answer, async |c: &mut SqliteConnection| {
-                scenes::insert(c, &scene).await
-            })
-            .await
-        }
-    }
-}
-
+/// Runs one change within a savepoint: what fails leaves its neighbours in the transaction alone. Only when the
+/// savepoint cannot be kept, as on a full disk, does the whole transaction fail.
 async fn enclosed<T: Send + 'static>(
-    connection: &mut SqliteConnection,
-    answer: Answer<T>,
-    change: impl AsyncFnOnce(&mut SqliteConnection) -> Result<T, CatalogueError>,
-) -> Reply {
-    let result = async {
-        connection.execute("SAVEPOINT change").await?;
-        let result = change(connection).await;
-        if result.is_err() {
-            connection.execute("ROLLBACK TO change").await?;
+    connection: Result<&mut SqliteConnection, CatalogueError>,
+    change: impl for<'c> FnOnce(&'c mut SqliteConnection) -> Running<'c, Result<T, CatalogueError>> + Send,
+    answer: oneshot::Sender<Result<T, CatalogueError>>,
+) -> Applied {
+    let mut fatal = None;
+    let result = match connection {
+        Err(error) => Err(error),
+        Ok(connection) => {
+            let result = within_savepoint(connection, change).await;
+            result.map_err(|(error, kept)| {
+                if !kept || matches!(error, CatalogueError::Full { .. }) {
+                    fatal = Some(error.again());
+                }
+                error
+            })
         }
-        connection.execute("RELEASE change").await?;
-        result
-    }
-    .await;
-    Box::new(move |failure| {
+    };
+    let reply: Reply = Box::new(move |failure| {
         let told = match failure {
             Some(failure) => Err(failure.again()),
             None => result,
         };
         // The caller may have gone; the change stands all the same.
         let _ = answer.send(told);
-    })
+    });
+    Applied { reply, fatal }
 }
 
-fn refuse(write: Write, error: &CatalogueError) {
-    match write {
-        Write::InsertJob(_, answer) => drop(answer.send(Err(error.again()))),
-        Write::SetState(_, _, answer) => drop(answer.send(Err(error.again()))),
-        Write::InsertImage(_, answer) => drop(answer.send(Err(error.again()))),
-        Write::Strike(_, answer) => drop(answer.send(Err(error.again()))),
-        Write::InsertScene(_, answer) => drop(answer.send(Err(error.again()))),
+/// The error comes with whether the transaction stands as it did before the change.
+async fn within_savepoint<T>(
+    connection: &mut SqliteConnection,
+    change: impl for<'c> FnOnce(&'c mut SqliteConnection) -> Running<'c, Result<T, CatalogueError>>,
+) -> Result<T, (CatalogueError, bool)> {
+    let lost = |error: sqlx::Error| (CatalogueError::from(error), false);
+    connection.execute("SAVEPOINT change").await.map_err(lost)?;
+    let result = change(connection).await;
+    if let Err(error) = result {
+        let undone = connection.execute("ROLLBACK TO change; RELEASE change").await;
+        return Err((error, undone.is_ok()));
     }
+    connection.execute("RELEASE change").await.map_err(lost)?;
+    result.map_err(|error| (error, true))
 }

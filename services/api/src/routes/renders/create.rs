@@ -104,7 +104,7 @@ async fn picture_or_record(app: &App, headers: &HeaderMap, row: &JobRow) -> Resu
 }
 
 async fn why_failed(app: &App, row: &JobRow) -> Result<Problem, Problem> {
-    let failures = app.catalogue.failures(&row.id).await?;
+    let failures = app.catalogue.failures(&row.id, None, 1).await?;
     let error = failures
         .into_iter()
         .next()

@@ -1,0 +1,114 @@
+//! Opening and closing: connections, migrations, wide columns.
+
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use sqlx::migrate::MigrateError;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::{AssertSqlSafe, ConnectOptions, Executor};
+
+use crate::catalogue::Catalogue;
+use crate::columns::Columns;
+use crate::error::CatalogueError;
+use crate::writer::Writer;
+
+/// Earlier versions can damage the write-ahead log when it is reset.
+const LEAST_SQLITE: &str = "3.51.3";
+/// Questions that run side by side; more would only compete for the same cache.
+const READERS: u32 = 8;
+/// How long a connection waits for a lock of another process, such as a backup.
+const LOCK_WAIT: Duration = Duration::from_secs(5);
+
+impl Catalogue {
+    /// Opens or creates a catalogue whose images have these metrics (`uiqm`, `uiqm@table1`, …).
+    ///
+    /// # Errors
+    /// [`CatalogueError::Open`], [`CatalogueError::SqliteTooOld`].
+    pub async fn open(path: &Path, metrics: &[String]) -> Result<Self, CatalogueError> {
+        let unusable = |error: &dyn std::fmt::Display| CatalogueError::Open {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        };
+        let options = SqliteConnectOptions::new()
+            .filename(path)
+            .create_if_missing(true)
+            .journal_mode(SqliteJournalMode::Wal)
+            .synchronous(SqliteSynchronous::Full)
+            .foreign_keys(true)
+            .busy_timeout(LOCK_WAIT)
+            .disable_statement_logging();
+        let mut connection = options.connect().await.map_err(|e| unusable(&e))?;
+        let version: String = sqlx::query_scalar("SELECT sqlite_version()")
+            .fetch_one(&mut connection)
+            .await?;
+        if numbers(&version) < numbers(LEAST_SQLITE) {
+            return Err(CatalogueError::SqliteTooOld {
+                version,
+                least: LEAST_SQLITE,
+            });
+        }
+        sqlx::migrate!("../../migrations")
+            .run(&mut connection)
+            .await
+            .map_err(|error| match error {
+                MigrateError::VersionMissing(version) => {
+                    unusable(&format!("a newer program wrote it (schema {version})"))
+                }
+                other => unusable(&other),
+            })?;
+        let columns = Columns::new(metrics);
+        add_columns(&mut connection, &columns).await?;
+        let readers = SqlitePoolOptions::new()
+            .max_connections(READERS)
+            .connect_with(options.pragma("query_only", "ON"))
+            .await
+            .map_err(|e| unusable(&e))?;
+        let (writer, task) = Writer::start(connection);
+        Ok(Self {
+            path: path.to_owned(),
+            columns,
+            readers,
+            writer: Mutex::new(Some(writer)),
+            task: Mutex::new(Some(task)),
+        })
+    }
+
+    /// Ends the writer after what it has taken on, and closes all connections.
+    pub async fn close(&self) {
+        drop(self.writer.lock().unwrap_or_else(PoisonError::into_inner).take());
+        let task = self.task.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(task) = task {
+            let _ = task.await;
+        }
+        self.readers.close().await;
+    }
+}
+
+/// Adds the wide columns that are not there yet. A metric that is gone from the registry keeps its column.
+async fn add_columns(
+    connection: &mut sqlx::SqliteConnection,
+    columns: &Columns,
+) -> Result<(), CatalogueError> {
+    for column in columns.added() {
+        let there: i64 = sqlx::query_scalar("SELECT count(*) FROM pragma_table_info(?) WHERE name = ?")
+            .bind(column.table)
+            .bind(&column.name)
+            .fetch_one(&mut *connection)
+            .await?;
+        if there == 0 {
+            // Names come from the registries of the program, never from a request.
+            let name = column.name.replace('"', "");
+            let statement = format!(
+                "ALTER TABLE {} ADD COLUMN \"{name}\" {}",
+                column.table, column.kind
+            );
+            connection.execute(AssertSqlSafe(statement)).await?;
+        }
+    }
+    Ok(())
+}
+
+fn numbers(version: &str) -> Vec<u32> {
+    version.split('.').map(|part| part.parse().unwrap_or(0)).collect()
+}

@@ -1,0 +1,151 @@
+//! Pausing, resuming, trying again.
+
+use fathom_catalogue::{CatalogueError, InsertImage, JobState, synthetic};
+
+use crate::fixture::Fixture;
+
+#[tokio::test]
+async fn a_job_goes_on_as_what_it_was_before_the_pause() {
+    let at = Fixture::new().await;
+    at.job("job_new", "bay", 3, 0).await;
+    at.job("job_begun", "bay", 3, 1).await;
+    for (id, state) in [("job_new", JobState::Queued), ("job_begun", JobState::Running)] {
+        let before = at.catalogue.job(id).await.unwrap().unwrap();
+        assert_eq!(before.state, state);
+        let paused = at.catalogue.set_state(id, JobState::Paused).await.unwrap();
+        assert_eq!(paused.state, JobState::Paused);
+        assert!(paused.version > before.version);
+        assert_eq!(
+            at.catalogue.set_state(id, JobState::Paused).await.unwrap(),
+            paused
+        );
+        let resumed = at.catalogue.set_state(id, JobState::Queued).await.unwrap();
+        assert_eq!(resumed.state, state);
+        assert_eq!(
+            at.catalogue.set_state(id, JobState::Running).await.unwrap(),
+            resumed
+        );
+    }
+}
+
+#[tokio::test]
+async fn a_paused_job_takes_what_was_under_way_and_ends_if_that_was_all() {
+    let at = Fixture::new().await;
+    at.job("job_a", "bay", 2, 0).await;
+    at.catalogue.set_state("job_a", JobState::Paused).await.unwrap();
+    let open = at.catalogue.open_job("job_a").await.unwrap().unwrap();
+    assert_eq!((open.row.state, open.done), (JobState::Paused, vec![]));
+    synthetic::fill(&at.catalogue, "job_a", 0..1, 0).await.unwrap();
+    assert_eq!(
+        at.catalogue.job("job_a").await.unwrap().unwrap().state,
+        JobState::Paused
+    );
+    synthetic::fill(&at.catalogue, "job_a", 1..2, 0).await.unwrap();
+    let done = at.catalogue.job("job_a").await.unwrap().unwrap();
+    assert_eq!((done.state, done.digest.is_some()), (JobState::Done, true));
+    for state in [JobState::Paused, JobState::Queued, JobState::Cancelled] {
+        let refused = at.catalogue.set_state("job_a", state).await;
+        assert!(
+            matches!(refused, Err(CatalogueError::Transition { .. })),
+            "{state}"
+        );
+    }
+}
+
+#[tokio::test]
+async fn failed_frames_can_be_tried_again_and_the_job_ends_as_if_none_had_failed() {
+    let (at, other) = (Fixture::new().await, Fixture::new().await);
+    at.job("job_a", "bay", 4, 2).await;
+    at.catalogue
+        .record_strike("job_a", 2, 1, "first", false)
+        .await
+        .unwrap();
+    at.give_up("job_a", 2).await;
+    at.give_up("job_a", 3).await;
+    let ended = at.catalogue.job("job_a").await.unwrap().unwrap();
+    assert_eq!(
+        (ended.state, ended.done, ended.failed),
+        (JobState::DoneWithFailures, 2, 2)
+    );
+    let again = at.catalogue.retry_failed("job_a").await.unwrap();
+    assert_eq!(again.frames, [2, 3]);
+    assert_eq!((again.job.state, again.job.failed), (JobState::Running, 0));
+    assert_eq!(
+        (again.job.finished_ms, at.all_failures("job_a").await),
+        (None, vec![])
+    );
+    let open = at.catalogue.open_job("job_a").await.unwrap().unwrap();
+    assert_eq!(
+        (open.done, open.failed),
+        (std::iter::once(0..2).collect(), vec![])
+    );
+    at.is_sound().await;
+    synthetic::fill(&at.catalogue, "job_a", 2..4, 9).await.unwrap();
+    other.job("job_a", "bay", 4, 4).await;
+    let (mine, undisturbed) = (
+        at.catalogue.job("job_a").await.unwrap().unwrap(),
+        other.catalogue.job("job_a").await.unwrap().unwrap(),
+    );
+    assert_eq!(mine.state, JobState::Done);
+    assert_eq!(mine.digest, undisturbed.digest);
+    assert!(mine.digest.is_some());
+}
+
+#[tokio::test]
+async fn what_is_cancelled_or_done_or_unknown_is_not_tried_again() {
+    let at = Fixture::new().await;
+    at.job("job_done", "bay", 1, 1).await;
+    at.job("job_cancelled", "bay", 2, 1).await;
+    at.catalogue
+        .set_state("job_cancelled", JobState::Cancelled)
+        .await
+        .unwrap();
+    for id in ["job_done", "job_cancelled"] {
+        let refused = at.catalogue.retry_failed(id).await;
+        assert!(matches!(refused, Err(CatalogueError::Transition { .. })), "{id}");
+    }
+    let unknown = at.catalogue.retry_failed("job_x").await;
+    assert!(matches!(unknown, Err(CatalogueError::NotFound { .. })));
+}
+
+#[tokio::test]
+async fn a_late_image_of_a_frame_that_was_given_up_counts_once_and_a_late_strike_not_at_all() {
+    let at = Fixture::new().await;
+    at.job("job_a", "bay", 3, 1).await;
+    at.give_up("job_a", 1).await;
+    let late = synthetic::record("job_a", 1);
+    for expected in [InsertImage::Inserted, InsertImage::AlreadyThere] {
+        assert_eq!(
+            at.catalogue.insert_image("job_a", &late, 0).await.unwrap(),
+            expected
+        );
+    }
+    at.give_up("job_a", 0).await;
+    let job = at.catalogue.job("job_a").await.unwrap().unwrap();
+    assert_eq!((job.done, job.failed, job.state), (2, 0, JobState::Running));
+    at.is_sound().await;
+}
+
+#[tokio::test]
+async fn results_and_failures_come_in_frame_order_page_by_page() {
+    let at = Fixture::new().await;
+    at.job("job_a", "bay", 10, 5).await;
+    for frame in [9, 7, 8] {
+        at.give_up("job_a", frame).await;
+    }
+    let mut frames = Vec::new();
+    let mut after = None;
+    loop {
+        let page = at.catalogue.results("job_a", after, 2).await.unwrap();
+        let Some(last) = page.last() else { break };
+        after = last.record["frame"].as_u64();
+        frames.extend(page.iter().map(|image| image.record["frame"].as_u64().unwrap()));
+    }
+    assert_eq!(frames, [0, 1, 2, 3, 4]);
+    let failed = at.catalogue.failures("job_a", Some(7), 5).await.unwrap();
+    assert_eq!(failed.iter().map(|f| f.frame).collect::<Vec<_>>(), [8, 9]);
+    assert_eq!(
+        at.catalogue.failures("job_a", Some(u64::MAX), 5).await.unwrap(),
+        []
+    );
+}

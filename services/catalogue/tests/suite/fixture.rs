@@ -1,0 +1,67 @@
+//! A catalogue in a folder of its own.
+
+use std::sync::Arc;
+
+use catalogue::{Catalogue, FailureRow, synthetic};
+use fathom_catalogue as catalogue;
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{ConnectOptions, Executor};
+
+pub(crate) struct Fixture {
+    pub(crate) catalogue: Arc<Catalogue>,
+    pub(crate) folder: tempfile::TempDir,
+}
+
+impl Fixture {
+    pub(crate) async fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let catalogue = open(&folder).await;
+        Self { catalogue, folder }
+    }
+
+    /// A job with images of its first `done` frames.
+    pub(crate) async fn job(&self, id: &str, dataset: &str, frames: u64, done: u64) {
+        let job = synthetic::job(id, dataset, frames, 1000);
+        self.catalogue.insert_job(job).await.unwrap();
+        synthetic::fill(&self.catalogue, id, 0..done, 2000).await.unwrap();
+    }
+
+    pub(crate) async fn give_up(&self, job: &str, frame: u64) {
+        self.catalogue
+            .record_strike(job, frame, 3, "boom", true)
+            .await
+            .unwrap();
+    }
+
+    pub(crate) async fn all_failures(&self, job: &str) -> Vec<FailureRow> {
+        self.catalogue.failures(job, None, u32::MAX).await.unwrap()
+    }
+
+    pub(crate) async fn is_sound(&self) {
+        assert_eq!(self.catalogue.integrity_check().await.unwrap(), [""; 0]);
+    }
+
+    /// Changes the file behind the catalogue's back.
+    pub(crate) async fn sabotage(&self, sql: &'static str) {
+        let path = self.folder.path().join("catalogue.sqlite");
+        let mut connection = SqliteConnectOptions::new()
+            .filename(path)
+            .connect()
+            .await
+            .unwrap();
+        connection.execute(sql).await.unwrap();
+    }
+
+    /// As after a kill: nothing is closed in order.
+    pub(crate) async fn reopen(self) -> Self {
+        let Self { catalogue, folder } = self;
+        drop(catalogue);
+        let catalogue = open(&folder).await;
+        Self { catalogue, folder }
+    }
+}
+
+async fn open(folder: &tempfile::TempDir) -> Arc<Catalogue> {
+    let path = folder.path().join("catalogue.sqlite");
+    Arc::new(Catalogue::open(&path, &synthetic::metrics()).await.unwrap())
+}

@@ -1,0 +1,8 @@
+//! The catalogue against real files.
+
+#![allow(clippy::unwrap_used)]
+
+mod control;
+mod deletion;
+mod fixture;
+mod upkeep;
