@@ -1,12 +1,21 @@
-//! What the camera would see in air: procedural and uploaded radiance, range and masks.
+//! What the camera would see in air: procedural and uploaded radiance, range, masks and labels.
 //!
 //! Pure: a procedural scene is a function of (family, seed, camera), an uploaded one of its bytes.
 
+pub mod categories;
 mod error;
-pub mod structure;
+pub mod labels;
+mod pose;
+#[allow(dead_code)]
+mod site;
+mod structure;
 pub mod uploaded;
+mod world;
 
 pub use error::SceneError;
+pub use labels::Labels;
+pub use pose::CameraPose;
+pub use world::World;
 
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
@@ -27,7 +36,7 @@ pub struct Scene {
 /// The procedural families.
 pub const FAMILIES: &[&str] = &["structure"];
 
-/// Renders a procedural scene.
+/// Renders a procedural scene from its usual pose: a pure function of its arguments.
 ///
 /// # Errors
 /// [`SceneError::UnknownFamily`].
@@ -38,10 +47,6 @@ pub fn procedural(
     height: usize,
     intrinsics: Intrinsics,
 ) -> Result<Scene, SceneError> {
-    match family {
-        "structure" => Ok(structure::render(seed, width, height, intrinsics)),
-        _ => Err(SceneError::UnknownFamily {
-            family: family.to_owned(),
-        }),
-    }
+    let world = World::of(family, seed)?;
+    Ok(world.render(&world.pose(), (width, height), &intrinsics))
 }

@@ -1,12 +1,12 @@
 //! A box.
 
-use crate::structure::lanes::{larger, smaller};
-use crate::structure::vector::{Vec3, vec3};
+use crate::site::lanes::{larger, smaller};
+use crate::site::vector::{Vec3, vec3};
 
 /// A box about the origin, half sides in metres.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::structure) struct Block {
-    pub half: Vec3,
+pub(crate) struct Block {
+    pub(crate) half: Vec3,
 }
 
 /// The reciprocal, finite at 0.
@@ -17,7 +17,7 @@ fn inverse(d: f32) -> f32 {
 
 impl Block {
     #[inline(always)]
-    pub(super) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let slab = |o: f32, d: f32, half: f32| {
             let inverse = inverse(d);
             let (middle, reach) = (-o * inverse, half * inverse.abs());
@@ -38,7 +38,7 @@ impl Block {
     }
 
     #[inline(always)]
-    pub(super) fn distance(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
         let (x, y, z) = (
             p.x.abs() - self.half.x,
             p.y.abs() - self.half.y,
@@ -49,7 +49,7 @@ impl Block {
     }
 
     #[inline(always)]
-    pub(super) fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
+    pub(crate) fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
         let bevel = smaller(
             bevel,
             0.4 * smaller(smaller(self.half.x, self.half.y), self.half.z),

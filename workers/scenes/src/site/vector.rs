@@ -4,28 +4,28 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// A point or a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Vec3 {
-    pub x: f32,
-    pub y: f32,
-    pub z: f32,
+pub(crate) struct Vec3 {
+    pub(crate) x: f32,
+    pub(crate) y: f32,
+    pub(crate) z: f32,
 }
 
 /// Shorthand for a [`Vec3`].
-pub(super) const fn vec3(x: f32, y: f32, z: f32) -> Vec3 {
+pub(crate) const fn vec3(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3 { x, y, z }
 }
 
-pub(super) const ZERO: Vec3 = vec3(0.0, 0.0, 0.0);
-pub(super) const UP: Vec3 = vec3(0.0, 0.0, 1.0);
+pub(crate) const ZERO: Vec3 = vec3(0.0, 0.0, 0.0);
+pub(crate) const UP: Vec3 = vec3(0.0, 0.0, 1.0);
 
 impl Vec3 {
     #[inline(always)]
-    pub(super) fn dot(self, other: Self) -> f32 {
+    pub(crate) fn dot(self, other: Self) -> f32 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     #[inline(always)]
-    pub(super) fn cross(self, other: Self) -> Self {
+    pub(crate) fn cross(self, other: Self) -> Self {
         vec3(
             self.y * other.z - self.z * other.y,
             self.z * other.x - self.x * other.z,
@@ -34,18 +34,18 @@ impl Vec3 {
     }
 
     #[inline(always)]
-    pub(super) fn length(self) -> f32 {
+    pub(crate) fn length(self) -> f32 {
         self.dot(self).sqrt()
     }
 
     /// The direction of a vector that is not zero.
     #[inline(always)]
-    pub(super) fn unit(self) -> Self {
+    pub(crate) fn unit(self) -> Self {
         self * (1.0 / self.length())
     }
 
     /// Some unit vector at a right angle to this unit vector.
-    pub(super) fn aside(self) -> Self {
+    pub(crate) fn aside(self) -> Self {
         let helper = if self.z.abs() < 0.9 {
             UP
         } else {
@@ -55,7 +55,7 @@ impl Vec3 {
     }
 
     /// A horizontal unit vector, `azimuth` radians from x towards y.
-    pub(super) fn horizontal(azimuth: f32) -> Self {
+    pub(crate) fn horizontal(azimuth: f32) -> Self {
         let (sin, cos) = libm::sincosf(azimuth);
         vec3(cos, sin, 0.0)
     }
@@ -95,14 +95,14 @@ impl Neg for Vec3 {
 
 /// A right-handed frame: where a solid stands and which way its axes point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pose {
-    pub origin: Vec3,
-    pub axes: [Vec3; 3],
+pub(crate) struct Pose {
+    pub(crate) origin: Vec3,
+    pub(crate) axes: [Vec3; 3],
 }
 
 impl Pose {
     /// Upright, its x axis `yaw` radians from the world's.
-    pub(super) fn upright(origin: Vec3, yaw: f32) -> Self {
+    pub(crate) fn upright(origin: Vec3, yaw: f32) -> Self {
         let x = Vec3::horizontal(yaw);
         Self {
             origin,
@@ -111,7 +111,7 @@ impl Pose {
     }
 
     /// Its z axis points from `a` to `b`, its x axis is turned by `roll` radians about it.
-    pub(super) fn along(a: Vec3, b: Vec3, roll: f32) -> Self {
+    pub(crate) fn along(a: Vec3, b: Vec3, roll: f32) -> Self {
         let z = (b - a).unit();
         let (sin, cos) = libm::sincosf(roll);
         let side = z.aside();
@@ -124,7 +124,7 @@ impl Pose {
 
     /// A direction of the world in this frame.
     #[inline(always)]
-    pub(super) fn direction_in(&self, world: Vec3) -> Vec3 {
+    pub(crate) fn direction_in(&self, world: Vec3) -> Vec3 {
         vec3(
             self.axes[0].dot(world),
             self.axes[1].dot(world),
@@ -134,19 +134,19 @@ impl Pose {
 
     /// A point of the world in this frame.
     #[inline(always)]
-    pub(super) fn point_in(&self, world: Vec3) -> Vec3 {
+    pub(crate) fn point_in(&self, world: Vec3) -> Vec3 {
         self.direction_in(world - self.origin)
     }
 
     /// A direction of this frame in the world.
     #[inline(always)]
-    pub(super) fn direction_out(&self, local: Vec3) -> Vec3 {
+    pub(crate) fn direction_out(&self, local: Vec3) -> Vec3 {
         self.axes[0] * local.x + self.axes[1] * local.y + self.axes[2] * local.z
     }
 
     /// A point of this frame in the world.
     #[inline(always)]
-    pub(super) fn point_out(&self, local: Vec3) -> Vec3 {
+    pub(crate) fn point_out(&self, local: Vec3) -> Vec3 {
         self.origin + self.direction_out(local)
     }
 }

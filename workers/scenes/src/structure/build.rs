@@ -1,72 +1,31 @@
 //! The six kinds of site.
 
-use crate::structure::chance::Dice;
-use crate::structure::finish::{Finish, Material};
-use crate::structure::solid::{Ball, Block, Ring, Shape, Solid, Stone, Tube};
-use crate::structure::vector::{Pose, Vec3, vec3};
+use crate::categories::Category;
+use crate::site::builder::Builder;
+use crate::site::finish::{Material, Pattern};
+use crate::site::solid::{Ball, Ring, Shape};
+use crate::site::vector::{Pose, Vec3, vec3};
 
-use super::View;
-
-/// Collects solids; parts of one object share a number and a finish.
-pub(super) struct Builder {
-    seed: u64,
-    dice: Dice,
-    solids: Vec<Solid>,
-    finishes: Vec<Finish>,
-    objects: u16,
-}
+/// Where to look, and from how far away, in metres.
+type View = (Vec3, f32);
 
 impl Builder {
-    pub(super) fn new(seed: u64) -> Self {
-        let dice = Dice::about(seed, "structure/site");
-        Self {
-            seed,
-            dice,
-            solids: Vec::new(),
-            finishes: Vec::new(),
-            objects: 0,
-        }
-    }
-
-    pub(super) fn finish(self) -> (Vec<Solid>, Vec<Finish>) {
-        (self.solids, self.finishes)
-    }
-
-    /// Begins an object of a material.
-    fn object(&mut self, material: Material) {
-        let dice = Dice::about(self.seed, "structure/finish").object(self.finishes.len());
-        self.finishes.push(Finish::of(material, dice));
-        self.objects = self.finishes.len() as u16 - 1;
-    }
-
-    fn put(&mut self, shape: Shape, pose: Pose) {
-        let finish = self.finishes.len() - 1;
-        self.solids.push(Solid {
-            shape,
-            pose,
-            finish,
-            object: self.objects,
-        });
-    }
-
-    fn tube(&mut self, a: Vec3, b: Vec3, radius: f32) {
-        let length = (b - a).length();
-        self.put(Shape::Tube(Tube { radius, length }), Pose::along(a, b, 0.0));
-    }
-
-    fn block(&mut self, centre: Vec3, half: Vec3, yaw: f32) {
-        self.put(Shape::Block(Block { half }), Pose::upright(centre, yaw));
-    }
-
     fn metal_or_concrete(&self, choice: u64) -> Material {
-        self.dice
-            .pick(choice, &[Material::Steel, Material::Steel, Material::Concrete])
+        self.dice.pick(
+            choice,
+            &[
+                Material::Steel,
+                Material::Steel,
+                Material::Concrete(Pattern::Boards),
+            ],
+        )
     }
 
     /// An upright pile with collars.
     fn pile(&mut self, foot: Vec3, radius: f32, material: Material, collars: usize) {
-        self.object(material);
+        self.object(material, Category::Pile);
         self.tube(foot - vec3(0.0, 0.0, 0.5), foot + vec3(0.0, 0.0, 14.0), radius);
+        self.bank(foot, radius);
         for collar in 0..collars {
             let z = 0.7 + 1.6 * collar as f32 + self.dice.between(900 + collar as u64, 0.0, 0.8);
             self.tube(
@@ -77,9 +36,23 @@ impl Builder {
         }
     }
 
+    /// Sand that the current has heaped against a foot, more on one side.
+    fn bank(&mut self, foot: Vec3, radius: f32) {
+        let dice = self.about("bank").object((foot.x * 64.0) as i32 as usize);
+        let lee =
+            Vec3::horizontal(self.about("bank").between(9, 0.0, 6.3)) * (radius * dice.between(0, 0.2, 0.7));
+        let wide = radius * dice.between(1, 1.9, 2.6) + 0.2;
+        self.mound(
+            foot.x + lee.x,
+            foot.y + lee.y,
+            wide,
+            wide * dice.between(2, 0.1, 0.24),
+        );
+    }
+
     /// A clamp with a sacrificial anode on a pile.
     fn anode(&mut self, foot: Vec3, radius: f32, azimuth: f32, z: f32) {
-        self.object(Material::Anode);
+        self.object(Material::Anode, Category::Anode);
         let out = Vec3::horizontal(azimuth);
         let centre = foot + out * (radius + 0.11) + vec3(0.0, 0.0, z);
         self.block(centre, vec3(0.07, 0.09, 0.38), azimuth);
@@ -101,7 +74,7 @@ impl Builder {
             self.anode(vec3(0.0, 0.0, 0.0), radius, azimuth, 0.9 + 1.1 * i as f32);
         }
         if self.dice.chance(4, 0.6) {
-            self.object(Material::Concrete);
+            self.object(Material::Concrete(Pattern::Boards), Category::Support);
             let half = vec3(radius * 2.2, radius * 2.2, self.dice.between(5, 0.15, 0.4));
             self.block(vec3(0.0, 0.0, half.z), half, self.dice.between(6, 0.0, 1.5));
         }
@@ -119,7 +92,7 @@ impl Builder {
         for i in 0..count {
             self.pile(foot(i), radius, material, self.dice.count(20 + i as u64, 0, 1));
         }
-        self.object(self.metal_or_concrete(5));
+        self.object(self.metal_or_concrete(5), Category::Beam);
         let height = self.dice.between(6, 1.6, 3.0);
         let middle = (foot(0) + foot(count - 1)) * 0.5 + vec3(0.0, -radius, height);
         let half = vec3(
@@ -129,7 +102,7 @@ impl Builder {
         );
         self.block(middle, half, slant);
         if self.dice.chance(8, 0.6) {
-            self.object(Material::Steel);
+            self.object(Material::Steel, Category::Brace);
             self.tube(
                 foot(0) + vec3(0.0, 0.0, 0.4),
                 foot(1) + vec3(0.0, 0.0, height - 0.2),
@@ -154,12 +127,13 @@ impl Builder {
             Material::Growth
         };
         for i in 0..4 {
-            self.object(material);
+            self.object(material, Category::Pile);
             self.tube(corner(i, -0.4), corner(i, height), leg);
             self.tube(corner(i, 0.0), corner(i, 0.35), leg * 1.8);
+            self.bank(corner(i, 0.0), leg * 1.8);
         }
         let level = self.dice.between(3, 1.9, 2.6);
-        self.object(material);
+        self.object(material, Category::Brace);
         for storey in 0..3 {
             let (low, high) = (0.5 + level * storey as f32, 0.5 + level * (storey + 1) as f32);
             for i in 0..4 {
@@ -186,16 +160,21 @@ impl Builder {
     pub(super) fn pipeline(&mut self) -> View {
         let radius = self.dice.between(0, 0.2, 0.46);
         let height = radius + self.dice.between(1, 0.12, 0.5);
-        let material = self
-            .dice
-            .pick(2, &[Material::Steel, Material::Concrete, Material::Steel]);
+        let material = self.dice.pick(
+            2,
+            &[
+                Material::Steel,
+                Material::Concrete(Pattern::Boards),
+                Material::Steel,
+            ],
+        );
         let yaw = self.dice.between(3, -0.45, 0.45);
         let along = Vec3::horizontal(yaw);
         let at = |t: f32| along * t + vec3(0.0, 0.0, height);
-        self.object(material);
+        self.object(material, Category::Pipe);
         self.tube(at(-9.0), at(9.0), radius);
         let flange = self.dice.between(4, -0.8, 0.8);
-        self.object(Material::Steel);
+        self.object(Material::Steel, Category::Fitting);
         for side in [-0.075, 0.075] {
             self.tube(at(flange + side - 0.05), at(flange + side + 0.05), radius * 1.45);
         }
@@ -206,13 +185,13 @@ impl Builder {
             self.tube(at(flange - 0.19) + out, at(flange + 0.19) + out, 0.028);
         }
         for i in 0..4 {
-            self.object(Material::Concrete);
+            self.object(Material::Concrete(Pattern::Boards), Category::Support);
             let place = along * (-4.2 + 2.7 * i as f32 + self.dice.between(20 + i, -0.3, 0.3));
             let half = vec3(0.2, radius * 2.1, (height - radius) / 2.0 + 0.06);
             self.block(place + vec3(0.0, 0.0, half.z), half, yaw);
         }
         if self.dice.chance(5, 0.6) {
-            self.object(Material::Steel);
+            self.object(Material::Steel, Category::Fitting);
             let foot = at(self.dice.between(6, 0.9, 1.8));
             self.tube(foot, foot + vec3(0.0, 0.0, 2.6), radius * 0.45);
             self.tube(
@@ -237,36 +216,26 @@ impl Builder {
             Vec3::horizontal(yaw),
             Vec3::horizontal(yaw - std::f32::consts::FRAC_PI_2),
         );
-        self.object(if self.dice.chance(2, 0.7) {
+        let material = if self.dice.chance(2, 0.7) {
             Material::Steel
         } else {
-            Material::Concrete
-        });
+            Material::Concrete(Pattern::Boards)
+        };
+        self.object(material, Category::Plate);
         for i in 0..24 {
             let depth = if i % 2 == 0 { 0.0 } else { wide * 0.55 };
             let centre = along * ((i as f32 - 11.5) * wide * 1.02) + out * depth + vec3(0.0, 0.0, 3.5);
             self.block(centre, vec3(wide / 2.0, 0.09, 4.0), yaw);
         }
-        self.object(Material::Steel);
+        self.object(Material::Steel, Category::Beam);
         let z = self.dice.between(3, 1.2, 2.2);
         let front = out * (wide * 0.55 + 0.25);
         self.block(front + vec3(0.0, 0.0, z), vec3(13.0, 0.13, 0.16), yaw);
         if self.dice.chance(4, 0.7) {
-            self.object(Material::Steel);
             let foot = front + along * self.dice.between(5, -1.2, 1.2) + out * 0.25;
-            for side in [-0.24, 0.24] {
-                self.tube(
-                    foot + along * side,
-                    foot + along * side + vec3(0.0, 0.0, 7.0),
-                    0.035,
-                );
-            }
-            for rung in 0..20 {
-                let height = vec3(0.0, 0.0, 0.3 + 0.33 * rung as f32);
-                self.tube(foot + along * -0.24 + height, foot + along * 0.24 + height, 0.022);
-            }
+            self.ladder(foot, vec3(0.0, 0.0, 1.0), along * 0.24, 20);
         }
-        self.object(Material::Steel);
+        self.object(Material::Steel, Category::Plate);
         let plate = front + along * self.dice.between(6, -1.8, 1.8) + vec3(0.0, 0.0, z + 0.75);
         self.block(plate, vec3(0.42, 0.04, 0.32), yaw);
         for (u, v) in [
@@ -290,7 +259,7 @@ impl Builder {
         let span = self.dice.between(1, 1.5, 2.2);
         for (i, side) in [-1.0f32, 1.0].into_iter().enumerate() {
             for (j, depth) in [-0.7f32, 0.9].into_iter().enumerate() {
-                self.object(Material::Steel);
+                self.object(Material::Steel, Category::Beam);
                 let foot = along * (side * span) + across * depth;
                 self.upright_beam(
                     foot,
@@ -302,26 +271,26 @@ impl Builder {
         }
         let z = self.dice.between(2, 1.5, 2.3);
         for depth in [-0.7, 0.9] {
-            self.object(self.metal_or_concrete(3));
+            self.object(self.metal_or_concrete(3), Category::Beam);
             self.block(
                 across * depth + vec3(0.0, 0.0, z),
                 vec3(span + 0.4, 0.12, 0.15),
                 yaw,
             );
         }
-        self.object(Material::Steel);
+        self.object(Material::Steel, Category::Pipe);
         self.tube(
             along * -3.5 + across * -1.1 + vec3(0.0, 0.0, 0.5),
             along * 3.5 + across * -1.0 + vec3(0.0, 0.0, 0.75),
             0.13,
         );
-        self.object(Material::Steel);
+        self.object(Material::Steel, Category::Plate);
         self.block(
             across * -0.86 + vec3(0.0, 0.0, z - 0.55),
             vec3(0.5, 0.03, 0.4),
             yaw,
         );
-        self.object(Material::Growth);
+        self.object(Material::Growth, Category::Pile);
         self.tube(
             along * 0.6 + across * 0.2 - vec3(0.0, 0.0, 0.3),
             along * 0.9 + across * 0.3 + vec3(0.0, 0.0, 6.0),
@@ -338,28 +307,5 @@ impl Builder {
             self.block(centre + out * side, vec3(half * 0.85, 0.022, height / 2.0), yaw);
         }
         self.block(centre, vec3(0.02, half, height / 2.0), yaw);
-    }
-
-    /// Stones on the seabed around the site.
-    pub(super) fn stones(&mut self, count: usize) {
-        for i in 0..count {
-            let dice = Dice::about(self.seed, "structure/stone").object(i);
-            self.object(Material::Stone);
-            let size = dice.between(0, 0.08, 0.42);
-            let half = vec3(
-                size * dice.between(1, 0.8, 1.4),
-                size,
-                size * dice.between(2, 0.5, 0.9),
-            );
-            let place = vec3(
-                dice.between(3, -3.2, 3.2),
-                dice.between(4, -2.4, 1.8),
-                half.z * 0.55,
-            );
-            self.put(
-                Shape::Stone(Stone::broken(half, dice)),
-                Pose::upright(place, dice.between(5, 0.0, 6.3)),
-            );
-        }
     }
 }

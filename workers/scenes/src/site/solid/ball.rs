@@ -1,12 +1,13 @@
 //! An ellipsoid.
 
-use crate::structure::lanes::{larger, smaller};
-use crate::structure::vector::{Vec3, vec3};
+use super::beyond_box;
+use crate::site::lanes::{larger, smaller};
+use crate::site::vector::{Vec3, vec3};
 
 /// An ellipsoid about the origin, radii in metres.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::structure) struct Ball {
-    pub radii: Vec3,
+pub(crate) struct Ball {
+    pub(crate) radii: Vec3,
 }
 
 impl Ball {
@@ -16,7 +17,7 @@ impl Ball {
     }
 
     #[inline(always)]
-    pub(super) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let (o, d) = (self.scaled(o), self.scaled(d));
         let square = d.dot(d);
         let cross = o.cross(d);
@@ -30,15 +31,15 @@ impl Ball {
     }
 
     #[inline(always)]
-    pub(super) fn distance(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
         let least = smaller(smaller(self.radii.x, self.radii.y), self.radii.z);
-        (self.scaled(p).length() - 1.0) * least
+        larger((self.scaled(p).length() - 1.0) * least, beyond_box(p, self.radii))
     }
 
     #[inline(always)]
-    pub(super) fn normal(&self, p: Vec3) -> Vec3 {
+    pub(crate) fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
         let outward = self.scaled(self.scaled(p));
-        outward * (1.0 / larger(outward.length(), 1e-9))
+        (outward * (1.0 / larger(outward.length(), 1e-9)), 0.0)
     }
 }
 
@@ -56,6 +57,6 @@ mod tests {
             ball.enter(vec3(1.01, -5.0, 0.0), vec3(0.0, 1.0, 0.0)),
             f32::INFINITY
         );
-        assert_eq!(ball.normal(vec3(0.0, 0.0, 0.5)), vec3(0.0, 0.0, 1.0));
+        assert_eq!(ball.normal(vec3(0.0, 0.0, 0.5), 0.0).0, vec3(0.0, 0.0, 1.0));
     }
 }

@@ -1,11 +1,11 @@
 //! A torus or a bend of a pipe: the part of a torus about one side of its centre.
 
-use crate::structure::lanes::{larger, smaller};
-use crate::structure::vector::{Vec3, vec3};
+use crate::site::lanes::{larger, smaller};
+use crate::site::vector::{Vec3, vec3};
 
 /// The part of a torus about the z axis within `half_angle` of the +y direction, with rounded ends; metres.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::structure) struct Ring {
+pub(crate) struct Ring {
     bend_radius: f32,
     tube_radius: f32,
     half_angle: [f32; 2],
@@ -18,7 +18,7 @@ const CONTACT_M: f32 = 2e-4;
 
 impl Ring {
     /// A bend through twice `half_angle` (radians; pi closes the ring).
-    pub(in crate::structure) fn new(bend_radius: f32, tube_radius: f32, half_angle: f32) -> Self {
+    pub(crate) fn new(bend_radius: f32, tube_radius: f32, half_angle: f32) -> Self {
         let (sin, cos) = libm::sincosf(half_angle);
         Self {
             bend_radius,
@@ -49,12 +49,12 @@ impl Ring {
     }
 
     #[inline(always)]
-    pub(super) fn distance(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
         (p - self.centre_line(p)).length() - self.tube_radius
     }
 
     #[inline(always)]
-    pub(super) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let length = d.length();
         let reach = self.bend_radius + self.tube_radius;
         let closest = -o.dot(d) / (length * length);
@@ -72,12 +72,12 @@ impl Ring {
     }
 
     #[inline(always)]
-    pub(super) fn normal(&self, p: Vec3) -> Vec3 {
+    pub(crate) fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
         let outward = p - self.centre_line(p);
-        outward * (1.0 / larger(outward.length(), 1e-9))
+        (outward * (1.0 / larger(outward.length(), 1e-9)), 0.0)
     }
 
-    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         let (reach, tube) = (self.bend_radius + self.tube_radius, self.tube_radius);
         let [sin, cos] = self.half_angle;
         let x = if cos > 0.0 {

@@ -1,21 +1,22 @@
 //! A broken stone: the body that a dozen planes cut out of space.
 
-use crate::structure::chance::Dice;
-use crate::structure::lanes::{larger, smaller};
-use crate::structure::vector::{Vec3, vec3};
+use super::beyond_box;
+use crate::site::chance::Dice;
+use crate::site::lanes::{larger, smaller};
+use crate::site::vector::{Vec3, vec3};
 
 const PLANES: usize = 14;
 
 /// Inside of every plane: `normal · p <= offset`, in metres.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::structure) struct Stone {
+pub(crate) struct Stone {
     planes: [(Vec3, f32); PLANES],
     reach: Vec3,
 }
 
 impl Stone {
     /// A stone of about the given half sides.
-    pub(in crate::structure) fn broken(half: Vec3, dice: Dice) -> Self {
+    pub(crate) fn broken(half: Vec3, dice: Dice) -> Self {
         // Directions of a golden spiral are spread evenly, so that the body is closed on every side.
         let planes = std::array::from_fn(|i| {
             let choice = 100 + 4 * i as u64;
@@ -35,7 +36,7 @@ impl Stone {
     }
 
     #[inline(always)]
-    pub(super) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let (mut enter, mut leave) = (0.0, f32::INFINITY);
         for (normal, offset) in &self.planes {
             let (toward, above) = (normal.dot(d), normal.dot(o) - offset);
@@ -51,18 +52,18 @@ impl Stone {
     }
 
     #[inline(always)]
-    pub(super) fn distance(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
         let mut farthest = -1e9;
         for (normal, offset) in &self.planes {
             farthest = larger(farthest, normal.dot(p) - offset);
         }
-        farthest
+        larger(farthest, beyond_box(p, self.reach))
     }
 
     #[inline(always)]
-    pub(super) fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
-        let bevel = bevel + 0.06 * self.reach.z;
-        let (mut sum, mut most) = (vec3(0.0, 0.0, 1e-6), 0.0);
+    pub(crate) fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
+        let bevel = bevel * (1.0 + 5.0 * self.reach.z);
+        let (mut sum, mut most) = (vec3(0.0, 0.0, 1e-12), 0.0);
         for (normal, offset) in &self.planes {
             let share = larger(normal.dot(p) - offset + bevel, 0.0);
             sum = sum + *normal * (share * share);
@@ -75,7 +76,7 @@ impl Stone {
         )
     }
 
-    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         (-self.reach, self.reach)
     }
 }

@@ -1,0 +1,48 @@
+//! Worlds of solids on a seabed, and how a camera with a lamp sees them.
+//!
+//! World: metres, z up, the ground at z = 0. Surfaces are met exactly: range is the distance to the solid itself. Relief
+//! (ripples, rust, pores, growth) turns normals and colours only and never moves a surface, as in a normal map. The picture
+//! is in air, lit by a lamp at the camera and a soft light from above; it is linear and may exceed 1 close to the lamp.
+//!
+//! A pixel depends on its own ray alone, so rows can be rendered in any bands and on any threads with the same bytes.
+
+pub(crate) mod builder;
+mod camera;
+pub(crate) mod chance;
+pub(crate) mod finish;
+mod frame;
+mod lanes;
+mod light;
+mod noise;
+mod picture;
+mod shade;
+pub(crate) mod solid;
+pub(crate) mod vector;
+
+use crate::CameraPose;
+use crate::categories::Category;
+use finish::Finish;
+use solid::Solid;
+
+pub(crate) use picture::{Picture, Surfaces, render};
+
+/// An object: its surface and what it is. Number 0 is the ground.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Object {
+    pub(crate) finish: Finish,
+    pub(crate) category: Category,
+}
+
+/// A site with its usual view and light.
+pub(crate) struct Site {
+    pub(crate) solids: Vec<Solid>,
+    pub(crate) objects: Vec<Object>,
+    /// Where the camera of a single frame is.
+    pub(crate) pose: CameraPose,
+    /// What that camera looks at.
+    pub(crate) target: [f64; 3],
+    /// Distance at which the lamp gives full light, m.
+    pub(crate) lamp_m: f32,
+    /// Light from above, relative to that.
+    pub(crate) ambient: f32,
+}

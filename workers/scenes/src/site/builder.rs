@@ -1,0 +1,218 @@
+//! Puts the solids of a site together.
+
+use super::chance::Dice;
+use super::finish::{Finish, Material};
+use super::solid::{Ball, Block, Ring, Shape, Solid, Stone, Tube};
+use super::vector::{Pose, Vec3, vec3};
+use super::{Object, Site};
+use crate::CameraPose;
+use crate::categories::Category;
+
+/// Collects solids; parts of one object share a number and a finish.
+pub(crate) struct Builder {
+    seed: u64,
+    family: &'static str,
+    pub(crate) dice: Dice,
+    solids: Vec<Solid>,
+    objects: Vec<Object>,
+    current: u16,
+}
+
+/// The usual view of a site and its light.
+pub(crate) struct View {
+    pub(crate) eye: Vec3,
+    pub(crate) target: Vec3,
+    pub(crate) roll: f32,
+    pub(crate) lamp_m: f32,
+    pub(crate) ambient: f32,
+}
+
+impl Builder {
+    /// An empty site on a seabed.
+    pub(crate) fn new(seed: u64, family: &'static str) -> Self {
+        let dice = Dice::about(seed, &format!("{family}/site"));
+        let ground = Object {
+            finish: Finish::of(Material::Sand, Dice::about(seed, family).object(1)),
+            category: Category::Seabed,
+        };
+        Self {
+            seed,
+            family,
+            dice,
+            solids: Vec::new(),
+            objects: vec![ground],
+            current: 0,
+        }
+    }
+
+    /// Choices about a topic of this site.
+    pub(crate) fn about(&self, topic: &str) -> Dice {
+        Dice::about(self.seed, &format!("{}/{topic}", self.family))
+    }
+
+    pub(crate) fn site(self, view: &View) -> Site {
+        let wide = |v: Vec3| [f64::from(v.x), f64::from(v.y), f64::from(v.z)];
+        let (eye, target) = (wide(view.eye), wide(view.target));
+        Site {
+            solids: self.solids,
+            objects: self.objects,
+            pose: CameraPose::looking(eye, target, f64::from(view.roll)),
+            target,
+            lamp_m: view.lamp_m,
+            ambient: view.ambient,
+        }
+    }
+
+    /// Begins an object.
+    pub(crate) fn object(&mut self, material: Material, category: Category) {
+        let dice = self.about("finish").object(self.objects.len());
+        self.objects.push(Object {
+            finish: Finish::of(material, dice),
+            category,
+        });
+        self.current = self.objects.len() as u16 - 1;
+    }
+
+    /// The current object has no growth.
+    pub(crate) fn without_growth(&mut self) {
+        let object = &mut self.objects[usize::from(self.current)];
+        object.finish = object.finish.bare();
+    }
+
+    pub(crate) fn put(&mut self, shape: Shape, pose: Pose) {
+        self.solids.push(Solid {
+            shape,
+            pose,
+            object: self.current,
+        });
+    }
+
+    pub(crate) fn tube(&mut self, a: Vec3, b: Vec3, radius: f32) {
+        let length = (b - a).length();
+        self.put(Shape::Tube(Tube { radius, length }), Pose::along(a, b, 0.0));
+    }
+
+    pub(crate) fn block(&mut self, centre: Vec3, half: Vec3, yaw: f32) {
+        self.put(Shape::Block(Block { half }), Pose::upright(centre, yaw));
+    }
+
+    pub(crate) fn ball(&mut self, centre: Vec3, radii: Vec3, yaw: f32) {
+        self.put(Shape::Ball(Ball { radii }), Pose::upright(centre, yaw));
+    }
+
+    /// A part of a torus about `axis` from the centre, the middle of the bend towards `toward`.
+    pub(crate) fn ring(&mut self, ring: Ring, centre: Vec3, axis: Vec3, toward: Vec3) {
+        let z = axis.unit();
+        let y = (toward - z * toward.dot(z)).unit();
+        let axes = [y.cross(z), y, z];
+        self.put(Shape::Ring(ring), Pose { origin: centre, axes });
+    }
+
+    /// A heap of the ground itself: `height` metres high, and `radius` wide where it meets the ground.
+    pub(crate) fn mound(&mut self, x: f32, y: f32, radius: f32, height: f32) {
+        let object = std::mem::replace(&mut self.current, 0);
+        let ball = (radius * radius + height * height) / (2.0 * height);
+        self.ball(vec3(x, y, height - ball), vec3(ball, ball, ball), 0.0);
+        self.current = object;
+    }
+
+    /// A ladder of two rails and rungs every third of a metre, from `foot` along `up`; `side` is half its width.
+    pub(crate) fn ladder(&mut self, foot: Vec3, up: Vec3, side: Vec3, rungs: usize) {
+        self.object(Material::Steel, Category::Ladder);
+        let length = 0.33 * rungs as f32 + 0.3;
+        for side in [-side, side] {
+            self.tube(foot + side, foot + side + up * length, 0.032);
+        }
+        for rung in 0..rungs {
+            let height = up * (0.3 + 0.33 * rung as f32);
+            self.tube(foot - side + height, foot + side + height, 0.018);
+        }
+    }
+
+    /// Stones scattered within `reach` metres along x and y of a place.
+    pub(crate) fn stones(&mut self, count: usize, place: Vec3, reach: [f32; 2], sizes: [f32; 2]) {
+        for i in 0..count {
+            let dice = self.about("stone").object(i);
+            self.object(Material::Stone, Category::Stone);
+            // Most are small.
+            let share = dice.between(0, 0.0, 1.0);
+            let size = sizes[0] + (sizes[1] - sizes[0]) * share * share;
+            let half = vec3(
+                size * dice.between(1, 0.8, 1.4),
+                size,
+                size * dice.between(2, 0.5, 0.9),
+            );
+            let centre = place
+                + vec3(
+                    dice.between(3, -reach[0], reach[0]),
+                    dice.between(4, -reach[1], reach[1]),
+                    half.z * dice.between(7, 0.1, 0.5),
+                );
+            let pose = Pose::upright(centre, dice.between(5, 0.0, 6.3));
+            self.put(Shape::Stone(Stone::broken(half, dice)), pose);
+        }
+    }
+
+    /// Things that were lost or broke off: rods, boards, broken blocks, tyres, half sunk in.
+    pub(crate) fn debris(&mut self, count: usize, place: Vec3, reach: [f32; 2]) {
+        for i in 0..count {
+            let dice = self.about("debris").object(i);
+            let centre = place
+                + vec3(
+                    dice.between(0, -reach[0], reach[0]),
+                    dice.between(1, -reach[1], reach[1]),
+                    0.0,
+                );
+            let yaw = dice.between(2, 0.0, 6.3);
+            let along = Vec3::horizontal(yaw);
+            match dice.count(3, 0, 3) {
+                0 => {
+                    self.object(Material::Steel, Category::Debris);
+                    let half = along * dice.between(4, 0.25, 0.9);
+                    let tilt = vec3(0.0, 0.0, dice.between(5, 0.0, 0.12));
+                    let radius = dice.between(6, 0.015, 0.06);
+                    self.tube(centre - half - tilt, centre + half + tilt, radius);
+                }
+                1 => {
+                    self.object(
+                        Material::Concrete(super::finish::Pattern::Boards),
+                        Category::Debris,
+                    );
+                    let half = vec3(
+                        dice.between(4, 0.12, 0.4),
+                        dice.between(5, 0.08, 0.2),
+                        dice.between(6, 0.04, 0.1),
+                    );
+                    let tilt = vec3(0.0, 0.0, dice.between(7, -0.4, 0.4));
+                    let x = (along + tilt).unit();
+                    let y = vec3(0.0, 0.0, 1.0).cross(x).unit();
+                    let pose = Pose {
+                        origin: centre + vec3(0.0, 0.0, 0.5 * half.z),
+                        axes: [x, y, x.cross(y)],
+                    };
+                    self.put(Shape::Block(Block { half }), pose);
+                }
+                2 => {
+                    self.object(Material::Rubber, Category::Debris);
+                    let thick = dice.between(4, 0.06, 0.1);
+                    let lean = vec3(dice.between(5, -0.5, 0.5), dice.between(6, -0.5, 0.5), 1.0);
+                    self.ring(
+                        Ring::new(2.6 * thick, thick, std::f32::consts::PI),
+                        centre + vec3(0.0, 0.0, 0.3 * thick),
+                        lean,
+                        along,
+                    );
+                }
+                _ => {
+                    self.object(Material::Rubber, Category::Cable);
+                    let radius = dice.between(4, 0.35, 1.1);
+                    let axis = vec3(dice.between(5, -0.04, 0.04), 0.0, 1.0);
+                    for (turn, side) in [1.0, -1.0].into_iter().enumerate() {
+                        let bend = Ring::new(radius, 0.02, dice.between(6 + turn as u64, 0.6, 1.2));
+                        self.ring(bend, centre + along * (side * radius), axis, along * -side);
+                    }
+                }
+            }
+        }
+    }
+}

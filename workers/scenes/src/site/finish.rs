@@ -1,0 +1,196 @@
+//! Surfaces: colour, relief and defects from seeded noise in the solid's own frame, so that nothing slides over a moving camera.
+//!
+//! Albedos are linear and lie between 0.02 and 0.8, as those of real wet and dry materials do.
+
+mod coat;
+mod concrete;
+mod growth;
+mod pattern;
+mod plain;
+mod sand;
+mod steel;
+
+use imaging::simd::vectorised;
+
+use super::chance::Dice;
+use super::lanes::{LANES, Lane, Lane3, ZEROS, clamp01, mix, ramp};
+use super::noise::{Noise, Octaves, Place};
+use crate::categories::FINDINGS;
+
+pub(crate) use coat::Coat;
+pub(crate) use pattern::{Pattern, Unroll};
+
+/// What a surface is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Material {
+    /// Painted steel, rusting from edges and scratches.
+    Steel,
+    /// A coated steel pipe.
+    Coated(Coat),
+    /// Concrete or masonry with joints, cracks and spalls.
+    Concrete(Pattern),
+    /// Covered with mussels and weed.
+    Growth,
+    /// A sacrificial anode, white with its own corrosion.
+    Anode,
+    /// Broken stone.
+    Stone,
+    /// Black rubber or plastic.
+    Rubber,
+    /// Woven bags of sand or grout.
+    Bag,
+    /// The rippled seabed, or the mud in a shaft.
+    Sand,
+}
+
+/// A material with the choices of one object.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Finish {
+    pub(crate) material: Material,
+    base: [f32; 3],
+    key: u32,
+    /// Share of rust, dirt or cracks, about 0..1.
+    wear: f32,
+    /// Share of growth, about 0..1; below -0.9 there is none.
+    growth: f32,
+    /// Direction of ripples, place of formwork, in turns.
+    direction: f32,
+}
+
+/// A group of points on one solid.
+#[derive(Clone, Copy)]
+pub(crate) struct Points<'a> {
+    /// In the solid's frame, moved to the object's own part of the noise.
+    pub(crate) place: Place<'a>,
+    /// In the solid's frame.
+    pub(crate) local: &'a Lane3,
+    pub(crate) world: &'a Lane3,
+    /// How near an edge each point is, 0..1.
+    pub(crate) edge: &'a Lane,
+    /// How much each surface faces up, -1..1.
+    pub(crate) rise: &'a Lane,
+}
+
+/// Colour and relief of a group of points.
+pub(crate) struct Surface {
+    pub(crate) albedo: Lane3,
+    /// Slope of the relief in the solid's frame, metres per metre.
+    pub(crate) slope: Lane3,
+    pub(crate) gloss: Lane,
+    /// Strength of each finding, 0..1, in the order of [`FINDINGS`].
+    pub(crate) findings: [Lane; FINDINGS.len()],
+}
+
+const PAINTS: [[f32; 3]; 7] = [
+    [0.56, 0.36, 0.08],
+    [0.44, 0.43, 0.40],
+    [0.44, 0.17, 0.06],
+    [0.08, 0.13, 0.20],
+    [0.29, 0.31, 0.30],
+    [0.55, 0.52, 0.43],
+    [0.10, 0.16, 0.12],
+];
+const SILT: [f32; 3] = [0.22, 0.195, 0.15];
+
+impl Finish {
+    /// The surface of an object.
+    pub(crate) fn of(material: Material, dice: Dice) -> Self {
+        let light = dice.between(7, 0.8, 1.15);
+        let tint =
+            |base: [f32; 3]| [0, 1, 2].map(|c| base[c] * light * dice.between(8 + c as u64, 0.93, 1.07));
+        let pick = |bases: &[[f32; 3]]| tint(dice.pick(2, bases));
+        let base = match material {
+            Material::Steel => pick(&PAINTS),
+            Material::Coated(_) => pick(&coat::COATS),
+            Material::Concrete(_) => tint([0.36, 0.34, 0.30]),
+            Material::Growth => pick(&growth::WEED),
+            Material::Anode => tint([0.56, 0.56, 0.53]),
+            Material::Stone => pick(&[[0.22, 0.21, 0.19], [0.30, 0.24, 0.17], [0.13, 0.13, 0.14]]),
+            Material::Rubber => tint([0.035, 0.035, 0.038]),
+            Material::Bag => pick(&[[0.42, 0.38, 0.30], [0.30, 0.31, 0.26]]),
+            Material::Sand => pick(&[[0.38, 0.31, 0.21], [0.27, 0.25, 0.21], [0.20, 0.17, 0.13]]),
+        };
+        let growth = match material {
+            Material::Growth => 1.2,
+            Material::Steel | Material::Coated(_) | Material::Concrete(_) => dice.between(3, -0.55, 0.5),
+            Material::Stone | Material::Bag | Material::Rubber => dice.between(3, -0.4, 0.3),
+            Material::Anode => -0.5,
+            Material::Sand => -1.0,
+        };
+        Self {
+            material,
+            base,
+            key: dice.key(4),
+            wear: dice.between(5, -0.35, 0.45),
+            growth,
+            direction: dice.between(6, 0.0, 1.0),
+        }
+    }
+
+    /// The same finish without growth.
+    pub(crate) fn bare(self) -> Self {
+        Self { growth: -1.0, ..self }
+    }
+
+    /// Colour and relief of some points.
+    pub(crate) fn surface(&self, points: &Points<'_>) -> Surface {
+        let mut surface = Surface {
+            albedo: [ZEROS; 3],
+            slope: [ZEROS; 3],
+            gloss: ZEROS,
+            findings: [ZEROS; FINDINGS.len()],
+        };
+        let place = &points.place;
+        let broad = Octaves::even(1.3, 3, self.key);
+        let broad = match self.material {
+            Material::Stone | Material::Sand | Material::Growth | Material::Bag => place.noise(broad),
+            _ => Noise {
+                value: place.values(broad),
+                slope: [ZEROS; 3],
+            },
+        };
+        let octaves = if self.material == Material::Sand { 3 } else { 2 };
+        let fine = place.noise(Octaves::even(23.0, octaves, self.key ^ 0x51));
+        match self.material {
+            Material::Steel => self.steel(points, &broad.value, &fine, &mut surface),
+            Material::Coated(coat) => self.coated(&coat, points, &broad.value, &fine, &mut surface),
+            Material::Concrete(pattern) => self.concrete(&pattern, points, &broad.value, &fine, &mut surface),
+            Material::Sand => self.sand(points, &broad, &fine, &mut surface),
+            _ => self.plain(&broad, &fine, &mut surface),
+        }
+        if self.growth > -0.9 {
+            self.overgrow(points, &broad.value, &fine, &mut surface);
+        }
+        if self.material != Material::Sand {
+            vectorised(
+                #[inline(always)]
+                || settle(&mut surface, points.rise, &broad.value),
+            );
+        }
+        surface
+    }
+}
+
+/// Silt lies on whatever faces up.
+#[inline(always)]
+fn settle(surface: &mut Surface, rise: &Lane, broad: &Lane) {
+    for i in 0..LANES {
+        let silt = 0.08 + 0.72 * ramp(rise[i] + 0.2 * broad[i], 0.25, 0.95);
+        for c in 0..3 {
+            surface.albedo[c][i] = mix(surface.albedo[c][i], SILT[c], silt);
+        }
+        surface.gloss[i] *= 1.0 - silt;
+        let visible = 1.0 - 0.5 * silt;
+        for axis in 0..3 {
+            surface.slope[axis][i] *= visible;
+        }
+    }
+}
+
+/// How much of a line of the given half width a pixel shows at a distance from its middle, 0..1.
+#[inline(always)]
+fn line(distance: f32, half_width: f32, footprint: f32) -> f32 {
+    let inverse = 1.0 / footprint;
+    let part = 2.0 * half_width * inverse;
+    clamp01(0.5 + (half_width - distance) * inverse) * if part < 1.0 { part } else { 1.0 }
+}

@@ -1,0 +1,182 @@
+//! Concrete and masonry: joints, pores, stains, cracks along the level lines of a noise, and spalls that bare rusting bars.
+
+use imaging::simd::vectorised;
+
+use super::pattern::{Courses, Joints, boards, courses, unrolled};
+use super::{Finish, Pattern, Points, Surface, Unroll, line, steel};
+use crate::categories::Finding;
+use crate::site::lanes::{LANES, Lane, Lane3, floor, larger, mix, ramp};
+use crate::site::noise::{Noise, Octaves};
+
+const DIRT: [f32; 3] = [0.62, 0.55, 0.42];
+/// Fresh break: paler, with the colours of the aggregate.
+const BROKEN: [f32; 3] = [0.30, 0.275, 0.235];
+/// Half the width of the widest crack, m.
+const CRACK_M: f32 = 0.0038;
+/// Spacing and half thickness of reinforcement, m.
+const BAR_PITCH_M: f32 = 0.16;
+const BAR_M: f32 = 0.009;
+
+/// The choices that the loop needs.
+#[derive(Clone, Copy)]
+struct Mix {
+    base: [f32; 3],
+    wear: f32,
+    /// Added to the noise where it is tested for a spall.
+    spalling: f32,
+    phase: f32,
+}
+
+impl Finish {
+    pub(super) fn concrete(
+        &self,
+        pattern: &Pattern,
+        points: &Points<'_>,
+        broad: &Lane,
+        fine: &Noise,
+        surface: &mut Surface,
+    ) {
+        let place = &points.place;
+        let mut joints = Joints::NONE;
+        let (local, footprint) = (points.local, place.footprint);
+        match *pattern {
+            Pattern::Boards => {
+                let phase = self.direction;
+                vectorised(
+                    #[inline(always)]
+                    || boards(&mut joints, local, footprint, broad, phase),
+                );
+            }
+            Pattern::Courses {
+                unroll,
+                height,
+                length,
+                joint,
+                pockets,
+                variety,
+            } => {
+                let around = match unroll {
+                    Unroll::Round { radius } => (std::f32::consts::TAU * radius / length).round(),
+                    Unroll::Walls { .. } => 1e6,
+                };
+                let measures = Courses {
+                    height,
+                    length,
+                    joint,
+                    pocket: if pockets { 1.0 } else { 0.0 },
+                    variety,
+                    around,
+                    key: self.key,
+                };
+                vectorised(
+                    #[inline(always)]
+                    || {
+                        courses(
+                            &mut joints,
+                            &measures,
+                            &unrolled(unroll, local),
+                            &local[2],
+                            footprint,
+                        )
+                    },
+                );
+            }
+        }
+        let pores = place.dots(24.0, 0.22, 0.5, self.key ^ 0x77);
+        let cracks = place.noise(Octaves::even(0.8, 3, self.key ^ 0x3d));
+        let mix = Mix {
+            base: self.base,
+            wear: self.wear,
+            spalling: 0.55 * self.wear - 0.14,
+            phase: self.direction,
+        };
+        let edge = points.edge;
+        vectorised(
+            #[inline(always)]
+            || {
+                cast(
+                    &mix,
+                    &joints,
+                    &pores,
+                    &cracks,
+                    broad,
+                    fine,
+                    (local, footprint, edge),
+                    surface,
+                )
+            },
+        );
+    }
+}
+
+#[inline(always)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a loop vectorises over plain arguments only"
+)]
+fn cast(
+    choices: &Mix,
+    joints: &Joints,
+    pores: &Noise,
+    cracks: &Noise,
+    broad: &Lane,
+    fine: &Noise,
+    (local, footprint, edge): (&Lane3, &Lane, &Lane),
+    surface: &mut Surface,
+) {
+    let Mix {
+        base,
+        wear,
+        spalling,
+        phase,
+    } = *choices;
+    for i in 0..LANES {
+        let (speck, broad) = (fine.value[i], broad[i]);
+        let field = cracks.value[i];
+        let steep = [cracks.slope[0][i], cracks.slope[1][i], cracks.slope[2][i]];
+        let climb = larger(
+            (steep[0] * steep[0] + steep[1] * steep[1] + steep[2] * steep[2]).sqrt(),
+            0.2,
+        );
+        // A crack follows a level line, as far as the broad noise lets it run.
+        let open = ramp(0.8 * broad + wear, -0.05, 0.25);
+        let width = CRACK_M * (0.35 + 0.65 * open) * if open > 0.0 { 1.0 } else { 0.0 };
+        let away = (field - 0.06 * speck).abs() / climb;
+        let crack = open * line(away, width, footprint[i]);
+        let broken = field + spalling + 0.12 * speck + 0.2 * edge[i];
+        let spall = ramp(broken, 0.36, 0.43);
+        let rim = 4.0 * spall * (1.0 - spall);
+        // Bars show where the spall is deep.
+        let along = local[2][i] / BAR_PITCH_M + phase;
+        let bar_away = (along - floor(along + 0.5)).abs() * BAR_PITCH_M;
+        let bar = ramp(broken, 0.47, 0.52) * line(bar_away, BAR_M, footprint[i]);
+        let weep = ramp(broken, 0.2, 0.42) * 0.6;
+
+        let stain = ramp(broad + wear, 0.1, 0.7);
+        let joint = joints.joint[i];
+        let shade = joints.tint[i] * (1.0 + 0.16 * broad + 0.2 * speck)
+            - 0.45 * joint
+            - 0.5 * pores.value[i] * (1.0 - spall)
+            - 0.5 * joints.pocket[i];
+        for c in 0..3 {
+            let face = base[c] * larger(shade, 0.12) * mix(1.0, DIRT[c], larger(stain, weep));
+            let stone = BROKEN[c] * (0.8 + 0.7 * speck + 0.25 * broad);
+            let bared = mix(stone, steel::rust(c, 0.5 + 0.5 * speck), bar);
+            surface.albedo[c][i] = mix(face, bared, spall) * (1.0 - 0.85 * crack);
+        }
+        let (grain, pit) = (0.003 + 0.009 * spall, 0.006 * (1.0 - spall));
+        for axis in 0..3 {
+            surface.slope[axis][i] = grain * fine.slope[axis][i] - pit * pores.slope[axis][i]
+                + (1.0 - spall) * joints.slope[axis][i]
+                - 0.7 * rim * steep[axis] / climb;
+        }
+        surface.gloss[i] = 0.03;
+        let findings = &mut surface.findings;
+        let resolved = width > 0.1 * footprint[i];
+        let cracked = (away < larger(width, 0.5 * footprint[i])) & resolved & (open > 0.5);
+        findings[Finding::Crack as usize][i] = if cracked { 1.0 - spall } else { 0.0 };
+        findings[Finding::Spalling as usize][i] = spall;
+        findings[Finding::Corrosion as usize][i] = bar;
+        findings[Finding::Joint as usize][i] = if joint > 0.3 { 1.0 - spall } else { 0.0 };
+    }
+}

@@ -1,0 +1,92 @@
+//! Biofouling: a thin film that grows into clumps of weed and mussels with ragged borders.
+
+use imaging::simd::vectorised;
+
+use super::{Finish, Points, Surface};
+use crate::categories::Finding;
+use crate::site::lanes::{LANES, Lane, clamp01, mix, ramp};
+use crate::site::noise::{Noise, Octaves};
+
+pub(super) const WEED: [[f32; 3]; 4] = [
+    [0.060, 0.072, 0.032],
+    [0.10, 0.085, 0.05],
+    [0.11, 0.062, 0.045],
+    [0.075, 0.068, 0.045],
+];
+const FILM: [f32; 3] = [0.125, 0.115, 0.07];
+const SHELL: [f32; 3] = [0.42, 0.39, 0.34];
+/// Below this sum of choices not even the film shows.
+const BARE: f32 = -0.3;
+const DENSE: f32 = 0.8;
+
+/// The colours and the amount of one object's growth.
+#[derive(Clone, Copy)]
+struct Cover {
+    growth: f32,
+    young: [f32; 3],
+    old: [f32; 3],
+}
+
+impl Finish {
+    pub(super) fn overgrow(&self, points: &Points<'_>, broad: &Lane, fine: &Noise, surface: &mut Surface) {
+        let cover = Cover {
+            growth: self.growth,
+            young: WEED[(self.key % 4) as usize],
+            old: WEED[(self.key / 4 % 4) as usize],
+        };
+        let patch = points.place.noise(Octaves::even(2.6, 2, self.key ^ 0x33));
+        let mut density = [0.0; LANES];
+        vectorised(
+            #[inline(always)]
+            || thrive(&mut density, cover.growth, &patch.value, broad, points.rise),
+        );
+        if density.iter().all(|&density| density <= BARE) {
+            return;
+        }
+        let shells = points.place.dots(17.0, 0.3, 0.75, self.key ^ 0x99);
+        vectorised(
+            #[inline(always)]
+            || settle(&cover, &density, &patch, fine, &shells, surface),
+        );
+    }
+}
+
+/// More grows where the noise says so, and on what faces up.
+#[inline(always)]
+fn thrive(density: &mut Lane, growth: f32, patch: &Lane, broad: &Lane, rise: &Lane) {
+    for i in 0..LANES {
+        density[i] = 0.9 * patch[i] + 0.35 * broad[i] + 0.12 * rise[i] + growth;
+    }
+}
+
+#[inline(always)]
+fn settle(cover: &Cover, density: &Lane, patch: &Noise, fine: &Noise, shells: &Noise, surface: &mut Surface) {
+    let Cover { young, old, .. } = *cover;
+    for i in 0..LANES {
+        let speck = fine.value[i];
+        // Fine noise tears the border of a clump into tufts; near the middle it is closed.
+        let any = ramp(density[i], BARE, BARE + 0.15);
+        let film = 0.72 * any * ramp(density[i] + 0.2 * speck, BARE, 0.45);
+        let clump = any * ramp(density[i] + 0.6 * speck, 0.22, DENSE);
+        let shell = shells.value[i] * ramp(density[i], -0.1, 0.5);
+        let age = clamp01(0.5 + 0.8 * patch.value[i]);
+        let light = 1.0 + 0.75 * speck;
+        for c in 0..3 {
+            let under = mix(surface.albedo[c][i], FILM[c] * (1.0 + 0.5 * speck), film);
+            let weed = mix(young[c], old[c], age) * light;
+            let grown = mix(under, weed, clump);
+            surface.albedo[c][i] = mix(grown, SHELL[c], 0.6 * shell);
+        }
+        surface.gloss[i] *= 1.0 - film;
+        for axis in 0..3 {
+            let tufts = 0.03 * patch.slope[axis][i] + 0.007 * fine.slope[axis][i];
+            surface.slope[axis][i] =
+                mix(surface.slope[axis][i], tufts, clump) + 0.02 * shell * shells.slope[axis][i];
+        }
+        let hidden = 1.0 - ramp(clump, 0.3, 0.7);
+        for finding in &mut surface.findings {
+            finding[i] *= hidden;
+        }
+        surface.findings[Finding::Growth as usize][i] = clump;
+    }
+}

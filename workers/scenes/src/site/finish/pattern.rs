@@ -1,0 +1,164 @@
+//! The joints of concrete and masonry: formwork boards, tunnel segments, blocks in courses.
+
+use super::line;
+use crate::site::lanes::{LANES, Lane, Lane3, ZEROS, angle, floor, ramp, smaller};
+use crate::site::noise::{PRIMES, hash, lattice};
+
+/// How a surface is laid out flat: along a direction u across its axis and v = z along it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Unroll {
+    /// A cylinder about z: u is the arc in metres.
+    Round { radius: f32 },
+    /// The walls of a rectangular shaft with these half sides.
+    Walls { half: [f32; 2] },
+}
+
+/// Where the joints are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Pattern {
+    /// Seams that boards have left, along z.
+    Boards,
+    /// Courses of `height` metres along v, of pieces `length` long along u; every other course is moved by half a piece.
+    Courses {
+        unroll: Unroll,
+        height: f32,
+        length: f32,
+        /// Half the width of a joint, m.
+        joint: f32,
+        /// Pieces have two pockets for bolts.
+        pockets: bool,
+        /// How much pieces differ in brightness.
+        variety: f32,
+    },
+}
+
+/// What a pattern does to a group of points.
+pub(super) struct Joints {
+    /// Share of the pixel that a joint covers, 0..1.
+    pub(super) joint: Lane,
+    /// Depth of shade in pockets.
+    pub(super) pocket: Lane,
+    /// Factor on the brightness of the piece.
+    pub(super) tint: Lane,
+    /// Slope of the groove in the solid's frame.
+    pub(super) slope: Lane3,
+}
+
+impl Joints {
+    pub(super) const NONE: Self = Self {
+        joint: ZEROS,
+        pocket: ZEROS,
+        tint: [1.0; LANES],
+        slope: [ZEROS; 3],
+    };
+}
+
+/// Boards of 0.45 m, their seams wavering with the noise.
+#[inline(always)]
+pub(super) fn boards(joints: &mut Joints, local: &Lane3, footprint: &Lane, broad: &Lane, phase: f32) {
+    const BOARD_PER_M: f32 = 2.2;
+    for i in 0..LANES {
+        let place = local[2][i] * BOARD_PER_M + phase + 0.02 * broad[i];
+        let away = (place - floor(place + 0.5)).abs() / BOARD_PER_M;
+        let visible = 1.0 - ramp(footprint[i], 0.01, 0.04);
+        joints.joint[i] = visible * (1.0 - ramp(away, 0.004, 0.016));
+    }
+}
+
+/// Measures of [`Pattern::Courses`].
+#[derive(Clone, Copy)]
+pub(super) struct Courses {
+    pub(super) height: f32,
+    pub(super) length: f32,
+    pub(super) joint: f32,
+    pub(super) pocket: f32,
+    pub(super) variety: f32,
+    /// Pieces around, for a cylinder; pieces with numbers that differ by it are the same.
+    pub(super) around: f32,
+    pub(super) key: u32,
+}
+
+/// u of each point, and the direction in which it grows.
+#[inline(always)]
+pub(super) fn unrolled(unroll: Unroll, local: &Lane3) -> (Lane, [Lane; 2]) {
+    let (mut u, mut toward) = (ZEROS, [ZEROS; 2]);
+    match unroll {
+        Unroll::Round { radius } => {
+            for i in 0..LANES {
+                let (x, y) = (local[0][i], local[1][i]);
+                u[i] = radius * angle(y, x);
+                toward[0][i] = -y / radius;
+                toward[1][i] = x / radius;
+            }
+        }
+        Unroll::Walls { half } => {
+            for i in 0..LANES {
+                let (x, y) = (local[0][i], local[1][i]);
+                let on_x = half[0] - x.abs() < half[1] - y.abs();
+                u[i] = if on_x { y } else { x };
+                toward[0][i] = if on_x { 0.0 } else { 1.0 };
+                toward[1][i] = if on_x { 1.0 } else { 0.0 };
+            }
+        }
+    }
+    (u, toward)
+}
+
+#[inline(always)]
+pub(super) fn courses(
+    joints: &mut Joints,
+    courses: &Courses,
+    (u, toward): &(Lane, [Lane; 2]),
+    z: &Lane,
+    footprint: &Lane,
+) {
+    let Courses {
+        height,
+        length,
+        joint,
+        pocket,
+        variety,
+        around,
+        key,
+    } = *courses;
+    for i in 0..LANES {
+        let v = z[i] / height;
+        let course = floor(v);
+        let odd = course - 2.0 * floor(course * 0.5);
+        let w = u[i] / length + 0.5 * odd;
+        let number = floor(w);
+        let piece = number - around * floor(number / around);
+        let (in_u, in_v) = (w - number, v - course);
+        // Signed distances to the middle of the nearest joint, m.
+        let signed = |part: f32, side: f32| {
+            if part > 0.5 {
+                (part - 1.0) * side
+            } else {
+                part * side
+            }
+        };
+        let (from_u, from_v) = (signed(in_u, length), signed(in_v, height));
+        let (au, av) = (from_u.abs(), from_v.abs());
+        joints.joint[i] = line(smaller(au, av), joint, footprint[i]);
+        // Edges of pieces are worn round over two widths of the joint: the surface falls towards the joint.
+        let fall = |from: f32, distance: f32| {
+            let near = 1.0 - ramp(distance, joint, 3.0 * joint);
+            if from < 0.0 { -0.9 * near } else { 0.9 * near }
+        };
+        let visible = 1.0 - ramp(footprint[i], 2.0 * joint, 6.0 * joint);
+        let (slope_u, slope_v) = (visible * fall(from_u, au), visible * fall(from_v, av));
+        let bolt_u = ((in_u - 0.5).abs() - 0.25) * length;
+        let bolt_v = av - 0.17;
+        let round = bolt_u * bolt_u * 160.0 + bolt_v * bolt_v * 320.0;
+        joints.pocket[i] = pocket * (1.0 - ramp(round, 0.6, 1.0));
+        let drawn = hash(
+            lattice(piece).wrapping_mul(PRIMES[0]) ^ key,
+            lattice(course).wrapping_mul(PRIMES[1]),
+            0,
+        );
+        joints.tint[i] = 1.0 + variety * ((drawn >> 8) as i32 as f32 * (2.0 / 16_777_216.0) - 1.0);
+        joints.slope[0][i] = slope_u * toward[0][i];
+        joints.slope[1][i] = slope_u * toward[1][i];
+        joints.slope[2][i] = slope_v;
+    }
+}

@@ -1,0 +1,105 @@
+//! Light: a lamp at the camera with inverse-square falloff, a soft light from above, and open water behind everything.
+
+use super::Site;
+use super::camera::Camera;
+use super::finish::Surface;
+use super::lanes::{LANES, Lane, Lane3, larger, mix, ramp};
+use super::vector::{Vec3, vec3};
+
+/// Softens the lamp near the camera: a real lamp is no point. In parts of the full-light distance, squared.
+const SOFTNESS: f32 = 0.22;
+const LAMP: f32 = 0.95;
+const SKY: [f32; 3] = [0.86, 0.95, 1.0];
+/// Open water at the horizon, in parts of the light from above.
+const WATER: [f32; 3] = [0.075, 0.105, 0.125];
+/// What is left of it without any light from above.
+const DARKNESS: f32 = 0.05;
+/// The ground fades into the water between these ranges, m.
+const FADE_M: [f32; 2] = [9.0, 48.0];
+
+/// The light of a site.
+#[derive(Clone, Copy)]
+pub(super) struct Light {
+    /// The squared distance at which the lamp gives full light, m².
+    full: f32,
+    /// Light from above.
+    ambient: f32,
+}
+
+impl Light {
+    pub(super) fn of(site: &Site) -> Self {
+        Self {
+            full: site.lamp_m * site.lamp_m,
+            ambient: site.ambient,
+        }
+    }
+
+    /// Open water in a direction of the given rise, -1..1: brighter above.
+    #[inline(always)]
+    fn water(&self, rise: f32) -> [f32; 3] {
+        let bright = (self.ambient + DARKNESS) * (0.35 + 1.9 * ramp(rise, -0.35, 1.0));
+        [bright * WATER[0], bright * WATER[1], bright * WATER[2]]
+    }
+}
+
+/// Geometry of a group of points in the solid's frame.
+pub(super) struct Lit<'a> {
+    pub(super) normal: &'a Lane3,
+    pub(super) view: &'a Lane3,
+    pub(super) range: &'a Lane,
+    pub(super) open: &'a Lane,
+    pub(super) up: Vec3,
+    pub(super) ahead: Vec3,
+    pub(super) ground: bool,
+}
+
+/// What is seen where nothing is met.
+#[inline(always)]
+pub(super) fn background(bands: &mut Lane3, camera: &Camera, light: &Light, x: &Lane, y: &Lane) {
+    let (camera, light) = (*camera, *light);
+    for i in 0..LANES {
+        let ray = camera.ray(x[i], y[i]);
+        let water = light.water(ray.z / ray.length());
+        for c in 0..3 {
+            bands[c][i] = water[c];
+        }
+    }
+}
+
+/// The light of a group.
+#[inline(always)]
+pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, lit: &Lit<'_>) {
+    let light = *light;
+    let (up, ahead) = (lit.up, lit.ahead);
+    let far = if lit.ground { 1.0 } else { 0.0 };
+    for i in 0..LANES {
+        let (n, v) = (at(lit.normal, i), at(lit.view, i));
+        let slope = at(&surface.slope, i);
+        let bumped = n - (slope - n * n.dot(slope));
+        let bumped = bumped * (1.0 / larger(bumped.length(), 1e-6));
+        let facing = larger(bumped.dot(v), 0.0);
+        let range = lit.range[i];
+        let open = lit.open[i];
+        let spot = 0.25 + 0.75 * ramp(-ahead.dot(v), 0.62, 0.96);
+        let near = light.full * (1.0 + SOFTNESS) / (range * range + SOFTNESS * light.full);
+        let reach = LAMP * spot * near;
+        let lamp = reach * facing * (0.55 + 0.45 * open);
+        let squared = facing * facing;
+        let sharp = squared * squared * squared * squared;
+        let gleam = surface.gloss[i] * reach * sharp * sharp * sharp * 0.5;
+        let sky = light.ambient * (0.55 + 0.45 * bumped.dot(up)) * open;
+        let water = light.water(-v.dot(up));
+        let fade = far * ramp(range, FADE_M[0], FADE_M[1]);
+        for c in 0..3 {
+            let albedo = surface.albedo[c][i];
+            let albedo = if albedo > 0.02 { albedo } else { 0.02 };
+            let albedo = if albedo < 0.8 { albedo } else { 0.8 };
+            bands[c][i] = mix(albedo * (lamp + sky * SKY[c]) + gleam, water[c], fade);
+        }
+    }
+}
+
+#[inline(always)]
+fn at(lanes: &Lane3, i: usize) -> Vec3 {
+    vec3(lanes[0][i], lanes[1][i], lanes[2][i])
+}

@@ -1,0 +1,141 @@
+//! Row by row: which surface each ray meets first, then its light.
+
+use std::ops::Range;
+
+use imaging::geometry::Intrinsics;
+use imaging::simd::vectorised;
+
+use super::Site;
+use super::camera::Camera;
+use super::frame::Frame;
+use super::shade::Shader;
+use super::solid::{Nearest, Rays};
+use super::vector::Vec3;
+use crate::CameraPose;
+
+/// The ground ends here: beyond it nothing comes back to a lamp at the camera.
+pub(super) const FAR_M: f32 = 60.0;
+
+/// Some rows of a picture, all planes by rows.
+pub(crate) struct Picture {
+    /// Linear radiance: red, green, blue.
+    pub(crate) bands: [Vec<f32>; 3],
+    /// Range in metres, infinite where nothing is met.
+    pub(crate) range: Vec<f32>,
+    /// Number of the object plus 1; 0 where nothing is met.
+    pub(crate) objects: Vec<u16>,
+    pub(crate) labels: Option<Surfaces>,
+}
+
+/// What labels need to know about surfaces.
+pub(crate) struct Surfaces {
+    /// Depth along the optical axis in metres, infinite where nothing is met.
+    pub(crate) z_depth: Vec<f32>,
+    /// Unit normals without relief, in camera axes; zero where nothing is met.
+    pub(crate) normals: [Vec<f32>; 3],
+    /// One bit per finding.
+    pub(crate) findings: Vec<u8>,
+}
+
+/// Renders some rows of what a camera sees. Surfaces are recorded if `labels` asks for them.
+pub(crate) fn render(
+    site: &Site,
+    pose: &CameraPose,
+    (width, height): (usize, usize),
+    lens: &Intrinsics,
+    rows: Range<usize>,
+    labels: bool,
+) -> Picture {
+    let camera = Camera::new(pose, (width, height), lens);
+    let frames: Vec<Frame> = site
+        .solids
+        .iter()
+        .map(|solid| Frame::of(solid, &camera))
+        .collect();
+    let pixels = width * rows.len();
+    let blank = || vec![0.0; pixels];
+    let mut picture = Picture {
+        bands: [blank(), blank(), blank()],
+        range: blank(),
+        objects: Vec::with_capacity(pixels),
+        labels: labels.then(|| Surfaces {
+            z_depth: Vec::with_capacity(pixels),
+            normals: [blank(), blank(), blank()],
+            findings: vec![0; pixels],
+        }),
+    };
+    let mut shader = Shader::new(site, &camera);
+    let shown: Vec<u16> = site
+        .solids
+        .iter()
+        .map(|solid| solid.object + 1)
+        .chain([1, 0])
+        .collect();
+    let (mut parameter, mut owner) = (vec![0.0f32; width], vec![0u16; width]);
+    for (row, y) in rows.enumerate() {
+        trace(site, &camera, &frames, y, &mut parameter, &mut owner);
+        let first = row * width;
+        let range = &mut picture.range[first..first + width];
+        let start = camera.ray(0.0, y as f32);
+        let step = camera.across();
+        vectorised(
+            #[inline(always)]
+            || ranges(range, &parameter, start, step),
+        );
+        picture
+            .objects
+            .extend(owner.iter().map(|&owner| shown[usize::from(owner)]));
+        if let Some(labels) = &mut picture.labels {
+            labels.z_depth.extend(&parameter);
+        }
+        shader.row(y, first, &parameter, &owner, &mut picture);
+    }
+    shader.finish(&mut picture);
+    picture
+}
+
+#[inline(always)]
+fn ranges(range: &mut [f32], parameter: &[f32], start: Vec3, step: Vec3) {
+    for (i, (range, parameter)) in range.iter_mut().zip(parameter).enumerate() {
+        *range = *parameter * (start + step * (i as i32 as f32)).length();
+    }
+}
+
+/// The nearest surface for every ray of a row: its parameter along the ray (infinite: none) and whose it is, the index of a
+/// solid, or after all solids the ground and then nothing.
+fn trace(site: &Site, camera: &Camera, frames: &[Frame], y: usize, parameter: &mut [f32], owner: &mut [u16]) {
+    let ground = site.solids.len() as u16;
+    let (start, step, height) = (camera.ray(0.0, y as f32), camera.across(), camera.eye.z);
+    vectorised(
+        #[inline(always)]
+        || fall(parameter, owner, (start, step), height, ground),
+    );
+    for (index, (solid, frame)) in site.solids.iter().zip(frames).enumerate() {
+        let columns = frame.columns(y);
+        if columns.is_empty() {
+            continue;
+        }
+        let rays = Rays {
+            eye: camera.eye,
+            first: camera.ray(columns.start as f32, y as f32),
+            step,
+        };
+        let nearest = Nearest {
+            parameter: &mut parameter[columns.clone()],
+            owner: &mut owner[columns],
+        };
+        solid.meet(&rays, nearest, index as u16);
+    }
+}
+
+/// Where rays from `height` metres above the ground meet it.
+#[inline(always)]
+fn fall(parameter: &mut [f32], owner: &mut [u16], (start, step): (Vec3, Vec3), height: f32, ground: u16) {
+    for (i, (parameter, owner)) in parameter.iter_mut().zip(owner).enumerate() {
+        let ray = start + step * (i as i32 as f32);
+        let at = -height / ray.z;
+        let met = (at > 0.0) & (at * ray.length() < FAR_M);
+        *parameter = if met { at } else { f32::INFINITY };
+        *owner = if met { ground } else { ground + 1 };
+    }
+}

@@ -1,0 +1,194 @@
+//! A procedural world: what stands where, whatever camera looks at it.
+
+use imaging::geometry::Intrinsics;
+use imaging::{Plane, Rgb};
+
+use crate::labels::Labels;
+use crate::site::{self, Picture, Site};
+use crate::{CameraPose, Scene, SceneError, structure};
+
+/// The world of a family and a seed. It does not change between the frames of a sequence.
+///
+/// Instances of a frame: 0 where nothing is met, 1 the ground, from 2 on the objects in view, numbered without gaps.
+pub struct World {
+    site: Site,
+}
+
+impl World {
+    /// The world of a seed.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownFamily`].
+    pub fn of(family: &str, seed: u64) -> Result<Self, SceneError> {
+        let site = match family {
+            "structure" => structure::site(seed),
+            _ => {
+                return Err(SceneError::UnknownFamily {
+                    family: family.to_owned(),
+                });
+            }
+        };
+        Ok(Self { site })
+    }
+
+    /// The pose of a single frame.
+    #[must_use]
+    pub fn pose(&self) -> CameraPose {
+        self.site.pose
+    }
+
+    /// What a camera of the given pose, frame size and intrinsics sees. Without width or height the frame is empty.
+    #[must_use]
+    pub fn render(&self, pose: &CameraPose, size: (usize, usize), intrinsics: &Intrinsics) -> Scene {
+        let picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, false);
+        scene(picture, size, intrinsics).0
+    }
+
+    /// [`World::render`] with labels: the same scene, bit for bit, in somewhat more time.
+    #[must_use]
+    pub fn render_labelled(
+        &self,
+        pose: &CameraPose,
+        size: (usize, usize),
+        intrinsics: &Intrinsics,
+    ) -> (Scene, Labels) {
+        let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, true);
+        let surfaces = picture.labels.take().expect("labels were asked for");
+        let (scene, shown) = scene(picture, size, intrinsics);
+        let categories: Vec<_> = shown
+            .iter()
+            .map(|&object| self.site.objects[usize::from(object)].category)
+            .collect();
+        let instances = scene
+            .instances
+            .as_ref()
+            .expect("procedural scenes have instances");
+        let labels = Labels::new(surfaces, instances, &categories, *pose, *intrinsics);
+        (scene, labels)
+    }
+}
+
+/// A scene, and the object of each instance from 1 on.
+fn scene(picture: Picture, (width, height): (usize, usize), intrinsics: &Intrinsics) -> (Scene, Vec<u16>) {
+    let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
+    let mut instances = picture.objects;
+    let shown = renumber(&mut instances);
+    let scene = Scene {
+        radiance: Rgb::new(picture.bands.map(plane)).expect("three planes of one frame"),
+        range: Some(plane(picture.range)),
+        instances: Some(Plane::new(width, height, instances).expect("one instance for each pixel")),
+        intrinsics: Some(*intrinsics),
+    };
+    (scene, shown)
+}
+
+/// Numbers the objects in view without gaps, in the order of their own numbers; the ground keeps 1. Gives the objects by
+/// their new numbers, from 1 on.
+fn renumber(instances: &mut [u16]) -> Vec<u16> {
+    let most = instances.iter().copied().max().unwrap_or(0);
+    let mut numbers = vec![0u16; usize::from(most) + 2];
+    instances.iter().for_each(|&id| numbers[usize::from(id)] = 1);
+    numbers[1] = 1;
+    let mut shown = Vec::new();
+    for object in 1..numbers.len() {
+        if numbers[object] != 0 {
+            shown.push(object as u16 - 1);
+            numbers[object] = shown.len() as u16;
+        }
+    }
+    numbers[0] = 0;
+    instances
+        .iter_mut()
+        .for_each(|id| *id = numbers[usize::from(*id)]);
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FAMILIES;
+
+    const SEEDS: std::ops::Range<u64> = 0..24;
+
+    fn frame(family: &str, seed: u64, width: usize, height: usize) -> (World, CameraPose, Intrinsics, Scene) {
+        let world = World::of(family, seed).unwrap();
+        let lens = Intrinsics::centred(0.6 * width as f64, width, height);
+        let pose = world.pose();
+        let scene = world.render(&pose, (width, height), &lens);
+        (world, pose, lens, scene)
+    }
+
+    #[test]
+    fn every_size_and_seed_gives_finite_light_that_is_never_negative() {
+        for family in FAMILIES {
+            for (width, height) in [(1, 1), (3, 2), (97, 61)] {
+                for seed in SEEDS {
+                    let (.., scene) = frame(family, seed, width, height);
+                    assert_eq!(scene.radiance.size(), (width, height));
+                    let light = scene.radiance.planes().iter().flat_map(|plane| plane.data());
+                    assert!(
+                        light.into_iter().all(|v| v.is_finite() && *v >= 0.0),
+                        "{family} {seed}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_seed_is_the_same_scene_and_another_one_is_not() {
+        for family in FAMILIES {
+            assert_eq!(frame(family, 5, 64, 41).3, frame(family, 5, 64, 41).3);
+            assert_ne!(
+                frame(family, 5, 64, 41).3.radiance,
+                frame(family, 6, 64, 41).3.radiance
+            );
+        }
+    }
+
+    #[test]
+    fn rows_do_not_depend_on_the_band_that_they_are_rendered_in() {
+        for family in FAMILIES {
+            for seed in [1, 8] {
+                let (world, pose, lens, scene) = frame(family, seed, 97, 61);
+                for bands in [2, 3, 61] {
+                    let mut radiance = [const { Vec::new() }; 3];
+                    let mut range = Vec::new();
+                    for band in 0..bands {
+                        let rows = 61 * band / bands..61 * (band + 1) / bands;
+                        let part = site::render(&world.site, &pose, (97, 61), &lens, rows, false);
+                        radiance
+                            .iter_mut()
+                            .zip(part.bands)
+                            .for_each(|(all, part)| all.extend(part));
+                        range.extend(part.range);
+                    }
+                    let whole = scene.radiance.planes();
+                    assert!((0..3).all(|c| whole[c].data() == radiance[c]), "{family} {seed}");
+                    assert!(scene.range.as_ref().unwrap().data() == range);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn instances_have_no_gaps_and_nothing_is_where_there_is_no_range() {
+        for family in FAMILIES {
+            for seed in SEEDS {
+                let (.., scene) = frame(family, seed, 96, 62);
+                let (instances, range) = (scene.instances.unwrap(), scene.range.unwrap());
+                let most = *instances.data().iter().max().unwrap();
+                assert!(most >= 2, "{family} {seed} shows no structure");
+                assert!(
+                    (2..=most).all(|id| instances.data().contains(&id)),
+                    "{family} {seed}"
+                );
+                let mut pixels = instances.data().iter().zip(range.data());
+                assert!(
+                    pixels.all(|(&id, z)| (id == 0) == z.is_infinite()),
+                    "{family} {seed}"
+                );
+            }
+        }
+    }
+}
