@@ -16,6 +16,7 @@ mod method;
 mod reflect;
 mod registry;
 mod result;
+pub mod rghs;
 pub mod ulap;
 mod warning;
 

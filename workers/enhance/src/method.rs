@@ -4,7 +4,7 @@ use imaging::Raster;
 
 use crate::registry::{MethodInfo, registry};
 use crate::result::{EnhanceError, Enhanced};
-use crate::{baseline, hscm, ulap};
+use crate::{baseline, hscm, rghs, ulap};
 
 /// An enhancement method with its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,8 @@ pub enum Method {
     GreyWorld,
     /// Restoration by the light attenuation prior.
     Ulap,
+    /// Relative global histogram stretching.
+    Rghs,
 }
 
 impl Method {
@@ -44,6 +46,7 @@ impl Method {
             Self::Clahe => "clahe",
             Self::GreyWorld => "grey_world",
             Self::Ulap => "ulap",
+            Self::Rghs => "rghs",
         }
     }
 }
@@ -92,6 +95,7 @@ pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Resul
         Method::Hscm(options) => hscm::enhance(picture, options, variant),
         Method::Clahe => Ok(baseline::clahe::enhance(picture)),
         Method::GreyWorld => Ok(baseline::grey_world::enhance(picture)),
+        Method::Rghs => Ok(rghs::enhance(picture, variant)),
         Method::Ulap => Ok(ulap::enhance(picture, variant)),
     }
 }

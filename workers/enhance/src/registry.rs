@@ -77,6 +77,14 @@ const REGISTRY: &[MethodInfo] = &[
         pixels_max: Some(GUIDED_PIXELS_MAX),
         default: || Method::Ulap,
     },
+    MethodInfo {
+        name: "rghs",
+        what: "green and blue raised, channels stretched relative to their modes, lightness and colours in CIE Lab",
+        source: "Huang, Wang, Song, Sequeira and Mavromatis 2018",
+        options: "channel tails 0.5 %, lightness tails 1 %",
+        pixels_max: None,
+        default: || Method::Rghs,
+    },
 ];
 
 #[cfg(test)]

@@ -3,11 +3,14 @@
 
 mod box_mean;
 mod guided;
+pub(crate) mod histogram;
+pub(crate) mod lab;
 mod light;
 mod norm;
 mod rank;
 mod restore;
 mod sums;
+mod tails;
 
 pub use box_mean::box_mean;
 pub use guided::{Guide, RADIUS_MAX, RADIUS_PX, REGULARISATION, guided};
@@ -15,3 +18,4 @@ pub use light::{TOP_SHARE, brightest_of, distance_offset};
 pub use norm::{FLAT, normalised, range};
 pub use rank::largest;
 pub use restore::{Veil, restore};
+pub use tails::tails;

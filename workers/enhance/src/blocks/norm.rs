@@ -8,11 +8,16 @@ pub const FLAT: f64 = 1e-6;
 /// The least and the greatest value of a plane that holds some.
 #[must_use]
 pub fn range(plane: &Plane<f64>) -> (f64, f64) {
+    range_of(plane.data())
+}
+
+/// The least and the greatest of some values.
+pub(super) fn range_of(values: &[f64]) -> (f64, f64) {
     // Lanes of their own let the loop become vector code; the order of minima does not matter.
     const LANES: usize = 8;
-    let first = plane.data()[0];
+    let first = values[0];
     let (mut low, mut high) = ([first; LANES], [first; LANES]);
-    let (whole, rest) = plane.data().as_chunks::<LANES>();
+    let (whole, rest) = values.as_chunks::<LANES>();
     for chunk in whole {
         for i in 0..LANES {
             low[i] = if chunk[i] < low[i] { chunk[i] } else { low[i] };

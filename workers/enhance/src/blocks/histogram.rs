@@ -1,0 +1,62 @@
+//! Counts of the codes of a picture's channels: a curve over codes needs no more than these.
+
+use imaging::Rgb8;
+
+/// How often each code occurs.
+pub(crate) type Histogram = [u64; 256];
+
+/// The histograms of red, green and blue.
+pub(crate) fn histograms(picture: &Rgb8) -> [Histogram; 3] {
+    // Two sets, so that equal neighbours do not wait for each other.
+    let mut counts = [[[0u32; 256]; 3]; 2];
+    for (i, pixel) in picture.data().chunks_exact(3).enumerate() {
+        let set = &mut counts[i % 2];
+        for c in 0..3 {
+            set[c][usize::from(pixel[c])] += 1;
+        }
+    }
+    let [even, odd] = counts;
+    std::array::from_fn(|c| std::array::from_fn(|code| u64::from(even[c][code]) + u64::from(odd[c][code])))
+}
+
+/// Number of samples.
+pub(crate) fn total(histogram: &Histogram) -> u64 {
+    histogram.iter().sum()
+}
+
+/// Mean code; the histogram holds some.
+pub(crate) fn mean(histogram: &Histogram) -> f64 {
+    let sum: u64 = (0..).zip(histogram).map(|(code, count)| code * count).sum();
+    sum as f64 / total(histogram) as f64
+}
+
+/// The least and the greatest code that occurs.
+pub(crate) fn ends(histogram: &Histogram) -> (usize, usize) {
+    let low = histogram.iter().position(|&count| count > 0).unwrap_or(0);
+    let high = histogram.iter().rposition(|&count| count > 0).unwrap_or(0);
+    (low, high)
+}
+
+/// The code at a position of the sorted codes.
+pub(crate) fn at(histogram: &Histogram, position: u64) -> usize {
+    let mut before = 0;
+    let found = histogram.iter().position(|&count| {
+        before += count;
+        before > position
+    });
+    found.unwrap_or(255)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_counted_and_ranked() {
+        let picture = Rgb8::from_fn(5, 1, |x, _| [[3, 3, 7, 9, 250][x], 0, 255]);
+        let [red, green, blue] = histograms(&picture);
+        assert_eq!((total(&red), mean(&red), ends(&red)), (5, 54.4, (3, 250)));
+        assert_eq!([0, 1, 2, 4].map(|position| at(&red, position)), [3, 3, 7, 250]);
+        assert_eq!((ends(&green), ends(&blue)), ((0, 0), (255, 255)));
+    }
+}

@@ -1,0 +1,107 @@
+//! CIE Lab of sRGB colours and back, white (0.95047, 1, 1.08883).
+//!
+//! Linear light → XYZ with the sRGB primaries → `f(t) = cbrt t` above (6/29)³ and `t / (3 (6/29)²) + 4/29` below →
+//! `L = 116 f(Y) - 16`, `a = 500 (f(X) - f(Y))`, `b = 200 (f(Y) - f(Z))` with X, Y, Z relative to the white.
+
+use std::sync::LazyLock;
+
+use crate::elementary::cube_root;
+
+/// Rows of linear sRGB → XYZ relative to the white.
+const TO_XYZ: [[f64; 3]; 3] = [
+    [
+        0.412_456_4 / 0.950_47,
+        0.357_576_1 / 0.950_47,
+        0.180_437_5 / 0.950_47,
+    ],
+    [0.212_672_9, 0.715_152_2, 0.072_175],
+    [
+        0.019_333_9 / 1.088_83,
+        0.119_192 / 1.088_83,
+        0.950_304_1 / 1.088_83,
+    ],
+];
+/// The inverse of [`TO_XYZ`].
+static FROM_XYZ: LazyLock<[[f64; 3]; 3]> = LazyLock::new(|| {
+    let m = TO_XYZ;
+    let cofactor = |i: usize, j: usize| {
+        let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        m[a][c] * m[b][d] - m[a][d] * m[b][c]
+    };
+    let determinant: f64 = (0..3).map(|j| m[0][j] * cofactor(0, j)).sum();
+    std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) / determinant))
+});
+
+const KNEE: f64 = 6.0 / 29.0;
+
+/// Rows of XYZ relative to the white → linear sRGB.
+pub(crate) fn from_xyz() -> &'static [[f64; 3]; 3] {
+    &FROM_XYZ
+}
+
+/// L, a, b of linear light.
+#[inline(always)]
+pub(crate) fn of_linear([r, g, b]: [f64; 3]) -> [f64; 3] {
+    let response = |row: [f64; 3]| {
+        let t = row[0] * r + row[1] * g + row[2] * b;
+        let root = cube_root(if t > KNEE * KNEE * KNEE {
+            t
+        } else {
+            KNEE * KNEE * KNEE
+        });
+        if t > KNEE * KNEE * KNEE {
+            root
+        } else {
+            t / (3.0 * KNEE * KNEE) + 4.0 / 29.0
+        }
+    };
+    let (x, y, z) = (response(TO_XYZ[0]), response(TO_XYZ[1]), response(TO_XYZ[2]));
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// Linear light of L, a, b; colours outside sRGB leave 0..=1.
+#[inline(always)]
+pub(crate) fn to_linear([l, a, b]: [f64; 3], from_xyz: &[[f64; 3]; 3]) -> [f64; 3] {
+    let y = (l + 16.0) / 116.0;
+    let light = |t: f64| {
+        if t > KNEE {
+            t * t * t
+        } else {
+            3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
+        }
+    };
+    let xyz = [light(y + a / 500.0), light(y), light(y - b / 200.0)];
+    from_xyz.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_gray_and_red_have_their_known_places() {
+        let near = |got: [f64; 3], expected: [f64; 3]| {
+            for (got, expected) in got.iter().zip(expected) {
+                assert!((got - expected).abs() < 5e-3, "{got} for {expected}");
+            }
+        };
+        near(of_linear([1.0; 3]), [100.0, 0.0, 0.0]);
+        near(of_linear([0.0; 3]), [0.0, 0.0, 0.0]);
+        near(of_linear([0.18; 3]), [49.496, 0.0, 0.0]);
+        near(of_linear([1.0, 0.0, 0.0]), [53.241, 80.092, 67.203]);
+    }
+
+    #[test]
+    fn colours_come_back() {
+        for r in [0.0, 0.001, 0.2, 1.0] {
+            for g in [0.0, 0.01, 0.5, 1.0] {
+                for b in [0.0, 0.003, 0.7, 1.0] {
+                    let back = to_linear(of_linear([r, g, b]), from_xyz());
+                    for (back, value) in back.iter().zip([r, g, b]) {
+                        assert!((back - value).abs() < 1e-12, "{back} for {value}");
+                    }
+                }
+            }
+        }
+    }
+}
