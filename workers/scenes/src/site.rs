@@ -6,11 +6,14 @@
 //!
 //! A pixel depends on its own ray alone, so rows can be rendered in any bands and on any threads with the same bytes.
 
+mod bounds;
 pub(crate) mod builder;
 mod camera;
 pub(crate) mod chance;
+mod dots;
 pub(crate) mod finish;
 mod frame;
+mod geometry;
 mod lanes;
 mod light;
 mod noise;

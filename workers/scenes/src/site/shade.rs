@@ -1,16 +1,17 @@
 //! Gathers the pixels of each solid into groups, wherever they are in the picture, and shades a group at a time.
 
+use imaging::simd::vectorised;
+
 use super::Site;
+use super::bounds::{around, extent, touch};
 use super::camera::Camera;
 use super::finish::Points;
-use super::lanes::{LANES, Lane, Lane3, ZEROS, larger, mix, ramp, smaller};
+use super::geometry::{Geometry, at, set};
+use super::lanes::{LANES, Lane, Lane3, ZEROS, mix, ramp};
 use super::light::{Light, Lit, background, illuminate};
 use super::noise::Place;
 use super::picture::Picture;
-use super::solid::Solid;
 use super::vector::{Pose, UP, Vec3, ZERO, vec3};
-
-use imaging::simd::vectorised;
 
 /// Reach of the shadow where two surfaces meet, m.
 const CONTACT_M: f32 = 0.45;
@@ -51,7 +52,7 @@ impl<'a> Shader<'a> {
         let near = boxes.iter().chain([&ground]).enumerate();
         let near = near.map(|(own, one)| {
             let others = boxes.iter().enumerate();
-            let others = others.filter(|(other, its)| *other != own && touch(one, its));
+            let others = others.filter(|(other, its)| *other != own && touch(one, its, NEAR_M));
             // Mounds are a part of the ground and cast no shadow on it.
             let others = others.filter(|(other, _)| site.solids[*other].object != 0);
             others.map(|(other, _)| other as u16).collect()
@@ -160,7 +161,7 @@ impl<'a> Shader<'a> {
         let camera = self.camera;
         vectorised(
             #[inline(always)]
-            || geometry.place(camera, &pose, origin, queue),
+            || geometry.place(camera, &pose, origin, (&queue.x, &queue.y, &queue.parameter)),
         );
         let mut normal = [ZEROS, ZEROS, [1.0; LANES]];
         let mut edge = ZEROS;
@@ -215,18 +216,15 @@ impl<'a> Shader<'a> {
 
     /// How open each point is to the light from above: less where another solid or the ground is near.
     fn openness(&self, whose: usize, above_ground: bool, world: &Lane3) -> Lane {
-        let reach = vec3(NEAR_M, NEAR_M, NEAR_M);
-        let (mut low, mut high) = (ZERO, ZERO);
+        let mut group = [ZERO; 2];
         vectorised(
             #[inline(always)]
-            || (low, high) = extent(world),
+            || group = extent(world),
         );
-        let group = [low - reach, high + reach];
         let mut distance = [CONTACT_M; LANES];
         for &other in &self.near[whose] {
             let other = usize::from(other);
-            let [low, high] = &self.boxes[other];
-            if overlap(&group, &[*low, *high]) {
+            if touch(&group, &self.boxes[other], NEAR_M) {
                 self.site.solids[other].approach(world, &mut distance);
             }
         }
@@ -282,114 +280,6 @@ fn facing(normal: Vec3, toward: Vec3) -> Vec3 {
     seen.unit()
 }
 
-/// Where the points of a group are.
-struct Geometry {
-    world: Lane3,
-    local: Lane3,
-    /// Where noise is taken.
-    grain: Lane3,
-    /// Unit directions to the camera in the solid's frame.
-    view: Lane3,
-    range: Lane,
-    footprint: Lane,
-    rise: Lane,
-}
-
-impl Geometry {
-    const BLANK: Self = Self {
-        world: [ZEROS; 3],
-        local: [ZEROS; 3],
-        grain: [ZEROS; 3],
-        view: [ZEROS; 3],
-        range: ZEROS,
-        footprint: ZEROS,
-        rise: ZEROS,
-    };
-
-    #[inline(always)]
-    fn place(&mut self, camera: &Camera, pose: &Pose, origin: Vec3, queue: &Queue) {
-        let (camera, pose) = (*camera, *pose);
-        for i in 0..LANES {
-            let ray = camera.ray(queue.x[i], queue.y[i]);
-            let length = ray.length();
-            let point = camera.eye + ray * queue.parameter[i];
-            let local = pose.point_in(point);
-            set(&mut self.world, i, point);
-            set(&mut self.local, i, local);
-            set(&mut self.grain, i, local + origin);
-            set(&mut self.view, i, pose.direction_in(ray * (-1.0 / length)));
-            self.range[i] = queue.parameter[i] * length;
-        }
-    }
-
-    #[inline(always)]
-    fn look(&mut self, normal: &Lane3, up: Vec3, pixel_angle: f32) {
-        for i in 0..LANES {
-            let n = at(normal, i);
-            let facing = larger(n.dot(at(&self.view, i)), 0.04).sqrt();
-            self.footprint[i] = self.range[i] * pixel_angle / facing;
-            self.rise[i] = n.dot(up);
-        }
-    }
-}
-
-/// A box around a solid in the world; around a hollow's wall, everything.
-fn around(solid: &Solid) -> [Vec3; 2] {
-    if solid.is_hollow() {
-        return [vec3(-1e9, -1e9, -1e9), vec3(1e9, 1e9, 1e9)];
-    }
-    let corners = solid.corners();
-    corners.iter().fold([corners[0]; 2], |[low, high], corner| {
-        [lowest(low, *corner), highest(high, *corner)]
-    })
-}
-
-fn touch(a: &[Vec3; 2], b: &[Vec3; 2]) -> bool {
-    let reach = vec3(NEAR_M, NEAR_M, NEAR_M);
-    overlap(&[a[0] - reach, a[1] + reach], b)
-}
-
-fn overlap(a: &[Vec3; 2], b: &[Vec3; 2]) -> bool {
-    let along = |low: f32, high: f32, other_low: f32, other_high: f32| low <= other_high && other_low <= high;
-    along(a[0].x, a[1].x, b[0].x, b[1].x)
-        && along(a[0].y, a[1].y, b[0].y, b[1].y)
-        && along(a[0].z, a[1].z, b[0].z, b[1].z)
-}
-
-#[inline(always)]
-fn lowest(a: Vec3, b: Vec3) -> Vec3 {
-    vec3(smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z))
-}
-
-#[inline(always)]
-fn highest(a: Vec3, b: Vec3) -> Vec3 {
-    vec3(larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z))
-}
-
-/// Lowest and highest coordinates of a group.
-#[inline(always)]
-fn extent(points: &Lane3) -> (Vec3, Vec3) {
-    const WIDE: usize = 8;
-    let (mut low, mut high) = ([[0.0; WIDE]; 3], [[0.0; WIDE]; 3]);
-    for axis in 0..3 {
-        low[axis].copy_from_slice(&points[axis][..WIDE]);
-        high[axis].copy_from_slice(&points[axis][..WIDE]);
-        for chunk in 1..LANES / WIDE {
-            for i in 0..WIDE {
-                let p = points[axis][chunk * WIDE + i];
-                low[axis][i] = smaller(p, low[axis][i]);
-                high[axis][i] = larger(p, high[axis][i]);
-            }
-        }
-    }
-    let least = low.map(|lane| lane.into_iter().fold(f32::INFINITY, smaller));
-    let most = high.map(|lane| lane.into_iter().fold(f32::NEG_INFINITY, larger));
-    (
-        vec3(least[0], least[1], least[2]),
-        vec3(most[0], most[1], most[2]),
-    )
-}
-
 #[inline(always)]
 fn shadow(open: &mut Lane, distance: &Lane, height: &Lane, above_ground: bool) {
     for i in 0..LANES {
@@ -410,16 +300,4 @@ fn run_out(normal: &mut Lane3, height: &Lane) {
         );
         set(normal, i, n * (1.0 / n.length()));
     }
-}
-
-#[inline(always)]
-fn set(lanes: &mut Lane3, i: usize, v: Vec3) {
-    lanes[0][i] = v.x;
-    lanes[1][i] = v.y;
-    lanes[2][i] = v.z;
-}
-
-#[inline(always)]
-fn at(lanes: &Lane3, i: usize) -> Vec3 {
-    vec3(lanes[0][i], lanes[1][i], lanes[2][i])
 }

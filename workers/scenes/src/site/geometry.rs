@@ -1,0 +1,74 @@
+//! Where the points of a group are, and how the camera sees them.
+
+use super::camera::Camera;
+use super::lanes::{LANES, Lane, Lane3, ZEROS, larger};
+use super::vector::{Pose, Vec3, vec3};
+
+/// Where the points of a group are.
+pub(super) struct Geometry {
+    pub(super) world: Lane3,
+    pub(super) local: Lane3,
+    /// Where noise is taken.
+    pub(super) grain: Lane3,
+    /// Unit directions to the camera in the solid's frame.
+    pub(super) view: Lane3,
+    pub(super) range: Lane,
+    pub(super) footprint: Lane,
+    pub(super) rise: Lane,
+}
+
+impl Geometry {
+    pub(super) const BLANK: Self = Self {
+        world: [ZEROS; 3],
+        local: [ZEROS; 3],
+        grain: [ZEROS; 3],
+        view: [ZEROS; 3],
+        range: ZEROS,
+        footprint: ZEROS,
+        rise: ZEROS,
+    };
+
+    #[inline(always)]
+    pub(super) fn place(
+        &mut self,
+        camera: &Camera,
+        pose: &Pose,
+        origin: Vec3,
+        (x, y, parameter): (&Lane, &Lane, &Lane),
+    ) {
+        let (camera, pose) = (*camera, *pose);
+        for i in 0..LANES {
+            let ray = camera.ray(x[i], y[i]);
+            let length = ray.length();
+            let point = camera.eye + ray * parameter[i];
+            let local = pose.point_in(point);
+            set(&mut self.world, i, point);
+            set(&mut self.local, i, local);
+            set(&mut self.grain, i, local + origin);
+            set(&mut self.view, i, pose.direction_in(ray * (-1.0 / length)));
+            self.range[i] = parameter[i] * length;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn look(&mut self, normal: &Lane3, up: Vec3, pixel_angle: f32) {
+        for i in 0..LANES {
+            let n = at(normal, i);
+            let facing = larger(n.dot(at(&self.view, i)), 0.04).sqrt();
+            self.footprint[i] = self.range[i] * pixel_angle / facing;
+            self.rise[i] = n.dot(up);
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn set(lanes: &mut Lane3, i: usize, v: Vec3) {
+    lanes[0][i] = v.x;
+    lanes[1][i] = v.y;
+    lanes[2][i] = v.z;
+}
+
+#[inline(always)]
+pub(super) fn at(lanes: &Lane3, i: usize) -> Vec3 {
+    vec3(lanes[0][i], lanes[1][i], lanes[2][i])
+}
