@@ -13,6 +13,7 @@ pub mod blocks;
 mod elementary;
 pub mod hscm;
 mod method;
+pub mod rd;
 mod reflect;
 mod registry;
 mod result;

@@ -4,7 +4,7 @@ use imaging::Raster;
 
 use crate::registry::{MethodInfo, registry};
 use crate::result::{EnhanceError, Enhanced};
-use crate::{baseline, hscm, rghs, ulap};
+use crate::{baseline, hscm, rd, rghs, ulap};
 
 /// An enhancement method with its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,8 @@ pub enum Method {
     GreyWorld,
     /// Restoration by the light attenuation prior.
     Ulap,
+    /// Dual-intensity stretching by the Rayleigh distribution.
+    Rd,
     /// Relative global histogram stretching.
     Rghs,
 }
@@ -46,6 +48,7 @@ impl Method {
             Self::Clahe => "clahe",
             Self::GreyWorld => "grey_world",
             Self::Ulap => "ulap",
+            Self::Rd => "rd",
             Self::Rghs => "rghs",
         }
     }
@@ -96,6 +99,7 @@ pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Resul
         Method::Clahe => Ok(baseline::clahe::enhance(picture)),
         Method::GreyWorld => Ok(baseline::grey_world::enhance(picture)),
         Method::Rghs => Ok(rghs::enhance(picture, variant)),
+        Method::Rd => Ok(rd::enhance(picture, variant)),
         Method::Ulap => Ok(ulap::enhance(picture, variant)),
     }
 }

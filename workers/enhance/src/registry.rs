@@ -78,6 +78,14 @@ const REGISTRY: &[MethodInfo] = &[
         default: || Method::Ulap,
     },
     MethodInfo {
+        name: "rd",
+        what: "channel means drawn together, channels stretched to Rayleigh distributions in two halves, saturation and value",
+        source: "Abdul Ghani and Mat Isa 2014",
+        options: "alpha 0.4, saturation and value tails 1 %",
+        pixels_max: None,
+        default: || Method::Rd,
+    },
+    MethodInfo {
         name: "rghs",
         what: "green and blue raised, channels stretched relative to their modes, lightness and colours in CIE Lab",
         source: "Huang, Wang, Song, Sequeira and Mavromatis 2018",
