@@ -105,6 +105,7 @@ const OWN: &[(&str, &str, Kind)] = &[
     ("frame", "images.frame", Kind::Number),
     ("dataset", "images.dataset", Kind::Text),
     ("created_ms", "images.created_ms", Kind::Number),
+    ("digest", "images.digest", Kind::Text),
     ("failed", "0", Kind::Bool),
     (
         "warned",
@@ -172,7 +173,8 @@ impl Columns {
         PARAMETERS.iter().map(|(name, ..)| *name)
     }
 
-    /// Names that a question may use, apart from the open families `labels.…`, `timings.…`, `lights.N.…` and `SUBJECT.METRIC`.
+    /// Names that a question may use, apart from the open families `labels.…`, `timings.…`, `lights.N.…`,
+    /// `artifacts.KIND` (its digest) and `SUBJECT.METRIC`.
     pub(crate) fn names(&self) -> Vec<String> {
         let own = OWN.iter().map(|(name, ..)| (*name).to_owned());
         own.chain(Self::parameter_names().map(str::to_owned))
@@ -219,7 +221,7 @@ impl Columns {
     }
 }
 
-/// Names that depend on the job: labels are compared as text, times in milliseconds and numbers of a light as numbers.
+/// Names that depend on the job: labels and digests of artifacts are compared as text, times in milliseconds and numbers of a light as numbers.
 fn open_family(name: &str) -> Option<Column> {
     let quoted = |key: &str| (!key.is_empty() && !key.contains(['"', '\\'])).then(|| format!("\"{key}\""));
     let extract = |path: String, kind| {
@@ -235,6 +237,15 @@ fn open_family(name: &str) -> Option<Column> {
             kind,
         })
     };
+    if let Some(kind) = name.strip_prefix("artifacts.") {
+        return Some(Column {
+            sql: "(SELECT a.digest FROM artifacts a
+                   WHERE a.job_id = images.job_id AND a.frame = images.frame AND a.kind = ?)"
+                .to_owned(),
+            binds: vec![Bind::Text(kind.to_owned())],
+            kind: Kind::Text,
+        });
+    }
     if let Some(label) = name.strip_prefix("labels.") {
         return extract(format!("$.parameters.labels.{}", quoted(label)?), Kind::Text);
     }

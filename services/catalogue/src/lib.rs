@@ -11,8 +11,10 @@ mod deletion;
 mod digests;
 mod error;
 mod filter;
+mod histogram;
 mod images;
 mod jobs;
+mod metadata;
 mod open;
 mod page;
 mod recovery;
@@ -28,6 +30,7 @@ pub use catalogue::Catalogue;
 pub use error::CatalogueError;
 pub use filter::FilterError;
 pub use types::{
-    Counts, DatasetRow, Deleted, FailureRow, GroupStats, Idempotency, ImageQuery, ImageRow, InsertImage,
-    InsertJob, JobRow, JobState, NamedDigest, NewJob, OpenJob, Page, Retried, SceneRow,
+    ColumnInfo, Counts, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
+    ImageRow, InsertImage, InsertJob, JobRow, JobState, NamedDigest, NewJob, OpenJob, Page, Retried,
+    SceneRow,
 };

@@ -26,16 +26,7 @@ pub(crate) async fn stats(
     columns: &Columns,
     question: &Question<'_>,
 ) -> Result<Vec<GroupStats>, CatalogueError> {
-    let there: Option<i64> = sqlx::query_scalar("SELECT 1 FROM datasets WHERE name = ?")
-        .bind(question.dataset)
-        .fetch_optional(&mut *connection)
-        .await?;
-    if there.is_none() {
-        return Err(CatalogueError::NotFound {
-            what: "dataset",
-            name: question.dataset.to_owned(),
-        });
-    }
+    check_dataset(connection, question.dataset).await?;
     let filter = condition(columns, question.filter)?;
     let mut all = Vec::new();
     for metric in question.metrics {
@@ -77,6 +68,20 @@ pub(crate) async fn stats(
         );
     }
     Ok(all)
+}
+
+pub(crate) async fn check_dataset(
+    connection: &mut SqliteConnection,
+    name: &str,
+) -> Result<(), CatalogueError> {
+    let there: Option<i64> = sqlx::query_scalar("SELECT 1 FROM datasets WHERE name = ?")
+        .bind(name)
+        .fetch_optional(connection)
+        .await?;
+    there.map(drop).ok_or_else(|| CatalogueError::NotFound {
+        what: "dataset",
+        name: name.to_owned(),
+    })
 }
 
 fn summary(group: Value, metric: &str, mut values: Vec<f64>) -> GroupStats {

@@ -282,6 +282,34 @@ pub struct GroupStats {
     pub max: Option<f64>,
 }
 
+/// Values of a column in bins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Histogram {
+    /// The column.
+    pub column: String,
+    /// One more than bins.
+    pub edges: Vec<f64>,
+    /// Values of each bin.
+    pub counts: Vec<u64>,
+    /// Values below the first edge.
+    pub below: u64,
+    /// Values above the last edge.
+    pub above: u64,
+    /// Images without a value.
+    pub missing: u64,
+}
+
+/// A column that images can be asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnInfo {
+    /// Its name in filters, orders and rows.
+    pub name: String,
+    /// `number`, `text` or `bool`.
+    pub kind: &'static str,
+    /// Such as `1/m`, where it has one.
+    pub unit: Option<&'static str>,
+}
+
 /// A dataset with its sums.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DatasetRow {

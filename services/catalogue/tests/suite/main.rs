@@ -5,4 +5,5 @@
 mod control;
 mod deletion;
 mod fixture;
+mod questions;
 mod upkeep;
