@@ -1,5 +1,6 @@
 //! The OpenAPI document: what does not stand beside the handlers.
 
+mod common;
 mod job;
 
 use utoipa::openapi::OpenApi;
@@ -8,6 +9,7 @@ use utoipa::{Modify, OpenApi as _, ToResponse, ToSchema};
 
 use crate::problem::Slug;
 
+pub(crate) use common::complete;
 pub(crate) use job::JobDescription;
 
 /// A problem (RFC 9457).

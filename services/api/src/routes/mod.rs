@@ -49,7 +49,8 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(submit, &requests, request, limits::JSON_BYTES).around(submitting(), tokens))
         .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
         .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens));
-    let (public, document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
+    let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
+    openapi::complete(&mut document);
     let pages = SwaggerUi::new("/docs").url("/openapi.json", document);
     public
         .with_state(app)

@@ -396,6 +396,16 @@ fn bad_questions_are_refused_with_what_is_wrong() {
         service.get("/v1/images/job_x/first").problem(400, "invalid-path");
         service.get("/v1/images/job_x/0").problem(404, "not-found");
         service.get("/v1/jobs/job_x").problem(404, "not-found");
+        let problem = service
+            .get("/v1/jobs/job_x?wait=61")
+            .problem(400, "invalid-query");
+        assert!(
+            problem["detail"]
+                .as_str()
+                .unwrap()
+                .contains("wait: is 61 but must be in 0..=60"),
+            "{problem}"
+        );
         service.get("/v1/no-such-route").problem(404, "not-found");
         let refused = service.post("/v1/waters", &json!({}));
         refused.problem(405, "method-not-allowed");

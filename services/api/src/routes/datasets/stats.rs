@@ -62,7 +62,6 @@ pub(crate) struct Statistics {
 #[utoipa::path(get, path = "/v1/datasets/{name}/stats", tag = "datasets",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "Statistics per group and metric.", body = Statistics),
-              (status = 400, response = crate::openapi::Problem),
               (status = 404, response = crate::openapi::Problem)))]
 pub(crate) async fn stats(
     State(app): State<Shared>,

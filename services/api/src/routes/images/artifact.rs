@@ -21,8 +21,7 @@ use crate::stored::{self, Stored};
               (status = 206, description = "A range of the bytes.", content_type = "image/png"),
               (status = 304, description = "The copy at hand is right."),
               (status = 404, response = crate::openapi::Problem),
-              (status = 416, response = crate::openapi::Problem),
-              (status = 500, response = crate::openapi::Problem)))]
+              (status = 416, response = crate::openapi::Problem)))]
 pub(crate) async fn artifact(
     State(app): State<Shared>,
     Path((job, frame, kind)): Path<(String, u64, String)>,

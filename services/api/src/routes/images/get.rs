@@ -12,7 +12,6 @@ use crate::state::Shared;
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}", tag = "images",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     responses((status = 200, description = "The record.", body = Value),
-              (status = 400, response = crate::openapi::Problem),
               (status = 404, response = crate::openapi::Problem)))]
 pub(crate) async fn get(
     State(app): State<Shared>,

@@ -38,8 +38,7 @@ pub(crate) struct Parameters {
 
 /// Query images by their parameters and metrics.
 #[utoipa::path(get, path = "/v1/images", tag = "images", params(Parameters),
-    responses((status = 200, description = "A page of rows.", body = Page<Value>),
-              (status = 400, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "A page of rows.", body = Page<Value>)))]
 pub(crate) async fn list(
     State(app): State<Shared>,
     Query(asked): Query<Parameters>,

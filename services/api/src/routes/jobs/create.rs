@@ -24,11 +24,7 @@ use crate::submit::{Submission, submit};
     responses(
         (status = 202, description = "Accepted and durable; `Location` is the job.", body = JobView),
         (status = 409, response = crate::openapi::Problem),
-        (status = 413, response = crate::openapi::Problem),
-        (status = 415, response = crate::openapi::Problem),
-        (status = 422, response = crate::openapi::Problem),
-        (status = 503, response = crate::openapi::Problem),
-        (status = 507, response = crate::openapi::Problem)))]
+        (status = 422, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(app): State<Shared>,
     Extension(caller): Extension<Caller>,

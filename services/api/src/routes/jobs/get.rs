@@ -10,7 +10,7 @@ use utoipa::IntoParams;
 use super::view::JobView;
 use crate::extract::{Path, Query};
 use crate::limits;
-use crate::problem::Problem;
+use crate::problem::{Problem, Slug};
 use crate::state::Shared;
 use crate::wait::{Until, wait_for_job};
 
@@ -19,8 +19,8 @@ use crate::wait::{Until, wait_for_job};
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Seconds to wait at most; more than 60 counts as 60.
-    #[param(default = 0)]
+    /// Seconds to wait at most, 0..=60.
+    #[param(default = 0, maximum = 60)]
     wait: Option<u64>,
     /// Answer as soon as the job's version is larger than this. Without it, wait until the job has ended.
     since: Option<u64>,
@@ -32,15 +32,25 @@ pub(crate) struct Parameters {
 #[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs",
     params(("id" = String, Path, description = "`job_…`"), Parameters),
     responses((status = 200, description = "The job as it is now.", body = JobView),
-              (status = 400, response = crate::openapi::Problem),
               (status = 404, response = crate::openapi::Problem)))]
 pub(crate) async fn get(
     State(app): State<Shared>,
     Path(id): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<JobView>, Problem> {
-    let limit = Duration::from_secs(asked.wait.unwrap_or(0)).min(limits::MAX_WAIT);
+    let limit = bearable(asked.wait.unwrap_or(0))?;
     let until = asked.since.map_or(Until::Ended, Until::After);
     let row = wait_for_job(&app, &id, limit, until).await?;
     Ok(Json(row.into()))
+}
+
+fn bearable(seconds: u64) -> Result<Duration, Problem> {
+    let limit = limits::MAX_WAIT;
+    match Duration::from_secs(seconds) {
+        wait if wait <= limit => Ok(wait),
+        _ => {
+            let detail = format!("wait: is {seconds} but must be in 0..={}", limit.as_secs());
+            Err(Problem::new(Slug::InvalidQuery, detail))
+        }
+    }
 }

@@ -29,8 +29,7 @@ pub(crate) struct Parameters {
 
 /// List jobs, newest first.
 #[utoipa::path(get, path = "/v1/jobs", tag = "jobs", params(Parameters),
-    responses((status = 200, description = "A page of jobs.", body = Page<JobView>),
-              (status = 400, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "A page of jobs.", body = Page<JobView>)))]
 pub(crate) async fn list(
     State(app): State<Shared>,
     Query(asked): Query<Parameters>,

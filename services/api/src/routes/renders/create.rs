@@ -36,8 +36,7 @@ const DATASET: &str = "renders";
          content((serde_json::Value = "application/json"), (Vec<u8> = "image/png"))),
         (status = 202, description = "Not ready in time; `Location` is the job.", body = JobView),
         (status = 409, response = crate::openapi::Problem),
-        (status = 422, response = crate::openapi::Problem),
-        (status = 503, response = crate::openapi::Problem)))]
+        (status = 422, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(app): State<Shared>,
     Extension(caller): Extension<Caller>,

@@ -50,10 +50,7 @@ pub(crate) struct SceneUpload {
     request_body(content = SceneUpload, content_type = "multipart/form-data"),
     responses((status = 201, description = "Stored.", body = SceneView),
               (status = 200, description = "It was there already.", body = SceneView),
-              (status = 413, response = crate::openapi::Problem),
-              (status = 415, response = crate::openapi::Problem),
-              (status = 422, response = crate::openapi::Problem),
-              (status = 507, response = crate::openapi::Problem)))]
+              (status = 422, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(app): State<Shared>,
     MultipartBody(body): MultipartBody,

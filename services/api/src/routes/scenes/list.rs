@@ -25,8 +25,7 @@ pub(crate) struct Parameters {
 
 /// List uploaded scenes.
 #[utoipa::path(get, path = "/v1/scenes", tag = "scenes", params(Parameters),
-    responses((status = 200, description = "A page of scenes.", body = Page<SceneView>),
-              (status = 400, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "A page of scenes.", body = Page<SceneView>)))]
 pub(crate) async fn list(
     State(app): State<Shared>,
     Query(asked): Query<Parameters>,
