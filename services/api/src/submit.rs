@@ -82,15 +82,20 @@ async fn store(app: &App, submission: Submission) -> Result<JobRow, Problem> {
     row.ok_or_else(|| Problem::internal(&format!("job {id} vanished after it was stored")))
 }
 
-/// A job with a style needs a worker with the style runtime.
+/// A job with a style that runs on ONNX Runtime only needs a worker that has it.
 fn check_runtime(app: &App, job: &Job) -> Result<(), Problem> {
     match &app.style_runtime {
-        Err(missing) if job.uses_style() && !app.dispatch.has_style_runtime() => {
+        Err(missing) if needs_runtime(app, job) && !app.dispatch.has_style_runtime() => {
             let hint = "run scripts/get-onnxruntime.sh and restart, or connect a worker that has it";
             Err(Problem::new(Slug::RuntimeMissing, format!("{missing}; {hint}")))
         }
         _ => Ok(()),
     }
+}
+
+fn needs_runtime(app: &App, job: &Job) -> bool {
+    let styles = job.styles();
+    styles.iter().any(|name| app.library.needs_runtime(name))
 }
 
 /// Every uploaded scene that a frame can ask for must be there.

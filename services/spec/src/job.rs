@@ -139,12 +139,16 @@ impl Job {
             .map_err(|error| one(FieldError::new("", format!("frame {index}: {error}"))))
     }
 
-    /// Whether any frame can ask for a style model.
+    /// Names of all style models that a frame can ask for, sorted.
     #[must_use]
-    pub fn uses_style(&self) -> bool {
-        places(&self.document, "water")
-            .iter()
-            .any(|(_, water)| water.get("style").is_some())
+    pub fn styles(&self) -> Vec<String> {
+        let names: BTreeSet<_> = places(&self.document, "water")
+            .into_iter()
+            .filter_map(|(_, water)| water.get("style"))
+            .flat_map(|name| name.strings(""))
+            .map(|(_, name)| name.to_owned())
+            .collect();
+        names.into_iter().collect()
     }
 
     /// Ids of all uploaded scenes that a frame can ask for, sorted.

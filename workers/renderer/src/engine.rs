@@ -1,31 +1,37 @@
 //! What all slots of a process share.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use style::{Library, Runtime, RuntimeMissing};
 
-/// The style models and the runtime that runs them. A process without the runtime renders everything but style.
+/// The style models and the runtime of those that are not ours. A process without it renders everything else.
 pub struct Engine {
-    runtime: Result<Runtime, RuntimeMissing>,
+    onnxruntime: Option<PathBuf>,
+    runtime: OnceLock<Result<Runtime, RuntimeMissing>>,
     library: Library,
 }
 
 impl Engine {
-    /// Loads ONNX Runtime: from this file if there is one, else from where it usually lies.
+    /// ONNX Runtime is loaded when it is first needed: from this file if there is one, else from where it usually
+    /// lies.
     #[must_use]
     pub fn new(library: Library, onnxruntime: Option<&Path>) -> Self {
         Self {
-            runtime: Runtime::load(onnxruntime),
+            onnxruntime: onnxruntime.map(Path::to_owned),
+            runtime: OnceLock::new(),
             library,
         }
     }
 
-    /// The runtime of the style networks.
+    /// The runtime of the style networks that are not ours.
     ///
     /// # Errors
     /// [`RuntimeMissing`], which says how to get it.
     pub fn runtime(&self) -> Result<&Runtime, &RuntimeMissing> {
-        self.runtime.as_ref()
+        self.runtime
+            .get_or_init(|| Runtime::load(self.onnxruntime.as_deref()))
+            .as_ref()
     }
 
     /// The style models.

@@ -90,7 +90,8 @@ impl Slot {
                 .iter()
                 .map(|(name, digest)| (format!("style.{name}"), digest.clone())),
         );
-        let ran = styled.model.as_ref().and_then(|_| self.engine.runtime().ok());
+        let ran = Some(&self.engine).filter(|_| styled.on_runtime);
+        let ran = ran.and_then(|engine| engine.runtime().ok());
         let findings = Findings {
             frame,
             camera: Camera::of_picture(radiance.width(), radiance.height(), prepared.focal_px),

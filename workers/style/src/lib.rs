@@ -1,11 +1,13 @@
 //! Style water models: ONNX networks that repaint a frame in the look of one water.
 //!
-//! A network takes an sRGB-encoded picture and answers one of the same size. It runs on ONNX Runtime, a library that is
-//! loaded when the program runs; without it everything else still works and [`RuntimeMissing`] says what to do.
+//! A network takes an sRGB-encoded picture and answers one of the same size. That of the shipped waters and of those
+//! trained here runs in this crate ([`net`]). Any other one runs on ONNX Runtime, a library that is loaded when the
+//! program runs; without it everything else still works and [`RuntimeMissing`] says what to do.
 
 mod card;
 mod error;
 mod library;
+pub mod net;
 mod runtime;
 mod search;
 mod session;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::card::Card;
+use crate::net;
 
 /// Largest ONNX file: the shipped ones have 43 KB, the largest network that anybody tried for this 7 MB.
 const MAX_MODEL_BYTES: u64 = 256 << 20;
@@ -23,6 +24,14 @@ pub struct StyleModel {
     pub onnx: Cow<'static, [u8]>,
     /// What is known of it.
     pub card: Card,
+}
+
+impl StyleModel {
+    /// Whether it runs on ONNX Runtime only: any network but that of the shipped waters and of those trained here.
+    #[must_use]
+    pub fn needs_runtime(&self) -> bool {
+        net::onnx::read(&self.onnx).is_none()
+    }
 }
 
 /// A folder, model or card that cannot be used. Each names the file.
@@ -134,6 +143,12 @@ impl Library {
     #[must_use]
     pub fn names(&self) -> Vec<&str> {
         self.models.keys().map(String::as_str).collect()
+    }
+
+    /// Whether a model of this name runs on ONNX Runtime only; an unknown one needs nothing.
+    #[must_use]
+    pub fn needs_runtime(&self, name: &str) -> bool {
+        self.get(name).is_some_and(StyleModel::needs_runtime)
     }
 
     /// The model of a name.

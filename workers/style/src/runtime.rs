@@ -17,12 +17,12 @@ use crate::session::Session;
 pub enum RuntimeMissing {
     /// No file was named and none lies where it is looked for.
     #[error(
-        "style water needs ONNX Runtime, which is not installed: run scripts/get-onnxruntime.sh, or name the library with --onnxruntime or ORT_DYLIB_PATH"
+        "this style water needs ONNX Runtime, which is not installed: run scripts/get-onnxruntime.sh, or name the library with --onnxruntime or ORT_DYLIB_PATH"
     )]
     NotInstalled,
     /// The file cannot be loaded, or is no ONNX Runtime, or too old a one.
     #[error(
-        "style water needs ONNX Runtime, which cannot be loaded from {}: {reason}; run scripts/get-onnxruntime.sh for one that fits",
+        "this style water needs ONNX Runtime, which cannot be loaded from {}: {reason}; run scripts/get-onnxruntime.sh for one that fits",
         path.display()
     )]
     Unusable {
@@ -119,12 +119,12 @@ impl Runtime {
         &self.path
     }
 
-    /// Prepares a model to run, on one thread.
+    /// Prepares a model of any form to run, on one thread. The shipped waters do not need it: [`Session::native`].
     ///
     /// # Errors
     /// [`StyleError::Model`] when the file is no model, or has inputs or outputs of another form.
     pub fn session(&self, model: &StyleModel) -> Result<Session, StyleError> {
-        Session::new(&self.environment, model)
+        Session::onnx(&self.environment, model)
     }
 }
 

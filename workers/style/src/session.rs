@@ -1,47 +1,58 @@
 //! One model, ready to run on one thread.
 
+mod onnx;
+
 use imaging::{Plane, Rgb};
 use ort::environment::Environment;
-use ort::session::builder::{GraphOptimizationLevel, SessionBuilder};
-use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
 
 use crate::error::StyleError;
 use crate::library::StyleModel;
+use crate::net::{self, Network, Scratch};
+
+use onnx::Graph;
 
 /// A model that is ready to run. It uses the thread that calls it and no other: frames run side by side, each with a
-/// session of its own. The same frame gives the same bits on one build of ONNX Runtime and one set of CPU features.
+/// session of its own. The same frame gives the same bits: of our own network on every machine, of another one on one
+/// build of ONNX Runtime and one set of CPU features.
 pub struct Session {
     name: String,
-    session: ort::session::Session,
-    ports: Ports,
-    /// The frame as the network takes it, `[1, 3, height, width]`; kept between frames.
-    samples: Vec<f32>,
+    form: Form,
 }
 
-/// Names of the inputs and of the output.
-struct Ports {
-    image: String,
-    noise: Option<String>,
-    styled: String,
+enum Form {
+    /// Our own network, which needs nothing else.
+    Native(Box<(Network, Scratch)>),
+    /// Any other network, on ONNX Runtime.
+    Onnx(Graph),
 }
 
 impl Session {
-    pub(crate) fn new(environment: &Environment, model: &StyleModel) -> Result<Self, StyleError> {
-        let wrong = |reason: String| StyleError::Model {
+    /// A session without ONNX Runtime: for the network of the shipped waters and of those that are trained here, and
+    /// nothing for a model of any other form.
+    #[must_use]
+    pub fn native(model: &StyleModel) -> Option<Self> {
+        let network = Network::new(&net::onnx::read(&model.onnx)?);
+        Some(Self {
+            name: model.name.clone(),
+            form: Form::Native(Box::new((network, Scratch::default()))),
+        })
+    }
+
+    pub(crate) fn onnx(environment: &Environment, model: &StyleModel) -> Result<Self, StyleError> {
+        let graph = Graph::new(environment, &model.onnx).map_err(|reason| StyleError::Model {
             name: model.name.clone(),
             reason,
-        };
-        let mut builder = options(environment).map_err(|error| wrong(error.to_string()))?;
-        let session = builder
-            .commit_from_memory(&model.onnx)
-            .map_err(|error| wrong(error.to_string()))?;
-        let ports = Ports::of(session.inputs(), session.outputs()).map_err(wrong)?;
+        })?;
         Ok(Self {
             name: model.name.clone(),
-            session,
-            ports,
-            samples: Vec::new(),
+            form: Form::Onnx(graph),
         })
+    }
+
+    /// Whether it runs on ONNX Runtime.
+    #[must_use]
+    pub fn uses_runtime(&self) -> bool {
+        matches!(self.form, Form::Onnx(_))
     }
 
     /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An answer that is larger than the frame
@@ -52,48 +63,14 @@ impl Session {
     /// [`StyleError`]: an empty frame, a sample that is not finite, a network that fails, or an answer that is no
     /// picture, is smaller than the frame, or holds a sample that is not finite.
     pub fn apply(&mut self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<Rgb<f32>, StyleError> {
-        let (width, height) = encoded.size();
         self.check(encoded, noise)?;
-        self.samples.clear();
-        for plane in encoded.planes() {
-            self.samples.extend_from_slice(plane.data());
+        match &mut self.form {
+            Form::Native(native) => {
+                let (network, scratch) = &mut **native;
+                Ok(network.apply(encoded, scratch))
+            }
+            Form::Onnx(graph) => graph.run(&self.name, encoded, noise),
         }
-        let Self {
-            name,
-            session,
-            ports,
-            samples,
-        } = self;
-        let failed = |error: ort::Error| StyleError::Run {
-            name: name.clone(),
-            width,
-            height,
-            reason: error.to_string(),
-        };
-        let image =
-            TensorRef::from_array_view(([1, 3, height, width], samples.as_slice())).map_err(failed)?;
-        let mut inputs = vec![(ports.image.as_str(), image)];
-        let silence: Vec<f32>;
-        if let Some(port) = &ports.noise {
-            let noise = if let Some(noise) = noise {
-                noise.data()
-            } else {
-                silence = vec![0.0; width * height];
-                &silence
-            };
-            let noise = TensorRef::from_array_view(([1, 1, height, width], noise)).map_err(failed)?;
-            inputs.push((port, noise));
-        }
-        let outputs = session.run(inputs).map_err(failed)?;
-        let (shape, styled) = outputs[ports.styled.as_str()]
-            .try_extract_tensor::<f32>()
-            .map_err(failed)?;
-        cropped(shape, styled, width, height).map_err(|answer| StyleError::Answer {
-            name: name.clone(),
-            answer,
-            width,
-            height,
-        })
     }
 
     fn check(&self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<(), StyleError> {
@@ -106,7 +83,8 @@ impl Session {
                 height,
             });
         }
-        let noise = noise.filter(|_| self.ports.noise.is_some());
+        let takes_noise = matches!(&self.form, Form::Onnx(graph) if graph.takes_noise());
+        let noise = noise.filter(|_| takes_noise);
         if let Some(noise) = noise
             && noise.size() != (width, height)
         {
@@ -133,118 +111,5 @@ impl Session {
             }
         }
         Ok(())
-    }
-}
-
-/// One thread, no spinning, one operator after the other, and kernels that repeat their result.
-fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
-    Ok(SessionBuilder::new(environment)?
-        .with_intra_threads(1)?
-        .with_inter_threads(1)?
-        .with_parallel_execution(false)?
-        .with_intra_op_spinning(false)?
-        .with_inter_op_spinning(false)?
-        .with_deterministic_compute(true)?
-        .with_optimization_level(GraphOptimizationLevel::All)?)
-}
-
-impl Ports {
-    /// Finds the inputs `image` and `noise` and the output `styled` by name; an only input or a first output of
-    /// another name takes the place of `image` or `styled`.
-    fn of(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
-        let named = |outlets: &[Outlet], name: &str| outlets.iter().position(|outlet| outlet.name() == name);
-        let noise = named(inputs, "noise").filter(|_| inputs.len() > 1);
-        let image = named(inputs, "image").or_else(|| (0..inputs.len()).find(|&input| Some(input) != noise));
-        let image = image.ok_or("it has no input")?;
-        let known = |input: usize| input == image || Some(input) == noise;
-        if let Some(other) = (0..inputs.len()).find(|&input| !known(input)) {
-            let other = inputs[other].name();
-            return Err(format!(
-                "nothing is known of its input `{other}`; it may have `image` and `noise`"
-            ));
-        }
-        let styled = named(outputs, "styled").unwrap_or(0);
-        let styled = outputs.get(styled).ok_or("it has no output")?;
-        check_kind(&inputs[image], 3)?;
-        check_kind(styled, 3)?;
-        if let Some(noise) = noise {
-            check_kind(&inputs[noise], 1)?;
-        }
-        Ok(Self {
-            image: inputs[image].name().to_owned(),
-            noise: noise.map(|noise| inputs[noise].name().to_owned()),
-            styled: styled.name().to_owned(),
-        })
-    }
-}
-
-/// Refuses what is not float32 of shape `[n, channels, h, w]`, where any of them may be open (-1).
-fn check_kind(outlet: &Outlet, channels: i64) -> Result<(), String> {
-    if let ValueType::Tensor {
-        ty: TensorElementType::Float32,
-        shape,
-        ..
-    } = outlet.dtype()
-        && let [n, c, _, _] = **shape
-        && (n == 1 || n < 0)
-        && (c == channels || c < 0)
-    {
-        return Ok(());
-    }
-    let (name, kind) = (outlet.name(), outlet.dtype());
-    Err(format!(
-        "`{name}` is {kind} but must be float32 of shape [1, {channels}, height, width]"
-    ))
-}
-
-/// The top left of the answer, clamped to 0..=1.
-fn cropped(shape: &[i64], samples: &[f32], width: usize, height: usize) -> Result<Rgb<f32>, String> {
-    let [1, 3, rows, columns] = *shape else {
-        return Err(format!("a tensor of shape {shape:?}"));
-    };
-    let (rows, columns) = (rows as usize, columns as usize);
-    if rows < height || columns < width {
-        return Err(format!("a picture of {columns}×{rows}"));
-    }
-    let plane = |channel: usize| {
-        let mut data = Vec::with_capacity(width * height);
-        let rows = samples[channel * rows * columns..]
-            .chunks_exact(columns)
-            .take(height);
-        for row in rows {
-            if let Some(value) = row[..width].iter().find(|value| !value.is_finite()) {
-                return Err(format!("a picture with a sample of {value}"));
-            }
-            data.extend(row[..width].iter().map(|value| value.clamp(0.0, 1.0)));
-        }
-        Plane::new(width, height, data).map_err(|error| error.to_string())
-    };
-    Rgb::new([plane(0)?, plane(1)?, plane(2)?]).map_err(|error| error.to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_larger_answer_is_cropped_from_the_top_left_and_clamped() {
-        let samples: Vec<f32> = (0..18).map(|i| i as f32 / 10.0 - 0.1).collect();
-        let picture = cropped(&[1, 3, 2, 3], &samples, 2, 1).unwrap();
-        assert_eq!(picture.planes()[0].data(), &[0.0, samples[1]]);
-        assert_eq!(picture.planes()[1].data(), &[samples[6], samples[7]]);
-        assert_eq!(picture.planes()[2].data(), &[1.0, 1.0]);
-    }
-
-    #[test]
-    fn an_answer_that_is_no_picture_of_the_frame_is_refused() {
-        let refused = |shape: &[i64], samples: &[f32]| cropped(shape, samples, 2, 1).unwrap_err();
-        assert_eq!(refused(&[1, 3, 1, 1], &[0.5; 3]), "a picture of 1×1");
-        assert_eq!(
-            refused(&[1, 1, 1, 2], &[0.5; 2]),
-            "a tensor of shape [1, 1, 1, 2]"
-        );
-        assert_eq!(refused(&[3, 1, 2], &[0.5; 6]), "a tensor of shape [3, 1, 2]");
-        let samples = [0.5, 0.5, 0.5, f32::NAN, 0.5, 0.5];
-        assert_eq!(refused(&[1, 3, 1, 2], &samples), "a picture with a sample of NaN");
     }
 }

@@ -198,11 +198,12 @@ fn a_restart_offers_what_was_open_and_knows_no_old_worker_or_token() {
 }
 
 #[test]
-fn a_job_with_a_style_needs_a_runtime_somewhere() {
+fn a_job_with_a_style_of_another_form_needs_a_runtime_somewhere() {
     let service = start();
     let mut styled = job();
-    let styles = service.get("/v1/styles").json();
-    styled["water"]["style"] = styles["items"][0]["name"].clone();
+    styled["water"]["style"] = json!("muddy");
+    service.submit(&styled);
+    styled["water"]["style"] = json!({"choice": ["muddy", "foreign"]});
     let problem = service.post("/v1/jobs", &styled).problem(409, "runtime-missing");
     assert!(
         problem["detail"]

@@ -56,7 +56,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let library = super::styles::library(&arguments.style)?;
     let names: Vec<String> = library.names().iter().map(ToString::to_string).collect();
     let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
-    if let Err(missing) = engine.runtime() {
+    if names.iter().any(|name| engine.library().needs_runtime(name))
+        && let Err(missing) = engine.runtime()
+    {
         return Err(Failure::RuntimeMissing(missing.to_string()));
     }
     let mut studio = Studio {

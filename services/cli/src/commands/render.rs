@@ -36,7 +36,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("warning: {warning}");
     }
     let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
-    if job.uses_style()
+    let styles = job.styles();
+    if styles.iter().any(|name| engine.library().needs_runtime(name))
         && let Err(missing) = engine.runtime()
     {
         return Err(Failure::RuntimeMissing(missing.to_string()));

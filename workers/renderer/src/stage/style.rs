@@ -10,7 +10,7 @@ use style::Session;
 use crate::engine::Engine;
 use crate::error::RenderError;
 
-/// Most prepared networks of a slot: each holds a few megabytes.
+/// Most prepared networks of a slot: each holds a few megabytes, on ONNX Runtime some hundred.
 const MAX_SESSIONS: usize = 8;
 
 /// The networks of a slot, prepared when they are first asked for.
@@ -23,6 +23,8 @@ pub(crate) struct Styled<'a> {
     pub(crate) picture: Cow<'a, Rgb<f32>>,
     /// Name and SHA-256 of the model that ran.
     pub(crate) model: Option<(String, String)>,
+    /// Whether it ran on ONNX Runtime.
+    pub(crate) on_runtime: bool,
 }
 
 /// Styles a picture. Without a style, or with alpha 0, it passes through and no network runs.
@@ -36,16 +38,18 @@ pub(crate) fn run<'a>(
         return Ok(Styled {
             picture: Cow::Borrowed(scattered),
             model: None,
+            on_runtime: false,
         });
     };
-    let repainted = sessions
-        .of(name, engine)?
-        .apply(&transfer::encode_unit(scattered), None)?;
+    let session = sessions.of(name, engine)?;
+    let repainted = session.apply(&transfer::encode_unit(scattered), None)?;
+    let on_runtime = session.uses_runtime();
     let picture = Cow::Owned(optics::style_blend(scattered, &repainted, frame.alpha));
     let digest = engine.library().get(name).map(|model| model.card.sha256.clone());
     Ok(Styled {
         picture,
         model: digest.map(|digest| (name.clone(), digest)),
+        on_runtime,
     })
 }
 
@@ -68,6 +72,9 @@ fn prepare(name: &str, engine: &Engine) -> Result<Session, RenderError> {
         name: name.to_owned(),
         known: library.names().iter().map(ToString::to_string).collect(),
     })?;
+    if let Some(session) = Session::native(model) {
+        return Ok(session);
+    }
     let runtime = engine
         .runtime()
         .map_err(|missing| RenderError::RuntimeMissing(missing.to_string()))?;

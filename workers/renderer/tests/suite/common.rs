@@ -79,23 +79,39 @@ fn merge(into: &mut Value, fields: &Value) {
     }
 }
 
-/// The shipped styles; the runtime as scripts/get-onnxruntime.sh installs it.
+/// The shipped styles and `foreign`: the network of `muddy` under another name of its graph, so that only ONNX Runtime
+/// takes it.
+pub(crate) fn library() -> Library {
+    let shipped = Library::embedded().unwrap();
+    let mut onnx = shipped.get("muddy").unwrap().onnx.to_vec();
+    let name = b"fathom_style";
+    let at = onnx
+        .windows(name.len())
+        .position(|window| window == name)
+        .unwrap();
+    onnx[at] = b'F';
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("foreign.onnx"), onnx);
+    shipped.with_dir(folder.path()).unwrap()
+}
+
+/// These styles; the runtime as scripts/get-onnxruntime.sh installs it.
 pub(crate) fn engine() -> Arc<Engine> {
     let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
     let installed = installed.is_file().then_some(installed);
-    Arc::new(Engine::new(Library::embedded().unwrap(), installed.as_deref()))
+    Arc::new(Engine::new(library(), installed.as_deref()))
 }
 
 /// An engine whose runtime cannot be loaded.
 pub(crate) fn engine_without_runtime() -> Arc<Engine> {
     Arc::new(Engine::new(
-        Library::embedded().unwrap(),
+        library(),
         Some(Path::new("/nowhere/libonnxruntime.so")),
     ))
 }
 
 pub(crate) fn parse(description: &Value) -> Job {
-    let vocabulary = fathom_renderer::vocabulary(&Library::embedded().unwrap(), true);
+    let vocabulary = fathom_renderer::vocabulary(&library(), true);
     Job::parse(description.to_string().as_bytes(), &vocabulary).unwrap_or_else(|invalid| panic!("{invalid}"))
 }
 

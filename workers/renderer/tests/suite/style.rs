@@ -5,9 +5,9 @@ use serde_json::json;
 use crate::common::{Files, engine, engine_without_runtime, file, try_render};
 
 #[test]
-fn without_the_runtime_a_styled_frame_fails_for_good_and_says_what_to_run() {
+fn without_the_runtime_a_style_of_another_form_fails_for_good_and_says_what_to_run() {
     let files = Files::new();
-    let job = files.job(&json!({"water": {"style": "atlantic"}}));
+    let job = files.job(&json!({"water": {"style": "foreign"}}));
     let error = try_render(&job, &engine_without_runtime()).unwrap_err();
     assert!(!error.retryable());
     assert!(
@@ -29,7 +29,7 @@ fn with_alpha_zero_no_network_runs() {
 #[test]
 fn alpha_leads_from_the_water_to_the_style() {
     let files = Files::new();
-    let engine = engine();
+    let engine = engine_without_runtime();
     let red = |alpha: f64| {
         let job = files.job(&json!({"water": {"style": "atlantic"}, "alpha": alpha}));
         let rendered = try_render(&job, &engine).unwrap();
@@ -43,15 +43,25 @@ fn alpha_leads_from_the_water_to_the_style() {
 }
 
 #[test]
-fn a_styled_frame_names_the_model_and_the_runtime() {
+fn a_frame_names_its_model_and_the_runtime_if_that_ran() {
     let files = Files::new();
-    let rendered = try_render(&files.job(&json!({"water": {"style": "muddy"}})), &engine()).unwrap();
-    let provenance = &rendered.record.provenance;
-    assert_eq!(provenance.inputs["style.muddy"].len(), 64);
-    assert!(
-        provenance
-            .onnx_runtime
-            .as_ref()
-            .is_some_and(|version| version.starts_with("1."))
-    );
+    let ran = |style: &str| {
+        let job = files.job(&json!({"water": {"style": style}}));
+        let rendered = try_render(&job, &engine()).unwrap();
+        let inputs = &rendered.record.provenance.inputs;
+        assert_eq!(inputs[&format!("style.{style}")].len(), 64);
+        (
+            rendered.record.provenance.onnx_runtime.clone(),
+            file(&rendered, "rgb").to_vec(),
+        )
+    };
+    let (native, by_us) = ran("muddy");
+    let (foreign, by_runtime) = ran("foreign");
+    assert_eq!(native, None);
+    assert!(foreign.is_some_and(|version| version.starts_with("1.")));
+    let [by_us, by_runtime] =
+        [by_us, by_runtime].map(|png| imaging::codec::decode_picture(&png).unwrap().to_rgb8());
+    let pairs = by_us.data().iter().zip(by_runtime.data());
+    let apart = pairs.map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(apart <= Some(1), "rounding at most: {apart:?}");
 }

@@ -11,9 +11,8 @@ use fathom_renderer::{Engine, RangeUpload, SceneSource, Slot, UploadedScene};
 use scenes::uploaded::RangeKind;
 use serde_json::{Value, json};
 use spec::Job;
-use style::Library;
 
-use crate::common::{Files, engine_without_runtime, parse};
+use crate::common::{Files, engine_without_runtime, library, parse};
 use crate::fake_service::FakeService;
 
 struct Worker {
@@ -29,7 +28,7 @@ impl Worker {
             token: None,
             slots,
             name: "test".to_owned(),
-            library: Library::embedded().unwrap(),
+            library: library(),
             onnxruntime: Some("/nowhere/libonnxruntime.so".into()),
             limits: Limits::NONE,
         };
@@ -201,7 +200,7 @@ fn a_frame_that_cannot_be_rendered_is_reported_once_with_the_reason() {
     let service = FakeService::start();
     let (rgb, range) = Files::new().bytes();
     service.add_scene(rgb, range);
-    let styles = json!({"water": {"style": {"grid": ["atlantic", "muddy"]}}, "alpha": {"grid": [0.0, 1.0]}});
+    let styles = json!({"water": {"style": {"grid": ["muddy", "foreign"]}}, "alpha": {"grid": [0.0, 1.0]}});
     service.add_job("job_1", &job(1, &styles));
     let worker = Worker::start(&service, 2);
     service.wait("the end of the job", |state| {
@@ -209,8 +208,8 @@ fn a_frame_that_cannot_be_rendered_is_reported_once_with_the_reason() {
     });
     worker.stop();
     let state = service.state();
-    assert_eq!(state.images.len(), 2, "alpha 0 needs no runtime");
-    assert_eq!(state.failures.len(), 2);
+    assert_eq!(state.images.len(), 3, "our networks and alpha 0 need no runtime");
+    assert_eq!(state.failures.len(), 1);
     for (_, error, retryable) in &state.failures {
         assert!(
             !retryable && error.contains("scripts/get-onnxruntime.sh"),

@@ -2,17 +2,26 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod agreement;
 mod models;
 mod onnx;
 mod waters;
 
 use std::path::Path;
 
-use fathom_style::Runtime;
+use fathom_style::{Library, Runtime, StyleModel};
 
 /// ONNX Runtime as scripts/get-onnxruntime.sh installs it, else from where it usually lies.
 fn runtime() -> Runtime {
     let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
     let installed = installed.is_file().then_some(installed);
     Runtime::load(installed.as_deref()).unwrap_or_else(|missing| panic!("{missing}"))
+}
+
+/// A model of a user's folder.
+fn model_of(onnx: &[u8]) -> StyleModel {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("test.onnx"), onnx).unwrap();
+    let library = Library::embedded().unwrap().with_dir(folder.path()).unwrap();
+    library.get("test").unwrap().clone()
 }

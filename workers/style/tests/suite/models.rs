@@ -1,20 +1,17 @@
 //! Models of other forms than the shipped ones: what is taken, and what is refused with which words.
 
-use fathom_style::{Library, Session, StyleError};
+use fathom_style::{Session, StyleError};
 use imaging::{Plane, Rgb};
 
 use crate::onnx::{DOUBLE, FLOAT, Graph};
-use crate::runtime;
+use crate::{model_of, runtime};
 
 const IMAGE: (&str, u64, u64) = ("image", FLOAT, 3);
 const NOISE: (&str, u64, u64) = ("noise", FLOAT, 1);
 
 /// A session of a model of a user's folder.
 fn session_of(onnx: &[u8]) -> Result<Session, StyleError> {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("test.onnx"), onnx).unwrap();
-    let library = Library::embedded().unwrap().with_dir(folder.path()).unwrap();
-    runtime().session(library.get("test").unwrap())
+    runtime().session(&model_of(onnx))
 }
 
 /// A session of a graph that is expected to work.

@@ -1,0 +1,23 @@
+//! One frame through a network on one core.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use fathom_style::net::layer::{PARAMETERS, Weights};
+use fathom_style::net::{Network, Scratch};
+use imaging::Rgb;
+
+fn frames(c: &mut Criterion) {
+    let values = (0..PARAMETERS).map(|i| (i as f32 * 0.37).fract() * 0.2 - 0.1);
+    let network = Network::new(&Weights::new(values.collect()).expect("as many numbers as it has"));
+    let mut scratch = Scratch::default();
+    for (width, height) in [(640, 480), (869, 565), (1920, 1080)] {
+        let frame = Rgb::from_fn(width, height, |x, y| {
+            [x as f32 / 1920.0, y as f32 / 1080.0, (x * y % 97) as f32 / 97.0]
+        });
+        c.bench_function(&format!("net {width}x{height}"), |b| {
+            b.iter(|| network.apply(&frame, &mut scratch));
+        });
+    }
+}
+
+criterion_group!(benches, frames);
+criterion_main!(benches);

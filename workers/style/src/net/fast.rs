@@ -1,0 +1,250 @@
+//! The network in one pass over the frame: no picture of intermediate values is kept at full resolution, only the last
+//! three rows of the features.
+
+mod across;
+mod context;
+mod multiply;
+mod packed;
+mod planes;
+
+use imaging::{Plane, Rgb};
+use pulp::{Simd, WithSimd};
+
+use across::{Widened, place};
+use context::Context;
+use multiply::{Block, load, multiply, multiply_row, splat, store};
+use packed::Packed;
+use planes::{close_row, stride};
+
+use super::layer::{COLOUR, OUTPUT, PIXEL, Weights};
+
+/// Vectors of a block of the features: with four of its eight outputs, eight sums.
+const PIXEL_VECTORS: usize = 2;
+/// Vectors of a block of the result: with its three outputs, nine sums.
+const OUTPUT_VECTORS: usize = 3;
+
+/// A network that is ready to run.
+#[derive(Debug, Clone)]
+pub struct Network {
+    context: Context,
+    pixel: Packed<4>,
+    output: Packed<3>,
+    colour: Packed<3>,
+}
+
+/// What a network needs while it runs; kept between frames. Nothing in it changes a result.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    context: context::Buffers,
+    widened: Widened,
+    /// The last three rows of the frame, bordered: `[row % 3][channel]`.
+    image: Vec<f32>,
+    /// The last three rows of the features, bordered.
+    features: Vec<f32>,
+    /// A row of the result.
+    styled: [Vec<f32>; 3],
+}
+
+impl Network {
+    /// Orders the weights for the run.
+    #[must_use]
+    pub fn new(weights: &Weights) -> Self {
+        Self {
+            context: Context::new(weights),
+            pixel: Packed::new(weights, PIXEL),
+            output: Packed::new(weights, OUTPUT),
+            colour: Packed::new(weights, COLOUR),
+        }
+    }
+
+    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An empty frame stays empty. The bits depend
+    /// on the frame alone, not on the CPU.
+    #[must_use]
+    pub fn apply(&self, encoded: &Rgb<f32>, scratch: &mut Scratch) -> Rgb<f32> {
+        let (width, height) = encoded.size();
+        let [mut r, mut g, mut b] = [const { Vec::new() }; 3];
+        for plane in [&mut r, &mut g, &mut b] {
+            plane.reserve_exact(width * height);
+        }
+        let mut planes = [r, g, b];
+        if width > 0 && height > 0 {
+            pulp::Arch::new().dispatch(Run {
+                network: self,
+                encoded,
+                scratch,
+                planes: &mut planes,
+            });
+        }
+        let planes = planes.map(|plane| Plane::new(width, height, plane).expect("all rows were written"));
+        Rgb::new(planes).expect("three planes of one size")
+    }
+}
+
+struct Run<'a> {
+    network: &'a Network,
+    encoded: &'a Rgb<f32>,
+    scratch: &'a mut Scratch,
+    planes: &'a mut [Vec<f32>; 3],
+}
+
+impl WithSimd for Run<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            network,
+            encoded,
+            scratch,
+            planes,
+        } = self;
+        let (width, height) = encoded.size();
+        let stride = stride(width);
+        let context = network.context.run(encoded, &mut scratch.context);
+        scratch.widened.start(width, context);
+        scratch.image.resize(3 * 3 * stride, 0.0);
+        scratch.features.resize(3 * 8 * stride, 0.0);
+        for row in &mut scratch.styled {
+            row.resize(stride, 0.0);
+        }
+        let (mut copied, mut made) = (0, 0);
+        for y in 0..height {
+            while made < (y + 2).min(height) {
+                while copied < (made + 2).min(height) {
+                    for (channel, plane) in encoded.planes().iter().enumerate() {
+                        let row = &mut scratch.image[(copied % 3 * 3 + channel) * stride..][..stride];
+                        row[1..=width].copy_from_slice(plane.row(copied));
+                        close_row(row, width);
+                    }
+                    copied += 1;
+                }
+                let place = place(made, height, context.height);
+                scratch.widened.fetch(context, place);
+                let slots = neighbours(made, height);
+                let features = &mut scratch.features[made % 3 * 8 * stride..][..8 * stride];
+                make_features(
+                    simd,
+                    &network.pixel,
+                    Rows {
+                        rows: &scratch.image,
+                        stride,
+                        slots,
+                    },
+                    (&scratch.widened, place),
+                    features,
+                    width,
+                );
+                made += 1;
+            }
+            let slots = neighbours(y, height);
+            let image = Rows {
+                rows: &scratch.image,
+                stride,
+                slots,
+            };
+            let features = Rows {
+                rows: &scratch.features,
+                stride,
+                slots,
+            };
+            finish(simd, network, image, features, &mut scratch.styled, width);
+            for (plane, row) in planes.iter_mut().zip(&scratch.styled) {
+                plane.extend_from_slice(&row[..width]);
+            }
+        }
+    }
+}
+
+/// Rows of several channels: `[slot][channel]`.
+#[derive(Clone, Copy)]
+struct Rows<'a> {
+    rows: &'a [f32],
+    stride: usize,
+    /// Slots of the rows above, at and below the current one.
+    slots: [usize; 3],
+}
+
+impl<'a> Rows<'a> {
+    #[inline(always)]
+    fn row(self, slot: usize, channels: usize, channel: usize) -> &'a [f32] {
+        &self.rows[(slot * channels + channel) * self.stride..][..self.stride]
+    }
+}
+
+/// Slots of the rows above, at and below `y`, continued by the edge.
+fn neighbours(y: usize, height: usize) -> [usize; 3] {
+    [y.saturating_sub(1) % 3, y % 3, (y + 1).min(height - 1) % 3]
+}
+
+/// One row of the features.
+#[inline(always)]
+fn make_features<S: Simd>(
+    simd: S,
+    pixel: &Packed<4>,
+    image: Rows<'_>,
+    (widened, place): (&Widened, across::Place),
+    features: &mut [f32],
+    width: usize,
+) {
+    let zero = simd.splat_f32s(0.0);
+    let share = simd.splat_f32s(place.share);
+    for (index, group) in pixel.groups.iter().enumerate() {
+        for x in (0..width).step_by(PIXEL_VECTORS * S::F32_LANES) {
+            let mut sums: Block<S, 4, PIXEL_VECTORS> = splat(simd, &group.bias);
+            for channel in 0..3 {
+                for row in 0..3 {
+                    let samples = &image.row(image.slots[row], 3, channel)[x..];
+                    let weights = &group.weights[9 * channel + 3 * row..];
+                    multiply_row(simd, &mut sums, samples, weights);
+                }
+            }
+            for (output, mut sums) in sums.into_iter().enumerate() {
+                let channel = 4 * index + output;
+                let low = load::<S, PIXEL_VECTORS>(&widened.row(place.low, channel)[x..]);
+                let high = load::<S, PIXEL_VECTORS>(&widened.row(place.high, channel)[x..]);
+                for ((sum, low), high) in sums.iter_mut().zip(low).zip(high) {
+                    let between = simd.mul_f32s(simd.sub_f32s(high, low), share);
+                    let context = simd.add_f32s(low, between);
+                    *sum = simd.max_f32s(simd.add_f32s(*sum, context), zero);
+                }
+                store::<S, PIXEL_VECTORS>(&mut features[channel * image.stride + 1 + x..], sums);
+            }
+        }
+    }
+    for row in features.chunks_exact_mut(image.stride) {
+        close_row(row, width);
+    }
+}
+
+/// One row of the result.
+#[inline(always)]
+fn finish<S: Simd>(
+    simd: S,
+    network: &Network,
+    image: Rows<'_>,
+    features: Rows<'_>,
+    styled: &mut [Vec<f32>; 3],
+    width: usize,
+) {
+    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+    let (output, colour) = (&network.output.groups[0], &network.colour.groups[0]);
+    let bias = std::array::from_fn(|channel| output.bias[channel] + colour.bias[channel]);
+    for x in (0..width).step_by(OUTPUT_VECTORS * S::F32_LANES) {
+        let mut sums: Block<S, 3, OUTPUT_VECTORS> = splat(simd, &bias);
+        for (channel, weights) in colour.weights.iter().enumerate() {
+            let samples = &image.row(image.slots[1], 3, channel)[1 + x..];
+            multiply(simd, &mut sums, samples, weights);
+        }
+        for channel in 0..8 {
+            for row in 0..3 {
+                let samples = &features.row(features.slots[row], 8, channel)[x..];
+                let weights = &output.weights[9 * channel + 3 * row..];
+                multiply_row(simd, &mut sums, samples, weights);
+            }
+        }
+        for (row, sums) in styled.iter_mut().zip(sums) {
+            let sums = sums.map(|sum| simd.min_f32s(simd.max_f32s(sum, zero), one));
+            store::<S, OUTPUT_VECTORS>(&mut row[x..], sums);
+        }
+    }
+}

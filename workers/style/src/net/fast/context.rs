@@ -1,0 +1,257 @@
+//! The context branch: everything below full resolution.
+
+use imaging::Rgb;
+use pulp::{Simd, WithSimd};
+
+use super::multiply::{Block, load, multiply, multiply_row, splat, store};
+use super::packed::Packed;
+use super::planes::Planes;
+use crate::net::layer::{BLOCKS, ENTER, LEAVE, REDUCE, Weights};
+
+/// Vectors of a block; with four outputs that makes eight sums, which the registers of AVX2 hold.
+const VECTORS: usize = 2;
+
+/// Weights of the branch.
+#[derive(Debug, Clone)]
+pub(super) struct Context {
+    enter: Packed<4>,
+    reduce: Packed<4>,
+    blocks: [MixedBlock; 2],
+    leave: Packed<4>,
+}
+
+#[derive(Debug, Clone)]
+struct MixedBlock {
+    spread_a: Packed<1>,
+    mix_a: Packed<4>,
+    spread_b: Packed<1>,
+    mix_b: Packed<4>,
+}
+
+/// Buffers of the branch, kept between frames.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    sums: Vec<f32>,
+    pooled: Planes,
+    quarter: Planes,
+    /// Columns 0, 2, 4… and 1, 3, 5… of the bordered quarter.
+    halves: [Planes; 2],
+    context: Planes,
+    spread: Planes,
+    mixed: Planes,
+    left: Planes,
+}
+
+impl Context {
+    pub(super) fn new(weights: &Weights) -> Self {
+        let block = |[spread_a, mix_a, spread_b, mix_b]: [_; 4]| MixedBlock {
+            spread_a: Packed::new(weights, spread_a),
+            mix_a: Packed::new(weights, mix_a),
+            spread_b: Packed::new(weights, spread_b),
+            mix_b: Packed::new(weights, mix_b),
+        };
+        Self {
+            enter: Packed::new(weights, ENTER),
+            reduce: Packed::new(weights, REDUCE),
+            blocks: BLOCKS.map(block),
+            leave: Packed::new(weights, LEAVE),
+        }
+    }
+
+    /// The features that the branch hands to every pixel, at an eighth of the resolution: 8 channels.
+    pub(super) fn run<'a>(&self, image: &Rgb<f32>, buffers: &'a mut Buffers) -> &'a Planes {
+        pool(image, &mut buffers.sums, &mut buffers.pooled);
+        let (width, height) = (buffers.pooled.width, buffers.pooled.height);
+        let (narrow, low) = (width.div_ceil(2), height.div_ceil(2));
+        buffers.quarter.reshape(8, width, height);
+        for half in &mut buffers.halves {
+            half.reshape(8, narrow + 1, height);
+        }
+        for planes in [&mut buffers.context, &mut buffers.spread, &mut buffers.mixed] {
+            planes.reshape(16, narrow, low);
+        }
+        buffers.left.reshape(8, narrow, low);
+        pulp::Arch::new().dispatch(Run {
+            context: self,
+            buffers,
+        });
+        &buffers.left
+    }
+}
+
+struct Run<'a> {
+    context: &'a Context,
+    buffers: &'a mut Buffers,
+}
+
+impl WithSimd for Run<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { context, buffers } = self;
+        filter3(simd, &context.enter, &buffers.pooled, &mut buffers.quarter, true);
+        split(&buffers.quarter, &mut buffers.halves);
+        reduce(simd, &context.reduce, &buffers.halves, &mut buffers.context);
+        for block in &context.blocks {
+            let (spread, mixed) = (&mut buffers.spread, &mut buffers.mixed);
+            spread_out(simd, &block.spread_a, &buffers.context, spread);
+            mix(simd, &block.mix_a, spread, mixed, true);
+            spread_out(simd, &block.spread_b, mixed, spread);
+            mix(simd, &block.mix_b, spread, &mut buffers.context, false);
+        }
+        filter3(simd, &context.leave, &buffers.context, &mut buffers.left, false);
+    }
+}
+
+/// Means of 4×4 pixels; at the right and lower edge of those that are there.
+fn pool(image: &Rgb<f32>, sums: &mut Vec<f32>, pooled: &mut Planes) {
+    let (width, height) = image.size();
+    pooled.reshape(3, width.div_ceil(4), height.div_ceil(4));
+    for (channel, plane) in image.planes().iter().enumerate() {
+        for y in 0..pooled.height {
+            let rows = 4 * y..(4 * y + 4).min(height);
+            sums.clear();
+            sums.extend_from_slice(plane.row(rows.start));
+            for row in rows.clone().skip(1) {
+                for (sum, sample) in sums.iter_mut().zip(plane.row(row)) {
+                    *sum += sample;
+                }
+            }
+            let whole = 1.0 / (4 * rows.len()) as f32;
+            let means = &mut pooled.row_mut(channel, y + 1)[1..];
+            for (mean, four) in means.iter_mut().zip(sums.chunks(4)) {
+                *mean = match four {
+                    [a, b, c, d] => (a + b + c + d) * whole,
+                    fewer => fewer.iter().sum::<f32>() / (fewer.len() * rows.len()) as f32,
+                };
+            }
+        }
+    }
+    pooled.close();
+}
+
+/// A filter of side 3 over all channels.
+#[inline(always)]
+fn filter3<S: Simd>(simd: S, packed: &Packed<4>, input: &Planes, output: &mut Planes, relu: bool) {
+    let inputs = packed.groups[0].weights.len() / packed.taps;
+    for y in 0..input.height {
+        for (index, group) in packed.groups.iter().enumerate() {
+            for x in (0..input.width).step_by(VECTORS * S::F32_LANES) {
+                let mut sums: Block<S, 4, VECTORS> = splat(simd, &group.bias);
+                for channel in 0..inputs {
+                    let weights = &group.weights[9 * channel..9 * channel + 9];
+                    for row in 0..3 {
+                        let samples = &input.row(channel, y + row)[x..];
+                        multiply_row(simd, &mut sums, samples, &weights[3 * row..]);
+                    }
+                }
+                put(simd, output, 4 * index, y, x, sums, relu);
+            }
+        }
+    }
+    output.close();
+}
+
+/// Writes a block of four outputs, with or without ReLU.
+#[inline(always)]
+fn put<S: Simd>(
+    simd: S,
+    output: &mut Planes,
+    channel: usize,
+    y: usize,
+    x: usize,
+    sums: Block<S, 4, VECTORS>,
+    relu: bool,
+) {
+    let zero = simd.splat_f32s(0.0);
+    for (index, mut sums) in sums.into_iter().enumerate() {
+        if relu {
+            sums = sums.map(|sum| simd.max_f32s(sum, zero));
+        }
+        store::<S, VECTORS>(&mut output.row_mut(channel + index, y + 1)[1 + x..], sums);
+    }
+}
+
+/// Even and odd columns of the bordered rows, so that a filter in steps of 2 reads neighbours.
+fn split(planes: &Planes, halves: &mut [Planes; 2]) {
+    let [even, odd] = halves;
+    let columns = even.width;
+    for channel in 0..8 {
+        for y in 0..planes.height + 2 {
+            let row = planes.row(channel, y);
+            let pairs = row.chunks_exact(2).take(columns);
+            let (even, odd) = (even.row_mut(channel, y), odd.row_mut(channel, y));
+            for ((pair, even), odd) in pairs.zip(even).zip(odd) {
+                (*even, *odd) = (pair[0], pair[1]);
+            }
+        }
+    }
+}
+
+/// A filter of side 3 in steps of 2, with ReLU.
+#[inline(always)]
+fn reduce<S: Simd>(simd: S, packed: &Packed<4>, [even, odd]: &[Planes; 2], output: &mut Planes) {
+    let inputs = packed.groups[0].weights.len() / packed.taps;
+    for y in 0..output.height {
+        for (index, group) in packed.groups.iter().enumerate() {
+            for x in (0..output.width).step_by(VECTORS * S::F32_LANES) {
+                let mut sums: Block<S, 4, VECTORS> = splat(simd, &group.bias);
+                for channel in 0..inputs {
+                    for row in 0..3 {
+                        let weights = &group.weights[9 * channel + 3 * row..][..3];
+                        let (even, odd) = (even.row(channel, 2 * y + row), odd.row(channel, 2 * y + row));
+                        multiply(simd, &mut sums, &even[x..], &weights[0]);
+                        multiply(simd, &mut sums, &odd[x..], &weights[1]);
+                        multiply(simd, &mut sums, &even[x + 1..], &weights[2]);
+                    }
+                }
+                put(simd, output, 4 * index, y, x, sums, true);
+            }
+        }
+    }
+    output.close();
+}
+
+/// A filter of side 3 for each channel by itself. The border of the result is left open: only [`mix`] reads it.
+#[inline(always)]
+fn spread_out<S: Simd>(simd: S, packed: &Packed<1>, input: &Planes, output: &mut Planes) {
+    for (channel, group) in packed.groups.iter().enumerate() {
+        for y in 0..input.height {
+            for x in (0..input.width).step_by(VECTORS * S::F32_LANES) {
+                let mut sums: Block<S, 1, VECTORS> = splat(simd, &group.bias);
+                for row in 0..3 {
+                    let samples = &input.row(channel, y + row)[x..];
+                    multiply_row(simd, &mut sums, samples, &group.weights[3 * row..]);
+                }
+                store::<S, VECTORS>(&mut output.row_mut(channel, y + 1)[1 + x..], sums[0]);
+            }
+        }
+    }
+}
+
+/// Mixes the channels of each pixel: replaces the output with ReLU, or is added to it.
+#[inline(always)]
+fn mix<S: Simd>(simd: S, packed: &Packed<4>, input: &Planes, output: &mut Planes, replace: bool) {
+    for y in 0..input.height {
+        for (index, group) in packed.groups.iter().enumerate() {
+            for x in (0..input.width).step_by(VECTORS * S::F32_LANES) {
+                let mut sums: Block<S, 4, VECTORS> = splat(simd, &group.bias);
+                for (channel, weights) in group.weights.iter().enumerate() {
+                    multiply(simd, &mut sums, &input.row(channel, y + 1)[1 + x..], weights);
+                }
+                if !replace {
+                    for (output_index, sums) in sums.iter_mut().enumerate() {
+                        let before = &output.row(4 * index + output_index, y + 1)[1 + x..];
+                        let before = load::<S, VECTORS>(before);
+                        for (sum, before) in sums.iter_mut().zip(before) {
+                            *sum = simd.add_f32s(*sum, before);
+                        }
+                    }
+                }
+                put(simd, output, 4 * index, y, x, sums, replace);
+            }
+        }
+    }
+    output.close();
+}

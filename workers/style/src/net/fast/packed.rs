@@ -1,0 +1,35 @@
+//! Weights in the order in which the inner loop takes them.
+
+use crate::net::layer::{Layer, Weights};
+
+/// The weights of a layer, in groups of `OUT` outputs: `[group][input][tap][output of the group]`.
+#[derive(Debug, Clone)]
+pub(super) struct Packed<const OUT: usize> {
+    pub(super) groups: Vec<Group<OUT>>,
+    pub(super) taps: usize,
+}
+
+/// `OUT` outputs of a layer.
+#[derive(Debug, Clone)]
+pub(super) struct Group<const OUT: usize> {
+    /// `[input × taps + tap]`, for all outputs of the group.
+    pub(super) weights: Vec<[f32; OUT]>,
+    pub(super) bias: [f32; OUT],
+}
+
+impl<const OUT: usize> Packed<OUT> {
+    pub(super) fn new(weights: &Weights, layer: Layer) -> Self {
+        let (weight, bias) = (weights.weight(layer), weights.bias(layer));
+        let taps = layer.side * layer.side;
+        let group = |group: usize| Group {
+            weights: (0..layer.inputs * taps)
+                .map(|at| std::array::from_fn(|o| weight[(group * OUT + o) * layer.inputs * taps + at]))
+                .collect(),
+            bias: std::array::from_fn(|o| bias[group * OUT + o]),
+        };
+        Self {
+            groups: (0..layer.outputs / OUT).map(group).collect(),
+            taps,
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! The layers of the network and their trained numbers, all in one list.
+
+/// A convolution with bias.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layer {
+    /// Name of the layer; its tensors are `NAME.weight` and `NAME.bias`.
+    pub name: &'static str,
+    /// Channels that it makes.
+    pub outputs: usize,
+    /// Channels that each of them sees: 1 where every channel is filtered by itself.
+    pub inputs: usize,
+    /// Side of the filter: 3 or 1.
+    pub side: usize,
+    /// Where its weights begin in the list, `[output][input][row][column]`; the biases follow.
+    start: usize,
+}
+
+impl Layer {
+    const fn first(name: &'static str, outputs: usize, inputs: usize, side: usize) -> Self {
+        Self {
+            name,
+            outputs,
+            inputs,
+            side,
+            start: 0,
+        }
+    }
+
+    const fn then(self, name: &'static str, outputs: usize, inputs: usize, side: usize) -> Self {
+        Self {
+            name,
+            outputs,
+            inputs,
+            side,
+            start: self.end(),
+        }
+    }
+
+    /// How many weights it has.
+    #[must_use]
+    pub const fn weights(self) -> usize {
+        self.outputs * self.inputs * self.side * self.side
+    }
+
+    const fn end(self) -> usize {
+        self.start + self.weights() + self.outputs
+    }
+
+    /// How many numbers a filter multiplies: inputs × side².
+    #[must_use]
+    pub const fn fan_in(self) -> usize {
+        self.inputs * self.side * self.side
+    }
+}
+
+/// Context at a quarter of the resolution: 3 → 8 channels.
+pub const ENTER: Layer = Layer::first("enter", 8, 3, 3);
+/// From a quarter to an eighth of the resolution: 8 → 16 channels.
+pub const REDUCE: Layer = ENTER.then("reduce", 16, 8, 3);
+/// The two residual blocks: filter by channel, mix, ReLU, filter by channel, mix.
+pub const BLOCKS: [[Layer; 4]; 2] = {
+    let first = block(
+        REDUCE,
+        [
+            "block0.spread_a",
+            "block0.mix_a",
+            "block0.spread_b",
+            "block0.mix_b",
+        ],
+    );
+    let second = block(
+        first[3],
+        [
+            "block1.spread_a",
+            "block1.mix_a",
+            "block1.spread_b",
+            "block1.mix_b",
+        ],
+    );
+    [first, second]
+};
+/// From the context to the features of a pixel: 16 → 8 channels.
+pub const LEAVE: Layer = BLOCKS[1][3].then("leave", 8, 16, 3);
+/// Features of a pixel at full resolution: 3 → 8 channels.
+pub const PIXEL: Layer = LEAVE.then("pixel", 8, 3, 3);
+/// From the features to what is added to the colour map: 8 → 3 channels.
+pub const OUTPUT: Layer = PIXEL.then("output", 3, 8, 3);
+/// The affine colour map: 3 → 3 channels.
+pub const COLOUR: Layer = OUTPUT.then("colour", 3, 3, 1);
+
+/// Every layer, in the order of the list.
+pub const LAYERS: [Layer; 14] = {
+    let [a, b] = BLOCKS;
+    [
+        ENTER, REDUCE, a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], LEAVE, PIXEL, OUTPUT, COLOUR,
+    ]
+};
+
+/// How many numbers are trained.
+pub const PARAMETERS: usize = COLOUR.end();
+
+const fn block(after: Layer, names: [&'static str; 4]) -> [Layer; 4] {
+    let spread_a = after.then(names[0], 16, 1, 3);
+    let mix_a = spread_a.then(names[1], 16, 16, 1);
+    let spread_b = mix_a.then(names[2], 16, 1, 3);
+    let mix_b = spread_b.then(names[3], 16, 16, 1);
+    [spread_a, mix_a, spread_b, mix_b]
+}
+
+/// The trained numbers of a network, layer after layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights<T = f32> {
+    values: Vec<T>,
+}
+
+impl<T> Weights<T> {
+    /// Takes [`PARAMETERS`] numbers in the order of [`LAYERS`]; nothing if there are more or fewer.
+    #[must_use]
+    pub fn new(values: Vec<T>) -> Option<Self> {
+        (values.len() == PARAMETERS).then_some(Self { values })
+    }
+
+    /// All numbers.
+    #[must_use]
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+
+    /// All numbers.
+    pub fn values_mut(&mut self) -> &mut [T] {
+        &mut self.values
+    }
+
+    /// The weights of a layer, `[output][input][row][column]`.
+    #[must_use]
+    pub fn weight(&self, layer: Layer) -> &[T] {
+        &self.values[layer.start..layer.start + layer.weights()]
+    }
+
+    /// The biases of a layer.
+    #[must_use]
+    pub fn bias(&self, layer: Layer) -> &[T] {
+        &self.values[layer.start + layer.weights()..layer.end()]
+    }
+
+    /// The weights and the biases of a layer.
+    pub fn layer_mut(&mut self, layer: Layer) -> (&mut [T], &mut [T]) {
+        self.values[layer.start..layer.end()].split_at_mut(layer.weights())
+    }
+
+    /// The same network in another kind of number.
+    pub fn map<U>(&self, number: impl FnMut(&T) -> U) -> Weights<U> {
+        Weights {
+            values: self.values.iter().map(number).collect(),
+        }
+    }
+}
+
+impl<T: Clone + Default> Weights<T> {
+    /// A network of zeros.
+    #[must_use]
+    pub fn zeros() -> Self {
+        Self {
+            values: vec![T::default(); PARAMETERS],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_layers_fill_the_list_without_a_gap() {
+        let mut at = 0;
+        for layer in LAYERS {
+            assert_eq!(layer.start, at, "{}", layer.name);
+            at = layer.end();
+        }
+        assert_eq!((at, PARAMETERS), (4735, 4735));
+    }
+}

@@ -1,0 +1,110 @@
+//! The network as it is written down, in f64: what the fast variant and the trained files are compared with.
+
+use imaging::{Plane, Rgb};
+
+use super::layer::{BLOCKS, COLOUR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, REDUCE, Weights};
+
+type Planes = Vec<Plane<f64>>;
+
+/// Repaints a picture; empty ones stay empty. Slow, and without a limit of its own.
+#[must_use]
+pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>) -> Rgb<f64> {
+    let (width, height) = encoded.size();
+    if width == 0 || height == 0 {
+        return encoded.clone();
+    }
+    let image: Planes = encoded.planes().to_vec();
+    let quarter = relu(convolved(weights, ENTER, &pooled(&image), 1));
+    let mut context = relu(convolved(weights, REDUCE, &quarter, 2));
+    for [spread_a, mix_a, spread_b, mix_b] in BLOCKS {
+        let first = convolved(weights, mix_a, &convolved(weights, spread_a, &context, 1), 1);
+        let second = convolved(weights, spread_b, &relu(first), 1);
+        context = sum(context, &convolved(weights, mix_b, &second, 1));
+    }
+    let left = convolved(weights, LEAVE, &context, 1);
+    let resized: Planes = left.iter().map(|plane| resize(plane, width, height)).collect();
+    let features = relu(sum(convolved(weights, PIXEL, &image, 1), &resized));
+    let styled = sum(
+        convolved(weights, COLOUR, &image, 1),
+        &convolved(weights, OUTPUT, &features, 1),
+    );
+    Rgb::from_fn(width, height, |x, y| {
+        [0, 1, 2].map(|channel| styled[channel].at(x, y).clamp(0.0, 1.0))
+    })
+}
+
+fn relu(planes: Planes) -> Planes {
+    planes
+        .iter()
+        .map(|plane| plane.map(|&value| value.max(0.0)))
+        .collect()
+}
+
+fn sum(one: Planes, other: &[Plane<f64>]) -> Planes {
+    let pairs = one.into_iter().zip(other);
+    pairs
+        .map(|(mut one, other)| {
+            for (a, b) in one.data_mut().iter_mut().zip(other.data()) {
+                *a += b;
+            }
+            one
+        })
+        .collect()
+}
+
+/// Means of 4×4 pixels; at the right and lower edge of those that are there.
+fn pooled(image: &[Plane<f64>]) -> Planes {
+    let pool = |plane: &Plane<f64>| {
+        let (width, height) = plane.size();
+        Plane::from_fn(width.div_ceil(4), height.div_ceil(4), |x, y| {
+            let rows = 4 * y..(4 * y + 4).min(height);
+            let columns = 4 * x..(4 * x + 4).min(width);
+            let count = rows.len() * columns.len();
+            let sum: f64 = rows
+                .flat_map(|v| columns.clone().map(move |u| plane.at(u, v)))
+                .sum();
+            sum / count as f64
+        })
+    };
+    image.iter().map(pool).collect()
+}
+
+/// A convolution that goes on beyond the border with the edge.
+fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: usize) -> Planes {
+    let (width, height) = input[0].size();
+    let (weight, bias) = (weights.weight(layer), weights.bias(layer));
+    let reach = layer.side / 2;
+    let make = |output: usize| {
+        Plane::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| {
+            let mut sum = bias[output];
+            for index in 0..layer.inputs {
+                let plane = &input[if layer.inputs == 1 { output } else { index }];
+                for row in 0..layer.side {
+                    for column in 0..layer.side {
+                        let v = (y * step + row).saturating_sub(reach).min(height - 1);
+                        let u = (x * step + column).saturating_sub(reach).min(width - 1);
+                        let at = ((output * layer.inputs + index) * layer.side + row) * layer.side + column;
+                        sum += weight[at] * plane.at(u, v);
+                    }
+                }
+            }
+            sum
+        })
+    };
+    (0..layer.outputs).map(make).collect()
+}
+
+/// Bilinear, pixel centres at half integers, continued by the edge.
+fn resize(plane: &Plane<f64>, width: usize, height: usize) -> Plane<f64> {
+    let along = |at: usize, to: usize, from: usize| {
+        let place = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
+        let low = place.floor();
+        (low as usize, (low as usize + 1).min(from - 1), place - low)
+    };
+    Plane::from_fn(width, height, |x, y| {
+        let (left, right, u) = along(x, width, plane.width());
+        let (upper, lower, v) = along(y, height, plane.height());
+        let row = |y: usize| plane.at(left, y) * (1.0 - u) + plane.at(right, y) * u;
+        row(upper) * (1.0 - v) + row(lower) * v
+    })
+}
