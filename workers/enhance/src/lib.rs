@@ -12,6 +12,7 @@ pub mod baseline;
 pub mod blocks;
 mod elementary;
 pub mod hscm;
+pub mod ibla;
 mod method;
 pub mod rd;
 mod reflect;

@@ -78,6 +78,14 @@ const REGISTRY: &[MethodInfo] = &[
         default: || Method::Ulap,
     },
     MethodInfo {
+        name: "ibla",
+        what: "restoration: distance from blurriness and the loss of red, background light, inverted image model",
+        source: "Peng and Cosman 2017",
+        options: GUIDED,
+        pixels_max: Some(GUIDED_PIXELS_MAX),
+        default: || Method::Ibla,
+    },
+    MethodInfo {
         name: "rd",
         what: "channel means drawn together, channels stretched to Rayleigh distributions in two halves, saturation and value",
         source: "Abdul Ghani and Mat Isa 2014",

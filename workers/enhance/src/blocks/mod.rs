@@ -1,21 +1,28 @@
 //! What several methods are made of. Each block with a fast form also has the definition, chosen by
 //! [`Variant`](crate::Variant); the `agreement` tests hold the two together.
 
+mod blur;
 mod box_mean;
+mod extremum;
 mod guided;
 pub(crate) mod histogram;
 pub(crate) mod lab;
 mod light;
 mod norm;
+mod quadtree;
 mod rank;
 mod restore;
 mod sums;
 mod tails;
 
+pub use blur::gaussian;
 pub use box_mean::box_mean;
+pub use extremum::{window_max, window_min};
 pub use guided::{Guide, RADIUS_MAX, RADIUS_PX, REGULARISATION, guided};
+pub(crate) use light::top_count;
 pub use light::{TOP_SHARE, brightest_of, distance_offset};
 pub use norm::{FLAT, normalised, range};
+pub use quadtree::{Region, calmest, highest};
 pub use rank::largest;
 pub use restore::{Veil, restore};
 pub use tails::tails;

@@ -1,7 +1,9 @@
 //! The building blocks.
 
 use fathom_enhance::Variant::{Fast, Reference};
-use fathom_enhance::blocks::{Guide, Veil, box_mean, guided, largest, restore, tails};
+use fathom_enhance::blocks::{
+    Guide, Veil, box_mean, gaussian, guided, largest, restore, tails, window_max, window_min,
+};
 use imaging::{Plane, Rgb8};
 
 use crate::{SIZES, noise, pictures};
@@ -105,6 +107,46 @@ fn tail_values() {
                 for share in [0.0, 0.01, 0.3] {
                     let [fast, exact] = [Fast, Reference].map(|variant| tails(plane.data(), share, variant));
                     assert_eq!(fast, exact, "{width}×{height} {content}, {share}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn window_extremes() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            let codes = Plane::from_fn(width, height, |x, y| picture.at(x, y)[1]);
+            for radius in [0, 1, 3, 4, 9, 20] {
+                let what = format!("{width}×{height} {content}, radius {radius}");
+                assert_eq!(
+                    window_max(&codes, radius, Fast),
+                    window_max(&codes, radius, Reference),
+                    "{what}"
+                );
+                assert_eq!(
+                    window_min(&codes, radius, Fast),
+                    window_min(&codes, radius, Reference),
+                    "{what}"
+                );
+            }
+        }
+    }
+}
+
+/// The same products added in another order.
+const GAUSSIAN_AGREEMENT: f64 = 1e-14;
+
+#[test]
+fn gaussian_windows() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            for plane in planes(&picture) {
+                for radius in [0, 4, 32] {
+                    let what = format!("{width}×{height} {content}, radius {radius}");
+                    let blur = |variant| gaussian(&plane, radius, (2 * radius + 1) as f64, variant);
+                    assert_close(&blur(Fast), &blur(Reference), GAUSSIAN_AGREEMENT, &what);
                 }
             }
         }
