@@ -1,0 +1,27 @@
+//! Every enhancement and every metric on any small picture: a result without NaN, or an error that names its reason.
+#![no_main]
+
+use imaging::{Raster, Rgb8};
+use libfuzzer_sys::fuzz_target;
+use quality::MetricId;
+
+fuzz_target!(|bytes: &[u8]| {
+    let [method, width, height, samples @ ..] = bytes else { return };
+    let (width, height) = (usize::from(*width % 48) + 1, usize::from(*height % 48) + 1);
+    // What is missing repeats what is there.
+    let sample = |i: usize| samples.get(i % samples.len().max(1)).copied().unwrap_or(0);
+    let data: Vec<u8> = (0..3 * width * height).map(sample).collect();
+    let picture = Rgb8::new(width, height, data).expect("as many samples as the size says");
+    let name = enhance::METHODS[usize::from(*method) % enhance::METHODS.len()];
+    let method = enhance::Method::parse(name).expect("a name of the list");
+    let enhanced = match enhance::run(&method, &Raster::from(picture.clone())) {
+        Ok(enhanced) => enhanced.unmasked.to_rgb8(),
+        Err(error) => panic!("{name} on {width}x{height}: {error}"),
+    };
+    assert_eq!((enhanced.width(), enhanced.height()), (width, height));
+    let metrics: Vec<MetricId> = MetricId::all().collect();
+    let values = quality::measure(&enhanced, Some(&picture), &metrics).expect("pictures of one size");
+    for (metric, value) in values {
+        assert!(value.is_finite(), "{metric} of {name} on {width}x{height} is {value}");
+    }
+});
