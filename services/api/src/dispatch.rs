@@ -60,6 +60,24 @@ impl Dispatch {
         self.state().table.cancel(job);
     }
 
+    /// Offers nothing of a job for now; leases that are out go on.
+    pub(crate) fn pause(&self, job: &str) {
+        self.state().table.pause(job);
+    }
+
+    /// Offers a paused job again.
+    pub(crate) fn resume(&self, job: &str) {
+        self.state().table.resume(job);
+        self.work.notify_waiters();
+    }
+
+    /// Offers frames again that were given up; answers whether the table knows the job.
+    pub(crate) fn retry(&self, job: &str, frames: &[u64]) -> bool {
+        let known = self.state().table.retry(job, frames);
+        self.work.notify_waiters();
+        known
+    }
+
     /// Takes a worker on and answers its id.
     pub(crate) fn register(&self, about: Register) -> String {
         let id = format!("wrk_{}", Uuid::now_v7().simple());

@@ -20,7 +20,7 @@ impl From<CatalogueError> for Problem {
             CatalogueError::Cursor => Self::new(Slug::InvalidCursor, error.to_string()),
             CatalogueError::NotFound { .. } => Self::not_found(error.to_string()),
             CatalogueError::Full { .. } => storage_full(&error),
-            CatalogueError::Transition { .. } => Self::new(Slug::JobEnded, error.to_string()),
+            CatalogueError::Transition { .. } => Self::new(Slug::JobState, error.to_string()),
             CatalogueError::Timeout { .. } => Self::new(Slug::QueryTooSlow, error.to_string()),
             CatalogueError::Closed => Self::overloaded("the service is stopping"),
             CatalogueError::SqliteTooOld { .. }

@@ -80,8 +80,8 @@ slugs! {
     RuntimeMissing = "runtime-missing", CONFLICT, "The runtime of the style models is missing";
     /// The frame could not be rendered; `detail` is the last error.
     RenderFailed = "render-failed", UNPROCESSABLE_ENTITY, "The frame cannot be rendered";
-    /// The job has ended; nothing about it changes any more.
-    JobEnded = "job-ended", CONFLICT, "The job has ended";
+    /// What was asked for makes no sense for a job in this state, such as resuming one that has ended.
+    JobState = "job-state", CONFLICT, "The job is in another state";
     /// The question needs longer than the limit; narrow it with a filter or a dataset.
     QueryTooSlow = "query-too-slow", UNPROCESSABLE_ENTITY, "The question takes too long";
     /// The same idempotency key was used with another description.

@@ -9,9 +9,9 @@ use std::time::Duration;
 
 use catalogue::{Catalogue, CatalogueError};
 use proto::limits::shorten;
-use queue::JobEntry;
 use store::{Store, StoreError};
 use tokio::net::TcpListener;
+use tokio::sync::{Mutex, Notify};
 use tokio::task::{JoinError, JoinHandle};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
@@ -24,7 +24,7 @@ use crate::fleet::{Fleet, OnExit, Recipe};
 use crate::lock::{self, LockError};
 use crate::state::{App, Shared};
 use crate::watch::Watch;
-use crate::{listener, routes, strikes, telemetry};
+use crate::{control, listener, reclaim, routes, strikes, telemetry};
 
 /// How often ended leases are looked for: a killed worker's frames are offered again this much after their term.
 const EXPIRY_INTERVAL: Duration = Duration::from_millis(200);
@@ -115,6 +115,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(listener::serve(listener, router, limits, end.clone())),
         tokio::spawn(expire_leases(Arc::clone(&app), end.clone())),
         tokio::spawn(tidy_up(Arc::clone(&app), end.clone())),
+        tokio::spawn(reclaim::run(Arc::clone(&app), end.clone())),
     ];
     let recipe = recipe(&config, address, worker_token);
     let fleet = Fleet::start(recipe, config.workers, &frames_back(&app));
@@ -167,6 +168,8 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<App, StartE
         vocabulary,
         library: config.library.clone(),
         style_runtime: surroundings.style_runtime,
+        turn: Mutex::default(),
+        reclaim: Notify::new(),
         clock: surroundings.clock,
         telemetry: telemetry::install(),
         stop: CancellationToken::new(),
@@ -180,15 +183,7 @@ async fn take_up_open_jobs(app: &App) -> Result<(), StartError> {
         tracing::info!(jobs = jobs.len(), "unfinished jobs are taken up again");
     }
     for job in jobs {
-        app.dispatch.add_job(JobEntry {
-            id: job.row.id,
-            frames: job.row.frames,
-            priority: job.row.priority,
-            done: job.done,
-            failed: job.failed,
-            strikes: job.strikes,
-            paused: job.row.state == catalogue::JobState::Paused,
-        });
+        app.dispatch.add_job(control::entry(job));
     }
     Ok(())
 }

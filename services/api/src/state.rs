@@ -7,6 +7,7 @@ use metrics_exporter_prometheus::PrometheusHandle;
 use spec::Vocabulary;
 use store::Store;
 use style::Library;
+use tokio::sync::{Mutex, Notify};
 use tokio_util::sync::CancellationToken;
 
 use crate::clock::Clock;
@@ -25,6 +26,10 @@ pub(crate) struct App {
     pub(crate) vocabulary: Vocabulary,
     /// Version of the ONNX Runtime that this machine's workers find, or why there is none.
     pub(crate) style_runtime: Result<String, String>,
+    /// Held while a job is paused, cancelled, deleted and so on.
+    pub(crate) turn: Mutex<()>,
+    /// Rung when something was deleted.
+    pub(crate) reclaim: Notify,
     pub(crate) clock: Clock,
     pub(crate) telemetry: &'static PrometheusHandle,
     /// Cancelled when the service stops: waiting requests then answer what they have.

@@ -5,6 +5,7 @@ use std::time::Duration;
 use catalogue::JobRow;
 use tokio::time::{Instant, timeout_at};
 
+use crate::control::known;
 use crate::problem::Problem;
 use crate::state::App;
 
@@ -29,11 +30,7 @@ pub(crate) async fn wait_for_job(
     loop {
         let mut change = std::pin::pin!(bell.notified());
         change.as_mut().enable();
-        let row = app
-            .catalogue
-            .job(id)
-            .await?
-            .ok_or_else(|| Problem::not_found(format!("no job `{id}`")))?;
+        let row = known(app, id).await?;
         let come = match until {
             Until::Ended => false,
             Until::After(version) => row.version > version,

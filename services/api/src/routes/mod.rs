@@ -79,6 +79,7 @@ fn reading() -> OpenApiRouter<Shared> {
         .routes(routes!(waters::list::list))
         .routes(routes!(styles::list::list))
         .routes(routes!(datasets::list::list))
+        .routes(routes!(datasets::get::get))
         .routes(routes!(datasets::stats::stats))
         .routes(routes!(workers::list::list))
 }
@@ -90,7 +91,12 @@ fn following() -> OpenApiRouter<Shared> {
 fn submitting() -> OpenApiRouter<Shared> {
     OpenApiRouter::new()
         .routes(routes!(jobs::create::create))
+        .routes(routes!(jobs::delete::delete))
         .routes(routes!(jobs::cancel::cancel))
+        .routes(routes!(jobs::pause::pause))
+        .routes(routes!(jobs::resume::resume))
+        .routes(routes!(jobs::retry_failed::retry_failed))
+        .routes(routes!(datasets::delete::delete))
 }
 
 fn rendering() -> OpenApiRouter<Shared> {

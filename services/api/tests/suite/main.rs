@@ -7,6 +7,7 @@
 mod auth;
 mod bad_input;
 mod common;
+mod control;
 mod documents;
 mod images;
 mod jobs;

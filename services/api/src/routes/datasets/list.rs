@@ -2,6 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
+use catalogue::DatasetRow;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -22,17 +23,22 @@ pub(crate) struct Dataset {
     jobs: u64,
 }
 
+impl From<DatasetRow> for Dataset {
+    fn from(row: DatasetRow) -> Self {
+        Self {
+            name: row.name,
+            images: row.images,
+            bytes: row.bytes,
+            jobs: row.jobs,
+        }
+    }
+}
+
 /// List datasets by name, all on one page.
 #[utoipa::path(get, path = "/v1/datasets", tag = "datasets",
     responses((status = 200, description = "All datasets.", body = Page<Dataset>)))]
 pub(crate) async fn list(State(app): State<Shared>) -> Result<Json<Page<Dataset>>, Problem> {
-    let rows = app.catalogue.datasets().await?.into_iter();
-    let items = rows.map(|row| Dataset {
-        name: row.name,
-        images: row.images,
-        bytes: row.bytes,
-        jobs: row.jobs,
-    });
+    let items = app.catalogue.datasets().await?.into_iter().map(Dataset::from);
     Ok(Json(Page {
         items: items.collect(),
         next_cursor: None,

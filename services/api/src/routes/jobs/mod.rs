@@ -2,6 +2,10 @@
 
 pub(crate) mod cancel;
 pub(crate) mod create;
+pub(crate) mod delete;
 pub(crate) mod get;
 pub(crate) mod list;
+pub(crate) mod pause;
+pub(crate) mod resume;
+pub(crate) mod retry_failed;
 pub(crate) mod view;

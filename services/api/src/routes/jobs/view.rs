@@ -25,6 +25,8 @@ pub(crate) struct JobView {
     done: u64,
     /// Frames that were given up.
     failed: u64,
+    /// Bytes of its artifacts, counting shared ones each time.
+    bytes: u64,
     /// Grows with every change; pass it as `since` to wait for the next one.
     version: u64,
     /// When it was accepted, RFC 3339 in UTC.
@@ -49,6 +51,7 @@ impl JobView {
             frames: row.frames,
             done: row.done,
             failed: row.failed,
+            bytes: row.bytes,
             version: row.version,
             created_at: rfc3339(row.created_ms),
             started_at: row.started_ms.map(rfc3339),

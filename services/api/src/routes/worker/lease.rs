@@ -32,8 +32,11 @@ pub(crate) async fn lease(
     let Some(granted) = granted else {
         return Ok(ProtoBody(LeaseResponse { lease: None }));
     };
-    let job = app.catalogue.job(&granted.lease().job_id).await?;
-    let job = job.ok_or_else(|| Problem::internal(&"a leased job is not stored"))?;
+    let Some(job) = app.catalogue.job(&granted.lease().job_id).await? else {
+        // Deleted between its submission and its offer.
+        app.dispatch.cancel(&granted.lease().job_id);
+        return Ok(ProtoBody(LeaseResponse { lease: None }));
+    };
     let lease = described(granted.hand_over(), job.spec);
     faults::point("lease.granted");
     Ok(ProtoBody(LeaseResponse {

@@ -179,6 +179,10 @@ impl Running {
         )
     }
 
+    pub(crate) fn delete(&self, path: &str) -> Answer {
+        answer(agent().delete(format!("{}{path}", self.url)).call())
+    }
+
     /// A scene upload with these fields; a name that ends in `.file` is sent as a file.
     pub(crate) fn upload(&self, fields: &[(&str, &[u8])]) -> Answer {
         const BOUNDARY: &str = "----fathom-test-boundary";
