@@ -4,7 +4,7 @@ use imaging::Raster;
 
 use crate::registry::{MethodInfo, registry};
 use crate::result::{EnhanceError, Enhanced};
-use crate::{baseline, hscm, ibla, rd, rghs, ulap};
+use crate::{baseline, hscm, ibla, rd, rghs, suir, ulap};
 
 /// An enhancement method with its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,8 @@ pub enum Method {
     GreyWorld,
     /// Restoration by the light attenuation prior.
     Ulap,
+    /// Restoration by blue-green dehazing and red correction.
+    Suir,
     /// Restoration by image blurriness and light absorption.
     Ibla,
     /// Dual-intensity stretching by the Rayleigh distribution.
@@ -50,6 +52,7 @@ impl Method {
             Self::Clahe => "clahe",
             Self::GreyWorld => "grey_world",
             Self::Ulap => "ulap",
+            Self::Suir => "suir",
             Self::Ibla => "ibla",
             Self::Rd => "rd",
             Self::Rghs => "rghs",
@@ -104,6 +107,7 @@ pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Resul
         Method::Rghs => Ok(rghs::enhance(picture, variant)),
         Method::Rd => Ok(rd::enhance(picture, variant)),
         Method::Ibla => Ok(ibla::enhance(picture, variant)),
+        Method::Suir => Ok(suir::enhance(picture, variant)),
         Method::Ulap => Ok(ulap::enhance(picture, variant)),
     }
 }

@@ -78,6 +78,14 @@ const REGISTRY: &[MethodInfo] = &[
         default: || Method::Ulap,
     },
     MethodInfo {
+        name: "suir",
+        what: "restoration: green and blue dehazed, red balanced, exposure of the input kept",
+        source: "Li, Cong, Pang and Wang 2016",
+        options: GUIDED,
+        pixels_max: Some(GUIDED_PIXELS_MAX),
+        default: || Method::Suir,
+    },
+    MethodInfo {
         name: "ibla",
         what: "restoration: distance from blurriness and the loss of red, background light, inverted image model",
         source: "Peng and Cosman 2017",
