@@ -5,8 +5,9 @@
 pub mod categories;
 mod error;
 pub mod labels;
+mod pipeline;
 mod pose;
-#[allow(dead_code)]
+mod shaft;
 mod site;
 mod structure;
 pub mod uploaded;
@@ -34,7 +35,7 @@ pub struct Scene {
 }
 
 /// The procedural families.
-pub const FAMILIES: &[&str] = &["structure"];
+pub const FAMILIES: &[&str] = &["structure", "shaft", "pipeline"];
 
 /// Renders a procedural scene from its usual pose: a pure function of its arguments.
 ///

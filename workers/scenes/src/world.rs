@@ -5,7 +5,7 @@ use imaging::{Plane, Rgb};
 
 use crate::labels::Labels;
 use crate::site::{self, Picture, Site};
-use crate::{CameraPose, Scene, SceneError, structure};
+use crate::{CameraPose, Scene, SceneError, pipeline, shaft, structure};
 
 /// The world of a family and a seed. It does not change between the frames of a sequence.
 ///
@@ -22,6 +22,8 @@ impl World {
     pub fn of(family: &str, seed: u64) -> Result<Self, SceneError> {
         let site = match family {
             "structure" => structure::site(seed),
+            "shaft" => shaft::site(seed),
+            "pipeline" => pipeline::site(seed),
             _ => {
                 return Err(SceneError::UnknownFamily {
                     family: family.to_owned(),
@@ -35,6 +37,12 @@ impl World {
     #[must_use]
     pub fn pose(&self) -> CameraPose {
         self.site.pose
+    }
+
+    /// The point that the camera of a single frame looks at, in metres.
+    #[must_use]
+    pub fn target(&self) -> [f64; 3] {
+        self.site.target
     }
 
     /// What a camera of the given pose, frame size and intrinsics sees. Without width or height the frame is empty.

@@ -8,6 +8,9 @@ use super::{Object, Site};
 use crate::CameraPose;
 use crate::categories::Category;
 
+/// A camera keeps this far from everything, m.
+const CLEAR_M: f32 = 0.3;
+
 /// Collects solids; parts of one object share a number and a finish.
 pub(crate) struct Builder {
     seed: u64,
@@ -52,7 +55,7 @@ impl Builder {
 
     pub(crate) fn site(self, view: &View) -> Site {
         let wide = |v: Vec3| [f64::from(v.x), f64::from(v.y), f64::from(v.z)];
-        let (eye, target) = (wide(view.eye), wide(view.target));
+        let (eye, target) = (wide(self.clear(view)), wide(view.target));
         Site {
             solids: self.solids,
             objects: self.objects,
@@ -60,6 +63,36 @@ impl Builder {
             target,
             lamp_m: view.lamp_m,
             ambient: view.ambient,
+        }
+    }
+
+    /// The eye of a view, drawn back until nothing is close to it.
+    fn clear(&self, view: &View) -> Vec3 {
+        let back = (view.eye - view.target).unit();
+        let mut eye = view.eye;
+        for _ in 0..24 {
+            let nearest = self.solids.iter().map(|solid| solid.distance(eye));
+            if nearest.fold(f32::INFINITY, f32::min) >= CLEAR_M {
+                break;
+            }
+            eye = eye + back * 0.15;
+            eye.z = eye.z.max(CLEAR_M);
+        }
+        eye
+    }
+
+    /// A flange pair with bolts around a pipe; `along` is a unit vector.
+    pub(crate) fn flange(&mut self, place: Vec3, along: Vec3, radius: f32) {
+        self.object(Material::Steel, Category::Fitting);
+        for side in [-0.075, 0.075] {
+            let middle = place + along * side;
+            self.tube(middle - along * 0.05, middle + along * 0.05, radius * 1.45);
+        }
+        let pose = Pose::along(place, place + along, 0.0);
+        for bolt in 0..14 {
+            let (sin, cos) = libm::sincosf(bolt as f32 * 0.4488);
+            let out = (pose.axes[0] * cos + pose.axes[1] * sin) * (radius * 1.24);
+            self.tube(place - along * 0.19 + out, place + along * 0.19 + out, 0.028);
         }
     }
 
@@ -71,12 +104,6 @@ impl Builder {
             category,
         });
         self.current = self.objects.len() as u16 - 1;
-    }
-
-    /// The current object has no growth.
-    pub(crate) fn without_growth(&mut self) {
-        let object = &mut self.objects[usize::from(self.current)];
-        object.finish = object.finish.bare();
     }
 
     pub(crate) fn put(&mut self, shape: Shape, pose: Pose) {
@@ -131,8 +158,9 @@ impl Builder {
 
     /// Stones scattered within `reach` metres along x and y of a place.
     pub(crate) fn stones(&mut self, count: usize, place: Vec3, reach: [f32; 2], sizes: [f32; 2]) {
+        let first = self.objects.len();
         for i in 0..count {
-            let dice = self.about("stone").object(i);
+            let dice = self.about("stone").object(first + i);
             self.object(Material::Stone, Category::Stone);
             // Most are small.
             let share = dice.between(0, 0.0, 1.0);

@@ -7,16 +7,6 @@ use super::noise::{Noise, PRIMES, gradient, hash, lattice};
 const ASKEW: [[f32; 3]; 3] = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]];
 
 #[inline(always)]
-fn turned(p: [f32; 3]) -> [f32; 3] {
-    ASKEW.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2])
-}
-
-#[inline(always)]
-fn turned_back(p: [f32; 3]) -> [f32; 3] {
-    [0, 1, 2].map(|c| ASKEW[0][c] * p[0] + ASKEW[1][c] * p[1] + ASKEW[2][c] * p[2])
-}
-
-#[inline(always)]
 pub(super) fn put_dots(
     dots: &mut Noise,
     position: &Lane3,
@@ -26,35 +16,41 @@ pub(super) fn put_dots(
     share: f32,
     key: u32,
 ) {
+    let [a, b, c] = ASKEW;
+    let growth = 0.55 / share;
     for i in 0..LANES {
-        let p = turned([position[0][i], position[1][i], position[2][i]]).map(|p| p * per_metre);
-        let cell = p.map(floor);
-        let corner = [
-            lattice(cell[0]).wrapping_mul(PRIMES[0]) ^ key,
-            lattice(cell[1]).wrapping_mul(PRIMES[1]),
-            lattice(cell[2]).wrapping_mul(PRIMES[2]),
-        ];
-        let jitter = gradient(corner[0], corner[1], corner[2]).map(|g| 0.5 + g * (0.5 - radius));
-        let kind = (hash(corner[0], corner[1], corner[2]) >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
-        let size = radius * (0.45 + 0.55 * kind / share);
-        let away = [
-            p[0] - cell[0] - jitter[0],
-            p[1] - cell[1] - jitter[1],
-            p[2] - cell[2] - jitter[2],
-        ];
-        let near = (away[0] * away[0] + away[1] * away[1] + away[2] * away[2]) / (size * size);
+        let (x, y, z) = (
+            position[0][i] * per_metre,
+            position[1][i] * per_metre,
+            position[2][i] * per_metre,
+        );
+        let u = a[0] * x + a[1] * y + a[2] * z;
+        let v = b[0] * x + b[1] * y + b[2] * z;
+        let w = c[0] * x + c[1] * y + c[2] * z;
+        let (cell_u, cell_v, cell_w) = (floor(u), floor(v), floor(w));
+        let mixed = (
+            lattice(cell_u).wrapping_mul(PRIMES[0]) ^ key,
+            lattice(cell_v).wrapping_mul(PRIMES[1]),
+            lattice(cell_w).wrapping_mul(PRIMES[2]),
+        );
+        let jitter = gradient(mixed.0, mixed.1, mixed.2);
+        let kind = (hash(mixed.0, mixed.1, mixed.2) >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
+        let size = radius * (0.45 + growth * kind);
+        let room = 0.5 - radius;
+        let away_u = u - cell_u - 0.5 - room * jitter[0];
+        let away_v = v - cell_v - 0.5 - room * jitter[1];
+        let away_w = w - cell_w - 0.5 - room * jitter[2];
+        let inverse = 1.0 / (size * size);
+        let near = (away_u * away_u + away_v * away_v + away_w * away_w) * inverse;
         let inside = clamp01(1.0 - near);
-        let seen = clamp01(2.0 - 4.0 * per_metre * footprint[i]) * if kind < share { 1.0 } else { 0.0 };
-        let steep = if near < 1.0 {
-            -4.0 * near * per_metre / (size * size)
-        } else {
-            0.0
-        };
+        let there = if kind < share { 1.0 } else { 0.0 };
+        let seen = clamp01(2.0 - 4.0 * per_metre * footprint[i]) * there;
+        let steep = -4.0 * near * per_metre * inverse;
+        let steep = if near < 1.0 { seen * steep } else { 0.0 };
         dots.value[i] = seen * inside * (2.0 - inside);
-        let slope = turned_back(away);
-        for axis in 0..3 {
-            dots.slope[axis][i] = seen * steep * slope[axis];
-        }
+        dots.slope[0][i] = steep * (a[0] * away_u + b[0] * away_v + c[0] * away_w);
+        dots.slope[1][i] = steep * (a[1] * away_u + b[1] * away_v + c[1] * away_w);
+        dots.slope[2][i] = steep * (a[2] * away_u + b[2] * away_v + c[2] * away_w);
     }
 }
 

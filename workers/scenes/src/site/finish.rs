@@ -55,6 +55,8 @@ pub(crate) struct Finish {
     growth: f32,
     /// Direction of ripples, place of formwork, in turns.
     direction: f32,
+    /// Share of silt on what faces up, 0..1.
+    silt: f32,
 }
 
 /// A group of points on one solid.
@@ -124,12 +126,8 @@ impl Finish {
             wear: dice.between(5, -0.35, 0.45),
             growth,
             direction: dice.between(6, 0.0, 1.0),
+            silt: dice.between(11, 0.12, 0.8),
         }
-    }
-
-    /// The same finish without growth.
-    pub(crate) fn bare(self) -> Self {
-        Self { growth: -1.0, ..self }
     }
 
     /// Colour and relief of some points.
@@ -162,9 +160,10 @@ impl Finish {
             self.overgrow(points, &broad.value, &fine, &mut surface);
         }
         if self.material != Material::Sand {
+            let silt = self.silt;
             vectorised(
                 #[inline(always)]
-                || settle(&mut surface, points.rise, &broad.value),
+                || settle(&mut surface, silt, points.rise, &broad.value),
             );
         }
         surface
@@ -173,9 +172,9 @@ impl Finish {
 
 /// Silt lies on whatever faces up.
 #[inline(always)]
-fn settle(surface: &mut Surface, rise: &Lane, broad: &Lane) {
+fn settle(surface: &mut Surface, most: f32, rise: &Lane, broad: &Lane) {
     for i in 0..LANES {
-        let silt = 0.08 + 0.72 * ramp(rise[i] + 0.2 * broad[i], 0.25, 0.95);
+        let silt = most * (0.1 + 0.9 * ramp(rise[i] + 0.35 * broad[i], 0.25, 1.0));
         for c in 0..3 {
             surface.albedo[c][i] = mix(surface.albedo[c][i], SILT[c], silt);
         }

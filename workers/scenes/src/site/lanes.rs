@@ -12,16 +12,6 @@ pub(crate) const ZEROS: Lane = [0.0; LANES];
 /// A vector quantity of all points.
 pub(crate) type Lane3 = [Lane; 3];
 
-/// `f(i)` for every point.
-#[inline(always)]
-pub(crate) fn each(f: impl Fn(usize) -> f32) -> Lane {
-    let mut lane = ZEROS;
-    for (i, sample) in lane.iter_mut().enumerate() {
-        *sample = f(i);
-    }
-    lane
-}
-
 /// 0 below `low`, 1 above `high`, smooth between.
 #[inline(always)]
 pub(crate) fn ramp(value: f32, low: f32, high: f32) -> f32 {

@@ -17,6 +17,9 @@ const DARKNESS: f32 = 0.05;
 /// The ground fades into the water between these ranges, m.
 const FADE_M: [f32; 2] = [9.0, 48.0];
 
+/// What is seen faces the camera, however its relief and rounded edges turn the normal.
+const LEAST_FACING: f32 = 0.08;
+
 /// The light of a site.
 #[derive(Clone, Copy)]
 pub(super) struct Light {
@@ -77,13 +80,15 @@ pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, li
         let slope = at(&surface.slope, i);
         let bumped = n - (slope - n * n.dot(slope));
         let bumped = bumped * (1.0 / larger(bumped.length(), 1e-6));
-        let facing = larger(bumped.dot(v), 0.0);
+        let facing = larger(bumped.dot(v), LEAST_FACING);
+        // Rough surfaces lit from where they are seen darken little towards their limb (Oren and Nayar 1994).
+        let spread = facing * (1.5 - 0.5 * facing);
         let range = lit.range[i];
         let open = lit.open[i];
         let spot = 0.25 + 0.75 * ramp(-ahead.dot(v), 0.62, 0.96);
         let near = light.full * (1.0 + SOFTNESS) / (range * range + SOFTNESS * light.full);
         let reach = LAMP * spot * near;
-        let lamp = reach * facing * (0.55 + 0.45 * open);
+        let lamp = reach * spread * (0.55 + 0.45 * open);
         let squared = facing * facing;
         let sharp = squared * squared * squared * squared;
         let gleam = surface.gloss[i] * reach * sharp * sharp * sharp * 0.5;

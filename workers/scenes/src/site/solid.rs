@@ -101,13 +101,36 @@ impl Solid {
             first: self.pose.direction_in(rays.first),
             step: self.pose.direction_in(rays.step),
         };
-        for_shape!(&self.shape, form => take(
-            &rays,
-            &mut nearest,
-            owner,
-            #[inline(always)]
-            |o, d| form.enter(o, d),
-        ));
+        let nearest = &mut nearest;
+        /// Rays one by one, for shapes whose entry is a formula.
+        macro_rules! one_by_one {
+            ($form:expr) => {
+                vectorised(
+                    #[inline(always)]
+                    || {
+                        take(
+                            &rays,
+                            nearest,
+                            owner,
+                            #[inline(always)]
+                            |o, d| $form.enter(o, d),
+                        )
+                    },
+                )
+            };
+        }
+        match &self.shape {
+            Shape::Tube(tube) => one_by_one!(tube),
+            Shape::Block(block) => one_by_one!(block),
+            Shape::Ball(ball) => one_by_one!(ball),
+            Shape::Stone(stone) => one_by_one!(stone),
+            Shape::Bore(bore) => one_by_one!(bore),
+            Shape::Room(room) => one_by_one!(room),
+            Shape::Ring(ring) => vectorised(
+                #[inline(always)]
+                || march(&rays, nearest, owner, ring),
+            ),
+        }
     }
 
     /// Lowers each of `distances` to the distance in metres of its point from the surface; for balls and stones a lower bound
@@ -194,6 +217,26 @@ fn take(rays: &Rays, nearest: &mut Nearest<'_>, owner: u16, enter: impl Fn(Vec3,
         let closer = found < *parameter;
         *parameter = if closer { found } else { *parameter };
         *held = if closer { owner } else { *held };
+    }
+}
+
+/// [`take`] for a ring.
+#[inline(always)]
+fn march(rays: &Rays, nearest: &mut Nearest<'_>, owner: u16, ring: &Ring) {
+    let Rays { eye, first, step } = *rays;
+    let ring = *ring;
+    for start in (0..nearest.parameter.len()).step_by(ring::WIDE) {
+        let ray = |i: usize| first + step * ((start + i) as i32 as f32);
+        let found = ring.enter(eye, std::array::from_fn(ray));
+        for (i, found) in found.into_iter().enumerate() {
+            let Some(parameter) = nearest.parameter.get_mut(start + i) else {
+                return;
+            };
+            if found < *parameter {
+                *parameter = found;
+                nearest.owner[start + i] = owner;
+            }
+        }
     }
 }
 

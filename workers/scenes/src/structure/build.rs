@@ -174,16 +174,7 @@ impl Builder {
         self.object(material, Category::Pipe);
         self.tube(at(-9.0), at(9.0), radius);
         let flange = self.dice.between(4, -0.8, 0.8);
-        self.object(Material::Steel, Category::Fitting);
-        for side in [-0.075, 0.075] {
-            self.tube(at(flange + side - 0.05), at(flange + side + 0.05), radius * 1.45);
-        }
-        let pose = Pose::along(at(flange), at(flange + 1.0), 0.0);
-        for bolt in 0..14 {
-            let (sin, cos) = libm::sincosf(bolt as f32 * 0.4488);
-            let out = (pose.axes[0] * cos + pose.axes[1] * sin) * (radius * 1.24);
-            self.tube(at(flange - 0.19) + out, at(flange + 0.19) + out, 0.028);
-        }
+        self.flange(at(flange), along, radius);
         for i in 0..4 {
             self.object(Material::Concrete(Pattern::Boards), Category::Support);
             let place = along * (-4.2 + 2.7 * i as f32 + self.dice.between(20 + i, -0.3, 0.3));

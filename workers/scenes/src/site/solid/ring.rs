@@ -15,6 +15,10 @@ pub(crate) struct Ring {
 const STEPS: usize = 28;
 /// How near to the surface a march must come, in metres.
 const CONTACT_M: f32 = 2e-4;
+/// A march ends this near to the surface, in metres.
+const TOUCH_M: f32 = 2e-5;
+/// Rays that march side by side.
+pub(super) const WIDE: usize = 8;
 
 impl Ring {
     /// A bend through twice `half_angle` (radians; pi closes the ring).
@@ -53,22 +57,35 @@ impl Ring {
         (p - self.centre_line(p)).length() - self.tube_radius
     }
 
+    /// Where rays from one eye enter: every ray marches until it touches the surface or has passed the ring, eight side by side.
     #[inline(always)]
-    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
-        let length = d.length();
-        let reach = self.bend_radius + self.tube_radius;
-        let closest = -o.dot(d) / (length * length);
-        let mut at = larger(closest - 1.05 * reach / length, 0.0);
-        let mut away = 0.0;
+    pub(crate) fn enter(&self, o: Vec3, d: [Vec3; WIDE]) -> [f32; WIDE] {
+        let reach = 1.05 * (self.bend_radius + self.tube_radius);
+        let (mut at, mut end, mut pace, mut away) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
+        for i in 0..WIDE {
+            pace[i] = 1.0 / d[i].length();
+            let closest = -o.dot(d[i]) * pace[i] * pace[i];
+            at[i] = larger(closest - reach * pace[i], 0.0);
+            end[i] = closest + reach * pace[i];
+        }
         for _ in 0..STEPS {
-            away = self.distance(o + d * at);
-            at += away / length;
+            let mut moving = 0u32;
+            for i in 0..WIDE {
+                let found = self.distance(o + d[i] * at[i]);
+                let on = (found.abs() >= TOUCH_M) & (at[i] <= end[i]);
+                at[i] += if on { found * pace[i] } else { 0.0 };
+                away[i] = found;
+                moving |= u32::from(on);
+            }
+            if moving == 0 {
+                break;
+            }
         }
-        if (away.abs() < CONTACT_M) & (at > 0.0) {
-            at
-        } else {
-            f32::INFINITY
+        for i in 0..WIDE {
+            let met = (away[i].abs() < CONTACT_M) & (at[i] > 0.0);
+            at[i] = if met { at[i] } else { f32::INFINITY };
         }
+        at
     }
 
     #[inline(always)]
@@ -98,23 +115,27 @@ impl Ring {
 mod tests {
     use super::*;
 
+    fn enter(ring: &Ring, o: Vec3, d: Vec3) -> f32 {
+        ring.enter(o, [d; WIDE])[0]
+    }
+
     #[test]
     fn a_ray_through_the_hole_passes_and_one_through_the_tube_enters() {
         let ring = Ring::new(1.0, 0.2, std::f32::consts::PI);
         assert_eq!(
-            ring.enter(vec3(0.0, 0.0, 3.0), vec3(0.0, 0.0, -1.0)),
+            enter(&ring, vec3(0.0, 0.0, 3.0), vec3(0.0, 0.0, -1.0)),
             f32::INFINITY
         );
-        assert!((ring.enter(vec3(1.0, 0.0, 3.0), vec3(0.0, 0.0, -1.0)) - 2.8).abs() < 1e-4);
-        assert!((ring.enter(vec3(-4.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0)) - 2.8).abs() < 1e-4);
+        assert!((enter(&ring, vec3(1.0, 0.0, 3.0), vec3(0.0, 0.0, -1.0)) - 2.8).abs() < 1e-4);
+        assert!((enter(&ring, vec3(-4.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0)) - 2.8).abs() < 1e-4);
     }
 
     #[test]
     fn a_quarter_bend_has_only_its_quarter() {
         let bend = Ring::new(1.0, 0.2, std::f32::consts::FRAC_PI_4);
-        assert!((bend.enter(vec3(0.0, 1.0, 3.0), vec3(0.0, 0.0, -1.0)) - 2.8).abs() < 1e-4);
+        assert!((enter(&bend, vec3(0.0, 1.0, 3.0), vec3(0.0, 0.0, -1.0)) - 2.8).abs() < 1e-4);
         assert_eq!(
-            bend.enter(vec3(0.0, -1.0, 3.0), vec3(0.0, 0.0, -1.0)),
+            enter(&bend, vec3(0.0, -1.0, 3.0), vec3(0.0, 0.0, -1.0)),
             f32::INFINITY
         );
     }

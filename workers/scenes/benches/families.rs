@@ -1,0 +1,30 @@
+//! One frame of every family on one core, and what its labels add.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use fathom_scenes::{FAMILIES, World, procedural};
+use imaging::geometry::Intrinsics;
+
+const SIZE: (usize, usize) = (768, 492);
+const SEEDS: u64 = 24;
+
+fn frames(c: &mut Criterion) {
+    let lens = Intrinsics::centred(458.0, SIZE.0, SIZE.1);
+    for family in FAMILIES {
+        let mut seed = 0;
+        c.bench_function(&format!("{family} 768x492"), |b| {
+            b.iter(|| {
+                seed = (seed + 1) % SEEDS;
+                procedural(family, seed, SIZE.0, SIZE.1, lens)
+            });
+        });
+        c.bench_function(&format!("{family} 768x492 with labels"), |b| {
+            b.iter(|| {
+                seed = (seed + 1) % SEEDS;
+                World::of(family, seed).map(|world| world.render_labelled(&world.pose(), SIZE, &lens))
+            });
+        });
+    }
+}
+
+criterion_group!(benches, frames);
+criterion_main!(benches);

@@ -1,0 +1,275 @@
+//! The family `pipeline`: a coated pipe on blocks, saddles, trestles or the bare seabed, with field joints, weld seams, anodes
+//! and damage, as a survey flies along it.
+
+use crate::categories::Category;
+use crate::site::Site;
+use crate::site::builder::{Builder, View};
+use crate::site::chance::Dice;
+use crate::site::finish::{Coat, Material, Pattern};
+use crate::site::solid::{Block, Shape};
+use crate::site::vector::{Pose, UP, Vec3, vec3};
+
+/// Half the length of pipe, m.
+const HALF_M: f32 = 26.0;
+/// Bands over field joints: heat-shrink sleeves, tape, mastic, primed steel.
+const BANDS: [[f32; 3]; 4] = [
+    [0.04, 0.04, 0.043],
+    [0.17, 0.10, 0.05],
+    [0.30, 0.16, 0.06],
+    [0.33, 0.33, 0.32],
+];
+
+/// A pipe over the ground.
+struct Pipe {
+    radius: f32,
+    /// Height of its axis.
+    height: f32,
+    yaw: f32,
+    along: Vec3,
+    across: Vec3,
+}
+
+impl Pipe {
+    /// A point of the axis.
+    fn at(&self, distance: f32) -> Vec3 {
+        self.along * distance + vec3(0.0, 0.0, self.height)
+    }
+
+    /// The point of the ground under it.
+    fn under(&self, distance: f32) -> Vec3 {
+        self.along * distance
+    }
+}
+
+/// The site of a seed.
+pub(crate) fn site(seed: u64) -> Site {
+    let dice = Dice::about(seed, "pipeline");
+    let mut builder = Builder::new(seed, "pipeline");
+    let kind = dice.count(0, 0, 4);
+    let radius = dice.between(1, 0.16, 0.5);
+    let clearance = match kind {
+        0 | 1 => dice.between(2, 0.15, 0.55),
+        2 => dice.between(2, 0.7, 1.6),
+        _ => -radius * dice.between(2, 0.25, 0.9),
+    };
+    let yaw = dice.between(3, -0.5, 0.5);
+    let pipe = Pipe {
+        radius,
+        height: radius + clearance,
+        yaw,
+        along: Vec3::horizontal(yaw),
+        across: Vec3::horizontal(yaw + std::f32::consts::FRAC_PI_2),
+    };
+    let joint = dice.between(4, -1.3, 1.3);
+    let coat = Coat {
+        radius,
+        joint: HALF_M + joint,
+        pitch: 12.2,
+        band: dice.between(5, 0.16, 0.32),
+        band_colour: dice.pick(6, &BANDS),
+        seam: dice.between(7, -3.1, 3.1),
+    };
+    builder.object(Material::Coated(coat), Category::Pipe);
+    builder.tube(pipe.at(-HALF_M), pipe.at(HALF_M), radius);
+    match kind {
+        0 => blocks(&mut builder, dice, &pipe),
+        1 => saddles(&mut builder, dice, &pipe),
+        2 => trestles(&mut builder, dice, &pipe),
+        3 => bags(&mut builder, dice, &pipe),
+        _ => berm(&mut builder, dice, &pipe),
+    }
+    fittings(&mut builder, dice, &pipe, joint);
+    builder.stones(dice.count(8, 3, 12), pipe.under(0.4), [4.0, 2.4], [0.05, 0.3]);
+    builder.debris(dice.count(9, 1, 4), pipe.under(0.0), [3.5, 2.4]);
+    for i in 0..dice.count(10, 1, 3) {
+        let ground = builder.about("ground").object(i);
+        let radius = ground.between(2, 1.2, 4.0);
+        let height = radius * ground.between(3, 0.05, 0.11);
+        builder.mound(
+            ground.between(0, -7.0, 7.0),
+            ground.between(1, 1.5, 9.0),
+            radius,
+            height,
+        );
+    }
+    builder.site(&view(dice, &pipe, kind > 2))
+}
+
+/// From beside the pipe, or along it as a survey flies.
+fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
+    let beside = dice.chance(20, 0.55);
+    // Over the banks beside a pipe that lies on the ground.
+    let least = if buried { 0.9 } else { 0.4 };
+    let (eye, target) = if beside {
+        let distance = pipe.radius + dice.between(21, 1.1, 2.8);
+        let eye =
+            pipe.at(dice.between(22, -1.2, 1.2)) - pipe.across * distance + UP * dice.between(23, -0.1, 1.3);
+        (eye, pipe.at(dice.between(24, -0.6, 0.6)))
+    } else {
+        let eye = pipe.at(-dice.between(21, 1.4, 2.6))
+            + pipe.across * dice.between(22, -1.0, 1.0)
+            + UP * (pipe.radius + dice.between(23, 0.6, 1.4));
+        (
+            eye,
+            pipe.at(dice.between(24, 0.4, 2.2)) + UP * dice.between(25, -0.2, 0.3),
+        )
+    };
+    let eye = vec3(eye.x, eye.y, eye.z.max(least));
+    View {
+        eye,
+        target,
+        roll: dice.between(26, -0.1, 0.1),
+        lamp_m: (target - eye).length() * dice.between(27, 0.9, 1.3),
+        ambient: dice.between(28, 0.06, 0.32),
+    }
+}
+
+/// Anodes like bracelets, a flange, straps with a cable on top.
+fn fittings(builder: &mut Builder, dice: Dice, pipe: &Pipe, joint: f32) {
+    let half = dice.between(30, 0.18, 0.3);
+    for place in [joint - dice.between(31, 0.8, 2.4), joint + 5.1, joint - 8.3] {
+        builder.object(Material::Anode, Category::Anode);
+        for side in [-1.0, 1.0] {
+            // Two shells with a gap between them.
+            let (near, far) = (place + side * 0.012, place + side * half);
+            builder.tube(
+                pipe.at(near.min(far)),
+                pipe.at(near.max(far)),
+                pipe.radius + 0.045,
+            );
+        }
+    }
+    if dice.chance(32, 0.4) {
+        builder.flange(
+            pipe.at(joint + dice.between(33, 1.2, 2.6)),
+            pipe.along,
+            pipe.radius,
+        );
+    }
+    if dice.chance(34, 0.4) {
+        builder.object(Material::Rubber, Category::Cable);
+        let top = UP * (pipe.radius + 0.045);
+        builder.tube(pipe.at(-HALF_M) + top, pipe.at(HALF_M) + top, 0.045);
+        builder.object(Material::Steel, Category::Fitting);
+        for i in -8..8 {
+            let place = 1.35 * i as f32 + dice.between(35, 0.0, 1.0);
+            builder.tube(
+                pipe.at(place - 0.025),
+                pipe.at(place + 0.025),
+                pipe.radius + 0.012,
+            );
+        }
+    }
+}
+
+/// Where supports are: some ahead and some behind.
+fn places(dice: Dice, spacing: f32) -> impl Iterator<Item = (u64, f32)> {
+    let start = dice.between(40, -0.5, 0.5) * spacing;
+    (0..6u64).map(move |i| {
+        let jitter = dice.between(41 + i, -0.1, 0.1);
+        (i, start + spacing * (i as f32 - 2.0 + jitter))
+    })
+}
+
+/// Plain blocks of concrete.
+fn blocks(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+    for (i, place) in places(dice, dice.between(39, 1.9, 3.4)) {
+        builder.object(Material::Concrete(Pattern::Boards), Category::Support);
+        let height = (pipe.height - pipe.radius) / 2.0 + 0.05;
+        let half = vec3(0.18, pipe.radius * dice.between(50 + i, 1.2, 2.2), height);
+        builder.block(pipe.under(place) + UP * height, half, pipe.yaw);
+        scour(builder, dice.object(i as usize + 1), pipe.under(place), half.y);
+    }
+}
+
+/// Blocks with cheeks beside the pipe and a strap over it.
+fn saddles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+    for (i, place) in places(dice, dice.between(39, 2.2, 3.8)) {
+        builder.object(Material::Concrete(Pattern::Boards), Category::Support);
+        let base = (pipe.height - pipe.radius) / 2.0 + 0.04;
+        let wide = pipe.radius * 1.75;
+        builder.block(pipe.under(place) + UP * base, vec3(0.24, wide, base), pipe.yaw);
+        for side in [-1.0, 1.0] {
+            let cheek = pipe.across * (side * (pipe.radius + 0.13));
+            let half = vec3(0.2, 0.11, pipe.radius * 0.5);
+            let centre = pipe.under(place) + cheek + UP * (pipe.height - pipe.radius * 0.55);
+            builder.block(centre, half, pipe.yaw);
+        }
+        builder.object(Material::Steel, Category::Fitting);
+        builder.tube(pipe.at(place - 0.04), pipe.at(place + 0.04), pipe.radius + 0.014);
+        scour(builder, dice.object(i as usize + 1), pipe.under(place), wide);
+    }
+}
+
+/// Two posts with a beam, high above the ground.
+fn trestles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+    for (i, place) in places(dice, dice.between(39, 2.8, 4.6)) {
+        let wide = pipe.radius + dice.between(50 + i, 0.2, 0.4);
+        let top = pipe.height - pipe.radius;
+        builder.object(Material::Steel, Category::Support);
+        for side in [-1.0, 1.0] {
+            let foot = pipe.under(place) + pipe.across * (side * wide * 1.25);
+            let head = pipe.under(place) + pipe.across * (side * wide) + UP * top;
+            builder.tube(foot - UP * 0.3, head, 0.07);
+            builder.tube(foot, foot + UP * 0.05, 0.22);
+            scour(builder, dice.object(2 * i as usize + 1), foot, 0.3);
+        }
+        let pose = Pose::upright(pipe.under(place) + UP * (top - 0.08), pipe.yaw);
+        let beam = Block {
+            half: vec3(0.09, wide + 0.15, 0.08),
+        };
+        builder.put(Shape::Block(beam), pose);
+    }
+}
+
+/// Stacks of bags under and beside a pipe that lies on the ground.
+fn bags(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+    bank(builder, dice, pipe);
+    for (i, place) in places(dice, dice.between(39, 1.6, 3.2)) {
+        builder.object(Material::Bag, Category::Support);
+        for bag in 0..7u64 {
+            let choose = dice.object(100 + 8 * i as usize + bag as usize);
+            let side = if bag % 2 == 0 { -1.0 } else { 1.0 };
+            let row = (bag / 2) as f32;
+            let out = pipe.radius * 0.95 + 0.12 + choose.between(0, -0.05, 0.22) - 0.05 * row;
+            let centre = pipe.under(place + choose.between(1, -0.4, 0.4))
+                + pipe.across * (side * out)
+                + UP * (0.04 + 0.13 * row);
+            let radii = vec3(choose.between(2, 0.26, 0.34), 0.2, 0.125);
+            builder.ball(centre, radii, pipe.yaw + choose.between(3, -0.4, 0.4));
+        }
+    }
+}
+
+/// Rock that was dumped along the pipe.
+fn berm(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+    bank(builder, dice, pipe);
+    let side = if dice.chance(60, 0.5) { 1.0 } else { -1.0 };
+    let place = pipe.under(dice.between(61, -1.5, 1.5)) + pipe.across * (side * pipe.radius);
+    for (count, reach, sizes) in [(14, [1.5, 0.5], [0.08, 0.2]), (10, [2.4, 0.8], [0.05, 0.12])] {
+        builder.stones(count, place, reach, sizes);
+    }
+}
+
+/// Sand banked along a pipe that lies on the ground.
+fn bank(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+    for i in 0..7 {
+        let choose = dice.object(200 + i);
+        let place = pipe.under(-7.0 + 2.6 * i as f32 + choose.between(0, -0.6, 0.6))
+            + pipe.across * choose.between(1, -0.5, 0.5);
+        let wide = choose.between(2, 0.9, 1.8);
+        builder.mound(place.x, place.y, wide, wide * choose.between(3, 0.05, 0.12));
+    }
+}
+
+/// Sand heaped against a support.
+fn scour(builder: &mut Builder, dice: Dice, place: Vec3, wide: f32) {
+    let reach = wide * dice.between(70, 1.2, 1.7) + 0.2;
+    let lee = dice.between(71, -0.25, 0.25);
+    builder.mound(
+        place.x + lee,
+        place.y + lee,
+        reach,
+        reach * dice.between(72, 0.06, 0.16),
+    );
+}

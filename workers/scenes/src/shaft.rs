@@ -1,0 +1,285 @@
+//! The family `shaft`: flooded shafts and tunnels with a lining of concrete segments, cast rings or masonry, mud on the floor,
+//! and what hangs on the walls: ladders, pipes and cables on brackets.
+
+use crate::categories::Category;
+use crate::site::Site;
+use crate::site::builder::{Builder, View};
+use crate::site::chance::Dice;
+use crate::site::finish::{Material, Pattern, Unroll};
+use crate::site::solid::{Block, Bore, Ring, Room, Shape};
+use crate::site::vector::{Pose, UP, Vec3, vec3};
+
+/// Length of a tunnel and height of a shaft, m.
+const LENGTH_M: f32 = 64.0;
+
+/// A way along the wall, on which things are fixed.
+struct Wall {
+    /// On the wall where the camera looks.
+    foot: Vec3,
+    /// Along the wall and the axis.
+    along: Vec3,
+    /// Away from the wall.
+    out: Vec3,
+}
+
+/// The site of a seed.
+pub(crate) fn site(seed: u64) -> Site {
+    let dice = Dice::about(seed, "shaft");
+    let mut builder = Builder::new(seed, "shaft");
+    let view = match dice.count(0, 0, 2) {
+        0 => tunnel(&mut builder, dice),
+        1 => {
+            let radius = dice.between(1, 1.5, 3.2);
+            let pose = Pose::upright(vec3(0.0, 0.0, -1.0), dice.between(2, 0.0, 6.3));
+            builder.object(lining(dice, Unroll::Round { radius }, radius), Category::Lining);
+            builder.put(
+                Shape::Bore(Bore {
+                    radius,
+                    length: LENGTH_M,
+                }),
+                pose,
+            );
+            shaft(&mut builder, dice, [radius, radius])
+        }
+        _ => {
+            let half = [dice.between(1, 1.3, 2.6), dice.between(2, 1.3, 2.6)];
+            builder.object(lining(dice, Unroll::Walls { half }, 1.6), Category::Lining);
+            let room = Room {
+                half: vec3(half[0], half[1], LENGTH_M / 2.0),
+            };
+            builder.put(
+                Shape::Room(room),
+                Pose::upright(vec3(0.0, 0.0, LENGTH_M / 2.0 - 1.0), 0.0),
+            );
+            shaft(&mut builder, dice, half)
+        }
+    };
+    builder.site(&view)
+}
+
+/// The lining: segments with bolt pockets, cast rings, or blocks in courses.
+fn lining(dice: Dice, unroll: Unroll, radius: f32) -> Material {
+    let around = std::f32::consts::TAU * radius;
+    let (height, length, joint, pockets, variety) = match dice.count(10, 0, 2) {
+        0 => {
+            let pieces = dice.count(11, 5, 8) as f32;
+            (dice.between(12, 1.0, 1.5), around / pieces, 0.011, true, 0.07)
+        }
+        1 => (dice.between(12, 1.8, 3.0), around / 2.0, 0.008, false, 0.05),
+        _ => {
+            let height = dice.between(12, 0.2, 0.42);
+            let pieces = (around / (height * dice.between(13, 1.6, 2.4))).round();
+            (height, around / pieces, 0.009, false, 0.2)
+        }
+    };
+    Material::Concrete(Pattern::Courses {
+        unroll,
+        height,
+        length,
+        joint,
+        pockets,
+        variety,
+    })
+}
+
+/// A level tunnel along y, silted up at the bottom.
+fn tunnel(builder: &mut Builder, dice: Dice) -> View {
+    let radius = dice.between(1, 1.2, 2.4);
+    let centre = radius * dice.between(2, 0.6, 0.9);
+    builder.object(lining(dice, Unroll::Round { radius }, radius), Category::Lining);
+    let (start, end) = (vec3(0.0, -4.0, centre), vec3(0.0, LENGTH_M - 4.0, centre));
+    let pose = Pose::along(start, end, dice.between(3, 0.0, 6.3));
+    builder.put(
+        Shape::Bore(Bore {
+            radius,
+            length: LENGTH_M,
+        }),
+        pose,
+    );
+    let along = vec3(0.0, 1.0, 0.0);
+    let mut sides = [-1.0, 1.0];
+    if dice.chance(4, 0.5) {
+        sides.reverse();
+    }
+    for (i, side) in sides.into_iter().take(dice.count(5, 1, 2)).enumerate() {
+        let lift = dice.between(20 + i as u64, 0.1, 0.8);
+        let (sin, cos) = libm::sincosf(lift);
+        let outward = vec3(side * cos, 0.0, sin);
+        let wall = Wall {
+            foot: vec3(0.0, 0.0, centre) + outward * radius,
+            along,
+            out: -outward,
+        };
+        run(builder, dice.object(1 + i), &wall, [-1.5, 12.0]);
+    }
+    builder.stones(
+        dice.count(6, 2, 8),
+        vec3(0.0, 4.0, 0.0),
+        [0.5 * radius, 3.6],
+        [0.04, 0.22],
+    );
+    builder.debris(dice.count(7, 0, 3), vec3(0.0, 4.0, 0.0), [0.4 * radius, 3.0]);
+    let ground = builder.about("ground");
+    builder.mound(
+        ground.between(0, -0.6, 0.6) * radius,
+        ground.between(1, 2.0, 7.0),
+        1.2,
+        0.13,
+    );
+    let eye = vec3(
+        dice.between(30, -0.3, 0.3) * radius,
+        0.0,
+        (centre + dice.between(31, -0.25, 0.25) * radius).max(0.45),
+    );
+    let target = vec3(
+        dice.between(32, -0.75, 0.75) * radius,
+        dice.between(33, 1.5, 4.5),
+        (centre + dice.between(34, -0.5, 0.5) * radius).max(0.1),
+    );
+    View {
+        eye,
+        target,
+        roll: dice.between(35, -0.1, 0.1),
+        lamp_m: dice.between(36, 1.9, 3.0),
+        ambient: dice.between(37, 0.005, 0.05),
+    }
+}
+
+/// What hangs in an upright shaft of the given half widths, and a camera in it.
+fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
+    let height = dice.between(30, 1.4, 6.0);
+    // The far wall in the picture: the camera looks along +y.
+    let offset = dice.between(20, -0.3, 0.3) * half[0];
+    let depth = |x: f32| {
+        let round = half[0] == half[1];
+        if round {
+            (half[1] * half[1] - x * x).sqrt()
+        } else {
+            half[1]
+        }
+    };
+    let wall = |x: f32| Wall {
+        foot: vec3(x, depth(x), height),
+        along: UP,
+        out: vec3(0.0, -1.0, 0.0),
+    };
+    if dice.chance(21, 0.7) {
+        let out = wall(offset).out;
+        let foot = vec3(offset, depth(offset.abs() + 0.24), -0.3) + out * 0.2;
+        builder.ladder(foot, UP, vec3(0.24, 0.0, 0.0), 42);
+        for stay in 0..6 {
+            for side in [-0.24, 0.24] {
+                let at = foot + vec3(side, 0.0, 0.9 + 2.1 * stay as f32);
+                builder.tube(at, at - out * 0.3, 0.018);
+            }
+        }
+    }
+    let side = if offset > 0.0 { -1.0 } else { 1.0 };
+    for i in 0..dice.count(22, 1, 2) {
+        let x = side * half[0] * (0.32 + 0.3 * i as f32) + offset * 0.3;
+        run(builder, dice.object(1 + i), &wall(x), [-height - 0.3, 9.0]);
+    }
+    builder.stones(
+        dice.count(23, 2, 7),
+        vec3(0.0, 0.0, 0.0),
+        half.map(|h| 0.6 * h),
+        [0.05, 0.25],
+    );
+    builder.debris(dice.count(24, 1, 4), vec3(0.0, 0.2, 0.0), half.map(|h| 0.45 * h));
+    let eye = vec3(
+        dice.between(31, -0.25, 0.25) * half[0],
+        dice.between(32, -0.6, 0.0) * half[1],
+        height,
+    );
+    // Level at the wall, slanting, or steeply down.
+    let drop = dice.pick(33, &[0.0, 0.3, 0.9, 2.4]) + dice.between(34, -0.3, 0.3);
+    let target = vec3(
+        dice.between(35, -0.5, 0.5) * half[0],
+        half[1] * 0.9,
+        height - drop * (half[1] * 0.9 - eye.y),
+    );
+    View {
+        eye,
+        target,
+        roll: dice.between(36, -0.12, 0.12),
+        lamp_m: dice.between(37, 1.7, 2.8),
+        ambient: dice.between(38, 0.005, 0.06),
+    }
+}
+
+/// A pipe, cables or a tray along a wall on brackets, from and to the given distances along it.
+fn run(builder: &mut Builder, dice: Dice, wall: &Wall, [from, to]: [f32; 2]) {
+    let Wall { foot, along, out } = *wall;
+    let across = along.cross(out);
+    let gap = dice.between(0, 0.12, 0.22);
+    let at = |distance: f32| foot + along * distance + out * gap;
+    match dice.count(1, 0, 2) {
+        0 => {
+            let radius = dice.between(2, 0.05, 0.11);
+            builder.object(Material::Steel, Category::Pipe);
+            builder.tube(at(from), at(to), radius);
+            builder.object(Material::Steel, Category::Fitting);
+            let flange = dice.between(3, 0.4, 3.4);
+            builder.tube(at(flange - 0.03), at(flange + 0.03), radius * 1.7);
+        }
+        1 => {
+            for cable in 0..dice.count(2, 2, 4) {
+                builder.object(Material::Rubber, Category::Cable);
+                let side = across * (0.06 * cable as f32 - 0.09);
+                builder.tube(at(from) + side, at(to) + side, 0.018);
+            }
+        }
+        _ => {
+            builder.object(Material::Steel, Category::Beam);
+            let pose = Pose {
+                origin: at((from + to) / 2.0),
+                axes: [across, along.cross(across), along],
+            };
+            let half = vec3(dice.between(2, 0.1, 0.2), 0.012, (to - from) / 2.0);
+            builder.put(Shape::Block(Block { half }), pose);
+        }
+    }
+    let spacing = dice.between(4, 0.9, 1.6);
+    let count = ((to - from) / spacing) as usize;
+    for i in 0..count {
+        let place = from + spacing * (i as f32 + 0.5);
+        // Some brackets are lost.
+        if dice.chance(40 + i as u64, 0.12) {
+            continue;
+        }
+        bracket(builder, foot + along * place, wall, across, gap);
+    }
+    if dice.chance(5, 0.35) {
+        // A cable that has come loose hangs in a bow.
+        builder.object(Material::Rubber, Category::Cable);
+        let radius = dice.between(6, 0.25, 0.5);
+        builder.ring(
+            Ring::new(radius, 0.016, 1.7),
+            at(dice.between(7, 0.2, 2.0)) + out * 0.05,
+            across,
+            out + UP * -0.6,
+        );
+    }
+}
+
+/// A plate on the wall with an arm and two bolts.
+fn bracket(builder: &mut Builder, place: Vec3, wall: &Wall, across: Vec3, gap: f32) {
+    let Wall { along, out, .. } = *wall;
+    builder.object(Material::Steel, Category::Bracket);
+    let pose = |origin: Vec3| Pose {
+        origin,
+        axes: [across, along.cross(across), along],
+    };
+    let plate = Block {
+        half: vec3(0.11, 0.02, 0.07),
+    };
+    builder.put(Shape::Block(plate), pose(place + out * 0.01));
+    let arm = Block {
+        half: vec3(0.03, gap / 2.0 + 0.04, 0.012),
+    };
+    builder.put(Shape::Block(arm), pose(place + out * (gap / 2.0)));
+    for side in [-0.08, 0.08] {
+        let bolt = place + across * side;
+        builder.tube(bolt, bolt + out * 0.055, 0.014);
+    }
+}
