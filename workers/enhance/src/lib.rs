@@ -19,6 +19,7 @@ mod reflect;
 mod registry;
 mod result;
 pub mod rghs;
+mod signs;
 pub mod suir;
 pub mod ulap;
 mod warning;

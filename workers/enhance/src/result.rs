@@ -56,7 +56,7 @@ pub(crate) enum OfGray {
 
 impl Enhanced {
     /// The result of a method without a mask, from its colours.
-    pub(crate) fn unmasked(source: &Raster, colours: Rgb8, of_gray: OfGray) -> Self {
+    pub(crate) fn unmasked(source: &Raster, colours: Rgb8, of_gray: OfGray, warnings: Vec<Warning>) -> Self {
         let alpha = source.alpha().map(|alpha| Samples::U8(alpha.to_u8()));
         let gray = source.channels() == Channels::Gray && of_gray == OfGray::Gray;
         let (width, height) = (colours.width(), colours.height());
@@ -71,7 +71,7 @@ impl Enhanced {
             unmasked: picture.clone(),
             picture,
             mask: None,
-            warnings: Vec::new(),
+            warnings,
         }
     }
 }

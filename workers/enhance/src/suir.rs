@@ -19,6 +19,8 @@ use imaging::{Plane, Raster, Rgb8};
 use crate::blocks::{FLAT, Guide, extremes, guided, range, window_max, window_min};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
+use crate::signs::Signs;
+use crate::warning::Warning;
 
 /// Radius of the windows of local extremes, pixels.
 const WINDOW_PX: usize = 4;
@@ -27,6 +29,8 @@ const TRANSMITTANCE: (f64, f64) = (0.1, 0.9);
 /// What the means of the three channels add up to in a balanced picture.
 const BALANCED: f64 = 1.5;
 const GAIN_MIN: f64 = 0.1;
+/// A gain of red above this is worth a warning.
+const LARGE_GAIN: f64 = 4.0;
 /// Least luma of the exposure map, and the weight of the input in it.
 const LUMA_MIN: f64 = 0.01;
 const INPUT_WEIGHT: f64 = 0.3;
@@ -46,7 +50,8 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let green = dehazed(&guide, &stretch, 1, light[1], variant);
     let blue = dehazed(&guide, &stretch, 2, light[2], variant);
     let [green, blue] = normalised_together(&input[0], [green, blue]);
-    let red = corrected_red(&input[0], &green, &blue);
+    let gain = red_gain(&input[0], &green, &blue);
+    let red = input[0].map(|value| gain.map_or(*value, |gain| (value * gain).clamp(0.0, 1.0)));
     let exposure = exposure(&input, [&red, &green, &blue]);
     let exposure = guided(&guide, &exposure, variant);
 
@@ -57,7 +62,15 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
             pixel[channel] = (255.0 * (value * exposure).clamp(0.0, 1.0) + 0.5) as u8;
         }
     }
-    Enhanced::unmasked(picture, result, OfGray::Colour)
+    let signs = Signs::of(&colours);
+    let mut warnings = signs.of_restoration(&result);
+    if signs.channel_without_light() {
+        warnings.push(Warning::ChannelWithoutLight);
+    }
+    if gain.is_some_and(|gain| gain > LARGE_GAIN) {
+        warnings.push(Warning::RedAmplified);
+    }
+    Enhanced::unmasked(picture, result, OfGray::Colour, warnings)
 }
 
 /// The joint stretch of step 1.
@@ -141,16 +154,15 @@ fn normalised_together(red: &Plane<f64>, planes: [Plane<f64>; 2]) -> [Plane<f64>
     })
 }
 
-/// Step 5.
-fn corrected_red(red: &Plane<f64>, green: &Plane<f64>, blue: &Plane<f64>) -> Plane<f64> {
+/// What red is multiplied by in step 5; `None` where there is nothing to multiply.
+fn red_gain(red: &Plane<f64>, green: &Plane<f64>, blue: &Plane<f64>) -> Option<f64> {
     let mean = |plane: &Plane<f64>| plane.data().iter().sum::<f64>() / plane.data().len() as f64;
     let (low, high) = range(red);
     let red_mean = mean(red);
     if red_mean <= 0.0 || high - low <= FLAT {
-        return red.clone();
+        return None;
     }
-    let gain = ((BALANCED - mean(green) - mean(blue)) / red_mean).max(GAIN_MIN);
-    red.map(|value| (value * gain).clamp(0.0, 1.0))
+    Some(((BALANCED - mean(green) - mean(blue)) / red_mean).max(GAIN_MIN))
 }
 
 /// `s` of step 6, before the guided filter.

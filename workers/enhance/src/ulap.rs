@@ -17,6 +17,8 @@ use imaging::{Plane, Raster};
 use crate::blocks::{Guide, Veil, brightest_of, distance_offset, guided, normalised, restore};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
+use crate::signs::Signs;
+use crate::warning::Warning;
 
 /// Residual energy of red, green and blue after a unit of distance.
 const RESIDUAL: [f64; 3] = [0.83, 0.95, 0.97];
@@ -43,11 +45,13 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         attenuation: RESIDUAL.map(|residual| -residual.ln()),
         transmittance: TRANSMITTANCE,
     };
-    Enhanced::unmasked(
-        picture,
-        restore(&colours, &distance, &veil, variant),
-        OfGray::Colour,
-    )
+    let restored = restore(&colours, &distance, &veil, variant);
+    let signs = Signs::of(&colours);
+    let mut warnings = signs.of_restoration(&restored);
+    if signs.red_cast(&restored) {
+        warnings.push(Warning::RedCast);
+    }
+    Enhanced::unmasked(picture, restored, OfGray::Colour, warnings)
 }
 
 #[cfg(test)]

@@ -101,6 +101,7 @@ impl Slot {
             timings_ms: watch.stop(),
             warnings: warnings(frame, &prepared, &chosen)
                 .into_iter()
+                .chain(enhance::warnings(&enhanced))
                 .chain(files.warnings)
                 .collect(),
             inputs,

@@ -39,6 +39,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let picture = files::read_picture(&arguments.input)?;
     let enhanced = enhance::run(&arguments.method, &picture)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", arguments.input.display())))?;
+    for warning in &enhanced.warnings {
+        eprintln!("warning: {warning}");
+    }
     let result = if arguments.no_mask {
         &enhanced.unmasked
     } else {

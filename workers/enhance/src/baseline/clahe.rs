@@ -3,7 +3,7 @@
 
 use imaging::{Channels, Raster};
 
-use crate::hscm::{clahe, merge};
+use crate::hscm::{self, Luma, clahe, merge};
 use crate::result::{Enhanced, OfGray};
 
 /// Tiles across and down.
@@ -16,6 +16,7 @@ pub const CLIP_LIMIT: f64 = 2.0;
 pub(crate) fn enhance(picture: &Raster) -> Enhanced {
     let mut colours = picture.to_rgb8();
     let luma = clahe::clahe(&colours.to_gray8(), GRID, CLIP_LIMIT);
+    let warnings = hscm::warnings(&Luma::of(picture), GRID);
     if picture.channels() == Channels::Gray {
         for (pixel, &code) in colours.data_mut().chunks_exact_mut(3).zip(luma.data()) {
             pixel.fill(code);
@@ -24,7 +25,7 @@ pub(crate) fn enhance(picture: &Raster) -> Enhanced {
         let merged = merge::merge(colours.data(), luma.data());
         colours.data_mut().copy_from_slice(&merged);
     }
-    Enhanced::unmasked(picture, colours, OfGray::Gray)
+    Enhanced::unmasked(picture, colours, OfGray::Gray, warnings)
 }
 
 #[cfg(test)]

@@ -5,18 +5,17 @@
 
 use imaging::Raster;
 
+use crate::blocks::histogram;
 use crate::result::{Enhanced, OfGray};
+use crate::signs::Signs;
+use crate::warning::Warning;
 
 /// Balances a picture of at least one pixel.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster) -> Enhanced {
     let mut colours = picture.to_rgb8();
-    let mut sums = [0u64; 3];
-    for pixel in colours.pixels() {
-        for (sum, code) in sums.iter_mut().zip(pixel) {
-            *sum += u64::from(code);
-        }
-    }
+    let signs = Signs::of(&colours);
+    let sums = signs.histograms.each_ref().map(histogram::sum);
     let total: u64 = sums.iter().sum();
     let curves = sums.map(|sum| curve(total, sum));
     for pixel in colours.data_mut().chunks_exact_mut(3) {
@@ -24,7 +23,11 @@ pub(crate) fn enhance(picture: &Raster) -> Enhanced {
             *code = curve[usize::from(*code)];
         }
     }
-    Enhanced::unmasked(picture, colours, OfGray::Gray)
+    let mut warnings = signs.common(&colours);
+    if signs.channel_without_light() {
+        warnings.push(Warning::ChannelWithoutLight);
+    }
+    Enhanced::unmasked(picture, colours, OfGray::Gray, warnings)
 }
 
 /// Every code times `total / (3 sum)`, rounded.

@@ -24,10 +24,14 @@ pub(crate) fn total(histogram: &Histogram) -> u64 {
     histogram.iter().sum()
 }
 
+/// Sum of the codes.
+pub(crate) fn sum(histogram: &Histogram) -> u64 {
+    (0..).zip(histogram).map(|(code, count)| code * count).sum()
+}
+
 /// Mean code; the histogram holds some.
 pub(crate) fn mean(histogram: &Histogram) -> f64 {
-    let sum: u64 = (0..).zip(histogram).map(|(code, count)| code * count).sum();
-    sum as f64 / total(histogram) as f64
+    sum(histogram) as f64 / total(histogram) as f64
 }
 
 /// The least and the greatest code that occurs.

@@ -2,6 +2,8 @@
 
 use imaging::{Channels, Plane, Raster, Samples};
 
+use crate::signs::is_dark;
+
 /// Luma codes and the code of white: `y = code / white` lies in 0..=1.
 ///
 /// Codes are `299 R + 587 G + 114 B` at the depth of the file, so nothing is rounded: white is 255 000 at 8 bit and
@@ -35,6 +37,12 @@ impl Luma {
     #[must_use]
     pub fn white(&self) -> u32 {
         self.white
+    }
+
+    /// Whether nearly all pixels are nearly black.
+    pub(crate) fn is_dark(&self) -> bool {
+        let codes = self.codes.data();
+        is_dark(codes.iter().copied(), self.white, codes.len())
     }
 
     /// The least and the greatest `y`.

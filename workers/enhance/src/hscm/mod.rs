@@ -22,6 +22,7 @@ pub use options::{
 
 use crate::method::Variant;
 use crate::result::{EnhanceError, Enhanced};
+use crate::warning::Warning;
 
 /// Enhances one picture.
 ///
@@ -36,7 +37,9 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
         return Err(EnhanceError::Empty { width, height });
     }
     let settings = options.settings();
-    let filtered = homomorphic::homomorphic(&Luma::of(picture), options, variant);
+    let luma = Luma::of(picture);
+    let warnings = warnings(&luma, settings.grid);
+    let filtered = homomorphic::homomorphic(&luma, options, variant);
     let smoothed = median::median(&filtered, settings.median, variant);
     let equalised = clahe::clahe(&smoothed, settings.grid, settings.clip_limit);
 
@@ -55,7 +58,7 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
             picture: raster(unmasked.clone()),
             unmasked: raster(unmasked),
             mask: None,
-            warnings: Vec::new(),
+            warnings,
         },
         Some(circle) => {
             let mask = circle::plane(width, height, &circle);
@@ -65,11 +68,29 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
                 picture: raster(masked),
                 unmasked: raster(unmasked),
                 mask: Some(mask),
-                warnings: Vec::new(),
+                warnings,
             }
         }
     })
 }
+
+/// What the equalisation of tiles and the gain of dark parts should say.
+pub(crate) fn warnings(luma: &Luma, (across, down): (usize, usize)) -> Vec<Warning> {
+    let pixels = luma.codes().data().len();
+    let (low, high) = luma.extremes();
+    let found = [
+        (low == high, Warning::Constant),
+        (pixels < across * down * TILE_PIXELS, Warning::SmallTiles),
+        (luma.is_dark(), Warning::Dark),
+    ];
+    let found = found
+        .into_iter()
+        .filter_map(|(found, warning)| found.then_some(warning));
+    found.collect()
+}
+
+/// Pixels that a tile's histogram should rest on.
+const TILE_PIXELS: usize = 64;
 
 fn merged(picture: &Raster, luma: &Plane<u8>) -> Vec<u8> {
     match picture.samples() {

@@ -12,11 +12,16 @@ const HALF: usize = 127;
 const BRIGHT_PART: f64 = 0.2;
 
 /// The part of the pixels of each channel that lies above 0.5.
-pub(super) fn bright_parts(picture: &Rgb8) -> [f64; 3] {
+fn bright_parts(picture: &Rgb8) -> [f64; 3] {
     histogram::histograms(picture).map(|counts| {
         let bright: u64 = counts[HALF + 1..].iter().sum();
         bright as f64 / histogram::total(&counts) as f64
     })
+}
+
+/// Whether a channel is bright enough for its brightest candidate to become the light.
+pub(super) fn is_bright(picture: &Rgb8) -> bool {
+    bright_parts(picture).iter().any(|&part| part > BRIGHT_PART)
 }
 
 pub(super) fn background(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> [f64; 3] {

@@ -24,6 +24,8 @@ use imaging::{Plane, Raster, Rgb8, luma1000};
 use crate::blocks::{Guide, Veil, distance_offset, gaussian, guided, normalised, restore, window_max};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
+use crate::signs::Signs;
+use crate::warning::Warning;
 
 /// Radius of the windows of local maxima, pixels.
 const MAXIMUM_PX: usize = 3;
@@ -52,11 +54,12 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         attenuation: attenuation(light),
         transmittance: TRANSMITTANCE,
     };
-    Enhanced::unmasked(
-        picture,
-        restore(&colours, &distance, &veil, variant),
-        OfGray::Colour,
-    )
+    let restored = restore(&colours, &distance, &veil, variant);
+    let mut warnings = Signs::of(&colours).of_restoration(&restored);
+    if warnings.contains(&Warning::Blackened) && light::is_bright(&colours) {
+        warnings.push(Warning::LampAsBackground);
+    }
+    Enhanced::unmasked(picture, restored, OfGray::Colour, warnings)
 }
 
 /// `P_b` of step 1.

@@ -20,6 +20,8 @@ use imaging::Raster;
 
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
+use crate::signs::Signs;
+use crate::warning::Warning;
 
 /// Stretches a picture of at least one pixel. Gray stays gray; 16 bit is reduced to 8.
 #[must_use]
@@ -27,7 +29,12 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let colours = picture.to_rgb8();
     let curves = curve::curves(&colours, variant);
     let stretched = saturation::stretched(&colours, &curves, variant);
-    Enhanced::unmasked(picture, stretched, OfGray::Gray)
+    let signs = Signs::of(&colours);
+    let mut warnings = signs.common(&stretched);
+    if signs.channel_without_light() {
+        warnings.push(Warning::ChannelWithoutLight);
+    }
+    Enhanced::unmasked(picture, stretched, OfGray::Gray, warnings)
 }
 
 #[cfg(test)]

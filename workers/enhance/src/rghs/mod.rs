@@ -18,6 +18,8 @@ use imaging::Raster;
 
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
+use crate::signs::Signs;
+use crate::warning::Warning;
 
 /// Stretches a picture of at least one pixel. Gray stays gray; 16 bit is reduced to 8.
 #[must_use]
@@ -25,7 +27,12 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let colours = picture.to_rgb8();
     let curves = curve::curves(&colours, variant);
     let stretched = lightness::stretched(&colours, &curves, variant);
-    Enhanced::unmasked(picture, stretched, OfGray::Gray)
+    let signs = Signs::of(&colours);
+    let mut warnings = signs.common(&stretched);
+    if signs.black_mode() {
+        warnings.push(Warning::BlackMode);
+    }
+    Enhanced::unmasked(picture, stretched, OfGray::Gray, warnings)
 }
 
 /// What each code of red, green and blue becomes, in 0..=255.
