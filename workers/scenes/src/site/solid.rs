@@ -4,6 +4,8 @@
 mod ball;
 mod block;
 mod bore;
+#[cfg(test)]
+pub(crate) mod reference;
 mod ring;
 mod room;
 mod stone;

@@ -6,9 +6,9 @@ use crate::site::vector::{Vec3, vec3};
 /// The part of a torus about the z axis within `half_angle` of the +y direction, with rounded ends; metres.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ring {
-    bend_radius: f32,
-    tube_radius: f32,
-    half_angle: [f32; 2],
+    pub(super) bend_radius: f32,
+    pub(super) tube_radius: f32,
+    pub(super) half_angle: [f32; 2],
 }
 
 /// Steps of the march; a ray that grazes the surface for longer misses it.

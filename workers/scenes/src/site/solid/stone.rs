@@ -10,7 +10,7 @@ const PLANES: usize = 14;
 /// Inside of every plane: `normal · p <= offset`, in metres.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stone {
-    planes: [(Vec3, f32); PLANES],
+    pub(super) planes: [(Vec3, f32); PLANES],
     reach: Vec3,
 }
 
