@@ -17,6 +17,7 @@ use utoipa_axum::router::OpenApiRouter;
 use uuid::Uuid;
 
 use crate::auth::{Guard, Scope, Tokens, require};
+use crate::held::Held;
 use crate::problem::{Problem, Slug};
 use crate::telemetry;
 
@@ -80,15 +81,16 @@ async fn within_budget(
     request: Request,
     next: Next,
 ) -> Result<Response, Problem> {
-    let place = tokio::time::timeout(SHED_AFTER, budget.places.acquire());
-    let Ok(Ok(_place)) = place.await else {
+    let place = tokio::time::timeout(SHED_AFTER, budget.places.acquire_owned());
+    let Ok(Ok(place)) = place.await else {
         telemetry::shed(budget.name);
         return Err(Problem::overloaded(format!(
             "all places for {} are taken",
             budget.name
         )));
     };
-    Ok(next.run(request).await)
+    let answer = next.run(request).await;
+    Ok(answer.map(|body| Held::around(body, place)))
 }
 
 async fn in_time(State(limit): State<Duration>, request: Request, next: Next) -> Result<Response, Problem> {

@@ -38,6 +38,14 @@ pub(crate) const MAX_PAGE_ROWS: u32 = 1000;
 pub(crate) const FILTER_BYTES: usize = 4096;
 /// An idempotency key: a UUID has 36 characters.
 pub(crate) const IDEMPOTENCY_KEY_BYTES: usize = 255;
+/// Records that are read at a time while a client reads lines: about a megabyte.
+pub(crate) const RECORDS_BATCH: u32 = 100;
+/// Rows that are read at a time: about a megabyte, as a page.
+pub(crate) const ROWS_BATCH: u32 = 1000;
+/// How often events tell of progress at most.
+pub(crate) const PROGRESS_PAUSE: Duration = Duration::from_millis(500);
+/// How often a sign of life comes where there are no events.
+pub(crate) const HEARTBEAT: Duration = Duration::from_secs(15);
 /// Side of a thumbnail.
 pub(crate) const PREVIEW_PX: usize = 256;
 
@@ -60,6 +68,8 @@ pub struct Limits {
     /// Public requests that wait: long-polls and direct renders. They hold a few kilobytes each, and must not take
     /// the places of the others.
     pub waits: usize,
+    /// Answers that go on for as long as the client reads: events and lines. Each holds a batch of rows in memory.
+    pub streams: usize,
     /// Uploads at the same time: each may hold 256 MiB.
     pub uploads: usize,
     /// Worker calls at the same time, apart from those that wait for a lease. Their own budget, so that a flood of
@@ -74,6 +84,8 @@ pub struct Limits {
     /// How long the head of a request may take, and how long an idle connection is kept. Longer than the 15 s after
     /// which a worker's connection pool drops an idle connection by itself.
     pub head_read: Duration,
+    /// How long an answer may lie unread: a client that has stopped reading is cut off.
+    pub unread: Duration,
     /// Decoding and thumbnails at the same time: one for each core, they hold whole pictures.
     pub compute: usize,
 }
@@ -84,12 +96,14 @@ impl Default for Limits {
         Self {
             requests: 256,
             waits: 1024,
+            streams: 128,
             uploads: 4,
             worker_calls: 256,
             worker_uploads: 64,
             worker_waits: 4096,
             connections: 16_384,
             head_read: Duration::from_secs(30),
+            unread: Duration::from_secs(60),
             compute: cores,
         }
     }

@@ -1,4 +1,5 @@
-//! The accept loop: HTTP/1 with a limit on how long a request's head may take, and an orderly end.
+//! The accept loop: HTTP/1 with limits on how long a request's head may take and an answer may lie unread, and an
+//! orderly end.
 
 use std::io;
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
 use crate::limits::{self, Limits};
+use crate::patient::Patient;
 
 /// Out of file descriptors: closing connections free some within this time.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
@@ -40,7 +42,8 @@ pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, st
             }
         };
         let service = TowerToHyperService::new(app.clone());
-        let connection = graceful.watch(http.serve_connection(TokioIo::new(stream), service));
+        let connection =
+            graceful.watch(http.serve_connection(TokioIo::new(Patient::new(stream, limits.unread)), service));
         tokio::spawn(async move {
             // Broken connections are the client's affair; what the service did is logged with the request.
             let _ = connection.await;

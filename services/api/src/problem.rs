@@ -1,5 +1,7 @@
 //! RFC 9457 problems: every refusal of the service, and the only list of their types.
 
+use std::fmt;
+
 use axum::Json;
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{AppendHeaders, IntoResponse, Response};
@@ -176,6 +178,12 @@ impl Problem {
             Json(Value::Object(body)),
         )
             .into_response()
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.slug.title(), self.detail)
     }
 }
 

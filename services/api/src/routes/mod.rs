@@ -32,6 +32,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
     let probing = Budget::new("probes", limits.requests);
     let requests = Budget::new("requests", limits.requests);
     let waits = Budget::new("waits", limits.waits);
+    let streams = Budget::new("streams", limits.streams);
     let uploads = Budget::new("uploads", limits.uploads);
     let group = |scope, budget: &Budget, timeout, body_bytes| Group {
         scope,
@@ -46,6 +47,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(None, &probing, request, 0).around(probes(), tokens))
         .merge(group(read, &requests, request, 0).around(reading(), tokens))
         .merge(group(read, &waits, wait, 0).around(following(), tokens))
+        .merge(group(read, &streams, request, 0).around(streaming(), tokens))
         .merge(group(submit, &requests, request, limits::JSON_BYTES).around(submitting(), tokens))
         .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
         .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens));
@@ -81,11 +83,21 @@ fn reading() -> OpenApiRouter<Shared> {
         .routes(routes!(datasets::list::list))
         .routes(routes!(datasets::get::get))
         .routes(routes!(datasets::stats::stats))
+        .routes(routes!(datasets::histogram::histogram))
         .routes(routes!(workers::list::list))
 }
 
 fn following() -> OpenApiRouter<Shared> {
     OpenApiRouter::new().routes(routes!(jobs::get::get))
+}
+
+fn streaming() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new()
+        .routes(routes!(jobs::events::events))
+        .routes(routes!(jobs::results::results))
+        .routes(routes!(jobs::errors::errors))
+        .routes(routes!(datasets::metadata::jsonl))
+        .routes(routes!(datasets::metadata::csv))
 }
 
 fn submitting() -> OpenApiRouter<Shared> {

@@ -14,3 +14,4 @@ mod jobs;
 mod load;
 mod messages;
 mod rendered;
+mod streams;

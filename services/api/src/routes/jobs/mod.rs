@@ -3,9 +3,12 @@
 pub(crate) mod cancel;
 pub(crate) mod create;
 pub(crate) mod delete;
+pub(crate) mod errors;
+pub(crate) mod events;
 pub(crate) mod get;
 pub(crate) mod list;
 pub(crate) mod pause;
+pub(crate) mod results;
 pub(crate) mod resume;
 pub(crate) mod retry_failed;
 pub(crate) mod view;

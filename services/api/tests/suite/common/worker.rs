@@ -181,7 +181,7 @@ pub(crate) fn record(frame: u64, digest: &str, bytes: u64) -> FrameRecord {
     let measured = BTreeMap::from([("uiqm".to_owned(), 0.5 + frame as f64), ("uciqe".to_owned(), 0.4)]);
     FrameRecord {
         frame,
-        parameters: json!({"dataset": "tests", "alpha": 1.0, "seed": 7}),
+        parameters: json!({"dataset": "tests", "alpha": 1.0, "seed": 7, "labels": {"run": "a, \"b\""}}),
         optics: Map::new(),
         plan: json!([]),
         measurements: BTreeMap::from([("rgb".to_owned(), measured)]),

@@ -1,0 +1,96 @@
+//! Bodies that keep their place in a budget until the client has taken them.
+
+use std::pin::Pin;
+use std::task::{Context, Poll, ready};
+
+use axum::body::{Body, Bytes};
+use hyper::body::{Frame, SizeHint};
+use tokio::sync::OwnedSemaphorePermit;
+
+/// What is handed to the connection at a time: a client that does not read keeps the rest, and the place, here.
+const PIECE_BYTES: usize = 64 << 10;
+
+/// A body and the place that it holds.
+pub(crate) struct Held {
+    body: Body,
+    rest: Bytes,
+    _place: OwnedSemaphorePermit,
+}
+
+impl Held {
+    /// The body, in pieces, with the place.
+    pub(crate) fn around(body: Body, place: OwnedSemaphorePermit) -> Body {
+        Body::new(Self {
+            body,
+            rest: Bytes::new(),
+            _place: place,
+        })
+    }
+}
+
+impl hyper::body::Body for Held {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        while self.rest.is_empty() {
+            match ready!(Pin::new(&mut self.body).poll_frame(context)) {
+                None => return Poll::Ready(None),
+                Some(Err(error)) => return Poll::Ready(Some(Err(error))),
+                Some(Ok(frame)) => match frame.into_data() {
+                    Ok(data) => self.rest = data,
+                    Err(trailers) => return Poll::Ready(Some(Ok(trailers))),
+                },
+            }
+        }
+        let length = self.rest.len().min(PIECE_BYTES);
+        let piece = self.rest.split_to(length);
+        Poll::Ready(Some(Ok(Frame::data(piece))))
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.rest.is_empty() && self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        let (inner, rest) = (self.body.size_hint(), self.rest.len() as u64);
+        let mut hint = SizeHint::new();
+        hint.set_lower(inner.lower() + rest);
+        if let Some(upper) = inner.upper() {
+            hint.set_upper(upper + rest);
+        }
+        hint
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use futures::StreamExt;
+    use hyper::body::Body as _;
+    use tokio::sync::Semaphore;
+
+    use super::*;
+
+    #[tokio::test]
+    async fn the_place_is_free_when_the_last_piece_is_taken_and_nothing_is_changed() {
+        let places = Arc::new(Semaphore::new(1));
+        let sent: Vec<u8> = (0..PIECE_BYTES * 2 + 9).map(|n| (n % 251) as u8).collect();
+        let place = Arc::clone(&places).try_acquire_owned().unwrap();
+        let held = Held::around(Body::from(sent.clone()), place);
+        assert_eq!(held.size_hint().exact(), Some(sent.len() as u64));
+        let mut pieces = held.into_data_stream();
+        let mut taken = Vec::new();
+        for _ in 0..3 {
+            assert_eq!(places.available_permits(), 0);
+            taken.extend(pieces.next().await.unwrap().unwrap());
+        }
+        assert!(pieces.next().await.is_none());
+        drop(pieces);
+        assert_eq!((places.available_permits(), taken), (1, sent));
+    }
+}
