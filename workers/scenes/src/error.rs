@@ -56,6 +56,20 @@ pub enum SceneError {
         /// What is allowed.
         limit: &'static str,
     },
+    /// A camera that is in or too close to something.
+    #[error(
+        "`{field}`: frame {frame} is {distance_m:.3} m from a surface but must be at least {limit_m} m away"
+    )]
+    Blocked {
+        /// The field that placed the camera.
+        field: &'static str,
+        /// The frame, from 0 on.
+        frame: usize,
+        /// Distance from the surface, below 0 inside.
+        distance_m: f64,
+        /// The least distance.
+        limit_m: f64,
+    },
     /// A radiance that is NaN or infinite. It would spread over the whole frame.
     #[error("`rgb`: radiance is {value} at pixel ({x}, {y}) but must be finite")]
     Radiance {
@@ -78,6 +92,7 @@ impl SceneError {
             Self::File { field, .. }
             | Self::Size { field, .. }
             | Self::Missing { field, .. }
+            | Self::Blocked { field, .. }
             | Self::Number { field, .. } => field,
         }
     }

@@ -5,6 +5,7 @@
 pub mod categories;
 mod error;
 pub mod labels;
+pub mod path;
 mod pipeline;
 mod pose;
 mod shaft;
@@ -15,8 +16,9 @@ mod world;
 
 pub use error::SceneError;
 pub use labels::Labels;
+pub use path::CameraPath;
 pub use pose::CameraPose;
-pub use world::World;
+pub use world::{LEAST_CLEARANCE_M, World};
 
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};

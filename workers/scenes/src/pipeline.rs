@@ -118,6 +118,7 @@ fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
     View {
         eye,
         target,
+        travel: pipe.along * 5.0,
         roll: dice.between(26, -0.1, 0.1),
         lamp_m: (target - eye).length() * dice.between(27, 0.9, 1.3),
         ambient: dice.between(28, 0.06, 0.32),

@@ -139,6 +139,7 @@ fn tunnel(builder: &mut Builder, dice: Dice) -> View {
     View {
         eye,
         target,
+        travel: along * 5.0,
         roll: dice.between(35, -0.1, 0.1),
         lamp_m: dice.between(36, 1.9, 3.0),
         ambient: dice.between(37, 0.005, 0.05),
@@ -201,6 +202,7 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
     View {
         eye,
         target,
+        travel: UP * -(height - 0.8),
         roll: dice.between(36, -0.12, 0.12),
         lamp_m: dice.between(37, 1.7, 2.8),
         ambient: dice.between(38, 0.005, 0.06),

@@ -44,6 +44,8 @@ pub(crate) struct Site {
     pub(crate) pose: CameraPose,
     /// What that camera looks at.
     pub(crate) target: [f64; 3],
+    /// The way along which a camera moves past the site: a vector of the usual length, m.
+    pub(crate) travel: [f64; 3],
     /// Distance at which the lamp gives full light, m.
     pub(crate) lamp_m: f32,
     /// Light from above, relative to that.

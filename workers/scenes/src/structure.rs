@@ -6,7 +6,7 @@ mod build;
 use crate::site::Site;
 use crate::site::builder::{Builder, View};
 use crate::site::chance::Dice;
-use crate::site::vector::{ZERO, vec3};
+use crate::site::vector::{UP, ZERO, vec3};
 
 /// The site of a seed.
 pub(crate) fn site(seed: u64) -> Site {
@@ -41,6 +41,7 @@ pub(crate) fn site(seed: u64) -> Site {
     builder.site(&View {
         eye,
         target: aim,
+        travel: (aim - eye).cross(UP).unit() * (0.7 * distance),
         roll: dice.between(7, -0.09, 0.09),
         lamp_m: (aim - eye).length() * dice.between(8, 0.85, 1.25),
         ambient: dice.between(9, 0.08, 0.35),

@@ -4,8 +4,20 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 
 use crate::labels::Labels;
+use crate::path::{CameraPath, LARGEST_SWAY, Sway, Waypoint};
+use crate::pose::{add, scale};
+use crate::site::vector::vec3;
 use crate::site::{self, Picture, Site};
 use crate::{CameraPose, Scene, SceneError, pipeline, shaft, structure};
+
+/// A camera on a path must keep this far from surfaces, m.
+pub const LEAST_CLEARANCE_M: f64 = 0.05;
+/// What [`World::path`] keeps free, m.
+const CLEAR_M: f64 = 0.2;
+/// Places looked at on each side of the usual pose.
+const STEPS: usize = 60;
+/// A path is no shorter than this share of its usual length.
+const SHORTEST_SHARE: f64 = 0.02;
 
 /// The world of a family and a seed. It does not change between the frames of a sequence.
 ///
@@ -43,6 +55,61 @@ impl World {
     #[must_use]
     pub fn target(&self) -> [f64; 3] {
         self.site.target
+    }
+
+    /// Distance in metres of a point from the nearest surface, below 0 inside a solid or under the ground. Near stones and round
+    /// things it may be less than the true distance, never more.
+    #[must_use]
+    pub fn clearance(&self, point: [f64; 3]) -> f64 {
+        let at = vec3(point[0] as f32, point[1] as f32, point[2] as f32);
+        let solids = self.site.solids.iter();
+        f64::from(solids.map(|solid| solid.distance(at)).fold(at.z, f32::min))
+    }
+
+    /// A path past the site: through the usual position, along what there is to see, as long as nothing is in the way.
+    ///
+    /// # Errors
+    /// What is wrong with the number of frames or the sway.
+    pub fn path(&self, frames: usize, sway: Sway) -> Result<CameraPath, Vec<SceneError>> {
+        let (eye, target) = (self.site.pose.position_m, self.site.target);
+        let at = |share: f64| add(eye, scale(self.site.travel, share));
+        let room = CLEAR_M + 2.0 * sway.position_m.clamp(0.0, LARGEST_SWAY.0);
+        // Both ways from the usual pose, until something is near.
+        let free = |direction: f64| {
+            let clear =
+                |&step: &usize| self.clearance(at(direction * 0.5 * step as f64 / STEPS as f64)) >= room;
+            let steps = (1..=STEPS).take_while(clear).count();
+            direction * 0.5 * steps as f64 / STEPS as f64
+        };
+        let (mut first, mut last) = (free(-1.0), free(1.0));
+        if last - first < SHORTEST_SHARE {
+            (first, last) = (-0.5 * SHORTEST_SHARE, 0.5 * SHORTEST_SHARE);
+        }
+        let waypoint = |share: f64| Waypoint {
+            position_m: at(share),
+            target_m: add(target, scale(self.site.travel, share)),
+        };
+        CameraPath::new(waypoint(first), waypoint(last), frames, sway)
+    }
+
+    /// Whether a camera on the path stays clear of everything; looked at in at most 1000 of its frames.
+    ///
+    /// # Errors
+    /// [`SceneError::Blocked`], naming the first such frame.
+    pub fn check(&self, path: &CameraPath) -> Result<(), SceneError> {
+        let stride = path.frames().div_ceil(1000);
+        for frame in (0..path.frames()).step_by(stride) {
+            let distance_m = self.clearance(path.pose(frame).position_m);
+            if distance_m < LEAST_CLEARANCE_M {
+                return Err(SceneError::Blocked {
+                    field: "path",
+                    frame,
+                    distance_m,
+                    limit_m: LEAST_CLEARANCE_M,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// What a camera of the given pose, frame size and intrinsics sees. Without width or height the frame is empty.
@@ -115,7 +182,7 @@ fn renumber(instances: &mut [u16]) -> Vec<u16> {
 mod tests {
     use super::*;
     use crate::FAMILIES;
-    use crate::pose::{add, scale, unit};
+    use crate::pose::{length, sub, unit};
     use crate::site::solid::reference;
 
     const SEEDS: std::ops::Range<u64> = 0..24;
@@ -179,6 +246,48 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn paths_are_clear_and_the_world_stays_as_it_is() {
+        let sway = Sway {
+            position_m: 0.04,
+            angle_rad: 0.02,
+            period_frames: 30.0,
+            seed: 3,
+        };
+        for family in FAMILIES {
+            let mut shortest = f64::INFINITY;
+            for seed in SEEDS {
+                let world = World::of(family, seed).unwrap();
+                let path = world.path(60, sway).unwrap();
+                assert_eq!(world.check(&path), Ok(()), "{family} {seed}");
+                let (first, last) = (path.pose(0).position_m, path.pose(59).position_m);
+                shortest = shortest.min(length(sub(last, first)));
+            }
+            println!("{family}: shortest path {shortest:.2} m");
+            assert!(shortest > 0.2, "{family}: {shortest}");
+        }
+    }
+
+    #[test]
+    fn a_path_through_something_is_refused() {
+        let world = World::of("pipeline", 3).unwrap();
+        let Waypoint { position_m, target_m } = Waypoint {
+            position_m: world.pose().position_m,
+            target_m: world.target(),
+        };
+        let through = Waypoint {
+            position_m: add(target_m, sub(target_m, position_m)),
+            target_m: add(target_m, scale(sub(target_m, position_m), 3.0)),
+        };
+        let start = Waypoint { position_m, target_m };
+        let path = CameraPath::new(start, through, 101, Sway::NONE).unwrap();
+        let error = world.check(&path).unwrap_err();
+        assert!(
+            matches!(error, SceneError::Blocked { frame: 10..=90, .. }),
+            "{error}"
+        );
     }
 
     /// Rays that graze an edge may meet another solid in f64; no more than this share of them.

@@ -26,6 +26,8 @@ pub(crate) struct View {
     pub(crate) eye: Vec3,
     pub(crate) target: Vec3,
     pub(crate) roll: f32,
+    /// The way past the site, m.
+    pub(crate) travel: Vec3,
     pub(crate) lamp_m: f32,
     pub(crate) ambient: f32,
 }
@@ -61,6 +63,7 @@ impl Builder {
             objects: self.objects,
             pose: CameraPose::looking(eye, target, f64::from(view.roll)),
             target,
+            travel: wide(view.travel),
             lamp_m: view.lamp_m,
             ambient: view.ambient,
         }
