@@ -3,13 +3,11 @@
 use std::fs::File;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use catalogue::{Catalogue, CatalogueError};
+use catalogue::CatalogueError;
 use proto::limits::shorten;
-use store::{Store, StoreError};
 use tokio::net::TcpListener;
 use tokio::sync::{Mutex, Notify};
 use tokio::task::{JoinError, JoinHandle};
@@ -19,9 +17,9 @@ use uuid::Uuid;
 use crate::auth::{TokenError, Tokens};
 use crate::compute::Compute;
 use crate::config::{Config, Surroundings};
+use crate::data::{Data, DataError};
 use crate::dispatch::Dispatch;
 use crate::fleet::{Fleet, OnExit, Recipe};
-use crate::lock::{self, LockError};
 use crate::state::{App, Shared};
 use crate::watch::Watch;
 use crate::{control, listener, reclaim, routes, strikes, telemetry};
@@ -38,22 +36,11 @@ pub enum StartError {
     #[error(transparent)]
     Token(#[from] TokenError),
     /// The data directory.
-    #[error("cannot create {}: {source}", path.display())]
-    Data {
-        /// The directory.
-        path: PathBuf,
-        /// What the file system said.
-        source: io::Error,
-    },
-    /// Another service, or a file system without locks.
     #[error(transparent)]
-    Lock(#[from] LockError),
-    /// The database of jobs and images.
+    Data(#[from] DataError),
+    /// Jobs that were open cannot be read.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
-    /// The artifact packs.
-    #[error(transparent)]
-    Store(#[from] StoreError),
     /// The listen address.
     #[error("cannot listen on {address}: {source}")]
     Listen {
@@ -95,13 +82,9 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
     if let Some(secret) = &worker_token {
         tokens.add_worker(secret);
     }
-    let path = config.data.clone();
-    tokio::fs::create_dir_all(&path)
-        .await
-        .map_err(|source| StartError::Data { path, source })?;
-    let lock = lock::take(&config.data)?;
     let limits = surroundings.limits;
-    let app = Arc::new(open(&config, surroundings).await?);
+    let (app, lock) = open(&config, surroundings).await?;
+    let app = Arc::new(app);
     take_up_open_jobs(&app).await?;
     let listen = |source| StartError::Listen {
         address: config.listen,
@@ -157,11 +140,16 @@ impl Service {
     }
 }
 
-async fn open(config: &Config, surroundings: Surroundings) -> Result<App, StartError> {
+async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File), StartError> {
     let vocabulary = renderer::vocabulary(&config.library, false);
-    Ok(App {
-        catalogue: Catalogue::open(&config.data.join("catalogue.sqlite"), &vocabulary.metrics).await?,
-        store: Store::open(&config.data).await?,
+    let Data {
+        catalogue,
+        store,
+        lock,
+    } = Data::open(&config.data, &vocabulary.metrics).await?;
+    let app = App {
+        catalogue,
+        store,
         dispatch: Dispatch::new(surroundings.clock.clone(), first_token()),
         watch: Watch::default(),
         compute: Compute::new(surroundings.limits.compute),
@@ -173,7 +161,8 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<App, StartE
         clock: surroundings.clock,
         telemetry: telemetry::install(),
         stop: CancellationToken::new(),
-    })
+    };
+    Ok((app, lock))
 }
 
 /// Offers the frames that an earlier life of the service left open.

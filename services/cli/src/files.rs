@@ -1,7 +1,7 @@
 //! Reading what the user names and writing results so that no half-written file is ever visible.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use imaging::Raster;
@@ -18,6 +18,25 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
 pub(crate) fn read_picture(path: &Path) -> Result<Raster, Failure> {
     codec::decode_picture(&read(path)?)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
+}
+
+/// The pictures of a folder by name, folders below it left aside.
+pub(crate) fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let unreadable = |error| Failure::BadInput(format!("{}: {error}", folder.display()));
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let extension = path
+            .extension()
+            .and_then(|e| e.to_str())
+            .unwrap_or_default()
+            .to_ascii_lowercase();
+        if path.is_file() && ["png", "jpg", "jpeg", "webp"].contains(&extension.as_str()) {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
 }
 
 /// Writes a file under a temporary name beside it and renames it into place.

@@ -3,6 +3,7 @@
 mod commands;
 mod exit;
 mod files;
+mod machine;
 mod progress;
 mod remote;
 mod sheet;

@@ -11,6 +11,7 @@ mod serve;
 mod sheet;
 mod styles;
 mod submit;
+mod table1;
 mod upload;
 mod waters;
 mod worker;
@@ -42,6 +43,8 @@ pub(crate) enum Command {
     Enhance(enhance::Arguments),
     /// Measure the quality of pictures
     Measure(measure::Arguments),
+    /// Compare the enhancement methods over a folder of pictures or a dataset
+    Table1(table1::Arguments),
     /// List the optical water presets
     Waters(waters::Arguments),
     /// List the style waters
@@ -65,6 +68,7 @@ impl Command {
             Self::Sheet(arguments) => sheet::run(&arguments),
             Self::Enhance(arguments) => enhance::run(&arguments),
             Self::Measure(arguments) => measure::run(&arguments),
+            Self::Table1(arguments) => table1::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),
             Self::Figure(arguments) => figure::run(&arguments),

@@ -1,0 +1,218 @@
+//! Points and lines over two axes, each linear or logarithmic.
+
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::element::{Circle, PathElement, Text};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontTransform};
+use plotters_backend::DrawingBackend;
+
+use super::{FAINT, Figure, INK, PALETTE, ink};
+
+/// An axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What it measures, with its unit.
+    pub title: String,
+    /// Powers of ten at equal distances; values must then be above 0.
+    pub logarithmic: bool,
+}
+
+/// A point with what it says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// Along the horizontal axis.
+    pub x: f64,
+    /// Along the vertical axis.
+    pub y: f64,
+    /// Beside the point, if anything.
+    pub label: String,
+    /// Drawn with a ring.
+    pub ringed: bool,
+}
+
+/// Points of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// In the legend.
+    pub name: String,
+    /// The points.
+    pub marks: Vec<Mark>,
+    /// Joined by a line.
+    pub joined: bool,
+}
+
+/// Points and lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lines {
+    /// Above everything.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// What is drawn, in the order of the legend.
+    pub series: Vec<Series>,
+}
+
+const SIZE: (i32, i32) = (900, 560);
+const LEFT: i32 = 100;
+const RIGHT: i32 = 210;
+const TOP: i32 = 48;
+const BOTTOM: i32 = 64;
+
+/// Maps values to pixels.
+struct Scale {
+    low: f64,
+    high: f64,
+    logarithmic: bool,
+    from: i32,
+    to: i32,
+}
+
+impl Scale {
+    fn new(axis: &Axis, values: impl Iterator<Item = f64>, from: i32, to: i32) -> Self {
+        let logarithmic = axis.logarithmic;
+        let usable = values.filter(|v| v.is_finite() && (!logarithmic || *v > 0.0));
+        let (low, high) = usable
+            .map(|v| if logarithmic { v.log10() } else { v })
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            });
+        let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
+        let room = if high > low { 0.06 * (high - low) } else { 0.5 };
+        Self {
+            low: low - room,
+            high: high + room,
+            logarithmic,
+            from,
+            to,
+        }
+    }
+
+    fn pixel(&self, value: f64) -> Option<i32> {
+        let v = if self.logarithmic { value.log10() } else { value };
+        let share = (v - self.low) / (self.high - self.low);
+        share
+            .is_finite()
+            .then(|| self.from + (share * f64::from(self.to - self.from)).round() as i32)
+    }
+
+    /// Values for grid lines, with their texts.
+    fn ticks(&self) -> Vec<(f64, String)> {
+        if self.logarithmic {
+            let decades = self.low.ceil() as i32..=self.high.floor() as i32;
+            let mut ticks: Vec<(f64, String)> = decades.map(|d| (10_f64.powi(d), power(d))).collect();
+            if ticks.len() < 2 {
+                for decade in self.low.floor() as i32..=self.high.ceil() as i32 {
+                    ticks.extend([2.0, 5.0].map(|m| (m * 10_f64.powi(decade), power_times(m, decade))));
+                }
+                ticks.retain(|(v, _)| (self.low..=self.high).contains(&v.log10()));
+            }
+            return ticks;
+        }
+        let rough = (self.high - self.low) / 6.0;
+        let unit = 10_f64.powf(rough.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0]
+            .map(|m| m * unit)
+            .into_iter()
+            .find(|&s| s >= rough)
+            .unwrap_or(rough);
+        let digits = (-step.log10().floor()).max(0.0) as usize;
+        let (first, last) = ((self.low / step).ceil() as i64, (self.high / step).floor() as i64);
+        (first..=last)
+            .map(|n| n as f64 * step)
+            .map(|v| (v, format!("{v:.digits$}")))
+            .collect()
+    }
+}
+
+fn power(decade: i32) -> String {
+    match decade {
+        -3..=4 => format!(
+            "{:.*}",
+            decade.min(0).unsigned_abs() as usize,
+            10_f64.powi(decade)
+        ),
+        _ => format!("1e{decade}"),
+    }
+}
+
+fn power_times(m: f64, decade: i32) -> String {
+    match decade {
+        -3..=4 => format!(
+            "{:.*}",
+            decade.min(0).unsigned_abs() as usize,
+            m * 10_f64.powi(decade)
+        ),
+        _ => format!("{m}e{decade}"),
+    }
+}
+
+impl Figure for Lines {
+    fn size(&self) -> (u32, u32) {
+        (SIZE.0 as u32, SIZE.1 as u32)
+    }
+
+    fn draw<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+        let marks = || self.series.iter().flat_map(|series| &series.marks);
+        let (right, bottom) = (SIZE.0 - RIGHT, SIZE.1 - BOTTOM);
+        let x = Scale::new(&self.x, marks().map(|mark| mark.x), LEFT, right);
+        let y = Scale::new(&self.y, marks().map(|mark| mark.y), bottom, TOP);
+        area.draw(&Text::new(self.title.clone(), (12, 12), ink()))?;
+        for (value, text) in x.ticks() {
+            let Some(at) = x.pixel(value) else { continue };
+            area.draw(&PathElement::new(vec![(at, TOP), (at, bottom)], FAINT))?;
+            let style = ink().pos(Pos::new(HPos::Center, VPos::Top));
+            area.draw(&Text::new(text, (at, bottom + 8), style))?;
+        }
+        for (value, text) in y.ticks() {
+            let Some(at) = y.pixel(value) else { continue };
+            area.draw(&PathElement::new(vec![(LEFT, at), (right, at)], FAINT))?;
+            let style = ink().pos(Pos::new(HPos::Right, VPos::Center));
+            area.draw(&Text::new(text, (LEFT - 8, at), style))?;
+        }
+        area.draw(&PathElement::new(
+            vec![(LEFT, TOP), (LEFT, bottom), (right, bottom)],
+            INK,
+        ))?;
+        let under = ink().pos(Pos::new(HPos::Center, VPos::Top));
+        area.draw(&Text::new(
+            self.x.title.clone(),
+            ((LEFT + right) / 2, bottom + 32),
+            under,
+        ))?;
+        let beside = ink()
+            .pos(Pos::new(HPos::Center, VPos::Top))
+            .transform(FontTransform::Rotate270);
+        area.draw(&Text::new(self.y.title.clone(), (10, (TOP + bottom) / 2), beside))?;
+        for (index, series) in self.series.iter().enumerate() {
+            let colour = PALETTE[index % PALETTE.len()];
+            let points = series
+                .marks
+                .iter()
+                .filter_map(|mark| Some(((x.pixel(mark.x)?, y.pixel(mark.y)?), mark)));
+            let points: Vec<_> = points.collect();
+            if series.joined {
+                let path: Vec<_> = points.iter().map(|(at, _)| *at).collect();
+                area.draw(&PathElement::new(path, colour.stroke_width(2)))?;
+            }
+            for (at, mark) in &points {
+                area.draw(&Circle::new(*at, 4, colour.filled()))?;
+                if mark.ringed {
+                    area.draw(&Circle::new(*at, 9, INK.stroke_width(2)))?;
+                }
+                if !mark.label.is_empty() {
+                    area.draw(&Text::new(mark.label.clone(), (at.0 + 8, at.1 - 18), ink()))?;
+                }
+            }
+            let row = TOP + 8 + 22 * index as i32;
+            area.draw(&Circle::new((right + 20, row + 8), 5, colour.filled()))?;
+            area.draw(&Text::new(series.name.clone(), (right + 34, row), ink()))?;
+        }
+        Ok(())
+    }
+}
