@@ -236,14 +236,32 @@ impl Builder {
                 }
                 _ => {
                     self.object(Material::Rubber, Category::Cable);
-                    let radius = dice.between(4, 0.35, 1.1);
-                    let axis = vec3(dice.between(5, -0.04, 0.04), 0.0, 1.0);
-                    for (turn, side) in [1.0, -1.0].into_iter().enumerate() {
-                        let bend = Ring::new(radius, 0.02, dice.between(6 + turn as u64, 0.6, 1.2));
-                        self.ring(bend, centre + along * (side * radius), axis, along * -side);
-                    }
+                    self.cable(dice, centre, along);
                 }
             }
         }
+    }
+
+    /// A cable in two bends, one to each side.
+    fn cable(&mut self, dice: Dice, centre: Vec3, along: Vec3) {
+        const THICK_M: f32 = 0.02;
+        let axis = vec3(dice.between(5, -0.04, 0.04), 0.0, 1.0).unit();
+        let turned = |v: Vec3, angle: f32| {
+            let (sin, cos) = libm::sincosf(angle);
+            v * cos + axis.cross(v) * sin
+        };
+        let toward = (along - axis * along.dot(axis)).unit();
+        let (first, second) = (dice.between(4, 0.3, 0.9), dice.between(8, 0.3, 0.9));
+        let (half, other) = (dice.between(6, 0.6, 1.4), dice.between(7, 0.5, 1.3));
+        self.ring(Ring::new(first, THICK_M, half), centre, axis, toward);
+        // Where the first bend ends, the second goes on the other way round.
+        let end = turned(toward, half);
+        let pivot = centre + end * (first + second);
+        self.ring(
+            Ring::new(second, THICK_M, other),
+            pivot,
+            axis,
+            turned(-end, -other),
+        );
     }
 }

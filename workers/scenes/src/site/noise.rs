@@ -139,16 +139,17 @@ pub(crate) fn lattice(below: f32) -> u32 {
 
 pub(crate) const PRIMES: [u32; 3] = [0x9e37_79b1, 0x85eb_ca77, 0xc2b2_ae3d];
 
-/// The gradient at a corner.
+/// The gradient at a corner, in parts of [`GRADIENT_UNIT`]: the hash, and it again without its top ten and twenty bits, as
+/// signed numbers.
 #[inline(always)]
 pub(super) fn gradient(x: u32, y: u32, z: u32) -> [f32; 3] {
-    let h = x ^ y ^ z;
-    let h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
-    let h = (h ^ (h >> 12)).wrapping_mul(0x297a_2d39);
-    // The top ten bits, the next ten, and the ten after them, each as a number from 1 to 2 in a mantissa.
-    let part = |bits: u32| f32::from_bits(0x3f80_0000 | (bits & 0x007f_e000)) * 2.0 - 3.0;
-    [part(h >> 9), part(h << 1), part(h << 11)]
+    let h = hash(x, y, z);
+    let part = |bits: u32| bits as i32 as f32;
+    [part(h), part(h << 10), part(h << 20)]
 }
+
+/// A component of a gradient reaches from -1 to 1 after multiplication with this.
+pub(super) const GRADIENT_UNIT: f32 = 1.0 / 2_147_483_648.0;
 
 #[inline(always)]
 fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &Lane, octave: Octave) {
@@ -213,8 +214,8 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
         let (c01, c11) = (blend(c001, c101, u[0]), blend(c011, c111, u[0]));
         let (c0, c1) = (blend(c00, c10, u[1]), blend(c01, c11, u[1]));
         let c = blend(c0, c1, u[2]);
-        let seen = weight * clamp01(2.0 - 4.0 * fastest * footprint[i]);
-        sum.value[i] += seen * 1.4 * c[0];
+        let seen = clamp01(2.0 - 4.0 * fastest * footprint[i]) * (weight * 1.4 * GRADIENT_UNIT);
+        sum.value[i] += seen * c[0];
         if SLOPE {
             let du = f.map(|t| 30.0 * t * t * (t * (t - 2.0) + 1.0));
             let along_x = {
@@ -225,9 +226,9 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
             };
             let along_y = (c10[0] - c00[0]) + ((c11[0] - c01[0]) - (c10[0] - c00[0])) * u[2];
             let along_z = c1[0] - c0[0];
-            sum.slope[0][i] += seen * 1.4 * per_metre[0] * (c[1] + du[0] * along_x);
-            sum.slope[1][i] += seen * 1.4 * per_metre[1] * (c[2] + du[1] * along_y);
-            sum.slope[2][i] += seen * 1.4 * per_metre[2] * (c[3] + du[2] * along_z);
+            sum.slope[0][i] += seen * per_metre[0] * (c[1] + du[0] * along_x);
+            sum.slope[1][i] += seen * per_metre[1] * (c[2] + du[1] * along_y);
+            sum.slope[2][i] += seen * per_metre[2] * (c[3] + du[2] * along_z);
         }
     }
 }
@@ -273,11 +274,12 @@ mod tests {
     #[test]
     fn gradients_at_neighbouring_corners_have_nothing_in_common() {
         let at = |x: u32, y: u32, z: u32| {
-            gradient(
+            let [a, b, c] = gradient(
                 lattice(x as f32).wrapping_mul(PRIMES[0]) ^ 5,
                 lattice(y as f32).wrapping_mul(PRIMES[1]),
                 lattice(z as f32).wrapping_mul(PRIMES[2]),
-            )
+            );
+            [a, b, c].map(|part| part * GRADIENT_UNIT)
         };
         let (mut mean, mut alike, mut count) = ([0.0f64; 3], [0.0f64; 9], 0.0);
         for x in 0..24 {
@@ -289,7 +291,7 @@ mod tests {
                         .enumerate()
                     {
                         for axis in 0..3 {
-                            alike[3 * n + axis] += f64::from(here[axis] * there[axis]);
+                            alike[3 * n + axis] += f64::from(here[axis]) * f64::from(there[axis]);
                         }
                     }
                     (0..3).for_each(|axis| mean[axis] += f64::from(here[axis]));

@@ -83,7 +83,7 @@ impl Finish {
             }
         }
         let pores = place.dots(24.0, 0.22, 0.5, self.key ^ 0x77);
-        let cracks = place.noise(Octaves::even(0.8, 3, self.key ^ 0x3d));
+        let cracks = place.noise(Octaves::even(0.9, 2, self.key ^ 0x3d));
         let mix = Mix {
             base: self.base,
             wear: self.wear,
