@@ -32,6 +32,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/api",
         &[
             "catalogue",
+            "enhance",
             "faults",
             "imaging",
             "optics",

@@ -26,6 +26,7 @@ mod lock;
 mod openapi;
 mod paging;
 mod patient;
+mod pictures;
 mod problem;
 mod reclaim;
 mod routes;

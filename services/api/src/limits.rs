@@ -6,6 +6,12 @@ use std::time::Duration;
 pub(crate) const JSON_BYTES: usize = 1 << 20;
 /// One scene upload: radiance as float NPY of 16 Mpx (192 MiB) and its range (64 MiB).
 pub(crate) const SCENE_BYTES: usize = 256 << 20;
+/// Fields of a form, wrong ones and repeated ones included: a scene has eleven.
+pub(crate) const FORM_FIELDS: usize = 32;
+/// The two pictures of a measurement: 16-bit PNG of 16 Mpx that did not compress.
+pub(crate) const PICTURES_BYTES: usize = 200 << 20;
+/// A picture to enhance or measure at once: a method holds up to 200 bytes a pixel, 3 GiB at this size.
+pub(crate) const PICTURE_PIXELS: usize = 16_000_000;
 /// The text fields of a scene upload are numbers.
 pub(crate) const SCENE_FIELD_BYTES: usize = 64;
 /// The artifacts of one frame: three float layers of 12 Mpx, and the pictures.
@@ -72,6 +78,8 @@ pub struct Limits {
     pub streams: usize,
     /// Uploads at the same time: each may hold 256 MiB.
     pub uploads: usize,
+    /// Pictures enhanced or measured at the same time: each may hold 3 GiB.
+    pub pictures: usize,
     /// Worker calls at the same time, apart from those that wait for a lease. Their own budget, so that a flood of
     /// public requests cannot let leases expire.
     pub worker_calls: usize,
@@ -98,6 +106,7 @@ impl Default for Limits {
             waits: 1024,
             streams: 128,
             uploads: 4,
+            pictures: 2,
             worker_calls: 256,
             worker_uploads: 64,
             worker_waits: 4096,

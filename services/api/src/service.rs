@@ -153,6 +153,7 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         dispatch: Dispatch::new(surroundings.clock.clone(), first_token()),
         watch: Watch::default(),
         compute: Compute::new(surroundings.limits.compute),
+        pictures: Compute::new(surroundings.limits.pictures),
         vocabulary,
         library: config.library.clone(),
         style_runtime: surroundings.style_runtime,

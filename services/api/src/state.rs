@@ -22,6 +22,8 @@ pub(crate) struct App {
     pub(crate) dispatch: Dispatch,
     pub(crate) watch: Watch,
     pub(crate) compute: Compute,
+    /// The same for whole pictures of a user, which take much more memory.
+    pub(crate) pictures: Compute,
     pub(crate) library: Library,
     pub(crate) vocabulary: Vocabulary,
     /// Version of the ONNX Runtime that this machine's workers find, or why there is none.

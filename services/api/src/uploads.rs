@@ -51,6 +51,9 @@ impl Form {
         let mut form = Self::default();
         while let Some(field) = body.next_field().await.map_err(|error| broken(&error))? {
             form.take(field).await?;
+            if form.seen.len() + form.errors.len() > limits::FORM_FIELDS {
+                return Err(too_many());
+            }
         }
         if form.rgb.is_none() {
             form.refuse("rgb", "`rgb` is missing: the picture".to_owned());
@@ -193,11 +196,19 @@ async fn drain(mut field: Field<'_>) -> Result<(), Problem> {
     Ok(())
 }
 
-fn broken(error: &MultipartError) -> Problem {
+/// A form that is more than its fields.
+pub(crate) fn too_many() -> Problem {
+    Problem::new(
+        Slug::InvalidBody,
+        format!("the form has more than {} fields", limits::FORM_FIELDS),
+    )
+}
+
+/// A form that cannot be read to its end.
+pub(crate) fn broken(error: &MultipartError) -> Problem {
     match error.status() {
         StatusCode::PAYLOAD_TOO_LARGE => {
-            let detail = format!("the upload is larger than {} bytes", limits::SCENE_BYTES);
-            Problem::new(Slug::TooLarge, detail)
+            Problem::new(Slug::TooLarge, "the upload is larger than this route takes")
         }
         _ => Problem::new(Slug::InvalidBody, error.body_text()),
     }

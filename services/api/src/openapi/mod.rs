@@ -75,6 +75,7 @@ pub(crate) struct FieldError {
          (name = "images", description = "What was rendered"),
          (name = "datasets", description = "Collections of images"),
          (name = "scenes", description = "Pictures and ranges of your own"),
+         (name = "pictures", description = "Enhancing and measuring pictures of your own"),
          (name = "waters", description = "Optical presets and style models"),
          (name = "operations", description = "For those who run the service"))
 )]

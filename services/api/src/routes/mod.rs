@@ -4,6 +4,7 @@ pub(crate) mod datasets;
 pub(crate) mod health;
 pub(crate) mod images;
 pub(crate) mod jobs;
+pub(crate) mod pictures;
 pub(crate) mod renders;
 pub(crate) mod scenes;
 pub(crate) mod styles;
@@ -34,6 +35,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
     let waits = Budget::new("waits", limits.waits);
     let streams = Budget::new("streams", limits.streams);
     let uploads = Budget::new("uploads", limits.uploads);
+    let pictures = Budget::new("pictures", limits.pictures);
     let group = |scope, budget: &Budget, timeout, body_bytes| Group {
         scope,
         budget: budget.clone(),
@@ -50,7 +52,8 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(read, &streams, request, 0).around(streaming(), tokens))
         .merge(group(submit, &requests, request, limits::JSON_BYTES).around(submitting(), tokens))
         .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
-        .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens));
+        .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
+        .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
     let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
     openapi::complete(&mut document);
     let pages = SwaggerUi::new("/docs").url("/openapi.json", document);
@@ -117,6 +120,12 @@ fn rendering() -> OpenApiRouter<Shared> {
 
 fn uploading() -> OpenApiRouter<Shared> {
     OpenApiRouter::new().routes(routes!(scenes::create::create))
+}
+
+fn computing() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new()
+        .routes(routes!(pictures::enhance::enhance))
+        .routes(routes!(pictures::measure::measure))
 }
 
 /// Calls of workers have budgets of their own: no flood of public requests can let a lease expire.

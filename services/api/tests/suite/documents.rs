@@ -18,6 +18,8 @@ const ROUTES: &[(&str, &str)] = &[
     ("/v1/datasets/{name}/histogram", "get"),
     ("/v1/datasets/{name}/metadata.jsonl", "get"),
     ("/v1/datasets/{name}/metadata.csv", "get"),
+    ("/v1/enhance", "post"),
+    ("/v1/measure", "post"),
     ("/v1/scenes", "post"),
     ("/v1/scenes", "get"),
     ("/v1/waters", "get"),

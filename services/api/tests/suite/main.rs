@@ -13,5 +13,6 @@ mod images;
 mod jobs;
 mod load;
 mod messages;
+mod pictures;
 mod rendered;
 mod streams;

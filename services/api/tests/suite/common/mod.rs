@@ -183,8 +183,13 @@ impl Running {
         answer(agent().delete(format!("{}{path}", self.url)).call())
     }
 
-    /// A scene upload with these fields; a name that ends in `.file` is sent as a file.
+    /// A scene upload with these fields.
     pub(crate) fn upload(&self, fields: &[(&str, &[u8])]) -> Answer {
+        self.form("/v1/scenes", fields)
+    }
+
+    /// A form with these fields.
+    pub(crate) fn form(&self, path: &str, fields: &[(&str, &[u8])]) -> Answer {
         const BOUNDARY: &str = "----fathom-test-boundary";
         let mut body = Vec::new();
         for (name, bytes) in fields {
@@ -195,7 +200,7 @@ impl Running {
         }
         body.extend_from_slice(format!("--{BOUNDARY}--\r\n").as_bytes());
         let content_type = format!("multipart/form-data; boundary={BOUNDARY}");
-        self.post_with("/v1/scenes", &[("content-type", &content_type)], &body)
+        self.post_with(path, &[("content-type", &content_type)], &body)
     }
 
     /// Submits a job that must be accepted.
