@@ -42,7 +42,9 @@ impl From<StoreError> for Problem {
                 Self::new(Slug::CorruptArtifact, error.to_string())
             }
             StoreError::Closed => Self::overloaded("the service is stopping"),
-            StoreError::Pack { .. } | StoreError::Failed { .. } => Self::internal(&error),
+            StoreError::Pack { .. } | StoreError::Damaged { .. } | StoreError::Failed { .. } => {
+                Self::internal(&error)
+            }
         }
     }
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 /// SQLite's result codes that mean "no space": FULL, and the shared-memory file of the WAL that could not grow.
 const FULL: [&str; 2] = ["13", "4874"];
 
-/// SQLite's primary result codes that mean "these pages are not what was written": CORRUPT and NOTADB.
-const DAMAGED: [i32; 2] = [11, 26];
+/// SQLite's primary result codes that mean "these pages are not what was written": CORRUPT, NOTADB, and ERROR, since our
+/// statements are right for the tables that a pack has.
+const DAMAGED: [i32; 3] = [1, 11, 26];
 
 /// An error of the store.
 #[derive(Debug, thiserror::Error)]
@@ -44,6 +45,12 @@ pub enum StoreError {
         path: PathBuf,
         /// Why.
         reason: String,
+    },
+    /// A pack has pages that are not what was written.
+    #[error("artifact store: {message}")]
+    Damaged {
+        /// What SQLite said.
+        message: String,
     },
     /// The store was closed.
     #[error("the artifact store is closed")]
@@ -85,6 +92,7 @@ impl From<sqlx::Error> for StoreError {
         let message = error.to_string();
         match code {
             Some(code) if FULL.contains(&code.as_str()) => Self::Full { message },
+            _ if is_damage(&error) => Self::Damaged { message },
             _ => Self::Failed { message },
         }
     }

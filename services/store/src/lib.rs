@@ -6,11 +6,15 @@
 //! Readers have their own connections and never wait for the writer.
 //!
 //! Bytes are hashed when they come in and again whenever they go out: what no longer has its name is
-//! [`StoreError::Corrupt`] and is never served. Putting the same bytes again repairs it.
+//! [`StoreError::Corrupt`] and is never served. Putting the same bytes again repairs it. A pack with damage grows no more.
+//!
+//! Deleting takes a blob's entry away; its bytes stay in the pack until [`Store::compact`] moves what is left of the pack
+//! to the one that grows and removes the file.
 //!
 //! Which pack holds a digest is kept in memory, 50 to 85 bytes a blob, and read from the packs at start. There is no
 //! index file that could disagree with them.
 
+mod compaction;
 mod digest;
 mod error;
 mod index;
@@ -19,5 +23,6 @@ mod readers;
 mod store;
 mod writer;
 
+pub use compaction::Compaction;
 pub use error::StoreError;
-pub use store::{Blob, Store, StoreStats};
+pub use store::{Blob, Scrubbed, Store, StoreStats};

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqliteSynchronous};
-use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Executor, SqliteConnection};
 
+use crate::digest::Digest;
 use crate::error::StoreError;
 
 /// Large pages keep a blob of some hundred kilobytes in few pages: measured 3 to 4 times faster than 4 KiB pages.
@@ -39,14 +40,19 @@ impl Folder {
         self.0.join(format!("pack-{pack:06}.sqlite"))
     }
 
-    /// Numbers of the packs there are, in order. A pack that a crash left unfinished is taken away.
+    /// Numbers of the packs there are, in order. What a crash left of a pack is taken away.
     pub(crate) fn packs(&self) -> Result<Vec<u32>, StoreError> {
         let mut packs = Vec::new();
         for entry in std::fs::read_dir(&self.0)? {
             let entry = entry?;
             let name = entry.file_name();
             let Some(name) = name.to_str() else { continue };
-            if name.contains(".sqlite.new") {
+            let without_pack = [".sqlite-wal", ".sqlite-shm", ".sqlite-journal"]
+                .iter()
+                .filter_map(|end| name.strip_suffix(end))
+                .any(|pack| !self.0.join(format!("{pack}.sqlite")).exists());
+            if name.contains(".sqlite.new") || without_pack {
+                // A log without its pack would be taken for that of the next pack of this number.
                 std::fs::remove_file(entry.path())?;
             } else if let Some(number) = name
                 .strip_prefix("pack-")
@@ -66,6 +72,10 @@ impl Folder {
     pub(crate) async fn create(&self, pack: u32) -> Result<(), StoreError> {
         let path = self.path(pack);
         let unfinished = path.with_extension("sqlite.new");
+        // An attempt that met a full disk may have left a part.
+        if unfinished.exists() {
+            std::fs::remove_file(&unfinished)?;
+        }
         let options = SqliteConnectOptions::new()
             .filename(&unfinished)
             .create_if_missing(true);
@@ -96,6 +106,23 @@ impl Folder {
         Ok(SqliteConnection::connect_with(&options.disable_statement_logging()).await?)
     }
 
+    /// A connection to a pack that does not grow. Its log is folded in, so that reading needs no other file: on a full
+    /// disk none could be made.
+    pub(crate) async fn resting(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
+        let mut connection = self.plain(pack).await?;
+        fold_in(&mut connection).await;
+        Ok(connection)
+    }
+
+    /// A connection to a pack as it is.
+    pub(crate) async fn plain(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
+        let options = SqliteConnectOptions::new()
+            .filename(self.path(pack))
+            .busy_timeout(BUSY)
+            .synchronous(SqliteSynchronous::Full);
+        SqliteConnection::connect_with(&options.disable_statement_logging()).await
+    }
+
     /// A connection that only reads.
     pub(crate) async fn reader(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
         let options = SqliteConnectOptions::new()
@@ -104,25 +131,92 @@ impl Folder {
         SqliteConnection::connect_with(&options.pragma("query_only", "1").disable_statement_logging()).await
     }
 
-    fn sync(&self) -> Result<(), StoreError> {
+    /// Takes a pack that cannot be read at all out of the way and keeps it for inspection.
+    pub(crate) fn set_aside(&self, pack: u32) -> Result<(), StoreError> {
+        let path = self.path(pack);
+        for end in ["", "-wal", "-shm"] {
+            let with = |name: &Path| {
+                let mut name = name.as_os_str().to_owned();
+                name.push(end);
+                PathBuf::from(name)
+            };
+            let (from, to) = (with(&path), with(&path.with_extension("sqlite.damaged")));
+            if from.exists() {
+                std::fs::rename(from, to)?;
+            }
+        }
+        self.sync()
+    }
+
+    /// Takes a pack away for good.
+    pub(crate) fn remove(&self, pack: u32) -> Result<(), StoreError> {
+        let path = self.path(pack);
+        std::fs::remove_file(&path)?;
+        for end in ["-wal", "-shm"] {
+            let mut name = path.clone().into_os_string();
+            name.push(end);
+            match std::fs::remove_file(name) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
+                _ => {}
+            }
+        }
+        self.sync()
+    }
+
+    /// Bytes of a pack on the disk.
+    pub(crate) fn size(&self, pack: u32) -> Result<u64, StoreError> {
+        Ok(std::fs::metadata(self.path(pack))?.len())
+    }
+
+    pub(crate) fn sync(&self) -> Result<(), StoreError> {
         Ok(std::fs::File::open(&self.0)?.sync_all()?)
     }
 }
 
+/// Ends the write-ahead log of a pack that no longer grows. When a reader is in the way the log stays, which only
+/// matters on a full disk.
+pub(crate) async fn fold_in(connection: &mut SqliteConnection) {
+    let folded =
+        sqlx::raw_sql("PRAGMA busy_timeout = 200; PRAGMA journal_mode = DELETE; PRAGMA busy_timeout = 5000;")
+            .execute(connection)
+            .await;
+    if let Err(error) = folded {
+        tracing::debug!(%error, "a pack keeps its log for now");
+    }
+}
+
+/// Takes entries out of a pack; their bytes stay until the pack is rewritten.
+pub(crate) async fn forget(connection: &mut SqliteConnection, digests: &[Digest]) -> Result<(), sqlx::Error> {
+    connection.execute("BEGIN IMMEDIATE").await?;
+    let mut done = Ok(());
+    for digest in digests {
+        let one = sqlx::query("DELETE FROM entry WHERE digest = ?").bind(&digest.0[..]);
+        if let Err(error) = one.execute(&mut *connection).await {
+            done = Err(error);
+            break;
+        }
+    }
+    if done.is_ok() {
+        done = connection.execute("COMMIT").await.map(drop);
+    }
+    if done.is_err() {
+        // SQLite may have rolled back by itself.
+        let _ = connection.execute("ROLLBACK").await;
+    }
+    done
+}
+
 /// Refuses a file that is not a pack of this format.
 pub(crate) async fn check(connection: &mut SqliteConnection, path: &Path) -> Result<(), StoreError> {
-    let damaged = |error: sqlx::Error| StoreError::pack(path, error);
     let id: i64 = sqlx::query_scalar("PRAGMA application_id")
         .fetch_one(&mut *connection)
-        .await
-        .map_err(damaged)?;
+        .await?;
     if id != APPLICATION_ID {
         return Err(StoreError::pack(path, "it is some other SQLite database"));
     }
     let format: i64 = sqlx::query_scalar("PRAGMA user_version")
         .fetch_one(connection)
-        .await
-        .map_err(damaged)?;
+        .await?;
     if format != FORMAT {
         return Err(StoreError::pack(
             path,

@@ -1,8 +1,9 @@
 //! Connections that read packs: few, kept open, shared by all packs.
 
+use std::collections::HashSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use sqlx::SqliteConnection;
+use sqlx::{Connection, SqliteConnection};
 use tokio::sync::Semaphore;
 
 use crate::digest::Digest;
@@ -17,8 +18,15 @@ const IDLE: usize = 16;
 pub(crate) struct Readers {
     folder: Folder,
     permits: Semaphore,
+    idle: Mutex<Idle>,
+}
+
+#[derive(Default)]
+struct Idle {
     /// Oldest first.
-    idle: Mutex<Vec<(u32, SqliteConnection)>>,
+    connections: Vec<(u32, SqliteConnection)>,
+    /// Packs that are gone: a connection kept to one would keep its space.
+    retired: HashSet<u32>,
 }
 
 impl Readers {
@@ -49,21 +57,45 @@ impl Readers {
         Ok(bytes)
     }
 
+    /// Closes the idle connections to a pack.
+    pub(crate) fn let_go(&self, pack: u32) {
+        self.idle().connections.retain(|(other, _)| *other != pack);
+    }
+
+    /// The same for good: those that read at the moment are closed when they have ended.
+    pub(crate) fn retire(&self, pack: u32) {
+        self.idle().retired.insert(pack);
+        self.let_go(pack);
+    }
+
+    /// Closes all that are idle.
+    pub(crate) async fn close(&self) {
+        let idle = std::mem::take(&mut self.idle().connections);
+        for (pack, connection) in idle {
+            if let Err(error) = connection.close().await {
+                tracing::warn!(pack, %error, "a reader of an artifact pack did not close cleanly");
+            }
+        }
+    }
+
     fn take(&self, pack: u32) -> Option<SqliteConnection> {
-        let mut idle = self.idle();
-        let position = idle.iter().rposition(|(other, _)| *other == pack)?;
-        Some(idle.remove(position).1)
+        let connections = &mut self.idle().connections;
+        let position = connections.iter().rposition(|(other, _)| *other == pack)?;
+        Some(connections.remove(position).1)
     }
 
     fn keep(&self, pack: u32, connection: SqliteConnection) {
         let mut idle = self.idle();
-        idle.push((pack, connection));
-        if idle.len() > IDLE {
-            idle.remove(0);
+        if idle.retired.contains(&pack) {
+            return;
+        }
+        idle.connections.push((pack, connection));
+        if idle.connections.len() > IDLE {
+            idle.connections.remove(0);
         }
     }
 
-    fn idle(&self) -> MutexGuard<'_, Vec<(u32, SqliteConnection)>> {
+    fn idle(&self) -> MutexGuard<'_, Idle> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::task::JoinHandle;
 
 use crate::digest::Digest;
-use crate::error::StoreError;
+use crate::error::{StoreError, is_damage};
 use crate::index::Index;
 use crate::pack::Folder;
 use crate::readers::Readers;
-use crate::writer::{Put, Writer};
+use crate::writer::{Put, Shared, Writer};
 
 /// A pack is closed and the next one begun at this size: large enough that packs stay few, small enough to copy one.
 const PACK_BYTES: u64 = 2 << 30;
@@ -33,21 +33,35 @@ pub struct StoreStats {
     pub blobs: u64,
     /// Their bytes.
     pub bytes: u64,
+    /// Packs that could not be read at all at start and were renamed to `….damaged`.
+    pub set_aside: u64,
+}
+
+/// How a stored blob is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scrubbed {
+    /// Its bytes have the digest that names them.
+    Good,
+    /// They have another one, or cannot be read.
+    Corrupt,
+    /// It is not there.
+    Missing,
 }
 
 /// Blobs by digest.
 pub struct Store {
-    index: Arc<Mutex<Index>>,
-    readers: Readers,
+    pub(crate) shared: Arc<Shared>,
     writer: Mutex<Option<Writer>>,
     task: Mutex<Option<JoinHandle<()>>>,
+    /// Held by what must not meet itself: rewriting packs and copying them.
+    pub(crate) upkeep: tokio::sync::Mutex<()>,
 }
 
 impl Store {
-    /// Opens or creates the store in `folder/packs`.
+    /// Opens or creates the store in `folder/packs`. A pack that cannot be read at all is set aside: the others are good.
     ///
     /// # Errors
-    /// [`StoreError::Pack`] naming a file that is no readable pack.
+    /// [`StoreError::Pack`] naming a file that is some other database or a later format.
     pub async fn open(folder: &Path) -> Result<Self, StoreError> {
         Self::open_with(folder, PACK_BYTES).await
     }
@@ -60,74 +74,104 @@ impl Store {
         let folder = Folder(folder.join("packs"));
         std::fs::create_dir_all(&folder.0)?;
         let packs = folder.packs()?;
-        let index = Arc::new(Mutex::new(Index::load(&folder, &packs).await?));
-        let (writer, task) = Writer::start(folder.clone(), Arc::clone(&index), pack_bytes);
+        let shared = Arc::new(Shared {
+            index: Mutex::new(Index::load(&folder, &packs).await?),
+            readers: Readers::new(folder.clone()),
+            folder,
+            pack_bytes,
+        });
+        let (writer, task) = Writer::start(Arc::clone(&shared));
         Ok(Self {
-            index,
-            readers: Readers::new(folder),
+            shared,
             writer: Mutex::new(Some(writer)),
             task: Mutex::new(Some(task)),
+            upkeep: tokio::sync::Mutex::default(),
         })
     }
 
-    /// Stores blobs; they are on the disk when this returns. What is there already is not written again, so repeats are
-    /// harmless.
+    /// Stores blobs; they are on the disk when this returns. What is there already is read and hashed: good bytes are not
+    /// written again, so repeats are harmless, and damaged bytes are replaced.
     ///
     /// # Errors
     /// [`StoreError::DigestMismatch`], [`StoreError::NotADigest`]: nothing of the call is stored. [`StoreError::Full`].
     pub async fn put_all(&self, blobs: Vec<Blob>) -> Result<(), StoreError> {
-        let checked = tokio::task::spawn_blocking(move || {
-            blobs.into_iter().map(checked).collect::<Result<Vec<_>, _>>()
-        });
-        let mut new = checked.await.map_err(|error| StoreError::Failed {
-            message: error.to_string(),
-        })??;
-        {
-            let index = self.index();
-            new.retain(|put| !index.holds(&put.digest));
+        let checked = blocking(move || blobs.into_iter().map(checked).collect::<Result<Vec<_>, _>>());
+        let mut new = Vec::new();
+        for put in checked.await?? {
+            let there = self.index().holds(&put.digest);
+            if !there || self.scrubbed(put.digest).await? != Scrubbed::Good {
+                new.push(put);
+            }
         }
         if new.is_empty() {
             return Ok(());
         }
-        let writer = self
-            .writer
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
-            .ok_or(StoreError::Closed)?;
-        writer.put(new).await
+        self.writer()?.put(new).await
     }
 
-    /// The bytes of a digest, hashed again; none if it was never stored.
+    /// The bytes of a digest, hashed again; none if it is not stored.
     ///
     /// # Errors
     /// [`StoreError::Corrupt`] when the stored bytes no longer have this digest: they are not served.
     pub async fn get(&self, digest: &str) -> Result<Option<Vec<u8>>, StoreError> {
-        let digest = Digest::parse(digest)?;
-        let Some(place) = self.index().place(&digest) else {
-            return Ok(None);
-        };
-        let corrupt = || {
-            self.index().set_damaged(digest);
-            StoreError::Corrupt {
-                digest: digest.to_string(),
+        self.read(Digest::parse(digest)?).await
+    }
+
+    pub(crate) async fn read(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
+        loop {
+            let Some(place) = self.index().place(&digest) else {
+                return Ok(None);
+            };
+            let read = self.shared.readers.read(place.pack, digest).await;
+            let intact = match read {
+                Ok(Some(bytes)) => {
+                    let (found, bytes) = blocking(move || (Digest::of(&bytes), bytes)).await?;
+                    (found == digest).then_some(bytes)
+                }
+                Ok(None) => None,
+                Err(error) if is_damage(&error) || !self.shared.folder.path(place.pack).exists() => None,
+                // It was moved or deleted meanwhile.
+                Err(_) if self.index().place(&digest) != Some(place) => continue,
+                Err(error) => return Err(error.into()),
+            };
+            if intact.is_some() {
+                return Ok(intact);
             }
-        };
-        let bytes = match self.readers.read(place.pack, digest).await {
-            Ok(Some(bytes)) => bytes,
-            Ok(None) => return Err(corrupt()),
-            Err(error) if crate::error::is_damage(&error) => return Err(corrupt()),
-            Err(error) => return Err(error.into()),
-        };
-        let hashed = tokio::task::spawn_blocking(move || (Digest::of(&bytes), bytes)).await;
-        let (found, bytes) = hashed.map_err(|error| StoreError::Failed {
-            message: error.to_string(),
-        })?;
-        if found == digest {
-            Ok(Some(bytes))
-        } else {
-            Err(corrupt())
+            let mut index = self.index();
+            if index.place(&digest) == Some(place) {
+                index.set_damaged(digest, place);
+                return Err(StoreError::Corrupt {
+                    digest: digest.to_string(),
+                });
+            }
         }
+    }
+
+    /// Reads a blob and hashes it.
+    ///
+    /// # Errors
+    /// [`StoreError::NotADigest`]; [`StoreError::Failed`] when the disk cannot be read.
+    pub async fn scrub(&self, digest: &str) -> Result<Scrubbed, StoreError> {
+        self.scrubbed(Digest::parse(digest)?).await
+    }
+
+    async fn scrubbed(&self, digest: Digest) -> Result<Scrubbed, StoreError> {
+        match self.read(digest).await {
+            Ok(Some(_)) => Ok(Scrubbed::Good),
+            Ok(None) => Ok(Scrubbed::Missing),
+            Err(StoreError::Corrupt { .. }) => Ok(Scrubbed::Corrupt),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Makes blobs unreadable, and their space free for [`Store::compact`]; answers their bytes. What is not there is
+    /// left out. Nobody may name one of them again before this returns.
+    ///
+    /// # Errors
+    /// [`StoreError::NotADigest`]: nothing is deleted. [`StoreError::Full`]: some may be; the call can be repeated.
+    pub async fn delete(&self, digests: &[String]) -> Result<u64, StoreError> {
+        let digests = digests.iter().map(|digest| Digest::parse(digest));
+        self.writer()?.delete(digests.collect::<Result<_, _>>()?).await
     }
 
     /// Whether a digest is stored and not known to be damaged.
@@ -149,11 +193,14 @@ impl Store {
             packs: index.packs().len() as u64,
             blobs: sum(|pack| pack.blobs),
             bytes: sum(|pack| pack.bytes),
+            set_aside: index.set_aside(),
         }
     }
 
-    /// Ends the writer after what it has taken on.
+    /// Ends the writer after what it has taken on, and closes all connections.
     pub async fn close(&self) {
+        // The writer's connection is the last: it folds the log into the pack.
+        self.shared.readers.close().await;
         drop(self.writer.lock().unwrap_or_else(PoisonError::into_inner).take());
         let task = self.task.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(task) = task {
@@ -161,9 +208,22 @@ impl Store {
         }
     }
 
-    fn index(&self) -> MutexGuard<'_, Index> {
-        self.index.lock().unwrap_or_else(PoisonError::into_inner)
+    pub(crate) fn index(&self) -> MutexGuard<'_, Index> {
+        self.shared.index()
     }
+
+    pub(crate) fn writer(&self) -> Result<Writer, StoreError> {
+        let writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
+        writer.clone().ok_or(StoreError::Closed)
+    }
+}
+
+/// Hashing takes too long for a thread that others wait for.
+async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, StoreError> {
+    let failed = |error: tokio::task::JoinError| StoreError::Failed {
+        message: error.to_string(),
+    };
+    tokio::task::spawn_blocking(work).await.map_err(failed)
 }
 
 fn checked(blob: Blob) -> Result<Put, StoreError> {

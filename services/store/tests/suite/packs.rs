@@ -1,18 +1,8 @@
 //! What goes in comes out, or an error does.
 
 use fathom_store::{Blob, Store, StoreError};
-use sha2::{Digest, Sha256};
 
-fn blob(bytes: &[u8]) -> Blob {
-    let digest = Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
-    Blob {
-        digest,
-        bytes: bytes.to_vec(),
-    }
-}
+use crate::fixture::blob;
 
 #[tokio::test]
 async fn bytes_come_back_after_a_restart_and_repeats_are_not_stored_twice() {
@@ -115,14 +105,15 @@ async fn damaged_bytes_are_never_served_and_can_be_put_again() {
 }
 
 #[tokio::test]
-async fn a_foreign_file_among_the_packs_is_named() {
+async fn a_foreign_database_among_the_packs_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::create_dir(folder.path().join("packs")).unwrap();
-    std::fs::write(
-        folder.path().join("packs/pack-000001.sqlite"),
-        b"not a database at all",
-    )
-    .unwrap();
+    let store = Store::open(folder.path()).await.unwrap();
+    store.put_all(vec![blob(b"one")]).await.unwrap();
+    store.close().await;
+    let pack = folder.path().join("packs/pack-000001.sqlite");
+    let mut bytes = std::fs::read(&pack).unwrap();
+    bytes[68..72].fill(0);
+    std::fs::write(&pack, bytes).unwrap();
     let error = Store::open(folder.path()).await.err().unwrap();
     assert!(error.to_string().contains("pack-000001.sqlite"), "{error}");
 }

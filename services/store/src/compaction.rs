@@ -1,0 +1,135 @@
+//! Rewriting packs that hold little, and copying all of them.
+
+use std::path::Path;
+
+use sqlx::Connection;
+
+use crate::error::StoreError;
+use crate::pack::Folder;
+use crate::store::Store;
+use crate::writer::Put;
+
+/// Bytes that one step moves: they are in memory, and other writes wait for it.
+const STEP_BYTES: usize = 32 << 20;
+
+/// What a compaction did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Compaction {
+    /// Packs that are gone.
+    pub packs: u64,
+    /// Bytes of the disk that are free again.
+    pub bytes_freed: u64,
+}
+
+impl Store {
+    /// Rewrites the packs of which more than half is deleted: what they still hold moves to the pack that grows, step by
+    /// step, and the files go. Readers find every blob all the while, and so does a start after a crash. The emptiest
+    /// pack goes first, so that a full disk gets room.
+    ///
+    /// # Errors
+    /// [`StoreError::Full`] and others: what is done stays done, and another call goes on.
+    pub async fn compact(&self) -> Result<Compaction, StoreError> {
+        let _alone = self.upkeep.lock().await;
+        let mut packs: Vec<_> = self
+            .index()
+            .packs()
+            .iter()
+            .map(|(&pack, &used)| (used.bytes, pack))
+            .collect();
+        packs.sort_unstable();
+        let mut all = Compaction::default();
+        for (live, pack) in packs {
+            let size = self.shared.folder.size(pack)?;
+            if size <= 2 * live || !self.is_mostly_dead(pack, live).await? {
+                continue;
+            }
+            self.index().seal(pack);
+            let moved = self.empty(pack).await?;
+            if self.writer()?.remove(pack).await? {
+                all.packs += 1;
+                all.bytes_freed += size.saturating_sub(moved);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Pages are never quite full, so the file's size alone does not tell.
+    async fn is_mostly_dead(&self, pack: u32, live: u64) -> Result<bool, StoreError> {
+        let mut connection = self.shared.folder.reader(pack).await?;
+        let written = sqlx::query_scalar::<_, i64>("SELECT coalesce(sum(length(bytes)), 0) FROM data")
+            .fetch_one(&mut connection)
+            .await;
+        connection.close().await?;
+        match written.map_err(StoreError::from) {
+            Ok(written) => Ok(u64::try_from(written).unwrap_or(0).saturating_sub(live) > live),
+            // What is damaged cannot be counted. With nothing left in it, it may go.
+            Err(StoreError::Damaged { .. }) => Ok(live == 0),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Moves the blobs of a pack to the one that grows; answers their bytes. Damaged ones stay, and with them the pack.
+    async fn empty(&self, pack: u32) -> Result<u64, StoreError> {
+        let (mut step, mut in_step, mut moved) = (Vec::new(), 0, 0);
+        let blobs = self.index().blobs_of(pack);
+        for digest in blobs {
+            match self.read(digest).await {
+                Ok(None) | Err(StoreError::Corrupt { .. }) => continue,
+                Ok(Some(bytes)) => {
+                    in_step += bytes.len();
+                    step.push(Put { digest, bytes });
+                }
+                Err(error) => return Err(error),
+            }
+            if in_step >= STEP_BYTES {
+                moved += self.shift(pack, std::mem::take(&mut step)).await?;
+                in_step = 0;
+            }
+        }
+        Ok(moved + self.shift(pack, step).await?)
+    }
+
+    async fn shift(&self, from: u32, step: Vec<Put>) -> Result<u64, StoreError> {
+        let bytes = step.iter().map(|put| put.bytes.len() as u64).sum();
+        self.writer()?.shift(from, step).await?;
+        Ok(bytes)
+    }
+
+    /// Copies every pack to a folder that another store can open, while this one goes on. Blobs that are deleted
+    /// meanwhile may be missing in the copy: copy the catalogue first and delete nothing until both are done.
+    ///
+    /// # Errors
+    /// [`StoreError::Failed`], also when the folder has packs; [`StoreError::Full`].
+    pub async fn backup(&self, to: &Path) -> Result<(), StoreError> {
+        let _alone = self.upkeep.lock().await;
+        let copies = Folder(to.join("packs"));
+        std::fs::create_dir_all(&copies.0)?;
+        if !copies.packs()?.is_empty() {
+            let message = format!("{} has packs already", copies.0.display());
+            return Err(StoreError::Failed { message });
+        }
+        let packs: Vec<u32> = self.index().packs().keys().copied().collect();
+        for pack in packs {
+            self.copy(pack, &copies).await?;
+        }
+        copies.sync()
+    }
+
+    async fn copy(&self, pack: u32, copies: &Folder) -> Result<(), StoreError> {
+        let mut connection = self.shared.folder.plain(pack).await?;
+        let copied = sqlx::query("VACUUM INTO ?")
+            .bind(copies.path(pack).display().to_string())
+            .execute(&mut connection)
+            .await;
+        connection.close().await?;
+        match copied.map_err(StoreError::from) {
+            Ok(_) => {}
+            Err(StoreError::Damaged { message }) => {
+                tracing::warn!(pack, message, "a damaged pack is copied as it is");
+                std::fs::copy(self.shared.folder.path(pack), copies.path(pack))?;
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(std::fs::File::open(copies.path(pack))?.sync_all()?)
+    }
+}
