@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::work::Work;
-use crate::{entropy, psnr, ssim, uciqe, uicm, uiconm, uiqm, uism};
+use crate::{ciede2000, corners, entropy, light_uniformity, psnr, ssim, uciqe, uicm, uiconm, uiqm, uism};
 
 /// Which published arithmetic a metric follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -55,6 +55,8 @@ pub struct MetricInfo {
     pub name: &'static str,
     /// Profile, for metrics that have several.
     pub profile: Option<Profile>,
+    /// Counts up when the arithmetic changes: values of different versions are not compared.
+    pub version: u32,
     /// Unit; empty where there is none.
     pub unit: &'static str,
     /// Direction.
@@ -126,6 +128,7 @@ const fn row(name: &'static str, unit: &'static str, range: Range, compute: fn(&
     MetricInfo {
         name,
         profile: None,
+        version: 1,
         unit,
         better: Better::Higher,
         range,
@@ -170,6 +173,11 @@ const UNBOUNDED: Range = Range {
     high: None,
 };
 
+const FROM_ZERO: Range = Range {
+    low: Some(0.0),
+    high: None,
+};
+
 use Profile::{Funie, Panetta, Table1};
 
 static REGISTRY: &[MetricInfo] = &[
@@ -201,10 +209,27 @@ static REGISTRY: &[MetricInfo] = &[
     profiled("uiqm", Table1, UNBOUNDED, uiqm::table1),
     row("uciqe", "", within(0.0, 1.2), uciqe::uciqe),
     row("uciqe_sigma_c", "", within(0.0, 1.0), uciqe::sigma_c),
-    row("uciqe_con_l", "", within(0.0, 1.0), uciqe::con_l),
+    // White comes out at 1 + 4e-8: the rows of the matrix do not add up to the white exactly.
+    row("uciqe_con_l", "", within(0.0, 1.000_001), uciqe::con_l),
     row("uciqe_mu_s", "", within(0.0, 1.0), uciqe::mu_s),
+    row(
+        "light_uniformity",
+        "",
+        within(0.0, 1.0),
+        light_uniformity::light_uniformity,
+    ),
     compared("psnr", "dB", within(0.0, psnr::CAP_DB), psnr::psnr),
     compared("ssim", "", within(-1.0, 1.0), ssim::ssim),
+    MetricInfo {
+        better: Better::Lower,
+        ..compared("ciede2000", "ΔE00", FROM_ZERO, ciede2000::ciede2000)
+    },
+    compared(
+        "corner_repeatability",
+        "",
+        within(0.0, 1.0),
+        corners::repeatability,
+    ),
 ];
 
 #[cfg(test)]

@@ -5,11 +5,10 @@
 //! `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the standard deviation of C; con_l the mean of the k largest l
 //! less the mean of the k smallest, k one hundredth of the pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
 
-use std::sync::LazyLock;
-
 use imaging::Rgb8;
 use pulp::{Simd, WithSimd};
 
+use crate::lab::{LINEAR, TO_XYZ, lab_response};
 use crate::work::Work;
 
 /// UCIQE itself.
@@ -45,33 +44,6 @@ impl Terms {
         pulp::Arch::new().dispatch(Measure { picture })
     }
 }
-
-/// Linear light of each sRGB code.
-static LINEAR: LazyLock<[f64; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|code| {
-        let c = code as f64 / 255.0;
-        if c <= 0.04045 {
-            c / 12.92
-        } else {
-            ((c + 0.055) / 1.055).powf(2.4)
-        }
-    })
-});
-
-/// Rows of linear sRGB → XYZ, each divided by the white.
-const TO_XYZ: [[f64; 3]; 3] = [
-    [
-        0.412_456_4 / 0.950_47,
-        0.357_576_1 / 0.950_47,
-        0.180_437_5 / 0.950_47,
-    ],
-    [0.212_672_9, 0.715_152_2, 0.072_175],
-    [
-        0.019_333_9 / 1.088_83,
-        0.119_192 / 1.088_83,
-        0.950_304_1 / 1.088_83,
-    ],
-];
 
 /// Pixels whose colours are converted together.
 const BATCH: usize = 64;
@@ -170,27 +142,6 @@ impl Batch {
     }
 }
 
-/// `f(t)` of CIE Lab: the cube root, and a straight line near 0.
-#[inline(always)]
-fn lab_response(t: f64) -> f64 {
-    const KNEE: f64 = (6.0 / 29.0) * (6.0 / 29.0) * (6.0 / 29.0);
-    const SLOPE: f64 = 1.0 / (3.0 * (6.0 / 29.0) * (6.0 / 29.0));
-    let root = cube_root(t.max(KNEE));
-    if t > KNEE { root } else { t * SLOPE + 4.0 / 29.0 }
-}
-
-/// Cube root of a normal positive number within 1e-14 of itself: a third of the exponent as first guess (3 % off),
-/// then a Halley step in single and one in double precision, each of which cubes the error.
-#[inline(always)]
-fn cube_root(t: f64) -> f64 {
-    let single = t as f32;
-    let guess = f32::from_bits(single.to_bits() / 3 + 0x2a51_37a0);
-    let cube = guess * guess * guess;
-    let root = f64::from(guess * ((cube + 2.0 * single) / (2.0 * cube + single)));
-    let cube = root * root * root;
-    root * ((cube + 2.0 * t) / (2.0 * cube + t))
-}
-
 /// Mean of the k largest values less the mean of the k smallest, k a hundredth of them, rounded, at least 1.
 fn contrast(lightness: &[f64]) -> f64 {
     const BINS: usize = 4096;
@@ -246,14 +197,6 @@ fn boundary(bins: impl Iterator<Item = (usize, usize)>, k: usize) -> Boundary {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_cube_root_is_exact_to_rounding() {
-        for i in 1..=200_000u32 {
-            let t = f64::from(i) / 190_000.0;
-            assert!((cube_root(t) / t.cbrt() - 1.0).abs() < 1e-14, "{t}");
-        }
-    }
 
     #[test]
     fn contrast_takes_a_hundredth_at_either_end_and_at_least_one() {

@@ -223,3 +223,27 @@ proptest! {
         }
     }
 }
+
+/// Corners of a textured picture, in it and in what became of it.
+#[test]
+fn corners_are_found_again_in_a_shifted_exposure_and_lost_in_noise_and_blur() {
+    let hash = |x: usize, y: usize| {
+        let mut hash = (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77);
+        hash = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
+        (hash >> 24) as u8
+    };
+    let clean = Rgb8::from_fn(200, 150, |x, y| [60 + hash(x / 11, y / 9) / 2; 3]);
+    let repeatability = |picture: &Rgb8| {
+        let id = MetricId::parse("corner_repeatability").expect("a name of the registry");
+        measure(picture, Some(&clean), &[id]).expect("pictures of one size")[0].1
+    };
+    let paler = Rgb8::from_fn(200, 150, |x, y| clean.at(x, y).map(|code| 30 + code / 2));
+    let noise = Rgb8::from_fn(200, 150, |x, y| [hash(x + 7, y + 5); 3]);
+    let moved = Rgb8::from_fn(200, 150, |x, y| clean.at((x + 5) % 200, y));
+    let black = Rgb8::from_fn(200, 150, |_, _| [0; 3]);
+    assert_eq!(repeatability(&clean), 1.0);
+    assert!(repeatability(&paler) > 0.8, "{}", repeatability(&paler));
+    assert!(repeatability(&noise) < 0.2, "{}", repeatability(&noise));
+    assert!(repeatability(&moved) < 0.2, "{}", repeatability(&moved));
+    assert_eq!(repeatability(&black), 0.0);
+}

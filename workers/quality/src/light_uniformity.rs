@@ -1,0 +1,75 @@
+//! Light uniformity: how evenly a picture is lit, without knowing the scene.
+//!
+//! The picture is divided into 8 × 8 cells of equal sides (fewer along an axis of less than 8 pixels). With `m_i` the mean
+//! linear luminance of cell i (sRGB decoded; 0.2126 R + 0.7152 G + 0.0722 B, 0..=1) and ε one half of the light of code 1,
+//! `U = exp(-s)`, `s = sqrt(mean (ln(m_i + ε) - mean ln(m + ε))²)`.
+//!
+//! U lies in 0..=1 and has no unit: 1 is even light, and 1 / U is the geometric standard deviation, the factor by which a
+//! typical cell is brighter or darker than the picture's geometric mean. At U = 0.5 that factor is two.
+//!
+//! Why so. Lighting practice rates a working plane by the ratio of illuminances (EN 12464-1: least over mean), which is
+//! independent of exposure; a ratio of two extremes, however, rests on two cells, and in a picture the darkest cell is as
+//! often a dark object as a dark corner. The standard deviation of the logarithm keeps the independence of exposure
+//! (a factor on all light is a shift of all logarithms), uses every cell, and is the spread of the light alone where the
+//! reflectance of cells is alike. A cell takes the mean of its light, so texture and grain smaller than a cell cancel;
+//! a lamp, whose cone is larger than a cell, does not. ε keeps black cells finite and below what a code can tell.
+//!
+//! What it does not do: a scene with a bright and a dark half looks unevenly lit. Compare pictures of one scene.
+
+use std::sync::LazyLock;
+
+use crate::lab::LINEAR;
+use crate::work::Work;
+
+/// Cells along either axis.
+const CELLS: usize = 8;
+/// Light is summed in whole steps of this, so that the order of the sum does not matter.
+const STEPS: f64 = (1u64 << 32) as f64;
+/// Weights of linear red, green and blue in luminance (IEC 61966-2-1).
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+/// ε: half of the light of code 1.
+const HALF_CODE: f64 = 0.5 / 255.0 / 12.92;
+
+/// Luminance of each code of red, green and blue, in steps.
+static LIGHT: LazyLock<[[u64; 256]; 3]> =
+    LazyLock::new(|| LUMINANCE.map(|weight| LINEAR.map(|light| (weight * light * STEPS).round() as u64)));
+
+/// Evenness of the light, 0..=1.
+pub(crate) fn light_uniformity(work: &Work) -> f64 {
+    let cells = cells(work);
+    // Relative to the first cell, so that even light is 1 to the last bit.
+    let first = cells[0] + HALF_CODE;
+    let logs: Vec<f64> = cells
+        .iter()
+        .map(|mean| ((mean + HALF_CODE) / first).ln())
+        .collect();
+    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    let variance = logs.iter().map(|log| (log - mean) * (log - mean)).sum::<f64>() / logs.len() as f64;
+    (-variance.sqrt()).exp()
+}
+
+/// Mean luminance of every cell.
+fn cells(work: &Work) -> Vec<f64> {
+    let light: &[[u64; 256]; 3] = &LIGHT;
+    let picture = work.picture();
+    let (across, down) = (CELLS.min(picture.width()), CELLS.min(picture.height()));
+    let edge = |i: usize, cells: usize, side: usize| i * side / cells;
+    let mut means = Vec::with_capacity(across * down);
+    for j in 0..down {
+        let rows = edge(j, down, picture.height())..edge(j + 1, down, picture.height());
+        for i in 0..across {
+            let columns = edge(i, across, picture.width())..edge(i + 1, across, picture.width());
+            let mut sum = 0u64;
+            for y in rows.clone() {
+                let pixels = &work.picture_row(y)[3 * columns.start..3 * columns.end];
+                for p in pixels.chunks_exact(3) {
+                    sum += light[0][usize::from(p[0])]
+                        + light[1][usize::from(p[1])]
+                        + light[2][usize::from(p[2])];
+                }
+            }
+            means.push(sum as f64 / STEPS / (rows.len() * columns.len()) as f64);
+        }
+    }
+    means
+}
