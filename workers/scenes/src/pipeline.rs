@@ -11,6 +11,8 @@ use crate::site::vector::{Pose, UP, Vec3, vec3};
 
 /// Half the length of pipe, m.
 const HALF_M: f32 = 26.0;
+/// Height of a course of bags, m.
+const COURSE_M: f32 = 0.15;
 /// Bands over field joints: heat-shrink sleeves, tape, mastic, primed steel.
 const BANDS: [[f32; 3]; 4] = [
     [0.04, 0.04, 0.043],
@@ -228,16 +230,22 @@ fn bags(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     bank(builder, dice, pipe);
     for (i, place) in places(dice, dice.between(39, 1.6, 3.2)) {
         builder.object(Material::Bag, Category::Support);
-        for bag in 0..7u64 {
-            let choose = dice.object(100 + 8 * i as usize + bag as usize);
+        // Courses like bricks, each leaning on the pipe and on the one below.
+        let courses = (((pipe.height + 0.2 * pipe.radius) / COURSE_M) as usize).clamp(1, 3);
+        for bag in 0..4 * courses {
+            let choose = dice.object(100 + 16 * i as usize + bag);
             let side = if bag % 2 == 0 { -1.0 } else { 1.0 };
-            let row = (bag / 2) as f32;
-            let out = pipe.radius * 0.95 + 0.12 + choose.between(0, -0.05, 0.22) - 0.05 * row;
-            let centre = pipe.under(place + choose.between(1, -0.4, 0.4))
+            let course = (bag / 4) as f32;
+            let height = COURSE_M * (course + 0.35);
+            let aside = height - pipe.height;
+            let wide = (pipe.radius * pipe.radius - aside * aside).max(0.0).sqrt();
+            let out = wide + 0.15 + choose.between(0, 0.0, 0.06) + 0.04 * (2.0 - course);
+            let step = 0.24 * if bag / 2 % 2 == 0 { -1.0 } else { 1.0 } + 0.12 * course;
+            let centre = pipe.under(place + step + choose.between(1, -0.04, 0.04))
                 + pipe.across * (side * out)
-                + UP * (0.04 + 0.13 * row);
-            let radii = vec3(choose.between(2, 0.26, 0.34), 0.2, 0.125);
-            builder.ball(centre, radii, pipe.yaw + choose.between(3, -0.4, 0.4));
+                + UP * height;
+            let radii = vec3(choose.between(2, 0.27, 0.31), 0.2, 0.105);
+            builder.ball(centre, radii, pipe.yaw + choose.between(3, -0.2, 0.2));
         }
     }
 }

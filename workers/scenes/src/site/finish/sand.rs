@@ -63,7 +63,7 @@ fn rippled(
             0.6,
         );
         let pebble = gravel.value[i] * scattered;
-        let light = 1.0 + 0.2 * broad.value[i] + 0.24 * fine.value[i] + 0.1 * crest;
+        let light = 1.0 + 0.2 * broad.value[i] + 0.38 * fine.value[i] + 0.1 * crest;
         let damp = clamp01(0.5 + 0.7 * region[i]);
         for c in 0..3 {
             let sand = base[c] * light * mix(0.82, 1.12, damp);
@@ -72,7 +72,7 @@ fn rippled(
         let ripple = [across * steep, along * steep, 0.0];
         for axis in 0..3 {
             surface.slope[axis][i] = ripple[axis]
-                + 0.0025 * fine.slope[axis][i]
+                + 0.0042 * fine.slope[axis][i]
                 + 0.014 * broad.slope[axis][i]
                 + 0.016 * pebble * gravel.slope[axis][i];
         }
