@@ -13,6 +13,7 @@ mod config;
 mod control;
 mod data;
 mod dispatch;
+mod estimate;
 mod extract;
 mod failure;
 mod fleet;

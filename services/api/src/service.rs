@@ -19,6 +19,7 @@ use crate::compute::Compute;
 use crate::config::{Config, Surroundings};
 use crate::data::{Data, DataError};
 use crate::dispatch::Dispatch;
+use crate::estimate::Experience;
 use crate::fleet::{Fleet, OnExit, Recipe};
 use crate::state::{App, Shared};
 use crate::watch::Watch;
@@ -152,6 +153,7 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         store,
         dispatch: Dispatch::new(surroundings.clock.clone(), first_token()),
         watch: Watch::default(),
+        experience: Experience::default(),
         compute: Compute::new(surroundings.limits.compute),
         pictures: Compute::new(surroundings.limits.pictures),
         vocabulary,

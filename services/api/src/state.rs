@@ -13,6 +13,7 @@ use tokio_util::sync::CancellationToken;
 use crate::clock::Clock;
 use crate::compute::Compute;
 use crate::dispatch::Dispatch;
+use crate::estimate::Experience;
 use crate::watch::Watch;
 
 /// The parts of a running service.
@@ -21,6 +22,7 @@ pub(crate) struct App {
     pub(crate) store: Store,
     pub(crate) dispatch: Dispatch,
     pub(crate) watch: Watch,
+    pub(crate) experience: Experience,
     pub(crate) compute: Compute,
     /// The same for whole pictures of a user, which take much more memory.
     pub(crate) pictures: Compute,

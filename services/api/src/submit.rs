@@ -22,11 +22,16 @@ pub(crate) struct Submission {
 /// Stores the job and offers it to workers, or finds the one that the same key made before. Goes on to its end when
 /// the client goes away: a stored job that no worker is offered would wait for the next start of the service.
 pub(crate) async fn submit(app: &Shared, submission: Submission) -> Result<JobRow, Problem> {
-    check_runtime(app, &submission.job)?;
-    check_scenes(app, &submission.job).await?;
+    check(app, &submission.job).await?;
     let app = Arc::clone(app);
     let task = tokio::spawn(async move { store(&app, submission).await });
     task.await.map_err(|error| Problem::internal(&error))?
+}
+
+/// What a description alone does not tell: whether its scenes and its runtime are there.
+pub(crate) async fn check(app: &App, job: &Job) -> Result<(), Problem> {
+    check_runtime(app, job)?;
+    check_scenes(app, job).await
 }
 
 async fn store(app: &App, submission: Submission) -> Result<JobRow, Problem> {

@@ -106,6 +106,7 @@ fn streaming() -> OpenApiRouter<Shared> {
 fn submitting() -> OpenApiRouter<Shared> {
     OpenApiRouter::new()
         .routes(routes!(jobs::create::create))
+        .routes(routes!(jobs::preview::preview))
         .routes(routes!(jobs::delete::delete))
         .routes(routes!(jobs::cancel::cancel))
         .routes(routes!(jobs::pause::pause))

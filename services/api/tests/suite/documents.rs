@@ -8,6 +8,7 @@ const ROUTES: &[(&str, &str)] = &[
     ("/v1/jobs", "get"),
     ("/v1/jobs/{id}", "get"),
     ("/v1/jobs/{id}", "delete"),
+    ("/v1/jobs/preview", "post"),
     ("/v1/jobs/{id}/cancel", "post"),
     ("/v1/jobs/{id}/pause", "post"),
     ("/v1/jobs/{id}/resume", "post"),

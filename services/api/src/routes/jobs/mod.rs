@@ -8,6 +8,7 @@ pub(crate) mod events;
 pub(crate) mod get;
 pub(crate) mod list;
 pub(crate) mod pause;
+pub(crate) mod preview;
 pub(crate) mod results;
 pub(crate) mod resume;
 pub(crate) mod retry_failed;

@@ -38,6 +38,7 @@ async fn held(app: &App, claim: &Claim, record: &FrameRecord) -> Result<bool, Pr
         Ok(InsertImage::Inserted) => {
             app.dispatch.finish_commit(claim);
             telemetry::committed(&record.timings_ms);
+            app.experience.learn(record);
         }
         Err(_) => app.dispatch.abort_commit(claim),
     }

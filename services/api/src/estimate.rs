@@ -1,0 +1,202 @@
+//! What a job will cost: from typical figures at first, from what was rendered here as soon as there is something.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use spec::{Frame, FrameRecord};
+
+/// Nanoseconds a pixel of each stage on one core of a server processor, 768×492, before anything was measured.
+const TYPICAL_NS: [(&str, f64); 9] = [
+    ("scene", 90.0),
+    ("plan", 2.0),
+    ("water", 300.0),
+    ("style", 110.0),
+    ("haze", 5.0),
+    ("encode", 5.0),
+    ("enhance", 20.0),
+    ("metrics", 50.0),
+    ("files", 75.0),
+];
+/// Bytes a pixel of each kind of artifact: PNG of synthetic scenes, float32 NPY of the linear layers.
+const TYPICAL_BYTES: [(&str, f64); 9] = [
+    ("range", 0.6),
+    ("instances", 0.02),
+    ("hscm_mask", 0.02),
+    ("preview", 0.04),
+    ("direct", 12.0),
+    ("forward_scatter", 12.0),
+    ("backscatter", 12.0),
+    ("transmittance", 12.0),
+    ("clean", 1.0),
+];
+/// Bytes a pixel of any other kind: pictures.
+const PICTURE_BYTES: f64 = 0.5;
+/// Bytes of a frame's rows.
+const ROW_BYTES: f64 = 6000.0;
+/// Share of the newest frame in the running means.
+const NEWEST: f64 = 0.05;
+/// Kinds that are learned; a record that claims more is not worth the memory.
+const MOST_KINDS: usize = 64;
+
+/// What was learned from frames.
+#[derive(Default)]
+pub(crate) struct Experience(Mutex<Learned>);
+
+#[derive(Default)]
+struct Learned {
+    stage_ns: BTreeMap<&'static str, f64>,
+    kind_bytes: BTreeMap<String, f64>,
+}
+
+/// A frame of a job and its number of pixels.
+pub(crate) struct Sized<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) pixels: f64,
+}
+
+/// The mean cost of some frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cost {
+    /// Seconds of one slot.
+    pub(crate) seconds: f64,
+    pub(crate) bytes: f64,
+}
+
+impl Experience {
+    /// Takes note of a rendered frame.
+    pub(crate) fn learn(&self, record: &FrameRecord) {
+        let side = |name: &str| record.parameters.pointer(&format!("/camera/{name}"))?.as_f64();
+        let (Some(width), Some(height)) = (side("width"), side("height")) else {
+            return;
+        };
+        let pixels = (width * height).max(1.0);
+        let mut learned = self.learned();
+        for (stage, typical) in TYPICAL_NS {
+            // A stage that was passed by has a time of nearly nothing, which says nothing of its cost.
+            let ms = record.timings_ms.get(stage).copied().unwrap_or(0.0);
+            if ms * 1e6 / pixels > typical / 100.0 {
+                mix(learned.stage_ns.entry(stage), ms * 1e6 / pixels);
+            }
+        }
+        for artifact in &record.artifacts {
+            if learned.kind_bytes.len() < MOST_KINDS || learned.kind_bytes.contains_key(&artifact.kind) {
+                let kind = learned.kind_bytes.entry(artifact.kind.clone());
+                mix(kind, artifact.bytes as f64 / pixels);
+            }
+        }
+    }
+
+    /// The mean over these frames.
+    pub(crate) fn cost(&self, frames: &[Sized<'_>]) -> Cost {
+        let learned = self.learned();
+        let sum =
+            |of: &dyn Fn(&Sized<'_>) -> f64| frames.iter().map(of).sum::<f64>() / frames.len().max(1) as f64;
+        Cost {
+            seconds: sum(&|sized| learned.seconds(sized)),
+            bytes: sum(&|sized| learned.bytes(sized)),
+        }
+    }
+
+    fn learned(&self) -> MutexGuard<'_, Learned> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Learned {
+    fn seconds(&self, Sized { frame, pixels }: &Sized<'_>) -> f64 {
+        let runs = |stage: &str| match stage {
+            "water" => frame.water.optics.is_some(),
+            "style" => frame.water.style.is_some() && frame.alpha > 0.0,
+            "haze" => !frame.lights.is_empty(),
+            "enhance" => !frame.enhance.is_empty(),
+            "metrics" => !frame.metrics.is_empty(),
+            _ => true,
+        };
+        let stages = TYPICAL_NS.iter().filter(|(stage, _)| runs(stage));
+        let ns = stages.map(|(stage, typical)| self.stage_ns.get(stage).unwrap_or(typical));
+        ns.sum::<f64>() * pixels / 1e9
+    }
+
+    fn bytes(&self, Sized { frame, pixels }: &Sized<'_>) -> f64 {
+        let typical = |kind: &str| {
+            let known = TYPICAL_BYTES.iter().find(|(known, _)| *known == kind);
+            known.map_or(PICTURE_BYTES, |(_, bytes)| *bytes)
+        };
+        let each = |kind: String| {
+            self.kind_bytes
+                .get(&kind)
+                .copied()
+                .unwrap_or_else(|| typical(&kind))
+        };
+        let kinds = frame.artifacts.iter().map(ToString::to_string);
+        kinds.map(each).sum::<f64>() * pixels + ROW_BYTES
+    }
+}
+
+fn mix<K: Ord>(mean: std::collections::btree_map::Entry<'_, K, f64>, newest: f64) {
+    mean.and_modify(|mean| *mean += NEWEST * (newest - *mean))
+        .or_insert(newest);
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+    use spec::{ArtifactEntry, Counts, Job, Provenance};
+
+    use super::*;
+
+    fn job(more: serde_json::Value) -> Job {
+        let mut body = json!({"dataset": "x", "scene": {"kind": "procedural", "family": "structure", "seed": 1},
+                              "camera": {"width": 100, "height": 50, "hfov_deg": 80}});
+        body.as_object_mut()
+            .unwrap()
+            .extend(more.as_object().unwrap().clone());
+        let library = style::Library::embedded().unwrap();
+        Job::parse(
+            body.to_string().as_bytes(),
+            &renderer::vocabulary(&library, false),
+        )
+        .unwrap()
+    }
+
+    fn cost(experience: &Experience, job: &Job) -> Cost {
+        let frame = job.resolve(0).unwrap();
+        experience.cost(&[Sized {
+            frame: &frame,
+            pixels: 5000.0,
+        }])
+    }
+
+    #[test]
+    fn more_work_costs_more_and_what_was_measured_replaces_what_is_typical() {
+        let experience = Experience::default();
+        let plain = cost(&experience, &job(json!({})));
+        let water = cost(
+            &experience,
+            &job(json!({"water": {"optics": "jerlov-3C", "style": "muddy"}})),
+        );
+        assert!(water.seconds > plain.seconds && water.bytes == plain.bytes);
+        let layers = cost(&experience, &job(json!({"artifacts": ["rgb", "direct"]})));
+        assert!(layers.bytes > plain.bytes + 5000.0 * 11.0);
+        experience.learn(&FrameRecord {
+            frame: 0,
+            parameters: json!({"camera": {"width": 10, "height": 10}}),
+            optics: serde_json::Map::new(),
+            plan: json!([]),
+            measurements: BTreeMap::new(),
+            artifacts: vec![ArtifactEntry {
+                kind: "rgb".to_owned(),
+                digest: String::new(),
+                bytes: 300,
+                media_type: String::new(),
+            }],
+            counts: Counts::default(),
+            timings_ms: BTreeMap::from([("scene".to_owned(), 1000.0), ("water".to_owned(), 0.0)]),
+            warnings: Vec::new(),
+            provenance: Provenance::default(),
+        });
+        let learned = cost(&experience, &job(json!({})));
+        assert!(learned.seconds > 50.0 && learned.seconds < 51.0, "{learned:?}");
+        assert_eq!(learned.bytes, 15_000.0 + ROW_BYTES);
+    }
+}
