@@ -52,11 +52,12 @@ impl Labels {
     ) -> Self {
         let (width, height) = numbers.size();
         let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
-        let category = |number: u16| match number {
-            0 => Category::Background,
-            number => categories[usize::from(number) - 1],
-        };
-        let semantics = numbers.data().iter().map(|&number| category(number) as u8);
+        let shown: Vec<u8> = [Category::Background]
+            .iter()
+            .chain(categories)
+            .map(|&c| c as u8)
+            .collect();
+        let semantics = numbers.data().iter().map(|&number| shown[usize::from(number)]);
         let semantics = Plane::new(width, height, semantics.collect()).expect("one category for each pixel");
         Self {
             z_depth: plane(surfaces.z_depth),
@@ -82,20 +83,21 @@ fn instances(numbers: &Plane<u16>, categories: &[Category]) -> Vec<Instance> {
             pixels: 0,
         })
         .collect();
-    for y in 0..height {
-        for x in 0..width {
-            let number = usize::from(numbers.at(x, y));
-            if number == 0 {
-                continue;
+    for (y, row) in numbers.data().chunks_exact(width.max(1)).enumerate() {
+        let mut left = 0;
+        for run in row.chunk_by(|a, b| a == b) {
+            let right = left + run.len();
+            if run[0] != 0 {
+                let Instance { bounds, pixels, .. } = &mut found[usize::from(run[0]) - 1];
+                *bounds = [
+                    bounds[0].min(left),
+                    bounds[1].min(y),
+                    bounds[2].max(right),
+                    bounds[3].max(y + 1),
+                ];
+                *pixels += run.len();
             }
-            let Instance { bounds, pixels, .. } = &mut found[number - 1];
-            *bounds = [
-                bounds[0].min(x),
-                bounds[1].min(y),
-                bounds[2].max(x + 1),
-                bounds[3].max(y + 1),
-            ];
-            *pixels += 1;
+            left = right;
         }
     }
     found.retain(|instance| instance.pixels > 0);

@@ -253,31 +253,49 @@ impl<'a> Shader<'a> {
         if let Some(solid) = solid {
             solid.normals(&geometry.local, LABEL_BEVEL_M, &mut normal, &mut edge);
         }
+        let camera = self.camera;
+        let axes = [camera.right, camera.down, camera.ahead].map(|axis| pose.direction_in(axis));
+        let (mut shown, mut mask) = ([ZEROS; 3], [0u32; LANES]);
+        vectorised(
+            #[inline(always)]
+            || outward(&mut shown, &normal, &geometry.view, &axes),
+        );
+        vectorised(
+            #[inline(always)]
+            || bits(&mut mask, findings),
+        );
         for i in 0..len {
             let pixel = queue.pixel[i] as usize;
-            let toward = pose.direction_out(at(&geometry.view, i));
-            let outward = facing(pose.direction_out(at(&normal, i)), toward);
-            let camera = self.camera;
-            let axes = [camera.right, camera.down, camera.ahead].map(|axis| axis.dot(outward));
-            for (plane, value) in labels.normals.iter_mut().zip(axes) {
-                plane[pixel] = value;
+            for (plane, value) in labels.normals.iter_mut().zip(&shown) {
+                plane[pixel] = value[i];
             }
-            let bits = findings.iter().enumerate();
-            labels.findings[pixel] =
-                bits.fold(0, |mask, (bit, lane)| mask | (u8::from(lane[i] > 0.5) << bit));
+            labels.findings[pixel] = mask[i] as u8;
         }
     }
 }
 
-/// A normal that an edge has turned away from the camera, brought back to the edge of what the camera can see.
-fn facing(normal: Vec3, toward: Vec3) -> Vec3 {
-    let facing = normal.dot(toward);
-    let seen = if facing < 0.0 {
-        normal - toward * (facing * 1.001)
-    } else {
-        normal
-    };
-    seen.unit()
+/// Unit normals in camera axes; one that an edge has turned away from the camera is brought back to the edge of what it sees.
+#[inline(always)]
+fn outward(shown: &mut Lane3, normal: &Lane3, view: &Lane3, axes: &[Vec3; 3]) {
+    let axes = *axes;
+    for i in 0..LANES {
+        let (n, toward) = (at(normal, i), at(view, i));
+        let facing = n.dot(toward);
+        let away = if facing < 0.0 { facing * 1.001 } else { 0.0 };
+        let n = n - toward * away;
+        let n = n * (1.0 / n.length());
+        set(shown, i, vec3(axes[0].dot(n), axes[1].dot(n), axes[2].dot(n)));
+    }
+}
+
+/// One bit for each finding that covers more than half of the pixel.
+#[inline(always)]
+fn bits(mask: &mut [u32; LANES], findings: &[Lane]) {
+    for (bit, strength) in findings.iter().enumerate() {
+        for i in 0..LANES {
+            mask[i] |= if strength[i] > 0.5 { 1 << bit } else { 0 };
+        }
+    }
 }
 
 #[inline(always)]
