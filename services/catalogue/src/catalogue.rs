@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use spec::{ArtifactEntry, FrameRecord};
@@ -13,6 +13,7 @@ use tokio::task::JoinHandle;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::FilterError;
+use crate::insert::NewImage;
 use crate::types::{
     Counts, DatasetRow, FailureRow, GroupStats, ImageQuery, ImageRow, InsertImage, InsertJob, JobRow,
     JobState, NewJob, OpenJob, Page, SceneRow,
@@ -84,9 +85,8 @@ impl Catalogue {
         record: &FrameRecord,
         now_ms: u64,
     ) -> Result<InsertImage, CatalogueError> {
-        let image = images::NewImage::new(&self.columns, job, record, now_ms)?;
-        self.write(move |c| Box::pin(async move { images::insert(c, &image).await }))
-            .await
+        let image = NewImage::new(&self.columns, job, record, now_ms)?;
+        self.writer()?.insert(image).await
     }
 
     /// Stores a scene unless one of the same content is there; answers the id of the one that is.
@@ -295,12 +295,12 @@ impl Catalogue {
         + Send
         + 'static,
     ) -> Result<T, CatalogueError> {
-        let writer = self
-            .writer
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
-            .clone();
-        writer.ok_or(CatalogueError::Closed)?.write(change).await
+        self.writer()?.write(change).await
+    }
+
+    fn writer(&self) -> Result<Writer, CatalogueError> {
+        let writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
+        writer.clone().ok_or(CatalogueError::Closed)
     }
 
     pub(crate) async fn reader(&self) -> Result<sqlx::pool::PoolConnection<sqlx::Sqlite>, CatalogueError> {

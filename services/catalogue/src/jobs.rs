@@ -229,29 +229,46 @@ pub(crate) async fn strike(
     Ok(())
 }
 
-/// Counts a new image of a job. `was_given_up`: its frame had counted as failed.
-pub(crate) async fn count_image(
+/// New images of a job.
+#[derive(Default)]
+pub(crate) struct Added {
+    pub(crate) dataset: String,
+    pub(crate) images: i64,
+    /// Of their frames, those that had counted as failed.
+    pub(crate) given_up: i64,
+    pub(crate) bytes: i64,
+    pub(crate) first_ms: u64,
+    pub(crate) last_ms: u64,
+}
+
+/// Counts new images of a job.
+pub(crate) async fn count_images(
     connection: &mut SqliteConnection,
     job: &str,
-    bytes: u64,
-    was_given_up: bool,
-    now_ms: u64,
+    added: &Added,
 ) -> Result<(), CatalogueError> {
+    sqlx::query("UPDATE datasets SET images = images + ?, bytes = bytes + ? WHERE name = ?")
+        .bind(added.images)
+        .bind(added.bytes)
+        .bind(&added.dataset)
+        .execute(&mut *connection)
+        .await?;
     let ended: bool = sqlx::query_scalar(
-        "UPDATE jobs SET done = done + 1, failed = failed - ?4, bytes = bytes + ?2, version = version + 1,
-                         started_ms = coalesce(started_ms, ?3),
+        "UPDATE jobs SET done = done + ?2, failed = failed - ?3, bytes = bytes + ?4, version = version + ?2,
+                         started_ms = coalesce(started_ms, ?5),
                          state = CASE state WHEN 'queued' THEN 'running' ELSE state END
          WHERE id = ?1
          RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused')",
     )
     .bind(job)
-    .bind(bytes as i64)
-    .bind(now_ms as i64)
-    .bind(was_given_up)
+    .bind(added.images)
+    .bind(added.given_up)
+    .bind(added.bytes)
+    .bind(added.first_ms as i64)
     .fetch_one(&mut *connection)
     .await?;
     if ended {
-        finish(connection, job, Some(now_ms)).await?;
+        finish(connection, job, Some(added.last_ms)).await?;
     }
     Ok(())
 }

@@ -13,6 +13,7 @@ mod error;
 mod filter;
 mod histogram;
 mod images;
+mod insert;
 mod jobs;
 mod metadata;
 mod open;

@@ -64,7 +64,7 @@ impl Catalogue {
             .connect_with(options.pragma("query_only", "ON"))
             .await
             .map_err(|e| unusable(&e))?;
-        let (writer, task) = Writer::start(connection);
+        let (writer, task) = Writer::start(connection, columns.clone());
         Ok(Self {
             path: path.to_owned(),
             columns,

@@ -8,13 +8,18 @@ use sqlx::{Connection, Executor};
 use tokio::sync::{mpsc, oneshot};
 use tokio::time::{Instant, timeout_at};
 
+use crate::columns::Columns;
 use crate::error::CatalogueError;
+use crate::insert::{self, NewImage};
+use crate::types::InsertImage;
 
 /// Operations that may wait for the writer: beyond it callers wait to be taken on, which slows them down before memory
 /// grows.
 const QUEUE: usize = 1024;
 /// Most operations of one transaction: more would only delay the first of them.
 const GROUP: usize = 512;
+/// Images that are stored together.
+const IMAGES: usize = 64;
 /// How long a transaction gathers: less than a flush to the disk takes.
 const GATHER: Duration = Duration::from_millis(2);
 
@@ -22,8 +27,17 @@ const GATHER: Duration = Duration::from_millis(2);
 pub(crate) type Running<'c, T> = Pin<Box<dyn Future<Output = T> + Send + 'c>>;
 
 /// A change with the way to answer it. Without a connection it only tells its caller why.
-type Call =
+type Change =
     Box<dyn for<'c> FnOnce(Result<&'c mut SqliteConnection, CatalogueError>) -> Running<'c, Applied> + Send>;
+
+/// An image with the way to answer for it.
+type Image = (NewImage, oneshot::Sender<Result<InsertImage, CatalogueError>>);
+
+enum Call {
+    Change(Change),
+    /// Apart from the others, because images that come one after the other are stored together.
+    Image(Box<Image>),
+}
 
 /// Answers one caller after the transaction has ended.
 type Reply = Box<dyn FnOnce(Option<&CatalogueError>) + Send>;
@@ -41,9 +55,12 @@ pub(crate) struct Writer(mpsc::Sender<Call>);
 
 impl Writer {
     /// Starts the task over the one connection that writes. It ends when every `Writer` is gone.
-    pub(crate) fn start(connection: SqliteConnection) -> (Self, tokio::task::JoinHandle<()>) {
+    pub(crate) fn start(
+        connection: SqliteConnection,
+        columns: Columns,
+    ) -> (Self, tokio::task::JoinHandle<()>) {
         let (sender, receiver) = mpsc::channel(QUEUE);
-        (Self(sender), tokio::spawn(run(connection, receiver)))
+        (Self(sender), tokio::spawn(run(connection, columns, receiver)))
     }
 
     /// Brings a change and waits until it is durable.
@@ -54,15 +71,24 @@ impl Writer {
         + 'static,
     ) -> Result<T, CatalogueError> {
         let (sender, receiver) = oneshot::channel();
-        let call: Call = Box::new(move |connection| Box::pin(enclosed(connection, change, sender)));
-        self.0.send(call).await.map_err(|_| CatalogueError::Closed)?;
+        let change: Change = Box::new(move |connection| Box::pin(enclosed(connection, change, sender)));
+        let sent = self.0.send(Call::Change(change)).await;
+        sent.map_err(|_| CatalogueError::Closed)?;
+        receiver.await.map_err(|_| CatalogueError::Closed)?
+    }
+
+    /// Brings an image and waits until it is durable.
+    pub(crate) async fn insert(&self, image: NewImage) -> Result<InsertImage, CatalogueError> {
+        let (sender, receiver) = oneshot::channel();
+        let sent = self.0.send(Call::Image(Box::new((image, sender)))).await;
+        sent.map_err(|_| CatalogueError::Closed)?;
         receiver.await.map_err(|_| CatalogueError::Closed)?
     }
 }
 
-async fn run(mut connection: SqliteConnection, mut queue: mpsc::Receiver<Call>) {
+async fn run(mut connection: SqliteConnection, columns: Columns, mut queue: mpsc::Receiver<Call>) {
     while let Some(first) = queue.recv().await {
-        if let Err(error) = group(&mut connection, first, &mut queue).await {
+        if let Err(error) = group(&mut connection, &columns, first, &mut queue).await {
             tracing::error!(%error, "the catalogue could not commit");
         }
     }
@@ -73,25 +99,48 @@ async fn run(mut connection: SqliteConnection, mut queue: mpsc::Receiver<Call>) 
 
 async fn group(
     connection: &mut SqliteConnection,
+    columns: &Columns,
     first: Call,
     queue: &mut mpsc::Receiver<Call>,
 ) -> Result<(), CatalogueError> {
     let gather_until = Instant::now() + GATHER;
     if let Err(error) = connection.execute("BEGIN IMMEDIATE").await {
         let failure = CatalogueError::from(error);
-        (first(Err(failure.again())).await.reply)(None);
+        refuse(first, &failure).await;
         return Err(failure);
     }
     let mut replies: Vec<Reply> = Vec::new();
+    let mut images: Vec<Image> = Vec::new();
     let mut failure = None;
     let mut next = Some(first);
     while let Some(call) = next.take() {
-        let applied = call(Ok(&mut *connection)).await;
-        replies.push(applied.reply);
-        failure = applied.fatal;
-        if failure.is_none() && replies.len() < GROUP {
+        match call {
+            Call::Image(image) => images.push(*image),
+            Call::Change(change) => {
+                // In the order in which they came.
+                failure = store(connection, columns, &mut images, &mut replies).await;
+                if failure.is_some() {
+                    refuse(
+                        Call::Change(change),
+                        failure.as_ref().unwrap_or(&CatalogueError::Closed),
+                    )
+                    .await;
+                    break;
+                }
+                let applied = change(Ok(&mut *connection)).await;
+                replies.push(applied.reply);
+                failure = applied.fatal;
+            }
+        }
+        if images.len() >= IMAGES && failure.is_none() {
+            failure = store(connection, columns, &mut images, &mut replies).await;
+        }
+        if failure.is_none() && replies.len() + images.len() < GROUP {
             next = timeout_at(gather_until, queue.recv()).await.ok().flatten();
         }
+    }
+    if failure.is_none() {
+        failure = store(connection, columns, &mut images, &mut replies).await;
     }
     if failure.is_none() {
         faults::point("catalogue.written");
@@ -106,6 +155,61 @@ async fn group(
     failure.map_or(Ok(()), Err)
 }
 
+/// Tells a caller why nothing is done.
+async fn refuse(call: Call, failure: &CatalogueError) {
+    match call {
+        Call::Change(change) => (change(Err(failure.again())).await.reply)(None),
+        Call::Image(image) => drop(image.1.send(Err(failure.again()))),
+    }
+}
+
+/// Stores the images that have gathered; answers why the whole transaction cannot go on. Images that cannot be stored
+/// together are tried one by one, so that only the one at fault fails.
+async fn store(
+    connection: &mut SqliteConnection,
+    columns: &Columns,
+    images: &mut Vec<Image>,
+    replies: &mut Vec<Reply>,
+) -> Option<CatalogueError> {
+    let all = std::mem::take(images);
+    let together: Vec<&NewImage> = all.iter().map(|(image, _)| image).collect();
+    let (mut answers, mut fatal) = (Vec::with_capacity(all.len()), None);
+    for some in [together.as_slice()].into_iter().chain(together.chunks(1)) {
+        if some.is_empty() || answers.len() == all.len() || fatal.is_some() {
+            break;
+        }
+        let attempt = async |c: &mut SqliteConnection| insert::insert(c, columns, some).await;
+        match within_savepoint(connection, attempt).await {
+            Ok(stored) => answers.extend(stored),
+            Err((error, kept)) if !kept || matches!(error, CatalogueError::Full { .. }) => {
+                fatal = Some(error.again());
+            }
+            Err((error, _)) if some.len() == 1 => answers.push(Err(error)),
+            Err(_) => {}
+        }
+    }
+    let mut answers = answers.into_iter();
+    for (_, caller) in all {
+        let result = answers.next().unwrap_or(Err(CatalogueError::Closed));
+        replies.push(reply(caller, result));
+    }
+    fatal
+}
+
+fn reply<T: Send + 'static>(
+    caller: oneshot::Sender<Result<T, CatalogueError>>,
+    result: Result<T, CatalogueError>,
+) -> Reply {
+    Box::new(move |failure| {
+        let told = match failure {
+            Some(failure) => Err(failure.again()),
+            None => result,
+        };
+        // The caller may have gone; the change stands all the same.
+        let _ = caller.send(told);
+    })
+}
+
 /// Runs one change within a savepoint: what fails leaves its neighbours in the transaction alone. Only when the
 /// savepoint cannot be kept, as on a full disk, does the whole transaction fail.
 async fn enclosed<T: Send + 'static>(
@@ -117,6 +221,7 @@ async fn enclosed<T: Send + 'static>(
     let result = match connection {
         Err(error) => Err(error),
         Ok(connection) => {
+            let change = async |c: &mut SqliteConnection| change(c).await;
             let result = within_savepoint(connection, change).await;
             result.map_err(|(error, kept)| {
                 if !kept || matches!(error, CatalogueError::Full { .. }) {
@@ -126,21 +231,14 @@ async fn enclosed<T: Send + 'static>(
             })
         }
     };
-    let reply: Reply = Box::new(move |failure| {
-        let told = match failure {
-            Some(failure) => Err(failure.again()),
-            None => result,
-        };
-        // The caller may have gone; the change stands all the same.
-        let _ = answer.send(told);
-    });
+    let reply = reply(answer, result);
     Applied { reply, fatal }
 }
 
 /// The error comes with whether the transaction stands as it did before the change.
 async fn within_savepoint<T>(
     connection: &mut SqliteConnection,
-    change: impl for<'c> FnOnce(&'c mut SqliteConnection) -> Running<'c, Result<T, CatalogueError>>,
+    change: impl AsyncFnOnce(&mut SqliteConnection) -> Result<T, CatalogueError>,
 ) -> Result<T, (CatalogueError, bool)> {
     let lost = |error: sqlx::Error| (CatalogueError::from(error), false);
     connection.execute("SAVEPOINT change").await.map_err(lost)?;

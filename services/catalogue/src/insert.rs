@@ -1,0 +1,238 @@
+//! Storing images: rows with wide parameter columns, records, measurements, artifact names and counters, all or nothing.
+//!
+//! Many images share each statement, since handing a statement to SQLite costs more than running it: measured 300 us an
+//! image one by one.
+
+use std::collections::{BTreeMap, HashSet};
+
+use serde_json::json;
+use spec::{ArtifactEntry, FrameRecord};
+use sqlx::AssertSqlSafe;
+use sqlx::sqlite::SqliteConnection;
+
+use crate::columns::Columns;
+use crate::error::CatalogueError;
+use crate::filter::Bind;
+use crate::images::{Statement, bound};
+use crate::jobs;
+use crate::types::InsertImage;
+
+/// Rows of one statement: few sizes, so that SQLite keeps every statement prepared.
+const ROWS: [usize; 3] = [16, 4, 1];
+
+/// An image on its way in: what can be prepared before the writer has its turn.
+pub(crate) struct NewImage {
+    job: String,
+    frame: i64,
+    digest: String,
+    record: String,
+    /// Of the wide columns, in their order.
+    parameters: Vec<Option<Bind>>,
+    /// Of each subject, in the order of the metrics. One that the catalogue does not know stays in the record only.
+    measurements: Vec<(String, Vec<Option<f64>>)>,
+    artifacts: Vec<ArtifactEntry>,
+    now_ms: u64,
+}
+
+impl NewImage {
+    pub(crate) fn new(
+        columns: &Columns,
+        job: &str,
+        record: &FrameRecord,
+        now_ms: u64,
+    ) -> Result<Self, CatalogueError> {
+        let json = serde_json::to_value(record)?;
+        let metrics = columns.metrics();
+        let measured = record.measurements.iter().map(|(subject, values)| {
+            let values = metrics.iter().map(|metric| values.get(metric).copied());
+            (subject.clone(), values.collect())
+        });
+        Ok(Self {
+            job: job.to_owned(),
+            frame: record.frame as i64,
+            digest: record.digest(),
+            record: json.to_string(),
+            parameters: Columns::parameter_values(&json),
+            measurements: measured.collect(),
+            artifacts: record.artifacts.clone(),
+            now_ms,
+        })
+    }
+
+    fn bytes(&self) -> u64 {
+        self.artifacts.iter().map(|artifact| artifact.bytes).sum()
+    }
+}
+
+/// What the catalogue knows of an image before it is stored.
+type Known = (Option<String>, bool, bool);
+
+/// Stores images and answers what became of each.
+pub(crate) async fn insert(
+    connection: &mut SqliteConnection,
+    columns: &Columns,
+    images: &[&NewImage],
+) -> Result<Vec<Result<InsertImage, CatalogueError>>, CatalogueError> {
+    let known = known(connection, images).await?;
+    let mut first = HashSet::new();
+    let mut answers = Vec::with_capacity(images.len());
+    let mut new = Vec::with_capacity(images.len());
+    for (&image, (dataset, there, was_given_up)) in images.iter().zip(known) {
+        answers.push(match dataset {
+            None => Err(CatalogueError::NotFound {
+                what: "job",
+                name: image.job.clone(),
+            }),
+            Some(_) if there || !first.insert((&image.job, image.frame)) => Ok(InsertImage::AlreadyThere),
+            Some(dataset) => {
+                new.push((image, dataset, was_given_up));
+                Ok(InsertImage::Inserted)
+            }
+        });
+    }
+    insert_rows(connection, columns, &new).await?;
+    count(connection, &new).await?;
+    Ok(answers)
+}
+
+/// For each image the dataset of its job, whether it is there, and whether its frame was given up.
+async fn known(
+    connection: &mut SqliteConnection,
+    images: &[&NewImage],
+) -> Result<Vec<Known>, CatalogueError> {
+    let asked: Vec<_> = images
+        .iter()
+        .map(|image| json!([image.job, image.frame]))
+        .collect();
+    let known = sqlx::query_as(
+        "SELECT jobs.dataset,
+                EXISTS (SELECT 1 FROM images WHERE job_id = jobs.id AND frame = asked.value ->> 1),
+                EXISTS (SELECT 1 FROM failures WHERE job_id = jobs.id AND frame = asked.value ->> 1 AND quarantined = 1)
+         FROM json_each(?) asked LEFT JOIN jobs
+              ON jobs.id = asked.value ->> 0 AND jobs.id NOT IN (SELECT job_id FROM deletions)
+         ORDER BY asked.key",
+    );
+    Ok(known.bind(json!(asked).to_string()).fetch_all(connection).await?)
+}
+
+async fn insert_rows(
+    connection: &mut SqliteConnection,
+    columns: &Columns,
+    new: &[(&NewImage, String, bool)],
+) -> Result<(), CatalogueError> {
+    let names: String = Columns::parameter_names()
+        .map(|name| format!(", \"{name}\""))
+        .collect();
+    let head = format!("INSERT INTO images (job_id, frame, dataset, created_ms, digest{names})");
+    let width = 5 + Columns::parameter_names().count();
+    insert_all(connection, &head, width, new, |statement, (image, dataset, _)| {
+        let fixed = statement
+            .bind(&image.job)
+            .bind(image.frame)
+            .bind(dataset)
+            .bind(image.now_ms as i64)
+            .bind(&image.digest);
+        image
+            .parameters
+            .iter()
+            .fold(fixed, |statement, value| bound(statement, value.as_ref()))
+    })
+    .await?;
+
+    let head = "INSERT INTO records (job_id, frame, record)";
+    insert_all(connection, head, 3, new, |statement, (image, ..)| {
+        statement.bind(&image.job).bind(image.frame).bind(&image.record)
+    })
+    .await?;
+
+    let metrics = columns.metrics();
+    let names: String = metrics.iter().map(|name| format!(", \"{name}\"")).collect();
+    let head = format!("INSERT INTO measurements (job_id, frame, subject{names})");
+    let measured: Vec<_> = new
+        .iter()
+        .flat_map(|(image, ..)| image.measurements.iter().map(move |measured| (image, measured)))
+        .collect();
+    insert_all(
+        connection,
+        &head,
+        3 + metrics.len(),
+        &measured,
+        |statement, (image, (subject, values))| {
+            let fixed = statement.bind(&image.job).bind(image.frame).bind(subject);
+            values
+                .iter()
+                .fold(fixed, |statement, value| statement.bind(*value))
+        },
+    )
+    .await?;
+
+    let head = "INSERT INTO artifacts (job_id, frame, kind, digest, bytes, media_type)";
+    let artifacts: Vec<_> = new
+        .iter()
+        .flat_map(|(image, ..)| image.artifacts.iter().map(move |artifact| (image, artifact)))
+        .collect();
+    insert_all(connection, head, 6, &artifacts, |statement, (image, artifact)| {
+        statement
+            .bind(&image.job)
+            .bind(image.frame)
+            .bind(&artifact.kind)
+            .bind(&artifact.digest)
+            .bind(artifact.bytes as i64)
+            .bind(&artifact.media_type)
+    })
+    .await
+}
+
+/// Inserts rows of `width` values, some in each statement.
+async fn insert_all<R>(
+    connection: &mut SqliteConnection,
+    head: &str,
+    width: usize,
+    mut rows: &[R],
+    bind: impl for<'q> Fn(Statement<'q>, &'q R) -> Statement<'q>,
+) -> Result<(), CatalogueError> {
+    let places = format!("({})", vec!["?"; width].join(", "));
+    while let Some(&most) = ROWS.iter().find(|&&most| most <= rows.len()) {
+        let (some, rest) = rows.split_at(most);
+        let sql = format!("{head} VALUES {}", vec![places.as_str(); most].join(", "));
+        let statement = some
+            .iter()
+            .fold(sqlx::query(AssertSqlSafe(sql)), |statement, row| {
+                bind(statement, row)
+            });
+        statement.execute(&mut *connection).await?;
+        rows = rest;
+    }
+    Ok(())
+}
+
+/// Brings the counters of jobs and datasets in line with new images.
+async fn count(
+    connection: &mut SqliteConnection,
+    new: &[(&NewImage, String, bool)],
+) -> Result<(), CatalogueError> {
+    let mut jobs: BTreeMap<&str, jobs::Added> = BTreeMap::new();
+    for (image, dataset, was_given_up) in new {
+        if *was_given_up {
+            sqlx::query("UPDATE failures SET quarantined = 0 WHERE job_id = ? AND frame = ?")
+                .bind(&image.job)
+                .bind(image.frame)
+                .execute(&mut *connection)
+                .await?;
+        }
+        let added = jobs.entry(&image.job).or_insert_with(|| jobs::Added {
+            dataset: dataset.clone(),
+            first_ms: image.now_ms,
+            ..jobs::Added::default()
+        });
+        added.images += 1;
+        added.given_up += i64::from(*was_given_up);
+        added.bytes += image.bytes() as i64;
+        added.first_ms = added.first_ms.min(image.now_ms);
+        added.last_ms = added.last_ms.max(image.now_ms);
+    }
+    for (job, added) in jobs {
+        jobs::count_images(connection, job, &added).await?;
+    }
+    Ok(())
+}
