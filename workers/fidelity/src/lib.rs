@@ -4,4 +4,5 @@
 //! picture. Clocks are read here, files are not: the command line writes what this crate answers.
 
 pub mod plot;
+pub mod stability;
 pub mod table1;

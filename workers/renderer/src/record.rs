@@ -128,7 +128,7 @@ fn numbers(chosen: &Chosen) -> Map<String, Value> {
 }
 
 /// The plan as a list of stages; what is not known of a stage is left out.
-fn plan(chosen: &Chosen) -> Value {
+pub(crate) fn plan(chosen: &Chosen) -> Value {
     let in_water = |stage: &str| stage.starts_with("attenuation") || stage.starts_with("forward_scatter");
     let notes = chosen.plan.describe().into_iter().map(|note| {
         let skipped = chosen.water.is_none() && in_water(note.stage);

@@ -110,6 +110,16 @@ impl Slot {
         Ok(record::finish(files.files, findings))
     }
 
+    /// What a frame would be rendered with: a list of stages, each with its variant and what bounds its error.
+    ///
+    /// # Errors
+    /// [`RenderError`] of the scene or the water.
+    pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<serde_json::Value, RenderError> {
+        let prepared = self.scene(frame, source)?;
+        let chosen = water::choose(frame, &prepared, &spec::haze_lights(frame))?;
+        Ok(record::plan(&chosen))
+    }
+
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
     fn scene(&mut self, frame: &Frame, source: &SceneSource) -> Result<Arc<Prepared>, RenderError> {
         let key = SceneKey {

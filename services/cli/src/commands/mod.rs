@@ -5,10 +5,13 @@ mod enhance;
 mod export;
 mod figure;
 mod measure;
+mod plan;
 mod query;
 mod render;
+mod scrub;
 mod serve;
 mod sheet;
+mod stability;
 mod styles;
 mod submit;
 mod table1;
@@ -29,6 +32,8 @@ pub(crate) enum Command {
     Worker(worker::Arguments),
     /// Render a job here, without a service
     Render(render::Arguments),
+    /// Show what a frame would be rendered with, and how wrong that may be
+    Plan(plan::Arguments),
     /// Submit a job to a service
     Submit(submit::Arguments),
     /// Ask for images by their parameters and metrics
@@ -37,6 +42,8 @@ pub(crate) enum Command {
     Export(export::Arguments),
     /// Upload a scene: a picture with its range
     Upload(upload::Arguments),
+    /// Read everything that a stopped service has stored, and render again what is damaged
+    Scrub(scrub::Arguments),
     /// Write a contact sheet of a dataset
     Sheet(sheet::Arguments),
     /// Enhance a picture
@@ -45,6 +52,8 @@ pub(crate) enum Command {
     Measure(measure::Arguments),
     /// Compare the enhancement methods over a folder of pictures or a dataset
     Table1(table1::Arguments),
+    /// Map where methods fail
+    Stability(stability::Arguments),
     /// List the optical water presets
     Waters(waters::Arguments),
     /// List the style waters
@@ -61,14 +70,17 @@ impl Command {
             Self::Serve(arguments) => serve::run(arguments),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),
+            Self::Plan(arguments) => plan::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),
             Self::Query(arguments) => query::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
             Self::Upload(arguments) => upload::run(&arguments),
+            Self::Scrub(arguments) => scrub::run(&arguments),
             Self::Sheet(arguments) => sheet::run(&arguments),
             Self::Enhance(arguments) => enhance::run(&arguments),
             Self::Measure(arguments) => measure::run(&arguments),
             Self::Table1(arguments) => table1::run(&arguments),
+            Self::Stability(arguments) => stability::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),
             Self::Figure(arguments) => figure::run(&arguments),

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
 use plotters::element::{PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, RGBColor};
+use plotters::style::{Color, RGBColor, WHITE};
 use plotters_backend::DrawingBackend;
 
 use super::{Figure, ink};
@@ -40,11 +40,17 @@ const NOTHING: RGBColor = RGBColor(190, 190, 190);
 const OUTLINE: RGBColor = RGBColor(0, 0, 0);
 
 impl HeatMap {
+    /// How full the colour is: -1 to 1, by the side of the neutral value.
+    fn strength(&self, value: f64) -> f64 {
+        let t = ((value - self.neutral) / self.span).clamp(-1.0, 1.0);
+        if t.is_finite() { t } else { 0.0 }
+    }
+
     fn colour(&self, value: f64) -> RGBColor {
         if !value.is_finite() {
             return NOTHING;
         }
-        let t = ((value - self.neutral) / self.span).clamp(-1.0, 1.0);
+        let t = self.strength(value);
         let full = if (t < 0.0) == self.low_is_bad { BAD } else { GOOD };
         let mix = |full: u8| (255.0 + t.abs() * (f64::from(full) - 255.0)).round() as u8;
         RGBColor(mix(full.0), mix(full.1), mix(full.2))
@@ -87,11 +93,11 @@ impl Figure for HeatMap {
                 } else {
                     "-".to_owned()
                 };
-                area.draw(&Text::new(
-                    text,
-                    (x + CELL.0 / 2, y + CELL.1 / 2),
-                    centred.clone(),
-                ))?;
+                let readable = match self.strength(value).abs() > 0.6 {
+                    true => centred.clone().color(&WHITE),
+                    false => centred.clone(),
+                };
+                area.draw(&Text::new(text, (x + CELL.0 / 2, y + CELL.1 / 2), readable))?;
             }
         }
         for &(column, row) in &self.outlined {

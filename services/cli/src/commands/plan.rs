@@ -1,0 +1,73 @@
+//! `fathom plan`: what a frame would be rendered with, and how wrong that may be.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use renderer::{Engine, SceneSource, Slot};
+use serde_json::Value;
+use spec::Job;
+
+use super::StyleArguments;
+use super::render::bad_spec;
+use crate::exit::Failure;
+use crate::files;
+use crate::table::{cell, table};
+
+/// Options of `fathom plan`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The job: a frame description with laws, as JSON
+    spec: PathBuf,
+    /// Which of its frames
+    #[arg(long, default_value_t = 0)]
+    frame: u64,
+    /// Print JSON, as it is stored with the image
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    style: StyleArguments,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let library = super::styles::library(&arguments.style)?;
+    let vocabulary = renderer::vocabulary(&library, true);
+    let text = files::read(&arguments.spec)?;
+    let job = Job::parse(&text, &vocabulary).map_err(|invalid| bad_spec(&arguments.spec, &invalid))?;
+    if arguments.frame >= job.frames() {
+        let message = format!(
+            "--frame {} is beyond the job's {} frames, 0 to {}",
+            arguments.frame,
+            job.frames(),
+            job.frames() - 1
+        );
+        return Err(Failure::BadInput(message));
+    }
+    let frame = job
+        .resolve(arguments.frame)
+        .map_err(|invalid| bad_spec(&arguments.spec, &invalid))?;
+    let mut slot = Slot::new(&Arc::new(Engine::new(
+        library,
+        arguments.style.onnxruntime.as_deref(),
+    )));
+    let plan = slot
+        .plan(&frame, &SceneSource::Local)
+        .map_err(|error| Failure::BadInput(error.to_string()))?;
+    if arguments.json {
+        println!("{plan}");
+        return Ok(());
+    }
+    let columns = ["stage", "variant", "terms", "bound"];
+    let field = |stage: &Value, column: &str| cell(stage.get(column).unwrap_or(&Value::Null));
+    let stages = plan.as_array().map(Vec::as_slice).unwrap_or_default();
+    let rows: Vec<Vec<String>> = stages
+        .iter()
+        .map(|stage| columns.map(|column| field(stage, column)).into())
+        .collect();
+    println!("{}", table(&columns, &rows));
+    let bounds = stages.iter().filter_map(|stage| stage.get("bound")?.as_f64());
+    if let Some(largest) = bounds.reduce(f64::max) {
+        println!("Every sample is within {largest:.2e} in linear light of the exact chain.");
+    }
+    Ok(())
+}

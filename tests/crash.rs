@@ -1,0 +1,182 @@
+//! Processes that are killed at the worst moments. Above each test stands what counts as failure.
+//!
+//! `FATHOM_CRASH_KILLS` sets how often the first test kills (50 unless set); it prints what it did.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use fathom_tests::{Service, Worker, digest_by_render, run};
+use serde_json::{Value, json};
+
+/// Every named point of the service, its store, its catalogue and its workers.
+const POINTS: &[&str] = &[
+    "submit.checked",
+    "submit.inserted",
+    "lease.granted",
+    "artifacts.received",
+    "pack.written",
+    "pack.committed",
+    "artifacts.stored",
+    "commit.begun",
+    "catalogue.written",
+    "catalogue.committed",
+    "commit.inserted",
+    "worker.leased",
+    "worker.rendered",
+    "worker.stored",
+    "worker.committed",
+];
+const FRAMES: u64 = 40;
+
+fn job() -> Value {
+    json!({
+        "dataset": "crash", "count": FRAMES, "seed": 11,
+        "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}},
+        "camera": {"width": 40, "height": 24, "hfov_deg": 80},
+        "water": {"optics": {"choice": ["jerlov-IB", "jerlov-5C"]}},
+        "artifacts": ["rgb", "range"]
+    })
+}
+
+fn temporary() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A small generator of its own, so that a failed run can be repeated.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, n: u64) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % n
+    }
+}
+
+/// Reads a stopped service's folder: every row's bytes must be there and match, counts must agree, the databases must be
+/// whole.
+fn audit(data: &Path, when: &str) {
+    let output = run(&["scrub", "--data", data.to_str().expect("text"), "--json"]);
+    assert!(
+        output.status.success(),
+        "{when}: {}{}",
+        text(&output.stdout),
+        text(&output.stderr)
+    );
+}
+
+/// Failure: an acknowledged job that is gone or does not finish, a frame with two images or none, a row whose bytes are
+/// missing or differ, counts that disagree, a damaged database, a digest other than that of an undisturbed run, a frame
+/// given up although nothing is wrong with it, a key that makes a second job.
+#[test]
+fn kills_at_every_step_and_at_any_time_lose_nothing() {
+    let kills: usize = std::env::var("FATHOM_CRASH_KILLS").map_or(50, |n| n.parse().expect("a number"));
+    let (job, mut dice) = (job(), Dice(20_261_121));
+    let expected = digest_by_render(&job, temporary().path(), "2");
+    let data = temporary();
+    let mut acknowledged: Vec<(String, String)> = Vec::new();
+    let (mut by_itself, mut from_outside) = (0, 0);
+    for kill in 0..kills {
+        let point = POINTS[kill % POINTS.len()];
+        // Some come early in the life of the process, some after a few dozen frames.
+        let fault = format!(
+            "{point}=abort@{}",
+            1 + dice.below(if point.starts_with("submit") { 2 } else { 8 })
+        );
+        let environment: &[(&str, &str)] = match kill % 4 {
+            // Nothing planned: killed from outside at any time.
+            3 => &[],
+            _ => &[("FATHOM_FAULTS", &fault)],
+        };
+        let mut service = Service::start_with(data.path(), &["--workers", "2", "--slots", "1"], environment);
+        for submission in 0..2 {
+            let key = format!("{kill}-{submission}");
+            if let Some(id) = service.try_submit(&job, &key) {
+                acknowledged.push((key, id));
+            }
+        }
+        let until = Instant::now() + Duration::from_millis(40 + dice.below(600));
+        while service.is_alive() && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        if service.is_alive() {
+            from_outside += 1
+        } else {
+            by_itself += 1
+        }
+        service.kill();
+        audit(data.path(), &format!("after kill {kill} ({fault})"));
+    }
+    let service = Service::start(data.path(), &["--workers", "2", "--slots", "2"]);
+    for (key, id) in &acknowledged {
+        let again = service.try_submit(&job, key);
+        assert_eq!(again.as_ref(), Some(id), "key {key} names another job");
+        let done = service.finished(id);
+        assert_eq!(
+            (done["state"].as_str(), done["done"].as_u64()),
+            (Some("done"), Some(FRAMES)),
+            "{done}"
+        );
+        assert_eq!(done["digest"], expected, "{done}");
+    }
+    drop(service);
+    audit(data.path(), "at the end");
+    assert!(
+        acknowledged.len() >= kills,
+        "only {} jobs were accepted in {kills} lives",
+        acknowledged.len()
+    );
+    println!(
+        "{kills} kills ({by_itself} at a named point of the service, {from_outside} from outside), {} jobs of {FRAMES} frames",
+        acknowledged.len()
+    );
+}
+
+/// Failure: a worker that was stopped for longer than its lease writes anything, its frames are not done by another, or
+/// the digest differs.
+#[test]
+fn a_worker_that_slept_past_its_lease_cannot_write() {
+    let mut job = job();
+    job["count"] = json!(400);
+    let expected = digest_by_render(&job, temporary().path(), "2");
+    let data = temporary();
+    let service = Service::start(data.path(), &["--workers", "0"]);
+    let zombie = Worker::start(&service.url, "zombie", 1);
+    let id = service.submit(&job);
+    // Stopped while it holds a lease.
+    loop {
+        let (_, answer) = service.get("/v1/workers");
+        let holds = answer["items"]
+            .as_array()
+            .is_some_and(|all| all.iter().any(|w| w["leased_frames"] != 0));
+        let (_, state) = service.get(&format!("/v1/jobs/{id}"));
+        if holds && state["done"].as_u64() > Some(0) {
+            break;
+        }
+    }
+    zombie.signal("STOP");
+    let (_, stopped) = service.get(&format!("/v1/jobs/{id}"));
+    assert_ne!(stopped["state"], "done", "the worker was too fast: {stopped}");
+    let other = Worker::start(&service.url, "other", 2);
+    let done = service.finished(&id);
+    let images = |service: &Service| service.get("/v1/datasets").1.to_string();
+    let before = images(&service);
+    zombie.signal("CONT");
+    // Long enough for the woken worker to send what it had in its hands.
+    std::thread::sleep(Duration::from_secs(2));
+    assert_eq!(images(&service), before, "the woken worker changed something");
+    assert_eq!(
+        (done["done"].as_u64(), done["failed"].as_u64()),
+        (Some(400), Some(0)),
+        "{done}"
+    );
+    assert_eq!(done["digest"], expected);
+    drop((zombie, other, service));
+    audit(data.path(), "after the zombie");
+}

@@ -1,0 +1,133 @@
+//! What was measured at one level of one degradation.
+
+use super::Degradation;
+
+/// One specimen at one level.
+pub(super) struct Sample {
+    /// SSIM and corner repeatability of the degraded picture.
+    pub(super) before: Vec<f64>,
+    /// The same of the result; none: the method failed.
+    pub(super) after: Option<Vec<f64>>,
+    /// The metrics of the result.
+    pub(super) values: Option<Vec<f64>>,
+    /// Mean change of the result for a mean change of one of the picture.
+    pub(super) gain: Option<f64>,
+    pub(super) warned: bool,
+}
+
+/// All specimens at one level of one degradation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// The method; none: the picture as it is.
+    pub method: Option<&'static str>,
+    /// What was done to the picture.
+    pub degradation: Degradation,
+    /// Which step of it.
+    pub level: usize,
+    /// SSIM to the clean picture before and after the method.
+    pub ssim: (Summary, Summary),
+    /// Corner repeatability before and after.
+    pub repeatability: (Summary, Summary),
+    /// The metrics of the result.
+    pub values: Vec<Summary>,
+    /// Change of the result over change of the picture, for noise of one code.
+    pub gain: Summary,
+    /// Share of specimens with a lower SSIM after the method than before.
+    pub worse_ssim: f64,
+    /// Share with a lower corner repeatability.
+    pub worse_repeatability: f64,
+    /// Share of specimens that the method warned about.
+    pub warned: f64,
+    /// Runs that ended in an error, and values that were not finite.
+    pub failures: usize,
+}
+
+/// Mean and extremes over the specimens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Mean.
+    pub mean: f64,
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+impl Summary {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+        if values.is_empty() {
+            return Self {
+                mean: f64::NAN,
+                min: f64::NAN,
+                max: f64::NAN,
+            };
+        }
+        Self {
+            mean: values.iter().sum::<f64>() / values.len() as f64,
+            min: values.iter().copied().fold(f64::INFINITY, f64::min),
+            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+}
+
+impl Cell {
+    pub(super) fn of(
+        method: Option<&'static str>,
+        degradation: Degradation,
+        level: usize,
+        samples: &[Sample],
+    ) -> Self {
+        let before = |which: usize| Summary::of(samples.iter().map(|sample| sample.before[which]));
+        let after = |which: usize| {
+            Summary::of(
+                samples
+                    .iter()
+                    .filter_map(|sample| Some(sample.after.as_ref()?[which])),
+            )
+        };
+        let share = |n: usize| n as f64 / samples.len().max(1) as f64;
+        let worse = |which: usize| {
+            let lower = |sample: &&Sample| {
+                sample
+                    .after
+                    .as_ref()
+                    .is_some_and(|after| after[which] < sample.before[which] - WORSE)
+            };
+            share(samples.iter().filter(lower).count())
+        };
+        let metrics = samples
+            .iter()
+            .find_map(|sample| sample.values.as_ref())
+            .map_or(0, Vec::len);
+        let values = (0..metrics).map(|metric| {
+            Summary::of(
+                samples
+                    .iter()
+                    .filter_map(|sample| Some(sample.values.as_ref()?[metric])),
+            )
+        });
+        let lost = samples.iter().filter(|sample| sample.after.is_none()).count();
+        let finite = |values: &Option<Vec<f64>>| values.iter().flatten().filter(|v| !v.is_finite()).count();
+        let not_finite: usize = samples
+            .iter()
+            .map(|sample| finite(&sample.values) + finite(&sample.after))
+            .sum();
+        Self {
+            method,
+            degradation,
+            level,
+            ssim: (before(0), after(0)),
+            repeatability: (before(1), after(1)),
+            values: values.collect(),
+            gain: Summary::of(samples.iter().filter_map(|sample| sample.gain)),
+            worse_ssim: worse(0),
+            worse_repeatability: worse(1),
+            warned: share(samples.iter().filter(|sample| sample.warned).count()),
+            failures: lost + not_finite,
+        }
+    }
+}
+
+/// A loss smaller than this is none: SSIM and shares of corners are not told apart more finely by eye.
+const WORSE: f64 = 1e-3;
