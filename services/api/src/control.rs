@@ -53,7 +53,8 @@ pub(crate) async fn retry_failed(app: &Shared, id: String) -> Result<JobRow, Pro
         if !app.dispatch.retry(&id, &again.frames)
             && let Some(job) = app.catalogue.open_job(&id).await?
         {
-            app.dispatch.add_job(entry(job));
+            let submitted_ms = job.row.created_ms;
+            app.dispatch.add_job(entry(job), submitted_ms);
         }
         told(&app, &id, "tried again");
         Ok(again.job)

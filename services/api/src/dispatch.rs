@@ -24,6 +24,8 @@ const LOOK_AGAIN: Duration = Duration::from_millis(250);
 struct State {
     table: LeaseTable,
     about: HashMap<String, Register>,
+    /// When open jobs were submitted, Unix milliseconds.
+    submitted: HashMap<String, u64>,
 }
 
 /// The lease table behind a lock.
@@ -40,6 +42,7 @@ impl Dispatch {
         let state = State {
             table: LeaseTable::new(),
             about: HashMap::new(),
+            submitted: HashMap::new(),
         };
         Self {
             state: Mutex::new(state),
@@ -49,9 +52,12 @@ impl Dispatch {
         }
     }
 
-    /// Offers a job's open frames to workers.
-    pub(crate) fn add_job(&self, entry: JobEntry) {
-        self.state().table.add_job(entry);
+    /// Offers a job's open frames to workers. `submitted_ms`: when it was submitted, since 1970.
+    pub(crate) fn add_job(&self, entry: JobEntry, submitted_ms: u64) {
+        let mut state = self.state();
+        state.submitted.insert(entry.id.clone(), submitted_ms);
+        state.table.add_job(entry);
+        drop(state);
         self.work.notify_waiters();
     }
 
@@ -107,7 +113,7 @@ impl Dispatch {
                 }
                 let token = self.next_token.fetch_add(1, Ordering::Relaxed);
                 if let Some(grant) = state.table.grant(worker, self.clock.now(), token, frame_ms) {
-                    telemetry::granted();
+                    telemetry::granted(grant.frames.len());
                     return Ok(Some(Granted {
                         dispatch: self,
                         lease: Some(grant),
@@ -178,7 +184,11 @@ impl Dispatch {
 
     /// Takes back the leases that have ended.
     pub(crate) fn expire(&self) -> Vec<StrikeEvent> {
-        let events = self.state().table.expire(self.clock.now());
+        let mut state = self.state();
+        let now = self.clock.now();
+        telemetry::expired(state.table.ended(now));
+        let events = state.table.expire(now);
+        drop(state);
         self.after_loss(events)
     }
 
@@ -239,8 +249,15 @@ impl Dispatch {
 
     /// Updates the gauges.
     pub(crate) fn measure(&self) {
-        let totals = self.state().table.totals();
-        telemetry::queue(totals.queued, totals.leased);
+        let mut state = self.state();
+        let totals = state.table.totals();
+        let State { table, submitted, .. } = &mut *state;
+        submitted.retain(|job, _| table.has_job(job));
+        let oldest = submitted.values().min().copied();
+        drop(state);
+        let now = self.clock.unix_ms();
+        let age_ms = oldest.map_or(0, |submitted| now.saturating_sub(submitted));
+        telemetry::queue(totals.queued, totals.leased, age_ms);
     }
 
     fn after_loss(&self, events: Vec<StrikeEvent>) -> Vec<StrikeEvent> {
@@ -300,11 +317,14 @@ mod tests {
         let read = Arc::clone(&hand);
         let clock = Clock::from_functions(move || read.load(Ordering::SeqCst), || 0);
         let dispatch = Dispatch::new(clock, 1);
-        dispatch.add_job(JobEntry {
-            id: "job_a".to_owned(),
-            frames: 1,
-            ..JobEntry::default()
-        });
+        dispatch.add_job(
+            JobEntry {
+                id: "job_a".to_owned(),
+                frames: 1,
+                ..JobEntry::default()
+            },
+            0,
+        );
         let worker = dispatch.register(about());
         (dispatch, worker, hand)
     }
@@ -386,11 +406,14 @@ mod tests {
         };
         tokio::task::yield_now().await;
         let begun = Instant::now();
-        dispatch.add_job(JobEntry {
-            id: "job_b".to_owned(),
-            frames: 1,
-            ..JobEntry::default()
-        });
+        dispatch.add_job(
+            JobEntry {
+                id: "job_b".to_owned(),
+                frames: 1,
+                ..JobEntry::default()
+            },
+            0,
+        );
         assert_eq!(waiting.await.unwrap().as_deref(), Some("job_b"));
         assert_eq!(begun.elapsed(), Duration::ZERO);
     }

@@ -21,6 +21,8 @@ use crate::data::{Data, DataError};
 use crate::dispatch::Dispatch;
 use crate::estimate::Experience;
 use crate::fleet::{Fleet, OnExit, Recipe};
+use crate::naming::Naming;
+use crate::space::Space;
 use crate::state::{App, Shared};
 use crate::watch::Watch;
 use crate::{control, listener, reclaim, routes, strikes, telemetry};
@@ -160,6 +162,8 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         library: config.library.clone(),
         style_runtime: surroundings.style_runtime,
         turn: Mutex::default(),
+        naming: Naming::default(),
+        space: Arc::new(Space::of(&config.data)),
         reclaim: Notify::new(),
         clock: surroundings.clock,
         telemetry: telemetry::install(),
@@ -175,7 +179,8 @@ async fn take_up_open_jobs(app: &App) -> Result<(), StartError> {
         tracing::info!(jobs = jobs.len(), "unfinished jobs are taken up again");
     }
     for job in jobs {
-        app.dispatch.add_job(control::entry(job));
+        let submitted_ms = job.row.created_ms;
+        app.dispatch.add_job(control::entry(job), submitted_ms);
     }
     Ok(())
 }
@@ -252,6 +257,7 @@ async fn tidy_up(app: Shared, end: CancellationToken) {
     let mut ticks = tokio::time::interval(UPKEEP_INTERVAL);
     while end.run_until_cancelled(ticks.tick()).await.is_some() {
         app.dispatch.forget_workers();
+        app.naming.tidy_up();
         app.telemetry.run_upkeep();
     }
 }

@@ -14,6 +14,8 @@ use crate::clock::Clock;
 use crate::compute::Compute;
 use crate::dispatch::Dispatch;
 use crate::estimate::Experience;
+use crate::naming::Naming;
+use crate::space::Space;
 use crate::watch::Watch;
 
 /// The parts of a running service.
@@ -32,6 +34,8 @@ pub(crate) struct App {
     pub(crate) style_runtime: Result<String, String>,
     /// Held while a job is paused, cancelled, deleted and so on.
     pub(crate) turn: Mutex<()>,
+    pub(crate) naming: Naming,
+    pub(crate) space: Arc<Space>,
     /// Rung when something was deleted.
     pub(crate) reclaim: Notify,
     pub(crate) clock: Clock,

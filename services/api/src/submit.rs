@@ -43,6 +43,7 @@ async fn store(app: &App, submission: Submission) -> Result<JobRow, Problem> {
     } = submission;
     let id = format!("job_{}", Uuid::now_v7().simple());
     let digest = job.digest();
+    let created_ms = app.clock.unix_ms();
     let idempotency = idempotency_key.map(|key| Idempotency {
         owner: caller.owner,
         key,
@@ -55,7 +56,7 @@ async fn store(app: &App, submission: Submission) -> Result<JobRow, Problem> {
         spec_digest: digest,
         frames: job.frames(),
         priority,
-        created_ms: app.clock.unix_ms(),
+        created_ms,
         idempotency,
     };
     faults::point("submit.checked");
@@ -63,12 +64,15 @@ async fn store(app: &App, submission: Submission) -> Result<JobRow, Problem> {
     faults::point("submit.inserted");
     let id = match inserted {
         InsertJob::Created => {
-            app.dispatch.add_job(JobEntry {
-                id: id.clone(),
-                frames: job.frames(),
-                priority,
-                ..JobEntry::default()
-            });
+            app.dispatch.add_job(
+                JobEntry {
+                    id: id.clone(),
+                    frames: job.frames(),
+                    priority,
+                    ..JobEntry::default()
+                },
+                created_ms,
+            );
             tracing::info!(
                 job = id,
                 dataset = job.dataset(),

@@ -1,16 +1,19 @@
 //! What the service counts about itself, in Prometheus' text form with base units.
 
-use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use axum::http::Method;
 use metrics::{counter, describe_counter, describe_gauge, describe_histogram, gauge, histogram};
 use metrics_exporter_prometheus::{Matcher, PrometheusBuilder, PrometheusHandle};
+use spec::FrameRecord;
+use store::StoreStats;
 
 /// From a cached read to a long-poll, in seconds.
 const REQUEST_BUCKETS: [f64; 10] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 60.0];
 /// From encoding a small picture to a large reference render, in seconds.
 const STAGE_BUCKETS: [f64; 10] = [0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
+/// From a thumbnail to the linear layers of a large frame.
+const COMMIT_BUCKETS: [f64; 8] = [1e4, 3e4, 1e5, 3e5, 1e6, 1e7, 1e8, 5e8];
 /// A frame has about a dozen stages; a record that claims more is not worth a label for each.
 const MAX_STAGES: usize = 32;
 
@@ -24,6 +27,14 @@ const STRIKES: &str = "fathom_lease_strikes_total";
 const STAGE_SECONDS: &str = "fathom_stage_seconds";
 const QUEUED: &str = "fathom_frames_queued";
 const LEASED: &str = "fathom_frames_leased";
+const ATTEMPTS: &str = "fathom_attempts_total";
+const EXPIRED: &str = "fathom_leases_expired_total";
+const QUEUE_AGE: &str = "fathom_queue_age_seconds";
+const COMMIT_BYTES: &str = "fathom_commit_bytes";
+const WAL_BYTES: &str = "fathom_wal_bytes";
+const STORE_BYTES: &str = "fathom_store_bytes";
+const STORE_BLOBS: &str = "fathom_store_blobs";
+const STORE_PACKS: &str = "fathom_store_packs";
 
 static EXPORTER: OnceLock<PrometheusHandle> = OnceLock::new();
 
@@ -31,11 +42,9 @@ static EXPORTER: OnceLock<PrometheusHandle> = OnceLock::new();
 pub(crate) fn install() -> &'static PrometheusHandle {
     EXPORTER.get_or_init(|| {
         let builder = PrometheusBuilder::new();
-        let builder = buckets(
-            buckets(builder, REQUEST_SECONDS, &REQUEST_BUCKETS),
-            STAGE_SECONDS,
-            &STAGE_BUCKETS,
-        );
+        let builder = buckets(builder, REQUEST_SECONDS, &REQUEST_BUCKETS);
+        let builder = buckets(builder, STAGE_SECONDS, &STAGE_BUCKETS);
+        let builder = buckets(builder, COMMIT_BYTES, &COMMIT_BUCKETS);
         let recorder = builder.build_recorder();
         let handle = recorder.handle();
         if metrics::set_global_recorder(recorder).is_err() {
@@ -72,6 +81,17 @@ fn describe() {
     describe_histogram!(STAGE_SECONDS, "Time of a stage of a frame, from its record");
     describe_gauge!(QUEUED, "Frames of open jobs that wait for a worker");
     describe_gauge!(LEASED, "Frames that a worker holds");
+    describe_counter!(ATTEMPTS, "Frames given to workers, each time that they were");
+    describe_counter!(EXPIRED, "Leases that ran out without a word of their worker");
+    describe_gauge!(QUEUE_AGE, "Seconds since the oldest open job was submitted");
+    describe_histogram!(COMMIT_BYTES, "Bytes of the artifacts of a committed frame");
+    describe_gauge!(WAL_BYTES, "Bytes of the catalogue's write-ahead log");
+    describe_gauge!(STORE_BYTES, "Bytes of the artifacts that can be read");
+    describe_gauge!(
+        STORE_BLOBS,
+        "Artifacts that can be read, shared ones counted once"
+    );
+    describe_gauge!(STORE_PACKS, "Files that hold them");
 }
 
 pub(crate) fn request(method: &Method, route: &str, status: u16, seconds: f64) {
@@ -94,9 +114,11 @@ pub(crate) fn shed(budget: &'static str) {
 }
 
 /// A committed frame and its stages.
-pub(crate) fn committed(timings_ms: &BTreeMap<String, f64>) {
+pub(crate) fn committed(record: &FrameRecord) {
     counter!(COMMITTED).increment(1);
-    for (stage, ms) in timings_ms.iter().take(MAX_STAGES) {
+    let bytes: u64 = record.artifacts.iter().map(|artifact| artifact.bytes).sum();
+    histogram!(COMMIT_BYTES).record(bytes as f64);
+    for (stage, ms) in record.timings_ms.iter().take(MAX_STAGES) {
         histogram!(STAGE_SECONDS, "stage" => stage.clone()).record(ms / 1e3);
     }
 }
@@ -105,15 +127,30 @@ pub(crate) fn failed(given_up: bool) {
     counter!(FAILED, "given_up" => if given_up { "true" } else { "false" }).increment(1);
 }
 
-pub(crate) fn granted() {
+/// A lease given out, with this many frames.
+pub(crate) fn granted(frames: usize) {
     counter!(GRANTED).increment(1);
+    counter!(ATTEMPTS).increment(frames as u64);
+}
+
+/// Leases that ran out.
+pub(crate) fn expired(leases: usize) {
+    counter!(EXPIRED).increment(leases as u64);
 }
 
 pub(crate) fn strikes(count: usize) {
     counter!(STRIKES).increment(count as u64);
 }
 
-pub(crate) fn queue(queued: u64, leased: u64) {
+pub(crate) fn queue(queued: u64, leased: u64, age_ms: u64) {
+    gauge!(QUEUE_AGE).set(age_ms as f64 / 1e3);
     gauge!(QUEUED).set(queued as f64);
     gauge!(LEASED).set(leased as f64);
+}
+
+pub(crate) fn stored(stats: &StoreStats, wal_bytes: u64) {
+    gauge!(WAL_BYTES).set(wal_bytes as f64);
+    gauge!(STORE_BYTES).set(stats.bytes as f64);
+    gauge!(STORE_BLOBS).set(stats.blobs as f64);
+    gauge!(STORE_PACKS).set(stats.packs as f64);
 }

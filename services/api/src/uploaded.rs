@@ -23,6 +23,7 @@ pub(crate) async fn keep(app: &Shared, form: Form) -> Result<(SceneRow, bool), P
     let app = Arc::clone(app);
     let task = tokio::spawn(async move {
         let id = row.id.clone();
+        let _turn = app.naming.beside_others().await;
         app.store.put_all(blobs).await?;
         let stored = app.catalogue.insert_scene(row).await?;
         let row = app.catalogue.scene(&stored).await?;

@@ -241,6 +241,18 @@ impl LeaseTable {
         events
     }
 
+    /// Whether a job has frames that have not ended.
+    #[must_use]
+    pub fn has_job(&self, job: &str) -> bool {
+        self.jobs.contains_key(job)
+    }
+
+    /// Leases that have run out and that [`LeaseTable::expire`] would take back.
+    #[must_use]
+    pub fn ended(&self, now: Millis) -> usize {
+        self.leases.ended(now).len()
+    }
+
     /// The known workers.
     #[must_use]
     pub fn workers(&self) -> Vec<WorkerRow> {

@@ -15,7 +15,7 @@ pub(crate) mod workers;
 use std::sync::Arc;
 
 use axum::Router;
-use axum::middleware::from_fn;
+use axum::middleware::{from_fn, from_fn_with_state};
 use axum::routing::{get, post};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -26,7 +26,7 @@ use crate::layers::{Budget, Group, observe};
 use crate::limits::{self, Limits};
 use crate::problem::Problem;
 use crate::state::Shared;
-use crate::{openapi, problem};
+use crate::{openapi, problem, space};
 
 /// The whole application.
 pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Router {
@@ -57,11 +57,13 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
     let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
     openapi::complete(&mut document);
     let pages = SwaggerUi::new("/docs").url("/openapi.json", document);
+    let space = Arc::clone(&app.space);
     public
         .with_state(app)
         .merge(pages)
         .route("/problems/{slug}", get(problem::describe))
         .fallback(|| async { Problem::not_found("no such route; see /docs") })
+        .layer(from_fn_with_state(space, space::note))
         .layer(from_fn(observe))
 }
 

@@ -43,9 +43,26 @@ fn a_submitted_job_becomes_images_that_can_be_asked_for() {
     assert_eq!(service.get("/v1/datasets").json()["items"][0]["images"], 2);
     assert_eq!(service.get("/v1/workers").json()["items"][0]["name"], "fake");
     let metrics = service.get("/metrics").text();
-    assert!(
-        metrics.contains("fathom_frames_committed_total") && metrics.contains("fathom_stage_seconds_bucket")
-    );
+    for name in [
+        "fathom_requests_total",
+        "fathom_request_seconds_bucket",
+        "fathom_frames_committed_total",
+        "fathom_frames_queued",
+        "fathom_frames_leased",
+        "fathom_stage_seconds_bucket",
+        "fathom_queue_age_seconds",
+        "fathom_leases_granted_total",
+        "fathom_leases_expired_total",
+        "fathom_attempts_total",
+        "fathom_commit_bytes_bucket",
+        "fathom_wal_bytes",
+        "fathom_store_bytes",
+    ] {
+        assert!(
+            metrics.contains(&format!("\n{name}")),
+            "{name} is not in {metrics}"
+        );
+    }
 }
 
 #[test]

@@ -15,4 +15,5 @@ mod load;
 mod messages;
 mod pictures;
 mod rendered;
+mod space;
 mod streams;

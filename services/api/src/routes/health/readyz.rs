@@ -2,16 +2,22 @@
 
 use axum::extract::State;
 
-use crate::problem::Problem;
+use crate::problem::{Problem, Slug};
 use crate::state::Shared;
 
-/// Whether requests can be answered: the catalogue and the store are readable and the service is not stopping.
+/// Whether requests can be answered: the catalogue is readable, there is space, and the service is not stopping.
+///
+/// A full disk is looked at again each time: as soon as there is space the answer is 200.
 #[utoipa::path(get, path = "/readyz", tag = "operations", security(()),
     responses((status = 200, description = "Ready.", body = String),
-              (status = 503, description = "Stopping, or the data directory cannot be read.")))]
+              (status = 507, response = crate::openapi::Problem)))]
 pub(crate) async fn readyz(State(app): State<Shared>) -> Result<&'static str, Problem> {
     if app.stop.is_cancelled() {
         return Err(Problem::overloaded("the service is stopping"));
+    }
+    if app.space.is_full().await {
+        let detail = "there is no space left for the data directory; reading goes on";
+        return Err(Problem::new(Slug::StorageFull, detail));
     }
     app.catalogue
         .counts()

@@ -20,8 +20,12 @@ pub(crate) async fn artifacts(
         digest: file.digest,
         bytes: file.data,
     });
+    let blobs: Vec<Blob> = blobs.collect();
     faults::point("artifacts.received");
-    app.store.put_all(blobs.collect()).await?;
+    app.naming
+        .announce(blobs.iter().map(|blob| blob.digest.clone()))
+        .await;
+    app.store.put_all(blobs).await?;
     faults::point("artifacts.stored");
     Ok(ProtoBody(PutArtifactsResponse {}))
 }

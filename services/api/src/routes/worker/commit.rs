@@ -37,7 +37,7 @@ async fn held(app: &App, claim: &Claim, record: &FrameRecord) -> Result<bool, Pr
         Ok(InsertImage::AlreadyThere) => app.dispatch.finish_commit(claim),
         Ok(InsertImage::Inserted) => {
             app.dispatch.finish_commit(claim);
-            telemetry::committed(&record.timings_ms);
+            telemetry::committed(record);
             app.experience.learn(record);
         }
         Err(_) => app.dispatch.abort_commit(claim),
@@ -47,6 +47,7 @@ async fn held(app: &App, claim: &Claim, record: &FrameRecord) -> Result<bool, Pr
 }
 
 async fn insert(app: &App, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
+    let _turn = app.naming.beside_others().await;
     for artifact in &record.artifacts {
         if !app.store.contains(&artifact.digest).await? {
             let detail = format!(
@@ -56,8 +57,11 @@ async fn insert(app: &App, claim: &Claim, record: &FrameRecord) -> Result<Insert
             return Err(Problem::new(Slug::InvalidBody, detail));
         }
     }
-    Ok(app
+    let inserted = app
         .catalogue
         .insert_image(&claim.job_id, record, app.clock.unix_ms())
-        .await?)
+        .await?;
+    app.naming
+        .named(record.artifacts.iter().map(|artifact| artifact.digest.as_str()));
+    Ok(inserted)
 }

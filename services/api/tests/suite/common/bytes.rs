@@ -46,3 +46,16 @@ fn crc(bytes: &[u8]) -> u32 {
         })
     })
 }
+
+/// A square picture that does not compress: three bytes a pixel.
+pub(crate) fn noise_png(side: usize, seed: u64) -> Vec<u8> {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    let mut next = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 32) as u8
+    };
+    let picture = Rgb8::from_fn(side, side, |_, _| [next(), next(), next()]);
+    encode_png(&picture.into()).unwrap()
+}

@@ -1,6 +1,6 @@
 //! A service over a fresh data directory on a free port, asked over real HTTP; and a worker that renders nothing.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use fathom_api::{Clock, Config, Limits, Service, Surroundings};
@@ -36,6 +36,7 @@ pub(crate) struct Running {
     runtime: Runtime,
     service: Option<Service>,
     pub(crate) data: TempDir,
+    folder: PathBuf,
     pub(crate) url: String,
     pub(crate) token: Option<&'static str>,
 }
@@ -85,8 +86,18 @@ pub(crate) fn start_with(setup: Setup) -> Running {
 }
 
 pub(crate) fn start_on(data: TempDir, setup: Setup) -> Running {
+    let folder = data.path().to_owned();
+    start_at(data, folder, setup)
+}
+
+/// A service over a folder that somebody else removes.
+pub(crate) fn start_in_folder(folder: &Path) -> Running {
+    start_at(tempfile::tempdir().unwrap(), folder.to_owned(), Setup::default())
+}
+
+fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
     let runtime = Runtime::new().unwrap();
-    let config = config(data.path(), setup.token);
+    let config = config(&folder, setup.token);
     let style_runtime = Err("ONNX Runtime was not found; run scripts/get-onnxruntime.sh".to_owned());
     let surroundings = Surroundings {
         clock: setup.clock,
@@ -101,6 +112,7 @@ pub(crate) fn start_on(data: TempDir, setup: Setup) -> Running {
         runtime,
         service: Some(service),
         data,
+        folder,
         url,
         token: setup.token,
     }
@@ -147,6 +159,10 @@ fn answer(response: Result<ureq::http::Response<ureq::Body>, ureq::Error>) -> An
 }
 
 impl Running {
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     pub(crate) fn get(&self, path: &str) -> Answer {
         self.get_with(path, &[])
     }

@@ -1,0 +1,135 @@
+//! Space comes back after a deletion, and a full disk is told and survived.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use crate::common::bytes::{noise_png, png};
+use crate::common::worker::Fake;
+use crate::common::{Running, job, start, start_in_folder};
+use serde_json::json;
+
+/// Bytes of all files below a folder.
+fn on_disk(folder: &Path) -> u64 {
+    let entries = std::fs::read_dir(folder).unwrap().filter_map(Result::ok);
+    entries
+        .map(|entry| match entry.metadata() {
+            Ok(file) if file.is_dir() => on_disk(&entry.path()),
+            Ok(file) => file.len(),
+            Err(_) => 0,
+        })
+        .sum()
+}
+
+/// Waits for what happens in the background.
+fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !holds() {
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "{what} does not happen"
+        );
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// A job of one frame whose picture has about this many bytes.
+fn render(service: &Running, worker: &Fake, dataset: &str, seed: u64, side: usize) -> String {
+    let mut one = job();
+    one["count"] = json!(1);
+    one["dataset"] = json!(dataset);
+    let id = service.submit(&one);
+    let lease = worker.lease(5000).expect("a frame");
+    worker.finish_with(&lease, noise_png(side, seed)).unwrap();
+    id
+}
+
+#[test]
+fn the_space_of_deleted_images_comes_back_and_shared_bytes_stay() {
+    let service = start();
+    let worker = Fake::register(&service);
+    let kept = render(&service, &worker, "kept", 1, 64);
+    let same = render(&service, &worker, "gone", 1, 64);
+    for seed in 2..10 {
+        render(&service, &worker, "gone", seed, 600);
+    }
+    let packs = service.folder().join("packs");
+    let full = on_disk(&packs);
+    assert!(full > 8 * 600 * 600 * 3, "{full}");
+    let deleted = service.delete("/v1/datasets/gone");
+    assert_eq!((deleted.status, &deleted.json()["images"]), (200, &json!(9)));
+    eventually("the space", || on_disk(&packs) < full / 4);
+    let picture = service.get(&format!("/v1/images/{kept}/0/artifacts/rgb"));
+    assert_eq!((picture.status, picture.body), (200, noise_png(64, 1)));
+    service
+        .get(&format!("/v1/images/{same}/0/artifacts/rgb"))
+        .problem(404, "not-found");
+    // The same bytes may come again.
+    render(&service, &worker, "again", 2, 600);
+}
+
+/// A small file system of its own; removed when dropped.
+struct Small(PathBuf);
+
+impl Small {
+    /// None where this user may not mount one.
+    fn mount(folder: &Path, size: &str) -> Option<Self> {
+        let options = format!("size={size}");
+        let mounted = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", &options, "fathom-test"])
+            .arg(folder)
+            .output();
+        mounted
+            .is_ok_and(|run| run.status.success())
+            .then(|| Self(folder.to_owned()))
+    }
+}
+
+impl Drop for Small {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(&self.0).output();
+    }
+}
+
+#[test]
+fn a_full_disk_is_told_reading_goes_on_and_writing_goes_on_when_there_is_space_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(small) = Small::mount(folder.path(), "24m") else {
+        eprintln!("this user may not mount a file system: nothing was tested");
+        return;
+    };
+    let service = start_in_folder(folder.path());
+    let worker = Fake::register(&service);
+    let before = render(&service, &worker, "tests", 1, 300);
+    let ballast = folder.path().join("ballast");
+    std::fs::write(&ballast, vec![7; 12 << 20]).unwrap();
+
+    // A frame that does not fit: its worker is told to wait, nothing of it is visible.
+    let mut one = job();
+    one["count"] = json!(1);
+    let waiting = service.submit(&one);
+    let lease = worker.lease(5000).expect("a frame");
+    let large = noise_png(2200, 2);
+    let refused = worker.finish_with(&lease, large.clone()).unwrap_err().to_string();
+    assert!(refused.contains("507"), "{refused}");
+    service.get("/readyz").problem(507, "storage-full");
+    assert_eq!(service.get("/livez").status, 200);
+    service
+        .get(&format!("/v1/images/{waiting}/0"))
+        .problem(404, "not-found");
+    let picture = service.get(&format!("/v1/images/{before}/0/artifacts/rgb"));
+    assert_eq!(picture.status, 200, "reading goes on");
+    let upload = service.upload(&[("rgb", &large)]);
+    upload.problem(507, "storage-full");
+
+    std::fs::remove_file(&ballast).unwrap();
+    assert_eq!(service.get("/readyz").status, 200, "no restart is needed");
+    worker.finish_with(&lease, noise_png(900, 2)).unwrap();
+    assert_eq!(
+        service.get(&format!("/v1/jobs/{waiting}")).json()["state"],
+        "done"
+    );
+    assert_eq!(service.upload(&[("rgb", &png(8, 6))]).status, 201);
+    drop(service.stop());
+    drop(small);
+}
