@@ -43,8 +43,11 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 async fn submissions(catalogue: &Catalogue) -> Result<(), CatalogueError> {
     let mut times = Vec::new();
+    let now = std::time::SystemTime::UNIX_EPOCH
+        .elapsed()
+        .map_or(0, |now| now.as_millis());
     for number in 0..TIMES {
-        let id = format!("job_2{number:05}");
+        let id = format!("job_2_{now}_{number:05}");
         let begun = Instant::now();
         catalogue
             .insert_job(synthetic::job(&id, "cove", 10_000_000, 0))

@@ -189,6 +189,7 @@ impl Columns {
                 sql: (*sql).to_owned(),
                 binds: Vec::new(),
                 kind: *kind,
+                always: true,
             });
         }
         if let Some((name, _, kind)) = PARAMETERS.iter().find(|(known, ..)| *known == name) {
@@ -196,6 +197,7 @@ impl Columns {
                 sql: format!("images.\"{name}\""),
                 binds: Vec::new(),
                 kind: *kind,
+                always: false,
             });
         }
         self.metric(name).or_else(|| open_family(name))
@@ -217,6 +219,7 @@ impl Columns {
             ),
             binds: vec![Bind::Text(subject.to_owned())],
             kind: Kind::Number,
+            always: false,
         })
     }
 }
@@ -235,6 +238,7 @@ fn open_family(name: &str) -> Option<Column> {
             ),
             binds: vec![Bind::Text(path)],
             kind,
+            always: false,
         })
     };
     if let Some(kind) = name.strip_prefix("artifacts.") {
@@ -244,6 +248,7 @@ fn open_family(name: &str) -> Option<Column> {
                 .to_owned(),
             binds: vec![Bind::Text(kind.to_owned())],
             kind: Kind::Text,
+            always: false,
         });
     }
     if let Some(label) = name.strip_prefix("labels.") {

@@ -34,6 +34,8 @@ pub(crate) struct Column {
     pub(crate) sql: String,
     pub(crate) binds: Vec<Bind>,
     pub(crate) kind: Kind,
+    /// Whether every row has a value.
+    pub(crate) always: bool,
 }
 
 /// A condition as SQL.

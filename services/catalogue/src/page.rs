@@ -44,63 +44,87 @@ pub(crate) async fn images(
     columns: &Columns,
     query: &ImageQuery,
 ) -> Result<Page<Value>, CatalogueError> {
-    let names = if query.fields.is_empty() {
-        columns.names()
-    } else {
-        query.fields.clone()
-    };
-    let mut selected = names
-        .iter()
-        .map(|name| column(columns, name))
-        .collect::<Result<Vec<_>, _>>()?;
-    let order = Order::of(columns, query.order_by.as_deref())?;
-    // The cursor needs the place of the last row, whatever was asked for.
-    selected.extend([column(columns, "job")?, column(columns, "frame")?]);
-    selected.extend(order.column.clone());
-
-    let mut sql = Builder::default();
-    sql.push("SELECT ");
-    for (index, column) in selected.iter().enumerate() {
-        sql.push(if index > 0 { ", " } else { "" });
-        sql.column(column);
-    }
-    let filter = condition(columns, query.filter.as_deref())?;
-    sql.push(" FROM images WHERE images.job_id NOT IN (SELECT job_id FROM deletions) AND (");
-    sql.text.push_str(&filter.sql);
-    sql.binds.extend(filter.binds.into_iter().map(Some));
-    sql.push(")");
-    if let Some(dataset) = &query.dataset {
-        sql.push(" AND images.dataset = ?");
-        sql.binds.push(Some(Bind::Text(dataset.clone())));
-    }
-    let question = cursor::question(&[
-        query.dataset.as_deref(),
-        query.filter.as_deref(),
-        query.order_by.as_deref(),
-    ]);
-    if let Some(text) = &query.cursor {
-        order.after(&mut sql, &cursor::read(&question, text)?)?;
-    }
-    order.by(&mut sql);
-    sql.push(" LIMIT ?");
-    sql.binds.push(Some(Bind::Number(f64::from(query.limit) + 1.0)));
-
-    let mut statement = sqlx::query(AssertSqlSafe(sql.text));
-    for value in &sql.binds {
+    let question = Question::of(columns, query)?;
+    let mut statement = sqlx::query(AssertSqlSafe(question.sql.text.as_str()));
+    for value in &question.sql.binds {
         statement = bound(statement, value.as_ref());
     }
     let rows = statement.fetch_all(connection).await?;
     let limit = query.limit as usize;
     let next_cursor = match rows.get(limit.wrapping_sub(1)).filter(|_| rows.len() > limit) {
-        Some(row) => Some(cursor::write(&question, &order.place(row, names.len())?)),
+        Some(row) => {
+            let place = question.order.place(row, question.names.len())?;
+            Some(cursor::write(&question.identity, &place))
+        }
         None => None,
     };
     let items = rows
         .iter()
         .take(limit)
-        .map(|row| item(row, &names))
+        .map(|row| item(row, &question.names))
         .collect::<Result<_, _>>()?;
     Ok(Page { items, next_cursor })
+}
+
+/// A page as a statement.
+struct Question {
+    sql: Builder,
+    /// The fields that are answered.
+    names: Vec<String>,
+    order: Order,
+    /// What a cursor belongs to.
+    identity: String,
+}
+
+impl Question {
+    fn of(columns: &Columns, query: &ImageQuery) -> Result<Self, CatalogueError> {
+        let names = if query.fields.is_empty() {
+            columns.names()
+        } else {
+            query.fields.clone()
+        };
+        let mut selected = names
+            .iter()
+            .map(|name| column(columns, name))
+            .collect::<Result<Vec<_>, _>>()?;
+        let order = Order::of(columns, query.order_by.as_deref())?;
+        // The cursor needs the place of the last row, whatever was asked for.
+        selected.extend([column(columns, "job")?, column(columns, "frame")?]);
+        selected.extend(order.column.clone());
+
+        let mut sql = Builder::default();
+        sql.push("SELECT ");
+        for (index, column) in selected.iter().enumerate() {
+            sql.push(if index > 0 { ", " } else { "" });
+            sql.column(column);
+        }
+        let filter = condition(columns, query.filter.as_deref())?;
+        sql.push(" FROM images WHERE images.job_id NOT IN (SELECT job_id FROM deletions) AND (");
+        sql.text.push_str(&filter.sql);
+        sql.binds.extend(filter.binds.into_iter().map(Some));
+        sql.push(")");
+        if let Some(dataset) = &query.dataset {
+            sql.push(" AND images.dataset = ?");
+            sql.binds.push(Some(Bind::Text(dataset.clone())));
+        }
+        let identity = cursor::question(&[
+            query.dataset.as_deref(),
+            query.filter.as_deref(),
+            query.order_by.as_deref(),
+        ]);
+        if let Some(text) = &query.cursor {
+            order.after(&mut sql, &cursor::read(&identity, text)?)?;
+        }
+        order.by(&mut sql);
+        sql.push(" LIMIT ?");
+        sql.binds.push(Some(Bind::Number(f64::from(query.limit) + 1.0)));
+        Ok(Self {
+            sql,
+            names,
+            order,
+            identity,
+        })
+    }
 }
 
 /// SQL with its binds in the order of their places.
@@ -245,3 +269,6 @@ pub(crate) fn value(row: &SqliteRow, index: usize) -> Result<Value, CatalogueErr
         _ => Ok(json!(row.try_get_unchecked::<String, _>(index)?)),
     }
 }
+
+#[cfg(test)]
+mod plans;

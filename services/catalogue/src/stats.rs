@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use futures::TryStreamExt;
 use serde_json::Value;
 use sqlx::sqlite::SqliteConnection;
 use sqlx::{AssertSqlSafe, Row};
@@ -56,11 +57,13 @@ pub(crate) async fn stats(
             statement = bound(statement, Some(bind));
         }
         let mut groups: BTreeMap<String, (Value, Vec<f64>)> = BTreeMap::new();
-        for row in statement.fetch_all(&mut *connection).await? {
+        let mut rows = statement.fetch(&mut *connection);
+        while let Some(row) = rows.try_next().await? {
             let group = value(&row, 0)?;
             let values = &mut groups.entry(group.to_string()).or_insert((group, Vec::new())).1;
             values.extend(row.try_get_unchecked::<Option<f64>, _>(1)?);
         }
+        drop(rows);
         all.extend(
             groups
                 .into_values()

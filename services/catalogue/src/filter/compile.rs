@@ -92,8 +92,14 @@ impl Parser<'_> {
         })?;
         self.binds.extend(column.binds.iter().cloned());
         let sql = &column.sql;
-        // Two-valued: what is missing compares as false.
-        let known = |condition: String| format!("coalesce({condition}, 0)");
+        // Two-valued: what is missing compares as false. Where nothing is missing an index can be used.
+        let known = |condition: String| {
+            if column.always {
+                format!("({condition})")
+            } else {
+                format!("coalesce({condition}, 0)")
+            }
+        };
         if self.keyword("is") {
             let negated = if self.keyword("not") { " NOT" } else { "" };
             if !self.keyword("null") {
@@ -267,7 +273,12 @@ mod tests {
         } else {
             "label(?)".to_owned()
         };
-        Some(Column { sql, binds, kind })
+        Some(Column {
+            sql,
+            binds,
+            kind,
+            always: false,
+        })
     }
 
     fn compiled(text: &str) -> Result<Compiled, FilterError> {

@@ -1,11 +1,12 @@
 //! A catalogue in a folder of its own.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use catalogue::{Catalogue, FailureRow, synthetic};
 use fathom_catalogue as catalogue;
 use sqlx::sqlite::SqliteConnectOptions;
-use sqlx::{ConnectOptions, Executor};
+use sqlx::{ConnectOptions, Connection, Executor};
 
 pub(crate) struct Fixture {
     pub(crate) catalogue: Arc<Catalogue>,
@@ -43,13 +44,7 @@ impl Fixture {
 
     /// Changes the file behind the catalogue's back.
     pub(crate) async fn sabotage(&self, sql: &'static str) {
-        let path = self.folder.path().join("catalogue.sqlite");
-        let mut connection = SqliteConnectOptions::new()
-            .filename(path)
-            .connect()
-            .await
-            .unwrap();
-        connection.execute(sql).await.unwrap();
+        sabotage(&self.folder.path().join("catalogue.sqlite"), sql).await;
     }
 
     /// As after a kill: nothing is closed in order.
@@ -64,4 +59,12 @@ impl Fixture {
 async fn open(folder: &tempfile::TempDir) -> Arc<Catalogue> {
     let path = folder.path().join("catalogue.sqlite");
     Arc::new(Catalogue::open(&path, &synthetic::metrics()).await.unwrap())
+}
+
+/// Runs statements on a file that may not be there yet.
+pub(crate) async fn sabotage(path: &Path, sql: &'static str) {
+    let options = SqliteConnectOptions::new().filename(path).create_if_missing(true);
+    let mut connection = options.connect().await.unwrap();
+    connection.execute(sql).await.unwrap();
+    connection.close().await.unwrap();
 }

@@ -2,8 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod concurrency;
 mod control;
 mod deletion;
 mod fixture;
+mod injection;
+mod killed;
+mod pages;
 mod questions;
+mod scale;
+mod upgrade;
 mod upkeep;
