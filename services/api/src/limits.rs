@@ -25,6 +25,8 @@ pub(crate) const HEADER_BYTES: usize = 64 << 10;
 pub(crate) const REQUEST: Duration = Duration::from_secs(30);
 /// A request with a large body: 256 MiB at 10 Mbit/s take 215 s.
 pub(crate) const UPLOAD: Duration = Duration::from_secs(300);
+/// A backup: 100 GB at 100 MB/s take 1000 s.
+pub(crate) const BACKUP: Duration = Duration::from_secs(3600);
 /// Beyond the wait that a long-poll asks for.
 pub(crate) const LONG_POLL_GRACE: Duration = Duration::from_secs(15);
 /// The longest wait that a request may ask for: proxies commonly cut at 60 s.

@@ -33,6 +33,7 @@ pub(crate) async fn run(app: Shared, end: CancellationToken) {
 
 /// Answers whether something is left.
 async fn reclaim(app: &App, end: &CancellationToken) -> Result<bool, Problem> {
+    let _alone = app.upkeep.lock().await;
     while !end.is_cancelled() && app.catalogue.sweep().await? {}
     let mut bytes = 0;
     let left = loop {

@@ -151,6 +151,7 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         lock,
     } = Data::open(&config.data, &vocabulary.metrics).await?;
     let app = App {
+        data: config.data.clone(),
         catalogue,
         store,
         dispatch: Dispatch::new(surroundings.clock.clone(), first_token()),
@@ -162,6 +163,7 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         library: config.library.clone(),
         style_runtime: surroundings.style_runtime,
         turn: Mutex::default(),
+        upkeep: Mutex::default(),
         naming: Naming::default(),
         space: Arc::new(Space::of(&config.data)),
         reclaim: Notify::new(),

@@ -1,5 +1,6 @@
 //! What every handler can reach.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use catalogue::Catalogue;
@@ -20,6 +21,8 @@ use crate::watch::Watch;
 
 /// The parts of a running service.
 pub(crate) struct App {
+    /// The service's folder.
+    pub(crate) data: PathBuf,
     pub(crate) catalogue: Catalogue,
     pub(crate) store: Store,
     pub(crate) dispatch: Dispatch,
@@ -34,6 +37,8 @@ pub(crate) struct App {
     pub(crate) style_runtime: Result<String, String>,
     /// Held while a job is paused, cancelled, deleted and so on.
     pub(crate) turn: Mutex<()>,
+    /// Held while rows and bytes of deleted jobs are taken away, and while everything is copied.
+    pub(crate) upkeep: Mutex<()>,
     pub(crate) naming: Naming,
     pub(crate) space: Arc<Space>,
     /// Rung when something was deleted.

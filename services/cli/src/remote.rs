@@ -26,6 +26,9 @@ const ANSWER_LIMIT_BYTES: u64 = 1 << 30;
 /// Long-polls wait up to a minute; anything beyond this is a dead connection.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(90);
 
+/// The longest that the service itself works on one request.
+const PATIENT_TIMEOUT: Duration = Duration::from_secs(3700);
+
 /// A connection to the service.
 pub(crate) struct Remote {
     agent: Agent,
@@ -48,10 +51,19 @@ impl Answer {
 
 impl Remote {
     pub(crate) fn new(arguments: &ServerArguments) -> Self {
+        Self::waiting(arguments, ANSWER_TIMEOUT)
+    }
+
+    /// For a request that may take as long as the service works on it.
+    pub(crate) fn with_patience(arguments: &ServerArguments) -> Self {
+        Self::waiting(arguments, PATIENT_TIMEOUT)
+    }
+
+    fn waiting(arguments: &ServerArguments, timeout: Duration) -> Self {
         let config = Agent::config_builder()
             .http_status_as_error(false)
             .timeout_connect(Some(Duration::from_secs(5)))
-            .timeout_global(Some(ANSWER_TIMEOUT))
+            .timeout_global(Some(timeout))
             .build();
         let base = arguments.server.trim_end_matches('/').to_owned();
         Self {

@@ -1,5 +1,6 @@
 //! The router: one line for each endpoint, grouped by what they need.
 
+pub(crate) mod backups;
 pub(crate) mod datasets;
 pub(crate) mod health;
 pub(crate) mod images;
@@ -36,6 +37,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
     let streams = Budget::new("streams", limits.streams);
     let uploads = Budget::new("uploads", limits.uploads);
     let pictures = Budget::new("pictures", limits.pictures);
+    let backups = Budget::new("backups", 1);
     let group = |scope, budget: &Budget, timeout, body_bytes| Group {
         scope,
         budget: budget.clone(),
@@ -53,6 +55,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(submit, &requests, request, limits::JSON_BYTES).around(submitting(), tokens))
         .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
         .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
+        .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
     let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
     openapi::complete(&mut document);
@@ -129,6 +132,10 @@ fn computing() -> OpenApiRouter<Shared> {
     OpenApiRouter::new()
         .routes(routes!(pictures::enhance::enhance))
         .routes(routes!(pictures::measure::measure))
+}
+
+fn operating() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(backups::create::create))
 }
 
 /// Calls of workers have budgets of their own: no flood of public requests can let a lease expire.

@@ -1,5 +1,6 @@
 //! One file for each command.
 
+mod backup;
 mod demo;
 mod enhance;
 mod export;
@@ -44,6 +45,8 @@ pub(crate) enum Command {
     Upload(upload::Arguments),
     /// Read everything that a stopped service has stored, and render again what is damaged
     Scrub(scrub::Arguments),
+    /// Copy everything that a running service has stored
+    Backup(backup::Arguments),
     /// Write a contact sheet of a dataset
     Sheet(sheet::Arguments),
     /// Enhance a picture
@@ -76,6 +79,7 @@ impl Command {
             Self::Export(arguments) => export::run(&arguments),
             Self::Upload(arguments) => upload::run(&arguments),
             Self::Scrub(arguments) => scrub::run(&arguments),
+            Self::Backup(arguments) => backup::run(&arguments),
             Self::Sheet(arguments) => sheet::run(&arguments),
             Self::Enhance(arguments) => enhance::run(&arguments),
             Self::Measure(arguments) => measure::run(&arguments),
