@@ -18,4 +18,4 @@ if command -v taskset >/dev/null; then
     pin="taskset -c $core"
 fi
 exec env OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $pin \
-    "$venv/bin/python" scripts/compare_opencv.py "$target/release/examples/hscm_times" "${1:-60}"
+    "$venv/bin/python" scripts/compare_opencv.py "$target/release/examples/hscm_times" "${1:-20}"

@@ -1,7 +1,8 @@
 """HSCM written for OpenCV and for plain NumPy, timed in turns with Fathom's.
 
-Every round runs each program once, so that whatever else the machine does meets all of them. The median of the ratios
-of a round says more than the ratio of the medians when the machine is busy.
+Every round runs each program five times and keeps the median, so that whatever else the machine does meets all of them
+and none is measured with the caches of another. The median of the ratios of a round says more than the ratio of the
+medians when the machine is busy.
 """
 
 import os
@@ -16,6 +17,7 @@ import cv2
 import numpy as np
 
 WIDTH, HEIGHT = 869, 565
+RUNS = 5  # of each program in a round
 R_HIGH, R_LOW, CUTOFF, EPS = 2.5, 0.5, 32, 0.01
 
 
@@ -90,7 +92,7 @@ class Plain:
 
 
 class Fathom:
-    """The program beside, asked for one run at a time."""
+    """The program beside, asked for some runs at a time."""
 
     name = "Fathom"
 
@@ -99,9 +101,9 @@ class Fathom:
         self.process = subprocess.Popen([program, source, result], stdin=pipe, stdout=pipe, text=True)
 
     def run(self):
-        self.process.stdin.write("1\n")
+        self.process.stdin.write(f"{RUNS}\n")
         self.process.stdin.flush()
-        return float(self.process.stdout.readline())
+        return statistics.median(float(time) for time in self.process.stdout.readline().split())
 
     def stop(self):
         self.process.stdin.close()
@@ -109,9 +111,12 @@ class Fathom:
 
 
 def timed(function, rgb):
-    start = time.perf_counter()
-    function(rgb)
-    return 1e3 * (time.perf_counter() - start)
+    times = []
+    for _ in range(RUNS):
+        start = time.perf_counter()
+        function(rgb)
+        times.append(1e3 * (time.perf_counter() - start))
+    return statistics.median(times)
 
 
 def machine():
@@ -135,16 +140,16 @@ def main():
         cv2.imwrite(source, cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))
         fathom, others = Fathom(program, source, result), [Tuned(HEIGHT, WIDTH), Plain(HEIGHT, WIDTH)]
         times = {one.name: [] for one in [fathom, *others]}
-        for turn in range(rounds + 3):
+        for turn in range(rounds + 1):
             row = {fathom.name: fathom.run(), **{other.name: timed(other, rgb) for other in others}}
-            if turn >= 3:  # the first runs only warm up
+            if turn >= 1:  # the first round only warms up
                 for name, value in row.items():
                     times[name].append(value)
         fathom.stop()
         ours = cv2.cvtColor(cv2.imread(result), cv2.COLOR_BGR2RGB).astype(int)
         differences = {other.name: np.abs(other(rgb).astype(int) - ours).mean() for other in others}
 
-    print(f"HSCM at {WIDTH}x{HEIGHT}, one thread, {rounds} rounds in turns")
+    print(f"HSCM at {WIDTH}x{HEIGHT}, one thread, {rounds} rounds of {RUNS} in turns")
     print(machine())
     print(f"{'':26}{'median ms':>10}{'least ms':>10}{'ours / it':>11}{'mean difference, codes':>24}")
     for name, values in times.items():

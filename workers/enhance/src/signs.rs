@@ -33,11 +33,13 @@ impl Signs {
             let unequal = run.chunks_exact(3).map(|p| (p[0] ^ p[1]) | (p[1] ^ p[2]));
             unequal.fold(0, |all, bits| all | bits) == 0
         });
+        let bound = dark_below(255_000);
+        let dark = picture.pixels().filter(|&pixel| luma1000(pixel) < bound).count();
         Self {
             histograms: histograms(picture),
             pixels,
             gray,
-            dark: is_dark(picture.pixels().map(luma1000), 255_000, pixels),
+            dark: is_dark(dark, pixels),
         }
     }
 
@@ -99,11 +101,14 @@ impl Signs {
     }
 }
 
-/// Whether nearly all of the lumas lie below what counts as dark; `white` is the luma of white.
-pub(crate) fn is_dark(lumas: impl Iterator<Item = u32>, white: u32, pixels: usize) -> bool {
-    let bound = white / 255 * DARK_LUMA;
-    let below: u64 = lumas.map(|luma| u64::from(luma < bound)).sum();
-    below as f64 >= DARK_PART * pixels as f64
+/// The luma below which a pixel counts as dark; `white` is the luma of white.
+pub(crate) fn dark_below(white: u32) -> u32 {
+    white / 255 * DARK_LUMA
+}
+
+/// Whether nearly all of the pixels are dark.
+pub(crate) fn is_dark(dark: usize, pixels: usize) -> bool {
+    dark as f64 >= DARK_PART * pixels as f64
 }
 
 #[cfg(test)]

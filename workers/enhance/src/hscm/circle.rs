@@ -30,9 +30,18 @@ pub fn plane(width: usize, height: usize, circle: &Circle) -> Plane<u8> {
 
 /// Sets every channel of the pixels outside the mask to 0.
 pub fn black_out(codes: &mut [u8], channels: usize, mask: &Plane<u8>) {
-    for (pixel, &kept) in codes.chunks_exact_mut(channels).zip(mask.data()) {
-        for code in pixel {
-            *code &= kept;
+    if mask.data().is_empty() {
+        return;
+    }
+    let rows = codes.chunks_exact_mut(channels * mask.width());
+    for (codes, kept) in rows.zip(mask.data().chunks_exact(mask.width())) {
+        // Run by run: a circle has at most two runs of black in a row.
+        let mut start = 0;
+        while let Some(black) = kept[start..].iter().position(|&kept| kept == 0) {
+            let first = start + black;
+            let run = kept[first..].iter().position(|&kept| kept != 0);
+            start = run.map_or(kept.len(), |run| first + run);
+            codes[channels * first..channels * start].fill(0);
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Luma of a raster in exact integers.
 
+use imaging::simd::vectorised;
 use imaging::{Channels, Plane, Raster, Samples};
 
-use crate::signs::is_dark;
+use crate::signs::{dark_below, is_dark};
 
 /// Luma codes and the code of white: `y = code / white` lies in 0..=1.
 ///
@@ -12,19 +13,47 @@ use crate::signs::is_dark;
 pub struct Luma {
     codes: Plane<u32>,
     white: u32,
+    summary: Summary,
+}
+
+/// What one look at every code tells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Summary {
+    low: u32,
+    high: u32,
+    /// Pixels that are nearly black.
+    dark: usize,
 }
 
 impl Luma {
     /// The luma of a raster; alpha is not looked at.
     #[must_use]
     pub fn of(picture: &Raster) -> Self {
-        let (codes, white) = match picture.samples() {
-            Samples::U8(samples) => (weighted(samples, picture.channels()), 255_000),
-            Samples::U16(samples) => (weighted(samples, picture.channels()), 65_535_000),
+        let white = match picture.samples() {
+            Samples::U8(_) => 255_000,
+            Samples::U16(_) => 65_535_000,
         };
-        let codes = Plane::new(picture.width(), picture.height(), codes)
-            .expect("a raster holds one sample set per pixel");
-        Self { codes, white }
+        let mut codes = Plane::filled(picture.width(), picture.height(), 0u32);
+        let mut summary = Summary {
+            low: u32::MAX,
+            high: 0,
+            dark: 0,
+        };
+        vectorised(
+            #[inline(always)]
+            || {
+                match picture.samples() {
+                    Samples::U8(samples) => weigh(samples, picture.channels(), codes.data_mut()),
+                    Samples::U16(samples) => weigh(samples, picture.channels(), codes.data_mut()),
+                }
+                summary = summarise(codes.data(), dark_below(white));
+            },
+        );
+        Self {
+            codes,
+            white,
+            summary,
+        }
     }
 
     /// The codes: thousandths of the file's own luma steps.
@@ -41,33 +70,47 @@ impl Luma {
 
     /// Whether nearly all pixels are nearly black.
     pub(crate) fn is_dark(&self) -> bool {
-        let codes = self.codes.data();
-        is_dark(codes.iter().copied(), self.white, codes.len())
+        is_dark(self.summary.dark, self.codes.data().len())
     }
 
     /// The least and the greatest `y`.
     pub(crate) fn extremes(&self) -> (f64, f64) {
-        let (low, high) = self
-            .codes
-            .data()
-            .iter()
-            .fold((u32::MAX, 0), |(low, high), &code| {
-                (low.min(code), high.max(code))
-            });
+        let white = f64::from(self.white);
         (
-            f64::from(low) / f64::from(self.white),
-            f64::from(high) / f64::from(self.white),
+            f64::from(self.summary.low) / white,
+            f64::from(self.summary.high) / white,
         )
     }
 }
 
-fn weighted<T: Copy + Into<u32>>(samples: &[T], channels: Channels) -> Vec<u32> {
+#[inline(always)]
+fn weigh<T: Copy + Into<u32>>(samples: &[T], channels: Channels, codes: &mut [u32]) {
     match channels {
-        Channels::Gray => samples.iter().map(|&v| 1000 * v.into()).collect(),
-        Channels::Rgb => samples
-            .chunks_exact(3)
-            .map(|p| 299 * p[0].into() + 587 * p[1].into() + 114 * p[2].into())
-            .collect(),
+        Channels::Gray => {
+            for (code, &v) in codes.iter_mut().zip(samples) {
+                *code = 1000 * v.into();
+            }
+        }
+        Channels::Rgb => {
+            for (code, p) in codes.iter_mut().zip(samples.chunks_exact(3)) {
+                *code = 299 * p[0].into() + 587 * p[1].into() + 114 * p[2].into();
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn summarise(codes: &[u32], dark_below: u32) -> Summary {
+    let (mut low, mut high, mut dark) = (u32::MAX, 0, 0u32);
+    for &code in codes {
+        low = low.min(code);
+        high = high.max(code);
+        dark += u32::from(code < dark_below);
+    }
+    Summary {
+        low,
+        high,
+        dark: dark as usize,
     }
 }
 

@@ -6,9 +6,9 @@ use imaging::{Channels, Plane, Raster, Samples};
 
 use crate::{SIZES, noise, pictures};
 
-/// Largest difference of the filtered logarithm at the default gains. The weight that the short kernel leaves out
-/// accounts for 1e-5 and single precision for about as much; the tolerance of the method itself is 2e-3.
-const LOG_AGREEMENT: f32 = 5e-5;
+/// Largest difference of the filtered logarithm at the default gains. The weight that the short kernels leave out
+/// accounts for up to 1.4e-4 and single precision for 1e-5; aliasing of full-scale noise for 5e-5. The tolerance of the method itself is 2e-3.
+const LOG_AGREEMENT: f32 = 3e-4;
 fn settings() -> [(&'static str, Settings); 5] {
     let default = Settings::default();
     [

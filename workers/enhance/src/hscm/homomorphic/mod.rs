@@ -7,21 +7,28 @@
 //! cut-off in bins, the same on both axes (so the cut is elliptical in cycles per pixel unless the picture is
 //! square). Each side is padded at its end to the next size without a prime factor above 5 (fast to transform).
 //!
-//! Two implementations. [`Variant::Reference`] is the definition in double precision. [`Variant::Fast`] uses that the
-//! filter is `r_high · l - (r_high - r_low) · (Gaussian ∗ l)` and that the circular Gaussian is separable and short
-//! at the usual cut-offs: two passes in single precision. [`Recipe`] says where this does not hold and the transform
-//! is taken instead.
+//! Three implementations. [`Variant::Reference`] is the definition in double precision. [`Variant::Fast`] uses that the
+//! filter is `r_high · l - (r_high - r_low) · (Gaussian ∗ l)`, that the circular Gaussian is separable, and that it leaves
+//! nothing of the upper half of the frequencies when it is several pixels wide: two short passes in single precision, on
+//! every second sample where what that changes is far below a code. [`Recipe`] says which holds where.
 
+mod decimated;
+mod logarithm;
 mod padding;
 mod recipe;
 mod reference;
 mod separable;
 
 use imaging::Plane;
+use imaging::simd::vectorised;
 
 pub use padding::padded_side;
-pub use recipe::{EPS_MIN_SINGLE, KERNEL_TAIL, R_HIGH_MAX_SINGLE, RADII_MAX, Recipe};
+pub use recipe::{
+    ALIASING_MAX, EPS_MIN_SINGLE, KERNEL_TAIL, KERNEL_TAIL_DECIMATED, Kernels, R_HIGH_MAX_SINGLE, RADII_MAX,
+    Recipe,
+};
 
+use crate::elementary::exp_nonpositive;
 use crate::hscm::luma::Luma;
 use crate::hscm::options::{Options, Profile};
 use crate::method::Variant;
@@ -34,23 +41,59 @@ const TABLE1_LUMA_MIN: f64 = 1e-5;
 /// The filtered luma, 8 bit. `luma` must hold at least one pixel.
 #[must_use]
 pub fn homomorphic(luma: &Luma, options: &Options, variant: Variant) -> Plane<u8> {
-    match choose(luma, options, variant) {
-        Recipe::Flat => flat(luma, options).map(|&x| reference::code(x, options)),
-        Recipe::Transform => reference::filtered_log(luma, options).map(|&x| reference::code(x, options)),
-        Recipe::Separable { kernel_x, kernel_y } => separable::codes(luma, options, &kernel_x, &kernel_y),
+    let recipe = choose(luma, options, variant);
+    let rounding = match options.settings().profile {
+        Profile::Standard => 0.5,
+        Profile::Table1 => 0.0,
+    };
+    let (width, height) = luma.codes().size();
+    let mut codes = Plane::filled(width, height, 0u8);
+    // Dispatched on its own: a closure that is called in two places is not compiled into either.
+    let finish = |y: usize, row: &[f32]| {
+        let codes = codes.row_mut(y);
+        vectorised(
+            #[inline(always)]
+            || encode(row, rounding, codes),
+        );
+    };
+    match &recipe {
+        Recipe::Flat => return flat(luma, options).map(|&x| reference::code(x, options)),
+        Recipe::Transform => {
+            return reference::filtered_log(luma, options).map(|&x| reference::code(x, options));
+        }
+        Recipe::Separable(kernels) => separable::run(luma, options, kernels, finish),
+        Recipe::Decimated(kernels) => decimated::run(luma, options, kernels, finish),
+    }
+    codes
+}
+
+/// `255 exp(min(x, 0))` along a row.
+#[inline(always)]
+fn encode(row: &[f32], rounding: f32, codes: &mut [u8]) {
+    for (code, &x) in codes.iter_mut().zip(row) {
+        *code = (255.0 * exp_nonpositive(x.min(0.0)) + rounding) as i32 as u8;
     }
 }
 
 /// The filtered logarithm `x` itself, before the exponential. `luma` must hold at least one pixel.
 #[must_use]
 pub fn filtered_log(luma: &Luma, options: &Options, variant: Variant) -> Plane<f32> {
-    match choose(luma, options, variant) {
-        Recipe::Flat => flat(luma, options).map(|&x| x as f32),
-        Recipe::Transform => reference::filtered_log(luma, options).map(|&x| x as f32),
-        Recipe::Separable { kernel_x, kernel_y } => {
-            separable::filtered_log(luma, options, &kernel_x, &kernel_y)
-        }
+    filtered_by(&choose(luma, options, variant), luma, options)
+}
+
+/// The filtered logarithm, computed as this recipe says, which must have been chosen for this picture.
+#[must_use]
+pub fn filtered_by(recipe: &Recipe, luma: &Luma, options: &Options) -> Plane<f32> {
+    let (width, height) = luma.codes().size();
+    let mut logs = Plane::filled(width, height, 0.0f32);
+    let finish = |y: usize, row: &[f32]| logs.row_mut(y).copy_from_slice(row);
+    match recipe {
+        Recipe::Flat => return flat(luma, options).map(|&x| x as f32),
+        Recipe::Transform => return reference::filtered_log(luma, options).map(|&x| x as f32),
+        Recipe::Separable(kernels) => separable::run(luma, options, kernels, finish),
+        Recipe::Decimated(kernels) => decimated::run(luma, options, kernels, finish),
     }
+    logs
 }
 
 fn choose(luma: &Luma, options: &Options, variant: Variant) -> Recipe {

@@ -4,63 +4,31 @@
 //! between the logarithm and the finished row. Padding never exists in memory: each pass asks which sample stands at
 //! a padded position.
 
-use imaging::Plane;
 use pulp::{Simd, WithSimd};
 
-use super::TABLE1_LUMA_MIN;
+use super::logarithm::Logarithm;
 use super::padding::{padded_side, source};
-use crate::elementary::{exp_nonpositive, ln};
+use super::recipe::Kernels;
 use crate::hscm::luma::Luma;
-use crate::hscm::options::{Options, Profile, Settings};
+use crate::hscm::options::{Options, Settings};
 
 /// Columns whose sums are held in registers at once: four vectors of eight.
-const BLOCK: usize = 32;
+pub(super) const BLOCK: usize = 32;
 
-/// The code of every pixel.
-pub(super) fn codes(luma: &Luma, options: &Options, kernel_x: &[f32], kernel_y: &[f32]) -> Plane<u8> {
-    let rounding = match options.settings().profile {
-        Profile::Standard => 0.5,
-        Profile::Table1 => 0.0,
-    };
-    let (width, height) = luma.codes().size();
-    let mut codes = Plane::filled(width, height, 0u8);
-    let finish = |y: usize, row: &[f32]| {
-        for (code, &x) in codes.row_mut(y).iter_mut().zip(row) {
-            *code = (255.0 * exp_nonpositive(x.min(0.0)) + rounding) as i32 as u8;
-        }
-    };
+/// Filters a picture; `finish` takes each finished row of `x`, from the top down.
+pub(super) fn run(luma: &Luma, options: &Options, kernels: &Kernels, finish: impl FnMut(usize, &[f32])) {
     pulp::Arch::new().dispatch(Sweep {
         luma,
         options,
-        kernel_x,
-        kernel_y,
+        kernels,
         finish,
     });
-    codes
-}
-
-/// The filtered logarithm `x`.
-pub(super) fn filtered_log(luma: &Luma, options: &Options, kernel_x: &[f32], kernel_y: &[f32]) -> Plane<f32> {
-    let (width, height) = luma.codes().size();
-    let mut logs = Plane::filled(width, height, 0.0f32);
-    let finish = |y: usize, row: &[f32]| logs.row_mut(y).copy_from_slice(row);
-    pulp::Arch::new().dispatch(Sweep {
-        luma,
-        options,
-        kernel_x,
-        kernel_y,
-        finish,
-    });
-    logs
 }
 
 struct Sweep<'a, F> {
     luma: &'a Luma,
     options: &'a Options,
-    /// Half kernels, centre first.
-    kernel_x: &'a [f32],
-    kernel_y: &'a [f32],
-    /// Takes each finished row of `x`, from the top down.
+    kernels: &'a Kernels,
     finish: F,
 }
 
@@ -78,8 +46,8 @@ impl<F: FnMut(usize, &[f32])> WithSimd for Sweep<'_, F> {
         let (gain, drop) = (r_high as f32, (r_high - r_low) as f32);
         let (width, height) = self.luma.codes().size();
         let padded = padded_side(height);
-        let radius = self.kernel_y.len() - 1;
-        let mut rows = RowPass::new(self.luma, self.options, self.kernel_x);
+        let radius = self.kernels.y.len() - 1;
+        let mut rows = RowPass::new(self.luma, self.options, &self.kernels.x);
         let mut logs = Ring::new(2 * radius + 1, rows.stride);
         let mut blurred = Ring::new(2 * radius + 1, rows.stride);
         let mut filtered = vec![0.0f32; rows.stride];
@@ -97,7 +65,7 @@ impl<F: FnMut(usize, &[f32])> WithSimd for Sweep<'_, F> {
                 .chunks_exact_mut(BLOCK)
                 .zip(logs.row(centre).chunks_exact(BLOCK));
             for (block, (x, log)) in blocks.enumerate() {
-                let sums = weighted_sum(self.kernel_y, |offset| {
+                let sums = weighted_sum(&self.kernels.y, |offset| {
                     &blurred.row(centre.wrapping_add_signed(offset))[block * BLOCK..]
                 });
                 for i in 0..BLOCK {
@@ -110,14 +78,14 @@ impl<F: FnMut(usize, &[f32])> WithSimd for Sweep<'_, F> {
 }
 
 /// The last rows of a sweep, by their position.
-struct Ring {
+pub(super) struct Ring {
     rows: usize,
     stride: usize,
     samples: Vec<f32>,
 }
 
 impl Ring {
-    fn new(rows: usize, stride: usize) -> Self {
+    pub(super) fn new(rows: usize, stride: usize) -> Self {
         Self {
             rows,
             stride,
@@ -126,12 +94,12 @@ impl Ring {
     }
 
     #[inline(always)]
-    fn row(&self, position: usize) -> &[f32] {
+    pub(super) fn row(&self, position: usize) -> &[f32] {
         &self.samples[position % self.rows * self.stride..][..self.stride]
     }
 
     #[inline(always)]
-    fn row_mut(&mut self, position: usize) -> &mut [f32] {
+    pub(super) fn row_mut(&mut self, position: usize) -> &mut [f32] {
         &mut self.samples[position % self.rows * self.stride..][..self.stride]
     }
 }
@@ -140,9 +108,7 @@ impl Ring {
 struct RowPass<'a> {
     luma: &'a Luma,
     kernel: &'a [f32],
-    scale: f32,
-    least: f32,
-    offset: f32,
+    logarithm: Logarithm,
     /// Columns of the picture that stand before and after it on the padded circle; `None` where the padding is 0.
     before: Vec<Option<usize>>,
     after: Vec<Option<usize>>,
@@ -154,11 +120,7 @@ struct RowPass<'a> {
 
 impl<'a> RowPass<'a> {
     fn new(luma: &'a Luma, options: &Options, kernel: &'a [f32]) -> Self {
-        let Settings { eps, profile, .. } = *options.settings();
-        let (least, offset) = match profile {
-            Profile::Standard => (0.0, eps as f32),
-            Profile::Table1 => (TABLE1_LUMA_MIN as f32, 0.0),
-        };
+        let profile = options.settings().profile;
         let width = luma.codes().width();
         let padded = padded_side(width);
         let radius = kernel.len() - 1;
@@ -166,9 +128,7 @@ impl<'a> RowPass<'a> {
         Self {
             luma,
             kernel,
-            scale: 1.0 / luma.white() as f32,
-            least,
-            offset,
+            logarithm: Logarithm::new(luma, options),
             before: (0..radius)
                 .map(|i| source(padded - radius + i, width, profile))
                 .collect(),
@@ -182,15 +142,8 @@ impl<'a> RowPass<'a> {
 
     #[inline(always)]
     fn run(&mut self, y: usize, logs: &mut [f32], blurred: &mut [f32]) {
-        let Self {
-            scale, least, offset, ..
-        } = *self;
-        let codes = self.luma.codes().row(y);
-        let logs = &mut logs[..codes.len()];
-        // Codes stay below 2^26, and the signed conversion is the one that vector units have.
-        for (log, &code) in logs.iter_mut().zip(codes) {
-            *log = ln((code as i32 as f32 * scale).max(least) + offset);
-        }
+        let logs = &mut logs[..self.luma.codes().width()];
+        self.logarithm.row(self.luma.codes().row(y), logs);
         let (before, line) = self.line.split_at_mut(self.before.len());
         let (inside, after) = line.split_at_mut(logs.len());
         inside.copy_from_slice(logs);
@@ -213,7 +166,7 @@ impl<'a> RowPass<'a> {
 
 /// `k_0 s(0) + Σ k_t (s(-t) + s(t))` for `BLOCK` neighbouring columns; `samples(t)` starts at the block, shifted by t.
 #[inline(always)]
-fn weighted_sum<'a>(kernel: &[f32], samples: impl Fn(isize) -> &'a [f32]) -> [f32; BLOCK] {
+pub(super) fn weighted_sum<'a>(kernel: &[f32], samples: impl Fn(isize) -> &'a [f32]) -> [f32; BLOCK] {
     let mut sums = [0.0f32; BLOCK];
     let centre = &samples(0)[..BLOCK];
     for i in 0..BLOCK {
@@ -231,7 +184,7 @@ fn weighted_sum<'a>(kernel: &[f32], samples: impl Fn(isize) -> &'a [f32]) -> [f3
 
 #[cfg(test)]
 mod tests {
-    use imaging::{Raster, Rgb8};
+    use imaging::{Plane, Raster, Rgb8};
 
     use super::super::recipe::Recipe;
     use super::*;
@@ -240,20 +193,21 @@ mod tests {
     fn the_width_of_the_vector_unit_changes_no_bit() {
         let picture = Rgb8::from_fn(131, 97, |x, y| [(x * y) as u8, (7 * x) as u8, (3 * y) as u8]);
         let (luma, options) = (Luma::of(&Raster::from(picture)), Options::default());
-        let Recipe::Separable { kernel_x, kernel_y } = Recipe::choose((131, 97), &options) else {
-            panic!("the default cut-off is separable at this size");
+        let recipe =
+            Recipe::separable((131, 97), &options).expect("the default cut-off is separable at this size");
+        let Recipe::Separable(kernels) = &recipe else {
+            panic!("{recipe:?} is not separable");
         };
         let mut plain = Plane::filled(131, 97, 0.0f32);
         let finish = |y: usize, row: &[f32]| plain.row_mut(y).copy_from_slice(row);
         let sweep = Sweep {
             luma: &luma,
             options: &options,
-            kernel_x: &kernel_x,
-            kernel_y: &kernel_y,
+            kernels,
             finish,
         };
         sweep.with_simd(pulp::Scalar);
-        let dispatched = filtered_log(&luma, &options, &kernel_x, &kernel_y);
+        let dispatched = super::super::filtered_by(&recipe, &luma, &options);
         assert!(
             plain
                 .data()
