@@ -1,6 +1,7 @@
 //! One file for each command.
 
 mod backup;
+mod bench;
 mod demo;
 mod enhance;
 mod export;
@@ -63,6 +64,8 @@ pub(crate) enum Command {
     Styles(styles::Arguments),
     /// Draw the steps of the chain and the style waters for one scene
     Figure(figure::Arguments),
+    /// Measure how fast a service is on this machine
+    Bench(bench::Arguments),
     /// Start a service, render a small dataset with it and show the result
     Demo(demo::Arguments),
 }
@@ -88,6 +91,7 @@ impl Command {
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),
             Self::Figure(arguments) => figure::run(&arguments),
+            Self::Bench(arguments) => bench::run(&arguments),
             Self::Demo(arguments) => demo::run(&arguments),
         }
     }

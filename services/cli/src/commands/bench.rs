@@ -1,0 +1,38 @@
+//! `fathom bench`: how fast the service is on this machine.
+
+mod service;
+
+use std::path::PathBuf;
+
+use crate::exit::Failure;
+
+/// Options of `fathom bench`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(clap::Subcommand)]
+enum What {
+    /// Submissions, claims, commits, pages and counts over a catalogue of many rows
+    Service(ServiceArguments),
+}
+
+/// Options of `fathom bench service`.
+#[derive(clap::Args)]
+pub(crate) struct ServiceArguments {
+    /// Images in the catalogue; as many frames wait
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1000..=50_000_000))]
+    rows: u64,
+    /// Folder to measure on, which must not exist; it is removed afterwards [default: in the system's temporary folder]
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    match &arguments.what {
+        What::Service(arguments) => service::run(arguments),
+    }
+}
