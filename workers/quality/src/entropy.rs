@@ -24,16 +24,8 @@ pub(crate) fn blue(work: &Work) -> f64 {
 
 /// Entropy over distinct colours, 0..=24 and never above `log2` of the number of pixels.
 pub(crate) fn joint(work: &Work) -> f64 {
-    let mut colours: Vec<u32> = work
-        .picture()
-        .pixels()
-        .map(|[r, g, b]| u32::from_be_bytes([0, r, g, b]))
-        .collect();
-    colours.sort_unstable();
-    of_counts(
-        colours.chunk_by(|a, b| a == b).map(|run| run.len() as u32),
-        colours.len(),
-    )
+    let colours = work.colours();
+    of_counts(colours.counts.iter().copied(), colours.pixels)
 }
 
 /// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighbourhood rounded down), 0..=16. The centre counts

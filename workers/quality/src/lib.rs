@@ -12,6 +12,7 @@
 
 mod blocks;
 mod ciede2000;
+mod colours;
 mod corners;
 mod entropy;
 mod error;

@@ -5,9 +5,9 @@
 //! `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the standard deviation of C; con_l the mean of the k largest l
 //! less the mean of the k smallest, k one hundredth of the pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
 
-use imaging::Rgb8;
 use pulp::{Simd, WithSimd};
 
+use crate::colours::Colours;
 use crate::lab::{LINEAR, TO_XYZ, lab_response};
 use crate::work::Work;
 
@@ -40,18 +40,18 @@ pub(crate) struct Terms {
 }
 
 impl Terms {
-    pub(crate) fn of(picture: &Rgb8) -> Self {
-        pulp::Arch::new().dispatch(Measure { picture })
+    pub(crate) fn of(colours: &Colours) -> Self {
+        pulp::Arch::new().dispatch(Measure { colours })
     }
 }
 
-/// Pixels whose colours are converted together.
+/// Colours converted together.
 const BATCH: usize = 64;
 /// Independent partial sums, added up in this order whatever the vector unit.
 const LANES: usize = 8;
 
 struct Measure<'a> {
-    picture: &'a Rgb8,
+    colours: &'a Colours,
 }
 
 impl WithSimd for Measure<'_> {
@@ -60,29 +60,33 @@ impl WithSimd for Measure<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Terms {
         let linear: &[f64; 256] = &LINEAR;
-        let codes = self.picture.data();
-        let pixels = codes.len() / 3;
-        let mut lightness = vec![0.0f64; pixels];
-        // Chroma is taken relative to the first pixel's, so that its variance does not cancel.
+        let Colours {
+            codes,
+            counts,
+            pixels,
+        } = self.colours;
+        let mut lightness = vec![0.0f64; counts.len()];
+        // Chroma is taken relative to the first colour's, so that its variance does not cancel.
         let origin = chroma_of(linear, &codes[..3]);
         let [mut chroma_sums, mut square_sums, mut saturation_sums] = [[0.0f64; LANES]; 3];
-        for (codes, lightness) in codes.chunks(3 * BATCH).zip(lightness.chunks_mut(BATCH)) {
+        let weighted = lightness.chunks_mut(BATCH).zip(counts.chunks(BATCH));
+        for (codes, (lightness, counts)) in codes.chunks(3 * BATCH).zip(weighted) {
             let mut batch = Batch::load(linear, codes);
             batch.convert();
             let count = lightness.len();
             lightness.copy_from_slice(&batch.lightness[..count]);
             for i in 0..count {
-                let offset = batch.chroma[i] - origin;
-                chroma_sums[i % LANES] += offset;
-                square_sums[i % LANES] += offset * offset;
-                saturation_sums[i % LANES] += batch.saturation[i];
+                let (offset, count) = (batch.chroma[i] - origin, f64::from(counts[i]));
+                chroma_sums[i % LANES] += count * offset;
+                square_sums[i % LANES] += count * (offset * offset);
+                saturation_sums[i % LANES] += count * batch.saturation[i];
             }
         }
         let [chroma, square, saturation] = [chroma_sums, square_sums, saturation_sums]
-            .map(|lanes| lanes.iter().sum::<f64>() / pixels as f64);
+            .map(|lanes| lanes.iter().sum::<f64>() / *pixels as f64);
         Terms {
             sigma_c: (square - chroma * chroma).max(0.0).sqrt(),
-            con_l: contrast(&lightness),
+            con_l: contrast(&lightness, counts),
             mu_s: saturation,
         }
     }
@@ -142,39 +146,53 @@ impl Batch {
     }
 }
 
-/// Mean of the k largest values less the mean of the k smallest, k a hundredth of them, rounded, at least 1.
-fn contrast(lightness: &[f64]) -> f64 {
+/// Mean of the k largest values less the mean of the k smallest, k a hundredth of them, rounded, at least 1. Every value
+/// stands for as many as its count.
+fn contrast(lightness: &[f64], counts: &[u32]) -> f64 {
     const BINS: usize = 4096;
-    let k = ((lightness.len() as f64 * 0.01 + 0.5) as usize).max(1);
+    let total: usize = counts.iter().map(|&count| count as usize).sum();
+    let k = ((total as f64 * 0.01 + 0.5) as usize).max(1);
     let bin_of = |l: f64| ((l * BINS as f64) as usize).min(BINS - 1);
-    let mut counts = vec![0usize; BINS];
-    for &l in lightness {
-        counts[bin_of(l)] += 1;
+    let mut bins = vec![0usize; BINS];
+    for (&l, &count) in lightness.iter().zip(counts) {
+        bins[bin_of(l)] += count as usize;
     }
-    let low = boundary((0..BINS).map(|bin| (bin, counts[bin])), k);
-    let high = boundary((0..BINS).rev().map(|bin| (bin, counts[bin])), k);
+    let low = boundary((0..BINS).map(|bin| (bin, bins[bin])), k);
+    let high = boundary((0..BINS).rev().map(|bin| (bin, bins[bin])), k);
     let (mut low_sum, mut high_sum) = (0.0, 0.0);
     let (mut low_rest, mut high_rest) = (Vec::new(), Vec::new());
-    for &l in lightness {
+    for (&l, &count) in lightness.iter().zip(counts) {
         let bin = bin_of(l);
         if bin < low.bin {
-            low_sum += l;
+            low_sum += f64::from(count) * l;
         }
         if bin > high.bin {
-            high_sum += l;
+            high_sum += f64::from(count) * l;
         }
         if bin == low.bin {
-            low_rest.push(l);
+            low_rest.push((l, count));
         }
         if bin == high.bin {
-            high_rest.push(l);
+            high_rest.push((l, count));
         }
     }
-    low_rest.sort_unstable_by(f64::total_cmp);
-    high_rest.sort_unstable_by(|a, b| b.total_cmp(a));
-    low_sum += low_rest[..low.wanted].iter().sum::<f64>();
-    high_sum += high_rest[..high.wanted].iter().sum::<f64>();
+    low_rest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    high_rest.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    low_sum += first(&low_rest, low.wanted);
+    high_sum += first(&high_rest, high.wanted);
     (high_sum - low_sum) / k as f64
+}
+
+/// The sum of the first `wanted` values.
+fn first(values: &[(f64, u32)], wanted: usize) -> f64 {
+    let mut left = wanted;
+    let mut sum = 0.0;
+    for &(value, count) in values {
+        let taken = left.min(count as usize);
+        sum += taken as f64 * value;
+        left -= taken;
+    }
+    sum
 }
 
 /// The bin that only some of the k first values fall into, and how many of it.
@@ -196,15 +214,22 @@ fn boundary(bins: impl Iterator<Item = (usize, usize)>, k: usize) -> Boundary {
 
 #[cfg(test)]
 mod tests {
+    use imaging::Rgb8;
+
     use super::*;
 
     #[test]
     fn contrast_takes_a_hundredth_at_either_end_and_at_least_one() {
-        assert_eq!(contrast(&[0.25]), 0.0);
-        assert_eq!(contrast(&[0.25, 0.75, 0.5]), 0.5);
+        assert_eq!(contrast(&[0.25], &[1]), 0.0);
+        assert_eq!(contrast(&[0.25, 0.75, 0.5], &[1; 3]), 0.5);
         let ramp: Vec<f64> = (0..1000).rev().map(|i| f64::from(i) / 1000.0).collect();
         // The ten smallest have the mean 0.0045, the ten largest 0.9945.
-        assert!((contrast(&ramp) - 0.99).abs() < 1e-12);
+        assert!((contrast(&ramp, &[1; 1000]) - 0.99).abs() < 1e-12);
+        // The same from counts: the lowest value five times, the others ten each.
+        let steps: Vec<f64> = (0..100).map(f64::from).collect();
+        let counts: Vec<u32> = (0..100).map(|i| if i == 0 { 5 } else { 10 }).collect();
+        // 995 values: ten of the lowest are five of 0 and five of 1, ten of the highest all 99.
+        assert!((contrast(&steps, &counts) - 98.5).abs() < 1e-12);
     }
 
     #[test]
@@ -212,13 +237,13 @@ mod tests {
         let mut close: Vec<f64> = (0..150).map(|i| 0.5 + 1e-9 * f64::from(i)).collect();
         close.reverse();
         // k = 2: means of 148, 149 and of 0, 1.
-        assert!((contrast(&close) - 148e-9).abs() < 1e-15);
+        assert!((contrast(&close, &[1; 150]) - 148e-9).abs() < 1e-15);
     }
 
     #[test]
     fn gray_has_no_chroma() {
         let gray = Rgb8::from_fn(16, 16, |x, y| [(16 * y + x) as u8; 3]);
-        let terms = Terms::of(&gray);
+        let terms = Terms::of(&Colours::of(&gray));
         assert_eq!((terms.sigma_c, terms.mu_s), (0.0, 0.0));
         // Black and white, three of 256 at either end.
         assert!(terms.con_l > 0.98 && terms.con_l < 1.0);

@@ -59,16 +59,23 @@ pub(crate) fn table1(work: &Work) -> f64 {
             *sum = p[0] / 3 + p[1] / 3 + p[2] / 3;
         }
     });
+    // Many blocks share their extremes: a term is computed once for each pair.
+    let mut known = vec![None; 1 << 16];
     let terms = extremes
         .into_iter()
         .filter(|(low, high)| 0 < *low && low < high)
         .map(|(low, high)| {
-            let (m, top) = (f64::from(low), f64::from(high));
-            let t = GAMMA * (m - top) / m / (GAMMA - top * m / GAMMA);
-            let phi = |z: f64| -GAMMA * (1.0 - z / GAMMA).ln();
-            GAMMA * (1.0 - (-phi(t) * phi(t.abs().ln()) / GAMMA).exp())
+            let pair = usize::from(low) << 8 | usize::from(high);
+            *known[pair].get_or_insert_with(|| table1_term(f64::from(low), f64::from(high)))
         });
     terms.sum::<f64>() / blocks.count()
+}
+
+/// The term of a block with these extremes.
+fn table1_term(m: f64, top: f64) -> f64 {
+    let t = GAMMA * (m - top) / m / (GAMMA - top * m / GAMMA);
+    let phi = |z: f64| -GAMMA * (1.0 - z / GAMMA).ln();
+    GAMMA * (1.0 - (-phi(t) * phi(t.abs().ln()) / GAMMA).exp())
 }
 
 fn blocks(work: &Work, side: usize) -> Blocks {

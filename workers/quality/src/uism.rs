@@ -91,7 +91,8 @@ impl WithSimd for Vertical<'_> {
         let mut sobel = Sobel::new(channel, Border::Reflect);
         let (mut gx, mut gy) = (vec![0i16; width], vec![0i16; width]);
         let mut strength = vec![0.0f64; width];
-        let (mut least, mut greatest) = (vec![f64::INFINITY; width], vec![0.0f64; width]);
+        // The extremes of what lies beside and below the blocks; those of the blocks are known anyway.
+        let (mut least, mut greatest) = (f64::INFINITY, 0.0f64);
         let mut measure_row = |y: usize, row: &mut [f64]| {
             sobel.row(y, &mut gx, &mut gy);
             // Ties of the rounding below depend on this order of the products.
@@ -99,18 +100,21 @@ impl WithSimd for Vertical<'_> {
                 let cut = i32::from(gy).abs().min(255);
                 *strength = f64::from(code) * (std::f64::consts::SQRT_2 * f64::from(cut));
             }
-            for ((&value, least), greatest) in strength.iter().zip(&mut least).zip(&mut greatest) {
-                *least = if value < *least { value } else { *least };
-                *greatest = if value > *greatest { value } else { *greatest };
+            let (inside, beside) = strength.split_at(row.len());
+            row.copy_from_slice(inside);
+            for &value in beside {
+                least = if value < least { value } else { least };
+                greatest = if value > greatest { value } else { greatest };
             }
-            row.copy_from_slice(&strength[..row.len()]);
         };
         let extremes = blocks.extremes(1, &mut measure_row);
         for y in blocks.rows()..height {
             measure_row(y, &mut []);
         }
-        let least = least.into_iter().fold(f64::INFINITY, f64::min);
-        let greatest = greatest.into_iter().fold(0.0, f64::max);
+        for &(low, high) in &extremes {
+            least = least.min(low);
+            greatest = greatest.max(high);
+        }
         let spread = greatest - least;
         // Rescaling keeps the order, so only the extremes of the blocks need it.
         let code = |value: f64| {

@@ -2,8 +2,10 @@
 
 use std::cell::{Cell, OnceCell};
 
-use imaging::{Plane, Rgb8};
+use imaging::simd::vectorised;
+use imaging::{Plane, Rgb8, luma1000};
 
+use crate::colours::Colours;
 use crate::error::QualityError;
 use crate::registry::{MetricId, registry};
 use crate::{uciqe, uicm, uism};
@@ -13,6 +15,7 @@ pub(crate) struct Work<'a> {
     picture: &'a Rgb8,
     clean: Option<&'a Rgb8>,
     gray: OnceCell<Plane<u8>>,
+    colours: OnceCell<Colours>,
     opponents: OnceCell<uicm::Opponents>,
     channels: OnceCell<[Plane<u8>; 3]>,
     sharpness: OnceCell<[f64; 3]>,
@@ -26,6 +29,7 @@ impl<'a> Work<'a> {
             picture,
             clean,
             gray: OnceCell::new(),
+            colours: OnceCell::new(),
             opponents: OnceCell::new(),
             channels: OnceCell::new(),
             sharpness: OnceCell::new(),
@@ -51,7 +55,11 @@ impl<'a> Work<'a> {
     }
 
     pub(crate) fn gray(&self) -> &Plane<u8> {
-        self.gray.get_or_init(|| self.picture.to_gray8())
+        self.gray.get_or_init(|| gray(self.picture))
+    }
+
+    pub(crate) fn colours(&self) -> &Colours {
+        self.colours.get_or_init(|| Colours::of(self.picture))
     }
 
     pub(crate) fn opponents(&self) -> &uicm::Opponents {
@@ -61,18 +69,14 @@ impl<'a> Work<'a> {
     /// Red, green and blue apart.
     pub(crate) fn channels(&self) -> &[Plane<u8>; 3] {
         self.channels.get_or_init(|| {
-            [0, 1, 2].map(|channel| {
-                let codes = self
-                    .picture
-                    .data()
-                    .iter()
-                    .skip(channel)
-                    .step_by(3)
-                    .copied()
-                    .collect();
-                Plane::new(self.picture.width(), self.picture.height(), codes)
-                    .expect("one code for each pixel")
-            })
+            let mut channels =
+                [0; 3].map(|_| Plane::filled(self.picture.width(), self.picture.height(), 0u8));
+            let [r, g, b] = channels.each_mut().map(Plane::data_mut);
+            vectorised(
+                #[inline(always)]
+                || split(self.picture.data(), r, g, b),
+            );
+            channels
         })
     }
 
@@ -82,7 +86,8 @@ impl<'a> Work<'a> {
     }
 
     pub(crate) fn colourfulness(&self) -> &uciqe::Terms {
-        self.colourfulness.get_or_init(|| uciqe::Terms::of(self.picture))
+        self.colourfulness
+            .get_or_init(|| uciqe::Terms::of(self.colours()))
     }
 
     /// A metric's value, computed once; other metrics may be made of it.
@@ -94,6 +99,27 @@ impl<'a> Work<'a> {
             cell.set(Some(value));
             value
         })
+    }
+}
+
+/// `(299 R + 587 G + 114 B + 500) div 1000` of every pixel.
+fn gray(picture: &Rgb8) -> Plane<u8> {
+    let mut gray = Plane::filled(picture.width(), picture.height(), 0u8);
+    vectorised(
+        #[inline(always)]
+        || {
+            for (gray, p) in gray.data_mut().iter_mut().zip(picture.data().chunks_exact(3)) {
+                *gray = ((luma1000([p[0], p[1], p[2]]) + 500) / 1000) as u8;
+            }
+        },
+    );
+    gray
+}
+
+#[inline(always)]
+fn split(codes: &[u8], r: &mut [u8], g: &mut [u8], b: &mut [u8]) {
+    for (((r, g), b), p) in r.iter_mut().zip(g).zip(b).zip(codes.chunks_exact(3)) {
+        (*r, *g, *b) = (p[0], p[1], p[2]);
     }
 }
 

@@ -1,0 +1,65 @@
+//! The distinct colours of a picture: most pictures have far fewer of them than pixels.
+
+use imaging::Rgb8;
+
+/// Every colour that occurs, in the order of R, then G, then B, and how often.
+pub(crate) struct Colours {
+    /// Codes of one colour after the other.
+    pub(crate) codes: Vec<u8>,
+    pub(crate) counts: Vec<u32>,
+    /// Pixels of the picture.
+    pub(crate) pixels: usize,
+}
+
+impl Colours {
+    pub(crate) fn of(picture: &Rgb8) -> Self {
+        let pixels = picture.data().len() / 3;
+        // Sorted by red and green in one pass over their pairs; the blues of a pair are few.
+        let pair = |pixel: &[u8; 3]| usize::from(pixel[0]) << 8 | usize::from(pixel[1]);
+        let mut ends = vec![0u32; 1 << 16];
+        for pixel in picture.pixels() {
+            ends[pair(&pixel)] += 1;
+        }
+        let mut start = 0;
+        for end in &mut ends {
+            start += std::mem::replace(end, start);
+        }
+        let mut blues = vec![0u8; pixels];
+        for pixel in picture.pixels() {
+            let end = &mut ends[pair(&pixel)];
+            blues[*end as usize] = pixel[2];
+            *end += 1;
+        }
+        let (mut codes, mut counts) = (Vec::new(), Vec::new());
+        let mut start = 0;
+        for (pair, end) in ends.into_iter().enumerate() {
+            let blues = &mut blues[start..end as usize];
+            blues.sort_unstable();
+            for run in blues.chunk_by(|a, b| a == b) {
+                codes.extend([(pair >> 8) as u8, pair as u8, run[0]]);
+                counts.push(run.len() as u32);
+            }
+            start = end as usize;
+        }
+        Self {
+            codes,
+            counts,
+            pixels,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_colours_are_counted_together_in_order() {
+        let picture = Rgb8::from_fn(5, 1, |x, _| {
+            [[9, 0, 5], [0, 255, 3], [9, 0, 2], [0, 255, 3], [9, 0, 5]][x]
+        });
+        let colours = Colours::of(&picture);
+        assert_eq!(colours.codes, [0, 255, 3, 9, 0, 2, 9, 0, 5]);
+        assert_eq!((colours.counts, colours.pixels), (vec![2, 1, 2], 5));
+    }
+}
