@@ -16,6 +16,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("workers/quality", &["imaging"]),
     ("workers/style", &["imaging"]),
     ("workers/fidelity", &["enhance", "imaging", "quality"]),
+    ("workers/training", &["imaging", "scenes", "style"]),
     ("services/spec", &["imaging", "optics"]),
     ("proto", &["spec"]),
     ("services/queue", &["proto", "spec"]),
@@ -64,6 +65,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "spec",
             "store",
             "style",
+            "training",
         ],
     ),
     ("tests", &[]),
@@ -76,6 +78,7 @@ const PURE: &[&str] = &[
     "workers/scenes",
     "workers/enhance",
     "workers/quality",
+    "workers/training",
     "services/spec",
 ];
 

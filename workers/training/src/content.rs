@@ -1,0 +1,194 @@
+//! Content pictures, made on the fly: what a network may be given to repaint.
+//!
+//! Every second one is a scene of ours, the others are simple shapes in any colour, so that no palette is preferred. Then,
+//! by chance: attenuation and veil with the range, blur, gamma, gain, a sloping light, noise; some are flat or nearly black.
+
+mod shapes;
+
+use imaging::geometry::Intrinsics;
+use imaging::random::Stream;
+use imaging::transfer;
+
+use crate::loss::normals;
+use crate::tensor::Tensor;
+
+/// Side of a content picture in pixels; training takes smaller crops of it.
+pub const SIDE: usize = 192;
+
+/// The content pictures of a seed.
+#[derive(Debug, Clone, Copy)]
+pub struct Contents {
+    seed: u64,
+    stream: Stream,
+}
+
+/// Light before it is encoded, and how far it comes from, in metres.
+struct Air {
+    light: Tensor<f32>,
+    range: Vec<f32>,
+}
+
+impl Contents {
+    /// Pictures for a purpose: those of training and those that are held out never meet.
+    #[must_use]
+    pub fn new(seed: u64, purpose: &str) -> Self {
+        Self {
+            seed,
+            stream: Stream::stage(seed, purpose),
+        }
+    }
+
+    /// The picture of an index: three channels of [`SIDE`]², sRGB-encoded, 0..=1.
+    #[must_use]
+    pub fn picture(&self, index: u64) -> Tensor<f32> {
+        let chance = Chance {
+            stream: self.stream,
+            index,
+        };
+        let flat = chance.unit("flat");
+        if flat < 0.04 {
+            let mut picture = Tensor::zeros(3, SIDE, SIDE);
+            for channel in 0..3 {
+                let value = chance.between("flat colour", channel, 0.0, 1.0);
+                picture.plane_mut(channel as usize).fill(value as f32);
+            }
+            return picture;
+        }
+        let mut air = if index.is_multiple_of(2) {
+            self.scene(&chance)
+        } else {
+            shapes::draw(&chance)
+        };
+        let gain = if flat < 0.06 {
+            0.02
+        } else {
+            chance.between("gain", 0, 0.3, 1.15)
+        };
+        if chance.unit("water") < 0.4 {
+            sink(&mut air, &chance);
+        }
+        finish(air.light, gain, &chance)
+    }
+
+    fn scene(&self, chance: &Chance) -> Air {
+        let seed = self.stream.bits(chance.index, 1) ^ self.seed;
+        let lens = Intrinsics::centred(SIDE as f64 * chance.between("focal", 0, 0.5, 1.1), SIDE, SIDE);
+        let scene = scenes::procedural("structure", seed, SIDE, SIDE, lens).expect("a family that is there");
+        let mut light = Tensor::zeros(3, SIDE, SIDE);
+        for (channel, plane) in scene.radiance.planes().iter().enumerate() {
+            light.plane_mut(channel).copy_from_slice(plane.data());
+        }
+        let range = scene.range.map(imaging::Plane::into_data).unwrap_or_default();
+        let far = |range: f32| {
+            if range.is_finite() {
+                range.min(FAR_M)
+            } else {
+                FAR_M
+            }
+        };
+        Air {
+            light,
+            range: range.into_iter().map(far).collect(),
+        }
+    }
+}
+
+/// Where nothing is met.
+const FAR_M: f32 = 40.0;
+
+/// Values of one picture by name.
+struct Chance {
+    stream: Stream,
+    index: u64,
+}
+
+impl Chance {
+    fn unit(&self, name: &str) -> f64 {
+        self.numbered(name, 0)
+    }
+
+    /// The address is the name's FNV-1a hash with a number.
+    fn numbered(&self, name: &str, number: u64) -> f64 {
+        let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+        });
+        self.stream.unit(self.index, hash.wrapping_add(number))
+    }
+
+    fn between(&self, name: &str, number: u64, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.numbered(name, number)
+    }
+}
+
+/// What an earlier stage may have done: attenuation and a veil that grow with the range.
+fn sink(air: &mut Air, chance: &Chance) {
+    let strength = chance.between("strength", 0, 0.03, 0.5);
+    for channel in 0..3 {
+        let number = channel as u64;
+        let attenuation = (strength * chance.between("attenuation", number, 0.3, 1.7)) as f32;
+        let veil = chance.between("veil", number, 0.0, 0.5) as f32;
+        for (light, &range) in air.light.plane_mut(channel).iter_mut().zip(&air.range) {
+            let left = libm::expf(-attenuation * range);
+            *light = *light * left + veil * (1.0 - left);
+        }
+    }
+    if chance.unit("blur") < 0.5 {
+        let sigma = chance.between("sigma", 0, 0.5, 2.5);
+        crate::blur::gaussian(&mut air.light, sigma);
+    }
+}
+
+/// Gain and a sloping light, encoding, gamma, noise.
+fn finish(light: Tensor<f32>, gain: f64, chance: &Chance) -> Tensor<f32> {
+    let gamma = chance.between("gamma", 0, 0.6, 1.8);
+    let slope = [0, 1].map(|axis| chance.between("slope", axis, -0.5, 0.5));
+    let sigma = chance.between("noise", 0, 0.0, 0.03) as f32;
+    let stream = Stream::stage(chance.stream.bits(chance.index, 2), "content noise");
+    let mut noise = normals(&stream, chance.index);
+    let mut out = light;
+    for channel in 0..3 {
+        for y in 0..SIDE {
+            for (x, value) in out.row_mut(channel, y).iter_mut().enumerate() {
+                let place = |at: usize| at as f64 / SIDE as f64 - 0.5;
+                let lit = gain * (1.0 + slope[0] * place(x) + slope[1] * place(y));
+                let encoded = transfer::encode((f64::from(*value) * lit).clamp(0.0, 1.0));
+                let noise = sigma * noise.next().unwrap_or_default() as f32;
+                *value = (libm::pow(encoded, gamma) as f32 + noise).clamp(0.0, 1.0);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_depend_on_index_seed_and_purpose_and_nothing_else() {
+        let of = |seed, purpose: &str, index| Contents::new(seed, purpose).picture(index);
+        for index in [0, 1] {
+            let picture = of(7, "a", index);
+            assert_eq!(of(7, "a", index), picture);
+            for other in [of(8, "a", index), of(7, "b", index), of(7, "a", index + 2)] {
+                assert!(other != picture);
+            }
+        }
+    }
+
+    #[test]
+    fn pictures_are_encoded_and_most_are_not_flat() {
+        let contents = Contents::new(1, "test");
+        let mut lively = 0;
+        for index in 0..40 {
+            let picture = contents.picture(index);
+            assert!(picture.data.iter().all(|value| (0.0..=1.0).contains(value)));
+            let (low, high) = picture
+                .data
+                .iter()
+                .fold((1.0f32, 0.0f32), |(low, high), &v| (low.min(v), high.max(v)));
+            lively += usize::from(high - low > 0.3);
+        }
+        assert!(lively > 25, "{lively} of 40");
+    }
+}

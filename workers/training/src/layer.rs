@@ -1,0 +1,5 @@
+//! The operators of the network, forward and backward.
+
+pub(crate) mod filter;
+pub(crate) mod mix;
+pub(crate) mod scale;

@@ -1,0 +1,249 @@
+//! Filters of side 3 on bordered channels, and their gradients.
+
+use imaging::simd::vectorised;
+
+use crate::real::Real;
+use crate::tensor::Tensor;
+
+/// Sums that a dot product keeps side by side: a fixed number, so that its bits do not depend on the CPU.
+const LANES: usize = 8;
+
+/// `out[o] = bias[o] + sum of in[i] * weight[o][i]` over bordered channels, in steps of 1 or 2.
+pub(crate) fn forward<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T], step: usize) -> Tensor<T> {
+    let (width, height) = (
+        (input.width - 2).div_ceil(step),
+        (input.height - 2).div_ceil(step),
+    );
+    let mut out = Tensor::zeros(bias.len(), height, width);
+    vectorised(
+        #[inline(always)]
+        || {
+            for output in 0..bias.len() {
+                out.plane_mut(output).fill(bias[output]);
+                for channel in 0..input.channels {
+                    let taps = &weight[9 * (output * input.channels + channel)..][..9];
+                    for y in 0..height {
+                        for row in 0..3 {
+                            let samples = input.row(channel, step * y + row);
+                            let taps = [taps[3 * row], taps[3 * row + 1], taps[3 * row + 2]];
+                            add_row(out.row_mut(output, y), samples, taps, step);
+                        }
+                    }
+                }
+            }
+        },
+    );
+    out
+}
+
+/// The same for each channel by itself.
+pub(crate) fn forward_each<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T]) -> Tensor<T> {
+    let (width, height) = (input.width - 2, input.height - 2);
+    let mut out = Tensor::zeros(bias.len(), height, width);
+    for channel in 0..bias.len() {
+        out.plane_mut(channel).fill(bias[channel]);
+        for y in 0..height {
+            for row in 0..3 {
+                let taps = &weight[9 * channel + 3 * row..];
+                let samples = input.row(channel, y + row);
+                add_row(out.row_mut(channel, y), samples, [taps[0], taps[1], taps[2]], 1);
+            }
+        }
+    }
+    out
+}
+
+#[inline(always)]
+fn add_row<T: Real>(out: &mut [T], samples: &[T], [a, b, c]: [T; 3], step: usize) {
+    let width = out.len();
+    if step == 1 {
+        let (left, middle, right) = (&samples[..width], &samples[1..=width], &samples[2..width + 2]);
+        for x in 0..width {
+            out[x] += a * left[x] + b * middle[x] + c * right[x];
+        }
+    } else {
+        for (x, out) in out.iter_mut().enumerate() {
+            let at = &samples[step * x..step * x + 3];
+            *out += a * at[0] + b * at[1] + c * at[2];
+        }
+    }
+}
+
+/// Gradients of weight and bias, added to what is there.
+pub(crate) fn backward_weights<T: Real>(
+    input: &Tensor<T>,
+    gradient: &Tensor<T>,
+    step: usize,
+    (weight, bias): (&mut [T], &mut [T]),
+) {
+    vectorised(
+        #[inline(always)]
+        || {
+            for output in 0..gradient.channels {
+                bias[output] += total(gradient.plane(output));
+                for channel in 0..input.channels {
+                    let taps = &mut weight[9 * (output * input.channels + channel)..][..9];
+                    add_taps(input, channel, gradient, output, step, taps);
+                }
+            }
+        },
+    );
+}
+
+/// The same for each channel by itself.
+pub(crate) fn backward_weights_each<T: Real>(
+    input: &Tensor<T>,
+    gradient: &Tensor<T>,
+    (weight, bias): (&mut [T], &mut [T]),
+) {
+    for channel in 0..gradient.channels {
+        bias[channel] += total(gradient.plane(channel));
+        let taps = &mut weight[9 * channel..9 * channel + 9];
+        add_taps(input, channel, gradient, channel, 1, taps);
+    }
+}
+
+#[inline(always)]
+fn add_taps<T: Real>(
+    input: &Tensor<T>,
+    channel: usize,
+    gradient: &Tensor<T>,
+    output: usize,
+    step: usize,
+    taps: &mut [T],
+) {
+    for row in 0..3 {
+        let mut sums = [[T::default(); LANES]; 3];
+        for y in 0..gradient.height {
+            let (gradient, samples) = (gradient.row(output, y), input.row(channel, step * y + row));
+            if step == 1 {
+                dots(gradient, samples, &mut sums);
+            } else {
+                for (x, &gradient) in gradient.iter().enumerate() {
+                    for (column, sums) in sums.iter_mut().enumerate() {
+                        sums[0] += gradient * samples[step * x + column];
+                    }
+                }
+            }
+        }
+        for (tap, sums) in taps[3 * row..3 * row + 3].iter_mut().zip(&sums) {
+            *tap += total(sums);
+        }
+    }
+}
+
+/// Products of the gradient with the samples at, one and two places to the right.
+#[inline(always)]
+fn dots<T: Real>(gradient: &[T], samples: &[T], sums: &mut [[T; LANES]; 3]) {
+    let whole = gradient.len() / LANES * LANES;
+    for x in (0..whole).step_by(LANES) {
+        let gradient = &gradient[x..x + LANES];
+        let samples = &samples[x..x + LANES + 2];
+        for (column, sums) in sums.iter_mut().enumerate() {
+            let samples = &samples[column..column + LANES];
+            for lane in 0..LANES {
+                sums[lane] += gradient[lane] * samples[lane];
+            }
+        }
+    }
+    for x in whole..gradient.len() {
+        for (column, sums) in sums.iter_mut().enumerate() {
+            sums[x - whole] += gradient[x] * samples[x + column];
+        }
+    }
+}
+
+#[inline(always)]
+fn total<T: Real>(values: &[T]) -> T {
+    let mut sum = T::default();
+    for &value in values {
+        sum += value;
+    }
+    sum
+}
+
+/// The gradient of the bordered input.
+pub(crate) fn backward_input<T: Real>(
+    gradient: &Tensor<T>,
+    weight: &[T],
+    channels: usize,
+    (height, width): (usize, usize),
+    step: usize,
+) -> Tensor<T> {
+    let mut out = Tensor::zeros(channels, height, width);
+    vectorised(
+        #[inline(always)]
+        || {
+            for channel in 0..channels {
+                for output in 0..gradient.channels {
+                    let taps = &weight[9 * (output * channels + channel)..][..9];
+                    spread_channel(gradient, output, taps, &mut out, channel, step);
+                }
+            }
+        },
+    );
+    out
+}
+
+/// The same for each channel by itself.
+pub(crate) fn backward_input_each<T: Real>(gradient: &Tensor<T>, weight: &[T]) -> Tensor<T> {
+    let mut out = Tensor::zeros(gradient.channels, gradient.height + 2, gradient.width + 2);
+    for channel in 0..gradient.channels {
+        let taps = &weight[9 * channel..9 * channel + 9];
+        spread_channel(gradient, channel, taps, &mut out, channel, 1);
+    }
+    out
+}
+
+#[inline(always)]
+fn spread_channel<T: Real>(
+    gradient: &Tensor<T>,
+    output: usize,
+    taps: &[T],
+    out: &mut Tensor<T>,
+    channel: usize,
+    step: usize,
+) {
+    for y in 0..gradient.height {
+        let gradient = gradient.row(output, y);
+        for row in 0..3 {
+            let out = out.row_mut(channel, step * y + row);
+            let taps = &taps[3 * row..3 * row + 3];
+            if step == 1 {
+                spread_row(gradient, [taps[0], taps[1], taps[2]], out);
+            } else {
+                for (x, &gradient) in gradient.iter().enumerate() {
+                    for (out, &tap) in out[step * x..step * x + 3].iter_mut().zip(taps) {
+                        *out += gradient * tap;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// `out[x + k] += gradient[x] * tap[k]`.
+#[inline(always)]
+fn spread_row<T: Real>(gradient: &[T], [a, b, c]: [T; 3], out: &mut [T]) {
+    let width = gradient.len();
+    if width < 2 {
+        for (out, tap) in out.iter_mut().zip([a, b, c]) {
+            *out += gradient[0] * tap;
+        }
+        return;
+    }
+    out[0] += gradient[0] * a;
+    out[1] += gradient[1] * a + gradient[0] * b;
+    let inner = &mut out[2..width];
+    let length = inner.len();
+    let (left, middle, right) = (
+        &gradient[..length],
+        &gradient[1..=length],
+        &gradient[2..length + 2],
+    );
+    for x in 0..length {
+        inner[x] += right[x] * a + middle[x] * b + left[x] * c;
+    }
+    out[width] += gradient[width - 1] * b + gradient[width - 2] * c;
+    out[width + 1] += gradient[width - 1] * c;
+}

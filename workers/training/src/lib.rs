@@ -1,0 +1,23 @@
+//! A style water from one photo, on a CPU: content pictures made on the fly, losses without a pretrained network,
+//! hand-written gradients, and a score on new scenes.
+//!
+//! Pure: a training is a function of photos, seed and number of steps. Threads share the work and never change a bit.
+
+mod blur;
+mod clouds;
+pub mod content;
+mod layer;
+pub mod loss;
+pub mod network;
+mod optimiser;
+mod photo;
+pub mod real;
+mod score;
+pub mod tensor;
+mod trainer;
+mod transfer;
+pub mod waters;
+
+pub use photo::{MAX_SIDE_PX, MIN_SIDE_PX, MIN_SPREAD, Photo, PhotoError};
+pub use score::{Score, score};
+pub use trainer::{Best, Trainer};

@@ -1,0 +1,191 @@
+//! How much of the content is lost: windowed normalised cross-correlation of the picture before and after.
+//!
+//! `ncc = cov / sqrt((va + e)(vb + e))` in windows of 7×7 in steps of 2, for a before and b after;
+//! `loss = mean(w (1 - ncc)) / (mean(w) + 0.05)`, `w = va / (va + 4e-4)`, so that flat places do not count. Gain and offset
+//! of b do not matter: a water may take contrast and lift black. Brightness at all levels; from the second on also two
+//! colour differences at a quarter of the weight. Mean over levels.
+
+use rayon::prelude::*;
+
+use super::pyramid::{LEVELS, Pyramid};
+use crate::real::Real;
+use crate::tensor::Tensor;
+
+const WINDOW: usize = 7;
+const STEP: usize = 2;
+const VARIANCE_FLOOR: f64 = 1e-5;
+/// Variance at which a window counts half.
+const HALF_WEIGHT: f64 = 4e-4;
+const MEAN_FLOOR: f64 = 0.05;
+
+/// Axes in colour with the weight of each: brightness and two differences.
+const AXES: [([f64; 3], f64); 3] = [
+    ([0.299, 0.587, 0.114], 1.0),
+    ([0.5, -0.5, 0.0], 0.25),
+    ([0.25, 0.25, -0.5], 0.25),
+];
+
+/// The loss of a batch, and the gradient for each picture, multiplied by `share` and added to `gradients`.
+pub(crate) fn content<T: Real>(
+    before: &[Pyramid<T>],
+    after: &[Pyramid<T>],
+    share: f64,
+    gradients: &mut [Pyramid<T>],
+) -> f64 {
+    let of_picture = |(before, after): (&Pyramid<T>, &Pyramid<T>)| -> Vec<Vec<Windows<T>>> {
+        let level = |level: usize| {
+            let axes = if level == 0 { &AXES[..1] } else { &AXES[..] };
+            let along = |pyramid: &Pyramid<T>, axis| projected(&pyramid.levels[level], axis);
+            axes.iter()
+                .map(|&(axis, _)| Windows::new(along(before, axis), along(after, axis)))
+                .collect()
+        };
+        (0..LEVELS).map(level).collect()
+    };
+    let windows: Vec<_> = before.par_iter().zip(after).map(of_picture).collect();
+    let mut loss = 0.0;
+    let mut factors = vec![Vec::new(); LEVELS];
+    for level in 0..LEVELS {
+        for axis in 0..windows[0][level].len() {
+            let all = || windows.iter().map(|picture| &picture[level][axis]);
+            let count = all().map(|windows| windows.slopes.len()).sum::<usize>() as f64;
+            let weight = all().map(|windows| windows.weight).sum::<f64>();
+            let lost = all().map(|windows| windows.lost).sum::<f64>();
+            let scale = AXES[axis].1 / LEVELS as f64 / (weight / count + MEAN_FLOOR) / count;
+            loss += lost * scale;
+            factors[level].push(share * scale);
+        }
+    }
+    gradients
+        .par_iter_mut()
+        .zip(&windows)
+        .for_each(|(gradient, windows)| {
+            for level in 0..LEVELS {
+                for (axis, windows) in windows[level].iter().enumerate() {
+                    windows.add_gradient(&mut gradient.levels[level], AXES[axis].0, factors[level][axis]);
+                }
+            }
+        });
+    loss
+}
+
+/// A picture along an axis in colour.
+fn projected<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
+    let [r, g, b] = axis.map(T::of);
+    let mut out = Tensor::zeros(1, picture.height, picture.width);
+    let channels = picture
+        .plane(0)
+        .iter()
+        .zip(picture.plane(1))
+        .zip(picture.plane(2));
+    for (out, ((&red, &green), &blue)) in out.data.iter_mut().zip(channels) {
+        *out = red * r + green * g + blue * b;
+    }
+    out
+}
+
+/// What the windows of a plane say.
+struct Windows<T> {
+    before: Tensor<T>,
+    after: Tensor<T>,
+    columns: usize,
+    /// Sum of the weights.
+    weight: f64,
+    /// Sum of the weighted losses.
+    lost: f64,
+    /// For each window, the slope of `lost` for a sample b in it: `alpha a + beta b + gamma`.
+    slopes: Vec<[T; 3]>,
+}
+
+impl<T: Real> Windows<T> {
+    fn new(before: Tensor<T>, after: Tensor<T>) -> Self {
+        let (width, height) = (before.width, before.height);
+        let count = |side: usize| (side + STEP).saturating_sub(WINDOW) / STEP;
+        let (columns, rows) = (count(width), count(height));
+        let mut windows = Self {
+            before,
+            after,
+            columns,
+            weight: 0.0,
+            lost: 0.0,
+            slopes: Vec::with_capacity(columns * rows),
+        };
+        let mut sums = vec![[0.0f64; 5]; width];
+        for row in 0..rows {
+            sums.fill([0.0; 5]);
+            for y in STEP * row..STEP * row + WINDOW {
+                let pairs = windows.before.row(0, y).iter().zip(windows.after.row(0, y));
+                for (sums, (&a, &b)) in sums.iter_mut().zip(pairs) {
+                    let (a, b) = (a.wide(), b.wide());
+                    for (sum, value) in sums.iter_mut().zip([a, b, a * a, b * b, a * b]) {
+                        *sum += value;
+                    }
+                }
+            }
+            for column in 0..columns {
+                let mut moments = [0.0; 5];
+                for sums in &sums[STEP * column..STEP * column + WINDOW] {
+                    for (moment, sum) in moments.iter_mut().zip(sums) {
+                        *moment += sum;
+                    }
+                }
+                windows.push(moments.map(|sum| sum / (WINDOW * WINDOW) as f64));
+            }
+        }
+        windows
+    }
+
+    /// A window from the means of a, b, a², b² and ab.
+    fn push(&mut self, [a, b, aa, bb, ab]: [f64; 5]) {
+        let (va, vb, cov) = ((aa - a * a).max(0.0), bb - b * b, ab - a * b);
+        let flat = vb <= 0.0;
+        let vb = vb.max(0.0);
+        let scale = 1.0 / ((va + VARIANCE_FLOOR) * (vb + VARIANCE_FLOOR)).sqrt();
+        let ncc = cov * scale;
+        let weight = va / (va + HALF_WEIGHT);
+        self.weight += weight;
+        self.lost += weight * (1.0 - ncc);
+        let samples = (WINDOW * WINDOW) as f64;
+        let alpha = -weight * scale / samples;
+        let beta = if flat {
+            0.0
+        } else {
+            weight * ncc / (vb + VARIANCE_FLOOR) / samples
+        };
+        self.slopes
+            .push([alpha, beta, -(alpha * a + beta * b)].map(T::of));
+    }
+
+    /// Adds the gradient of `factor * lost` to a picture's.
+    fn add_gradient(&self, gradient: &mut Tensor<T>, axis: [f64; 3], factor: f64) {
+        let width = self.before.width;
+        let mut sums = vec![[T::default(); 3]; self.before.data.len()];
+        let mut line = vec![[T::default(); 3]; width];
+        for (row, slopes) in self.slopes.chunks(self.columns.max(1)).enumerate() {
+            line.fill([T::default(); 3]);
+            for (column, slopes) in slopes.iter().enumerate() {
+                for sums in &mut line[STEP * column..STEP * column + WINDOW] {
+                    for (sum, &slope) in sums.iter_mut().zip(slopes) {
+                        *sum += slope;
+                    }
+                }
+            }
+            for y in STEP * row..STEP * row + WINDOW {
+                for (sums, line) in sums[y * width..(y + 1) * width].iter_mut().zip(&line) {
+                    for (sum, &value) in sums.iter_mut().zip(line) {
+                        *sum += value;
+                    }
+                }
+            }
+        }
+        for (channel, share) in axis.into_iter().enumerate() {
+            let share = T::of(share * factor);
+            let samples = self.before.data.iter().zip(&self.after.data).zip(&sums);
+            for (gradient, ((&a, &b), &[alpha, beta, gamma])) in
+                gradient.plane_mut(channel).iter_mut().zip(samples)
+            {
+                *gradient += (alpha * a + beta * b + gamma) * share;
+            }
+        }
+    }
+}

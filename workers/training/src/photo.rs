@@ -1,0 +1,95 @@
+//! The style photo: what is taken, and how it is prepared.
+
+use imaging::{Rgb8, codec};
+
+use crate::loss::pyramid::Pyramid;
+use crate::tensor::Tensor;
+use crate::transfer::Colours;
+
+/// Longest side that is used; a larger photo is reduced to it first. Texture is learned at the scale of ordinary frames.
+pub const MAX_SIDE_PX: usize = 768;
+/// Shortest side: the coarsest level must hold a patch of 7 pixels.
+pub const MIN_SIDE_PX: usize = 64;
+/// Least standard deviation of a channel, of 255: below it there is nothing to learn but one colour.
+pub const MIN_SPREAD: f64 = 2.0;
+
+/// A photo that cannot be learned from.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PhotoError {
+    /// A side is too short.
+    #[error(
+        "the photo is {width}×{height} but needs at least {MIN_SIDE_PX}×{MIN_SIDE_PX} pixels (after reduction to {MAX_SIDE_PX})"
+    )]
+    TooSmall {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// It has one colour, or nearly so.
+    #[error("the photo is flat: its samples deviate by {spread:.2} of 255 but must by {MIN_SPREAD}")]
+    Flat {
+        /// Greatest standard deviation of a channel, of 255.
+        spread: f64,
+    },
+}
+
+/// A photo that can be learned from.
+#[derive(Debug, Clone)]
+pub struct Photo {
+    pub(crate) pyramid: Pyramid<f32>,
+}
+
+impl Photo {
+    /// Takes a picture of sRGB codes.
+    ///
+    /// # Errors
+    /// [`PhotoError`]: too small, or flat.
+    pub fn new(picture: &Rgb8) -> Result<Self, PhotoError> {
+        let reduced = codec::downscale(picture, MAX_SIDE_PX);
+        let (width, height) = (reduced.width(), reduced.height());
+        if width < MIN_SIDE_PX || height < MIN_SIDE_PX {
+            return Err(PhotoError::TooSmall { width, height });
+        }
+        let tensor = tensor(&reduced);
+        let spread = 255.0 * Colours::of(std::iter::once(&tensor)).spread();
+        if spread < MIN_SPREAD {
+            return Err(PhotoError::Flat { spread });
+        }
+        Ok(Self {
+            pyramid: Pyramid::new(tensor),
+        })
+    }
+}
+
+/// Codes as samples in 0..=1.
+fn tensor(picture: &Rgb8) -> Tensor<f32> {
+    let mut tensor = Tensor::zeros(3, picture.height(), picture.width());
+    for channel in 0..3 {
+        for (sample, pixel) in tensor.plane_mut(channel).iter_mut().zip(picture.pixels()) {
+            *sample = f32::from(pixel[channel]) / 255.0;
+        }
+    }
+    tensor
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flat_and_small_photos_are_refused_and_gray_ones_taken() {
+        let flat = Rgb8::from_fn(100, 80, |_, _| [7, 90, 200]);
+        assert!(matches!(Photo::new(&flat).unwrap_err(), PhotoError::Flat { spread } if spread < 0.01));
+        let small = Rgb8::from_fn(1, 1, |_, _| [0; 3]);
+        let expected = PhotoError::TooSmall { width: 1, height: 1 };
+        assert_eq!(Photo::new(&small).unwrap_err(), expected);
+        let long = Rgb8::from_fn(4000, 100, |x, _| [x as u8; 3]);
+        assert!(matches!(
+            Photo::new(&long).unwrap_err(),
+            PhotoError::TooSmall { height: 19, .. }
+        ));
+        let gray = Rgb8::from_fn(64, 64, |x, y| [(3 * x + y) as u8; 3]);
+        assert!(Photo::new(&gray).is_ok());
+    }
+}

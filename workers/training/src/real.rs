@@ -1,0 +1,87 @@
+//! The kinds of number that training runs in: f32, and f64 for the tests of its gradients.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// A floating-point number.
+pub trait Real:
+    Copy
+    + Default
+    + PartialOrd
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + 'static
+{
+    /// The nearest such number.
+    fn of(value: f64) -> Self;
+    /// The same number in f64.
+    fn wide(self) -> f64;
+    /// Square root.
+    fn root(self) -> Self;
+    /// The places of the values in ascending order; equal ones keep theirs.
+    fn ascending(values: &[Self]) -> Vec<u32>;
+}
+
+impl Real for f32 {
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+
+    fn wide(self) -> f64 {
+        f64::from(self)
+    }
+
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+
+    /// Sorts whole numbers that carry the place in their lower half: faster than sorting places by value.
+    fn ascending(values: &[Self]) -> Vec<u32> {
+        let key = |(place, value): (usize, &Self)| {
+            let bits = value.to_bits();
+            let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
+            u64::from(ordered) << 32 | place as u64
+        };
+        let mut keys: Vec<u64> = values.iter().enumerate().map(key).collect();
+        keys.sort_unstable();
+        keys.into_iter().map(|key| key as u32).collect()
+    }
+}
+
+impl Real for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    fn wide(self) -> f64 {
+        self
+    }
+
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+
+    fn ascending(values: &[Self]) -> Vec<u32> {
+        let mut places: Vec<u32> = (0..values.len() as u32).collect();
+        places.sort_by(|&a, &b| values[a as usize].total_cmp(&values[b as usize]));
+        places
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_kinds_sort_alike() {
+        let values = [0.5, -1.0, 3.0, -0.25, 0.5, 0.0, -7.5];
+        let narrow = values.map(|value| value as f32);
+        assert_eq!(f64::ascending(&values), [6, 1, 3, 5, 0, 4, 2]);
+        assert_eq!(f32::ascending(&narrow), f64::ascending(&values));
+    }
+}

@@ -1,0 +1,75 @@
+//! The held-out score: the losses on new scenes, with the result as the network delivers it.
+
+use imaging::random::Stream;
+use imaging::{Plane, Rgb};
+use rayon::prelude::*;
+use style::net::layer::{OUTPUT, Weights};
+use style::net::{Network, Scratch};
+
+use crate::content::Contents;
+use crate::loss::pyramid::Pyramid;
+use crate::loss::{Losses, losses};
+use crate::photo::Photo;
+use crate::tensor::Tensor;
+use crate::trainer::{CROP, cropped};
+
+/// New scenes that are judged; they are the same for every training.
+const SCENES: u64 = 16;
+/// How often patches are drawn.
+const DRAWS: u64 = 6;
+const SEED: u64 = 0x5c0e;
+
+/// How a network does on new scenes. Lower is better.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Score {
+    /// Texture, colour and content; see [`Losses`].
+    pub losses: Losses,
+    /// Root mean square of what the network does beyond its colour map, of 255.
+    pub branch: f64,
+}
+
+/// Scores a network against photos.
+#[must_use]
+pub fn score(weights: &Weights, photos: &[Photo]) -> Score {
+    let contents = Contents::new(SEED, "held-out content");
+    let crops: Vec<Tensor<f32>> = (0..SCENES)
+        .into_par_iter()
+        .map(|index| cropped(&contents.picture(index), (16, 16), false))
+        .collect();
+    let mut plain = weights.clone();
+    let (weight, bias) = plain.layer_mut(OUTPUT);
+    weight.fill(0.0);
+    bias.fill(0.0);
+    let repainted = |weights: &Weights| -> Vec<Tensor<f32>> {
+        let network = Network::new(weights);
+        crops.par_iter().map(|crop| repaint(&network, crop)).collect()
+    };
+    let (results, toned) = (repainted(weights), repainted(&plain));
+    let pairs = results
+        .iter()
+        .zip(&toned)
+        .flat_map(|(a, b)| a.data.iter().zip(&b.data));
+    let squares: f64 = pairs.map(|(&a, &b)| f64::from(a - b) * f64::from(a - b)).sum();
+    let samples: usize = results.iter().map(|result| result.data.len()).sum();
+    let before: Vec<_> = crops.into_iter().map(Pyramid::new).collect();
+    let style: Vec<_> = photos.iter().map(|photo| photo.pyramid.clone()).collect();
+    let stream = Stream::stage(SEED, "held-out draws");
+    let all: Vec<Losses> = (0..DRAWS)
+        .map(|draw| losses(&before, results.clone(), &style, &stream, draw).0)
+        .collect();
+    Score {
+        losses: Losses::mean(&all),
+        branch: 255.0 * (squares / samples as f64).sqrt(),
+    }
+}
+
+fn repaint(network: &Network, picture: &Tensor<f32>) -> Tensor<f32> {
+    let plane = |channel| Plane::new(CROP, CROP, picture.plane(channel).to_vec()).expect("a crop");
+    let encoded = Rgb::new([plane(0), plane(1), plane(2)]).expect("three planes of one crop");
+    let styled = network.apply(&encoded, &mut Scratch::default());
+    let mut out = picture.like();
+    for (channel, plane) in styled.planes().iter().enumerate() {
+        out.plane_mut(channel).copy_from_slice(plane.data());
+    }
+    out
+}

@@ -1,0 +1,129 @@
+//! Channels of one size.
+
+use crate::real::Real;
+
+/// Samples `[channel][row][column]`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tensor<T> {
+    /// How many channels.
+    pub channels: usize,
+    /// Rows of a channel.
+    pub height: usize,
+    /// Columns of a channel.
+    pub width: usize,
+    /// All samples.
+    pub data: Vec<T>,
+}
+
+impl<T: Real> Tensor<T> {
+    /// Zeros.
+    #[must_use]
+    pub fn zeros(channels: usize, height: usize, width: usize) -> Self {
+        Self {
+            channels,
+            height,
+            width,
+            data: vec![T::default(); channels * height * width],
+        }
+    }
+
+    /// Zeros of the same size.
+    #[must_use]
+    pub fn like(&self) -> Self {
+        Self::zeros(self.channels, self.height, self.width)
+    }
+
+    /// One channel.
+    #[inline(always)]
+    #[must_use]
+    pub fn plane(&self, channel: usize) -> &[T] {
+        let area = self.height * self.width;
+        &self.data[channel * area..(channel + 1) * area]
+    }
+
+    /// One channel.
+    #[inline(always)]
+    pub fn plane_mut(&mut self, channel: usize) -> &mut [T] {
+        let area = self.height * self.width;
+        &mut self.data[channel * area..(channel + 1) * area]
+    }
+
+    /// One row of a channel.
+    #[inline(always)]
+    #[must_use]
+    pub fn row(&self, channel: usize, y: usize) -> &[T] {
+        let start = (channel * self.height + y) * self.width;
+        &self.data[start..start + self.width]
+    }
+
+    /// One row of a channel.
+    #[inline(always)]
+    pub fn row_mut(&mut self, channel: usize, y: usize) -> &mut [T] {
+        let start = (channel * self.height + y) * self.width;
+        &mut self.data[start..start + self.width]
+    }
+
+    /// Adds another tensor of the same size.
+    pub fn add(&mut self, other: &Self) {
+        for (sum, &value) in self.data.iter_mut().zip(&other.data) {
+            *sum += value;
+        }
+    }
+
+    /// A border of one sample around every channel, a copy of the edge.
+    #[must_use]
+    pub fn padded(&self) -> Self {
+        let (width, height) = (self.width, self.height);
+        let mut out = Self::zeros(self.channels, height + 2, width + 2);
+        for channel in 0..self.channels {
+            for y in 0..height + 2 {
+                let from = self.row(channel, y.saturating_sub(1).min(height - 1));
+                let to = out.row_mut(channel, y);
+                to[1..=width].copy_from_slice(from);
+                (to[0], to[width + 1]) = (from[0], from[width - 1]);
+            }
+        }
+        out
+    }
+
+    /// The gradient before [`Tensor::padded`] from that after it: what stands in the border goes to the edge.
+    #[must_use]
+    pub fn unpadded(&self) -> Self {
+        let (width, height) = (self.width - 2, self.height - 2);
+        let mut out = Self::zeros(self.channels, height, width);
+        for channel in 0..self.channels {
+            for y in 0..height + 2 {
+                let from = self.row(channel, y);
+                let to = out.row_mut(channel, y.saturating_sub(1).min(height - 1));
+                for (to, &from) in to.iter_mut().zip(&from[1..=width]) {
+                    *to += from;
+                }
+                to[0] += from[0];
+                to[width - 1] += from[width + 1];
+            }
+        }
+        out
+    }
+
+    /// ReLU.
+    pub fn relu(&mut self) {
+        for value in &mut self.data {
+            *value = if *value > T::default() {
+                *value
+            } else {
+                T::default()
+            };
+        }
+    }
+
+    /// The gradient before a ReLU from that after it, given what the ReLU made.
+    pub fn unrelu(&mut self, made: &Self) {
+        for (gradient, &made) in self.data.iter_mut().zip(&made.data) {
+            *gradient = if made > T::default() {
+                *gradient
+            } else {
+                T::default()
+            };
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The closed-form colour transfer: the affine map that gives one set of colours the mean and covariance of another.
+//!
+//! `y = A x + b`, `A = Cx^-1/2 (Cx^1/2 Cs Cx^1/2)^1/2 Cx^-1/2`, `b = ms - A mx`: the linear Monge-Kantorovich map between
+//! Gaussians (Pitié and Kokaram 2007, "The linear Monge-Kantorovitch linear colour mapping for example-based colour
+//! transfer"), for means m and covariances C of the content (x) and the style (s), each with 1e-5 on its diagonal.
+
+use crate::tensor::Tensor;
+
+type Matrix = [[f64; 3]; 3];
+
+const FLOOR: f64 = 1e-5;
+
+/// Mean and covariance of the colours of pictures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Colours {
+    /// Mean.
+    pub(crate) mean: [f64; 3],
+    /// Covariance.
+    pub(crate) covariance: Matrix,
+}
+
+impl Colours {
+    /// Of all pixels of the pictures.
+    pub(crate) fn of<'a>(pictures: impl Iterator<Item = &'a Tensor<f32>>) -> Self {
+        let (mut count, mut sums, mut products) = (0.0, [0.0; 3], [[0.0; 3]; 3]);
+        for picture in pictures {
+            count += picture.plane(0).len() as f64;
+            for row in 0..3 {
+                sums[row] += picture.plane(row).iter().map(|&v| f64::from(v)).sum::<f64>();
+                for column in 0..3 {
+                    let pairs = picture.plane(row).iter().zip(picture.plane(column));
+                    products[row][column] += pairs.map(|(&a, &b)| f64::from(a) * f64::from(b)).sum::<f64>();
+                }
+            }
+        }
+        let mean = sums.map(|sum| sum / count);
+        let mut covariance = products;
+        for row in 0..3 {
+            for column in 0..3 {
+                covariance[row][column] = products[row][column] / count - mean[row] * mean[column];
+            }
+        }
+        Self { mean, covariance }
+    }
+
+    /// The greatest standard deviation of a channel.
+    pub(crate) fn spread(&self) -> f64 {
+        let spread = |channel: usize| self.covariance[channel][channel].max(0.0).sqrt();
+        (0..3).map(spread).fold(0.0, f64::max)
+    }
+}
+
+/// The map from the colours of the content to those of the style: matrix and offset.
+pub(crate) fn transfer(content: &Colours, style: &Colours) -> (Matrix, [f64; 3]) {
+    let floored = |colours: &Colours| {
+        let mut covariance = colours.covariance;
+        (0..3).for_each(|at| covariance[at][at] += FLOOR);
+        covariance
+    };
+    let (cx, cs) = (floored(content), floored(style));
+    let (root, inverse) = (power(&cx, 0.5), power(&cx, -0.5));
+    let middle = power(&product(&product(&root, &cs), &root), 0.5);
+    let map = product(&product(&inverse, &middle), &inverse);
+    let offset = [0, 1, 2].map(|row| {
+        let mapped: f64 = (0..3).map(|at| map[row][at] * content.mean[at]).sum();
+        style.mean[row] - mapped
+    });
+    (map, offset)
+}
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    [0, 1, 2].map(|row| [0, 1, 2].map(|column| (0..3).map(|at| a[row][at] * b[at][column]).sum()))
+}
+
+/// A power of a symmetric matrix without negative eigenvalues, by Jacobi rotations.
+fn power(matrix: &Matrix, exponent: f64) -> Matrix {
+    let (mut a, mut vectors) = (*matrix, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    // A 3×3 matrix is diagonal to the last bit after five or six sweeps.
+    for _ in 0..12 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+            let sine = tangent * cosine;
+            let rotate = |m: &mut Matrix, columns: bool| {
+                for at in 0..3 {
+                    let (i, j) = if columns {
+                        ((at, p), (at, q))
+                    } else {
+                        ((p, at), (q, at))
+                    };
+                    let (one, other) = (m[i.0][i.1], m[j.0][j.1]);
+                    m[i.0][i.1] = cosine * one - sine * other;
+                    m[j.0][j.1] = sine * one + cosine * other;
+                }
+            };
+            rotate(&mut a, true);
+            rotate(&mut a, false);
+            rotate(&mut vectors, true);
+        }
+    }
+    let values = [0, 1, 2].map(|at| libm::pow(a[at][at].max(1e-12), exponent));
+    [0, 1, 2].map(|row| {
+        [0, 1, 2].map(|column| {
+            (0..3)
+                .map(|at| vectors[row][at] * values[at] * vectors[column][at])
+                .sum()
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CONTENT: Colours = Colours {
+        mean: [0.4, 0.5, 0.3],
+        covariance: [[0.05, 0.02, 0.01], [0.02, 0.06, 0.015], [0.01, 0.015, 0.04]],
+    };
+
+    #[test]
+    fn the_map_gives_the_mean_and_covariance_of_the_style() {
+        let style = Colours {
+            mean: [0.1, 0.4, 0.6],
+            covariance: [[0.004, 0.001, 0.0], [0.001, 0.02, 0.008], [0.0, 0.008, 0.03]],
+        };
+        let (map, offset) = transfer(&CONTENT, &style);
+        let transposed = [0, 1, 2].map(|row| [0, 1, 2].map(|column| map[column][row]));
+        let mapped = product(&product(&map, &CONTENT.covariance), &transposed);
+        for row in 0..3 {
+            let mean: f64 = (0..3).map(|at| map[row][at] * CONTENT.mean[at]).sum();
+            assert!((mean + offset[row] - style.mean[row]).abs() < 1e-12);
+            for column in 0..3 {
+                // The floor on both diagonals is all that is left.
+                assert!((mapped[row][column] - style.covariance[row][column]).abs() < 5e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_colours_are_left_alone() {
+        let (map, offset) = transfer(&CONTENT, &CONTENT);
+        for row in 0..3 {
+            assert!(offset[row].abs() < 1e-9);
+            for column in 0..3 {
+                let identity = f64::from(u8::from(row == column));
+                assert!((map[row][column] - identity).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! What a training promises: it learns, and its numbers depend on photo, seed and steps alone.
+
+#![allow(clippy::unwrap_used)]
+
+use fathom_training::network::forward;
+use fathom_training::tensor::Tensor;
+use fathom_training::waters::WaterLook;
+use fathom_training::{Photo, Trainer, score};
+use imaging::{Plane, Rgb};
+use style::net::{Network, Scratch};
+
+fn photo() -> Photo {
+    let look = WaterLook::named("muddy").unwrap();
+    Photo::new(&look.photograph(5)).unwrap()
+}
+
+fn trained(threads: usize, steps: usize) -> Vec<f32> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
+    pool.install(|| {
+        let mut trainer = Trainer::new(&[photo()], 5, steps);
+        while !trainer.is_done() {
+            trainer.step();
+        }
+        trainer.best().weights.values().to_vec()
+    })
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let alone = trained(1, 3);
+    assert_eq!(trained(3, 3), alone);
+    assert_eq!(trained(4, 3), alone);
+}
+
+#[test]
+fn training_beats_the_colour_transfer_it_starts_from() {
+    let mut trainer = Trainer::new(&[photo()], 1, 60);
+    let start = score(trainer.colour_transfer(), &[photo()]);
+    assert_eq!(start.branch, 0.0);
+    while !trainer.is_done() {
+        trainer.step();
+    }
+    let end = score(&trainer.best().weights, &[photo()]);
+    assert!(
+        end.losses.texture < 0.6 * start.losses.texture,
+        "{start:?} {end:?}"
+    );
+    assert!(end.losses.total() < start.losses.total(), "{start:?} {end:?}");
+    assert!(end.branch > 1.0, "{end:?}");
+}
+
+/// Training and rendering run the network by different code.
+#[test]
+fn training_sees_the_network_that_renders() {
+    let mut trainer = Trainer::new(&[photo()], 2, 4);
+    (0..4).for_each(|_| {
+        trainer.step();
+    });
+    let weights = trainer.best().weights;
+    let picture = Rgb::from_fn(53, 41, |x, y| [x as f32 / 53.0, y as f32 / 41.0, 0.3f32]);
+    let mut image = Tensor::zeros(3, 41, 53);
+    for (channel, plane) in picture.planes().iter().enumerate() {
+        image.plane_mut(channel).copy_from_slice(plane.data());
+    }
+    let styled = forward(&weights, &image).styled;
+    let rendered = Network::new(&weights).apply(&picture, &mut Scratch::default());
+    let samples = rendered.planes().iter().flat_map(Plane::data);
+    for (a, b) in styled.data.iter().zip(samples) {
+        assert!((a.clamp(0.0, 1.0) - b).abs() < 1e-5, "{a} {b}");
+    }
+}
