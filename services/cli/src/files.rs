@@ -41,15 +41,35 @@ pub(crate) fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 /// Writes a file under a temporary name beside it and renames it into place.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    write_all(&[(path.to_owned(), bytes)])
+}
+
+/// Writes files that belong together: none gets its name before all are written, and nothing stays behind if one cannot
+/// be.
+pub(crate) fn write_all(files: &[(PathBuf, &[u8])]) -> Result<(), Failure> {
+    let temporary = |path: &Path| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(format!(".part-{}", std::process::id()));
+        PathBuf::from(name)
+    };
+    let written = files.iter().try_for_each(|(path, bytes)| {
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+        }
+        fs::write(temporary(path), bytes).with_context(|| format!("cannot write {}", path.display()))
+    });
+    let renamed = written.and_then(|()| {
+        files.iter().try_for_each(|(path, _)| {
+            fs::rename(temporary(path), path).with_context(|| format!("cannot write {}", path.display()))
+        })
+    });
+    if renamed.is_err() {
+        for (path, _) in files {
+            // It may not have come into being.
+            let _ = fs::remove_file(temporary(path));
+        }
     }
-    let mut temporary = path.as_os_str().to_owned();
-    temporary.push(format!(".part-{}", std::process::id()));
-    fs::write(&temporary, bytes)
-        .and_then(|()| fs::rename(&temporary, path))
-        .with_context(|| format!("cannot write {}", path.display()))?;
-    Ok(())
+    Ok(renamed?)
 }
 
 /// Writes a picture; the format follows the file's extension: `.png` (default), `.jpg`, `.webp`.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// What is known of a model. A card file is this as JSON; all but the name and the digest may be left out.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Card {
     /// Name by which jobs ask for it.
@@ -38,6 +38,64 @@ pub struct Card {
     /// What a user should know.
     #[serde(default)]
     pub caveats: Vec<String>,
+    /// How it was trained, if `fathom train` made it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub training: Option<Training>,
+    /// How far its colour table is from the network, if that was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<TableDistance>,
+}
+
+/// How a model came about: enough to make it again, and how well it does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Training {
+    /// SHA-256 of each photo's file.
+    pub photos: Vec<String>,
+    /// Seed of all chance.
+    pub seed: u64,
+    /// Steps asked for.
+    pub steps: usize,
+    /// The step whose weights were kept; 0: the colour transfer alone.
+    pub kept_step: usize,
+    /// Mean losses of the steps that led to it.
+    pub losses: Parts,
+    /// Losses on new scenes.
+    pub held_out: Parts,
+    /// The same for the colour transfer alone.
+    pub held_out_colour_transfer: Parts,
+    /// What the network does beyond its colour map on new scenes: root mean square, of 255.
+    pub branch_rms_255: f64,
+    /// Version of the trainer.
+    pub code_version: String,
+}
+
+/// Parts of a loss; lower is better.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Parts {
+    /// Distance of the texture from the photo's.
+    pub texture: f64,
+    /// Distance of the colours from the photo's.
+    pub colour: f64,
+    /// Share of the content that is lost.
+    pub content: f64,
+}
+
+/// Distance of the colour table from the network on new scenes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableDistance {
+    /// Mean absolute difference, of 255.
+    pub mean_255: f64,
+    /// 99.9th percentile of the absolute difference, of 255.
+    pub high_255: f64,
+    /// Greatest absolute difference, of 255.
+    pub max_255: f64,
+    /// Mean structural similarity of the brightness.
+    pub ssim: f64,
+    /// Mean colour difference ΔE (CIE 1976).
+    pub delta_e: f64,
 }
 
 fn unknown() -> String {
@@ -85,15 +143,20 @@ impl Card {
             outputs: Vec::new(),
             alpha: String::new(),
             caveats: vec!["it came without a card".to_owned()],
+            training: None,
+            table: None,
         }
     }
 }
 
+/// What the file of a model of this name is called.
 fn file_of(name: &str) -> String {
     format!("{name}.onnx")
 }
 
-fn sha256_of(onnx: &[u8]) -> String {
+/// SHA-256 in lower-case hex.
+#[must_use]
+pub fn sha256_of(onnx: &[u8]) -> String {
     Sha256::digest(onnx)
         .iter()
         .map(|byte| format!("{byte:02x}"))

@@ -12,8 +12,8 @@ mod runtime;
 mod search;
 mod session;
 
-pub use card::Card;
+pub use card::{Card, Parts, TableDistance, Training, sha256_of};
 pub use error::StyleError;
-pub use library::{Library, LibraryError, StyleModel};
+pub use library::{Library, LibraryError, StyleModel, is_name};
 pub use runtime::{Runtime, RuntimeMissing};
 pub use session::Session;

@@ -189,7 +189,9 @@ fn card_beside(model: &Path, name: &str, onnx: &[u8]) -> Result<Card, LibraryErr
     }
 }
 
-fn is_name(name: &str) -> bool {
+/// Whether a model may have this name: 1 to 64 characters of a-z, 0-9, `_` and `-`.
+#[must_use]
+pub fn is_name(name: &str) -> bool {
     let allowed = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_' || c == b'-';
     (1..=MAX_NAME_CHARS).contains(&name.len()) && name.bytes().all(allowed)
 }

@@ -14,9 +14,11 @@ mod scrub;
 mod serve;
 mod sheet;
 mod stability;
+mod style_photo;
 mod styles;
 mod submit;
 mod table1;
+mod train;
 mod upload;
 mod waters;
 mod worker;
@@ -62,6 +64,10 @@ pub(crate) enum Command {
     Waters(waters::Arguments),
     /// List the style waters
     Styles(styles::Arguments),
+    /// Train a style water from a photo
+    Train(train::Arguments),
+    /// Render a style photo of a water
+    StylePhoto(style_photo::Arguments),
     /// Draw the steps of the chain and the style waters for one scene
     Figure(figure::Arguments),
     /// Measure how fast a service is on this machine
@@ -90,6 +96,8 @@ impl Command {
             Self::Stability(arguments) => stability::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),
+            Self::Train(arguments) => train::run(&arguments),
+            Self::StylePhoto(arguments) => style_photo::run(&arguments),
             Self::Figure(arguments) => figure::run(&arguments),
             Self::Bench(arguments) => bench::run(&arguments),
             Self::Demo(arguments) => demo::run(&arguments),

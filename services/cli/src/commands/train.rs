@@ -1,0 +1,129 @@
+//! `fathom train`: a style water from a photo.
+
+mod product;
+mod progress;
+mod sheet;
+
+use std::num::NonZeroU16;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Context;
+use imaging::Rgb8;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use training::{Photo, Trainer};
+
+use crate::exit::Failure;
+use crate::files;
+use product::Product;
+use progress::TrainingProgress;
+
+/// Options of `fathom train`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// One or more photos of the same water (PNG, JPEG or WebP)
+    #[arg(required = true, value_name = "PHOTO")]
+    photos: Vec<PathBuf>,
+    /// Name of the style: 1 to 64 characters of a-z, 0-9, _ and -
+    #[arg(long)]
+    name: String,
+    /// Seed of all chance: the same photos, seed and steps give the same bytes
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Steps; 60 are enough for a first look
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    steps: u32,
+    /// Folder for NAME.onnx, NAME.card.json and NAME.sheet.png
+    #[arg(long, default_value = ".", value_name = "DIR")]
+    out: PathBuf,
+    /// Terms under which the photo, and so the model, may be used; it is written on the card
+    #[arg(long, default_value = "unknown")]
+    licence: String,
+    /// Where the photo comes from; it is written on the card
+    #[arg(long, default_value = "trained from photos given by the user")]
+    source: String,
+    /// Threads [default: one for each core]; their number changes no byte
+    #[arg(long)]
+    threads: Option<NonZeroU16>,
+}
+
+/// A photo with its file's digest.
+struct Given {
+    picture: Rgb8,
+    photo: Photo,
+    sha256: String,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if !style::is_name(&arguments.name) {
+        let message = "--name: a style's name has 1 to 64 characters of a-z, 0-9, _ and -";
+        return Err(Failure::BadInput(format!("{message}, not `{}`", arguments.name)));
+    }
+    let given = arguments.photos.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let threads = arguments.threads.map_or(0, |threads| usize::from(threads.get()));
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("cannot start threads")?;
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
+    }
+    pool.install(|| train(arguments, &given, &stop))
+}
+
+fn read(path: &PathBuf) -> Result<Given, Failure> {
+    let bytes = files::read(path)?;
+    let wrong = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let picture = imaging::codec::decode_picture(&bytes).map_err(|error| wrong(error.to_string()))?;
+    let picture = picture.to_rgb8();
+    Ok(Given {
+        photo: Photo::new(&picture).map_err(|error| wrong(error.to_string()))?,
+        picture,
+        sha256: style::sha256_of(&bytes),
+    })
+}
+
+/// Writes the colour transfer first, so that there is something to look at and a folder that cannot be written is known
+/// before the work; then the network.
+fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<(), Failure> {
+    let photos: Vec<Photo> = given.iter().map(|given| given.photo.clone()).collect();
+    let steps = arguments.steps as usize;
+    let mut trainer = Trainer::new(&photos, arguments.seed, steps);
+    let start = training::score(trainer.colour_transfer(), &photos);
+    let product = Product {
+        arguments,
+        given,
+        start,
+    };
+    product.write(&trainer.best(), start, 0)?;
+    let mut progress = TrainingProgress::new(steps);
+    let mut done = 0;
+    while !trainer.is_done() && !stop.load(Ordering::Relaxed) {
+        let losses = trainer.step();
+        done += 1;
+        progress.set(done, &losses);
+    }
+    progress.finish();
+    let best = trainer.best();
+    let score = training::score(&best.weights, &photos);
+    product.write(&best, score, done)?;
+    if done < steps {
+        println!(
+            "stopped after {done} of {steps} steps; kept the best, of step {}",
+            best.step
+        );
+    }
+    println!("{:16} texture  colour  content", "on new scenes");
+    for (name, score) in [("colour transfer", start), (arguments.name.as_str(), score)] {
+        let parts = score.losses;
+        println!(
+            "{name:16} {:7.3} {:7.3} {:8.3}",
+            parts.texture, parts.colour, parts.content
+        );
+    }
+    println!("{}", product.path("onnx").display());
+    Ok(())
+}

@@ -1,0 +1,43 @@
+//! The sheet of a style: the photo, then four scenes before and after, whole and at alpha 0.4.
+
+use anyhow::Context;
+use imaging::geometry::Intrinsics;
+use imaging::{Rgb8, transfer};
+use style::net::{Network, Scratch};
+
+use crate::exit::Failure;
+use crate::sheet::{Tile, sheet};
+
+/// Scenes that are shown; none of them is trained on.
+const SEEDS: [u64; 4] = [3, 8, 14, 21];
+const WIDTH: usize = 480;
+const HEIGHT: usize = 360;
+const TILE_PX: usize = 216;
+const ALPHA: f64 = 0.4;
+
+pub(super) fn draw(photos: &[&Rgb8], network: &Network) -> Result<Rgb8, Failure> {
+    let tile = |picture: Rgb8, caption: String| Tile {
+        picture,
+        caption: vec![caption],
+    };
+    let photo = |(index, photo): (usize, &&Rgb8)| tile((*photo).clone(), format!("photo {}", index + 1));
+    let mut tiles: Vec<Tile> = photos.iter().take(SEEDS.len()).enumerate().map(photo).collect();
+    let (mut before, mut whole, mut part) = (Vec::new(), Vec::new(), Vec::new());
+    let mut scratch = Scratch::default();
+    for seed in SEEDS {
+        let lens = Intrinsics::centred(0.6 * WIDTH as f64, WIDTH, HEIGHT);
+        let scene =
+            scenes::procedural("structure", seed, WIDTH, HEIGHT, lens).context("cannot render a scene")?;
+        let styled = network.apply(&transfer::encode_unit(&scene.radiance), &mut scratch);
+        let blended = |alpha| transfer::encode_rgb8(&optics::style_blend(&scene.radiance, &styled, alpha)).0;
+        before.push(tile(blended(0.0), format!("scene {seed}")));
+        whole.push(tile(blended(1.0), "alpha 1".to_owned()));
+        part.push(tile(blended(ALPHA), format!("alpha {ALPHA}")));
+    }
+    // The photos fill the first row.
+    let columns = SEEDS.len();
+    let empty = || tile(Rgb8::from_fn(1, 1, |_, _| [22, 26, 30]), String::new());
+    tiles.resize_with(columns, empty);
+    tiles.extend(before.into_iter().chain(whole).chain(part));
+    Ok(sheet(&tiles, columns, TILE_PX))
+}
