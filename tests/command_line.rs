@@ -51,7 +51,10 @@ fn a_missing_runtime_exits_with_four_and_everything_else_still_renders() {
     let out = folder.path().join("out");
     let mut job = json!({"scene": {"kind": "procedural", "family": "structure", "seed": 1},
         "camera": {"width": 48, "height": 32, "hfov_deg": 80},
-        "water": {"optics": "jerlov-3C", "style": "muddy"}, "alpha": 0.5});
+        "water": {"optics": "jerlov-3C", "style": "foreign"}, "alpha": 0.5});
+    let styles = folder.path().join("styles");
+    std::fs::create_dir(&styles).expect("a writable folder");
+    std::fs::write(styles.join("foreign.onnx"), b"a network of another form").expect("a writable folder");
     let nothing = folder.path().join("no-such-library.so");
     let arguments = |out: &std::path::Path| {
         [
@@ -61,6 +64,8 @@ fn a_missing_runtime_exits_with_four_and_everything_else_still_renders() {
             out.to_str().expect("text"),
             "--onnxruntime",
             nothing.to_str().expect("text"),
+            "--styles",
+            styles.to_str().expect("text"),
         ]
         .map(str::to_owned)
     };
@@ -76,10 +81,15 @@ fn a_missing_runtime_exits_with_four_and_everything_else_still_renders() {
         "{}",
         text(&output.stderr)
     );
-    job["water"] = json!({"optics": "jerlov-3C"});
-    std::fs::write(&spec, job.to_string()).expect("a writable folder");
-    let output = call(&folder.path().join("out2"));
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    for (index, water) in [json!({"optics": "jerlov-3C"}), json!({"style": "muddy"})]
+        .into_iter()
+        .enumerate()
+    {
+        job["water"] = water;
+        std::fs::write(&spec, job.to_string()).expect("a writable folder");
+        let output = call(&folder.path().join(format!("out{index}")));
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
 }
 
 #[test]

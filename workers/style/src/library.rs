@@ -228,7 +228,12 @@ mod tests {
                 "{name}: {}",
                 card.source
             );
-            assert!(card.caveats.contains(&"prototype weights".to_owned()), "{name}");
+            let training = card.training.as_ref().expect("a shipped water was trained here");
+            assert!(
+                training.kept_step > 0 && training.photos.iter().all(|digest| digest.len() == 64),
+                "{name}"
+            );
+            assert!(!library.needs_runtime(name), "{name}");
             assert!(
                 !card.alpha.is_empty() && !card.inputs.is_empty() && card.parameters.is_some(),
                 "{name}"

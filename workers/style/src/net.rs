@@ -8,7 +8,9 @@ mod fast;
 pub mod layer;
 pub mod onnx;
 mod reference;
+mod table;
 mod wire;
 
 pub use fast::{Network, Scratch};
 pub use reference::apply_reference;
+pub use table::{Table, TableScratch};

@@ -7,7 +7,7 @@ use ort::environment::Environment;
 
 use crate::error::StyleError;
 use crate::library::StyleModel;
-use crate::net::{self, Network, Scratch};
+use crate::net::{self, Network, Scratch, Table, TableScratch};
 
 use onnx::Graph;
 
@@ -22,6 +22,8 @@ pub struct Session {
 enum Form {
     /// Our own network, which needs nothing else.
     Native(Box<(Network, Scratch)>),
+    /// The colour table of our own network.
+    Table(Box<(Table, TableScratch)>),
     /// Any other network, on ONNX Runtime.
     Onnx(Graph),
 }
@@ -35,6 +37,17 @@ impl Session {
         Some(Self {
             name: model.name.clone(),
             form: Form::Native(Box::new((network, Scratch::default()))),
+        })
+    }
+
+    /// A session with the colour table of our own network in its place: several times faster, without softening and haze
+    /// around edges. Nothing for a model of any other form.
+    #[must_use]
+    pub fn table(model: &StyleModel) -> Option<Self> {
+        let table = Table::of(&Network::new(&net::onnx::read(&model.onnx)?));
+        Some(Self {
+            name: model.name.clone(),
+            form: Form::Table(Box::new((table, TableScratch::default()))),
         })
     }
 
@@ -68,6 +81,10 @@ impl Session {
             Form::Native(native) => {
                 let (network, scratch) = &mut **native;
                 Ok(network.apply(encoded, scratch))
+            }
+            Form::Table(table) => {
+                let (table, scratch) = &mut **table;
+                Ok(table.apply(encoded, scratch))
             }
             Form::Onnx(graph) => graph.run(&self.name, encoded, noise),
         }

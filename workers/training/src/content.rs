@@ -1,6 +1,6 @@
 //! Content pictures, made on the fly: what a network may be given to repaint.
 //!
-//! Every second one is a scene of ours, the others are simple shapes in any colour, so that no palette is preferred. Then,
+//! Two of three are scenes of ours, the others simple shapes in any colour, so that no palette is preferred. Then,
 //! by chance: attenuation and veil with the range, blur, gamma, gain, a sloping light, noise; some are flat or nearly black.
 
 mod shapes;
@@ -54,15 +54,15 @@ impl Contents {
             }
             return picture;
         }
-        let mut air = if index.is_multiple_of(2) {
-            self.scene(&chance)
-        } else {
+        let mut air = if index % 3 == 2 {
             shapes::draw(&chance)
+        } else {
+            self.scene(&chance)
         };
         let gain = if flat < 0.06 {
             0.02
         } else {
-            chance.between("gain", 0, 0.3, 1.15)
+            chance.between("gain", 0, 0.5, 1.2)
         };
         if chance.unit("water") < 0.4 {
             sink(&mut air, &chance);
@@ -140,7 +140,7 @@ fn sink(air: &mut Air, chance: &Chance) {
 
 /// Gain and a sloping light, encoding, gamma, noise.
 fn finish(light: Tensor<f32>, gain: f64, chance: &Chance) -> Tensor<f32> {
-    let gamma = chance.between("gamma", 0, 0.6, 1.8);
+    let gamma = chance.between("gamma", 0, 0.75, 1.35);
     let slope = [0, 1].map(|axis| chance.between("slope", axis, -0.5, 0.5));
     let sigma = chance.between("noise", 0, 0.0, 0.03) as f32;
     let stream = Stream::stage(chance.stream.bits(chance.index, 2), "content noise");
@@ -167,10 +167,10 @@ mod tests {
     #[test]
     fn pictures_depend_on_index_seed_and_purpose_and_nothing_else() {
         let of = |seed, purpose: &str, index| Contents::new(seed, purpose).picture(index);
-        for index in [0, 1] {
+        for index in [0, 2] {
             let picture = of(7, "a", index);
             assert_eq!(of(7, "a", index), picture);
-            for other in [of(8, "a", index), of(7, "b", index), of(7, "a", index + 2)] {
+            for other in [of(8, "a", index), of(7, "b", index), of(7, "a", index + 3)] {
                 assert!(other != picture);
             }
         }

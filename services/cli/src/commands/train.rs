@@ -5,7 +5,7 @@ mod progress;
 mod sheet;
 
 use std::num::NonZeroU16;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -61,7 +61,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = "--name: a style's name has 1 to 64 characters of a-z, 0-9, _ and -";
         return Err(Failure::BadInput(format!("{message}, not `{}`", arguments.name)));
     }
-    let given = arguments.photos.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let given = arguments
+        .photos
+        .iter()
+        .map(|path| read(path))
+        .collect::<Result<Vec<_>, _>>()?;
     let threads = arguments.threads.map_or(0, |threads| usize::from(threads.get()));
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -74,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     pool.install(|| train(arguments, &given, &stop))
 }
 
-fn read(path: &PathBuf) -> Result<Given, Failure> {
+fn read(path: &Path) -> Result<Given, Failure> {
     let bytes = files::read(path)?;
     let wrong = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
     let picture = imaging::codec::decode_picture(&bytes).map_err(|error| wrong(error.to_string()))?;

@@ -12,7 +12,7 @@ use crate::sheet::{Tile, sheet};
 const SEEDS: [u64; 4] = [3, 8, 14, 21];
 const WIDTH: usize = 480;
 const HEIGHT: usize = 360;
-const TILE_PX: usize = 216;
+const TILE_PX: usize = 200;
 const ALPHA: f64 = 0.4;
 
 pub(super) fn draw(photos: &[&Rgb8], network: &Network) -> Result<Rgb8, Failure> {
