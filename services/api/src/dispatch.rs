@@ -8,12 +8,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use proto::message::{Claim, Register};
-use queue::{Beat, Grant, JobEntry, LeaseTable, Stale, StrikeEvent};
+use queue::{Beat, JobEntry, LeaseTable, Stale, StrikeEvent};
 use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
 use uuid::Uuid;
 
 use crate::clock::Clock;
+use crate::granted::Granted;
 use crate::routes::workers::list::Worker;
 use crate::telemetry;
 
@@ -114,10 +115,7 @@ impl Dispatch {
                 let token = self.next_token.fetch_add(1, Ordering::Relaxed);
                 if let Some(grant) = state.table.grant(worker, self.clock.now(), token, frame_ms) {
                     telemetry::granted(grant.frames.len());
-                    return Ok(Some(Granted {
-                        dispatch: self,
-                        lease: Some(grant),
-                    }));
+                    return Ok(Some(Granted::new(self, grant)));
                 }
             }
             let now = Instant::now();
@@ -268,37 +266,6 @@ impl Dispatch {
 
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// A lease on its way to its worker. If the worker hangs up before that, the frames are free again at once, and the
-/// loss counts as no strike.
-pub(crate) struct Granted<'d> {
-    dispatch: &'d Dispatch,
-    lease: Option<Grant>,
-}
-
-impl Granted<'_> {
-    /// What was granted.
-    pub(crate) fn lease(&self) -> &Grant {
-        self.lease
-            .as_ref()
-            .expect("it is only taken by the methods that end this value")
-    }
-
-    /// From here on only the worker, or time, ends the lease.
-    pub(crate) fn hand_over(mut self) -> Grant {
-        self.lease
-            .take()
-            .expect("it is only taken by the methods that end this value")
-    }
-}
-
-impl Drop for Granted<'_> {
-    fn drop(&mut self) {
-        if let Some(lease) = &self.lease {
-            self.dispatch.release(lease.token);
-        }
     }
 }
 

@@ -7,6 +7,7 @@
 //! Absent on purpose: TLS (put a proxy in front), user accounts (tokens with scopes), a message broker.
 
 mod auth;
+mod child;
 mod clock;
 mod compute;
 mod config;
@@ -18,6 +19,7 @@ mod extract;
 mod failure;
 mod fleet;
 mod follow;
+mod granted;
 mod held;
 mod layers;
 mod limits;
@@ -31,6 +33,7 @@ mod patient;
 mod pictures;
 mod problem;
 mod reclaim;
+mod rerender;
 mod routes;
 mod service;
 mod space;

@@ -82,6 +82,8 @@ pub struct Limits {
     pub uploads: usize,
     /// Pictures enhanced or measured at the same time: each may hold 3 GiB.
     pub pictures: usize,
+    /// Processes that render or try a model while somebody waits.
+    pub children: usize,
     /// Worker calls at the same time, apart from those that wait for a lease. Their own budget, so that a flood of
     /// public requests cannot let leases expire.
     pub worker_calls: usize,
@@ -109,6 +111,7 @@ impl Default for Limits {
             streams: 128,
             uploads: 4,
             pictures: 2,
+            children: 2,
             worker_calls: 256,
             worker_uploads: 64,
             worker_waits: 4096,

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,6 +16,7 @@ use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
 use crate::auth::{TokenError, Tokens};
+use crate::child::Children;
 use crate::compute::Compute;
 use crate::config::{Config, Surroundings};
 use crate::data::{Data, DataError};
@@ -158,6 +160,11 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         watch: Watch::default(),
         experience: Experience::default(),
         compute: Compute::new(surroundings.limits.compute),
+        children: Children::new(
+            &config.worker_program,
+            style_options(config),
+            surroundings.limits.children,
+        ),
         pictures: Compute::new(surroundings.limits.pictures),
         vocabulary,
         library: config.library.clone(),
@@ -198,6 +205,18 @@ fn random_secret() -> String {
     format!("{}{}", Uuid::now_v7().simple(), Uuid::now_v7().simple())
 }
 
+/// Where processes of ours find styles and their runtime.
+fn style_options(config: &Config) -> Vec<(&'static str, PathBuf)> {
+    let options = [
+        ("--styles", &config.styles),
+        ("--onnxruntime", &config.onnxruntime),
+    ];
+    let given = options
+        .into_iter()
+        .filter_map(|(option, path)| Some((option, path.clone()?)));
+    given.collect()
+}
+
 fn recipe(config: &Config, address: SocketAddr, token: Option<String>) -> Recipe {
     let host = match address.ip() {
         IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
@@ -217,13 +236,8 @@ fn recipe(config: &Config, address: SocketAddr, token: Option<String>) -> Recipe
     .into_iter()
     .map(str::to_owned)
     .collect::<Vec<_>>();
-    for (option, path) in [
-        ("--styles", &config.styles),
-        ("--onnxruntime", &config.onnxruntime),
-    ] {
-        if let Some(path) = path {
-            arguments.extend([option.to_owned(), path.display().to_string()]);
-        }
+    for (option, path) in style_options(config) {
+        arguments.extend([option.to_owned(), path.display().to_string()]);
     }
     Recipe {
         program: config.worker_program.clone(),

@@ -11,6 +11,7 @@ use style::Library;
 use tokio::sync::{Mutex, Notify};
 use tokio_util::sync::CancellationToken;
 
+use crate::child::Children;
 use crate::clock::Clock;
 use crate::compute::Compute;
 use crate::dispatch::Dispatch;
@@ -31,6 +32,7 @@ pub(crate) struct App {
     pub(crate) compute: Compute,
     /// The same for whole pictures of a user, which take much more memory.
     pub(crate) pictures: Compute,
+    pub(crate) children: Children,
     pub(crate) library: Library,
     pub(crate) vocabulary: Vocabulary,
     /// Version of the ONNX Runtime that this machine's workers find, or why there is none.

@@ -56,6 +56,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
         .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
         .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
+        .merge(group(submit, &waits, upload, limits::JSON_BYTES).around(verifying(), tokens))
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
     let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
     openapi::complete(&mut document);
@@ -126,6 +127,10 @@ fn rendering() -> OpenApiRouter<Shared> {
 
 fn uploading() -> OpenApiRouter<Shared> {
     OpenApiRouter::new().routes(routes!(scenes::create::create))
+}
+
+fn verifying() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(images::verify::verify))
 }
 
 fn computing() -> OpenApiRouter<Shared> {

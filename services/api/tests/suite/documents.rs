@@ -33,6 +33,7 @@ const ROUTES: &[(&str, &str)] = &[
     ("/v1/images/{job}/{frame}", "get"),
     ("/v1/images/{job}/{frame}/artifacts/{kind}", "get"),
     ("/v1/images/{job}/{frame}/preview", "get"),
+    ("/v1/images/{job}/{frame}/verify", "post"),
     ("/v1/workers", "get"),
     ("/livez", "get"),
     ("/readyz", "get"),

@@ -6,6 +6,7 @@
 
 mod auth;
 mod bad_input;
+mod bad_uploads;
 mod common;
 mod control;
 mod documents;

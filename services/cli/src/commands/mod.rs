@@ -10,6 +10,7 @@ mod measure;
 mod plan;
 mod query;
 mod render;
+mod rerender;
 mod scrub;
 mod serve;
 mod sheet;
@@ -74,11 +75,15 @@ pub(crate) enum Command {
     Bench(bench::Arguments),
     /// Start a service, render a small dataset with it and show the result
     Demo(demo::Arguments),
+    /// Render a stored frame once more, for the service that asks for it
+    #[command(hide = true)]
+    Rerender(rerender::Arguments),
 }
 
 impl Command {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
+            Self::Rerender(arguments) => rerender::run(&arguments),
             Self::Serve(arguments) => serve::run(arguments),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),

@@ -4,6 +4,7 @@ pub(crate) mod artifact;
 pub(crate) mod get;
 pub(crate) mod list;
 pub(crate) mod preview;
+pub(crate) mod verify;
 
 use catalogue::ImageRow;
 use serde_json::Value;

@@ -1,0 +1,104 @@
+//! `fathom rerender`: one stored frame once more, for the service that asks for it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::Context;
+use imaging::geometry::Intrinsics;
+use renderer::{Engine, RangeUpload, SceneSource, Slot, UploadedScene};
+use scenes::uploaded::RangeKind;
+use serde::Deserialize;
+use spec::Job;
+
+use super::StyleArguments;
+use crate::exit::Failure;
+
+/// Options of `fathom rerender`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Folder with `request.json` and the files of the scene; the record and the artifacts are written there
+    #[arg(long)]
+    folder: PathBuf,
+    #[command(flatten)]
+    style: StyleArguments,
+}
+
+/// What the service writes into the folder.
+#[derive(Deserialize)]
+struct Request {
+    spec: String,
+    frame: u64,
+    scene: Option<SceneFiles>,
+}
+
+/// What is known of an uploaded scene, whose files are `rgb`, `range` and `instances`.
+#[derive(Deserialize)]
+struct SceneFiles {
+    range: bool,
+    instances: bool,
+    z_depth: bool,
+    unit_m: Option<f64>,
+    invalid_code: Option<u16>,
+    focal_px: Option<f64>,
+    cx: Option<f64>,
+    cy: Option<f64>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let folder = &arguments.folder;
+    let request: Request =
+        serde_json::from_slice(&read(folder, "request.json")?).context("request.json cannot be read")?;
+    let library = super::styles::library(&arguments.style)?;
+    let vocabulary = renderer::vocabulary(&library, false);
+    let refused = |error: &dyn std::fmt::Display| Failure::BadInput(error.to_string());
+    let job = Job::from_canonical(&request.spec, &vocabulary).map_err(|error| refused(&error))?;
+    let frame = job.resolve(request.frame).map_err(|error| refused(&error))?;
+    let source = match &request.scene {
+        Some(scene) => SceneSource::Uploaded(Arc::new(uploaded(folder, scene)?)),
+        None => SceneSource::Local,
+    };
+    let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
+    let rendered = renderer::attempt(&mut Slot::new(&engine), &engine, &frame, &source);
+    let rendered = rendered.map_err(|error| refused(&error))?;
+    for (at, file) in rendered.files.iter().enumerate() {
+        write(folder, &format!("artifact-{at}"), &file.bytes)?;
+    }
+    let record = serde_json::to_vec(&rendered.record).context("the record cannot be written")?;
+    write(folder, "record.json", &record)
+}
+
+fn uploaded(folder: &Path, scene: &SceneFiles) -> Result<UploadedScene, Failure> {
+    let range = || -> Result<RangeUpload, Failure> {
+        Ok(RangeUpload {
+            bytes: read(folder, "range")?,
+            kind: match scene.z_depth {
+                true => RangeKind::ZDepth,
+                false => RangeKind::Range,
+            },
+            unit_m: scene.unit_m,
+            invalid_code: scene.invalid_code,
+        })
+    };
+    let intrinsics = match (scene.focal_px, scene.cx, scene.cy) {
+        (Some(focal_px), Some(cx), Some(cy)) => Some(Intrinsics { focal_px, cx, cy }),
+        _ => None,
+    };
+    Ok(UploadedScene {
+        rgb: read(folder, "rgb")?,
+        range: scene.range.then(range).transpose()?,
+        intrinsics,
+        instances: scene.instances.then(|| read(folder, "instances")).transpose()?,
+    })
+}
+
+fn read(folder: &Path, name: &str) -> Result<Vec<u8>, Failure> {
+    let path = folder.join(name);
+    Ok(fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?)
+}
+
+fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    let path = folder.join(name);
+    Ok(fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))?)
+}
