@@ -16,9 +16,12 @@ const BLACKENED_PART: f64 = 0.2;
 const RED_FACTOR: f64 = 1.2;
 const RED_CODES: f64 = 5.0;
 
+/// Counts of the codes of red, green and blue.
+pub(crate) type Histograms = [Histogram; 3];
+
 /// What a picture's codes say.
 pub(crate) struct Signs {
-    pub(crate) histograms: [Histogram; 3],
+    pub(crate) histograms: Histograms,
     pixels: usize,
     gray: bool,
     dark: bool,
@@ -48,13 +51,13 @@ impl Signs {
         self.histograms.iter().map(ends).all(|(low, high)| low == high)
     }
 
-    /// What any method that measures the whole picture should say of its result.
-    pub(crate) fn common(&self, result: &Rgb8) -> Vec<Warning> {
+    /// What any method that measures the whole picture should say of a result with these codes.
+    pub(crate) fn common(&self, after: &Histograms) -> Vec<Warning> {
         let found = [
             (self.constant(), Warning::Constant),
             (self.pixels < FEW_PIXELS, Warning::FewPixels),
             (self.dark, Warning::Dark),
-            (self.blackened(result), Warning::Blackened),
+            (self.blackened(after), Warning::Blackened),
         ];
         found
             .into_iter()
@@ -63,8 +66,8 @@ impl Signs {
     }
 
     /// What a restoration should say besides.
-    pub(crate) fn of_restoration(&self, result: &Rgb8) -> Vec<Warning> {
-        let mut warnings = self.common(result);
+    pub(crate) fn of_restoration(&self, after: &Histograms) -> Vec<Warning> {
+        let mut warnings = self.common(after);
         if self.gray && !self.constant() {
             warnings.push(Warning::Gray);
         }
@@ -78,17 +81,15 @@ impl Signs {
     }
 
     /// The result is red on the mean and the picture is not.
-    pub(crate) fn red_cast(&self, result: &Rgb8) -> bool {
+    pub(crate) fn red_cast(&self, after: &Histograms) -> bool {
         let red = |[r, g, b]: [f64; 3]| r > RED_FACTOR * g.max(b) + RED_CODES;
-        let after = histograms(result).each_ref().map(mean);
-        red(after) && !red(self.histograms.each_ref().map(mean))
+        red(after.each_ref().map(mean)) && !red(self.histograms.each_ref().map(mean))
     }
 
-    fn blackened(&self, result: &Rgb8) -> bool {
-        let after = histograms(result);
+    fn blackened(&self, after: &Histograms) -> bool {
         self.histograms
             .iter()
-            .zip(&after)
+            .zip(after)
             .any(|(before, after)| after[0] as f64 > before[0] as f64 + BLACKENED_PART * total(before) as f64)
     }
 
@@ -121,7 +122,7 @@ mod tests {
 
     #[test]
     fn one_colour_few_pixels_and_darkness_are_seen() {
-        let common = |picture: &Rgb8| Signs::of(picture).common(picture);
+        let common = |picture: &Rgb8| Signs::of(picture).common(&histograms(picture));
         assert_eq!(common(&flat([9, 80, 90])), [Warning::Constant]);
         assert_eq!(common(&flat([15; 3])), [Warning::Constant, Warning::Dark]);
         let ramp = |width: usize| Rgb8::from_fn(width, 10, |x, _| [x as u8, 99, 99]);
@@ -132,7 +133,10 @@ mod tests {
     #[test]
     fn a_gray_picture_and_a_missing_channel_are_seen() {
         let gray = Rgb8::from_fn(40, 30, |x, _| [x as u8 + 40; 3]);
-        assert_eq!(Signs::of(&gray).of_restoration(&gray), [Warning::Gray]);
+        assert_eq!(
+            Signs::of(&gray).of_restoration(&histograms(&gray)),
+            [Warning::Gray]
+        );
         let one_off = Rgb8::from_fn(40, 30, |x, y| {
             if (x, y) == (39, 29) {
                 [80, 80, 81]
@@ -140,7 +144,7 @@ mod tests {
                 gray.at(x, y)
             }
         });
-        assert_eq!(Signs::of(&one_off).of_restoration(&one_off), []);
+        assert_eq!(Signs::of(&one_off).of_restoration(&histograms(&one_off)), []);
         assert!(Signs::of(&flat([0, 4, 4])).channel_without_light());
         assert!(!Signs::of(&flat([0; 3])).channel_without_light());
     }
@@ -148,9 +152,12 @@ mod tests {
     #[test]
     fn red_and_black_results_are_seen() {
         let signs = Signs::of(&flat([60, 120, 140]));
-        assert!(signs.red_cast(&flat([180, 120, 140])) && !signs.red_cast(&flat([150, 120, 140])));
+        assert!(
+            signs.red_cast(&histograms(&flat([180, 120, 140])))
+                && !signs.red_cast(&histograms(&flat([150, 120, 140])))
+        );
         assert_eq!(
-            signs.of_restoration(&flat([60, 0, 140])),
+            signs.of_restoration(&histograms(&flat([60, 0, 140]))),
             [Warning::Constant, Warning::Blackened]
         );
     }

@@ -16,6 +16,7 @@
 use imaging::simd::vectorised;
 use imaging::{Plane, Raster, Rgb8};
 
+use crate::blocks::histogram::histograms;
 use crate::blocks::{FLAT, Guide, extremes, guided, range, window_max, window_min};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
@@ -63,7 +64,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         }
     }
     let signs = Signs::of(&colours);
-    let mut warnings = signs.of_restoration(&result);
+    let mut warnings = signs.of_restoration(&histograms(&result));
     if signs.channel_without_light() {
         warnings.push(Warning::ChannelWithoutLight);
     }

@@ -12,8 +12,10 @@
 //! Where it fails: a small `t_R` multiplies what red is left and makes the picture red; in a gray picture d is a function
 //! of brightness alone, so bright is taken for far. One colour comes back as it was.
 
+use imaging::simd::vectorised;
 use imaging::{Plane, Raster};
 
+use crate::blocks::histogram::histograms;
 use crate::blocks::{Guide, Veil, brightest_of, distance_offset, guided, normalised, restore};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
@@ -31,11 +33,11 @@ const TRANSMITTANCE: (f64, f64) = (0.1, 0.9);
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let colours = picture.to_rgb8();
-    let (width, height) = (colours.width(), colours.height());
-    let prior = colours.pixels().map(|[r, g, b]| {
-        0.532_148_29 + (0.513_098_27 * f64::from(g.max(b)) - 0.910_661_94 * f64::from(r)) / 255.0
-    });
-    let prior = Plane::new(width, height, prior.collect()).expect("a value for each pixel");
+    let mut prior = Plane::filled(colours.width(), colours.height(), 0.0);
+    vectorised(
+        #[inline(always)]
+        || attenuation_prior(colours.data(), prior.data_mut()),
+    );
     let distance = guided(&Guide::of(&colours), &prior, variant);
     let light = brightest_of(&colours, &distance, variant).map(|code| f64::from(code) / 255.0);
     let nearest = distance_offset(&colours, light);
@@ -46,12 +48,21 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         transmittance: TRANSMITTANCE,
     };
     let restored = restore(&colours, &distance, &veil, variant);
-    let signs = Signs::of(&colours);
-    let mut warnings = signs.of_restoration(&restored);
-    if signs.red_cast(&restored) {
+    let (signs, after) = (Signs::of(&colours), histograms(&restored));
+    let mut warnings = signs.of_restoration(&after);
+    if signs.red_cast(&after) {
         warnings.push(Warning::RedCast);
     }
     Enhanced::unmasked(picture, restored, OfGray::Colour, warnings)
+}
+
+/// `d` of step 1.
+#[inline(always)]
+fn attenuation_prior(codes: &[u8], prior: &mut [f64]) {
+    for (value, p) in prior.iter_mut().zip(codes.chunks_exact(3)) {
+        *value = 0.532_148_29
+            + (0.513_098_27 * f64::from(p[1].max(p[2])) - 0.910_661_94 * f64::from(p[0])) / 255.0;
+    }
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub(crate) fn enhance(picture: &Raster) -> Enhanced {
             *code = curve[usize::from(*code)];
         }
     }
-    let mut warnings = signs.common(&colours);
+    let mut warnings = signs.common(&histogram::histograms(&colours));
     if signs.channel_without_light() {
         warnings.push(Warning::ChannelWithoutLight);
     }

@@ -1,5 +1,6 @@
 //! Background light: the colour of the water far away, taken from the pixels that look farthest.
 
+use imaging::simd::vectorised;
 use imaging::{Plane, Rgb8};
 
 use super::rank::largest;
@@ -42,15 +43,42 @@ pub fn distance_offset(picture: &Rgb8, light: [f64; 3]) -> f64 {
 
 /// The least and the greatest code of each channel of a picture with pixels.
 pub(crate) fn extremes(picture: &Rgb8) -> ([u8; 3], [u8; 3]) {
-    let first = picture.at(0, 0);
-    let (mut low, mut high) = (first, first);
-    for pixel in picture.pixels() {
-        for c in 0..3 {
-            low[c] = low[c].min(pixel[c]);
-            high[c] = high[c].max(pixel[c]);
+    let mut found = ([u8::MAX; 3], [0; 3]);
+    vectorised(
+        #[inline(always)]
+        || found = ends(picture.data()),
+    );
+    found
+}
+
+#[inline(always)]
+fn ends(codes: &[u8]) -> ([u8; 3], [u8; 3]) {
+    // Whole pixels, as many as fill vectors.
+    const RUN: usize = 96;
+    let (mut low, mut high) = ([u8::MAX; RUN], [0u8; RUN]);
+    let (runs, rest) = codes.as_chunks::<RUN>();
+    for run in runs {
+        for i in 0..RUN {
+            low[i] = low[i].min(run[i]);
+            high[i] = high[i].max(run[i]);
         }
     }
-    (low, high)
+    for (i, &code) in rest.iter().enumerate() {
+        low[i] = low[i].min(code);
+        high[i] = high[i].max(code);
+    }
+    let of = |lanes: [u8; RUN], channel: usize, pick: fn(u8, u8) -> u8| {
+        lanes
+            .into_iter()
+            .skip(channel)
+            .step_by(3)
+            .reduce(pick)
+            .unwrap_or(0)
+    };
+    (
+        [0, 1, 2].map(|channel| of(low, channel, u8::min)),
+        [0, 1, 2].map(|channel| of(high, channel, u8::max)),
+    )
 }
 
 #[cfg(test)]
@@ -78,5 +106,15 @@ mod tests {
         let light = [0.4, 0.2, 0.2];
         // Red reaches from 0 to 0.4: 0.4 away, of at most 0.6.
         assert!((distance_offset(&picture, light) - (1.0 - 0.4 / 0.6)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_ends_of_every_channel_are_found_wherever_they_lie() {
+        for (width, at) in [(1, 0), (31, 30), (32, 5), (77, 76)] {
+            let picture = Rgb8::from_fn(width, 1, |x, _| if x == at { [3, 250, 90] } else { [9, 90, 90] });
+            let low = if width == 1 { [3, 250, 90] } else { [3, 90, 90] };
+            let high = if width == 1 { [3, 250, 90] } else { [9, 250, 90] };
+            assert_eq!(extremes(&picture), (low, high), "{width}");
+        }
     }
 }

@@ -21,6 +21,7 @@ mod light;
 use imaging::simd::vectorised;
 use imaging::{Plane, Raster, Rgb8, luma1000};
 
+use crate::blocks::histogram::histograms;
 use crate::blocks::{Guide, Veil, distance_offset, gaussian, guided, normalised, restore, window_max};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
@@ -55,7 +56,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         transmittance: TRANSMITTANCE,
     };
     let restored = restore(&colours, &distance, &veil, variant);
-    let mut warnings = Signs::of(&colours).of_restoration(&restored);
+    let mut warnings = Signs::of(&colours).of_restoration(&histograms(&restored));
     if warnings.contains(&Warning::Blackened) && light::is_bright(&colours) {
         warnings.push(Warning::LampAsBackground);
     }

@@ -18,6 +18,7 @@ mod saturation;
 
 use imaging::Raster;
 
+use crate::blocks::histogram::histograms;
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::Signs;
@@ -30,7 +31,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let curves = curve::curves(&colours, variant);
     let stretched = saturation::stretched(&colours, &curves, variant);
     let signs = Signs::of(&colours);
-    let mut warnings = signs.common(&stretched);
+    let mut warnings = signs.common(&histograms(&stretched));
     if signs.channel_without_light() {
         warnings.push(Warning::ChannelWithoutLight);
     }

@@ -53,16 +53,25 @@ fn fast(picture: &Rgb8, curves: &Curves) -> Rgb8 {
         || to_lab(picture.data(), &linear, &mut lightness, &mut opponents),
     );
     let (low, high) = tails(&lightness, TAIL, Variant::Fast);
-    let mut planes = [0; 3].map(|_| vec![0.0f32; pixels]);
-    vectorised(
-        #[inline(always)]
-        || from_lab(&lightness, &opponents, (low, high), &mut planes),
-    );
-    let (width, height) = (picture.width(), picture.height());
-    let planes = planes.map(|plane| Plane::new(width, height, plane).expect("a value for each pixel"));
-    let (codes, _) = transfer::encode_rgb8(&Rgb::new(planes).expect("three planes of one size"));
-    codes
+    // Strip by strip, so that the linear light of the whole picture is never held.
+    let width = picture.width();
+    let mut codes = Vec::with_capacity(picture.data().len());
+    let [a, b] = opponents.each_ref().map(|plane| plane.chunks(STRIP * width));
+    for (l, (a, b)) in lightness.chunks(STRIP * width).zip(a.zip(b)) {
+        let mut planes = [0; 3].map(|_| vec![0.0f32; l.len()]);
+        vectorised(
+            #[inline(always)]
+            || from_lab(l, [a, b], (low, high), &mut planes),
+        );
+        let planes = planes.map(|plane| Plane::new(width, l.len() / width, plane).expect("whole rows"));
+        let (strip, _) = transfer::encode_rgb8(&Rgb::new(planes).expect("three planes of one size"));
+        codes.extend_from_slice(strip.data());
+    }
+    Rgb8::new(width, picture.height(), codes).expect("three codes for each pixel")
 }
+
+/// Rows turned into codes at once.
+const STRIP: usize = 16;
 
 /// Pixels converted at once.
 const BLOCK: usize = 32;
@@ -94,7 +103,7 @@ fn to_lab(codes: &[u8], linear: &Curves, lightness: &mut [f64], [a, b]: &mut [Ve
 }
 
 #[inline(always)]
-fn from_lab(lightness: &[f64], [a, b]: &[Vec<f32>; 2], (low, high): (f64, f64), light: &mut [Vec<f32>; 3]) {
+fn from_lab(lightness: &[f64], [a, b]: [&[f32]; 2], (low, high): (f64, f64), light: &mut [Vec<f32>; 3]) {
     let scale = if high - low > FLAT_L {
         100.0 / (high - low)
     } else {

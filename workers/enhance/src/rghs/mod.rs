@@ -16,6 +16,7 @@ mod lightness;
 
 use imaging::Raster;
 
+use crate::blocks::histogram::histograms;
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::Signs;
@@ -28,7 +29,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let curves = curve::curves(&colours, variant);
     let stretched = lightness::stretched(&colours, &curves, variant);
     let signs = Signs::of(&colours);
-    let mut warnings = signs.common(&stretched);
+    let mut warnings = signs.common(&histograms(&stretched));
     if signs.black_mode() {
         warnings.push(Warning::BlackMode);
     }
