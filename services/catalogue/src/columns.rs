@@ -226,7 +226,9 @@ impl Columns {
 
 /// Names that depend on the job: labels and digests of artifacts are compared as text, times in milliseconds and numbers of a light as numbers.
 fn open_family(name: &str) -> Option<Column> {
-    let quoted = |key: &str| (!key.is_empty() && !key.contains(['"', '\\'])).then(|| format!("\"{key}\""));
+    // What a description admits as a name: anything else is no label, and could not stand in a JSON path (a NUL ends it).
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-');
+    let quoted = |key: &str| (!key.is_empty() && key.chars().all(plain)).then(|| format!("\"{key}\""));
     let extract = |path: String, kind| {
         let extracted = match kind {
             Kind::Text => "CAST(json_extract(r.record, ?) AS TEXT)",

@@ -4,7 +4,7 @@ use fathom_catalogue::{CatalogueError, ImageQuery};
 
 use crate::fixture::Fixture;
 
-const ATTEMPTS: [&str; 14] = [
+const ATTEMPTS: [&str; 15] = [
     "'; DROP TABLE images; --",
     "\" OR 1=1 --",
     "1) OR (1=1",
@@ -19,6 +19,8 @@ const ATTEMPTS: [&str; 14] = [
     "labels.\"x\"",
     "rgb'--.uiqm",
     "artifacts.rgb' OR '1'='1",
+    // Found by fuzzing: the NUL ended the path within the record.
+    "labels.u\u{1}\0\0{",
 ];
 
 fn asking() -> ImageQuery {
