@@ -15,7 +15,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("workers/enhance", &["imaging"]),
     ("workers/quality", &["imaging"]),
     ("workers/style", &["imaging"]),
-    ("workers/fidelity", &["enhance", "imaging", "quality"]),
+    ("workers/fidelity", &["enhance", "imaging", "optics", "quality"]),
     ("workers/training", &["imaging", "scenes", "style"]),
     ("services/spec", &["imaging", "optics"]),
     ("proto", &["spec"]),

@@ -2,6 +2,7 @@
 
 mod backup;
 mod bench;
+mod chart;
 mod demo;
 mod enhance;
 mod export;
@@ -61,6 +62,8 @@ pub(crate) enum Command {
     Table1(table1::Arguments),
     /// Map where methods fail
     Stability(stability::Arguments),
+    /// Draw error against time of the variants of each stage
+    Chart(chart::Arguments),
     /// List the optical water presets
     Waters(waters::Arguments),
     /// List the style waters
@@ -99,6 +102,7 @@ impl Command {
             Self::Measure(arguments) => measure::run(&arguments),
             Self::Table1(arguments) => table1::run(&arguments),
             Self::Stability(arguments) => stability::run(&arguments),
+            Self::Chart(arguments) => chart::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),
             Self::Train(arguments) => train::run(&arguments),

@@ -1,0 +1,141 @@
+//! `fathom chart`: error against time of the variants of each stage.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use fidelity::chart::{
+    self, ChartScene, Point, STAGES, cost, cost_chart, csv, error_chart, mark_pareto, standard_scenes,
+};
+use fidelity::plot::{self, Lines};
+use imaging::Raster;
+use imaging::geometry::Intrinsics;
+use scenes::uploaded::{RangeBytes, RangeKind, Upload, decode};
+use serde_json::json;
+
+use crate::exit::Failure;
+use crate::progress::Progress;
+use crate::{files, machine};
+
+/// Options of `fathom chart`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Only this stage
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(STAGES.into_iter().chain(["cost"])))]
+    stage: Option<String>,
+    /// A picture of one's own in place of the standard scenes; needs --range
+    #[arg(long, value_name = "FILE", requires = "range")]
+    scene: Option<PathBuf>,
+    /// Range of the picture in metres along the ray, a float file (.npy)
+    #[arg(long, value_name = "FILE")]
+    range: Option<PathBuf>,
+    /// Folder for chart.json, chart.csv and the drawings
+    #[arg(long, value_name = "DIR", default_value = "charts")]
+    out: PathBuf,
+    /// Columns of the standard scenes; rows follow as 492 to 768
+    #[arg(long, default_value_t = 768, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    width: u32,
+    /// Runs of each variant
+    #[arg(long, default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    runs: u32,
+    /// Largest frame of the cost chart in megapixels
+    #[arg(long, default_value_t = 16.0)]
+    megapixels: f64,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let runs = arguments.runs as usize;
+    let wanted = |stage: &str| arguments.stage.as_deref().is_none_or(|only| only == stage);
+    let scenes = match (&arguments.scene, &arguments.range) {
+        (Some(picture), Some(range)) => vec![own(picture, range)?],
+        _ => standard(arguments.width as usize)?,
+    };
+    let stages: Vec<&str> = STAGES.into_iter().filter(|stage| wanted(stage)).collect();
+    let mut progress = Progress::new("chart", (scenes.len() * stages.len()) as u64 + 1);
+    let mut points: Vec<Point> = Vec::new();
+    let mut done = 0;
+    for scene in &scenes {
+        for stage in &stages {
+            points.extend(match *stage {
+                "forward_scatter" => chart::forward_scatter(scene, runs),
+                "haze" => chart::haze(scene, runs),
+                "homomorphic" => chart::homomorphic(scene, runs),
+                _ => chart::whole_frame(scene, runs),
+            });
+            done += 1;
+            progress.set(done);
+        }
+    }
+    mark_pareto(&mut points);
+    if wanted("cost") {
+        points.extend(cost(runs, arguments.megapixels));
+    }
+    progress.finish();
+    for scene in &scenes {
+        for stage in &stages {
+            let of = |p: &&Point| p.stage == *stage && p.scene == scene.name;
+            let of: Vec<Point> = points.iter().filter(of).cloned().collect();
+            let title = format!(
+                "{stage}, {}, {}x{}",
+                scene.name,
+                scene.range.width(),
+                scene.range.height()
+            );
+            draw(
+                &arguments.out,
+                &format!("{stage}-{}", scene.name),
+                &error_chart(&title, &of),
+            )?;
+        }
+    }
+    if wanted("cost") {
+        draw(&arguments.out, "cost-size", &cost_chart(&points, false))?;
+        draw(&arguments.out, "cost-terms", &cost_chart(&points, true))?;
+    }
+    let data = json!({"machine": machine::describe(), "runs": runs, "points": points});
+    let text = serde_json::to_string_pretty(&data).context("points as JSON")?;
+    files::write(&arguments.out.join("chart.json"), text.as_bytes())?;
+    files::write(&arguments.out.join("chart.csv"), csv(&points).as_bytes())?;
+    println!("{} points: {}", points.len(), arguments.out.display());
+    Ok(())
+}
+
+/// Writes a drawing as SVG and PNG.
+pub(crate) fn draw(folder: &Path, name: &str, lines: &Lines) -> Result<(), Failure> {
+    let path = |extension: &str| folder.join(format!("{name}.{extension}"));
+    files::write(&path("svg"), plot::svg(lines).context("cannot draw")?.as_bytes())?;
+    let picture = plot::picture(lines).context("cannot draw")?;
+    files::write_picture(&path("png"), &Raster::from(picture))
+}
+
+/// The standard scenes and a procedural structure.
+fn standard(width: usize) -> Result<Vec<ChartScene>, Failure> {
+    let height = (width * 492 / 768).max(1);
+    let mut all = standard_scenes(width, height);
+    let camera = Intrinsics::centred(width as f64 / (2.0 * 40f64.to_radians().tan()), width, height);
+    let scene = scenes::procedural("structure", 7, width, height, camera).context("a known family")?;
+    let range = scene.range.context("procedural scenes have range")?;
+    all.push(ChartScene::new("structure", scene.radiance, &range));
+    Ok(all)
+}
+
+/// A picture and its range.
+fn own(picture: &Path, range: &Path) -> Result<ChartScene, Failure> {
+    let (rgb, metres) = (files::read(picture)?, files::read(range)?);
+    let upload = Upload {
+        rgb: &rgb,
+        range: Some(RangeBytes {
+            bytes: &metres,
+            kind: RangeKind::Range,
+            unit_m: None,
+            invalid_code: None,
+        }),
+        intrinsics: None,
+        instances: None,
+    };
+    let bad = |message: String| Failure::BadInput(format!("{}: {message}", picture.display()));
+    let scene = decode(&upload).map_err(|error| bad(error.to_string()))?;
+    let plane = scene.range.context("a range was given")?;
+    let name = picture.file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
+    Ok(ChartScene::new(name, scene.radiance, &plane))
+}

@@ -1,0 +1,89 @@
+//! The whole water stage as it is planned, tolerance by tolerance.
+
+use imaging::Rgb;
+use optics::chain;
+use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
+use optics::plan::{Fidelity, Plan, SceneStats};
+use optics::water::{ScatterModel, Water};
+
+use super::difference::difference;
+use super::forward_scatter::{DEFAULT_TOLERANCE, coastal};
+use super::stopwatch::time;
+use super::{ChartScene, Point};
+
+const STAGE: &str = "frame";
+const TOLERANCES: [f64; 6] = [1.0 / 255.0, 1e-3, DEFAULT_TOLERANCE, 1e-4, 1e-5, 1e-6];
+/// So many kernels leave nothing but the rounding of f32.
+const PLENTY: usize = 24;
+
+/// Measures statistics, plan and water of one scene, in both forms: `jaffe` and `simplified`. A frame
+/// that is too large for the reference is compared with the same chain of 24 kernels, which is as exact as f32.
+#[must_use]
+pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
+    let mut points = Vec::new();
+    for (model, name) in [
+        (ScatterModel::Jaffe, "jaffe"),
+        (ScatterModel::Simplified, "simplified"),
+    ] {
+        let Some(water) = coastal(scene.range.width(), model) else {
+            continue;
+        };
+        let Some(exact) = exact(scene, &water) else {
+            continue;
+        };
+        let mut cache = KernelCache::new();
+        let mut add = |variant: String, fidelity: Fidelity, is_default: bool| {
+            let (times, answer) = time(runs, || {
+                let plan = planned(scene, &water, fidelity);
+                let layers = chain::water(&scene.radiance, &scene.range, &water, &plan, &mut cache);
+                let image = layers.as_ref().ok().map(|layers| layers.scattered.clone());
+                layers.into_iter().for_each(|layers| cache.recycle(layers));
+                (plan, image)
+            });
+            let (plan, Some(image)) = answer else { return };
+            let terms = plan.describe().iter().filter_map(|note| note.terms).max();
+            let mut point = Point::new(
+                STAGE,
+                (&variant, terms),
+                &scene.name,
+                scene.range.size(),
+                times,
+                Some(difference(&image, &exact)),
+            );
+            point.default = is_default;
+            points.push(point);
+        };
+        for tolerance in TOLERANCES {
+            let is_default = tolerance == DEFAULT_TOLERANCE && model == ScatterModel::Jaffe;
+            add(
+                format!("{name} {tolerance:.0e}"),
+                Fidelity::Tolerance(tolerance),
+                is_default,
+            );
+        }
+        add(format!("{name} 16 kernels"), Fidelity::Terms(16), false);
+    }
+    points
+}
+
+fn planned(scene: &ChartScene, water: &Water, fidelity: Fidelity) -> Plan {
+    let stats = SceneStats::measure(&scene.radiance, &scene.range, water);
+    Plan::for_frame(&stats, water, None, &[], fidelity)
+}
+
+fn exact(scene: &ChartScene, water: &Water) -> Option<Rgb<f32>> {
+    if scene.range.data().len() <= MAX_REFERENCE_PIXELS {
+        let radiance = scene.radiance.map(|&j| f64::from(j));
+        let layers = chain::water_reference(&radiance, &scene.range.map(|&z| f64::from(z)), water);
+        return layers.ok().map(|layers| layers.scattered.map(|&v| v as f32));
+    }
+    let plan = planned(scene, water, Fidelity::Terms(PLENTY));
+    let layers = chain::water(
+        &scene.radiance,
+        &scene.range,
+        water,
+        &plan,
+        &mut KernelCache::new(),
+    );
+    layers.ok().map(|layers| layers.scattered)
+}

@@ -1,0 +1,47 @@
+//! Times of repeated runs.
+
+use std::time::Instant;
+
+/// Milliseconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Times {
+    /// Half of all runs took no longer.
+    pub median: f64,
+    /// The fastest run.
+    pub min: f64,
+    /// The slowest.
+    pub max: f64,
+}
+
+/// What takes longer than this is run only a few times.
+const SLOW_MS: f64 = 400.0;
+const SLOW_RUNS: usize = 3;
+
+/// Runs `work` once to warm up and then up to `runs` times; answers what the last run gave.
+pub fn time<R>(runs: usize, mut work: impl FnMut() -> R) -> (Times, R) {
+    let mut timed = || {
+        let start = Instant::now();
+        let answer = work();
+        (start.elapsed().as_secs_f64() * 1e3, answer)
+    };
+    let (first, mut answer) = timed();
+    let runs = if first > SLOW_MS {
+        runs.min(SLOW_RUNS)
+    } else {
+        runs
+    }
+    .max(1);
+    let mut all = Vec::with_capacity(runs);
+    for _ in 0..runs {
+        let (ms, last) = timed();
+        all.push(ms);
+        answer = last;
+    }
+    all.sort_by(f64::total_cmp);
+    let times = Times {
+        median: all[all.len() / 2],
+        min: all[0],
+        max: all[all.len() - 1],
+    };
+    (times, answer)
+}
