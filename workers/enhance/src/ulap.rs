@@ -16,7 +16,7 @@ use imaging::simd::vectorised;
 use imaging::{Plane, Raster};
 
 use crate::blocks::histogram::histograms;
-use crate::blocks::{Guide, Veil, brightest_of, distance_offset, guided, normalised, restore};
+use crate::blocks::{Guide, Veil, brightest_of, distance_of, distance_offset, guided, restore};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::Signs;
@@ -39,9 +39,10 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         || attenuation_prior(colours.data(), prior.data_mut()),
     );
     let distance = guided(&Guide::of(&colours), &prior, variant);
+    drop(prior);
     let light = brightest_of(&colours, &distance, variant).map(|code| f64::from(code) / 255.0);
     let nearest = distance_offset(&colours, light);
-    let distance = normalised(&distance).map(|d| DEPTH * (d + nearest));
+    let distance = distance_of(distance, nearest, DEPTH);
     let veil = Veil {
         light,
         attenuation: RESIDUAL.map(|residual| -residual.ln()),

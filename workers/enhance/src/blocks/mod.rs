@@ -21,6 +21,7 @@ pub use extremum::{window_max, window_min};
 pub use guided::{Guide, RADIUS_MAX, RADIUS_PX, REGULARISATION, guided};
 pub use light::{TOP_SHARE, brightest_of, distance_offset};
 pub(crate) use light::{extremes, top_count};
+pub(crate) use norm::distance_of;
 pub use norm::{FLAT, normalised, range};
 pub use quadtree::{Region, calmest, highest};
 pub use rank::largest;

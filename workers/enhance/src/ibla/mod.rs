@@ -22,7 +22,9 @@ use imaging::simd::vectorised;
 use imaging::{Plane, Raster, Rgb8, luma1000};
 
 use crate::blocks::histogram::histograms;
-use crate::blocks::{Guide, Veil, distance_offset, gaussian, guided, normalised, restore, window_max};
+use crate::blocks::{
+    Guide, Veil, distance_of, distance_offset, gaussian, guided, normalised, restore, window_max,
+};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::Signs;
@@ -46,10 +48,10 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let guide = Guide::of(&colours);
     let blurriness = blurriness(&colours, &guide, variant);
     let light = light::background(&colours, &blurriness, variant);
-    let distance = distance(&guide, &blurriness, light, variant);
+    let distance = distance(&guide, blurriness, light, variant);
     let distance = guided(&guide, &distance, variant);
     let nearest = distance_offset(&colours, light);
-    let distance = normalised(&distance).map(|d| DEPTH * (d + nearest));
+    let distance = distance_of(distance, nearest, DEPTH);
     let veil = Veil {
         light,
         attenuation: attenuation(light),
@@ -87,7 +89,7 @@ fn sigmoid(a: f64, b: f64) -> f64 {
 }
 
 /// `d` of step 3, before the guided filter.
-fn distance(guide: &Guide, blurriness: &Plane<f64>, light: [f64; 3], variant: Variant) -> Plane<f64> {
+fn distance(guide: &Guide, blurriness: Plane<f64>, light: [f64; 3], variant: Variant) -> Plane<f64> {
     let [red, green, blue] = guide.channels();
     let (width, height) = red.size();
     let mut brighter = green.clone();
@@ -101,12 +103,12 @@ fn distance(guide: &Guide, blurriness: &Plane<f64>, light: [f64; 3], variant: Va
     let tb = sigmoid(red_mean, 0.1);
     let ta = sigmoid(light.iter().sum::<f64>() / 3.0, 0.5);
 
-    let by_red = normalised(&red_max.map(|&code| f64::from(code) / 255.0));
+    let by_red = normalised(red_max.map(|&code| f64::from(code) / 255.0));
     let codes = red_max.data().iter().zip(brighter_max.data());
     let lost = codes
         .map(|(&r, &other)| (f64::from(r) - f64::from(other)) / 255.0)
         .collect();
-    let by_loss = normalised(&Plane::new(width, height, lost).expect("a value for each pixel"));
+    let by_loss = normalised(Plane::new(width, height, lost).expect("a value for each pixel"));
     let by_blur = normalised(blurriness);
     let mut distance = by_red;
     vectorised(
