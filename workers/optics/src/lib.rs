@@ -9,6 +9,7 @@ pub mod chain;
 pub mod forward_scatter;
 mod haze;
 pub mod kernel;
+pub mod lamp;
 pub mod plan;
 pub mod preset;
 pub mod range;

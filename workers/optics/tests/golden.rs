@@ -1,4 +1,5 @@
-//! Reference vectors: every folder under `tests/vectors/chain`, and under `chain/` of each path in `FATHOM_GOLDEN_EXTRA`.
+//! Reference vectors: every folder under `tests/vectors/chain` and `tests/vectors/lamps`, and under `chain/` and `lamps/` of each
+//! path in `FATHOM_GOLDEN_EXTRA`.
 //!
 //! A case is `params.json` with a `stage` and arrays in NPY. A stage or parameter that is not known fails, and so does a
 //! place without cases.
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use case::Case;
 
-fn places() -> Vec<PathBuf> {
+fn places(kind: &str) -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors");
     let extra = std::env::var("FATHOM_GOLDEN_EXTRA").unwrap_or_default();
     let extra = extra
@@ -22,7 +23,7 @@ fn places() -> Vec<PathBuf> {
         .collect::<Vec<_>>();
     std::iter::once(own)
         .chain(extra)
-        .map(|place| place.join("chain"))
+        .map(|place| place.join(kind))
         .collect()
 }
 
@@ -45,13 +46,13 @@ fn check(folder: &Path) {
         "haze" => stages::haze(&case),
         "chain" => stages::chain(&case),
         "kernel" => stages::kernel(&case),
+        "airlight" => stages::airlight(&case),
         other => panic!("stage `{other}` is not known"),
     }
 }
 
-#[test]
-fn golden_chain_cases_pass() {
-    let folders: Vec<PathBuf> = places().iter().flat_map(|place| cases(place)).collect();
+fn pass(kind: &str) {
+    let folders: Vec<PathBuf> = places(kind).iter().flat_map(|place| cases(place)).collect();
     let failed: Vec<&PathBuf> = std::thread::scope(|scope| {
         let checks: Vec<_> = folders
             .iter()
@@ -63,4 +64,14 @@ fn golden_chain_cases_pass() {
             .collect()
     });
     assert!(failed.is_empty(), "failed: {failed:#?}");
+}
+
+#[test]
+fn golden_chain_cases_pass() {
+    pass("chain");
+}
+
+#[test]
+fn golden_lamp_cases_pass() {
+    pass("lamps");
 }

@@ -35,6 +35,12 @@ const KNOWN: &[&str] = &[
     "kernel",
     "otf",
     "otf_tolerance",
+    "focal_px",
+    "principal_point",
+    "absorption_per_m",
+    "scattering_per_m",
+    "hg_g",
+    "min_radius_m",
 ];
 
 pub(crate) struct Case {

@@ -3,11 +3,13 @@
 use fathom_optics::chain::{self, ChainError, Layers};
 use fathom_optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
 use fathom_optics::kernel::{Transfer, pixel};
+use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
 use fathom_optics::plan::{Fidelity, Plan, SceneStats};
 use fathom_optics::range::HoleRule;
 use fathom_optics::water::{Ambient, ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
 use fathom_optics::{HazeBlend, HazeLight, HazeSpace, haze as lay_haze, style_blend};
 use imaging::Rgb;
+use imaging::geometry::Intrinsics;
 use serde_json::Value;
 
 use crate::case::Case;
@@ -30,6 +32,9 @@ const OTF: f64 = 1e-8;
 /// Share of 8-bit codes that may differ by one: rounding alone, and rounding after a tolerance of [`ONE_CODE`].
 const CODES_EXACT: f64 = 1e-3;
 const CODES_SCATTER: f64 = 1e-2;
+/// Light of lamps, as a share of the frame's peak: what the vectors promise, and what the fast form is asked for.
+const LAMPS: f64 = 1e-5;
+const LAMPS_ASKED: f64 = 5e-6;
 
 fn water(case: &Case) -> Water {
     let stage = case.text("stage");
@@ -313,4 +318,58 @@ pub(crate) fn kernel(case: &Case) {
             }
         }
     }
+}
+
+fn lamp(light: &Value) -> Lamp {
+    let triple = |value: &Value| [0, 1, 2].map(|i| value[i].as_f64().expect("three numbers"));
+    for key in light.as_object().expect("an object").keys() {
+        let known = ["position_m", "intensity", "direction", "axis", "cone_deg"];
+        assert!(
+            known.contains(&key.as_str()),
+            "lamp parameter `{key}` is not known"
+        );
+    }
+    let (place, intensity) = (triple(&light["position_m"]), triple(&light["intensity"]));
+    let lamp = match light["cone_deg"].as_f64() {
+        None => Lamp::point(place, intensity),
+        Some(cone_deg) => {
+            let axis = light.get("direction").or(light.get("axis")).expect("an axis");
+            Lamp::spot(place, intensity, triple(axis), cone_deg)
+        }
+    };
+    lamp.unwrap_or_else(|errors| panic!("{errors:?}"))
+}
+
+pub(crate) fn airlight(case: &Case) {
+    let range = case.range();
+    let focal_px = case.number("focal_px").expect("a focal length");
+    let centred = Intrinsics::centred(focal_px, range.width(), range.height());
+    let centre = case.get("principal_point");
+    let coordinate = |i: usize, usual| centre.map_or(usual, |p| p[i].as_f64().expect("a number"));
+    let scattering = case.triple("scattering_per_m").expect("scattering");
+    let absorption = case.triple("absorption_per_m").expect("absorption");
+    let lights = case.get("lights").and_then(Value::as_array).expect("lights");
+    let lighting = Lighting {
+        lamps: lights.iter().map(lamp).collect(),
+        radius_m: case.number("min_radius_m").unwrap_or(LAMP_RADIUS_M),
+        camera: Intrinsics {
+            focal_px,
+            cx: coordinate(0, centred.cx),
+            cy: coordinate(1, centred.cy),
+        },
+        attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
+        scattering,
+        asymmetry: case.number("hg_g").expect("an asymmetry"),
+    };
+    let exact = lamp::airlight_reference(&range, &lighting, REFERENCE_NODES);
+    let peak = case
+        .needed("output_linear")
+        .values
+        .into_iter()
+        .fold(0.0, f64::max);
+    // What is compared is scaled to a peak of at most 1.
+    let tolerance = LAMPS * peak / peak.max(1.0);
+    case.compare("output_linear", &exact, tolerance, "reference");
+    let fast = lamp::airlight(&range.map(|&z| z as f32), &lighting, LAMPS_ASKED * peak);
+    case.compare("output_linear", &fast, tolerance, "f32");
 }

@@ -1,0 +1,71 @@
+//! Times of four lamps over a frame of 768×492 on one core.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
+use imaging::Plane;
+use imaging::geometry::Intrinsics;
+
+const WIDTH: usize = 768;
+const HEIGHT: usize = 492;
+
+fn lighting(lamps: Vec<Lamp>) -> Lighting {
+    Lighting {
+        lamps,
+        radius_m: LAMP_RADIUS_M,
+        camera: Intrinsics::centred(458.0, WIDTH, HEIGHT),
+        attenuation: [0.778, 0.546, 0.594],
+        scattering: [0.412, 0.447, 0.435],
+        asymmetry: 0.919,
+    }
+}
+
+fn lamps(bench: &mut Criterion) {
+    let light = [2.0; 3];
+    let place = |x: f64, y: f64| [0.4 * x, 0.25 * y, 0.0];
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
+    let points: Vec<Lamp> = corners
+        .iter()
+        .map(|c| Lamp::point(place(c[0], c[1]), light).expect("a lamp"))
+        .collect();
+    let spots: Vec<Lamp> = corners
+        .iter()
+        .map(|c| Lamp::spot(place(c[0], c[1]), light, [-0.1 * c[0], 0.0, 1.0], 35.0).expect("a lamp"))
+        .collect();
+    let in_view: Vec<Lamp> = corners
+        .iter()
+        .map(|c| Lamp::point([0.5 * c[0], 0.3 * c[1], 1.5], [0.05; 3]).expect("a lamp"))
+        .collect();
+    let range = Plane::from_fn(WIDTH, HEIGHT, |x, y| {
+        let slope = 1.0 + 14.0 * (y as f32 + x as f32 / WIDTH as f32) / HEIGHT as f32;
+        if (300..340).contains(&x) {
+            1.5 + 1e-3 * y as f32
+        } else {
+            slope
+        }
+    });
+    for (name, lamps) in [("points", points), ("spots", spots), ("in view", in_view)] {
+        let lighting = lighting(lamps);
+        for tolerance in [3e-4, 1e-5] {
+            bench.bench_function(&format!("airlight of 4 {name}, tolerance {tolerance:e}"), |b| {
+                b.iter(|| lamp::airlight(black_box(&range), &lighting, tolerance));
+            });
+        }
+        let normals = lamp::normals_of(&range, &lighting.camera);
+        bench.bench_function(&format!("light of 4 {name} on surfaces"), |b| {
+            b.iter(|| lamp::irradiance(black_box(&range), &normals, &lighting));
+        });
+    }
+    let camera = Intrinsics::centred(458.0, WIDTH, HEIGHT);
+    bench.bench_function("normals", |b| {
+        b.iter(|| lamp::normals_of(black_box(&range), &camera))
+    });
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(20).measurement_time(std::time::Duration::from_secs(2)).warm_up_time(std::time::Duration::from_millis(300));
+    targets = lamps
+}
+criterion_main!(benches);

@@ -1,0 +1,182 @@
+//! Lamps in the water: point and spot lamps, the light they throw on surfaces and the glow of the water before them.
+//!
+//! A lamp of intensity I₀ per steradian at P lights a point X at the distance r = |X − P| with
+//! `E = I₀ S e^{−c r} max(n·l, 0) / r²`; what the surface sends back, J E / π, goes on through the water as any other light of the
+//! scene. On the way a part of it is scattered once into the ray, see [`airlight`] (Jaffe 1990; Sun, Ramamoorthi, Narasimhan,
+//! Nayar 2005). S is 1, or the profile of a spot, `clamp((cos − cos cone)/(1 − cos cone), 0, 1)` about its axis. The camera looks
+//! along z, x is right and y is down. Nothing casts a shadow, and light that is scattered more than once is left out: it would
+//! add 3 % in clear water, 10-20 % in coastal water and more than all of the single in a harbour.
+
+mod airlight;
+mod elementary;
+mod legendre;
+mod nodes;
+mod normals;
+mod phase;
+mod reference;
+mod surface;
+
+pub use airlight::airlight;
+pub use legendre::gauss_legendre;
+pub use nodes::MOST_NODES;
+pub use normals::normals_of;
+pub use phase::{AVERAGE_BACKSCATTER_FRACTION, asymmetry_of, backscatter_fraction, henyey_greenstein};
+pub use reference::{REFERENCE_NODES, airlight_reference, irradiance_reference};
+pub use surface::{irradiance, lit};
+
+use imaging::geometry::Intrinsics;
+
+/// Radius of a lamp in metres: nothing is nearer to it, or its light had no bound.
+pub const LAMP_RADIUS_M: f64 = 0.02;
+/// Farthest place of a lamp along each axis, m.
+pub const MOST_DISTANCE_M: f64 = 1000.0;
+/// Greatest intensity per steradian, m².
+pub const MOST_INTENSITY: f64 = 1e6;
+/// Narrowest and widest half angle of a spot, degrees.
+pub const CONE_DEG: (f64, f64) = (0.5, 90.0);
+
+/// A lamp.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lamp {
+    position_m: [f64; 3],
+    intensity: [f64; 3],
+    beam: Beam,
+}
+
+/// Where a lamp shines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Beam {
+    /// In all directions.
+    Point,
+    /// About a unit axis, down to nothing at the angle of this cosine.
+    Spot { axis: [f64; 3], cos_cone: f64 },
+}
+
+/// A lamp that cannot be.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{field} is {value} but must be {limit}")]
+pub struct LampError {
+    /// The field.
+    pub field: &'static str,
+    /// What was given.
+    pub value: String,
+    /// What is allowed.
+    pub limit: String,
+}
+
+impl Lamp {
+    /// A lamp that shines in all directions. `position_m` in metres (right, down, ahead of the camera), `intensity` in linear
+    /// radiance times m² for red, green and blue.
+    ///
+    /// # Errors
+    /// Every number beyond its limits.
+    pub fn point(position_m: [f64; 3], intensity: [f64; 3]) -> Result<Self, Vec<LampError>> {
+        let mut errors = Vec::new();
+        within(
+            "position_m",
+            position_m,
+            (-MOST_DISTANCE_M, MOST_DISTANCE_M),
+            &mut errors,
+        );
+        within("intensity", intensity, (0.0, MOST_INTENSITY), &mut errors);
+        let beam = Beam::Point;
+        if errors.is_empty() {
+            Ok(Self {
+                position_m,
+                intensity,
+                beam,
+            })
+        } else {
+            Err(errors)
+        }
+    }
+
+    /// A lamp that shines about `direction`, of any length but 0, within `cone_deg` degrees on each side of it.
+    ///
+    /// # Errors
+    /// Every number beyond its limits.
+    pub fn spot(
+        position_m: [f64; 3],
+        intensity: [f64; 3],
+        direction: [f64; 3],
+        cone_deg: f64,
+    ) -> Result<Self, Vec<LampError>> {
+        let (lamp, mut errors) = match Self::point(position_m, intensity) {
+            Ok(lamp) => (Some(lamp), Vec::new()),
+            Err(errors) => (None, errors),
+        };
+        let length = direction.iter().map(|v| v * v).sum::<f64>().sqrt();
+        if !(1e-6..=1e6).contains(&length) {
+            errors.push(LampError {
+                field: "direction",
+                value: format!("{direction:?}"),
+                limit: "a direction of a length within 1e-6..=1e6".to_owned(),
+            });
+        }
+        if !(CONE_DEG.0..=CONE_DEG.1).contains(&cone_deg) {
+            errors.push(LampError {
+                field: "cone_deg",
+                value: cone_deg.to_string(),
+                limit: format!("within {}..={} degrees", CONE_DEG.0, CONE_DEG.1),
+            });
+        }
+        let axis = direction.map(|v| v / length);
+        let cos_cone = cone_deg.to_radians().cos().max(0.0);
+        match lamp {
+            Some(lamp) if errors.is_empty() => Ok(Self {
+                beam: Beam::Spot { axis, cos_cone },
+                ..lamp
+            }),
+            _ => Err(errors),
+        }
+    }
+
+    /// Where it is, in metres: right, down, ahead of the camera.
+    #[must_use]
+    pub fn position_m(&self) -> [f64; 3] {
+        self.position_m
+    }
+}
+
+fn within(field: &'static str, values: [f64; 3], (least, most): (f64, f64), errors: &mut Vec<LampError>) {
+    if !values.iter().all(|value| (least..=most).contains(value)) {
+        errors.push(LampError {
+            field,
+            value: format!("{values:?}"),
+            limit: format!("three numbers, each within {least}..={most}"),
+        });
+    }
+}
+
+/// Lamps, the camera before which they hang, and the water between. Coefficients in 1/m for red, green and blue.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lighting {
+    /// The lamps.
+    pub lamps: Vec<Lamp>,
+    /// Nothing is nearer to a lamp than this, m.
+    pub radius_m: f64,
+    /// The camera.
+    pub camera: Intrinsics,
+    /// Beam attenuation c.
+    pub attenuation: [f64; 3],
+    /// Scattering b.
+    pub scattering: [f64; 3],
+    /// Asymmetry g of the phase function, −1 < g < 1.
+    pub asymmetry: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_wrong_with_a_lamp_is_said_at_once() {
+        let errors = Lamp::spot([0.0, f64::NAN, 0.0], [1.0, -1.0, 1.0], [0.0; 3], 120.0).unwrap_err();
+        let fields: Vec<_> = errors.iter().map(|error| error.field).collect();
+        assert_eq!(fields, ["position_m", "intensity", "direction", "cone_deg"]);
+        assert_eq!(
+            errors[3].to_string(),
+            "cone_deg is 120 but must be within 0.5..=90 degrees"
+        );
+    }
+}

@@ -1,0 +1,255 @@
+//! The glow of the water before the lamps, in f32 with as many nodes as the tolerance asks for.
+//!
+//! With β = θ/2 + π/4 and u = tan β the integral of the reference needs no angle but β itself: the path to the lamp and back is
+//! t₀ + D u, sin θ is sin² β − cos² β, and the denominator of the phase function is (1 + g)² sin² β + (1 − g)² cos² β, without
+//! cancellation. Rows are cut into runs of pixels; each run and lamp has its own number of nodes.
+
+use imaging::simd::vectorised;
+use imaging::{Plane, Rgb};
+
+use super::elementary::{angle, full_angle, sin_cos, small_sin_cos};
+use super::legendre::gauss_legendre;
+use super::nodes::{self, MOST_NODES, Source, Span};
+use super::{Beam, Lamp, Lighting};
+use crate::attenuation::{exp_negative, masked};
+
+/// Pixels of a run: short enough that they need about the same number of nodes.
+const RUN: usize = 64;
+/// A range beyond this counts as this many metres.
+const FARTHEST_M: f32 = 1e6;
+
+type Lanes = [f32; RUN];
+
+/// [`airlight_reference`](super::airlight_reference) with an error below `tolerance` in linear light, as long as
+/// [`MOST_NODES`] suffice for it. `range` in metres along the ray; a hole has no end.
+#[must_use]
+pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Rgb<f32> {
+    let (width, height) = range.size();
+    let mut glow = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0f32; width * height]);
+    let rules: Vec<Vec<[f32; 2]>> = (0..=MOST_NODES / 2).map(half_rule).collect();
+    let share = tolerance / lighting.lamps.len().max(1) as f64;
+    let lamps: Vec<Glow> = lighting
+        .lamps
+        .iter()
+        .map(|lamp| Glow::new(lamp, lighting, share))
+        .filter(|glow| glow.source.strength > 0.0)
+        .collect();
+    let [red, green, blue] = &mut glow;
+    for start in (0..height).flat_map(|y| (0..width).step_by(RUN).map(move |x| (x, y))) {
+        let (x, y) = start;
+        let run = RUN.min(width - x);
+        let at = y * width + x;
+        let mut range_m = [f32::INFINITY; RUN];
+        range_m[..run].copy_from_slice(&range.data()[at..at + run]);
+        let mut sum = [[0.0f32; RUN]; 3];
+        for lamp in &lamps {
+            vectorised(
+                #[inline(always)]
+                || add(lamp, start, &range_m, &rules, &mut sum),
+            );
+        }
+        for (plane, sum) in [&mut *red, &mut *green, &mut *blue].into_iter().zip(&sum) {
+            plane[at..at + run].copy_from_slice(&sum[..run]);
+        }
+    }
+    let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
+    Rgb::new(glow.map(plane)).expect("planes of one frame")
+}
+
+/// The positive nodes of the rule of 2 · `half` nodes; the others mirror them.
+fn half_rule(half: usize) -> Vec<[f32; 2]> {
+    let rule = gauss_legendre(2 * half);
+    rule[..half].iter().map(|&(x, w)| [x as f32, w as f32]).collect()
+}
+
+/// One lamp in f32.
+struct Glow {
+    place: [f32; 3],
+    /// 1/f, cx, cy.
+    lens: [f32; 3],
+    radius: f32,
+    spot: Option<([f32; 3], f32)>,
+    /// The profile of a spot is `offset + slope cos`, clamped to 0..=1; of a point lamp it is 1.
+    offset: f32,
+    slope: f32,
+    /// (1 + g)² and (1 − g)².
+    denominator: [f32; 2],
+    attenuation: [f32; 3],
+    /// 4 b I₀ (1 − g²)/(4π) of each channel: both steps from θ to β and from the interval to −1..=1.
+    gain: [f32; 3],
+    source: Source,
+}
+
+impl Glow {
+    fn new(lamp: &Lamp, lighting: &Lighting, tolerance: f64) -> Self {
+        let single = |values: [f64; 3]| values.map(|v| v as f32);
+        let g = lighting.asymmetry;
+        let strength = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i]);
+        let constant = 2.0 * (1.0 - g * g) / (4.0 * std::f64::consts::PI);
+        let camera = &lighting.camera;
+        let (spot, offset, slope) = match lamp.beam {
+            Beam::Point => (None, 1.0, 0.0),
+            Beam::Spot { axis, cos_cone } => {
+                let slope = 1.0 / (1.0 - cos_cone);
+                (Some((single(axis), cos_cone as f32)), -cos_cone * slope, slope)
+            }
+        };
+        Self {
+            place: single(lamp.position_m),
+            lens: single([1.0 / camera.focal_px, camera.cx, camera.cy]),
+            radius: lighting.radius_m as f32,
+            spot,
+            offset: offset as f32,
+            slope: slope as f32,
+            denominator: [((1.0 + g) * (1.0 + g)) as f32, ((1.0 - g) * (1.0 - g)) as f32],
+            attenuation: single(lighting.attenuation),
+            gain: single(strength.map(|s| s * constant)),
+            source: Source {
+                strength: strength.into_iter().fold(0.0, f64::max),
+                attenuation: lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min),
+                asymmetry: g,
+                tolerance,
+            },
+        }
+    }
+}
+
+/// The intervals of a run: t₀, D, middle and half length in β, and what a spot needs.
+struct Intervals {
+    nearest: Lanes,
+    distance: Lanes,
+    sin: Lanes,
+    cos: Lanes,
+    half: Lanes,
+    /// cos of the angle to the axis: `across · cos θ + along · sin θ`.
+    across: Lanes,
+    along: Lanes,
+}
+
+#[inline(always)]
+fn add(lamp: &Glow, start: (usize, usize), range: &Lanes, rules: &[Vec<[f32; 2]>], sum: &mut [Lanes; 3]) {
+    let (intervals, span) = intervals(lamp, start, range);
+    if span.to <= span.from {
+        return;
+    }
+    let rule = &rules[nodes::count(span, lamp.source) / 2];
+    let mut light = [[0.0f32; RUN]; 3];
+    for &node in rule {
+        quadrature(lamp, &intervals, node, &mut light);
+    }
+    for ((sum, light), gain) in sum.iter_mut().zip(&light).zip(lamp.gain) {
+        for i in 0..RUN {
+            sum[i] += gain * intervals.half[i] / intervals.distance[i] * light[i];
+        }
+    }
+}
+
+#[inline(always)]
+fn intervals(lamp: &Glow, (x, y): (usize, usize), range: &Lanes) -> (Intervals, Span) {
+    let empty = [0.0f32; RUN];
+    let mut to = Intervals {
+        nearest: empty,
+        distance: empty,
+        sin: empty,
+        cos: empty,
+        half: empty,
+        across: empty,
+        along: empty,
+    };
+    let (mut first, mut last, mut near) = (empty, empty, empty);
+    let [inverse_focal, cx, cy] = lamp.lens;
+    let [px, py, pz] = lamp.place;
+    let v = (y as f32 - cy) * inverse_focal;
+    let (is_spot, [ax, ay, az], cone) = match lamp.spot {
+        None => (false, [0.0; 3], 0.0),
+        Some((axis, cone)) => (true, axis, cone),
+    };
+    for i in 0..RUN {
+        let u = ((x + i) as f32 - cx) * inverse_focal;
+        let inverse = 1.0 / (u * u + v * v + 1.0).sqrt();
+        let (dx, dy, dz) = (u * inverse, v * inverse, inverse);
+        // P × d, whose length is the distance from the ray.
+        let (mx, my, mz) = (py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx);
+        let nearest = px * dx + py * dy + pz * dz;
+        let distance = (mx * mx + my * my + mz * mz).sqrt().max(lamp.radius);
+        let square = distance * distance;
+        let to_eye = (nearest * nearest + square).sqrt();
+        let ahead = nearest > 0.0;
+        let from = angle(
+            if ahead { distance } else { to_eye - nearest },
+            if ahead { to_eye + nearest } else { distance },
+        );
+        let (valid, z) = masked(range[i]);
+        let beyond = z.min(FARTHEST_M) - nearest;
+        let to_end = (beyond * beyond + square).sqrt();
+        let before = beyond < 0.0;
+        let end = angle(
+            if before { distance } else { to_end + beyond },
+            if before { to_end - beyond } else { distance },
+        );
+        let end = if valid { end } else { std::f32::consts::FRAC_PI_2 };
+        let (mut from, mut end) = (from, end);
+        if is_spot {
+            // (a × d)·(d × P) / D and a·d.
+            let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
+            let across = -(nx * mx + ny * my + nz * mz) / distance;
+            let along = ax * dx + ay * dy + az * dz;
+            let most = (across * across + along * along).sqrt();
+            let share = (cone / most.max(1e-9)).min(1.0);
+            let half = 0.5 * angle((1.0 - share * share).max(0.0).sqrt(), share.max(1e-9));
+            let middle = 0.5 * (full_angle(along, across) + std::f32::consts::FRAC_PI_2);
+            from = from.max(middle - half);
+            end = end.min(middle + half);
+            (to.across[i], to.along[i]) = (across, along);
+        }
+        let half = (0.5 * (end - from)).max(0.0);
+        let (sin, cos) = sin_cos((0.5 * (end + from)).max(0.0).min(std::f32::consts::FRAC_PI_2));
+        (to.nearest[i], to.distance[i], to.half[i]) = (nearest, distance, half);
+        (to.sin[i], to.cos[i]) = (sin, cos);
+        // A pixel without any light must not widen the span.
+        let lit = half > 0.0;
+        first[i] = if lit { from } else { f32::INFINITY };
+        last[i] = if lit { end } else { 0.0 };
+        near[i] = if lit { distance } else { f32::INFINITY };
+    }
+    let span = Span {
+        from: first.into_iter().fold(f32::INFINITY, f32::min),
+        to: last.into_iter().fold(0.0, f32::max),
+        nearest_m: near.into_iter().fold(f32::INFINITY, f32::min),
+    };
+    (to, span)
+}
+
+/// Adds the two nodes `±node` of every pixel.
+#[inline(always)]
+fn quadrature(lamp: &Glow, to: &Intervals, [node, weight]: [f32; 2], light: &mut [Lanes; 3]) {
+    let [red, green, blue] = light;
+    for i in 0..RUN {
+        let (sin_step, cos_step) = small_sin_cos(to.half[i] * node);
+        let (ss, sc) = (to.sin[i] * cos_step, to.cos[i] * sin_step);
+        let (cc, cs) = (to.cos[i] * cos_step, to.sin[i] * sin_step);
+        let at = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
+        let [r1, g1, b1] = scattered(lamp, at, ss + sc, cc - cs);
+        let [r2, g2, b2] = scattered(lamp, at, ss - sc, cc + cs);
+        red[i] += weight * (r1 + r2);
+        green[i] += weight * (g1 + g2);
+        blue[i] += weight * (b1 + b2);
+    }
+}
+
+/// The integrand at the angle β of this sine and cosine.
+#[inline(always)]
+fn scattered(lamp: &Glow, [nearest, distance, across, along]: [f32; 4], sin: f32, cos: f32) -> [f32; 3] {
+    let ([wide, narrow], [cr, cg, cb]) = (lamp.denominator, lamp.attenuation);
+    let cos = cos.max(1e-7);
+    let denominator = wide * sin * sin + narrow * cos * cos;
+    let to_axis = across * (2.0 * sin * cos) + along * (sin * sin - cos * cos);
+    let profile = (lamp.offset + lamp.slope * to_axis).max(0.0).min(1.0);
+    let light = profile / (denominator * denominator.sqrt());
+    let path = (nearest + distance * (sin / cos)).max(0.0);
+    [
+        light * exp_negative(cr * path),
+        light * exp_negative(cg * path),
+        light * exp_negative(cb * path),
+    ]
+}

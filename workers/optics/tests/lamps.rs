@@ -1,0 +1,181 @@
+//! Lamps: the fast form against the f64 reference, and what must hold of their light.
+#![allow(clippy::unwrap_used)]
+
+use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
+use imaging::geometry::Intrinsics;
+use imaging::{Plane, Rgb};
+
+/// f32 arithmetic in angles and paths, as a share of the frame's peak: some hundred roundings of 6e-8.
+const ROUNDING: f64 = 1e-5;
+/// f32 geometry of surfaces: a range of 30 m is known to 2 µm, and light falls with its square.
+const SURFACE_ROUNDING: f64 = 2e-5;
+const SIZES: [(usize, usize); 5] = [(1, 1), (3, 2), (17, 13), (64, 5), (131, 37)];
+
+/// Beside the camera, behind it, in view, beyond a wall, in the camera, and spots of both kinds.
+fn lamps() -> Vec<(&'static str, Lamp)> {
+    let light = [1.0, 0.8, 0.6];
+    let spot = |place, direction, cone| Lamp::spot(place, light, direction, cone).unwrap();
+    vec![
+        ("beside", Lamp::point([-0.3, 0.2, 0.0], light).unwrap()),
+        ("far beside", Lamp::point([2.0, -1.0, 0.5], light).unwrap()),
+        ("behind", Lamp::point([0.1, 0.1, -0.6], light).unwrap()),
+        ("in view", Lamp::point([0.4, 0.1, 1.5], light).unwrap()),
+        ("behind a wall", Lamp::point([0.2, 0.0, 50.0], light).unwrap()),
+        ("in the camera", Lamp::point([0.0; 3], light).unwrap()),
+        ("spot ahead", spot([0.4, 0.0, 0.0], [-0.1, 0.0, 1.0], 25.0)),
+        ("wide spot", spot([-0.4, 0.3, 0.1], [0.3, 0.0, 0.7], 80.0)),
+        (
+            "spot at the camera",
+            spot([0.2, 0.1, 3.0], [-0.1, 0.0, -1.0], 30.0),
+        ),
+        ("spot across", spot([-1.0, 0.0, 2.0], [1.0, 0.05, 0.0], 15.0)),
+        ("spot away", spot([0.0, 0.0, -0.5], [0.0, 0.0, -1.0], 40.0)),
+    ]
+}
+
+fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), asymmetry: f64) -> Lighting {
+    let (absorption, scattering) = ([0.35, 0.08, 0.06], [0.2, 0.22, 0.25]);
+    Lighting {
+        lamps,
+        radius_m: LAMP_RADIUS_M,
+        camera: Intrinsics::centred(0.7 * width as f64, width, height),
+        attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
+        scattering,
+        asymmetry,
+    }
+}
+
+/// A slope with a step, a hole and an open corner.
+fn range(width: usize, height: usize) -> Plane<f32> {
+    Plane::from_fn(width, height, |x, y| match (x, y) {
+        (0, 0) => f32::INFINITY,
+        (2, 1) => f32::NAN,
+        _ if x > width / 2 => 0.8 + 0.01 * y as f32,
+        _ => 2.0 + 0.05 * x as f32 + 0.1 * y as f32,
+    })
+}
+
+fn peak(light: &Rgb<f64>) -> f64 {
+    let samples = light.planes().iter().flat_map(|plane| plane.data());
+    samples.copied().fold(0.0, f64::max)
+}
+
+fn worst(fast: &Rgb<f32>, exact: &Rgb<f64>) -> f64 {
+    let pairs = fast.planes().iter().zip(exact.planes());
+    let errors = pairs.flat_map(|(fast, exact)| {
+        let samples = fast.data().iter().zip(exact.data());
+        samples.map(|(&fast, exact)| (f64::from(fast) - exact).abs())
+    });
+    errors.fold(0.0, |worst, error| if error <= worst { worst } else { error })
+}
+
+#[test]
+fn airlight_stays_within_its_tolerance_of_the_reference() {
+    for size in SIZES {
+        let range = range(size.0, size.1);
+        let exact_range = range.map(|&z| f64::from(z));
+        for asymmetry in [-0.3, 0.0, 0.7, 0.919, 0.98] {
+            let all = lamps();
+            let mut cases: Vec<(&str, Vec<Lamp>)> =
+                all.iter().map(|&(name, lamp)| (name, vec![lamp])).collect();
+            cases.push(("all", all.into_iter().map(|(_, lamp)| lamp).collect()));
+            for (name, lamps) in cases {
+                let lighting = lighting(lamps, size, asymmetry);
+                let exact = lamp::airlight_reference(&exact_range, &lighting, REFERENCE_NODES);
+                for tolerance in [1e-2, 3e-4, 1e-5] {
+                    let error = worst(&lamp::airlight(&range, &lighting, tolerance), &exact);
+                    let allowed = tolerance + ROUNDING * peak(&exact);
+                    assert!(
+                        error <= allowed,
+                        "{name}, g = {asymmetry}, {size:?}, tolerance {tolerance:e}: {error:e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn light_on_surfaces_agrees_with_the_reference() {
+    for size in SIZES {
+        let range = range(size.0, size.1);
+        let lighting = lighting(lamps().into_iter().map(|(_, lamp)| lamp).collect(), size, 0.9);
+        let normals = lamp::normals_of(&range, &lighting.camera);
+        let exact = lamp::irradiance_reference(&range.map(|&z| f64::from(z)), &normals, &lighting);
+        let error = worst(&lamp::irradiance(&range, &normals, &lighting), &exact);
+        assert!(
+            error <= SURFACE_ROUNDING * peak(&exact).max(1e-3),
+            "{size:?}: {error:e}"
+        );
+    }
+}
+
+/// A wall at 2 m, a lamp beside the camera: 1/r² and the way there and back, by hand.
+#[test]
+fn a_wall_is_lit_by_the_square_of_the_distance_and_both_ways_through_the_water() {
+    let mut lighting = lighting(vec![Lamp::point([0.0; 3], [4.0, 4.0, 4.0]).unwrap()], (5, 5), 0.9);
+    lighting.camera.focal_px = 1e6;
+    let range = Plane::filled(5, 5, 2.0f32);
+    let normals = lamp::normals_of(&range, &lighting.camera);
+    let light = lamp::irradiance(&range, &normals, &lighting);
+    let expected = [0, 1, 2].map(|i| (-2.0 * lighting.attenuation[i]).exp());
+    for (got, expected) in light.at(2, 2).into_iter().zip(expected) {
+        assert!((f64::from(got) - expected).abs() < 1e-4, "{got} for {expected}");
+    }
+    let radiance = Rgb::from_fn(5, 5, |_, _| [0.5f32; 3]);
+    let lit = lamp::lit(&radiance, [0.1; 3], &light).at(2, 2);
+    let by_hand = 0.5 * (0.1 + expected[0] / std::f64::consts::PI);
+    assert!((f64::from(lit[0]) - by_hand).abs() < 1e-5);
+}
+
+#[test]
+fn a_lamp_in_the_camera_or_behind_a_wall_gives_finite_light() {
+    for (name, lamp) in lamps() {
+        for metres in [0.001, 0.02, 1.0, 1e4, 1e30] {
+            let size = (9, 7);
+            let lighting = lighting(vec![lamp], size, 0.919);
+            let range = Plane::filled(9, 7, metres);
+            let glow = lamp::airlight(&range, &lighting, 3e-4);
+            let normals = lamp::normals_of(&range, &lighting.camera);
+            let light = lamp::irradiance(&range, &normals, &lighting);
+            for plane in glow.planes().iter().chain(light.planes()) {
+                assert!(
+                    plane.data().iter().all(|v| v.is_finite() && *v >= 0.0),
+                    "{name} at {metres} m"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_spot_that_is_aimed_away_gives_no_light_in_view() {
+    let away = Lamp::spot([0.0, 0.0, -0.5], [1.0; 3], [0.0, 0.0, -1.0], 40.0).unwrap();
+    let lighting = lighting(vec![away], (16, 9), 0.9);
+    let range = range(16, 9);
+    let normals = lamp::normals_of(&range, &lighting.camera);
+    let light = [
+        lamp::airlight(&range, &lighting, 1e-6),
+        lamp::irradiance(&range, &normals, &lighting),
+    ];
+    let samples = light
+        .iter()
+        .flat_map(|light| light.planes().iter().flat_map(|p| p.data()));
+    assert!(samples.copied().all(|v| v == 0.0));
+}
+
+#[test]
+fn more_range_shows_more_glow_and_more_attenuation_less() {
+    let size = (33, 21);
+    let near = lighting(vec![Lamp::point([0.4, 0.1, 0.0], [1.0; 3]).unwrap()], size, 0.919);
+    let murky = Lighting {
+        attenuation: near.attenuation.map(|c| 2.0 * c),
+        ..near.clone()
+    };
+    let sum = |range: f32, lighting: &Lighting| {
+        let glow = lamp::airlight(&Plane::filled(33, 21, range), lighting, 1e-6);
+        glow.planes()[1].data().iter().sum::<f32>()
+    };
+    assert!(sum(1.0, &near) < sum(2.0, &near) && sum(2.0, &near) < sum(f32::INFINITY, &near));
+    assert!(sum(2.0, &murky) < sum(2.0, &near));
+}
