@@ -169,7 +169,18 @@ async fn body<S: Send + Sync>(request: Request, state: &S) -> Result<Bytes, Prob
         })
 }
 
+/// Also refuses compressed bodies: what they unpack to has no limit that their length tells.
 fn media_type(headers: &HeaderMap, wanted: &str) -> Result<(), Problem> {
+    if let Some(encoding) = headers
+        .get(header::CONTENT_ENCODING)
+        .filter(|it| *it != "identity")
+    {
+        let encoding = String::from_utf8_lossy(encoding.as_bytes());
+        return Err(Problem::new(
+            Slug::UnsupportedMediaType,
+            format!("the content encoding is `{encoding}`; send the body as it is"),
+        ));
+    }
     let given = headers
         .get(header::CONTENT_TYPE)
         .map(|value| String::from_utf8_lossy(value.as_bytes()));

@@ -10,6 +10,7 @@ mod bad_uploads;
 mod common;
 mod control;
 mod documents;
+mod hostile;
 mod images;
 mod jobs;
 mod load;
