@@ -37,25 +37,32 @@ fn total(codes: &[u8], clean: &[u8]) -> f64 {
     // A sum for each place in a block, added in order: the same on every machine.
     let mut sums = [0.0f64; BLOCK];
     for (codes, clean) in codes.chunks(3 * BLOCK).zip(clean.chunks(3 * BLOCK)) {
-        let (one, other) = (load(linear, codes), load(linear, clean));
+        let (one, other) = (lab(linear, codes), lab(linear, clean));
         for x in 0..BLOCK {
-            let lab = |light: &[[f64; BLOCK]; 3]| of_linear(light[0][x], light[1][x], light[2][x]);
-            sums[x] += difference(lab(&one), lab(&other));
+            let colour = |lab: &[[f64; BLOCK]; 3]| [lab[0][x], lab[1][x], lab[2][x]];
+            sums[x] += difference(colour(&one), colour(&other));
         }
     }
     sums.iter().sum()
 }
 
-/// The light of a block of pixels, channel by channel; black, of which there is no difference, beyond its end.
+/// L, a and b of a block of pixels; black, of which there is no difference, beyond its end.
 #[inline(always)]
-fn load(linear: &[f64; 256], codes: &[u8]) -> [[f64; BLOCK]; 3] {
+fn lab(linear: &[f64; 256], codes: &[u8]) -> [[f64; BLOCK]; 3] {
     let mut light = [[0.0f64; BLOCK]; 3];
     for (channel, light) in light.iter_mut().enumerate() {
         for (light, pixel) in light.iter_mut().zip(codes.chunks_exact(3)) {
             *light = linear[usize::from(pixel[channel])];
         }
     }
-    light
+    let mut lab = [[0.0f64; BLOCK]; 3];
+    for x in 0..BLOCK {
+        let [l, a, b] = of_linear(light[0][x], light[1][x], light[2][x]);
+        lab[0][x] = l;
+        lab[1][x] = a;
+        lab[2][x] = b;
+    }
+    lab
 }
 
 const POW_25_7: f64 = 6_103_515_625.0;
