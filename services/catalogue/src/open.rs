@@ -1,6 +1,6 @@
 //! Opening and closing: connections, migrations, wide columns.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -20,9 +20,6 @@ const READERS: u32 = 8;
 /// Pages that a connection keeps, in KiB with a minus sign as SQLite wants it: digests fall anywhere in their index, and
 /// SQLite's own 2 MB hold too few of its pages.
 const CACHE: &str = "-32768";
-/// Pages after which the log is folded into the file: four times SQLite's own, since pages of an index that are changed
-/// again and again are then written to the file once.
-const CHECKPOINT_PAGES: &str = "4000";
 /// Rows that a reader's thread may be ahead: each time it stops costs a change of threads, and with 50 that
 /// is most of a question over a million rows.
 const ROWS: usize = 2048;
@@ -47,7 +44,9 @@ impl Catalogue {
             .foreign_keys(true)
             .busy_timeout(LOCK_WAIT)
             .pragma("cache_size", CACHE)
-            .pragma("wal_autocheckpoint", CHECKPOINT_PAGES)
+            // The writer folds the log in, after it has answered; it is then begun anew, and its size tells its length.
+            .pragma("wal_autocheckpoint", "0")
+            .pragma("journal_size_limit", "0")
             .disable_statement_logging();
         let mut connection = options.connect().await.map_err(|e| unusable(&e))?;
         let version: String = sqlx::query_scalar("SELECT sqlite_version()")
@@ -75,7 +74,7 @@ impl Catalogue {
             .connect_with(options.pragma("query_only", "ON").row_buffer_size(ROWS))
             .await
             .map_err(|e| unusable(&e))?;
-        let (writer, task) = Writer::start(connection, columns.clone());
+        let (writer, task) = Writer::start(connection, columns.clone(), wal_path(path));
         Ok(Self {
             path: path.to_owned(),
             columns,
@@ -94,6 +93,13 @@ impl Catalogue {
         }
         self.readers.close().await;
     }
+}
+
+/// Where SQLite keeps the write-ahead log.
+pub(crate) fn wal_path(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push("-wal");
+    name.into()
 }
 
 /// Adds the wide columns that are not there yet. A metric that is gone from the registry keeps its column.

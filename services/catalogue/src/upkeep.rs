@@ -8,6 +8,7 @@ use sqlx::{ConnectOptions, Connection};
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
+use crate::open::wal_path;
 
 /// Most findings of one kind, as many as SQLite lists of its own; a damaged file may have millions.
 const MOST_FINDINGS: u32 = 100;
@@ -65,9 +66,7 @@ impl Catalogue {
     /// Bytes of the write-ahead log.
     #[must_use]
     pub fn wal_bytes(&self) -> u64 {
-        let mut name = self.path.clone().into_os_string();
-        name.push("-wal");
-        std::fs::metadata(name).map_or(0, |file| file.len())
+        std::fs::metadata(wal_path(&self.path)).map_or(0, |file| file.len())
     }
 
     /// A connection for something long: it takes no place among the readers.

@@ -1,5 +1,6 @@
 //! The one task that writes. What callers bring within a few milliseconds shares a transaction and a flush to the disk.
 
+use std::path::{Path, PathBuf};
 use std::pin::Pin;
 use std::time::Duration;
 
@@ -20,6 +21,9 @@ const QUEUE: usize = 1024;
 const GROUP: usize = 512;
 /// Images that are stored together.
 const IMAGES: usize = 64;
+/// Bytes of the log after which it is folded into the file: twice SQLite's own, since pages that are changed again and
+/// again are written to the file once for each time that the log fills.
+const LONG_LOG: u64 = 8 << 20;
 /// How long a transaction gathers: less than a flush to the disk takes.
 const GATHER: Duration = Duration::from_millis(2);
 
@@ -58,9 +62,13 @@ impl Writer {
     pub(crate) fn start(
         connection: SqliteConnection,
         columns: Columns,
+        log: PathBuf,
     ) -> (Self, tokio::task::JoinHandle<()>) {
         let (sender, receiver) = mpsc::channel(QUEUE);
-        (Self(sender), tokio::spawn(run(connection, columns, receiver)))
+        (
+            Self(sender),
+            tokio::spawn(run(connection, columns, log, receiver)),
+        )
     }
 
     /// Brings a change and waits until it is durable.
@@ -86,14 +94,30 @@ impl Writer {
     }
 }
 
-async fn run(mut connection: SqliteConnection, columns: Columns, mut queue: mpsc::Receiver<Call>) {
+async fn run(
+    mut connection: SqliteConnection,
+    columns: Columns,
+    log: PathBuf,
+    mut queue: mpsc::Receiver<Call>,
+) {
     while let Some(first) = queue.recv().await {
         if let Err(error) = group(&mut connection, &columns, first, &mut queue).await {
             tracing::error!(%error, "the catalogue could not commit");
         }
+        fold_in(&mut connection, &log).await;
     }
     if let Err(error) = connection.close().await {
         tracing::warn!(%error, "the catalogue did not close cleanly");
+    }
+}
+
+/// Folds a long log into the file. SQLite would do it within a commit, which then seems to fail on a full disk although
+/// it stands; here nobody waits for it.
+async fn fold_in(connection: &mut SqliteConnection, log: &Path) {
+    if std::fs::metadata(log).is_ok_and(|log| log.len() > LONG_LOG)
+        && let Err(error) = connection.execute("PRAGMA wal_checkpoint(PASSIVE)").await
+    {
+        tracing::warn!(%error, "the log of the catalogue stays for now");
     }
 }
 

@@ -252,7 +252,9 @@ impl Task {
             connection.close().await?;
         }
         self.shared.readers.retire(pack);
+        faults::point("pack.removing");
         self.shared.folder.remove(pack)?;
+        faults::point("pack.removed");
         Ok(true)
     }
 

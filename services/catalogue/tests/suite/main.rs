@@ -6,6 +6,8 @@ mod concurrency;
 mod control;
 mod deletion;
 mod fixture;
+#[cfg(target_os = "linux")]
+mod full;
 mod injection;
 mod killed;
 mod pages;

@@ -5,4 +5,7 @@
 mod damage;
 mod deletion;
 mod fixture;
+#[cfg(target_os = "linux")]
+mod full;
+mod killed;
 mod packs;

@@ -1,0 +1,109 @@
+//! A disk that is full: the call says so, what is there can be read, and writing goes on when there is space.
+//!
+//! The disk is a small file system in memory, mounted in a name space of its own: [`child`] runs in it. Where the system
+//! does not allow that, the test says so and shows nothing.
+
+use std::path::Path;
+use std::process::Command;
+
+use fathom_store::{Blob, Store, StoreError};
+
+use crate::fixture::{digests, holds_all, numbered};
+
+const MOUNTED: &str = "STORE_ON_A_SMALL_DISK";
+const DISK: &str = "size=40m";
+const BALLAST_BYTES: usize = 6 << 20;
+const PACK_BYTES: u64 = 4_000_000;
+
+#[test]
+fn a_full_disk_stops_writing_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = "mount -t tmpfs -o $1 none $2 && exec \"$3\" full::child --exact --nocapture";
+    let mut command = Command::new("unshare");
+    command
+        .args([
+            "--user",
+            "--map-root-user",
+            "--mount",
+            "sh",
+            "-c",
+            script,
+            "sh",
+            DISK,
+        ])
+        .arg(folder.path())
+        .arg(std::env::current_exe().unwrap())
+        .env(MOUNTED, folder.path());
+    let Ok(output) = command.output() else {
+        return eprintln!("no `unshare` here");
+    };
+    let text =
+        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    if text.contains("running 1 test") {
+        assert!(output.status.success(), "{text}");
+    } else {
+        eprintln!("no file system can be mounted here: {text}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn child() {
+    let Some(folder) = std::env::var_os(MOUNTED) else {
+        return;
+    };
+    let folder = Path::new(&folder);
+    for name in ["one", "two"] {
+        std::fs::write(folder.join(name), vec![7; BALLAST_BYTES]).unwrap();
+    }
+    let store = Store::open_with(folder, PACK_BYTES).await.unwrap();
+    let mut stored = fill(&store, 0).await;
+    assert!(stored.len() > 10, "{}", stored.len());
+    // Again and again, and nothing of it is half there.
+    for number in 5000..5010 {
+        let late = numbered(number, 500_000);
+        let refused = store
+            .put_all(vec![late.clone(), numbered(number + 100, 10)])
+            .await;
+        assert!(matches!(refused, Err(StoreError::Full { .. })), "{refused:?}");
+        assert_eq!(store.get(&late.digest).await.unwrap(), None);
+        assert!(!store.contains(&late.digest).await.unwrap());
+        holds_all(&store, &stored).await;
+    }
+    // Space comes back: the same store writes on.
+    std::fs::remove_file(folder.join("one")).unwrap();
+    let more = fill(&store, 1000).await;
+    assert!(more.len() > 3, "{}", more.len());
+    stored.extend(more);
+    holds_all(&store, &stored).await;
+    // Deleting needs a little room for its log. With it, it makes more.
+    let refused = store.delete(&digests(&stored[..4])).await;
+    assert!(matches!(refused, Err(StoreError::Full { .. })), "{refused:?}");
+    holds_all(&store, &stored).await;
+    std::fs::remove_file(folder.join("two")).unwrap();
+    let live = stored.split_off(stored.len() - 5);
+    store.delete(&digests(&stored)).await.unwrap();
+    let freed = store.compact().await.unwrap();
+    assert!(freed.packs >= 3 && freed.bytes_freed > 10_000_000, "{freed:?}");
+    holds_all(&store, &live).await;
+    let after = fill(&store, 2000).await;
+    assert!(after.len() > 10, "{}", after.len());
+    // A start on the full disk finds everything.
+    store.close().await;
+    let store = Store::open_with(folder, PACK_BYTES).await.unwrap();
+    holds_all(&store, &live).await;
+    holds_all(&store, &after).await;
+}
+
+/// Stores until the disk is full; answers what was stored.
+async fn fill(store: &Store, from: u64) -> Vec<Blob> {
+    let mut stored = Vec::new();
+    for number in from..from + 500 {
+        let blob = numbered(number, 500_000);
+        match store.put_all(vec![blob.clone()]).await {
+            Ok(()) => stored.push(blob),
+            Err(StoreError::Full { .. }) => return stored,
+            Err(other) => panic!("{other}"),
+        }
+    }
+    panic!("the disk is never full");
+}
