@@ -136,3 +136,58 @@ fn an_uploaded_picture_becomes_a_dataset_and_the_dataset_a_folder() {
     export(&service, &some, &["--filter", filter]);
     assert_eq!(rows(&some).len(), 1);
 }
+
+#[test]
+fn a_folder_of_pictures_is_uploaded_with_what_belongs_to_them() {
+    let folder = temporary();
+    let service = Service::start(&folder.path().join("data"), &["--workers", "0"]);
+    let pictures = folder.path().join("pictures");
+    std::fs::create_dir(&pictures).expect("a writable folder");
+    let vectors = root().join("workers/enhance/tests/vectors/enhancement");
+    for (from, to) in [
+        ("hazed_160x120.input.png", "a.png"),
+        ("noise_64x64.input.png", "b.png"),
+    ] {
+        std::fs::copy(vectors.join(from), pictures.join(to)).expect("a vector");
+    }
+    std::fs::write(pictures.join("a.range.npy"), range_map(160, 120)).expect("a writable folder");
+    std::fs::write(pictures.join("broken.png"), b"\x89PNG\r\n\x1a\n").expect("a writable folder");
+    let upload = || {
+        run(&[
+            "upload",
+            pictures.to_str().expect("text"),
+            "--hfov-deg",
+            "60",
+            "--server",
+            &service.url,
+        ])
+    };
+    let output = upload();
+    assert_eq!(output.status.code(), Some(2), "a broken picture must be told");
+    assert!(
+        text(&output.stderr).contains("broken.png"),
+        "{}",
+        text(&output.stderr)
+    );
+    let printed = text(&output.stdout);
+    assert_eq!(printed.lines().count(), 2, "{printed}");
+    let (_, scenes) = service.get("/v1/scenes");
+    let with_range = scenes["items"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter(|s| !s["range_digest"].is_null())
+        .count();
+    assert_eq!(
+        (scenes["items"].as_array().map(Vec::len), with_range),
+        (Some(2), 1),
+        "{scenes}"
+    );
+    std::fs::remove_file(pictures.join("broken.png")).expect("a file");
+    let again = upload();
+    assert!(
+        again.status.success() && text(&again.stdout) == printed,
+        "{}",
+        text(&again.stderr)
+    );
+}
