@@ -5,12 +5,10 @@ use std::sync::Arc;
 
 use renderer::{Engine, SceneSource, Slot};
 use serde_json::Value;
-use spec::Job;
 
 use super::StyleArguments;
-use super::render::bad_spec;
+use super::render::{bad_spec, read_job};
 use crate::exit::Failure;
-use crate::files;
 use crate::table::{cell, table};
 
 /// Options of `fathom plan`.
@@ -31,9 +29,7 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let library = super::styles::library(&arguments.style)?;
-    let vocabulary = renderer::vocabulary(&library, true);
-    let text = files::read(&arguments.spec)?;
-    let job = Job::parse(&text, &vocabulary).map_err(|invalid| bad_spec(&arguments.spec, &invalid))?;
+    let job = read_job(&arguments.spec, &library)?;
     if arguments.frame >= job.frames() {
         let message = format!(
             "--frame {} is beyond the job's {} frames, 0 to {}",

@@ -1,10 +1,11 @@
 //! `fathom render`: a job without a service; the same frames, byte for byte.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use renderer::Engine;
 use spec::Job;
+use style::Library;
 
 use super::StyleArguments;
 use crate::exit::Failure;
@@ -29,9 +30,7 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let library = super::styles::library(&arguments.style)?;
-    let vocabulary = renderer::vocabulary(&library, true);
-    let text = files::read(&arguments.spec)?;
-    let job = Job::parse(&text, &vocabulary).map_err(|invalid| bad_spec(&arguments.spec, &invalid))?;
+    let job = read_job(&arguments.spec, &library)?;
     for warning in job.warnings() {
         eprintln!("warning: {warning}");
     }
@@ -68,13 +67,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Reads a job that may name files of this machine.
+pub(crate) fn read_job(path: &Path, library: &Library) -> Result<Job, Failure> {
+    let text = files::read(path)?;
+    Job::parse(&text, &renderer::vocabulary(library, true)).map_err(|invalid| bad_spec(path, &invalid))
+}
+
 /// The machine's cores.
 pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Every error of a job description, one per line.
-pub(crate) fn bad_spec(path: &std::path::Path, invalid: &spec::Invalid) -> Failure {
+pub(crate) fn bad_spec(path: &Path, invalid: &spec::Invalid) -> Failure {
     let mut message = format!("{}: {} errors", path.display(), invalid.0.len());
     for error in &invalid.0 {
         message.push_str(&format!("\n  {} {}", error.pointer, error.message));
