@@ -123,7 +123,7 @@ const LIGHT: Shape = Tagged {
 const FIDELITY: &[Field] = &[
     field("tolerance", Number(Range::within(1e-7, 1.0)), Required, "largest error in linear light"),
     field("terms", Integer(1, 64), Required, "kernels of the fast forward scatter"),
-    fixed("variant", Text(Fixed(&["reference"])), Required, "the slow f64 reference"),
+    fixed("variant", Text(Fixed(&["reference", "display"])), Required, "`reference`, the slow f64 form, or `display`, within one code of the 8-bit picture"),
 ];
 
 const ENCODE: Shape = Tagged {

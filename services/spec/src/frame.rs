@@ -287,6 +287,8 @@ pub enum HazeSpace {
 pub enum Fidelity {
     /// Largest error in linear light.
     Tolerance(f64),
+    /// One code of the 8-bit picture.
+    Display,
     /// This many kernels in the fast forward scatter.
     Terms(usize),
     /// The slow f64 reference.

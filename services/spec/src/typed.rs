@@ -38,6 +38,7 @@ enum WrittenFidelity {
 #[serde(rename_all = "snake_case")]
 enum Variant {
     Reference,
+    Display,
 }
 
 /// The frame that a resolved description stands for; `count` is left out of its parameters.
@@ -66,6 +67,7 @@ pub(crate) fn frame(index: u64, mut fields: Map<String, Value>) -> Result<Frame,
             WrittenFidelity::Tolerance(tolerance) => Fidelity::Tolerance(tolerance),
             WrittenFidelity::Terms(terms) => Fidelity::Terms(terms),
             WrittenFidelity::Variant(Variant::Reference) => Fidelity::Reference,
+            WrittenFidelity::Variant(Variant::Display) => Fidelity::Display,
         },
         artifacts: resolved
             .artifacts

@@ -72,6 +72,7 @@ pub fn water(
         range,
         farthest,
         water,
+        clear: plan.attenuation == AttenuationStep::Skip,
     };
     let band = |c: usize| fast::band(&frame, &radiance.planes()[c], c, &plan.scatter[c], cache);
     let bands = [0, 1, 2].map(band);

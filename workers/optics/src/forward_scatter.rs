@@ -8,15 +8,18 @@
 //! Neither form knows occlusion: light of the background that leaks over a near object is about four times too strong.
 
 mod basis;
+mod bound;
 mod buffers;
 mod cache;
 mod chebyshev;
 mod nodes;
 mod reference;
 
+pub use bound::{Bound, Errors, ScaleLight};
 pub use cache::KernelCache;
 pub use chebyshev::{gather, scatter};
 pub use nodes::{Nodes, closed_form_terms};
+pub(crate) use nodes::{place, scale_at};
 pub use reference::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference};
 
 /// Largest kernel scale in frame sides: beyond it the kernel is flat across the frame.

@@ -1,23 +1,26 @@
 //! What a frame needs for a tolerance: plain data, chosen before anything is computed.
 //!
-//! The tolerance is the largest error in linear light. A stage is skipped only where its whole effect stays below it; else
-//! the cheapest form that meets it is taken. With the fast forward scatter the number of kernels comes from the closed form
-//! of [`closed_form_terms`](crate::forward_scatter::closed_form_terms).
+//! The tolerance is the largest error in linear light, and the stages share it: what one of them uses is taken from what
+//! the next may. A stage is skipped only where its whole effect stays within its share; else the cheapest form is taken
+//! whose error [`Bound`](crate::forward_scatter::Bound) says does. A style network has no known gain: with one the
+//! promise holds up to its input.
 
+mod scatter;
 mod stats;
 
-pub use stats::SceneStats;
+pub use stats::{RangeBin, SceneStats};
 
-use crate::forward_scatter::{Nodes, closed_form_terms};
+use crate::forward_scatter::Nodes;
 use crate::haze::HazeLight;
-use crate::kernel;
-use crate::water::{Scatter, ScatterSource, Spread, Water};
+use crate::water::Water;
 
 /// How exact the water must be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fidelity {
     /// Largest error in linear light.
     Tolerance(f64),
+    /// One code of the 8-bit picture.
+    Display,
     /// This many kernels, whatever the error.
     Terms(usize),
     /// The slow f64 form.
@@ -59,8 +62,37 @@ pub struct Plan {
     pub style: bool,
     /// Lights that are drawn.
     pub lights: usize,
-    /// The error in linear light that the scatter stays within, where it was chosen by tolerance.
-    pub bound: Option<f64>,
+    /// The error in linear light that attenuation, scatter and f32 together may make in each channel, where the plan was
+    /// made for a tolerance.
+    pub bounds: Option<[f64; 3]>,
+}
+
+/// Attenuation is left out where that loses no more than this part of the tolerance.
+const SKIP_SHARE: f64 = 0.125;
+/// What is left for the scatter where f32 alone uses up the tolerance.
+const LEAST_SHARE: f64 = 0.125;
+/// Rounding of f32 in attenuation and transforms, for light up to 1: the largest of some ten thousand frames is half of it.
+const ROUNDING: f64 = 2e-6;
+
+/// What f32 may lose of the light of a channel.
+fn rounding(stats: &SceneStats, water: &Water, channel: usize) -> f64 {
+    let radiance = f64::from(stats.brightest[channel]) * water.radiance_gain[channel];
+    ROUNDING * radiance.max(water.veiling_light[channel])
+}
+
+/// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` where no light is
+/// below L > 0.0031, else what the steep foot of the curve allows (12.92).
+fn display_tolerance(stats: &SceneStats, water: &Water) -> f64 {
+    const FOOT: f64 = 0.003_130_8;
+    let darkest = (0..3)
+        .map(|channel| levels(stats, water, channel).0)
+        .fold(f64::INFINITY, f64::min);
+    if darkest <= FOOT {
+        return 1.0 / 255.0 / 12.92;
+    }
+    // The slope falls with the light; it is taken where the error may have led.
+    let darkest = (darkest - 1.0 / 255.0 / 12.92).max(FOOT).min(1.0);
+    1.0 / 255.0 / (0.4396 * darkest.powf(-0.5833))
 }
 
 /// One line of a plan for people and records.
@@ -86,19 +118,30 @@ impl Plan {
         lights: &[HazeLight],
         fidelity: Fidelity,
     ) -> Self {
-        let scatter = [0, 1, 2].map(|channel| scatter_step(stats, water, channel, fidelity));
+        let tolerance = match fidelity {
+            Fidelity::Tolerance(tolerance) => Some(tolerance),
+            Fidelity::Display => Some(display_tolerance(stats, water)),
+            Fidelity::Terms(_) | Fidelity::Reference => None,
+        };
+        let lost = [0, 1, 2].map(|channel| attenuation_effect(stats, water, channel));
+        let clear =
+            tolerance.is_some_and(|tolerance| lost.iter().all(|&lost| lost <= SKIP_SHARE * tolerance));
+        let used = |channel: usize| rounding(stats, water, channel) + if clear { lost[channel] } else { 0.0 };
+        let steps = [0, 1, 2].map(|channel| {
+            let share = tolerance.map_or(0.0, |tolerance| {
+                (tolerance - used(channel)).max(LEAST_SHARE * tolerance)
+            });
+            scatter::choose(stats, water, channel, fidelity, share)
+        });
+        let bound = |channel: usize| used(channel) + steps[channel].1.unwrap_or(0.0);
         Self {
-            attenuation: if fidelity == Fidelity::Reference {
-                AttenuationStep::Reference
-            } else {
-                AttenuationStep::Fast
+            attenuation: match fidelity {
+                Fidelity::Reference => AttenuationStep::Reference,
+                _ if clear => AttenuationStep::Skip,
+                _ => AttenuationStep::Fast,
             },
-            scatter,
-            bound: if let Fidelity::Tolerance(tolerance) = fidelity {
-                Some(tolerance)
-            } else {
-                None
-            },
+            bounds: tolerance.map(|_| [0, 1, 2].map(bound)),
+            scatter: steps.map(|(step, _)| step),
             ..Self::without_water(style_weight, lights)
         }
     }
@@ -111,7 +154,7 @@ impl Plan {
             scatter: [const { ScatterStep::Skip }; 3],
             style: style_weight.is_some_and(|alpha| alpha > 0.0),
             lights: lights.iter().filter(|light| light.shines()).count(),
-            bound: None,
+            bounds: None,
         }
     }
 
@@ -119,20 +162,25 @@ impl Plan {
     #[must_use]
     pub fn describe(&self) -> Vec<StageNote> {
         const STAGES: [&str; 3] = ["forward_scatter.r", "forward_scatter.g", "forward_scatter.b"];
-        let scatter = self.scatter.iter().zip(STAGES).map(|(step, stage)| {
-            let (variant, terms) = match step {
-                ScatterStep::Skip => ("skip", None),
-                ScatterStep::Pointwise => ("pointwise", None),
-                ScatterStep::Interpolated(nodes) => ("chebyshev", Some(nodes.terms())),
-                ScatterStep::Reference => ("reference", None),
-            };
-            StageNote {
-                stage,
-                variant,
-                terms,
-                bound: self.bound,
-            }
-        });
+        let scatter = self
+            .scatter
+            .iter()
+            .zip(STAGES)
+            .enumerate()
+            .map(|(channel, (step, stage))| {
+                let (variant, terms) = match step {
+                    ScatterStep::Skip => ("skip", None),
+                    ScatterStep::Pointwise => ("pointwise", None),
+                    ScatterStep::Interpolated(nodes) => ("chebyshev", Some(nodes.terms())),
+                    ScatterStep::Reference => ("reference", None),
+                };
+                StageNote {
+                    stage,
+                    variant,
+                    terms,
+                    bound: self.bounds.map(|bounds| bounds[channel]),
+                }
+            });
         let simple = |stage, variant| StageNote {
             stage,
             variant,
@@ -153,122 +201,51 @@ impl Plan {
     }
 }
 
-fn scatter_step(stats: &SceneStats, water: &Water, channel: usize, fidelity: Fidelity) -> ScatterStep {
-    if fidelity == Fidelity::Reference && water.scatter != Scatter::None {
-        return ScatterStep::Reference;
+/// Limits of the attenuated image in one channel: `I − B∞ = (J − B∞) T` where one coefficient serves both parts.
+fn levels(stats: &SceneStats, water: &Water, channel: usize) -> (f64, f64) {
+    let gain = water.radiance_gain[channel];
+    let (dark, bright) = (
+        f64::from(stats.darkest[channel]) * gain,
+        f64::from(stats.brightest[channel]) * gain,
+    );
+    let (direct, back) = (
+        water.direct_attenuation[channel],
+        water.backscatter_attenuation[channel],
+    );
+    let veil = water.veiling_light[channel];
+    let (nearest, farthest) = stats.range_m.unwrap_or((0.0, f64::INFINITY));
+    let arriving = (-direct * nearest).exp();
+    if direct == back && direct > 0.0 {
+        return (
+            veil - (veil - dark).max(0.0) * arriving,
+            veil + (bright - veil).max(0.0) * arriving,
+        );
     }
-    let Some(light) = SpreadLight::of(stats, water, channel) else {
-        return ScatterStep::Skip;
+    // A hole shows the scene itself where the water attenuates nothing, and the veil where it does.
+    let darkest = dark * (-direct * farthest).exp();
+    (if stats.holes { 0.0 } else { darkest }, bright.max(0.0) + veil)
+}
+
+/// What is lost if the water's attenuation is left out; none where that cannot be bounded.
+fn attenuation_effect(stats: &SceneStats, water: &Water, channel: usize) -> f64 {
+    let Some((_, farthest)) = stats.range_m.filter(|_| !stats.holes) else {
+        return f64::INFINITY;
     };
-    let gathers = matches!(water.scatter, Scatter::Simplified { .. });
-    let gamma = |metres: f64| light.spread.gamma(channel, metres, stats.widest_px);
-    let (least, most) = (gamma(light.nearest_m), gamma(light.farthest_m));
-    if most == 0.0 {
-        // The kernel is a delta.
-        return if gathers {
-            ScatterStep::Skip
-        } else {
-            ScatterStep::Pointwise
-        };
+    let gain = water.radiance_gain[channel];
+    let (dark, bright) = (
+        f64::from(stats.darkest[channel]) * gain,
+        f64::from(stats.brightest[channel]) * gain,
+    );
+    let (direct, back) = (
+        water.direct_attenuation[channel],
+        water.backscatter_attenuation[channel],
+    );
+    let veil = water.veiling_light[channel];
+    if direct == back {
+        let contrast = (bright - veil).abs().max((dark - veil).abs());
+        return contrast * -(-direct * farthest).exp_m1();
     }
-    let terms = match fidelity {
-        Fidelity::Terms(terms) => terms,
-        Fidelity::Tolerance(tolerance) => {
-            if let Some(step) = cheap_step(&light, gathers, (least, most), tolerance) {
-                return step;
-            }
-            closed_form_terms(least, most, light.brightest, tolerance)
-        }
-        Fidelity::Reference => return ScatterStep::Reference,
-    };
-    let few = stats
-        .distinct_m
-        .as_ref()
-        .filter(|distinct| distinct.len() <= terms);
-    ScatterStep::Interpolated(match few {
-        Some(distinct) => Nodes::exact(distinct.iter().map(|&metres| gamma(f64::from(metres)))),
-        None => Nodes::chebyshev(least, most, terms),
-    })
-}
-
-/// What stays within the tolerance without any transform, if something does.
-fn cheap_step(
-    light: &SpreadLight,
-    gathers: bool,
-    (least, most): (f64, f64),
-    tolerance: f64,
-) -> Option<ScatterStep> {
-    // Light that leaves its own pixel.
-    let moved = (1.0 - kernel::centre(most)) * light.brightest;
-    if gathers {
-        return (moved <= tolerance).then_some(ScatterStep::Skip);
-    }
-    // A cone-shaped range can focus scattered light to this multiple, at most.
-    let focus = 1.0 + FOCUS_PER_E_FOLD * (most / least).ln();
-    if focus.is_finite() && focus * light.brightest <= tolerance {
-        return Some(ScatterStep::Skip);
-    }
-    (most < 0.5 && moved <= tolerance).then_some(ScatterStep::Pointwise)
-}
-
-/// Growth of the focused light for each factor e between the widest and the narrowest kernel.
-const FOCUS_PER_E_FOLD: f64 = 0.385;
-
-/// The light of one channel that is spread, and from which ranges.
-struct SpreadLight {
-    /// Bound of its largest value.
-    brightest: f64,
-    spread: Spread,
-    nearest_m: f64,
-    farthest_m: f64,
-}
-
-impl SpreadLight {
-    /// None where there is nothing to spread.
-    fn of(stats: &SceneStats, water: &Water, channel: usize) -> Option<Self> {
-        let radiance = f64::from(stats.brightest[channel]) * water.radiance_gain[channel];
-        match water.scatter {
-            Scatter::None => None,
-            Scatter::Simplified { spread } => {
-                let (nearest_m, farthest_m) = stats.range_m?;
-                let brightest = radiance.max(water.veiling_light[channel]);
-                Some(Self {
-                    brightest,
-                    spread,
-                    nearest_m,
-                    farthest_m,
-                })
-            }
-            Scatter::Jaffe { g, source, spread } => {
-                let (nearest_m, farthest_m) = stats.lit_m[channel]?;
-                let c = water.direct_attenuation[channel];
-                let share = largest_share(g[channel].min(c), c, nearest_m, farthest_m);
-                let arriving = if source == ScatterSource::Direct {
-                    (-c * nearest_m).exp()
-                } else {
-                    1.0
-                };
-                let brightest = radiance * share * arriving;
-                (brightest > 0.0).then_some(Self {
-                    brightest,
-                    spread,
-                    nearest_m,
-                    farthest_m,
-                })
-            }
-        }
-    }
-}
-
-/// The largest `e^{−GZ} − e^{−cZ}` between two ranges: it rises to its peak at `ln(c/G)/(c − G)` and then falls.
-fn largest_share(g: f64, c: f64, nearest_m: f64, farthest_m: f64) -> f64 {
-    let peak = if g > 0.0 && c > g {
-        (c / g).ln() / (c - g)
-    } else {
-        f64::INFINITY
-    };
-    let at = peak.clamp(nearest_m, farthest_m);
-    (-g * at).exp() * -(-(c - g) * at).exp_m1()
+    bright * -(-direct * farthest).exp_m1() + veil * -(-back * farthest).exp_m1()
 }
 
 #[cfg(test)]

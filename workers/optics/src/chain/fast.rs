@@ -15,6 +15,8 @@ pub(super) struct Frame<'a> {
     /// The largest valid range in metres, where holes take their kernel from.
     pub(super) farthest: Option<f32>,
     pub(super) water: &'a Water,
+    /// Attenuation is left out.
+    pub(super) clear: bool,
 }
 
 pub(super) fn band(
@@ -25,10 +27,12 @@ pub(super) fn band(
     cache: &mut KernelCache,
 ) -> Band<f32> {
     let Frame { range, water, .. } = frame;
+    // Where the plan leaves attenuation out, the path has no length for it.
+    let clear = frame.clear.then_some(0.0);
     let coefficients = Channel {
         gain: water.radiance_gain[channel] as f32,
-        direct: water.direct_attenuation[channel] as f32,
-        backscatter: water.backscatter_attenuation[channel] as f32,
+        direct: clear.unwrap_or(water.direct_attenuation[channel] as f32),
+        backscatter: clear.unwrap_or(water.backscatter_attenuation[channel] as f32),
         veil: water.veiling_light[channel] as f32,
     };
     let [mut direct, mut veil, mut image, mut forward] = [(); 4].map(|()| empty(range, cache));

@@ -14,8 +14,13 @@ const NARROW: f64 = 1e-3;
 const POINT: f64 = 1e-6;
 
 /// s of a kernel scale.
-pub(super) fn place(gamma: f64) -> f64 {
+pub(crate) fn place(gamma: f64) -> f64 {
     (gamma + SHIFT_PX).ln()
+}
+
+/// The kernel scale at s.
+pub(crate) fn scale_at(s: f64) -> f64 {
+    s.exp() - SHIFT_PX
 }
 
 /// Kernel scales γ_k in pixels: at least one, ascending, all different.

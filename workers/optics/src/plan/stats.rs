@@ -10,6 +10,15 @@ use crate::water::{Scatter, ScatterSource, Water};
 /// Distinct ranges are counted up to here: with more, interpolation takes fewer kernels than there are ranges.
 const MOST_DISTINCT: usize = 32;
 
+/// Pixels whose range lies between two distances less than an eighth apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RangeBin {
+    /// The two distances in metres.
+    pub metres: (f64, f64),
+    /// Largest radiance of each channel among them.
+    pub brightest: [f32; 3],
+}
+
 /// Bounds of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStats {
@@ -21,6 +30,12 @@ pub struct SceneStats {
     pub distinct_m: Option<Vec<f32>>,
     /// Largest radiance of each channel.
     pub brightest: [f32; 3],
+    /// Smallest radiance of each channel.
+    pub darkest: [f32; 3],
+    /// Pixels without a range that the rule does not fill.
+    pub holes: bool,
+    /// The lit ranges, nearest first, with the largest radiance of each channel there.
+    pub bins: Vec<RangeBin>,
     /// The widest kernel that the frame's size admits, pixels.
     pub widest_px: f64,
 }
@@ -43,7 +58,16 @@ impl SceneStats {
             let span = filled(bounds(light, range.data(), most_m));
             span.map(|(nearest, farthest)| (f64::from(nearest), f64::from(farthest)))
         };
+        let mut bins = binned(radiance, range);
+        if let Some(z) = stand_in {
+            let brightest = radiance.planes().each_ref().map(|plane| largest(plane.data()));
+            let metres = (f64::from(z), f64::from(z));
+            bins.push(RangeBin { metres, brightest });
+        }
         Self {
+            holes: stand_in.is_none() && range.data().iter().any(|&z| is_hole(z)),
+            bins,
+            darkest: radiance.planes().each_ref().map(|plane| smallest(plane.data())),
             range_m: span(range.data(), f32::MAX),
             lit_m: [0, 1, 2].map(|channel| span(radiance.planes()[channel].data(), opaque_m[channel])),
             distinct_m: distinct(range.data(), stand_in),
@@ -76,6 +100,45 @@ fn largest(light: &[f32]) -> f32 {
         }
     }
     lanes.into_iter().fold(0.0, f32::max)
+}
+
+fn smallest(light: &[f32]) -> f32 {
+    let mut lanes = [f32::MAX; LANES];
+    for chunk in light.chunks(LANES) {
+        for (lane, &l) in lanes.iter_mut().zip(chunk) {
+            *lane = lane.min(l);
+        }
+    }
+    lanes.into_iter().fold(f32::MAX, f32::min)
+}
+
+/// Bits of a float below its exponent and three more: eight bins for each factor of two.
+const BIN_SHIFT: u32 = 20;
+/// Bins of all positive floats.
+const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
+
+/// The largest radiance by range.
+fn binned(radiance: &Rgb<f32>, range: &Plane<f32>) -> Vec<RangeBin> {
+    // None of these is lit; a pixel of no light is none that spreads any.
+    let mut brightest = vec![[0.0f32; 3]; BINS];
+    let [r, g, b] = radiance.planes().each_ref().map(Plane::data);
+    for (&z, ((&r, &g), &b)) in range.data().iter().zip(r.iter().zip(g).zip(b)) {
+        if is_hole(z) {
+            continue;
+        }
+        let bin = &mut brightest[(z.to_bits() >> BIN_SHIFT) as usize];
+        *bin = [bin[0].max(r), bin[1].max(g), bin[2].max(b)];
+    }
+    let edge = |bin: usize| f64::from(f32::from_bits((bin as u32) << BIN_SHIFT));
+    let lit = brightest
+        .into_iter()
+        .enumerate()
+        .filter(|(_, bin)| bin.iter().any(|&light| light > 0.0));
+    lit.map(|(bin, brightest)| RangeBin {
+        metres: (edge(bin), edge(bin + 1).min(f64::from(f32::MAX))),
+        brightest,
+    })
+    .collect()
 }
 
 /// The distinct valid ranges, none if there are more than [`MOST_DISTINCT`].
@@ -121,6 +184,10 @@ mod tests {
         assert_eq!(stats.lit_m, [Some((2.0, 3.0)), Some((2.0, 9.0)), None]);
         assert_eq!(stats.distinct_m, Some(vec![2.0, 9.0, 3.0]));
         assert_eq!(stats.brightest, [0.5, 1.0, 0.0]);
+        let lit: Vec<_> = stats.bins.iter().map(|bin| (bin.metres, bin.brightest)).collect();
+        assert_eq!(lit[0], ((2.0, 2.25), [0.5, 1.0, 0.0]));
+        assert_eq!(lit[2], ((9.0, 10.0), [0.0, 1.0, 0.0]));
+        assert!(lit.len() == 3 && stats.holes);
         let filled = SceneStats::measure(&radiance, &range, &clear(HoleRule::Range(20.0)));
         assert_eq!(
             (filled.range_m, filled.lit_m[0]),

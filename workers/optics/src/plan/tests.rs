@@ -139,3 +139,64 @@ fn the_description_says_what_is_skipped() {
     let notes = Plan::without_water(Some(0.0), &[light]).describe();
     assert!(notes.iter().all(|note| note.variant == "skip"), "{notes:?}");
 }
+
+#[test]
+fn the_bound_of_a_plan_stays_within_its_tolerance_and_says_what_is_used() {
+    let water = water(ScatterModel::Jaffe, 0.1, 1.0);
+    for tolerance in [1e-2, 3e-4, 1e-5] {
+        let plan = plan(&SLOPE, &water, Fidelity::Tolerance(tolerance));
+        let bounds = plan.bounds.unwrap();
+        assert!(
+            bounds.iter().all(|&bound| bound <= tolerance && bound > 0.0),
+            "{bounds:?}"
+        );
+    }
+    assert_eq!(plan(&SLOPE, &water, Fidelity::Terms(4)).bounds, None);
+}
+
+#[test]
+fn one_code_of_a_bright_picture_allows_more_than_one_of_a_dark_one() {
+    let terms = |veil: f64| {
+        let request = WaterRequest {
+            beam_attenuation: Some([0.4; 3]),
+            veiling_light: Some([veil; 3]),
+            scatter: Some(ScatterRequest {
+                model: ScatterModel::Jaffe,
+                g: Some([0.1; 3]),
+                spread_px_per_m: Some([1.0; 3]),
+                spread_offset_px: None,
+                source: Default::default(),
+            }),
+            ..WaterRequest::default()
+        };
+        let water = Water::resolve(&request, 500.0).unwrap();
+        plan(&SLOPE, &water, Fidelity::Display).describe()[1]
+            .terms
+            .unwrap()
+    };
+    assert!(terms(0.6) < terms(0.0), "{} and {}", terms(0.6), terms(0.0));
+}
+
+#[test]
+fn attenuation_that_nobody_sees_is_left_out() {
+    let request = |c: f64| WaterRequest {
+        beam_attenuation: Some([c; 3]),
+        veiling_light: Some([0.1; 3]),
+        scatter: Some(ScatterRequest {
+            model: ScatterModel::None,
+            g: None,
+            spread_px_per_m: None,
+            spread_offset_px: None,
+            source: Default::default(),
+        }),
+        ..WaterRequest::default()
+    };
+    let step = |c: f64, range: &[f32]| {
+        let water = Water::resolve(&request(c), 500.0).unwrap();
+        plan(range, &water, Fidelity::Tolerance(3e-4)).attenuation
+    };
+    assert_eq!(step(1e-6, &SLOPE), AttenuationStep::Skip);
+    assert_eq!(step(1e-4, &SLOPE), AttenuationStep::Fast);
+    // At a hole the path never ends.
+    assert_eq!(step(1e-6, &[2.0, f32::NAN, 3.0]), AttenuationStep::Fast);
+}

@@ -47,6 +47,7 @@ pub(crate) fn choose(
 fn fidelity(frame: &Frame) -> Fidelity {
     match frame.fidelity {
         spec::Fidelity::Tolerance(tolerance) => Fidelity::Tolerance(tolerance),
+        spec::Fidelity::Display => Fidelity::Display,
         spec::Fidelity::Terms(terms) => Fidelity::Terms(terms),
         spec::Fidelity::Reference => Fidelity::Reference,
     }

@@ -1,0 +1,214 @@
+//! Forward scatter of one channel: the cheapest form whose error stays within what it is given.
+
+use super::{Fidelity, ScatterStep, SceneStats};
+use crate::forward_scatter::{Bound, Nodes, ScaleLight, place, scale_at};
+use crate::kernel;
+use crate::water::{Scatter, ScatterSource, Spread, Water};
+
+/// A form and the error that it may make, where it was chosen by one.
+pub(super) type Chosen = (ScatterStep, Option<f64>);
+
+/// The worst case is summed at sampled scales and on rings; in trials it came within 7 % of a measured error.
+const WORST_MARGIN: f64 = 1.2;
+/// Light of one scale alone is no limit: where neighbours are of very different scale, errors reached 1.9 times as much in
+/// ten thousand noisy frames.
+const EVEN_MARGIN: f64 = 2.2;
+/// Gathering has one scale for each sum, so that its limit needs room only for the sampling.
+const GATHER_MARGIN: f64 = 1.2;
+/// Samples of the kernel scale between the narrowest and the widest.
+const SAMPLES: usize = 41;
+/// No frame needs more kernels.
+const MOST_TERMS: usize = 64;
+/// Spans of scales are widened to multiples of this in s, so that similar frames share their kernels.
+const SPAN_STEP: f64 = 1.0 / 16.0;
+
+pub(super) fn choose(
+    stats: &SceneStats,
+    water: &Water,
+    channel: usize,
+    fidelity: Fidelity,
+    share: f64,
+) -> Chosen {
+    if fidelity == Fidelity::Reference && water.scatter != Scatter::None {
+        return (ScatterStep::Reference, None);
+    }
+    let Some(light) = SpreadLight::of(stats, water, channel) else {
+        return (ScatterStep::Skip, None);
+    };
+    let (least, most) = light.span;
+    if most == 0.0 {
+        // The kernel is a delta.
+        let step = if light.gathers {
+            ScatterStep::Skip
+        } else {
+            ScatterStep::Pointwise
+        };
+        return (step, None);
+    }
+    let few = |terms: usize| {
+        let distinct = stats
+            .distinct_m
+            .as_ref()
+            .filter(|distinct| distinct.len() <= terms)?;
+        let scale = |&metres: &f32| light.spread.gamma(channel, f64::from(metres), stats.widest_px);
+        Some(ScatterStep::Interpolated(Nodes::exact(
+            distinct.iter().map(scale),
+        )))
+    };
+    match fidelity {
+        Fidelity::Terms(terms) => {
+            let nodes = || ScatterStep::Interpolated(Nodes::chebyshev(least, most, terms));
+            (few(terms).unwrap_or_else(nodes), None)
+        }
+        _ => {
+            let (step, bound) = within(&light, share);
+            let terms = match &step {
+                ScatterStep::Interpolated(nodes) => nodes.terms(),
+                _ => return (step, Some(bound)),
+            };
+            few(terms).map_or((step, Some(bound)), |exact| (exact, Some(0.0)))
+        }
+    }
+}
+
+/// The cheapest form with an error of at most `share`, and its bound.
+fn within(light: &SpreadLight, share: f64) -> (ScatterStep, f64) {
+    let (least, most) = light.span;
+    // Light that leaves its own pixel.
+    let moved = (1.0 - kernel::centre(most)) * light.brightest;
+    if moved <= share && light.gathers {
+        return (ScatterStep::Skip, moved);
+    }
+    if moved <= share && most < 0.5 {
+        return (ScatterStep::Pointwise, moved);
+    }
+    let wide = widened(least, most);
+    let bound = Bound::new(light.samples(wide));
+    if !light.gathers {
+        let arriving = bound.arriving() * WORST_MARGIN;
+        if arriving <= share {
+            return (ScatterStep::Skip, arriving);
+        }
+    }
+    let mut best = (ScatterStep::Skip, f64::INFINITY);
+    for terms in 1..=MOST_TERMS {
+        let nodes = Nodes::chebyshev(wide.0, wide.1, terms);
+        let gammas: Vec<f64> = (0..nodes.terms()).map(|k| nodes.gamma(k)).collect();
+        let errors = bound.errors(&gammas);
+        let error = if light.gathers {
+            GATHER_MARGIN * errors.even
+        } else {
+            (WORST_MARGIN * errors.worst).min(EVEN_MARGIN * errors.even)
+        };
+        best = (ScatterStep::Interpolated(nodes), error);
+        if error <= share {
+            break;
+        }
+    }
+    best
+}
+
+/// The span in whole steps of s; one of a single scale stays as it is.
+fn widened(least: f64, most: f64) -> (f64, f64) {
+    if most - least <= f64::from(f32::EPSILON) * most {
+        return (least, most);
+    }
+    let low = (place(least) / SPAN_STEP).floor() * SPAN_STEP;
+    let high = (place(most) / SPAN_STEP).ceil() * SPAN_STEP;
+    (scale_at(low).max(0.0), scale_at(high))
+}
+
+/// The light of one channel that is spread or gathered, and from which ranges.
+struct SpreadLight {
+    /// Its largest value; where it is gathered, the largest difference of two pixels.
+    brightest: f64,
+    /// Kernel scales of the frame, pixels.
+    span: (f64, f64),
+    /// Kernel scales of bins of range with the largest light of each.
+    bins: Vec<((f64, f64), f64)>,
+    spread: Spread,
+    gathers: bool,
+}
+
+impl SpreadLight {
+    /// None where there is nothing to spread.
+    fn of(stats: &SceneStats, water: &Water, channel: usize) -> Option<Self> {
+        match water.scatter {
+            Scatter::None => None,
+            Scatter::Simplified { spread } => {
+                let gamma = |metres: f64| spread.gamma(channel, metres, stats.widest_px);
+                let (nearest, farthest) = stats.range_m?;
+                let (low, high) = super::levels(stats, water, channel);
+                Some(Self {
+                    brightest: high - low,
+                    span: (gamma(nearest), gamma(farthest)),
+                    bins: vec![((gamma(nearest), gamma(farthest)), high - low)],
+                    spread,
+                    gathers: true,
+                })
+            }
+            Scatter::Jaffe { g, source, spread } => {
+                let gamma = |metres: f64| spread.gamma(channel, metres, stats.widest_px);
+                let (nearest, farthest) = stats.lit_m[channel]?;
+                let c = water.direct_attenuation[channel];
+                let bins = stats.bins.iter().filter_map(|bin| {
+                    let radiance = f64::from(bin.brightest[channel]) * water.radiance_gain[channel];
+                    let (near, far) = (bin.metres.0.max(nearest), bin.metres.1.min(farthest));
+                    let arriving = if source == ScatterSource::Direct {
+                        (-c * near).exp()
+                    } else {
+                        1.0
+                    };
+                    let light =
+                        radiance * arriving * largest_share(g[channel].min(c), c, near, far.max(near));
+                    (near <= far && light > 0.0).then_some(((gamma(near), gamma(far)), light))
+                });
+                let bins: Vec<_> = bins.collect();
+                let brightest = bins.iter().map(|(_, light)| *light).reduce(f64::max)?;
+                Some(Self {
+                    brightest,
+                    span: (gamma(nearest), gamma(farthest)),
+                    bins,
+                    spread,
+                    gathers: false,
+                })
+            }
+        }
+    }
+
+    /// Scales evenly spaced in s, each with the largest light of the bins that touch its surroundings.
+    fn samples(&self, (least, most): (f64, f64)) -> Vec<ScaleLight> {
+        let (low, width) = (place(least), place(most) - place(least));
+        let mut light = [0.0f64; SAMPLES];
+        let position = |gamma: f64| {
+            if width > 0.0 {
+                (place(gamma) - low) / width * (SAMPLES - 1) as f64
+            } else {
+                0.0
+            }
+        };
+        for ((near, far), brightest) in &self.bins {
+            let (from, to) = (position(*near).floor().max(0.0), position(*far).ceil());
+            for sample in &mut light[from as usize..=(to as usize).min(SAMPLES - 1)] {
+                *sample = sample.max(*brightest);
+            }
+        }
+        let scale = |(j, light): (usize, f64)| ScaleLight {
+            gamma: scale_at(low + width * j as f64 / (SAMPLES - 1) as f64).max(0.0),
+            light,
+        };
+        let lit = light.into_iter().enumerate().filter(|(_, light)| *light > 0.0);
+        lit.map(scale).collect()
+    }
+}
+
+/// The largest `e^{−GZ} − e^{−cZ}` between two ranges: it rises to its peak at `ln(c/G)/(c − G)` and then falls.
+fn largest_share(g: f64, c: f64, nearest_m: f64, farthest_m: f64) -> f64 {
+    let peak = if g > 0.0 && c > g {
+        (c / g).ln() / (c - g)
+    } else {
+        f64::INFINITY
+    };
+    let at = peak.clamp(nearest_m, farthest_m);
+    (-g * at).exp() * -(-(c - g) * at).exp_m1()
+}
