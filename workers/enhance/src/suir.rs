@@ -11,7 +11,8 @@
 //!    `s = (Y_j Y_i + 0.3 Y_i²) / (Y_j² + 0.3 Y_i²)` and cut to 0..=1.
 //!
 //! The guide is the picture of step 1. Where it fails: one colour is not one value, and (60, 120, 140) becomes a saturated
-//! blue; a little red is multiplied into noise; a gray picture loses haze and becomes coloured.
+//! blue; a little red is multiplied into noise; haze removed where there is none leaves a few values far out, the joint
+//! stretch squeezes the rest, and red takes over; a gray picture loses haze and becomes coloured.
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Raster, Rgb8};
@@ -64,7 +65,11 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         }
     }
     let signs = Signs::of(&colours);
-    let mut warnings = signs.of_restoration(&histograms(&result));
+    let after = histograms(&result);
+    let mut warnings = signs.of_restoration(&after);
+    if signs.red_cast(&after) {
+        warnings.push(Warning::RedCast);
+    }
     if signs.channel_without_light() {
         warnings.push(Warning::ChannelWithoutLight);
     }

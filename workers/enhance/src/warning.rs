@@ -77,7 +77,7 @@ impl Warning {
                 "the most frequent code of a channel is 0, the stretch has nothing to be relative to"
             }
             Self::RedCast => {
-                "the result is red where the picture was not, a small transmittance of red multiplies what is left"
+                "the result is red where the picture was not, what is left of red was multiplied too far"
             }
             Self::RedAmplified => "red is multiplied by more than four, and its noise with it",
             Self::LampAsBackground => {
