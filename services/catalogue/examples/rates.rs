@@ -1,6 +1,7 @@
 //! How fast a catalogue of many images is: `cargo run --release -p fathom-catalogue --example rates -- 1000000 [FOLDER]`.
 //!
-//! Prints commits per second for each tenth of the images, the time of pages and of counts, and the bytes on the disk.
+//! Prints commits per second for each tenth of the images, the time of pages, of counts and of the deletion of it all, and
+//! the bytes on the disk.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -38,6 +39,30 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
     submissions(&catalogue).await?;
     pages(&catalogue).await?;
     counts(&catalogue).await?;
+    deletion(&catalogue).await?;
+    Ok(())
+}
+
+/// How long the writer is held up by the deletion of the whole job, and how long all of it takes.
+async fn deletion(catalogue: &Catalogue) -> Result<(), CatalogueError> {
+    let begun = Instant::now();
+    let gone = catalogue.delete_job("job_1").await?;
+    println!(
+        "hide {} images: {:.1} ms",
+        gone.images,
+        begun.elapsed().as_secs_f64() * 1e3
+    );
+    let (mut times, begun) = (Vec::new(), Instant::now());
+    loop {
+        let step = Instant::now();
+        let more = catalogue.sweep().await?;
+        times.push(step.elapsed());
+        if !more {
+            break;
+        }
+    }
+    println!("take all rows away: {:.1} s", begun.elapsed().as_secs_f64());
+    report("one step of that", times);
     Ok(())
 }
 
