@@ -76,6 +76,7 @@ const WATER: &[Field] = &[
     field("ambient", AMBIENT, Default("\"none\""), "what daylight's decay with depth does to the scene"),
     field("holes", HOLES, Default("\"background\""), "what a pixel without a valid range means"),
     field("style", Text(Style), Optional, "style model"),
+    field("style_tier", Text(Fixed(&["net", "lut", "auto"])), Optional, "network, colour table, or what the tolerance allows; absent: `net`"),
 ];
 
 const AMBIENT: Shape = Text(Fixed(&["none", "absolute", "exposed"]));

@@ -136,6 +136,20 @@ pub struct Water {
     pub holes: HoleRule,
     /// Name of a style model.
     pub style: Option<String>,
+    /// What of the model is run; absent: the network.
+    pub style_tier: Option<StyleTier>,
+}
+
+/// What of a style model is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StyleTier {
+    /// The network.
+    Net,
+    /// Its colour table.
+    Lut,
+    /// The table where its measured distance from the network is within the tolerance, else the network.
+    Auto,
 }
 
 /// A preset, explicit coefficients, or a preset with fields replaced. Absent means unknown, never zero.

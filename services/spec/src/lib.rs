@@ -26,10 +26,7 @@ mod warnings;
 mod water;
 
 pub use artifact::ArtifactKind;
-pub use frame::{
-    Ambient, Camera, Encode, Fidelity, Format, ForwardScatter, ForwardScatterModel, Frame, Haze, HazeBlend,
-    HazeSpace, HoleRule, Optics, RangeFile, ScatterSource, Scene, Water,
-};
+pub use frame::{Ambient, Camera, Encode, Fidelity, Format, ForwardScatter, ForwardScatterModel, Frame, Haze, HazeBlend, HazeSpace, HoleRule, Optics, RangeFile, ScatterSource, Scene, StyleTier, Water};
 pub use haze::{haze_lights, haze_space};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::Job;

@@ -27,6 +27,16 @@ pub struct StyleModel {
 }
 
 impl StyleModel {
+    /// A model of which nothing is known but its name and file.
+    #[must_use]
+    pub fn without_card(name: &str, onnx: Vec<u8>) -> Self {
+        Self {
+            name: name.to_owned(),
+            card: Card::absent(name, &onnx),
+            onnx: onnx.into(),
+        }
+    }
+
     /// Whether it runs on ONNX Runtime only: any network but that of the shipped waters and of those trained here.
     #[must_use]
     pub fn needs_runtime(&self) -> bool {

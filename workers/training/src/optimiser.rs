@@ -2,7 +2,7 @@
 
 use style::net::layer::{PARAMETERS, Weights};
 
-const PEAK: f64 = 3e-3;
+const PEAK: f64 = 2e-3;
 /// The peak over the first rate, and over the last.
 const FIRST: f64 = 25.0;
 const LAST: f64 = 250_000.0;

@@ -28,14 +28,22 @@ pub struct Score {
     pub branch: f64,
 }
 
+/// The new scenes as pictures, sRGB-encoded.
+#[must_use]
+pub fn new_scenes() -> Vec<Rgb<f32>> {
+    crops().iter().map(picture).collect()
+}
+
+fn crops() -> Vec<Tensor<f32>> {
+    let contents = Contents::new(SEED, "held-out content");
+    let crop = |index| cropped(&contents.picture(index), (16, 16), false);
+    (0..SCENES).into_par_iter().map(crop).collect()
+}
+
 /// Scores a network against photos.
 #[must_use]
 pub fn score(weights: &Weights, photos: &[Photo]) -> Score {
-    let contents = Contents::new(SEED, "held-out content");
-    let crops: Vec<Tensor<f32>> = (0..SCENES)
-        .into_par_iter()
-        .map(|index| cropped(&contents.picture(index), (16, 16), false))
-        .collect();
+    let crops = crops();
     let mut plain = weights.clone();
     let (weight, bias) = plain.layer_mut(OUTPUT);
     weight.fill(0.0);
@@ -63,11 +71,14 @@ pub fn score(weights: &Weights, photos: &[Photo]) -> Score {
     }
 }
 
-fn repaint(network: &Network, picture: &Tensor<f32>) -> Tensor<f32> {
-    let plane = |channel| Plane::new(CROP, CROP, picture.plane(channel).to_vec()).expect("a crop");
-    let encoded = Rgb::new([plane(0), plane(1), plane(2)]).expect("three planes of one crop");
-    let styled = network.apply(&encoded, &mut Scratch::default());
-    let mut out = picture.like();
+fn picture(tensor: &Tensor<f32>) -> Rgb<f32> {
+    let plane = |channel| Plane::new(CROP, CROP, tensor.plane(channel).to_vec()).expect("a crop");
+    Rgb::new([plane(0), plane(1), plane(2)]).expect("three planes of one crop")
+}
+
+fn repaint(network: &Network, crop: &Tensor<f32>) -> Tensor<f32> {
+    let styled = network.apply(&picture(crop), &mut Scratch::default());
+    let mut out = crop.like();
     for (channel, plane) in styled.planes().iter().enumerate() {
         out.plane_mut(channel).copy_from_slice(plane.data());
     }

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use imaging::random::Stream;
 use rayon::prelude::*;
-use style::net::layer::{BLOCKS, COLOUR, LAYERS, OUTPUT, Weights};
+use style::net::layer::{BLOCKS, COLOUR, LAYERS, OUTPUT, PIXEL, Weights};
 
 use crate::content::{Contents, SIDE};
 use crate::loss::pyramid::Pyramid;
@@ -23,6 +23,8 @@ pub(crate) const CROP: usize = 160;
 const POOL: usize = 192;
 /// Content pictures whose colours the colour transfer starts from.
 const COLOUR_PICTURES: usize = 32;
+/// Bias that the features of a pixel begin with.
+const PIXEL_BIAS: f32 = 0.25;
 /// Steps over which losses are averaged to tell the best weights.
 const WINDOW: usize = 50;
 
@@ -210,10 +212,11 @@ fn randomised(start: &Weights, stream: &Stream) -> Weights {
             *weight = (draw(at) * factor) as f32;
         }
         for (at, bias) in bias.iter_mut().enumerate() {
-            *bias = if layer == OUTPUT {
-                0.0
-            } else {
-                draw(1 << 20 | at) as f32
+            *bias = match layer {
+                OUTPUT => 0.0,
+                // Features begin alive: the context can push all of them below the ReLU for good.
+                PIXEL => PIXEL_BIAS,
+                _ => draw(1 << 20 | at) as f32,
             };
         }
     }

@@ -1,5 +1,7 @@
 //! `fathom stability`: where methods fail, as maps, data and words.
 
+mod styles;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -10,7 +12,7 @@ use imaging::{Raster, Rgb8, codec};
 use renderer::{Engine, SceneSource, Slot};
 use serde_json::json;
 use spec::Job;
-use style::Library;
+use style::{Library, Runtime, StyleModel};
 
 use crate::exit::Failure;
 use crate::progress::Progress;
@@ -20,9 +22,14 @@ use crate::{files, machine};
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The enhancements and the metrics
-    #[arg(long, required = true)]
+    #[arg(long, required_unless_present = "style")]
     enhance: bool,
-    /// Folder for stability.md, stability.csv and the maps
+    /// The style models, and a network with instance normalisation as a control; needs ONNX Runtime
+    #[arg(long, conflicts_with = "enhance")]
+    style: bool,
+    #[command(flatten)]
+    style_arguments: super::StyleArguments,
+    /// Folder for stability.md, stability.csv and the maps; of styles: style-stability.md
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Scenes of each cell
@@ -35,6 +42,9 @@ const SIZE: (usize, usize) = (256, 164);
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.style {
+        return of_styles(arguments);
+    }
     let specimens = specimens(u64::from(arguments.scenes))?;
     let jpeg = |picture: &Rgb8, quality: u8| {
         let coded = codec::encode_jpeg(picture, quality).ok();
@@ -93,6 +103,21 @@ fn draw(arguments: &Arguments, name: &str, map: &HeatMap) -> Result<(), Failure>
     files::write(&path("svg"), plot::svg(map).context("cannot draw")?.as_bytes())?;
     let picture = plot::picture(map).context("cannot draw")?;
     files::write_picture(&path("png"), &Raster::from(picture))
+}
+
+fn of_styles(arguments: &Arguments) -> Result<(), Failure> {
+    let library = super::styles::library(&arguments.style_arguments)?;
+    let runtime = Runtime::load(arguments.style_arguments.onnxruntime.as_deref())
+        .map_err(|missing| Failure::RuntimeMissing(missing.to_string()))?;
+    let control = StyleModel::without_card("johnson", style::net::onnx::johnson(1));
+    let found =
+        styles::measure(&library, &control, &runtime).map_err(|error| Failure::Other(error.into()))?;
+    let text = styles::markdown(&found);
+    let path = arguments.out.join("style-stability.md");
+    files::write(&path, text.as_bytes())?;
+    print!("{text}");
+    println!("written to {}", path.display());
+    Ok(())
 }
 
 /// Scenes in air and in coastal water, rendered as any job renders them.

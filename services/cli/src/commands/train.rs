@@ -1,5 +1,6 @@
 //! `fathom train`: a style water from a photo.
 
+mod distance;
 mod product;
 mod progress;
 mod sheet;

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use imaging::{Rgb, transfer};
-use spec::Frame;
-use style::Session;
+use spec::{Fidelity, Frame, StyleTier};
+use style::{Session, StyleError, StyleModel};
 
 use crate::engine::Engine;
 use crate::error::RenderError;
@@ -15,13 +15,13 @@ const MAX_SESSIONS: usize = 8;
 
 /// The networks of a slot, prepared when they are first asked for.
 #[derive(Default)]
-pub(crate) struct Sessions(BTreeMap<String, Session>);
+pub(crate) struct Sessions(BTreeMap<(String, bool), Session>);
 
 /// What the style stage made.
 pub(crate) struct Styled<'a> {
     /// Linear light after the blend.
     pub(crate) picture: Cow<'a, Rgb<f32>>,
-    /// Name and SHA-256 of the model that ran.
+    /// Name and SHA-256 of the model that ran; the name ends in `.lut` if it was the colour table.
     pub(crate) model: Option<(String, String)>,
     /// Whether it ran on ONNX Runtime.
     pub(crate) on_runtime: bool,
@@ -41,37 +41,69 @@ pub(crate) fn run<'a>(
             on_runtime: false,
         });
     };
-    let session = sessions.of(name, engine)?;
+    let model = known(name, engine)?;
+    let table = takes_table(frame, model);
+    let session = sessions.of(model, table, engine)?;
     let repainted = session.apply(&transfer::encode_unit(scattered), None)?;
     let on_runtime = session.uses_runtime();
     let picture = Cow::Owned(optics::style_blend(scattered, &repainted, frame.alpha));
-    let digest = engine.library().get(name).map(|model| model.card.sha256.clone());
+    let tier = if table { ".lut" } else { "" };
     Ok(Styled {
         picture,
-        model: digest.map(|digest| (name.clone(), digest)),
+        model: Some((format!("{name}{tier}"), model.card.sha256.clone())),
         on_runtime,
     })
 }
 
-impl Sessions {
-    fn of(&mut self, name: &str, engine: &Engine) -> Result<&mut Session, RenderError> {
-        if !self.0.contains_key(name) {
-            let session = prepare(name, engine)?;
-            if self.0.len() == MAX_SESSIONS {
-                self.0.clear();
-            }
-            self.0.insert(name.to_owned(), session);
-        }
-        Ok(self.0.get_mut(name).expect("it was there or has been inserted"))
+/// Slope of the decoding of sRGB at white, where it is steepest: what a difference of encoded values becomes in linear
+/// light at most.
+const STEEPEST: f64 = 2.4 / 1.055;
+
+/// Whether the colour table takes the network's place.
+fn takes_table(frame: &Frame, model: &StyleModel) -> bool {
+    match (frame.water.style_tier, frame.fidelity) {
+        (Some(StyleTier::Lut), _) => true,
+        (Some(StyleTier::Auto), Fidelity::Tolerance(tolerance)) => model.card.table.is_some_and(|table| {
+            let linear = STEEPEST * table.max_255 / 255.0;
+            frame.alpha * linear <= tolerance
+        }),
+        _ => false,
     }
 }
 
-fn prepare(name: &str, engine: &Engine) -> Result<Session, RenderError> {
+impl Sessions {
+    fn of(&mut self, model: &StyleModel, table: bool, engine: &Engine) -> Result<&mut Session, RenderError> {
+        let key = (model.name.clone(), table);
+        if !self.0.contains_key(&key) {
+            let session = prepare(model, table, engine)?;
+            if self.0.len() == MAX_SESSIONS {
+                self.0.clear();
+            }
+            self.0.insert(key.clone(), session);
+        }
+        Ok(self.0.get_mut(&key).expect("it was there or has been inserted"))
+    }
+}
+
+fn known<'a>(name: &str, engine: &'a Engine) -> Result<&'a StyleModel, RenderError> {
     let library = engine.library();
-    let model = library.get(name).ok_or_else(|| RenderError::UnknownStyle {
+    library.get(name).ok_or_else(|| RenderError::UnknownStyle {
         name: name.to_owned(),
         known: library.names().iter().map(ToString::to_string).collect(),
-    })?;
+    })
+}
+
+fn prepare(model: &StyleModel, table: bool, engine: &Engine) -> Result<Session, RenderError> {
+    if table {
+        return Session::table(model).ok_or_else(|| {
+            let name = model.name.clone();
+            let reason = "it has no colour table: only the shipped waters and those that `fathom train` makes have one";
+            RenderError::Style(StyleError::Model {
+                name,
+                reason: reason.to_owned(),
+            })
+        });
+    }
     if let Some(session) = Session::native(model) {
         return Ok(session);
     }

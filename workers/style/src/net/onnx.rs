@@ -11,24 +11,29 @@
 //!
 //! Filters of side 3 continue a picture by its edge. Opset 17, float32.
 
-use std::borrow::Cow;
+mod graph;
+mod johnson;
 
 use super::layer::{BLOCKS, COLOUR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PARAMETERS, PIXEL, REDUCE, Weights};
 use super::wire::{Value, bytes, fields, integer};
+use graph::{Attribute, Form, Graph};
+
+pub use johnson::johnson;
 
 const IR_VERSION: i64 = 8;
 const OPSET: i64 = 17;
-/// ONNX's numbers of element types.
-const FLOAT: i64 = 1;
-const INT64: i64 = 7;
 
 /// The ONNX file of a network; `metadata` are pairs of key and value that say where it comes from.
 #[must_use]
 pub fn write(weights: &Weights, metadata: &[(&str, &str)]) -> Vec<u8> {
+    model(&graph(weights), metadata)
+}
+
+fn model(graph: &[u8], metadata: &[(&str, &str)]) -> Vec<u8> {
     let mut model = Vec::new();
     integer(&mut model, 1, IR_VERSION);
     bytes(&mut model, 2, b"fathom");
-    bytes(&mut model, 7, &graph(weights));
+    bytes(&mut model, 7, graph);
     let mut opset = Vec::new();
     integer(&mut opset, 2, OPSET);
     bytes(&mut model, 8, &opset);
@@ -113,21 +118,21 @@ fn graph(weights: &Weights) -> Vec<u8> {
             ("ceil_mode", &Attribute::Integer(1)),
         ],
     );
-    graph.convolution(ENTER, "pooled", "entered", 1);
+    convolution(&mut graph, ENTER, ("pooled", "entered"), 1);
     graph.node("Relu", &["entered"], "quarter", &[]);
-    graph.convolution(REDUCE, "quarter", "reduced", 2);
+    convolution(&mut graph, REDUCE, ("quarter", "reduced"), 2);
     graph.node("Relu", &["reduced"], "context0", &[]);
     for (index, [spread_a, mix_a, spread_b, mix_b]) in BLOCKS.into_iter().enumerate() {
         let name = |what: &str| format!("block{index}.{what}");
         let (before, after) = (format!("context{index}"), format!("context{}", index + 1));
-        graph.convolution(spread_a, &before, &name("spread_a"), 1);
-        graph.convolution(mix_a, &name("spread_a"), &name("mix_a"), 1);
+        convolution(&mut graph, spread_a, (&before, &name("spread_a")), 1);
+        convolution(&mut graph, mix_a, (&name("spread_a"), &name("mix_a")), 1);
         graph.node("Relu", &[&name("mix_a")], &name("relu"), &[]);
-        graph.convolution(spread_b, &name("relu"), &name("spread_b"), 1);
-        graph.convolution(mix_b, &name("spread_b"), &name("mix_b"), 1);
+        convolution(&mut graph, spread_b, (&name("relu"), &name("spread_b")), 1);
+        convolution(&mut graph, mix_b, (&name("spread_b"), &name("mix_b")), 1);
         graph.node("Add", &[&before, &name("mix_b")], &after, &[]);
     }
-    graph.convolution(LEAVE, "context2", "left", 1);
+    convolution(&mut graph, LEAVE, ("context2", "left"), 1);
     graph.node("Shape", &["left"], "left.shape", &[]);
     graph.node("Shape", &["image"], "image.shape", &[]);
     graph.node("Slice", &["left.shape", "zero", "two"], "channels", &[]);
@@ -143,158 +148,39 @@ fn graph(weights: &Weights) -> Vec<u8> {
             ("mode", &Attribute::Text("linear")),
         ],
     );
-    graph.convolution(PIXEL, "image", "pixel", 1);
+    convolution(&mut graph, PIXEL, ("image", "pixel"), 1);
     graph.node("Add", &["pixel", "resized"], "both", &[]);
     graph.node("Relu", &["both"], "features", &[]);
-    graph.convolution(OUTPUT, "features", "texture", 1);
-    graph.convolution(COLOUR, "image", "toned", 1);
+    convolution(&mut graph, OUTPUT, ("features", "texture"), 1);
+    convolution(&mut graph, COLOUR, ("image", "toned"), 1);
     graph.node("Add", &["toned", "texture"], "sum", &[]);
     graph.node("Clip", &["sum", "black", "white"], "styled", &[]);
-    graph.finish(weights)
-}
-
-enum Attribute<'a> {
-    Integer(i64),
-    Integers(&'a [i64]),
-    Text(&'a str),
-}
-
-/// Nodes as they come; tensors, inputs and outputs follow them in the file, by their field numbers.
-#[derive(Default)]
-struct Graph {
-    message: Vec<u8>,
-}
-
-impl Graph {
-    fn node(&mut self, operator: &str, inputs: &[&str], output: &str, attributes: &[(&str, &Attribute<'_>)]) {
-        let mut node = Vec::new();
-        for input in inputs {
-            bytes(&mut node, 1, input.as_bytes());
-        }
-        bytes(&mut node, 2, output.as_bytes());
-        bytes(&mut node, 3, output.as_bytes());
-        bytes(&mut node, 4, operator.as_bytes());
-        for (name, value) in attributes {
-            bytes(&mut node, 5, &attribute(name, value));
-        }
-        bytes(&mut self.message, 1, &node);
+    for layer in LAYERS {
+        let sides = [layer.outputs, layer.inputs, layer.side, layer.side].map(|side| side as i64);
+        graph.floats(&format!("{}.weight", layer.name), &sides, weights.weight(layer));
+        graph.floats(&format!("{}.bias", layer.name), &sides[..1], weights.bias(layer));
     }
-
-    /// A convolution, after padding by the edge where its filters have side 3.
-    fn convolution(&mut self, layer: Layer, input: &str, output: &str, step: i64) {
-        let mut input = Cow::Borrowed(input);
-        if layer.side == 3 {
-            let padded = format!("{}.padded", layer.name);
-            let mode = Attribute::Text("edge");
-            self.node("Pad", &[&input, "border"], &padded, &[("mode", &mode)]);
-            input = Cow::Owned(padded);
-        }
-        let (weight, bias) = (format!("{}.weight", layer.name), format!("{}.bias", layer.name));
-        let groups = if layer.inputs == 1 { layer.outputs } else { 1 };
-        let side = layer.side as i64;
-        self.node(
-            "Conv",
-            &[&input, &weight, &bias],
-            output,
-            &[
-                ("group", &Attribute::Integer(groups as i64)),
-                ("kernel_shape", &Attribute::Integers(&[side, side])),
-                ("strides", &Attribute::Integers(&[step, step])),
-            ],
-        );
-    }
-
-    fn finish(mut self, weights: &Weights) -> Vec<u8> {
-        let message = &mut self.message;
-        bytes(message, 2, b"fathom_style");
-        let raw = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
-        for layer in LAYERS {
-            let sides = [layer.outputs, layer.inputs, layer.side, layer.side].map(|side| side as i64);
-            let (weight, bias) = (format!("{}.weight", layer.name), format!("{}.bias", layer.name));
-            bytes(
-                message,
-                5,
-                &tensor(&weight, FLOAT, &sides, &raw(weights.weight(layer))),
-            );
-            bytes(
-                message,
-                5,
-                &tensor(&bias, FLOAT, &sides[..1], &raw(weights.bias(layer))),
-            );
-        }
-        let integers: [(&str, &[i64]); 4] = [
-            ("border", &[0, 0, 1, 1, 0, 0, 1, 1]),
-            ("zero", &[0]),
-            ("two", &[2]),
-            ("four", &[4]),
-        ];
-        for (name, values) in integers {
-            let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-            bytes(message, 5, &tensor(name, INT64, &[values.len() as i64], &raw));
-        }
-        for (name, value) in [("black", 0.0), ("white", 1.0)] {
-            bytes(message, 5, &tensor(name, FLOAT, &[], &raw(&[value])));
-        }
-        bytes(message, 11, &port("image"));
-        bytes(message, 12, &port("styled"));
-        self.message
-    }
+    graph.integers("border", &[0, 0, 1, 1, 0, 0, 1, 1]);
+    graph.integers("zero", &[0]);
+    graph.integers("two", &[2]);
+    graph.integers("four", &[4]);
+    graph.floats("black", &[], &[0.0]);
+    graph.floats("white", &[], &[1.0]);
+    graph.finish("fathom_style")
 }
 
-fn attribute(name: &str, value: &Attribute<'_>) -> Vec<u8> {
-    let mut message = Vec::new();
-    bytes(&mut message, 1, name.as_bytes());
-    let kind = match value {
-        Attribute::Integer(value) => {
-            integer(&mut message, 3, *value);
-            2
-        }
-        Attribute::Text(text) => {
-            bytes(&mut message, 4, text.as_bytes());
-            3
-        }
-        Attribute::Integers(values) => {
-            for &value in *values {
-                integer(&mut message, 8, value);
-            }
-            7
-        }
+fn convolution(graph: &mut Graph, layer: Layer, ports: (&str, &str), step: i64) {
+    let form = Form {
+        side: layer.side as i64,
+        step,
+        groups: if layer.inputs == 1 {
+            layer.outputs as i64
+        } else {
+            1
+        },
+        padding: (layer.side == 3).then_some(("border", "edge")),
     };
-    integer(&mut message, 20, kind);
-    message
-}
-
-fn tensor(name: &str, kind: i64, sides: &[i64], raw: &[u8]) -> Vec<u8> {
-    let mut message = Vec::new();
-    for &side in sides {
-        integer(&mut message, 1, side);
-    }
-    integer(&mut message, 2, kind);
-    bytes(&mut message, 8, name.as_bytes());
-    bytes(&mut message, 9, raw);
-    message
-}
-
-/// An input or output: float32 of shape [n, 3, h, w].
-fn port(name: &str) -> Vec<u8> {
-    let mut shape = Vec::new();
-    for side in ["n", "", "h", "w"] {
-        let mut dimension = Vec::new();
-        match side {
-            "" => integer(&mut dimension, 1, 3),
-            open => bytes(&mut dimension, 2, open.as_bytes()),
-        }
-        bytes(&mut shape, 1, &dimension);
-    }
-    let mut tensor = Vec::new();
-    integer(&mut tensor, 1, FLOAT);
-    bytes(&mut tensor, 2, &shape);
-    let mut kind = Vec::new();
-    bytes(&mut kind, 1, &tensor);
-    let mut message = Vec::new();
-    bytes(&mut message, 1, name.as_bytes());
-    bytes(&mut message, 2, &kind);
-    message
+    graph.convolution(layer.name, ports, form);
 }
 
 #[cfg(test)]

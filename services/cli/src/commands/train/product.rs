@@ -10,7 +10,7 @@ use style::{Card, Parts, Training, sha256_of};
 use training::loss::Losses;
 use training::{Best, Score};
 
-use super::{Arguments, Given, sheet};
+use super::{Arguments, Given, distance, sheet};
 use crate::exit::Failure;
 use crate::files;
 
@@ -100,7 +100,7 @@ impl Product<'_> {
                 branch_rms_255: rounded(score.branch),
                 code_version: env!("CARGO_PKG_VERSION").to_owned(),
             }),
-            table: None,
+            table: Some(distance::measure(&best.weights)),
         }
     }
 }
