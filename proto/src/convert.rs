@@ -3,5 +3,6 @@
 mod frame;
 mod lease;
 mod scene;
+mod style;
 #[cfg(test)]
 mod tests;

@@ -20,6 +20,10 @@ pub const BEAT_TOKENS: usize = 4096;
 pub const SLOTS: u32 = 1024;
 /// There are fourteen fixed kinds and one for each enhancement.
 pub const ARTIFACTS: usize = 64;
+/// A style's card: a page of text.
+pub const CARD_BYTES: usize = 64 << 10;
+/// Most styles of a service.
+pub const STYLES: usize = 1024;
 /// Stages of a frame that can have a time.
 pub const TIMINGS: usize = 64;
 

@@ -186,3 +186,12 @@ pub struct Intrinsics {
     /// Row of the principal point.
     pub cy: f64,
 }
+
+/// A style model that jobs may name; its ONNX file comes by name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Style {
+    /// Name by which jobs ask for it.
+    pub name: String,
+    /// The model's card as JSON, with the digest of the file.
+    pub card_json: String,
+}

@@ -144,6 +144,11 @@ fn what_is_said_of_a_frame_survives_the_wire_unchanged() {
     };
     assert_eq!(sent::<_, wire::FailRequest>(fail.clone()), fail);
     assert_eq!(sent::<_, wire::SceneResponse>(scene()), scene());
+    let styles = vec![Style {
+        name: "muddy".to_owned(),
+        card_json: "{}".to_owned(),
+    }];
+    assert_eq!(sent::<_, wire::StylesResponse>(styles.clone()), styles);
     let bare = SceneFiles {
         range: None,
         intrinsics: None,

@@ -7,7 +7,7 @@ use proto::CONTENT_TYPE;
 use proto::wire::{
     BeatRequest, BeatResponse, CommitRequest, CommitResponse, FailRequest, FailResponse, LeaseRequest,
     LeaseResponse, PutArtifactsRequest, PutArtifactsResponse, RegisterRequest, RegisterResponse,
-    ReleaseRequest, ReleaseResponse, SceneResponse,
+    ReleaseRequest, ReleaseResponse, SceneResponse, StylesResponse,
 };
 use serde_json::Value;
 use ureq::http::{Response, StatusCode};
@@ -130,6 +130,22 @@ impl Client {
     /// [`ClientError`].
     pub fn scene(&self, id: &str) -> Result<SceneResponse, ClientError> {
         decoded(&self.get(&format!("scenes/{id}"))?)
+    }
+
+    /// The style models that jobs may name.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn styles(&self) -> Result<StylesResponse, ClientError> {
+        decoded(&self.get("styles")?)
+    }
+
+    /// The ONNX file of a style model.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn style(&self, name: &str) -> Result<Vec<u8>, ClientError> {
+        self.get(&format!("styles/{name}"))
     }
 
     /// Stored bytes by digest.

@@ -1,7 +1,7 @@
 //! What all slots of a process share.
 
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{OnceLock, PoisonError, RwLock};
 
 use style::{Library, Runtime, RuntimeMissing};
 
@@ -9,7 +9,7 @@ use style::{Library, Runtime, RuntimeMissing};
 pub struct Engine {
     onnxruntime: Option<PathBuf>,
     runtime: OnceLock<Result<Runtime, RuntimeMissing>>,
-    library: Library,
+    library: RwLock<Library>,
 }
 
 impl Engine {
@@ -20,7 +20,7 @@ impl Engine {
         Self {
             onnxruntime: onnxruntime.map(Path::to_owned),
             runtime: OnceLock::new(),
-            library,
+            library: RwLock::new(library),
         }
     }
 
@@ -34,9 +34,17 @@ impl Engine {
             .as_ref()
     }
 
-    /// The style models.
+    /// The style models; a copy is another handle to them.
     #[must_use]
-    pub fn library(&self) -> &Library {
-        &self.library
+    pub fn library(&self) -> Library {
+        self.library
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Knows these models from now on.
+    pub(crate) fn replace_library(&self, library: Library) {
+        *self.library.write().unwrap_or_else(PoisonError::into_inner) = library;
     }
 }

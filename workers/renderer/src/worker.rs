@@ -14,6 +14,7 @@ mod scenes;
 mod service;
 mod slot;
 mod stop;
+mod styles;
 mod watchdog;
 
 use std::path::PathBuf;
@@ -99,7 +100,7 @@ pub fn run(options: WorkerOptions, stop: &AtomicBool) -> anyhow::Result<()> {
         "worker ready"
     );
     let shared = Arc::new(Shared {
-        jobs: Jobs::new(engine.library()),
+        jobs: Jobs::new(&engine.library()),
         engine,
         service,
         held: Held::default(),

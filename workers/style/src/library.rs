@@ -149,6 +149,34 @@ impl Library {
         Ok(self)
     }
 
+    /// Adds a model that came over the network: its file, and its card as JSON if it has one.
+    ///
+    /// # Errors
+    /// [`LibraryError`] naming the file that it would have in a folder.
+    pub fn with_model(mut self, name: &str, onnx: Vec<u8>, card: Option<&str>) -> Result<Self, LibraryError> {
+        let path = PathBuf::from(format!("{name}.onnx"));
+        if !is_name(name) {
+            return Err(LibraryError::Name { path });
+        }
+        if self.models.contains_key(name) {
+            let name = name.to_owned();
+            return Err(LibraryError::Twice { path, name });
+        }
+        let bytes = onnx.len() as u64;
+        if bytes > MAX_MODEL_BYTES {
+            return Err(LibraryError::TooLarge { path, bytes });
+        }
+        let card = match card {
+            Some(text) => {
+                let path = path.with_extension("card.json");
+                Card::parse(text, name, &onnx).map_err(|reason| LibraryError::Card { path, reason })?
+            }
+            None => Card::absent(name, &onnx),
+        };
+        self.add(name.to_owned(), onnx.into(), card);
+        Ok(self)
+    }
+
     /// The names, in order.
     #[must_use]
     pub fn names(&self) -> Vec<&str> {

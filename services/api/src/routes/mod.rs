@@ -158,6 +158,7 @@ fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<Share
         .route("/v1/worker/fail", post(worker::fail::fail))
         .route("/v1/worker/release", post(worker::release::release))
         .route("/v1/worker/scenes/{id}", get(worker::scene::scene))
+        .route("/v1/worker/styles", get(worker::style::styles))
         .route("/v1/worker/styles/{name}", get(worker::style::style))
         .route("/v1/worker/blobs/{digest}", get(worker::blob::blob));
     let waits = OpenApiRouter::new().route("/v1/worker/lease", post(worker::lease::lease));

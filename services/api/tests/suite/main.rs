@@ -19,3 +19,4 @@ mod pictures;
 mod rendered;
 mod space;
 mod streams;
+mod styles;

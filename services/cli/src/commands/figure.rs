@@ -163,7 +163,7 @@ impl Studio<'_> {
         let description = json!({"scene": scene(self.arguments)?, "camera": {"width": 768, "height": 492,
             "hfov_deg": self.arguments.hfov_deg}, "water": water, "alpha": alpha, "lights": lights, "metrics": [],
             "artifacts": kinds});
-        let vocabulary = renderer::vocabulary(self.engine.library(), true);
+        let vocabulary = renderer::vocabulary(&self.engine.library(), true);
         let job = Job::parse(description.to_string().as_bytes(), &vocabulary)
             .map_err(|invalid| super::render::bad_spec(Path::new(&self.arguments.scene), &invalid))?;
         let frame = job

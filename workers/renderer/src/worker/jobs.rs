@@ -1,6 +1,6 @@
 //! Parsed jobs, so that a description is parsed once and not for every lease.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use proto::message::Lease;
 use spec::{Invalid, Job, Vocabulary};
@@ -11,16 +11,21 @@ const MOST_JOBS: usize = 16;
 
 /// The jobs that were seen last, the newest at the end.
 pub(crate) struct Jobs {
-    vocabulary: Vocabulary,
+    vocabulary: RwLock<Vocabulary>,
     jobs: Mutex<Vec<(String, Arc<Job>)>>,
 }
 
 impl Jobs {
     pub(crate) fn new(library: &Library) -> Self {
         Self {
-            vocabulary: crate::vocabulary(library, false),
+            vocabulary: RwLock::new(crate::vocabulary(library, false)),
             jobs: Mutex::default(),
         }
+    }
+
+    /// Understands jobs with these models from now on.
+    pub(crate) fn learn(&self, library: &Library) {
+        *self.vocabulary.write().unwrap_or_else(PoisonError::into_inner) = crate::vocabulary(library, false);
     }
 
     /// The job of a lease.
@@ -32,7 +37,8 @@ impl Jobs {
         let entry = match seen {
             Some(position) => jobs.remove(position),
             None => {
-                let job = Job::from_canonical(&lease.spec_json, &self.vocabulary)?;
+                let vocabulary = self.vocabulary.read().unwrap_or_else(PoisonError::into_inner);
+                let job = Job::from_canonical(&lease.spec_json, &vocabulary)?;
                 (lease.job_id.clone(), Arc::new(job))
             }
         };

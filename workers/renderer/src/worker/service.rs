@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use proto::message::{Beat, BeatOf, Lease, Register, Registered, Release, SceneFiles, WantLease};
+use proto::message::{Beat, BeatOf, Lease, Register, Registered, Release, SceneFiles, Style, WantLease};
 use proto::wire;
 use queue::client::{Client, ClientError};
 
@@ -123,6 +123,16 @@ impl Service {
     /// What an uploaded scene is made of.
     pub(crate) fn scene(&self, id: &str) -> Answer<SceneFiles> {
         checked(SceneFiles::try_from(self.client.scene(id)?))
+    }
+
+    /// The style models that jobs may name.
+    pub(crate) fn styles(&self) -> Answer<Vec<Style>> {
+        checked(Vec::<Style>::try_from(self.client.styles()?))
+    }
+
+    /// The ONNX file of a style model.
+    pub(crate) fn style(&self, name: &str) -> Answer<Vec<u8>> {
+        self.client.style(name)
     }
 
     /// Stored bytes.

@@ -1,14 +1,32 @@
-//! `GET /v1/worker/styles/{name}`.
+//! `GET /v1/worker/styles` and `GET /v1/worker/styles/{name}`.
 
 use axum::extract::State;
 use axum::http::header;
 use axum::response::IntoResponse;
+use proto::message::Style;
+use proto::wire::StylesResponse;
 
-use crate::extract::Path;
+use crate::extract::{Path, ProtoBody};
 use crate::problem::Problem;
 use crate::state::Shared;
 
-/// The ONNX file of a style model, for workers that do not have it.
+/// The style models that jobs may name, for workers that do not know one of them.
+pub(crate) async fn styles(State(app): State<Shared>) -> Result<ProtoBody<StylesResponse>, Problem> {
+    let names = app.library.names();
+    let style = |name: &str| {
+        let model = app.library.get(name)?;
+        Some(serde_json::to_string(&model.card).map(|card_json| Style {
+            name: name.to_owned(),
+            card_json,
+        }))
+    };
+    let styles: Result<Vec<Style>, _> = names.into_iter().filter_map(style).collect();
+    Ok(ProtoBody(
+        styles.map_err(|error| Problem::internal(&error))?.into(),
+    ))
+}
+
+/// The ONNX file of a style model.
 pub(crate) async fn style(
     State(app): State<Shared>,
     Path(name): Path<String>,

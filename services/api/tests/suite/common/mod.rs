@@ -19,6 +19,7 @@ pub(crate) struct Setup {
     pub(crate) token: Option<&'static str>,
     pub(crate) limits: Limits,
     pub(crate) clock: Clock,
+    pub(crate) library: Library,
 }
 
 impl Default for Setup {
@@ -27,6 +28,7 @@ impl Default for Setup {
             token: None,
             limits: Limits::default(),
             clock: Clock::system(),
+            library: Library::embedded().unwrap(),
         }
     }
 }
@@ -97,7 +99,10 @@ pub(crate) fn start_in_folder(folder: &Path) -> Running {
 
 fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
     let runtime = Runtime::new().unwrap();
-    let config = config(&folder, setup.token);
+    let config = Config {
+        library: setup.library,
+        ..config(&folder, setup.token)
+    };
     let style_runtime = Err("ONNX Runtime was not found; run scripts/get-onnxruntime.sh".to_owned());
     let surroundings = Surroundings {
         clock: setup.clock,
