@@ -195,6 +195,12 @@ impl Library {
         self.models.get(name).map(Arc::as_ref)
     }
 
+    /// The same as a handle of its own.
+    #[must_use]
+    pub fn shared(&self, name: &str) -> Option<Arc<StyleModel>> {
+        self.models.get(name).map(Arc::clone)
+    }
+
     fn add(&mut self, name: String, onnx: Cow<'static, [u8]>, card: Card) {
         let model = StyleModel {
             name: name.clone(),

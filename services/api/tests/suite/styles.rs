@@ -11,7 +11,7 @@ fn a_worker_fetches_a_style_that_it_lacks() {
     let onnx = embedded.get("muddy").unwrap().onnx.to_vec();
     let library = embedded.with_model("harbour", onnx.clone(), None).unwrap();
     let service = start_with(Setup {
-        library,
+        library: Some(library),
         ..Setup::default()
     });
     let mut styled = job();

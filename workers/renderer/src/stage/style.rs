@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use imaging::{Rgb, transfer};
 use spec::{Fidelity, Frame, StyleTier};
@@ -41,7 +42,7 @@ pub(crate) fn run<'a>(
             on_runtime: false,
         });
     };
-    let model = known(name, engine)?;
+    let model = &known(name, engine)?;
     let table = takes_table(frame, model);
     let session = sessions.of(model, table, engine)?;
     let repainted = session.apply(&transfer::encode_unit(scattered), None)?;
@@ -85,9 +86,9 @@ impl Sessions {
     }
 }
 
-fn known<'a>(name: &str, engine: &'a Engine) -> Result<&'a StyleModel, RenderError> {
+fn known(name: &str, engine: &Engine) -> Result<Arc<StyleModel>, RenderError> {
     let library = engine.library();
-    library.get(name).ok_or_else(|| RenderError::UnknownStyle {
+    library.shared(name).ok_or_else(|| RenderError::UnknownStyle {
         name: name.to_owned(),
         known: library.names().iter().map(ToString::to_string).collect(),
     })

@@ -19,7 +19,8 @@ pub(crate) struct Setup {
     pub(crate) token: Option<&'static str>,
     pub(crate) limits: Limits,
     pub(crate) clock: Clock,
-    pub(crate) library: Library,
+    /// Instead of the shipped styles and one of another form.
+    pub(crate) library: Option<Library>,
 }
 
 impl Default for Setup {
@@ -28,7 +29,7 @@ impl Default for Setup {
             token: None,
             limits: Limits::default(),
             clock: Clock::system(),
-            library: Library::embedded().unwrap(),
+            library: None,
         }
     }
 }
@@ -99,10 +100,10 @@ pub(crate) fn start_in_folder(folder: &Path) -> Running {
 
 fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
     let runtime = Runtime::new().unwrap();
-    let config = Config {
-        library: setup.library,
-        ..config(&folder, setup.token)
-    };
+    let mut config = config(&folder, setup.token);
+    if let Some(library) = setup.library {
+        config.library = library;
+    }
     let style_runtime = Err("ONNX Runtime was not found; run scripts/get-onnxruntime.sh".to_owned());
     let surroundings = Surroundings {
         clock: setup.clock,
