@@ -110,7 +110,7 @@ impl Checker<'_> {
                 },
                 Value::Array(items),
             ) => self.list(at, element, *max, *distinct, items),
-            (Shape::Rgb(range), Value::Array(items)) if items.len() == 3 => {
+            (Shape::Rgb(range) | Shape::Vector(range), Value::Array(items)) if items.len() == 3 => {
                 self.items(at, &Shape::Number(*range), items)
             }
             (Shape::Object(fields), Value::Object(map)) => Some(self.object(at, fields, map)),

@@ -7,7 +7,7 @@ use crate::schema::Names::{
     Artifact, Dataset, Enhancement, Family, Fixed, Metric, Path, Preset as PresetName, SceneId, Style,
 };
 use crate::schema::Presence::{Default, Optional, Required};
-use crate::schema::Shape::{Either, Integer, Labels, List, Number, Object, OneOf, Rgb, Short, Tagged, Text};
+use crate::schema::Shape::{Either, Integer, Labels, List, Number, Object, OneOf, Rgb, Short, Tagged, Text, Vector};
 use crate::schema::{Field, Presence, Range, Shape, Variant};
 
 /// Most frames of a job, and the greatest `count`.
@@ -33,7 +33,7 @@ pub static DOCUMENT: Shape = Object(&[
     field("camera", Object(CAMERA), Default("{}"), "pinhole camera, principal point in the middle"),
     field("water", Object(WATER), Default("{}"), "the water and its style"),
     field("alpha", Number(Range::within(0.0, 1.0)), Default("1"), "share of the styled image"),
-    field("lights", LIGHTS, Default("[]"), "haze, in drawing order"),
+    field("lights", LIGHTS, Default("[]"), "lamps in the water, and haze in drawing order"),
     field("enhance", names(&Text(Enhancement)), Default("[]"), "enhancement methods to run on the result"),
     field("metrics", names(&Text(Metric)), Default(METRICS), "metrics to measure"),
     field("fidelity", OneOf(FIDELITY), Default("{\"tolerance\": 3e-4}"), "how exact the water must be"),
@@ -94,6 +94,7 @@ const OPTICS: &[Field] = &[
     field("diffuse_attenuation_per_m", PER_METRE, Optional, "K_d, the decay of daylight with depth"),
     field("veiling_light", RADIANCE, Optional, "backscatter radiance at infinite range, linear"),
     field("veil_gain", Number(Range::within(0.0, 1000.0)), Optional, "brightness of a derived veiling light"),
+    field("backscatter_fraction", Number(Range::within(0.002, 0.5)), Optional, "b_b/b, for the glow of lamps; absent: 0.0183"),
     field("forward_scatter", Object(SCATTER), Optional, "absent: `jaffe` if a and b are known, else none"),
 ];
 
@@ -117,9 +118,20 @@ const LIGHT: Shape = Tagged {
         field("intensity", Number(Range::within(0.0, 1.0)), Default("1"), "weight at the centre"),
         field("color", RADIANCE, Default("[1, 1, 1]"), "colour in the space of the haze"),
         field("blend", Text(Fixed(&["over", "add"])), Default("\"over\""), "how it is laid over the picture"),
-        fixed("space", Text(Fixed(&["linear", "display"])), Default("\"linear\""), "the same for all lights"),
+        fixed("space", Text(Fixed(&["linear", "display"])), Default("\"linear\""), "the same for all haze"),
+    ] }, Variant { name: "point", fields: &[
+        field("position_m", PLACE, Required, "metres right, down and ahead of the camera"),
+        field("intensity", INTENSITY, Required, "linear radiance times m², per steradian"),
+    ] }, Variant { name: "spot", fields: &[
+        field("position_m", PLACE, Required, "metres right, down and ahead of the camera"),
+        field("intensity", INTENSITY, Required, "along the axis: linear radiance times m², per steradian"),
+        field("direction", Vector(Range::within(-1000.0, 1000.0)), Default("[0, 0, 1]"), "axis, of any length but 0"),
+        field("cone_deg", Number(Range::within(0.5, 90.0)), Default("30"), "angle from the axis at which no light is left"),
     ] }],
 };
+
+const PLACE: Shape = Vector(Range::within(-1000.0, 1000.0));
+const INTENSITY: Shape = Rgb(Range::within(0.0, 1e6));
 
 const FIDELITY: &[Field] = &[
     field("tolerance", Number(Range::within(1e-7, 1.0)), Required, "largest error in linear light"),

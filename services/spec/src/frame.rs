@@ -30,6 +30,8 @@ pub struct Frame {
     pub alpha: f64,
     /// Haze lights in the order in which they are laid over the picture.
     pub lights: Vec<Haze>,
+    /// Lamps in the water, in the order of the description.
+    pub lamps: Vec<Lamp>,
     /// Enhancement methods to run on the result.
     pub enhance: Vec<String>,
     /// Metrics to measure, `name` or `name@profile`.
@@ -181,6 +183,9 @@ pub struct Optics {
     /// Brightness of a derived veiling light.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veil_gain: Option<f64>,
+    /// b_b/b, the share of the scattered light that goes backwards.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub backscatter_fraction: Option<f64>,
     /// Forward scatter; absent: `jaffe` if absorption and scattering are known, else none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forward_scatter: Option<ForwardScatter>,
@@ -272,6 +277,27 @@ pub struct Haze {
     pub blend: HazeBlend,
     /// The space it is laid in; the same for all lights of a frame.
     pub space: HazeSpace,
+}
+
+/// A lamp in the water. The camera looks along z; x is right and y is down.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Lamp {
+    /// Where it hangs, in metres from the camera.
+    pub position_m: [f64; 3],
+    /// Linear radiance times m², per steradian.
+    pub intensity: [f64; 3],
+    /// The beam of a spot; a point lamp has none.
+    #[serde(default, flatten)]
+    pub beam: Option<Beam>,
+}
+
+/// The beam of a spot lamp.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Beam {
+    /// The axis, of any length but 0.
+    pub direction: [f64; 3],
+    /// Degrees from the axis at which no light is left.
+    pub cone_deg: f64,
 }
 
 /// How haze is laid over the picture.

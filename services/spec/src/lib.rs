@@ -13,6 +13,7 @@ mod haze;
 mod invalid;
 mod job;
 mod json;
+mod lamps;
 pub mod law;
 mod node;
 mod normal;
@@ -26,11 +27,15 @@ mod warnings;
 mod water;
 
 pub use artifact::ArtifactKind;
-pub use frame::{Ambient, Camera, Encode, Fidelity, Format, ForwardScatter, ForwardScatterModel, Frame, Haze, HazeBlend, HazeSpace, HoleRule, Optics, RangeFile, ScatterSource, Scene, StyleTier, Water};
+pub use frame::{
+    Ambient, Beam, Camera, Encode, Fidelity, Format, ForwardScatter, ForwardScatterModel, Frame, Haze,
+    HazeBlend, HazeSpace, HoleRule, Lamp, Optics, RangeFile, ScatterSource, Scene, StyleTier, Water,
+};
 pub use haze::{haze_lights, haze_space};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::Job;
 pub use json::{MAX_BYTES, MAX_DEPTH};
+pub use lamps::lamps;
 pub use normal::normal_quantile;
 pub use record::{ArtifactEntry, Counts, FrameRecord, Provenance, hex, job_digest};
 pub use vocabulary::Vocabulary;

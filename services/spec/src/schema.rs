@@ -55,6 +55,8 @@ pub enum Shape {
     },
     /// Three numbers: R, G, B.
     Rgb(Range),
+    /// Three numbers: x, y, z.
+    Vector(Range),
     /// An object with these fields.
     Object(&'static [Field]),
     /// An object with exactly one of these fields.
@@ -88,6 +90,7 @@ impl Shape {
             Self::Text(_) => "a string",
             Self::List { .. } => "a list",
             Self::Rgb(_) => "a list of three numbers, R, G, B",
+            Self::Vector(_) => "a list of three numbers, x, y, z",
             Self::Object(_) | Self::OneOf(_) | Self::Tagged { .. } | Self::Labels => "an object",
             Self::Short(..) | Self::Either(..) => "a string or an object",
             Self::Scalar => "a number, string or boolean",
@@ -99,7 +102,7 @@ impl Shape {
     pub fn limit(&self) -> String {
         match self {
             Self::Number(range) => range.to_string(),
-            Self::Rgb(range) => format!("each {range}"),
+            Self::Rgb(range) | Self::Vector(range) => format!("each {range}"),
             Self::Integer(min, max) => format!("{min}..={max}"),
             Self::Text(names) => names.limit(),
             Self::List {

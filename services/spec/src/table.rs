@@ -85,6 +85,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
         | Shape::Integer(..)
         | Shape::Text(_)
         | Shape::Rgb(_)
+        | Shape::Vector(_)
         | Shape::Labels
         | Shape::Scalar => {}
     }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use crate::artifact::ArtifactKind;
-use crate::frame::{Camera, Encode, Fidelity, Frame, Haze, Scene, Water};
+use crate::frame::{Camera, Encode, Fidelity, Frame, Haze, Lamp, Scene, Water};
 
 /// The resolved description as it stands in JSON.
 #[derive(Deserialize)]
@@ -17,13 +17,21 @@ struct Resolved {
     camera: Camera,
     water: Water,
     alpha: f64,
-    lights: Vec<Haze>,
+    lights: Vec<Light>,
     enhance: Vec<String>,
     metrics: Vec<String>,
     fidelity: WrittenFidelity,
     artifacts: Vec<String>,
     encode: Encode,
     labels: BTreeMap<String, Value>,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Light {
+    Haze(Haze),
+    Point(Lamp),
+    Spot(Lamp),
 }
 
 #[derive(Deserialize)]
@@ -52,6 +60,13 @@ pub(crate) fn frame(index: u64, mut fields: Map<String, Value>) -> Result<Frame,
     if let Scene::Files { range, .. } = &mut resolved.scene {
         range.take_if(|file| file.range.is_none() && file.z_depth.is_none());
     }
+    let (mut lights, mut lamps) = (Vec::new(), Vec::new());
+    for light in resolved.lights {
+        match light {
+            Light::Haze(haze) => lights.push(haze),
+            Light::Point(lamp) | Light::Spot(lamp) => lamps.push(lamp),
+        }
+    }
     Ok(Frame {
         index,
         seed: resolved.seed,
@@ -60,7 +75,8 @@ pub(crate) fn frame(index: u64, mut fields: Map<String, Value>) -> Result<Frame,
         camera: resolved.camera,
         water: resolved.water,
         alpha: resolved.alpha,
-        lights: resolved.lights,
+        lights,
+        lamps,
         enhance: resolved.enhance,
         metrics: resolved.metrics,
         fidelity: match resolved.fidelity {

@@ -7,10 +7,10 @@ use crate::frame::{Ambient, ForwardScatter, ForwardScatterModel, Frame, HoleRule
 /// The water of a frame as the optics ask for it; `None` without optics: no attenuation and no scatter.
 #[must_use]
 pub fn water_request(frame: &Frame) -> Option<WaterRequest> {
-    request(&frame.water)
+    request(&frame.water, !frame.lamps.is_empty())
 }
 
-pub(crate) fn request(water: &Water) -> Option<WaterRequest> {
+pub(crate) fn request(water: &Water, lamps: bool) -> Option<WaterRequest> {
     let optics = water.optics.as_ref()?;
     Some(WaterRequest {
         preset: optics.preset.clone(),
@@ -33,6 +33,8 @@ pub(crate) fn request(water: &Water) -> Option<WaterRequest> {
             HoleRule::Reject => optics::range::HoleRule::Reject,
         },
         range_scale: water.range_scale,
+        backscatter_fraction: optics.backscatter_fraction,
+        lamps,
         scatter: optics.forward_scatter.as_ref().map(scatter),
     })
 }

@@ -60,6 +60,7 @@ pub struct Water {
     pub(crate) veiling_light: [f64; 3],
     pub(crate) radiance_gain: [f64; 3],
     pub(crate) scatter: Scatter,
+    pub(crate) backscatter_fraction: f64,
     pub(crate) holes: HoleRule,
     pub(crate) derived: Vec<&'static str>,
 }
@@ -97,6 +98,33 @@ impl Water {
     #[must_use]
     pub fn veiling_light(&self) -> [f64; 3] {
         self.veiling_light
+    }
+
+    /// Scattering b, 1/m, where it is known.
+    #[must_use]
+    pub fn scattering(&self) -> Option<[f64; 3]> {
+        self.scattering
+    }
+
+    /// b_b/b, the share of the scattered light that goes backwards.
+    #[must_use]
+    pub fn backscatter_fraction(&self) -> f64 {
+        self.backscatter_fraction
+    }
+
+    /// Factor of the scene's radiance, 1 without ambient light.
+    #[must_use]
+    pub fn radiance_gain(&self) -> [f64; 3] {
+        self.radiance_gain
+    }
+
+    /// The same water around a scene whose radiance has its gain already.
+    #[must_use]
+    pub fn with_light_applied(&self) -> Self {
+        Self {
+            radiance_gain: [1.0; 3],
+            ..self.clone()
+        }
     }
 
     /// Forward scatter.

@@ -3,6 +3,7 @@
 use enhance::EnhanceError;
 use imaging::codec::EncodeError;
 use optics::chain::ChainError;
+use optics::lamp::LampError;
 use optics::water::WaterError;
 use quality::QualityError;
 use scenes::SceneError;
@@ -58,6 +59,9 @@ pub enum RenderError {
         /// What there is.
         known: Vec<String>,
     },
+    /// The lamps cannot be.
+    #[error("lights: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Lamps(Vec<LampError>),
     /// The style network failed.
     #[error(transparent)]
     Style(#[from] StyleError),
@@ -97,6 +101,7 @@ impl RenderError {
             | Self::NotHere { .. }
             | Self::Water(_)
             | Self::Chain(_)
+            | Self::Lamps(_)
             | Self::RuntimeMissing(_)
             | Self::UnknownStyle { .. }
             | Self::Style(_)

@@ -85,7 +85,7 @@ pub(crate) fn finish(files: Vec<File>, findings: Findings<'_>) -> Rendered {
         frame: findings.frame.index,
         parameters: parameters(&findings),
         optics: numbers(findings.chosen),
-        plan: plan(findings.chosen),
+        plan: plan(findings.frame, findings.chosen),
         measurements: findings.measurements,
         artifacts: files.iter().map(File::entry).collect(),
         counts: findings.counts,
@@ -121,6 +121,10 @@ fn numbers(chosen: &Chosen) -> Map<String, Value> {
         .filter_map(|(name, rgb)| Some((name.to_owned(), json!(rgb?))));
     let mut numbers: Map<String, Value> = known.collect();
     numbers.insert("derived".to_owned(), json!(water.derived()));
+    numbers.insert(
+        "backscatter_fraction".to_owned(),
+        json!(water.backscatter_fraction()),
+    );
     if let Some(preset) = water.preset() {
         numbers.insert("preset".to_owned(), json!(preset));
     }
@@ -128,9 +132,18 @@ fn numbers(chosen: &Chosen) -> Map<String, Value> {
 }
 
 /// The plan as a list of stages; what is not known of a stage is left out.
-pub(crate) fn plan(chosen: &Chosen) -> Value {
+pub(crate) fn plan(frame: &spec::Frame, chosen: &Chosen) -> Value {
     let in_water = |stage: &str| stage.starts_with("attenuation") || stage.starts_with("forward_scatter");
-    let notes = chosen.plan.describe().into_iter().map(|note| {
+    let lamps = json!({
+        "stage": "lamps",
+        "variant": match (frame.lamps.is_empty(), &frame.fidelity) {
+            (true, _) => "skip",
+            (false, spec::Fidelity::Reference) => "reference",
+            (false, _) => "quadrature",
+        },
+    });
+    let notes = chosen.plan.describe().into_iter().flat_map(|note| {
+        let before = (note.stage == "style").then(|| lamps.clone());
         let skipped = chosen.water.is_none() && in_water(note.stage);
         let mut entry = Map::new();
         entry.insert("stage".to_owned(), json!(note.stage));
@@ -144,7 +157,7 @@ pub(crate) fn plan(chosen: &Chosen) -> Value {
         if let Some(bound) = note.bound {
             entry.insert("bound".to_owned(), json!(bound));
         }
-        Value::Object(entry)
+        before.into_iter().chain([Value::Object(entry)])
     });
     notes.collect()
 }

@@ -13,7 +13,7 @@ use crate::source::SceneSource;
 use crate::stage::files::{self, Products};
 use crate::stage::scene::{self, Prepared};
 use crate::stage::water::{self, Chosen};
-use crate::stage::{enhance, haze, measure, style};
+use crate::stage::{enhance, haze, lamps, measure, style};
 use crate::stopwatch::Stopwatch;
 
 /// What one worker thread reuses from frame to frame. Nothing in it changes a result.
@@ -53,8 +53,21 @@ impl Slot {
 
         let prepared = watch.time("scene", || self.scene(frame, source))?;
         let radiance = &prepared.scene.radiance;
-        let chosen = watch.time("plan", || water::choose(frame, &prepared, &lights))?;
-        let layers = watch.time("water", || water::run(&prepared, &chosen, &mut self.kernels))?;
+        let water = water::resolve(frame, &prepared)?;
+        let lighting = lamps::lighting(frame, &prepared, water.as_ref())?;
+        let lit = lighting.as_ref().and_then(|lighting| {
+            watch.time("lamps", || lamps::surfaces(&prepared, lighting, water.as_ref()))
+        });
+        let shown = lit.as_ref().map(|(lit, _)| lit);
+        let chosen = watch.time("plan", || water::choose(frame, &prepared, shown, water, &lights));
+        let shown = shown.unwrap_or(radiance);
+        let mut layers = watch.time("water", || {
+            water::run(&prepared, shown, &chosen, &mut self.kernels)
+        })?;
+        let glows = lighting.as_ref().is_some_and(|lighting| {
+            watch.time("lamps", || lamps::glow(frame, &prepared, lighting, &mut layers))
+        });
+        let dark = lit.is_some_and(|(_, shines)| !shines) && !glows;
         let styled = watch.time("style", || {
             style::run(frame, &layers.scattered, &self.engine, &mut self.sessions)
         })?;
@@ -101,6 +114,7 @@ impl Slot {
             timings_ms: watch.stop(),
             warnings: warnings(frame, &prepared, &chosen)
                 .into_iter()
+                .chain(dark.then(|| "no lamp lights anything in view".to_owned()))
                 .chain(enhance::warnings(&enhanced))
                 .chain(files.warnings)
                 .collect(),
@@ -116,8 +130,14 @@ impl Slot {
     /// [`RenderError`] of the scene or the water.
     pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<serde_json::Value, RenderError> {
         let prepared = self.scene(frame, source)?;
-        let chosen = water::choose(frame, &prepared, &spec::haze_lights(frame))?;
-        Ok(record::plan(&chosen))
+        let water = water::resolve(frame, &prepared)?;
+        let lighting = lamps::lighting(frame, &prepared, water.as_ref())?;
+        let lit = lighting
+            .as_ref()
+            .and_then(|lighting| lamps::surfaces(&prepared, lighting, water.as_ref()));
+        let lit = lit.as_ref().map(|(lit, _)| lit);
+        let chosen = water::choose(frame, &prepared, lit, water, &spec::haze_lights(frame));
+        Ok(record::plan(frame, &chosen))
     }
 
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
@@ -144,6 +164,9 @@ fn warnings(frame: &Frame, prepared: &Prepared, chosen: &Chosen) -> Vec<String> 
     let mut warnings = Vec::new();
     if frame.water.optics.is_some() && chosen.water.is_none() {
         warnings.push("the scene has no range: the water's optics are skipped".to_owned());
+    }
+    if !frame.lamps.is_empty() && prepared.scene.range.is_none() {
+        warnings.push("the scene has no range: the lamps are skipped".to_owned());
     }
     let pixels = prepared
         .scene

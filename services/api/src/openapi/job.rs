@@ -132,7 +132,7 @@ fn shape(shape: &Shape) -> RefOr<Schema> {
             .max_items(Some(*max))
             .unique_items(*distinct)
             .into(),
-        Shape::Rgb(range) => ArrayBuilder::new()
+        Shape::Rgb(range) | Shape::Vector(range) => ArrayBuilder::new()
             .items(number(range))
             .min_items(Some(3))
             .max_items(Some(3))

@@ -15,7 +15,23 @@ impl Checker<'_> {
         self.camera(document);
         self.scene_files(document);
         self.light_spaces(document);
+        self.lamp_axes(document);
         self.artifacts(document);
+    }
+
+    fn lamp_axes(&mut self, document: &Node) {
+        for (pointer, light) in lights(document) {
+            let Some(Node::List(axis)) = light.get("direction") else {
+                continue;
+            };
+            let nothing = |node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0));
+            if axis.iter().all(nothing) {
+                let message = "this lamp's `direction` is [0, 0, 0], which is none";
+                self.refuse(|| {
+                    FieldError::new(&format!("{pointer}/direction"), message).limit("a length above 0")
+                });
+            }
+        }
     }
 
     fn camera(&mut self, document: &Node) {
@@ -59,7 +75,7 @@ impl Checker<'_> {
 
     fn light_spaces(&mut self, document: &Node) {
         let mut first: Option<String> = None;
-        for (pointer, space) in lights(document) {
+        for (pointer, space) in spaces(document) {
             match &first {
                 None => first = Some(space.to_owned()),
                 Some(first) if first == space => {}
@@ -69,7 +85,7 @@ impl Checker<'_> {
                     self.refuse(|| {
                         FieldError::new(&pointer, message)
                             .value(&space.into())
-                            .limit("the same for all lights")
+                            .limit("the same for all haze")
                     });
                 }
             }
@@ -112,23 +128,32 @@ pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Nod
         .unwrap_or_default()
 }
 
-/// The space of every light that can be, with its pointer.
-fn lights(document: &Node) -> Vec<(String, &str)> {
-    let mut spaces = Vec::new();
+/// Whether a frame can have lamps.
+pub(super) fn has_lamps(document: &Node) -> bool {
+    lights(document)
+        .iter()
+        .any(|(_, light)| light.get("position_m").is_some())
+}
+
+/// Every light that can be, with its pointer.
+fn lights(document: &Node) -> Vec<(String, &Node)> {
+    let mut lights = Vec::new();
     for (pointer, list) in places(document, "lights") {
         let Node::List(items) = list else { continue };
         for (position, item) in items.iter().enumerate() {
-            for (pointer, light) in item.alternatives(&format!("{pointer}/{position}")) {
-                spaces.extend(
-                    light
-                        .get("space")
-                        .map(|node| node.strings(&format!("{pointer}/space")))
-                        .unwrap_or_default(),
-                );
-            }
+            lights.extend(item.alternatives(&format!("{pointer}/{position}")));
         }
     }
-    spaces
+    lights
+}
+
+/// The space of all haze that can be, with its pointer.
+fn spaces(document: &Node) -> Vec<(String, &str)> {
+    let all = lights(document).into_iter();
+    let nodes = all.filter_map(|(pointer, light)| Some((pointer, light.get("space")?)));
+    nodes
+        .flat_map(|(pointer, node)| node.strings(&format!("{pointer}/space")))
+        .collect()
 }
 
 /// The names that a list holds in every frame.

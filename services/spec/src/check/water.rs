@@ -6,6 +6,7 @@ use optics::water::Water as OpticalWater;
 use serde::Deserialize;
 
 use super::Checker;
+use super::across::has_lamps;
 use crate::draw::{Drawn, LawNode};
 use crate::frame::Water;
 use crate::invalid::FieldError;
@@ -56,9 +57,10 @@ impl Checker<'_> {
         {
             return;
         }
+        let lamps = has_lamps(document);
         let mut found = BTreeSet::new();
         for extremes in extremes(water) {
-            self.try_water(water, &|law: &LawNode| extremes.of(law), &mut found);
+            self.try_water(water, lamps, &|law: &LawNode| extremes.of(law), &mut found);
         }
         let tried = if water.laws().is_empty() {
             0
@@ -66,7 +68,7 @@ impl Checker<'_> {
             frames.min(FRAMES_TRIED)
         };
         for frame in 0..tried {
-            self.try_water(water, &|law: &LawNode| law.at(frame), &mut found);
+            self.try_water(water, lamps, &|law: &LawNode| law.at(frame), &mut found);
         }
     }
 
@@ -74,13 +76,14 @@ impl Checker<'_> {
     fn try_water(
         &mut self,
         water: &Node,
+        lamps: bool,
         draw: &impl Fn(&LawNode) -> Drawn,
         found: &mut BTreeSet<(String, &'static str)>,
     ) {
         let Ok(values) = Water::deserialize(water.value(draw)) else {
             return;
         };
-        let Some(request) = crate::water::request(&values) else {
+        let Some(request) = crate::water::request(&values, lamps) else {
             return;
         };
         for error in OpticalWater::validate(&request) {

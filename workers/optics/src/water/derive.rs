@@ -5,6 +5,7 @@
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
 use super::{Ambient, Scatter, ScatterModel, ScatterRequest, Spread, Water, WaterError, WaterRequest};
+use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::preset;
 use crate::range::HoleRule;
 
@@ -89,6 +90,7 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
         focal_px,
     };
     let scatter = checks.scatter(request.scatter.as_ref(), &medium);
+    checks.lamps(request, scattering);
     if !checks.errors.is_empty() {
         return Err(checks.errors);
     }
@@ -107,6 +109,9 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
         veiling_light,
         radiance_gain: radiance_gain(request.ambient, decay),
         scatter: scaled_scatter(scatter, scale),
+        backscatter_fraction: request
+            .backscatter_fraction
+            .unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
         holes: request.holes,
         derived: checks.derived,
     })
@@ -144,6 +149,13 @@ fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
             spread: wider(spread),
         },
     }
+}
+
+fn preset_known(request: &WaterRequest) -> bool {
+    request
+        .preset
+        .as_deref()
+        .is_some_and(|name| preset::find(name).is_some())
 }
 
 /// What is known of the medium before the range scale.
@@ -198,6 +210,7 @@ impl Checks {
         let singles = [
             ("veil_gain", request.veil_gain, 0.0, MOST_LIGHT),
             ("depth_m", request.depth_m, 0.0, MOST_DEPTH_M),
+            ("backscatter_fraction", request.backscatter_fraction, 0.002, 0.5),
             (
                 "range_scale",
                 Some(request.range_scale),
@@ -219,6 +232,22 @@ impl Checks {
             value
                 .into_iter()
                 .for_each(|value| self.range(field, None, value, least, most));
+        }
+    }
+
+    /// What the glow of lamps needs.
+    fn lamps(&mut self, request: &WaterRequest, scattering: Option<[f64; 3]>) {
+        if !request.lamps {
+            return;
+        }
+        if request.backscatter_fraction.is_none() {
+            self.derived.push("backscatter_fraction");
+        }
+        if scattering.is_none() && (request.preset.is_none() || preset_known(request)) {
+            self.errors.push(WaterError::Missing {
+                field: "scattering_per_m",
+                reason: "the glow of the water before the lamps comes from it",
+            });
         }
     }
 

@@ -30,6 +30,10 @@ pub struct WaterRequest {
     /// Multiplies every per-metre quantity along the ray: c, a, b, backscatter attenuation, G and the spread per metre. K_d
     /// acts along the depth and stays as it is.
     pub range_scale: f64,
+    /// b_b/b, the share of the scattered light that goes backwards; absent: that of average sea particles.
+    pub backscatter_fraction: Option<f64>,
+    /// Whether lamps light the water, which takes scattering.
+    pub lamps: bool,
     /// Forward scatter; absent: `jaffe` where absorption and scattering are known, else none.
     pub scatter: Option<ScatterRequest>,
 }
@@ -49,6 +53,8 @@ impl Default for WaterRequest {
             ambient: Ambient::None,
             holes: HoleRule::Background,
             range_scale: 1.0,
+            backscatter_fraction: None,
+            lamps: false,
             scatter: None,
         }
     }

@@ -15,33 +15,51 @@ use crate::error::RenderError;
 pub(crate) struct Chosen {
     /// The water with all its numbers; `None` where the stage is skipped.
     pub(crate) water: Option<Water>,
+    /// The water that the stage runs with: of a scene that lamps have lit, its ambient light is applied already.
+    around: Option<Water>,
     /// What runs.
     pub(crate) plan: Plan,
 }
 
-/// Completes the water and plans the frame.
+/// The tolerance of a frame that gives none.
+pub(crate) const TOLERANCE: f64 = 3e-4;
+
+/// The water of a frame with all its numbers; `None` without optics or without range.
+pub(crate) fn resolve(frame: &Frame, prepared: &Prepared) -> Result<Option<Water>, RenderError> {
+    let Some(request) = spec::water_request(frame).filter(|_| prepared.scene.range.is_some()) else {
+        return Ok(None);
+    };
+    let water = Water::resolve(&request, prepared.focal_px).map_err(RenderError::Water)?;
+    Ok(Some(water))
+}
+
+/// Plans the frame for the light that its scene has.
 pub(crate) fn choose(
     frame: &Frame,
     prepared: &Prepared,
+    lit: Option<&Rgb<f32>>,
+    water: Option<Water>,
     lights: &[HazeLight],
-) -> Result<Chosen, RenderError> {
+) -> Chosen {
     let style_weight = frame.water.style.as_ref().map(|_| frame.alpha);
-    let water = match spec::water_request(frame) {
-        None => None,
-        Some(request) => Some(Water::resolve(&request, prepared.focal_px).map_err(RenderError::Water)?),
-    };
     let (Some(water), Some(range)) = (water, &prepared.scene.range) else {
-        return Ok(Chosen {
+        return Chosen {
             water: None,
+            around: None,
             plan: Plan::without_water(style_weight, lights),
-        });
+        };
     };
-    let stats = SceneStats::measure(&prepared.scene.radiance, range, &water);
-    let plan = Plan::for_frame(&stats, &water, style_weight, lights, fidelity(frame));
-    Ok(Chosen {
+    let around = match lit {
+        Some(_) => water.with_light_applied(),
+        None => water.clone(),
+    };
+    let stats = SceneStats::measure(lit.unwrap_or(&prepared.scene.radiance), range, &around);
+    let plan = Plan::for_frame(&stats, &around, style_weight, lights, fidelity(frame));
+    Chosen {
         water: Some(water),
+        around: Some(around),
         plan,
-    })
+    }
 }
 
 fn fidelity(frame: &Frame) -> Fidelity {
@@ -56,11 +74,11 @@ fn fidelity(frame: &Frame) -> Fidelity {
 /// Takes the scene under water.
 pub(crate) fn run(
     prepared: &Prepared,
+    radiance: &Rgb<f32>,
     chosen: &Chosen,
     kernels: &mut KernelCache,
 ) -> Result<Layers, RenderError> {
-    let radiance = &prepared.scene.radiance;
-    match (&chosen.water, &prepared.scene.range) {
+    match (&chosen.around, &prepared.scene.range) {
         (Some(water), Some(range)) => Ok(chain::water(radiance, range, water, &chosen.plan, kernels)?),
         _ => Ok(in_air(radiance)),
     }

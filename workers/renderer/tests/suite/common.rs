@@ -115,6 +115,14 @@ pub(crate) fn parse(description: &Value) -> Job {
     Job::parse(description.to_string().as_bytes(), &vocabulary).unwrap_or_else(|invalid| panic!("{invalid}"))
 }
 
+/// What is wrong with a description.
+pub(crate) fn parse_errors(description: &Value) -> Vec<spec::FieldError> {
+    let vocabulary = fathom_renderer::vocabulary(&library(), true);
+    Job::parse(description.to_string().as_bytes(), &vocabulary)
+        .unwrap_err()
+        .0
+}
+
 /// Frame 0 of a job.
 pub(crate) fn render(job: &Job) -> Rendered {
     try_render(job, &engine_without_runtime()).unwrap()

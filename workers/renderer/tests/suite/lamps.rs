@@ -1,0 +1,125 @@
+//! Lamps of a job: what they light, what the record says, what is refused.
+
+use imaging::codec::{Radiance, decode_radiance};
+use serde_json::{Value, json};
+
+use crate::common::{Files, file, parse_errors, render};
+
+fn spot(direction: Value) -> Value {
+    json!({"kind": "spot", "position_m": [0.3, 0.0, 0.0], "intensity": [8.0, 8.0, 8.0],
+           "direction": direction, "cone_deg": 40.0})
+}
+
+fn dark_water() -> Value {
+    json!({"optics": {"preset": "jerlov-1C", "veil_gain": 0.0}, "depth_m": 200.0, "ambient": "absolute"})
+}
+
+/// The samples of an NPY artifact.
+fn samples(bytes: &[u8]) -> Vec<f32> {
+    let Radiance::Linear(layer) = decode_radiance(bytes).unwrap() else {
+        panic!("a linear layer");
+    };
+    layer
+        .into_planes()
+        .into_iter()
+        .flat_map(imaging::Plane::into_data)
+        .collect()
+}
+
+fn brightest(bytes: &[u8]) -> f32 {
+    samples(bytes).into_iter().fold(0.0, f32::max)
+}
+
+#[test]
+fn at_a_depth_without_daylight_only_the_lamps_are_seen() {
+    let files = Files::new();
+    let artifacts = json!(["rgb", "direct", "backscatter"]);
+    let dark = json!({"water": dark_water(), "artifacts": artifacts});
+    let dark = render(&files.job(&dark));
+    assert!(brightest(file(&dark, "direct")) < 1e-4);
+    let lit = json!({"water": dark_water(), "artifacts": artifacts, "lights": [spot(json!([0, 0, 1]))]});
+    let lit = render(&files.job(&lit));
+    assert!(brightest(file(&lit, "direct")) > 1e-3);
+    assert!(brightest(file(&lit, "backscatter")) > 1e-3, "the water glows");
+    assert!(lit.record.timings_ms.contains_key("lamps"));
+    let plan = lit.record.plan.as_array().unwrap();
+    assert!(
+        plan.iter()
+            .any(|stage| stage["stage"] == "lamps" && stage["variant"] == "quadrature")
+    );
+    let derived = lit.record.optics["derived"].as_array().unwrap();
+    assert!(derived.contains(&json!("backscatter_fraction")));
+    assert!(lit.record.warnings.is_empty(), "{:?}", lit.record.warnings);
+}
+
+#[test]
+fn a_lamp_aimed_away_and_a_scene_without_range_are_said_in_the_record() {
+    let files = Files::new();
+    let mut away = spot(json!([0, 0, -1]));
+    away["position_m"] = json!([0.0, 0.0, -0.5]);
+    let fields = json!({"water": {"optics": "jerlov-3C"}, "lights": [away.clone()]});
+    assert_eq!(
+        render(&files.job(&fields)).record.warnings,
+        ["no lamp lights anything in view"]
+    );
+    let fields = json!({"scene": files.scene_without_range(), "lights": [away]});
+    assert_eq!(
+        render(&files.job(&fields)).record.warnings,
+        ["the scene has no range: the lamps are skipped"]
+    );
+}
+
+#[test]
+fn the_reference_and_the_fast_form_give_the_same_picture() {
+    let files = Files::new();
+    let frame = |fidelity: Value| {
+        let fields = json!({"water": {"optics": "jerlov-1C"}, "artifacts": ["backscatter"],
+                            "lights": [spot(json!([0, 0, 1]))], "fidelity": fidelity});
+        samples(file(&render(&files.job(&fields)), "backscatter"))
+    };
+    let (fast, exact) = (
+        frame(json!({"tolerance": 1e-4})),
+        frame(json!({"variant": "reference"})),
+    );
+    let worst = fast
+        .iter()
+        .zip(&exact)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f32::max);
+    assert!(worst < 1.1e-4, "{worst}");
+}
+
+#[test]
+fn bad_lamps_are_refused_together() {
+    let files = Files::new();
+    let bad = json!({"kind": "spot", "position_m": [0.0, 0.0, 2000.0], "intensity": [-1.0, 0.0, 0.0],
+                     "direction": [0, 0, 0], "cone_deg": 120.0});
+    let errors = parse_errors(&files.description(&json!({"lights": [bad]})));
+    for pointer in [
+        "/lights/0/position_m/2",
+        "/lights/0/intensity/0",
+        "/lights/0/cone_deg",
+    ] {
+        assert!(
+            errors.iter().any(|error| error.pointer == pointer),
+            "{pointer}: {errors:?}"
+        );
+    }
+    let none =
+        json!({"kind": "spot", "position_m": [0, 0, 0], "intensity": [1, 1, 1], "direction": [0, 0, 0]});
+    let errors = parse_errors(&files.description(&json!({"lights": [none]})));
+    assert_eq!(errors[0].pointer, "/lights/0/direction");
+    let many = vec![spot(json!([0, 0, 1])); 1000];
+    let errors = parse_errors(&files.description(&json!({"lights": many})));
+    assert!(
+        errors[0].message.contains("1000 elements, the limit is 64"),
+        "{errors:?}"
+    );
+    let unknown = json!({"optics": {"beam_attenuation_per_m": [0.5, 0.5, 0.5], "veiling_light": [0, 0, 0]}});
+    let fields = json!({"water": unknown, "lights": [spot(json!([0, 0, 1]))]});
+    let errors = parse_errors(&files.description(&fields));
+    assert!(
+        errors[0].message.contains("scattering_per_m is missing"),
+        "{errors:?}"
+    );
+}
