@@ -3,6 +3,7 @@
 //! What is measured comes from the science crates; what is drawn is drawn twice from one description, as SVG and as a
 //! picture. Clocks are read here, files are not: the command line writes what this crate answers.
 
+pub mod campaign;
 pub mod chart;
 pub mod plot;
 pub mod stability;

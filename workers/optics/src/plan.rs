@@ -214,12 +214,14 @@ fn levels(stats: &SceneStats, water: &Water, channel: usize) -> (f64, f64) {
     );
     let veil = water.veiling_light[channel];
     let (nearest, farthest) = stats.range_m.unwrap_or((0.0, f64::INFINITY));
-    let arriving = (-direct * nearest).exp();
     if direct == back && direct > 0.0 {
-        return (
-            veil - (veil - dark).max(0.0) * arriving,
-            veil + (bright - veil).max(0.0) * arriving,
-        );
+        // The veil is between the two where a hole shows it alone.
+        let arriving = |contrast: f64, towards: bool| {
+            let farther = if stats.holes { f64::INFINITY } else { farthest };
+            contrast * (-direct * if towards { nearest } else { farther }).exp()
+        };
+        let (low, high) = (dark - veil, bright - veil);
+        return (veil + arriving(low, low < 0.0), veil + arriving(high, high > 0.0));
     }
     // A hole shows the scene itself where the water attenuates nothing, and the veil where it does.
     let darkest = dark * (-direct * farthest).exp();

@@ -2,6 +2,7 @@
 
 mod backup;
 mod bench;
+mod campaign;
 mod chart;
 mod demo;
 mod enhance;
@@ -62,6 +63,8 @@ pub(crate) enum Command {
     Table1(table1::Arguments),
     /// Map where methods fail
     Stability(stability::Arguments),
+    /// Try random frames against the promise of the plan
+    Campaign(campaign::Arguments),
     /// Draw error against time of the variants of each stage
     Chart(chart::Arguments),
     /// List the optical water presets
@@ -102,6 +105,7 @@ impl Command {
             Self::Measure(arguments) => measure::run(&arguments),
             Self::Table1(arguments) => table1::run(&arguments),
             Self::Stability(arguments) => stability::run(&arguments),
+            Self::Campaign(arguments) => campaign::run(&arguments),
             Self::Chart(arguments) => chart::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),

@@ -1,0 +1,160 @@
+//! The campaign in figures, words and drawings.
+
+use super::Outcome;
+use crate::plot::{Axis, Lines, Mark, Series};
+
+/// Figures of a campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Channels of frames.
+    pub channels: usize,
+    /// Errors above their bound.
+    pub broken: usize,
+    /// Channels that are transformed at all.
+    pub transformed: usize,
+    /// The smallest ratio of bound to error where something is transformed and f32 does not hide the error.
+    pub closest: f64,
+    /// Half of these ratios are no larger.
+    pub ratio_median: f64,
+    /// Cost in units of the cheapest sufficient form: half cost no more.
+    pub excess_median: f64,
+    /// 95 % cost no more.
+    pub excess_95: f64,
+    /// The largest.
+    pub excess_max: f64,
+}
+
+/// Errors below this are mostly rounding.
+const ROUNDING: f64 = 3e-6;
+
+impl Summary {
+    /// Sums up.
+    #[must_use]
+    pub fn of(outcomes: &[Outcome]) -> Self {
+        let sorted = |values: Vec<f64>| {
+            let mut values = values;
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let at = |values: &[f64], share: f64| {
+            let last = values.len().saturating_sub(1);
+            values
+                .get((share * last as f64).round() as usize)
+                .copied()
+                .unwrap_or(f64::NAN)
+        };
+        let loud = outcomes.iter().filter(|o| o.error > ROUNDING && o.terms > 0);
+        let ratios = sorted(loud.map(|o| o.bound / o.error).collect());
+        let excess = sorted(outcomes.iter().map(Outcome::excess).collect());
+        Self {
+            channels: outcomes.len(),
+            broken: outcomes.iter().filter(|o| o.is_broken()).count(),
+            transformed: outcomes.iter().filter(|o| o.terms > 0).count(),
+            closest: at(&ratios, 0.0),
+            ratio_median: at(&ratios, 0.5),
+            excess_median: at(&excess, 0.5),
+            excess_95: at(&excess, 0.95),
+            excess_max: at(&excess, 1.0),
+        }
+    }
+}
+
+/// The figures as text.
+#[must_use]
+pub fn markdown(outcomes: &[Outcome]) -> String {
+    let summary = Summary::of(outcomes);
+    let mut text = format!(
+        "| figure | value |\n|---|---|\n| channels | {} |\n| of them transformed | {} |\n| errors above their bound | {} |\n\
+         | bound / error, smallest | {:.2} |\n| bound / error, median | {:.1} |\n| cost / cheapest, median | {:.2} |\n\
+         | cost / cheapest, 95 % | {:.2} |\n| cost / cheapest, largest | {:.2} |\n",
+        summary.channels,
+        summary.transformed,
+        summary.broken,
+        summary.closest,
+        summary.ratio_median,
+        summary.excess_median,
+        summary.excess_95,
+        summary.excess_max
+    );
+    for broken in outcomes.iter().filter(|o| o.is_broken()) {
+        text.push_str(&format!(
+            "\n- frame {} channel {} ({}): error {:.2e} above {:.2e}",
+            broken.seed, broken.channel, broken.about, broken.error, broken.bound
+        ));
+    }
+    text
+}
+
+/// Points that a chart can hold.
+const DRAWN: usize = 4000;
+
+/// Bound against error, with the line that no point may be above.
+#[must_use]
+pub fn bound_chart(outcomes: &[Outcome]) -> Lines {
+    let floor = |error: f64| error.max(1e-8);
+    let step = outcomes.len().div_ceil(DRAWN).max(1);
+    let of = |name: &str| Series {
+        name: name.to_owned(),
+        marks: outcomes
+            .iter()
+            .step_by(step)
+            .filter(|o| o.about.starts_with(name) && o.terms > 0)
+            .map(|o| mark(o.bound, floor(o.error)))
+            .collect(),
+        joined: false,
+    };
+    let limit = [1e-6, 0.1].map(|v| mark(v, v)).into();
+    let axis = |title: &str| Axis {
+        title: title.to_owned(),
+        logarithmic: true,
+    };
+    Lines {
+        title: "Every transformed channel of the campaign".to_owned(),
+        x: axis("bound of the plan, linear light"),
+        y: axis("measured error"),
+        series: vec![
+            of("jaffe"),
+            of("simplified"),
+            Series {
+                name: "error = bound".to_owned(),
+                marks: limit,
+                joined: true,
+            },
+        ],
+    }
+}
+
+/// How many channels cost how much more than the cheapest sufficient form.
+#[must_use]
+pub fn cost_chart(outcomes: &[Outcome]) -> Lines {
+    let mut excess: Vec<f64> = outcomes.iter().map(Outcome::excess).collect();
+    excess.sort_by(f64::total_cmp);
+    let last = excess.len().saturating_sub(1).max(1);
+    let marks = (0..=200).filter_map(|share| {
+        let place = share * last / 200;
+        Some(mark(100.0 * place as f64 / last as f64, *excess.get(place)?))
+    });
+    let axis = |title: &str| Axis {
+        title: title.to_owned(),
+        logarithmic: false,
+    };
+    Lines {
+        title: "Cost of the plan over the cheapest sufficient form".to_owned(),
+        x: axis("percent of channels"),
+        y: axis("cost / cheapest"),
+        series: vec![Series {
+            name: "campaign".to_owned(),
+            marks: marks.collect(),
+            joined: true,
+        }],
+    }
+}
+
+fn mark(x: f64, y: f64) -> Mark {
+    Mark {
+        x,
+        y,
+        label: String::new(),
+        ringed: false,
+    }
+}
