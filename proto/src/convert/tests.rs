@@ -47,6 +47,7 @@ fn record() -> FrameRecord {
         },
         timings_ms: BTreeMap::from([("water".to_owned(), 1.5)]),
         warnings: vec!["dark".to_owned()],
+        scene: None,
         provenance: Provenance::default(),
     }
 }

@@ -193,6 +193,7 @@ mod tests {
             counts: Counts::default(),
             timings_ms: BTreeMap::from([("scene".to_owned(), 1000.0), ("water".to_owned(), 0.0)]),
             warnings: Vec::new(),
+            scene: None,
             provenance: Provenance::default(),
         });
         let learned = cost(&experience, &job(json!({})));

@@ -25,6 +25,14 @@ pub enum ArtifactKind {
     Transmittance,
     /// Instance mask, 16-bit PNG.
     Instances,
+    /// Category of each pixel, 8-bit PNG.
+    Semantics,
+    /// Unit normals in camera axes, linear NPY.
+    Normals,
+    /// Bits of the inspection findings that each pixel shows, 8-bit PNG.
+    Findings,
+    /// The objects in view with category, box, transmittance and visibility, and the camera's pose, JSON.
+    Boxes,
     /// Result of an enhancement method.
     Enhanced(String),
     /// The circular mask of HSCM, 8-bit PNG.
@@ -35,7 +43,7 @@ pub enum ArtifactKind {
 
 impl ArtifactKind {
     /// Every kind with a fixed name; `enhanced.<method>` comes beside them.
-    pub const FIXED: [(&'static str, Self); 13] = [
+    pub const FIXED: [(&'static str, Self); 17] = [
         ("rgb", Self::Rgb),
         ("clean", Self::Clean),
         ("direct", Self::Direct),
@@ -47,9 +55,22 @@ impl ArtifactKind {
         ("range", Self::Range),
         ("transmittance", Self::Transmittance),
         ("instances", Self::Instances),
+        ("semantics", Self::Semantics),
+        ("normals", Self::Normals),
+        ("findings", Self::Findings),
+        ("boxes", Self::Boxes),
         ("hscm_mask", Self::HscmMask),
         ("preview", Self::Preview),
     ];
+
+    /// Whether it is made of the labels of a procedural scene.
+    #[must_use]
+    pub fn needs_labels(&self) -> bool {
+        matches!(
+            self,
+            Self::Semantics | Self::Normals | Self::Findings | Self::Boxes
+        )
+    }
 
     /// The kind of this name: a fixed one or `enhanced.<method>`.
     #[must_use]

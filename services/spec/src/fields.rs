@@ -67,6 +67,22 @@ const CAMERA: &[Field] = &[
     field("width", Integer(1, 16_384), Default("768"), "columns; at most 64 000 000 pixels in all"),
     field("height", Integer(1, 16_384), Default("492"), "rows"),
     field("hfov_deg", Number(Range::within(1.0, 170.0)), Default("80"), "horizontal field of view"),
+    field("path", Object(PATH), Optional, "a way past a procedural scene; absent: its usual place"),
+];
+
+const PATH: &[Field] = &[
+    fixed("frames", Integer(1, 1_000_000), Required, "frames from start to end"),
+    fixed("frame", Integer(0, 999_999), Optional, "place on the path; absent: each frame of the job in turn"),
+    field("start", Object(WAYPOINT), Optional, "where it begins; with `end`; absent: the family's own path"),
+    field("end", Object(WAYPOINT), Optional, "where it ends"),
+    field("sway_m", Number(Range::within(0.0, 1.0)), Default("0"), "amplitude of the vehicle's sway"),
+    field("sway_deg", Number(Range::within(0.0, 28.0)), Default("0"), "amplitude of its turns"),
+    field("sway_frames", Number(Range::within(2.0, 1e6)), Default("40"), "period of both, in frames"),
+];
+
+const WAYPOINT: &[Field] = &[
+    field("position_m", Vector(Range::within(-1000.0, 1000.0)), Required, "in the world: x, y, and z upwards"),
+    field("target_m", Vector(Range::within(-1000.0, 1000.0)), Required, "what the camera looks at"),
 ];
 
 const WATER: &[Field] = &[

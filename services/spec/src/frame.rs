@@ -101,6 +101,41 @@ pub struct Camera {
     pub height: usize,
     /// Horizontal field of view in degrees, above 0 and below 180.
     pub hfov_deg: f64,
+    /// The way past a procedural scene; absent: its usual place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<Path>,
+}
+
+/// A frame's place on the way of a camera.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Path {
+    /// Frames from start to end.
+    pub frames: usize,
+    /// Which of them this is.
+    pub frame: usize,
+    /// Where it begins; absent: the family's own path.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Waypoint>,
+    /// Where it ends.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<Waypoint>,
+    /// Amplitude of the sway in metres.
+    pub sway_m: f64,
+    /// Amplitude of the turns in degrees.
+    pub sway_deg: f64,
+    /// Their period in frames.
+    pub sway_frames: f64,
+}
+
+/// Where a camera is and what it looks at, in metres in the world.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Waypoint {
+    /// The camera.
+    pub position_m: [f64; 3],
+    /// What it looks at.
+    pub target_m: [f64; 3],
 }
 
 impl Camera {
@@ -112,6 +147,7 @@ impl Camera {
             width,
             height,
             hfov_deg: (2.0 * half).to_degrees(),
+            path: None,
         }
     }
 

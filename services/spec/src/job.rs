@@ -27,6 +27,8 @@ pub struct Job {
     canonical: String,
     dataset: String,
     frames: u64,
+    /// Product of the lengths of the grid axes.
+    cells: u64,
     seed: u64,
     warnings: Vec<String>,
 }
@@ -76,6 +78,7 @@ impl Job {
             warnings: warnings::of(&document, &value),
             canonical,
             frames,
+            cells: product.unwrap_or(1),
             seed,
             document,
         })
@@ -132,9 +135,16 @@ impl Job {
                 FieldError::new("", message).limit(format!("0..{}", self.frames))
             ));
         }
-        let Value::Object(fields) = self.document.value(&|law| law.at(index)) else {
+        let Value::Object(mut fields) = self.document.value(&|law| law.at(index)) else {
             return Err(one(FieldError::new("", "the description is not an object")));
         };
+        // Each cell of the grid goes through the whole path, and then again.
+        if let Some(Value::Object(path)) = fields.get_mut("camera").and_then(|camera| camera.get_mut("path"))
+            && !path.contains_key("frame")
+        {
+            let frames = path.get("frames").and_then(Value::as_u64).unwrap_or(1);
+            path.insert("frame".to_owned(), (index / self.cells % frames).into());
+        }
         typed::frame(index, fields)
             .map_err(|error| one(FieldError::new("", format!("frame {index}: {error}"))))
     }

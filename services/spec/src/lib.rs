@@ -18,6 +18,7 @@ pub mod law;
 mod node;
 mod normal;
 mod record;
+mod scene_record;
 pub mod schema;
 mod suggest;
 pub mod table;
@@ -29,7 +30,8 @@ mod water;
 pub use artifact::ArtifactKind;
 pub use frame::{
     Ambient, Beam, Camera, Encode, Fidelity, Format, ForwardScatter, ForwardScatterModel, Frame, Haze,
-    HazeBlend, HazeSpace, HoleRule, Lamp, Optics, RangeFile, ScatterSource, Scene, StyleTier, Water,
+    HazeBlend, HazeSpace, HoleRule, Lamp, Optics, Path, RangeFile, ScatterSource, Scene, StyleTier, Water,
+    Waypoint,
 };
 pub use haze::{haze_lights, haze_space};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
@@ -38,5 +40,6 @@ pub use json::{MAX_BYTES, MAX_DEPTH};
 pub use lamps::lamps;
 pub use normal::normal_quantile;
 pub use record::{ArtifactEntry, Counts, FrameRecord, Provenance, hex, job_digest};
+pub use scene_record::{InstanceRecord, IntrinsicsRecord, SceneRecord};
 pub use vocabulary::Vocabulary;
 pub use water::water_request;

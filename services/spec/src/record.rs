@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
+use crate::scene_record::SceneRecord;
+
 /// Everything known about one image apart from its bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrameRecord {
@@ -28,6 +30,9 @@ pub struct FrameRecord {
     pub timings_ms: BTreeMap<String, f64>,
     /// What the user should know about this image.
     pub warnings: Vec<String>,
+    /// Where the camera was and what could be seen; only of procedural scenes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene: Option<SceneRecord>,
     /// With what it was made.
     pub provenance: Provenance,
 }

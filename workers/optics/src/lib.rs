@@ -13,7 +13,9 @@ pub mod lamp;
 pub mod plan;
 pub mod preset;
 pub mod range;
+mod visibility;
 pub mod water;
 
 pub use blend::style_blend;
 pub use haze::{HazeBlend, HazeLight, HazeSpace, haze};
+pub use visibility::{LEAST_CONTRAST, Visibility, visibility};

@@ -59,6 +59,9 @@ pub enum RenderError {
         /// What there is.
         known: Vec<String>,
     },
+    /// The camera's path cannot be.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Path(Vec<SceneError>),
     /// The lamps cannot be.
     #[error("lights: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Lamps(Vec<LampError>),
@@ -101,6 +104,7 @@ impl RenderError {
             | Self::NotHere { .. }
             | Self::Water(_)
             | Self::Chain(_)
+            | Self::Path(_)
             | Self::Lamps(_)
             | Self::RuntimeMissing(_)
             | Self::UnknownStyle { .. }

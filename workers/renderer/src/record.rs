@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
-use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
+use spec::{ArtifactEntry, Counts, FrameRecord, Provenance, SceneRecord};
 
 use crate::provenance::{CODE_VERSION, cpu_features};
 use crate::stage::measure::Measurements;
@@ -51,6 +51,7 @@ impl File {
             "image/webp" => "webp",
             "image/jpeg" => "jpg",
             "application/x-npy" => "npy",
+            "application/json" => "json",
             _ => "bin",
         }
     }
@@ -77,6 +78,7 @@ pub(crate) struct Findings<'a> {
     pub(crate) warnings: Vec<String>,
     pub(crate) inputs: BTreeMap<String, String>,
     pub(crate) onnx_runtime: Option<String>,
+    pub(crate) scene: Option<SceneRecord>,
 }
 
 /// Joins files and findings.
@@ -91,6 +93,7 @@ pub(crate) fn finish(files: Vec<File>, findings: Findings<'_>) -> Rendered {
         counts: findings.counts,
         timings_ms: findings.timings_ms,
         warnings: findings.warnings,
+        scene: findings.scene,
         provenance: Provenance {
             code_version: CODE_VERSION.to_owned(),
             onnx_runtime: findings.onnx_runtime,

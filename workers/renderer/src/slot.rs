@@ -13,7 +13,7 @@ use crate::source::SceneSource;
 use crate::stage::files::{self, Products};
 use crate::stage::scene::{self, Prepared};
 use crate::stage::water::{self, Chosen};
-use crate::stage::{enhance, haze, lamps, measure, style};
+use crate::stage::{enhance, haze, labels, lamps, measure, style};
 use crate::stopwatch::Stopwatch;
 
 /// What one worker thread reuses from frame to frame. Nothing in it changes a result.
@@ -29,6 +29,7 @@ pub struct Slot {
 struct SceneKey {
     scene: Scene,
     camera: spec::Camera,
+    labelled: bool,
 }
 
 impl Slot {
@@ -79,6 +80,9 @@ impl Slot {
             false => None,
         };
         let measurements = watch.time("metrics", || measure::run(frame, &rgb, clean.as_ref(), &enhanced))?;
+        let described = watch.time("labels", || {
+            labels::describe(&prepared, chosen.water.as_ref(), &layers)
+        });
         let products = Products {
             frame,
             prepared: &prepared,
@@ -87,6 +91,7 @@ impl Slot {
             styled: &styled.picture,
             rgb: &rgb,
             enhanced: &enhanced,
+            described: described.as_ref(),
         };
         let files = watch.time("files", || files::encode(&products))?;
 
@@ -119,6 +124,7 @@ impl Slot {
                 .chain(files.warnings)
                 .collect(),
             inputs,
+            scene: described,
             onnx_runtime: ran.map(|runtime| runtime.version().to_owned()),
         };
         Ok(record::finish(files.files, findings))
@@ -145,6 +151,7 @@ impl Slot {
         let key = SceneKey {
             scene: frame.scene.clone(),
             camera: frame.camera,
+            labelled: scene::needs_labels(frame),
         };
         if let Some((last, prepared)) = &self.last_scene
             && *last == key

@@ -3,6 +3,7 @@
 pub(crate) mod enhance;
 pub(crate) mod files;
 pub(crate) mod haze;
+pub(crate) mod labels;
 pub(crate) mod lamps;
 pub(crate) mod measure;
 pub(crate) mod range_file;

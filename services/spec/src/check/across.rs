@@ -16,7 +16,51 @@ impl Checker<'_> {
         self.scene_files(document);
         self.light_spaces(document);
         self.lamp_axes(document);
+        self.path(document);
         self.artifacts(document);
+    }
+
+    /// A path goes through one world, from one place to another.
+    fn path(&mut self, document: &Node) {
+        for (pointer, camera) in places(document, "camera") {
+            let Some(path) = camera.get("path") else { continue };
+            for (pointer, path) in path.alternatives(&format!("{pointer}/path")) {
+                let number = |name| path.get(name).and_then(Node::greatest);
+                if let (Some(frame), Some(frames)) = (number("frame"), number("frames"))
+                    && frame >= frames
+                {
+                    let message = format!("`camera.path.frame` is {frame}, but the path has {frames} frames");
+                    self.refuse(|| {
+                        FieldError::new(&format!("{pointer}/frame"), message).limit("below `frames`")
+                    });
+                }
+                match (path.get("start"), path.get("end")) {
+                    (Some(start), Some(end)) if start.canonical() == end.canonical() => {
+                        let message = "`camera.path` ends where it starts: its length is 0";
+                        self.refuse(|| {
+                            FieldError::new(&format!("{pointer}/end"), message)
+                                .limit("at least 0.001 m from `start`")
+                        });
+                    }
+                    (Some(_), None) | (None, Some(_)) => {
+                        let message = "`camera.path` takes `start` and `end` together, or neither";
+                        self.refuse(|| FieldError::new(&pointer, message));
+                    }
+                    _ => {}
+                }
+            }
+            let chance = |node: &Node| node.laws().iter().any(|law| law.key() != "grid");
+            let still = |(_, scene): &(String, &Node)| scene.get("family").is_none();
+            if document.get("scene").is_some_and(chance) {
+                let message =
+                    "`camera.path` goes through one world, but laws change `scene` from frame to frame";
+                self.refuse(|| FieldError::new("/scene", message).limit("no law but `grid`"));
+            }
+            if places(document, "scene").iter().any(still) {
+                let message = "`camera.path` needs a procedural scene";
+                self.refuse(|| FieldError::new(&format!("{pointer}/path"), message));
+            }
+        }
     }
 
     fn lamp_axes(&mut self, document: &Node) {

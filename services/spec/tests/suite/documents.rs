@@ -217,6 +217,7 @@ fn the_focal_length_follows_from_the_field_of_view() {
         width: 200,
         height: 100,
         hfov_deg: 90.0,
+        path: None,
     };
     assert!((camera.focal_px(200) - 100.0).abs() < 1e-12);
 }

@@ -279,7 +279,8 @@ fn an_artifact_of_a_method_needs_the_method() {
 
 #[test]
 fn known_artifacts_that_are_not_built_yet_say_so() {
-    for kind in ["semantics", "normals", "snow_mask"] {
+    {
+        let kind = "snow_mask";
         assert!(
             only_error(json!({"artifacts": [kind]}))
                 .message

@@ -4,7 +4,9 @@ use enhance::Enhanced;
 use imaging::codec::{self, EncodeError};
 use imaging::{Raster, Rgb, Rgb8, transfer};
 use optics::chain::Layers;
-use spec::{ArtifactKind, Encode, Format, Frame};
+use spec::{ArtifactKind, Encode, Format, Frame, SceneRecord};
+
+use serde_json::json;
 
 use super::range_file::millimetres;
 use super::scene::Prepared;
@@ -19,6 +21,7 @@ const JPEG_QUALITY: u8 = 95;
 
 const PNG: &str = "image/png";
 const NPY: &str = "application/x-npy";
+const JSON: &str = "application/json";
 
 /// Everything that a frame has gone through.
 pub(crate) struct Products<'a> {
@@ -29,6 +32,7 @@ pub(crate) struct Products<'a> {
     pub(crate) styled: &'a Rgb<f32>,
     pub(crate) rgb: &'a Rgb8,
     pub(crate) enhanced: &'a [(String, Enhanced)],
+    pub(crate) described: Option<&'a SceneRecord>,
 }
 
 /// The files that the frame asks for, in its order.
@@ -80,7 +84,9 @@ fn bytes(
         styled,
         rgb,
         enhanced,
+        described,
     } = products;
+    let labels = prepared.labels.as_ref();
     let scene = &prepared.scene;
     let linear = |layer: &Rgb<f32>| Some((NPY, codec::encode_npy_rgb(layer)));
     let shown = |layer: &Rgb<f32>| picture(&transfer::encode_rgb8(layer).0, frame.encode);
@@ -106,6 +112,16 @@ fn bytes(
         },
         ArtifactKind::HscmMask => mask(of("hscm").and_then(|hscm| hscm.mask.clone()).map(Raster::from))?,
         ArtifactKind::Instances => mask(scene.instances.clone().map(Raster::from))?,
+        ArtifactKind::Semantics => mask(labels.map(|labels| Raster::from(labels.semantics.clone())))?,
+        ArtifactKind::Findings => mask(labels.map(|labels| Raster::from(labels.findings.clone())))?,
+        ArtifactKind::Normals => match labels.map(|labels| Rgb::new(labels.normals.clone())) {
+            Some(Ok(normals)) => linear(&normals),
+            _ => None,
+        },
+        ArtifactKind::Boxes => match described.filter(|scene| scene.instances.is_some()) {
+            Some(scene) => Some((JSON, json!(scene).to_string().into_bytes())),
+            None => None,
+        },
         ArtifactKind::Range => match &scene.range {
             None => None,
             Some(range) => {
@@ -140,6 +156,7 @@ fn why_missing(kind: &ArtifactKind) -> &'static str {
     match kind {
         ArtifactKind::Range => "the scene has no range",
         ArtifactKind::Instances => "the scene has no instance mask",
+        kind if kind.needs_labels() => "only procedural scenes have labels",
         _ => "the enhancement did not run",
     }
 }

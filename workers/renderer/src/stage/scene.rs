@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
 use optics::range::is_hole;
-use scenes::SceneError;
+use scenes::path::{Sway, Waypoint};
 use scenes::uploaded::{self, RangeBytes, RangeKind, Upload};
+use scenes::{CameraPath, CameraPose, Labels, SceneError, World};
 use sha2::{Digest, Sha256};
 use spec::{Frame, Scene as SceneOf};
 
@@ -23,6 +24,10 @@ pub(crate) struct Prepared {
     pub(crate) negative_radiance: u64,
     /// Pixels without a valid range; 0 without range.
     pub(crate) holes: u64,
+    /// Where the camera of a procedural scene is.
+    pub(crate) pose: Option<CameraPose>,
+    /// Its labels, where an artifact needs them.
+    pub(crate) labels: Option<Labels>,
     /// SHA-256 of the files that went in.
     pub(crate) inputs: BTreeMap<String, String>,
 }
@@ -33,16 +38,54 @@ pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, R
         (SceneOf::Procedural { family, seed }, _) => {
             let (width, height) = (frame.camera.width, frame.camera.height);
             let camera = Intrinsics::centred(frame.camera.focal_px(width), width, height);
-            checked(
-                frame,
-                scenes::procedural(family, *seed, width, height, camera)?,
-                BTreeMap::new(),
-            )
+            let world = World::of(family, *seed)?;
+            let pose = pose(frame, &world)?;
+            let (scene, labels) = if needs_labels(frame) {
+                let (scene, labels) = world.render_labelled(&pose, (width, height), &camera);
+                (scene, Some(labels))
+            } else {
+                (world.render(&pose, (width, height), &camera), None)
+            };
+            let prepared = checked(frame, scene, BTreeMap::new())?;
+            Ok(Prepared {
+                pose: Some(pose),
+                labels,
+                ..prepared
+            })
         }
         (SceneOf::Uploaded { .. }, SceneSource::Uploaded(files)) => from_files(frame, files),
         (SceneOf::Uploaded { id }, SceneSource::Local) => Err(RenderError::NotHere { id: id.clone() }),
         (SceneOf::Files { rgb, range }, _) => from_files(frame, &read(rgb, range.as_ref())?),
     }
+}
+
+/// Whether an artifact of the frame is made of labels.
+pub(crate) fn needs_labels(frame: &Frame) -> bool {
+    frame.artifacts.iter().any(spec::ArtifactKind::needs_labels)
+}
+
+/// The pose of a frame: its place on the path, or the usual one.
+fn pose(frame: &Frame, world: &World) -> Result<CameraPose, RenderError> {
+    let Some(path) = frame.camera.path else {
+        return Ok(world.pose());
+    };
+    let sway = Sway {
+        position_m: path.sway_m,
+        angle_rad: path.sway_deg.to_radians(),
+        period_frames: path.sway_frames,
+        seed: frame.seed,
+    };
+    let waypoint = |point: spec::Waypoint| Waypoint {
+        position_m: point.position_m,
+        target_m: point.target_m,
+    };
+    let path_of = match path.start.zip(path.end) {
+        None => world.path(path.frames, sway),
+        Some((start, end)) => CameraPath::new(waypoint(start), waypoint(end), path.frames, sway),
+    };
+    let places = path_of.map_err(RenderError::Path)?;
+    world.check(&places)?;
+    Ok(places.pose(path.frame))
 }
 
 fn from_files(frame: &Frame, files: &UploadedScene) -> Result<Prepared, RenderError> {
@@ -92,6 +135,8 @@ fn checked(
         focal_px,
         negative_radiance,
         holes: holes as u64,
+        pose: None,
+        labels: None,
         inputs,
     })
 }

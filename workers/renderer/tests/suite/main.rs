@@ -6,6 +6,7 @@ mod artifacts;
 mod common;
 mod fake_service;
 mod folders;
+mod labels;
 mod lamps;
 mod style;
 mod waters;

@@ -198,6 +198,7 @@ pub(crate) fn record(frame: u64, digest: &str, bytes: u64) -> FrameRecord {
         counts: Counts::default(),
         timings_ms: BTreeMap::from([("water".to_owned(), 3.0)]),
         warnings: Vec::new(),
+        scene: None,
         provenance: Provenance::default(),
     }
 }

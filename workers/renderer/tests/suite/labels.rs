@@ -1,0 +1,150 @@
+//! Labels of procedural scenes, what the water leaves to be seen of them, and sequences.
+
+use fathom_renderer::{Rendered, SceneSource, Slot};
+use imaging::codec::{FilePlane, decode_plane};
+use serde_json::{Value, json};
+
+use crate::common::{Files, engine_without_runtime, file, parse, parse_errors, render};
+
+fn job(fields: &Value) -> Value {
+    let mut description = json!({
+        "scene": {"kind": "procedural", "family": "pipeline", "seed": 3},
+        "camera": {"width": 96, "height": 64},
+        "metrics": [],
+    });
+    for (name, value) in fields.as_object().unwrap() {
+        description[name] = value.clone();
+    }
+    description
+}
+
+fn labelled(optics: Value) -> Rendered {
+    let artifacts = json!(["instances", "semantics", "findings", "normals", "boxes"]);
+    render(&parse(&job(
+        &json!({"water": {"optics": optics}, "artifacts": artifacts}),
+    )))
+}
+
+#[test]
+fn masks_boxes_and_record_speak_of_the_same_objects() {
+    let rendered = labelled(json!("jerlov-IB"));
+    let boxes: Value = serde_json::from_slice(file(&rendered, "boxes")).unwrap();
+    let scene = rendered.record.scene.unwrap();
+    assert_eq!(boxes, json!(scene));
+    let codes = |kind: &str| match decode_plane(file_of(&rendered.files, kind)).unwrap() {
+        FilePlane::Codes(plane) => plane,
+        FilePlane::Floats(_) => panic!("a mask"),
+    };
+    let (instances, semantics) = (codes("instances"), codes("semantics"));
+    let found = scene.instances.unwrap();
+    assert!(found.len() > 2);
+    for instance in &found {
+        let shown = |at: usize| instances.data()[at] == instance.number;
+        let pixels: Vec<usize> = (0..96 * 64).filter(|&at| shown(at)).collect();
+        assert_eq!(pixels.len() as u64, instance.pixels);
+        let [left, top, right, bottom] = instance.bounds;
+        assert!(
+            pixels
+                .iter()
+                .all(|at| (left..right).contains(&(at % 96)) && (top..bottom).contains(&(at / 96)))
+        );
+        let category = usize::from(semantics.data()[pixels[0]]);
+        assert_eq!(scenes::categories::CATEGORIES[category].1, instance.category);
+        let transmittance = instance.transmittance.unwrap();
+        assert!(transmittance.iter().all(|t| (0.0..=1.0).contains(t)));
+    }
+    let pose = scene.world_from_camera;
+    assert_eq!(pose[3], [0.0, 0.0, 0.0, 1.0]);
+}
+
+fn file_of<'a>(files: &'a [fathom_renderer::File], kind: &str) -> &'a [u8] {
+    &files.iter().find(|file| file.kind == kind).unwrap().bytes
+}
+
+#[test]
+fn turbid_water_leaves_less_to_be_seen() {
+    let of = |optics: Value| labelled(optics).record.scene.unwrap();
+    let (clear, murky) = (of(json!("jerlov-IB")), of(json!("jerlov-9C")));
+    assert!(murky.mean_visibility.unwrap() < clear.mean_visibility.unwrap());
+    assert!(murky.visible.unwrap() <= clear.visible.unwrap());
+    let range = |scene: &spec::SceneRecord| scene.instances.as_ref().unwrap()[0].range_m;
+    assert_eq!(range(&clear), range(&murky));
+}
+
+#[test]
+fn labels_are_made_only_when_they_are_asked_for() {
+    let plain = render(&parse(&job(&json!({}))));
+    let scene = plain.record.scene.unwrap();
+    assert!(scene.instances.is_none() && scene.visible.is_none());
+    let files = Files::new();
+    let rendered = render(&files.job(&json!({"artifacts": ["semantics"]})));
+    assert_eq!(
+        rendered.record.warnings,
+        ["there is no artifact `semantics`: only procedural scenes have labels"]
+    );
+    assert!(rendered.record.scene.is_none());
+}
+
+#[test]
+fn a_sequence_goes_through_one_world_and_each_frame_can_be_rendered_alone() {
+    let path = json!({"width": 48, "height": 32, "path": {"frames": 5, "sway_m": 0.02, "sway_deg": 1.0}});
+    let water = json!({"optics": {"grid": ["jerlov-IB", "jerlov-5C"]}});
+    let job = parse(&job(&json!({"camera": path, "count": 5, "water": water})));
+    assert_eq!(job.frames(), 10);
+    let engine = engine_without_runtime();
+    let mut slot = Slot::new(&engine);
+    let mut at = |index: u64| {
+        slot.render(&job.resolve(index).unwrap(), &SceneSource::Local)
+            .unwrap()
+    };
+    let place = |rendered: &Rendered| {
+        rendered
+            .record
+            .scene
+            .as_ref()
+            .unwrap()
+            .world_from_camera
+            .map(|row| row[3])
+    };
+    let frames: Vec<Rendered> = (0..10).map(&mut at).collect();
+    for pair in frames.chunks(2) {
+        assert_eq!(
+            place(&pair[0]),
+            place(&pair[1]),
+            "both waters from the same place"
+        );
+    }
+    for index in [2, 4, 6, 8] {
+        let (before, here) = (place(&frames[index - 2]), place(&frames[index]));
+        let step: f64 = before
+            .iter()
+            .zip(here)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        assert!(step > 1e-3, "the camera moves");
+    }
+    let parameters = &frames[6].record.parameters;
+    assert_eq!(parameters["camera"]["path"]["frame"], 3);
+    let alone = render(&parse(parameters));
+    assert_eq!(alone.files, frames[6].files);
+    assert_eq!(alone.record.scene, frames[6].record.scene);
+}
+
+#[test]
+fn paths_that_cannot_be_are_refused() {
+    let point = |x: f64| json!({"position_m": [x, -3.0, 1.0], "target_m": [x, 0.0, 1.0]});
+    let with = |path: Value| job(&json!({"camera": {"path": path}}));
+    let message = |description: &Value| parse_errors(description)[0].message.clone();
+    let zero = with(json!({"frames": 9, "start": point(0.0), "end": point(0.0)}));
+    assert!(message(&zero).contains("its length is 0"));
+    assert!(message(&with(json!({"frames": 9, "start": point(0.0)}))).contains("together, or neither"));
+    assert!(message(&with(json!({"frames": 9, "frame": 9}))).contains("has 9 frames"));
+    assert!(message(&with(json!({"frames": 0}))).contains("camera.path.frames"));
+    let mut other = with(json!({"frames": 9}));
+    other["scene"]["seed"] = json!({"int": [0, 9]});
+    assert!(message(&other).contains("one world"));
+    let mut uploaded = with(json!({"frames": 9}));
+    uploaded["scene"] = json!({"kind": "uploaded", "id": "scn_1"});
+    assert!(message(&uploaded).contains("procedural"));
+}
