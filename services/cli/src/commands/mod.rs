@@ -8,6 +8,7 @@ mod demo;
 mod enhance;
 mod export;
 mod figure;
+mod ladder;
 mod measure;
 mod plan;
 mod query;
@@ -63,6 +64,8 @@ pub(crate) enum Command {
     Table1(table1::Arguments),
     /// Map where methods fail
     Stability(stability::Arguments),
+    /// Show what each effect of the chain buys in a water
+    Ladder(ladder::Arguments),
     /// Try random frames against the promise of the plan
     Campaign(campaign::Arguments),
     /// Draw error against time of the variants of each stage
@@ -105,6 +108,7 @@ impl Command {
             Self::Measure(arguments) => measure::run(&arguments),
             Self::Table1(arguments) => table1::run(&arguments),
             Self::Stability(arguments) => stability::run(&arguments),
+            Self::Ladder(arguments) => ladder::run(&arguments),
             Self::Campaign(arguments) => campaign::run(&arguments),
             Self::Chart(arguments) => chart::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
