@@ -1,5 +1,7 @@
 //! The circular mask: a robot's camera sees its own housing outside it.
 
+use std::ops::Range;
+
 use imaging::Plane;
 
 use super::options::Circle;
@@ -10,40 +12,39 @@ use super::options::Circle;
 /// is not above the squared radius. With radius 0 the centre alone is inside; the circle may lie outside the picture.
 #[must_use]
 pub fn plane(width: usize, height: usize, circle: &Circle) -> Plane<u8> {
-    let centre_x = (circle.centre_x * width as f64).trunc() as i64;
-    let centre_y = (circle.centre_y * height as f64).trunc() as i64;
-    let radius = (circle.radius * width as f64).trunc() as i64;
     let mut mask = Plane::filled(width, height, 0u8);
     for y in 0..height {
-        let dy = y as i64 - centre_y;
-        let room = radius * radius - dy * dy;
-        if room < 0 {
-            continue;
-        }
-        let reach = room.isqrt();
-        let first = (centre_x - reach).clamp(0, width as i64) as usize;
-        let end = (centre_x + reach + 1).clamp(0, width as i64) as usize;
-        mask.row_mut(y)[first..end].fill(255);
+        mask.row_mut(y)[inside(circle, (width, height), y)].fill(255);
     }
     mask
 }
 
-/// Sets every channel of the pixels outside the mask to 0.
-pub fn black_out(codes: &mut [u8], channels: usize, mask: &Plane<u8>) {
-    if mask.data().is_empty() {
+/// Sets every channel of the pixels outside the circle to 0. `codes` holds `channels` codes for each pixel of a picture
+/// of this size.
+pub fn black_out(codes: &mut [u8], channels: usize, size: (usize, usize), circle: &Circle) {
+    if size.0 == 0 {
         return;
     }
-    let rows = codes.chunks_exact_mut(channels * mask.width());
-    for (codes, kept) in rows.zip(mask.data().chunks_exact(mask.width())) {
-        // Run by run: a circle has at most two runs of black in a row.
-        let mut start = 0;
-        while let Some(black) = kept[start..].iter().position(|&kept| kept == 0) {
-            let first = start + black;
-            let run = kept[first..].iter().position(|&kept| kept != 0);
-            start = run.map_or(kept.len(), |run| first + run);
-            codes[channels * first..channels * start].fill(0);
-        }
+    for (y, row) in codes.chunks_exact_mut(channels * size.0).enumerate() {
+        let kept = inside(circle, size, y);
+        row[..channels * kept.start].fill(0);
+        row[channels * kept.end..].fill(0);
     }
+}
+
+/// The columns of row `y` that lie inside the circle.
+fn inside(circle: &Circle, (width, height): (usize, usize), y: usize) -> Range<usize> {
+    let centre_x = (circle.centre_x * width as f64).trunc() as i64;
+    let centre_y = (circle.centre_y * height as f64).trunc() as i64;
+    let radius = (circle.radius * width as f64).trunc() as i64;
+    let dy = y as i64 - centre_y;
+    let room = radius * radius - dy * dy;
+    if room < 0 {
+        return 0..0;
+    }
+    let reach = room.isqrt();
+    let column = |x: i64| x.clamp(0, width as i64) as usize;
+    column(centre_x - reach)..column(centre_x + reach + 1)
 }
 
 #[cfg(test)]
@@ -90,7 +91,16 @@ mod tests {
     #[test]
     fn black_out_clears_every_channel() {
         let mut codes = vec![9u8; 6];
-        black_out(&mut codes, 3, &Plane::new(2, 1, vec![255, 0]).unwrap());
+        black_out(
+            &mut codes,
+            3,
+            (2, 1),
+            &Circle {
+                centre_x: 0.0,
+                centre_y: 0.0,
+                radius: 0.0,
+            },
+        );
         assert_eq!(codes, [9, 9, 9, 0, 0, 0]);
     }
 }

@@ -66,13 +66,12 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
             warnings,
         },
         Some(circle) => {
-            let mask = circle::plane(width, height, &circle);
             let mut masked = unmasked.clone();
-            circle::black_out(&mut masked, channels.count(), &mask);
+            circle::black_out(&mut masked, channels.count(), (width, height), &circle);
             Enhanced {
                 picture: raster(masked),
                 unmasked: raster(unmasked),
-                mask: Some(mask),
+                mask: Some(circle::plane(width, height, &circle)),
                 warnings,
             }
         }
