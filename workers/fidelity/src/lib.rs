@@ -4,6 +4,7 @@
 //! picture. Clocks are read here, files are not: the command line writes what this crate answers.
 
 pub mod campaign;
+pub mod chain_stability;
 pub mod chart;
 pub mod plot;
 pub mod stability;

@@ -1,5 +1,6 @@
 //! `fathom stability`: where methods fail, as maps, data and words.
 
+mod chain;
 mod styles;
 
 use std::path::PathBuf;
@@ -22,14 +23,17 @@ use crate::{files, machine};
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The enhancements and the metrics
-    #[arg(long, required_unless_present = "style")]
+    #[arg(long, required_unless_present_any = ["style", "chain"])]
     enhance: bool,
+    /// The chain of the water: hostile frames, each against its limit
+    #[arg(long, conflicts_with_all = ["enhance", "style"])]
+    chain: bool,
     /// The style models, and a network with instance normalisation as a control; needs ONNX Runtime
     #[arg(long, conflicts_with = "enhance")]
     style: bool,
     #[command(flatten)]
     style_arguments: super::StyleArguments,
-    /// Folder for stability.md, stability.csv and the maps; of styles: style-stability.md
+    /// Folder for stability.md, stability.csv and the maps; of styles: style-stability.md; of the chain: stability-chain.md
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Scenes of each cell
@@ -42,6 +46,9 @@ const SIZE: (usize, usize) = (256, 164);
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.chain {
+        return chain::run(&arguments.out);
+    }
     if arguments.style {
         return of_styles(arguments);
     }
