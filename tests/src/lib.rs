@@ -1,5 +1,7 @@
 //! Runs the real `fathom` binary for end-to-end tests: services, workers and single commands.
 
+pub mod onnx;
+
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -207,6 +209,34 @@ impl Service {
             .post(format!("{}{path}", self.url))
             .header("content-type", "application/json")
             .send(body.to_string())
+            .expect("the service answers");
+        let bytes = response.body_mut().read_to_vec().expect("a whole answer");
+        (
+            response.status().as_u16(),
+            serde_json::from_slice(&bytes).unwrap_or_default(),
+        )
+    }
+
+    /// POST of a form with these fields.
+    ///
+    /// # Panics
+    /// When the service does not answer.
+    #[must_use]
+    pub fn form(&self, path: &str, fields: &[(&str, &[u8])]) -> (u16, Value) {
+        const BOUNDARY: &str = "----fathom-test-boundary";
+        let mut form = Vec::new();
+        for (name, bytes) in fields {
+            let head = format!("--{BOUNDARY}\r\nContent-Disposition: form-data; name=\"{name}\"\r\n\r\n");
+            form.extend([head.as_bytes(), bytes, b"\r\n"].concat());
+        }
+        form.extend_from_slice(format!("--{BOUNDARY}--\r\n").as_bytes());
+        let mut response = agent()
+            .post(format!("{}{path}", self.url))
+            .header(
+                "content-type",
+                format!("multipart/form-data; boundary={BOUNDARY}"),
+            )
+            .send(&form)
             .expect("the service answers");
         let bytes = response.body_mut().read_to_vec().expect("a whole answer");
         (

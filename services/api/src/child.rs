@@ -17,6 +17,8 @@ const LOOK: Duration = Duration::from_millis(50);
 const TAIL_BYTES: usize = 4096;
 /// The exit status that means: what it was given cannot be used.
 const BAD_INPUT: i32 = 2;
+/// The exit status that means: a runtime that it needs is not there.
+const RUNTIME_MISSING: i32 = 4;
 
 /// What a child may take.
 #[derive(Clone, Copy)]
@@ -30,6 +32,8 @@ pub(crate) enum Ended {
     Well,
     /// It refused what it was given, and said why.
     Refused(String),
+    /// A runtime that it needs is not there; how to get it.
+    Lacking(String),
     /// It was ended for what it took, or died; what is known of it.
     Badly(String),
 }
@@ -92,6 +96,7 @@ async fn watched(mut child: Child, allowance: Allowance) -> Ended {
             match status.code() {
                 Some(0) => Ended::Well,
                 Some(BAD_INPUT) => Ended::Refused(said),
+                Some(RUNTIME_MISSING) => Ended::Lacking(said),
                 _ => Ended::Badly(format!("it ended with {status}: {said}")),
             }
         }
@@ -158,6 +163,8 @@ mod tests {
         assert!(matches!(run("exit 0", LONG, 1 << 30).await, Ended::Well));
         let refused = run("echo 'fathom: no' >&2; exit 2", LONG, 1 << 30).await;
         assert!(matches!(refused, Ended::Refused(text) if text == "no"));
+        let lacking = run("echo no runtime >&2; exit 4", LONG, 1 << 30).await;
+        assert!(matches!(lacking, Ended::Lacking(text) if text == "no runtime"));
         let died = run("kill -ABRT $$", LONG, 1 << 30).await;
         assert!(matches!(died, Ended::Badly(text) if text.contains("signal: 6")));
         let late = run("sleep 60", Duration::from_millis(300), 1 << 30).await;

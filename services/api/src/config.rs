@@ -2,6 +2,7 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use style::{Library, Runtime};
 
@@ -27,8 +28,10 @@ pub struct Config {
     pub styles: Option<PathBuf>,
     /// Explicit ONNX Runtime library, passed on to the workers.
     pub onnxruntime: Option<PathBuf>,
-    /// The style models that jobs may name.
+    /// The style models that jobs may name, beside those that were added to the data folder.
     pub library: Library,
+    /// How long a network that a user adds may take to be tried.
+    pub style_trial: Duration,
 }
 
 /// What the service finds around it: passed in by tests, read from the machine otherwise.

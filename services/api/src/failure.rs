@@ -55,6 +55,15 @@ impl From<MessageError> for Problem {
     }
 }
 
+/// From an error of the file system while something was written.
+pub(crate) fn writing(error: &std::io::Error) -> Problem {
+    use std::io::ErrorKind;
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => storage_full(error),
+        _ => Problem::internal(error),
+    }
+}
+
 fn storage_full(error: &dyn std::fmt::Display) -> Problem {
     tracing::error!(%error, "the disk is full");
     Problem::new(

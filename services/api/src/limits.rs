@@ -12,6 +12,16 @@ pub(crate) const FORM_FIELDS: usize = 32;
 pub(crate) const PICTURES_BYTES: usize = 200 << 20;
 /// A picture to enhance or measure at once: a method holds up to 200 bytes a pixel, 3 GiB at this size.
 pub(crate) const PICTURE_PIXELS: usize = 16_000_000;
+/// A style model and its form: the largest network that anybody tried for this has 7 MB.
+pub(crate) const STYLE_BYTES: usize = 64 << 20;
+/// A text of a style's card.
+pub(crate) const CARD_TEXT_BYTES: usize = 4096;
+/// Styles that may be added: the list of all is one page.
+pub(crate) const ADDED_STYLES: usize = 1000;
+/// Bytes of all added styles: every process that renders keeps them in memory.
+pub(crate) const ADDED_STYLES_BYTES: u64 = 1 << 30;
+/// Memory of a process that tries a style: the widest of the usual networks takes 1 GiB for 768×492.
+pub(crate) const STYLE_TRIAL_MEMORY_BYTES: u64 = 3 << 30;
 /// The text fields of a scene upload are numbers.
 pub(crate) const SCENE_FIELD_BYTES: usize = 64;
 /// The artifacts of one frame: three float layers of 12 Mpx, and the pictures.

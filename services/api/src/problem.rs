@@ -82,6 +82,8 @@ slugs! {
     RuntimeMissing = "runtime-missing", CONFLICT, "The runtime of the style models is missing";
     /// The frame could not be rendered; `detail` is the last error.
     RenderFailed = "render-failed", UNPROCESSABLE_ENTITY, "The frame cannot be rendered";
+    /// The name belongs to something else, which is never replaced.
+    NameTaken = "name-taken", CONFLICT, "The name is taken";
     /// What was asked for makes no sense for a job in this state, such as resuming one that has ended.
     JobState = "job-state", CONFLICT, "The job is in another state";
     /// The question needs longer than the limit; narrow it with a filter or a dataset.

@@ -43,7 +43,7 @@ impl Again {
 /// Renders a frame of a stored job.
 pub(crate) async fn rerender(app: &App, job_id: &str, frame: u64) -> Result<Again, Problem> {
     let row = crate::control::known(app, job_id).await?;
-    let job = Job::from_canonical(&row.spec, &app.vocabulary)?;
+    let job = Job::from_canonical(&row.spec, &app.styles.known().vocabulary)?;
     let resolved = job.resolve(frame)?;
     let folder = TempDir::new().map_err(|error| Problem::internal(&error))?;
     let scene = match &resolved.scene {
@@ -52,11 +52,16 @@ pub(crate) async fn rerender(app: &App, job_id: &str, frame: u64) -> Result<Agai
     };
     let request = json!({"spec": row.spec, "frame": frame, "scene": scene});
     write(folder.path(), "request.json", request.to_string().as_bytes())?;
-    let arguments = [OsStr::new("--folder"), folder.path().as_os_str()];
+    let arguments = [
+        OsStr::new("--folder"),
+        folder.path().as_os_str(),
+        OsStr::new("--data"),
+        app.data.as_os_str(),
+    ];
     let ended = app.children.run("rerender", &arguments, ALLOWANCE).await?;
     match ended {
         Ended::Well => {}
-        Ended::Refused(why) => return Err(Problem::new(Slug::RenderFailed, why)),
+        Ended::Refused(why) | Ended::Lacking(why) => return Err(Problem::new(Slug::RenderFailed, why)),
         Ended::Badly(why) => {
             let detail = format!("the process that rendered the frame: {why}");
             return Err(Problem::new(Slug::RenderFailed, detail));

@@ -26,6 +26,7 @@ use crate::fleet::{Fleet, OnExit, Recipe};
 use crate::naming::Naming;
 use crate::space::Space;
 use crate::state::{App, Shared};
+use crate::styles::{AddedStyleError, Styles};
 use crate::watch::Watch;
 use crate::{control, listener, reclaim, routes, strikes, telemetry};
 
@@ -43,6 +44,9 @@ pub enum StartError {
     /// The data directory.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// The styles that were added earlier.
+    #[error(transparent)]
+    Styles(#[from] AddedStyleError),
     /// Jobs that were open cannot be read.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
@@ -146,12 +150,12 @@ impl Service {
 }
 
 async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File), StartError> {
-    let vocabulary = renderer::vocabulary(&config.library, false);
+    let metrics = renderer::vocabulary(&config.library, false).metrics;
     let Data {
         catalogue,
         store,
         lock,
-    } = Data::open(&config.data, &vocabulary.metrics).await?;
+    } = Data::open(&config.data, &metrics).await?;
     let app = App {
         data: config.data.clone(),
         catalogue,
@@ -166,8 +170,8 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
             surroundings.limits.children,
         ),
         pictures: Compute::new(surroundings.limits.pictures),
-        vocabulary,
-        library: config.library.clone(),
+        styles: Styles::open(&config.data, config.library.clone())?,
+        style_trial: config.style_trial,
         style_runtime: surroundings.style_runtime,
         turn: Mutex::default(),
         upkeep: Mutex::default(),

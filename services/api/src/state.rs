@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use catalogue::Catalogue;
 use metrics_exporter_prometheus::PrometheusHandle;
-use spec::Vocabulary;
 use store::Store;
-use style::Library;
 use tokio::sync::{Mutex, Notify};
 use tokio_util::sync::CancellationToken;
 
@@ -18,6 +17,7 @@ use crate::dispatch::Dispatch;
 use crate::estimate::Experience;
 use crate::naming::Naming;
 use crate::space::Space;
+use crate::styles::Styles;
 use crate::watch::Watch;
 
 /// The parts of a running service.
@@ -33,8 +33,9 @@ pub(crate) struct App {
     /// The same for whole pictures of a user, which take much more memory.
     pub(crate) pictures: Compute,
     pub(crate) children: Children,
-    pub(crate) library: Library,
-    pub(crate) vocabulary: Vocabulary,
+    pub(crate) styles: Styles,
+    /// How long a network that a user adds may take to be tried.
+    pub(crate) style_trial: Duration,
     /// Version of the ONNX Runtime that this machine's workers find, or why there is none.
     pub(crate) style_runtime: Result<String, String>,
     /// Held while a job is paused, cancelled, deleted and so on.

@@ -104,7 +104,8 @@ fn check_runtime(app: &App, job: &Job) -> Result<(), Problem> {
 
 fn needs_runtime(app: &App, job: &Job) -> bool {
     let styles = job.styles();
-    styles.iter().any(|name| app.library.needs_runtime(name))
+    let known = app.styles.known();
+    styles.iter().any(|name| known.library.needs_runtime(name))
 }
 
 /// Every uploaded scene that a frame can ask for must be there.

@@ -5,7 +5,9 @@
 //! program runs; without it everything else still works and [`RuntimeMissing`] says what to do.
 
 mod card;
+mod check;
 mod error;
+mod external;
 mod library;
 pub mod net;
 mod runtime;
@@ -13,6 +15,7 @@ mod search;
 mod session;
 
 pub use card::{Card, Parts, TableDistance, Training, sha256_of};
+pub use check::{Unfit, check};
 pub use error::StyleError;
 pub use library::{Library, LibraryError, StyleModel, is_name};
 pub use runtime::{Runtime, RuntimeMissing};

@@ -9,7 +9,7 @@ pub mod layer;
 pub mod onnx;
 mod reference;
 mod table;
-mod wire;
+pub(crate) mod wire;
 
 pub use fast::{Network, Scratch};
 pub use reference::apply_reference;

@@ -55,6 +55,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(submit, &requests, request, limits::JSON_BYTES).around(submitting(), tokens))
         .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
         .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
+        .merge(group(submit, &uploads, upload, limits::STYLE_BYTES).around(adding(), tokens))
         .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
         .merge(group(submit, &waits, upload, limits::JSON_BYTES).around(verifying(), tokens))
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
@@ -127,6 +128,10 @@ fn rendering() -> OpenApiRouter<Shared> {
 
 fn uploading() -> OpenApiRouter<Shared> {
     OpenApiRouter::new().routes(routes!(scenes::create::create))
+}
+
+fn adding() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(styles::create::create))
 }
 
 fn verifying() -> OpenApiRouter<Shared> {

@@ -25,6 +25,7 @@ const ROUTES: &[(&str, &str)] = &[
     ("/v1/scenes", "get"),
     ("/v1/waters", "get"),
     ("/v1/styles", "get"),
+    ("/v1/styles", "post"),
     ("/v1/datasets", "get"),
     ("/v1/datasets/{name}", "get"),
     ("/v1/datasets/{name}", "delete"),

@@ -1,7 +1,7 @@
 //! Styles that the service has and a worker does not.
 
 use crate::common::worker::Real;
-use crate::common::{Setup, job, start_with};
+use crate::common::{Running, Setup, job, start, start_on, start_with};
 use serde_json::json;
 use style::Library;
 
@@ -30,4 +30,175 @@ fn a_worker_fetches_a_style_that_it_lacks() {
     let file = service.get("/v1/worker/styles/harbour");
     assert_eq!((file.status, file.body), (200, onnx));
     service.get("/v1/worker/styles/nowhere").problem(404, "not-found");
+}
+
+/// A service whose trial takes every network.
+fn trusting() -> Setup {
+    Setup {
+        program: "/bin/true",
+        ..Setup::default()
+    }
+}
+
+fn muddy() -> Vec<u8> {
+    Library::embedded().unwrap().get("muddy").unwrap().onnx.to_vec()
+}
+
+fn names(service: &Running) -> Vec<String> {
+    let page = service.get("/v1/styles").json();
+    let cards = page["items"].as_array().unwrap().iter();
+    cards
+        .map(|card| card["name"].as_str().unwrap().to_owned())
+        .collect()
+}
+
+#[test]
+fn an_added_style_is_listed_and_rendered_at_once_and_after_a_restart() {
+    let service = start_with(trusting());
+    // With the shipped styles alone.
+    let worker = Real::start(&service);
+    let mut styled = job();
+    styled["water"]["style"] = json!("harbour");
+    service.post("/v1/jobs", &styled).problem(422, "validation");
+    let form: &[(&str, &[u8])] = &[
+        ("name", b"harbour"),
+        ("model", &muddy()),
+        ("licence", b"CC0-1.0"),
+        ("caveat", b"made for a test"),
+    ];
+    let added = service.form("/v1/styles", form);
+    assert_eq!(added.status, 201, "{}", added.text());
+    let card = added.json();
+    assert_eq!(
+        (&card["name"], &card["licence"]),
+        (&json!("harbour"), &json!("CC0-1.0"))
+    );
+    let caveats = card["caveats"].to_string();
+    assert!(
+        caveats.contains("how stable") && caveats.contains("made for a test"),
+        "{card}"
+    );
+    assert!(
+        service.get("/v1/styles").json()["items"]
+            .as_array()
+            .unwrap()
+            .contains(&card)
+    );
+    assert_eq!(service.form("/v1/styles", form).status, 200, "the same again");
+
+    let done = |service: &Running| {
+        let id = service.submit(&styled);
+        let ended = service.get(&format!("/v1/jobs/{id}?wait=60")).json();
+        assert_eq!(ended["state"], "done", "{ended}");
+    };
+    done(&service);
+    drop(worker);
+    let restarted = start_on(service.stop(), trusting());
+    assert!(
+        restarted.get("/v1/styles").json()["items"]
+            .as_array()
+            .unwrap()
+            .contains(&card)
+    );
+    let _worker = Real::start(&restarted);
+    done(&restarted);
+}
+
+#[test]
+fn a_name_belongs_to_one_network() {
+    let service = start_with(trusting());
+    let atlantic = Library::embedded()
+        .unwrap()
+        .get("atlantic")
+        .unwrap()
+        .onnx
+        .to_vec();
+    let add =
+        |name: &str, onnx: &[u8]| service.form("/v1/styles", &[("name", name.as_bytes()), ("model", onnx)]);
+    assert_eq!(add("harbour", &muddy()).status, 201);
+    add("harbour", &atlantic).problem(409, "name-taken");
+    add("muddy", &atlantic).problem(409, "name-taken");
+    assert_eq!(add("muddy", &muddy()).status, 200, "a shipped one");
+    assert_eq!(add("dock", &muddy()).status, 201, "one network under two names");
+    assert_eq!(
+        names(&service).iter().filter(|name| *name == "harbour").count(),
+        1
+    );
+}
+
+/// The fields, where the error stands, and what it says.
+type Refused<'a> = (&'a [(&'a str, &'a [u8])], &'a str, &'a str);
+
+#[test]
+fn a_style_that_cannot_be_taken_leaves_nothing_behind() {
+    let service = start();
+    let before = names(&service);
+    let onnx = muddy();
+    let refused: [Refused; 9] = [
+        (
+            &[("name", b"harbour"), ("model", &onnx)],
+            "/model",
+            "exit status: 1",
+        ),
+        (&[("model", &onnx)], "/name", "missing"),
+        (&[("name", b"harbour")], "/model", "missing"),
+        (&[("name", b"../muddy"), ("model", &onnx)], "/name", "a-z, 0-9"),
+        (&[("name", b"/etc/x"), ("model", &onnx)], "/name", "a-z, 0-9"),
+        (&[("name", b""), ("model", &onnx)], "/name", "1 to 64"),
+        (
+            &[("name", b"a"), ("name", b"b"), ("model", &onnx)],
+            "/name",
+            "twice",
+        ),
+        (
+            &[("name", b"a"), ("model", &onnx), ("license", b"MIT")],
+            "/license",
+            "licence",
+        ),
+        (
+            &[("name", b"a"), ("model", &onnx), ("source", &[b'x'; 5000])],
+            "/source",
+            "4096",
+        ),
+    ];
+    for (form, pointer, says) in refused {
+        let problem = service.form("/v1/styles", form).problem(422, "validation");
+        let error = &problem["errors"][0];
+        assert_eq!(error["pointer"], pointer, "{problem}");
+        assert!(error["message"].as_str().unwrap().contains(says), "{problem}");
+    }
+    let large = vec![0; 65 << 20];
+    service
+        .form("/v1/styles", &[("name", b"large"), ("model", &large)])
+        .problem(413, "too-large");
+    assert_eq!(names(&service), before);
+    assert!(!service.folder().join("added-styles").exists());
+}
+
+#[test]
+fn a_damaged_style_is_left_out_and_the_service_still_starts() {
+    let service = start_with(trusting());
+    for name in ["harbour", "dock"] {
+        let onnx = Library::embedded().unwrap();
+        let onnx = onnx
+            .get(if name == "dock" { "muddy" } else { "atlantic" })
+            .unwrap();
+        let added = service.form("/v1/styles", &[("name", name.as_bytes()), ("model", &onnx.onnx)]);
+        assert_eq!(added.status, 201);
+    }
+    let digest = service.get("/v1/styles").json()["items"][1]["sha256"].clone();
+    let data = service.stop();
+    let folder = data.path().join("added-styles");
+    let file = folder.join(format!("{}.onnx", digest.as_str().unwrap()));
+    let mut bytes = std::fs::read(&file).unwrap();
+    bytes[1000] ^= 1;
+    std::fs::write(&file, bytes).unwrap();
+    std::fs::write(folder.join(".new-abc"), b"half").unwrap();
+    let service = start_on(data, trusting());
+    let names = names(&service);
+    assert!(
+        names.contains(&"harbour".to_owned()) && !names.contains(&"dock".to_owned()),
+        "{names:?}"
+    );
+    assert!(!folder.join(".new-abc").exists());
 }

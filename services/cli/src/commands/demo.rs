@@ -50,6 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         workers: 1,
         slots: None,
         token: None,
+        style_trial_s: 60,
         style: arguments.style.clone(),
     })?;
     let service = runtime

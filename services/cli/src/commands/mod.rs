@@ -4,6 +4,7 @@ mod backup;
 mod bench;
 mod campaign;
 mod chart;
+mod check_style;
 mod demo;
 mod enhance;
 mod export;
@@ -87,12 +88,16 @@ pub(crate) enum Command {
     /// Render a stored frame once more, for the service that asks for it
     #[command(hide = true)]
     Rerender(rerender::Arguments),
+    /// Try a style network, for the service that was given it
+    #[command(hide = true)]
+    CheckStyle(check_style::Arguments),
 }
 
 impl Command {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
             Self::Rerender(arguments) => rerender::run(&arguments),
+            Self::CheckStyle(arguments) => check_style::run(&arguments),
             Self::Serve(arguments) => serve::run(arguments),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),

@@ -20,6 +20,9 @@ pub(crate) struct Arguments {
     /// Folder with `request.json` and the files of the scene; the record and the artifacts are written there
     #[arg(long)]
     folder: PathBuf,
+    /// Folder of the service, for the styles that were added to it
+    #[arg(long)]
+    data: PathBuf,
     #[command(flatten)]
     style: StyleArguments,
 }
@@ -50,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = &arguments.folder;
     let request: Request =
         serde_json::from_slice(&read(folder, "request.json")?).context("request.json cannot be read")?;
-    let library = super::styles::library(&arguments.style)?;
+    let library = super::styles::of_service(&arguments.style, &arguments.data)?;
     let vocabulary = renderer::vocabulary(&library, false);
     let refused = |error: &dyn std::fmt::Display| Failure::BadInput(error.to_string());
     let job = Job::from_canonical(&request.spec, &vocabulary).map_err(|error| refused(&error))?;

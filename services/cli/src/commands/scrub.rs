@@ -140,7 +140,7 @@ fn state(state: Scrubbed) -> &'static str {
 }
 
 async fn scrub(arguments: &Arguments) -> Result<Findings, Failure> {
-    let library = super::styles::library(&arguments.style)?;
+    let library = super::styles::of_service(&arguments.style, &arguments.data)?;
     let vocabulary = renderer::vocabulary(&library, false);
     let opened = Data::open(&arguments.data, &vocabulary.metrics).await;
     let data = opened.map_err(|error| Failure::BadInput(error.to_string()))?;

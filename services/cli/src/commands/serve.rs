@@ -2,6 +2,7 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use anyhow::Context;
 use tracing_subscriber::EnvFilter;
@@ -34,6 +35,9 @@ pub(crate) struct Arguments {
     pub(crate) token: Option<String>,
     #[command(flatten)]
     pub(crate) style: StyleArguments,
+    /// Longest time to try a style network that somebody adds
+    #[arg(long, env = "FATHOM_STYLE_TRIAL_S", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    pub(crate) style_trial_s: u64,
 }
 
 /// Runs the command.
@@ -69,6 +73,7 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         styles: arguments.style.styles,
         onnxruntime: arguments.style.onnxruntime,
         library,
+        style_trial: Duration::from_secs(arguments.style_trial_s),
     })
 }
 

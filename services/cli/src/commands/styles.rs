@@ -1,5 +1,7 @@
 //! `fathom styles`: the style waters, and whether their runtime is here.
 
+use std::path::Path;
+
 use style::{Library, Runtime};
 
 use super::StyleArguments;
@@ -25,6 +27,12 @@ pub(crate) fn library(arguments: &StyleArguments) -> Result<Library, Failure> {
             .map_err(|error| Failure::BadInput(error.to_string())),
         None => Ok(embedded),
     }
+}
+
+/// The same with the styles that were added to a service.
+pub(crate) fn of_service(arguments: &StyleArguments, data: &Path) -> Result<Library, Failure> {
+    let library = library(arguments)?;
+    api::added_styles(data, library).map_err(|error| Failure::BadInput(error.to_string()))
 }
 
 /// Runs the command.

@@ -1,14 +1,14 @@
 //! As much of the protobuf wire format as an ONNX file needs.
 
 /// Bytes under a field number.
-pub(super) fn bytes(out: &mut Vec<u8>, field: u64, bytes: &[u8]) {
+pub(crate) fn bytes(out: &mut Vec<u8>, field: u64, bytes: &[u8]) {
     varint(out, field << 3 | 2);
     varint(out, bytes.len() as u64);
     out.extend_from_slice(bytes);
 }
 
 /// An integer under a field number; negative ones in two's complement of 64 bits.
-pub(super) fn integer(out: &mut Vec<u8>, field: u64, value: i64) {
+pub(crate) fn integer(out: &mut Vec<u8>, field: u64, value: i64) {
     varint(out, field << 3);
     varint(out, value as u64);
 }
@@ -23,7 +23,7 @@ fn varint(out: &mut Vec<u8>, mut value: u64) {
 
 /// What stands under a field number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Value<'a> {
+pub(crate) enum Value<'a> {
     Integer(u64),
     Bytes(&'a [u8]),
     /// Four or eight bytes of fixed length.
@@ -31,7 +31,7 @@ pub(super) enum Value<'a> {
 }
 
 /// The fields of a message in their order; stops with `None` inside at the first byte that is no protobuf.
-pub(super) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u64, Value<'_>)>> {
+pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u64, Value<'_>)>> {
     let mut rest = Some(message);
     std::iter::from_fn(move || {
         let now = rest.filter(|bytes| !bytes.is_empty())?;

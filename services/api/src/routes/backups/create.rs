@@ -11,7 +11,7 @@ use utoipa::ToSchema;
 use uuid::Uuid;
 
 use crate::problem::Problem;
-use crate::state::{App, Shared};
+use crate::state::Shared;
 
 /// A copy of everything that the service has stored.
 #[derive(Debug, Serialize, ToSchema)]
@@ -39,7 +39,7 @@ pub(crate) async fn create(State(app): State<Shared>) -> Result<(StatusCode, Jso
     Ok((StatusCode::CREATED, Json(view)))
 }
 
-async fn copy(app: &App) -> Result<BackupView, Problem> {
+async fn copy(app: &Shared) -> Result<BackupView, Problem> {
     // Nothing that a copied row names may be taken away before its bytes are copied.
     let _alone = app.upkeep.lock().await;
     let backups = app.data.join("backups");
@@ -50,6 +50,9 @@ async fn copy(app: &App) -> Result<BackupView, Problem> {
     let copied = async {
         app.catalogue.backup(&unfinished.join("catalogue.sqlite")).await?;
         app.store.backup(&unfinished).await?;
+        let (keeper, copy) = (Arc::clone(app), unfinished.clone());
+        let copied = app.compute.run(move || keeper.styles.copy_to(&copy)).await?;
+        copied.map_err(|error| crate::failure::writing(&error))?;
         tokio::fs::rename(&unfinished, &folder).await.map_err(failed)?;
         size(&folder).await.map_err(failed)
     };

@@ -10,13 +10,16 @@ use crate::state::Shared;
 
 /// List the style models with their cards, all on one page.
 #[utoipa::path(get, path = "/v1/styles", tag = "waters",
-    responses((status = 200, description = "All style models: name, digest, source, licence, caveats.",
+    responses((status = 200, description = "All style models: name, digest, source, licence, caveats. The card of one that a user added warns \
+                                           that nobody has measured its stability.",
                body = Page<Value>)))]
 pub(crate) async fn list(State(app): State<Shared>) -> Result<Json<Page<Value>>, Problem> {
-    let names = app.library.names();
+    let known = app.styles.known();
+    let library = &known.library;
+    let names = library.names();
     let cards = names
         .iter()
-        .filter_map(|name| app.library.get(name))
+        .filter_map(|name| library.get(name))
         .map(|model| serde_json::to_value(&model.card));
     let items = cards
         .collect::<Result<_, _>>()

@@ -1,3 +1,4 @@
 //! Style water models.
 
+pub(crate) mod create;
 pub(crate) mod list;

@@ -12,9 +12,10 @@ use crate::state::Shared;
 
 /// The style models that jobs may name, for workers that do not know one of them.
 pub(crate) async fn styles(State(app): State<Shared>) -> Result<ProtoBody<StylesResponse>, Problem> {
-    let names = app.library.names();
+    let known = app.styles.known();
+    let names = known.library.names();
     let style = |name: &str| {
-        let model = app.library.get(name)?;
+        let model = known.library.get(name)?;
         Some(serde_json::to_string(&model.card).map(|card_json| Style {
             name: name.to_owned(),
             card_json,
@@ -32,8 +33,10 @@ pub(crate) async fn style(
     Path(name): Path<String>,
 ) -> Result<impl IntoResponse, Problem> {
     let model = app
+        .styles
+        .known()
         .library
-        .get(&name)
+        .shared(&name)
         .ok_or_else(|| Problem::not_found(format!("no style `{name}`")))?;
     Ok((
         [(header::CONTENT_TYPE, "application/octet-stream")],

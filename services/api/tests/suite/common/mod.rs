@@ -21,6 +21,8 @@ pub(crate) struct Setup {
     pub(crate) clock: Clock,
     /// Instead of the shipped styles and one of another form.
     pub(crate) library: Option<Library>,
+    /// What is started to try a style: one that takes each, or none.
+    pub(crate) program: &'static str,
 }
 
 impl Default for Setup {
@@ -30,6 +32,7 @@ impl Default for Setup {
             limits: Limits::default(),
             clock: Clock::system(),
             library: None,
+            program: "/bin/false",
         }
     }
 }
@@ -101,6 +104,7 @@ pub(crate) fn start_in_folder(folder: &Path) -> Running {
 fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
     let runtime = Runtime::new().unwrap();
     let mut config = config(&folder, setup.token);
+    config.worker_program = setup.program.into();
     if let Some(library) = setup.library {
         config.library = library;
     }
@@ -135,6 +139,7 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         styles: None,
         onnxruntime: None,
         library: library(data),
+        style_trial: Duration::from_secs(10),
     }
 }
 

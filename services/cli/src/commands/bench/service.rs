@@ -116,6 +116,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         workers: 0,
         slots: None,
         token: None,
+        style_trial_s: 60,
         style: StyleArguments {
             styles: None,
             onnxruntime: None,

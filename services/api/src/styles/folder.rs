@@ -1,0 +1,193 @@
+//! Added styles on the disk: `added-styles/DIGEST.onnx`, and `added-styles/NAME.card.json`, which names the digest and
+//! is written last. A file is written whole under another name, made durable, then renamed.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use style::{Library, LibraryError, is_name};
+
+use crate::limits;
+use crate::problem::{Problem, Slug};
+
+/// The folder's name in that of the service.
+const FOLDER: &str = "added-styles";
+/// End of the name of a card.
+const CARD: &str = ".card.json";
+/// Beginning of the name of a file that is not whole yet.
+const UNFINISHED: &str = ".new-";
+
+/// Why the added styles of a service cannot be taken up.
+#[derive(Debug, thiserror::Error)]
+pub enum AddedStyleError {
+    /// The folder or a file of it.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the file system said.
+        source: io::Error,
+    },
+    /// A style of the start has the name of one that was added, and is another network.
+    #[error(
+        "{}: there is now another style `{name}`; give that one another name, or take this card away, after which its images can no longer be rendered again",
+        path.display()
+    )]
+    Taken {
+        /// The card of the added one.
+        path: PathBuf,
+        /// The name.
+        name: String,
+    },
+}
+
+/// The folder of a running service.
+pub(super) struct Folder {
+    path: PathBuf,
+    /// Of all models, to hold them within a limit: the service keeps them in memory.
+    bytes: u64,
+    styles: usize,
+}
+
+/// The library with the styles that were added to a service, from the service's folder. A file that is damaged or gone
+/// is told in the log and left out: jobs that do not need it go on.
+///
+/// # Errors
+/// [`AddedStyleError`].
+pub fn added_styles(data: &Path, mut library: Library) -> Result<Library, AddedStyleError> {
+    let folder = data.join(FOLDER);
+    for name in cards(&folder).map_err(at(&folder))? {
+        let path = folder.join(format!("{name}{CARD}"));
+        let card = fs::read_to_string(&path).map_err(at(&path))?;
+        let digest = digest_of(&card);
+        if let Some(other) = library.get(&name) {
+            if other.card.sha256 == digest {
+                continue;
+            }
+            return Err(AddedStyleError::Taken { path, name });
+        }
+        let added = read_model(&folder, &digest)
+            .map_err(|error| error.to_string())
+            .and_then(|onnx| {
+                let added = library.clone().with_model(&name, onnx, Some(&card));
+                added.map_err(|error: LibraryError| error.to_string())
+            });
+        match added {
+            Ok(larger) => library = larger,
+            Err(error) => tracing::error!(style = name, error, "an added style cannot be used"),
+        }
+    }
+    Ok(library)
+}
+
+impl Folder {
+    /// Opens the folder of a service, which may not be there yet, and takes away what was not written whole.
+    pub(super) fn open(data: &Path) -> Result<Self, AddedStyleError> {
+        let path = data.join(FOLDER);
+        let (mut bytes, mut styles) = (0, 0);
+        let entries = match fs::read_dir(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            entries => Some(entries.map_err(at(&path))?),
+        };
+        for entry in entries.into_iter().flatten() {
+            let entry = entry.map_err(at(&path))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with(UNFINISHED) {
+                fs::remove_file(entry.path()).map_err(at(&entry.path()))?;
+            } else if name.ends_with(CARD) {
+                styles += 1;
+            } else {
+                bytes += entry.metadata().map_err(at(&entry.path()))?.len();
+            }
+        }
+        Ok(Self { path, bytes, styles })
+    }
+
+    /// Whether one more style may be kept.
+    pub(super) fn has_room_for(&self, bytes: u64) -> Result<(), Problem> {
+        let full =
+            |what: String| Problem::new(Slug::TooLarge, format!("{what}; all of them are kept in memory"));
+        if self.styles >= limits::ADDED_STYLES {
+            return Err(full(format!("there are {} added styles already", self.styles)));
+        }
+        if self.bytes + bytes > limits::ADDED_STYLES_BYTES {
+            let (have, limit) = (self.bytes, limits::ADDED_STYLES_BYTES);
+            return Err(full(format!(
+                "the added styles have {have} bytes already, the limit is {limit}"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Writes a style; it is there as soon as its card is.
+    pub(super) fn put(&mut self, name: &str, digest: &str, onnx: &[u8], card: &str) -> io::Result<()> {
+        fs::create_dir_all(&self.path)?;
+        self.write(&format!("{digest}.onnx"), onnx)?;
+        faults::point("style.model");
+        self.write(&format!("{name}{CARD}"), card.as_bytes())?;
+        self.bytes += onnx.len() as u64;
+        self.styles += 1;
+        Ok(())
+    }
+
+    /// Copies everything into another data folder.
+    pub(super) fn copy_to(&self, data: &Path) -> io::Result<()> {
+        if !self.path.is_dir() {
+            return Ok(());
+        }
+        let copy = data.join(FOLDER);
+        fs::create_dir_all(&copy)?;
+        for entry in fs::read_dir(&self.path)? {
+            let entry = entry?;
+            let to = copy.join(entry.file_name());
+            fs::copy(entry.path(), &to)?;
+            File::open(&to)?.sync_all()?;
+        }
+        File::open(&copy)?.sync_all()
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
+        let mut file = tempfile::Builder::new()
+            .prefix(UNFINISHED)
+            .tempfile_in(&self.path)?;
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(self.path.join(name))
+            .map_err(|error: tempfile::PersistError<_>| error.error)?;
+        File::open(&self.path)?.sync_all()
+    }
+}
+
+/// The names of the styles that have a card, in order.
+fn cards(folder: &Path) -> io::Result<Vec<String>> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries?,
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        let file = entry?.file_name();
+        let name = file.to_str().and_then(|file| file.strip_suffix(CARD));
+        names.extend(name.filter(|name| is_name(name)).map(str::to_owned));
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// The digest that a card names; nothing of use if the card is damaged, which reading the model then tells.
+fn digest_of(card: &str) -> String {
+    let card: serde_json::Value = serde_json::from_str(card).unwrap_or_default();
+    let digest = card["sha256"].as_str().unwrap_or_default();
+    digest.chars().filter(char::is_ascii_hexdigit).collect()
+}
+
+fn read_model(folder: &Path, digest: &str) -> io::Result<Vec<u8>> {
+    fs::read(folder.join(format!("{digest}.onnx")))
+}
+
+fn at(path: &Path) -> impl Fn(io::Error) -> AddedStyleError {
+    move |source| AddedStyleError::File {
+        path: path.to_owned(),
+        source,
+    }
+}

@@ -1,0 +1,34 @@
+//! `fathom check-style`: tries a style network that nobody knows, for the service that was given it.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use style::{Runtime, StyleModel, Unfit};
+
+use super::StyleArguments;
+use crate::exit::Failure;
+
+/// Options of `fathom check-style`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The ONNX file
+    #[arg(long)]
+    model: PathBuf,
+    /// What it will be called
+    #[arg(long)]
+    name: String,
+    #[command(flatten)]
+    style: StyleArguments,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let path = &arguments.model;
+    let onnx = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let model = StyleModel::without_card(&arguments.name, onnx);
+    let runtime = || Runtime::load(arguments.style.onnxruntime.as_deref());
+    style::check(&model, runtime).map_err(|unfit| match unfit {
+        Unfit::Runtime(missing) => Failure::RuntimeMissing(missing.to_string()),
+        other => Failure::BadInput(other.to_string()),
+    })
+}

@@ -1,0 +1,157 @@
+//! Networks of a user through the real binary and ONNX Runtime: one that can be used, and those that cannot. A failure
+//! is a network that is taken without being usable, one that is refused without its fault being named, or a service
+//! that is worse off afterwards.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+
+use fathom_tests::onnx::{
+    body, constant, elsewhere, file, from_image, graph, node, numbers, picture, scalar, yes,
+};
+use fathom_tests::{Service, root};
+use serde_json::json;
+
+/// Short, for the network that never ends; the others take milliseconds.
+const TRIAL: &[(&str, &str)] = &[("FATHOM_STYLE_TRIAL_S", "10")];
+
+fn start(data: &Path) -> Service {
+    let runtime = root().join(".onnxruntime/libonnxruntime.so");
+    let runtime = std::env::var("ORT_DYLIB_PATH").unwrap_or_else(|_| runtime.display().to_string());
+    Service::start_with(data, &["--slots", "2", "--onnxruntime", &runtime], TRIAL)
+}
+
+/// Soft colours: any picture in, a finite one out.
+fn good() -> Vec<u8> {
+    from_image(&[node("Sigmoid", &["image"], &["styled"])], &[])
+}
+
+#[test]
+fn a_network_of_a_user_is_tried_added_rendered_and_rendered_again() {
+    let data = tempfile::tempdir().unwrap();
+    let service = start(data.path());
+    let (status, card) = service.form("/v1/styles", &[("name", b"soft"), ("model", &good())]);
+    assert_eq!(status, 201, "{card}");
+    let job = json!({
+        "dataset": "soft", "count": 3, "scene": {"kind": "procedural", "family": "structure", "seed": 1},
+        "camera": {"width": 48, "height": 32, "hfov_deg": 80}, "water": {"optics": "jerlov-3C", "style": "soft"}
+    });
+    let id = service.submit(&job);
+    assert_eq!(service.finished(&id)["state"], "done");
+    // The process that renders it again knows the style from the service's folder.
+    let (status, verified) = service.post(&format!("/v1/images/{id}/1/verify"), &json!({"rerender": true}));
+    assert_eq!(
+        (status, &verified["reproduced"]),
+        (200, &json!(true)),
+        "{verified}"
+    );
+    // A copy of the service has it as well.
+    let (status, copy) = service.post("/v1/backups", &json!({}));
+    assert_eq!(status, 201, "{copy}");
+    let copied = start(&root().join(copy["folder"].as_str().unwrap()));
+    let (_, page) = copied.get("/v1/styles");
+    assert!(
+        page.to_string().contains(card["sha256"].as_str().unwrap()),
+        "{page}"
+    );
+}
+
+#[test]
+fn a_network_that_cannot_be_used_is_refused_by_what_it_does() {
+    let data = tempfile::tempdir().unwrap();
+    let service = start(data.path());
+    let (_, before) = service.get("/v1/styles");
+    for (name, onnx, says) in hostile() {
+        let (status, problem) = service.form("/v1/styles", &[("name", name.as_bytes()), ("model", &onnx)]);
+        assert_eq!(status, 422, "{name}: {problem}");
+        let error = &problem["errors"][0];
+        assert_eq!(error["pointer"], "/model", "{name}: {problem}");
+        assert!(
+            error["message"].as_str().unwrap().contains(says),
+            "{name}: {problem}"
+        );
+    }
+    assert_eq!(service.get("/v1/styles").1, before);
+    let (status, card) = service.form("/v1/styles", &[("name", b"soft"), ("model", &good())]);
+    assert_eq!(status, 201, "the service is as well as before: {card}");
+}
+
+/// A name, the file, and what the refusal says.
+fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
+    let one_channel = graph(
+        &[node("Sigmoid", &["image"], &["styled"])],
+        &[],
+        &[picture("image", 1, ["h", "w"])],
+        &[picture("styled", 1, ["h", "w"])],
+    );
+    let pool = node("AveragePool", &["image"], &["styled"]).bytes(5, numbers("kernel_shape", &[3, 3]));
+    let outside = |file: &str| {
+        let add = node("Add", &["image", "weights"], &["styled"]);
+        from_image(&[add], &[elsewhere("weights", file)])
+    };
+    // 29 GB of answer.
+    let greedy = constant("shape", &[1, 3, 50_000, 50_000], true);
+    let again = graph(
+        &[
+            node("Identity", &["go_on"], &["still"]),
+            node("Identity", &["frame"], &["same"]),
+        ],
+        &[],
+        &[
+            scalar("turn", false),
+            scalar("go_on", true),
+            picture("frame", 3, ["h", "w"]),
+        ],
+        &[scalar("still", true), picture("same", 3, ["h", "w"])],
+    );
+    let endless = node("Loop", &["turns", "first", "image"], &["styled"]).bytes(5, body("body", &again));
+    let endless_constants = [constant("turns", &[i64::MAX], false), yes("first")];
+    vec![
+        ("no_onnx", b"hello, world".to_vec(), "no ONNX file"),
+        ("empty", Vec::new(), "no ONNX file"),
+        ("cut", good()[..60].to_vec(), "no ONNX file"),
+        ("one_channel", file(&one_channel), "[1, 3, height, width]"),
+        ("beside", outside("weights.bin"), "`weights` lies in another file"),
+        (
+            "passwords",
+            outside("/etc/passwd"),
+            "`weights` lies in another file",
+        ),
+        (
+            "above",
+            outside("../catalogue.sqlite"),
+            "`weights` lies in another file",
+        ),
+        (
+            "unknown",
+            from_image(&[node("Teleport", &["image"], &["styled"])], &[]),
+            "Teleport",
+        ),
+        ("pool", from_image(&[pool], &[]), "1×1"),
+        (
+            "not_a_number",
+            from_image(&[node("Acosh", &["image"], &["styled"])], &[]),
+            "NaN",
+        ),
+        (
+            "infinite",
+            from_image(&[node("Log", &["image"], &["styled"])], &[]),
+            "inf",
+        ),
+        (
+            "dice",
+            from_image(&[node("RandomUniformLike", &["image"], &["styled"])], &[]),
+            "differently",
+        ),
+        (
+            "greedy",
+            from_image(&[node("Expand", &["image", "shape"], &["styled"])], &[greedy]),
+            "memory",
+        ),
+        (
+            "endless",
+            from_image(&[endless], &endless_constants),
+            "longer than 10 s",
+        ),
+    ]
+}

@@ -1,0 +1,107 @@
+//! Whether a model that came from outside can be used: tried on the frames that break networks.
+//!
+//! It may take any time and memory: run it in a process of its own.
+
+use imaging::{Plane, Rgb};
+
+use crate::error::StyleError;
+use crate::external::{self, Found};
+use crate::library::StyleModel;
+use crate::runtime::{Runtime, RuntimeMissing};
+use crate::session::Session;
+
+/// Sizes that a network must take: the smallest, one that no stride divides, the usual one.
+const SIZES: [(usize, usize); 3] = [(1, 1), (33, 17), (768, 492)];
+/// The size for the frames beyond the first.
+const SMALL: (usize, usize) = SIZES[1];
+
+/// Why a model cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum Unfit {
+    /// Not the bytes of a model.
+    #[error("it is no ONNX file")]
+    NotOnnx,
+    /// A part of it is missing here, or is no part of it.
+    #[error(
+        "its tensor `{tensor}` lies in another file; a model must be one file with all of its tensors in it"
+    )]
+    External {
+        /// The tensor's name.
+        tensor: String,
+    },
+    /// It does not load, stops, or answers no picture.
+    #[error(transparent)]
+    Fails(#[from] StyleError),
+    /// It answers a sample that is not finite.
+    #[error("it answers a sample of {value} to a frame of {width}×{height}")]
+    NotFinite {
+        /// The sample.
+        value: f32,
+        /// Columns of the frame.
+        width: usize,
+        /// Rows of the frame.
+        height: usize,
+    },
+    /// It draws random numbers: a frame could not be rendered again.
+    #[error(
+        "it answers differently to the same frame of {}×{}; a style must draw no random numbers of its own, but may have an input `noise`",
+        SMALL.0,
+        SMALL.1
+    )]
+    Random,
+    /// It runs on ONNX Runtime only, which is not here.
+    #[error(transparent)]
+    Runtime(#[from] RuntimeMissing),
+}
+
+/// Tries a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same.
+/// `runtime` is asked for only if the model needs it.
+///
+/// # Errors
+/// [`Unfit`] with the first thing that is wrong.
+pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMissing>) -> Result<(), Unfit> {
+    external::look(&model.onnx).map_err(|found| match found {
+        Found::NotOnnx => Unfit::NotOnnx,
+        Found::External(tensor) => Unfit::External { tensor },
+    })?;
+    let session = || -> Result<Session, Unfit> {
+        match Session::native(model) {
+            Some(session) => Ok(session),
+            None => Ok(runtime()?.session(model)?),
+        }
+    };
+    let mut first = session()?;
+    for size in SIZES {
+        answer(&mut first, &ramp(size))?;
+    }
+    for level in [0.0, 1.0] {
+        answer(&mut first, &Rgb::from_fn(SMALL.0, SMALL.1, |_, _| [level; 3]))?;
+    }
+    // A session of its own, as another worker has.
+    let again = answer(&mut session()?, &ramp(SMALL))?;
+    if again == answer(&mut first, &ramp(SMALL))? {
+        Ok(())
+    } else {
+        Err(Unfit::Random)
+    }
+}
+
+/// A frame of all levels, red from left to right, green from top to bottom.
+fn ramp((width, height): (usize, usize)) -> Rgb<f32> {
+    let level = |at: usize, side: usize| at as f32 / side.max(2) as f32;
+    Rgb::from_fn(width, height, |x, y| {
+        [level(x, width), level(y, height), level(x + y, width + height)]
+    })
+}
+
+fn answer(session: &mut Session, frame: &Rgb<f32>) -> Result<Rgb<f32>, Unfit> {
+    let (width, height) = frame.size();
+    // Standard normal noise has few values beyond ±2; the same each time.
+    let noise = Plane::from_fn(width, height, |x, y| ((x * 7 + y * 13) % 41) as f32 / 10.0 - 2.0);
+    let styled = session.apply(frame, Some(&noise))?;
+    let mut samples = styled.planes().iter().flat_map(|plane| plane.data());
+    match samples.find(|sample| !sample.is_finite()) {
+        Some(&value) => Err(Unfit::NotFinite { value, width, height }),
+        None => Ok(styled),
+    }
+}

@@ -1,0 +1,148 @@
+//! Tensors of an ONNX file that lie in other files. A model that came from outside may have none: they would be read
+//! from wherever their names point to.
+
+use crate::net::wire::{Value, fields};
+
+/// Graphs in graphs, as loops and branches have them; real models have three.
+const MAX_DEPTH: usize = 64;
+
+/// What keeps a file from being a model in one piece.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// It is no ONNX file.
+    NotOnnx,
+    /// A tensor of this name lies elsewhere.
+    External(String),
+}
+
+/// The messages of an ONNX file that can hold a tensor.
+#[derive(Clone, Copy, PartialEq)]
+enum Message {
+    Model,
+    Training,
+    Graph,
+    Function,
+    Node,
+    Attribute,
+    Sparse,
+    Tensor,
+}
+
+impl Message {
+    /// What stands under a field, if it can hold a tensor.
+    fn below(self, field: u64) -> Option<Self> {
+        Some(match (self, field) {
+            (Self::Model, 7) | (Self::Training, 1 | 2) | (Self::Attribute, 6 | 11) => Self::Graph,
+            (Self::Model, 20) => Self::Training,
+            (Self::Model, 25) => Self::Function,
+            (Self::Graph, 1) | (Self::Function, 7) => Self::Node,
+            (Self::Node, 5) | (Self::Function, 11) => Self::Attribute,
+            (Self::Graph, 15) | (Self::Attribute, 22 | 23) => Self::Sparse,
+            (Self::Graph, 5) | (Self::Attribute, 5 | 10) | (Self::Sparse, 1 | 2) => Self::Tensor,
+            _ => return None,
+        })
+    }
+}
+
+/// Looks through a file; an error is the first thing found.
+pub(crate) fn look(onnx: &[u8]) -> Result<(), Found> {
+    let has_graph = fields(onnx).any(|field| matches!(field, Some((7, Value::Bytes(_)))));
+    if !has_graph {
+        return Err(Found::NotOnnx);
+    }
+    message(Message::Model, onnx, MAX_DEPTH)
+}
+
+fn message(kind: Message, bytes: &[u8], depth: usize) -> Result<(), Found> {
+    if kind == Message::Tensor {
+        return tensor(bytes);
+    }
+    let depth = depth.checked_sub(1).ok_or(Found::NotOnnx)?;
+    for field in fields(bytes) {
+        let (number, value) = field.ok_or(Found::NotOnnx)?;
+        if let (Some(below), Value::Bytes(inner)) = (kind.below(number), value) {
+            message(below, inner, depth)?;
+        }
+    }
+    Ok(())
+}
+
+fn tensor(bytes: &[u8]) -> Result<(), Found> {
+    let (mut name, mut external) = (String::new(), false);
+    for field in fields(bytes) {
+        match field.ok_or(Found::NotOnnx)? {
+            (8, Value::Bytes(text)) => name = String::from_utf8_lossy(text).into_owned(),
+            (13, _) => external = true,
+            (14, Value::Integer(location)) => external |= location != 0,
+            _ => {}
+        }
+    }
+    if external {
+        Err(Found::External(name))
+    } else {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::net::wire::{bytes, integer};
+
+    fn under(path: &[u64], inner: &[u8]) -> Vec<u8> {
+        path.iter().rev().fold(inner.to_vec(), |inner, &field| {
+            let mut outer = Vec::new();
+            bytes(&mut outer, field, &inner);
+            outer
+        })
+    }
+
+    #[test]
+    fn a_tensor_in_another_file_is_found_wherever_a_tensor_can_stand() {
+        let mut elsewhere = Vec::new();
+        bytes(&mut elsewhere, 8, b"weights");
+        integer(&mut elsewhere, 14, 1);
+        let mut named = Vec::new();
+        bytes(&mut named, 8, b"weights");
+        bytes(&mut named, 13, b"location");
+        let places: [&[u64]; 9] = [
+            &[7, 5],
+            &[7, 1, 5, 5],
+            &[7, 1, 5, 10],
+            &[7, 15, 2],
+            &[7, 1, 5, 6, 5],
+            &[7, 1, 5, 11, 1, 5, 22, 1],
+            &[20, 2, 5],
+            &[25, 7, 5, 5],
+            &[25, 11, 5],
+        ];
+        for place in places {
+            for tensor in [&elsewhere, &named] {
+                let mut model = under(&[7, 2], b"graph");
+                model.extend(under(place, tensor));
+                assert_eq!(
+                    look(&model),
+                    Err(Found::External("weights".to_owned())),
+                    "{place:?}"
+                );
+            }
+            let mut model = under(&[7, 2], b"graph");
+            model.extend(under(place, &under(&[8], b"weights")));
+            assert_eq!(look(&model), Ok(()), "{place:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_onnx_file_or_too_deep_is_told_apart() {
+        for file in [&b""[..], b"hello, world", &[0xff; 40]] {
+            assert_eq!(look(file), Err(Found::NotOnnx));
+        }
+        let mut path = vec![7];
+        path.extend([1, 5, 6].repeat(40));
+        assert_eq!(look(&under(&path, b"")), Err(Found::NotOnnx));
+        for model in ["atlantic", "mediterranean", "muddy"] {
+            let library = crate::Library::embedded().unwrap();
+            assert_eq!(look(&library.get(model).unwrap().onnx), Ok(()), "{model}");
+        }
+    }
+}
