@@ -5,10 +5,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use spec::{Frame, FrameRecord};
 
-/// Nanoseconds a pixel of each stage on one core of a server processor, 768×492, before anything was measured.
-const TYPICAL_NS: [(&str, f64); 9] = [
+/// Nanoseconds a pixel of each stage on one core of a server processor, 768×492, before anything was measured; of lamps, each.
+const TYPICAL_NS: [(&str, f64); 12] = [
     ("scene", 90.0),
     ("plan", 2.0),
+    ("turbidity", 20.0),
+    ("lamps", 50.0),
+    ("snow", 15.0),
     ("water", 300.0),
     ("style", 110.0),
     ("haze", 5.0),
@@ -18,9 +21,10 @@ const TYPICAL_NS: [(&str, f64); 9] = [
     ("files", 75.0),
 ];
 /// Bytes a pixel of each kind of artifact: PNG of synthetic scenes, float32 NPY of the linear layers.
-const TYPICAL_BYTES: [(&str, f64); 9] = [
+const TYPICAL_BYTES: [(&str, f64); 10] = [
     ("range", 0.6),
     ("instances", 0.02),
+    ("snow_mask", 0.1),
     ("hscm_mask", 0.02),
     ("preview", 0.04),
     ("direct", 12.0),
@@ -70,12 +74,21 @@ impl Experience {
             return;
         };
         let pixels = (width * height).max(1.0);
+        let lights = record.parameters["lights"].as_array();
+        let lamps = lights
+            .into_iter()
+            .flatten()
+            .filter(|light| light["kind"] != "haze")
+            .count();
+        let lamps = (lamps as f64).max(1.0);
         let mut learned = self.learned();
         for (stage, typical) in TYPICAL_NS {
+            let units = if stage == "lamps" { lamps } else { 1.0 };
             // A stage that was passed by has a time of nearly nothing, which says nothing of its cost.
             let ms = record.timings_ms.get(stage).copied().unwrap_or(0.0);
-            if ms * 1e6 / pixels > typical / 100.0 {
-                mix(learned.stage_ns.entry(stage), ms * 1e6 / pixels);
+            let ns = ms * 1e6 / pixels / units;
+            if ns > typical / 100.0 {
+                mix(learned.stage_ns.entry(stage), ns);
             }
         }
         for artifact in &record.artifacts {
@@ -104,8 +117,18 @@ impl Experience {
 
 impl Learned {
     fn seconds(&self, Sized { frame, pixels }: &Sized<'_>) -> f64 {
+        let in_water = frame.water.optics.is_some();
         let runs = |stage: &str| match stage {
-            "water" => frame.water.optics.is_some(),
+            "water" => in_water,
+            "lamps" => !frame.lamps.is_empty(),
+            "snow" => frame.water.snow.is_some_and(|snow| snow.density_per_m3 > 0.0),
+            "turbidity" => {
+                in_water
+                    && frame
+                        .water
+                        .turbidity
+                        .is_some_and(|patches| patches.contrast > 0.0)
+            }
             "style" => frame.water.style.is_some() && frame.alpha > 0.0,
             "haze" => !frame.lights.is_empty(),
             "enhance" => !frame.enhance.is_empty(),
@@ -113,7 +136,10 @@ impl Learned {
             _ => true,
         };
         let stages = TYPICAL_NS.iter().filter(|(stage, _)| runs(stage));
-        let ns = stages.map(|(stage, typical)| self.stage_ns.get(stage).unwrap_or(typical));
+        let ns = stages.map(|(stage, typical)| {
+            let units = if *stage == "lamps" { frame.lamps.len() } else { 1 };
+            self.stage_ns.get(stage).unwrap_or(typical) * units as f64
+        });
         ns.sum::<f64>() * pixels / 1e9
     }
 
@@ -176,6 +202,22 @@ mod tests {
             &job(json!({"water": {"optics": "jerlov-3C", "style": "muddy"}})),
         );
         assert!(water.seconds > plain.seconds && water.bytes == plain.bytes);
+        let lamp = json!({"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]});
+        let of = |water: serde_json::Value, lamps: usize| {
+            let lights = vec![lamp.clone(); lamps];
+            cost(&experience, &job(json!({"water": water, "lights": lights}))).seconds
+        };
+        let suspended = [
+            of(json!({"optics": "jerlov-3C"}), 0),
+            of(json!({"optics": "jerlov-3C", "snow": {"density_per_m3": 10}}), 0),
+            of(json!({"optics": "jerlov-3C", "turbidity": {"contrast": 0.5}}), 0),
+            of(json!({"optics": "jerlov-3C"}), 1),
+            of(json!({"optics": "jerlov-3C"}), 4),
+        ];
+        assert!(
+            suspended.windows(2).all(|pair| pair[0] < pair[1]),
+            "{suspended:?}"
+        );
         let layers = cost(&experience, &job(json!({"artifacts": ["rgb", "direct"]})));
         assert!(layers.bytes > plain.bytes + 5000.0 * 11.0);
         experience.learn(&FrameRecord {

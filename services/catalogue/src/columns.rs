@@ -18,6 +18,37 @@ const PARAMETERS: &[(&str, &str, Kind)] = &[
     ("water.depth_m", "/parameters/water/depth_m", Kind::Number),
     ("water.ambient", "/parameters/water/ambient", Kind::Text),
     ("water.style", "/parameters/water/style", Kind::Text),
+    (
+        "snow.density_per_m3",
+        "/parameters/water/snow/density_per_m3",
+        Kind::Number,
+    ),
+    ("snow.radius_m", "/parameters/water/snow/radius_m", Kind::Number),
+    (
+        "snow.radius_spread",
+        "/parameters/water/snow/radius_spread",
+        Kind::Number,
+    ),
+    ("snow.near_m", "/parameters/water/snow/near_m", Kind::Number),
+    ("snow.far_m", "/parameters/water/snow/far_m", Kind::Number),
+    ("snow.albedo.r", "/parameters/water/snow/albedo/0", Kind::Number),
+    ("snow.albedo.g", "/parameters/water/snow/albedo/1", Kind::Number),
+    ("snow.albedo.b", "/parameters/water/snow/albedo/2", Kind::Number),
+    ("snow.particles", "/optics/snow/particles", Kind::Number),
+    ("snow.cover", "/optics/snow/cover", Kind::Number),
+    (
+        "turbidity.contrast",
+        "/parameters/water/turbidity/contrast",
+        Kind::Number,
+    ),
+    (
+        "turbidity.scale_m",
+        "/parameters/water/turbidity/scale_m",
+        Kind::Number,
+    ),
+    ("turbidity.mean", "/optics/turbidity/mean", Kind::Number),
+    ("turbidity.least", "/optics/turbidity/least", Kind::Number),
+    ("turbidity.most", "/optics/turbidity/most", Kind::Number),
     ("alpha", "/parameters/alpha", Kind::Number),
     ("lights.count", "/parameters/lights", Kind::Number),
     (
@@ -274,10 +305,20 @@ fn open_family(name: &str) -> Option<Column> {
     }
     let (index, field) = name.strip_prefix("lights.")?.split_once('.')?;
     let index: u16 = index.parse().ok()?;
+    let at = |field: &str| format!("$.parameters.lights[{index}].{field}");
     let kind = match field {
-        "x" | "y" | "size" | "intensity" => Kind::Number,
+        "x" | "y" | "size" | "intensity" | "cone_deg" => Kind::Number,
         "kind" | "blend" | "space" => Kind::Text,
-        _ => return None,
+        _ => {
+            let (list, part) = field.split_once('.')?;
+            let names = match list {
+                "position_m" | "direction" => ["x", "y", "z"],
+                "intensity" | "color" => ["r", "g", "b"],
+                _ => return None,
+            };
+            let place = names.iter().position(|name| *name == part)?;
+            return extract(at(&format!("{list}[{place}]")), Kind::Number);
+        }
     };
-    extract(format!("$.parameters.lights[{index}].{field}"), kind)
+    extract(at(field), kind)
 }

@@ -33,6 +33,8 @@ pub enum ArtifactKind {
     Findings,
     /// The objects in view with category, box, transmittance and visibility, and the camera's pose, JSON.
     Boxes,
+    /// Opacity of the marine snow in green, 8-bit PNG, 255 = opaque.
+    SnowMask,
     /// Result of an enhancement method.
     Enhanced(String),
     /// The circular mask of HSCM, 8-bit PNG.
@@ -43,7 +45,7 @@ pub enum ArtifactKind {
 
 impl ArtifactKind {
     /// Every kind with a fixed name; `enhanced.<method>` comes beside them.
-    pub const FIXED: [(&'static str, Self); 17] = [
+    pub const FIXED: [(&'static str, Self); 18] = [
         ("rgb", Self::Rgb),
         ("clean", Self::Clean),
         ("direct", Self::Direct),
@@ -59,6 +61,7 @@ impl ArtifactKind {
         ("normals", Self::Normals),
         ("findings", Self::Findings),
         ("boxes", Self::Boxes),
+        ("snow_mask", Self::SnowMask),
         ("hscm_mask", Self::HscmMask),
         ("preview", Self::Preview),
     ];

@@ -97,6 +97,15 @@ impl LawNode {
         }
     }
 
+    /// The lower end of an interval.
+    pub(crate) fn least(&self) -> Option<f64> {
+        match self.law {
+            Law::Uniform(a, _) | Law::LogUniform(a, _) | Law::Normal { clip: (a, _), .. } => Some(a),
+            Law::Int { a, .. } => Some(a as f64),
+            Law::Choice { .. } | Law::Grid { .. } => None,
+        }
+    }
+
     /// The values of a choice or grid; empty for the other laws.
     pub(crate) fn values(&self) -> &[Node] {
         match &self.law {

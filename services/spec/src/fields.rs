@@ -92,7 +92,23 @@ const WATER: &[Field] = &[
     field("ambient", AMBIENT, Default("\"none\""), "what daylight's decay with depth does to the scene"),
     field("holes", HOLES, Default("\"background\""), "what a pixel without a valid range means"),
     field("style", Text(Style), Optional, "style model"),
+    field("snow", Object(SNOW), Optional, "marine snow; absent: none"),
+    field("turbidity", Object(TURBIDITY), Optional, "patches of murkier water that multiply every coefficient; absent: even water"),
     field("style_tier", Text(Fixed(&["net", "lut", "auto"])), Optional, "network, colour table, or what the tolerance allows; absent: `net`"),
+];
+
+const SNOW: &[Field] = &[
+    field("density_per_m3", Number(Range::within(0.0, 1e6)), Required, "particles per cubic metre; at most 400 000 in view"),
+    field("radius_m", Number(Range::within(1e-5, 0.02)), Default("0.001"), "median radius"),
+    field("radius_spread", Number(Range::within(0.0, 1.0)), Default("0.5"), "standard deviation of its logarithm"),
+    field("near_m", Number(Range::within(0.05, 100.0)), Default("0.2"), "depth of the nearest along the optical axis"),
+    field("far_m", Number(Range::within(0.05, 100.0)), Default("3"), "depth of the farthest"),
+    field("albedo", Rgb(Range::within(0.0, 1.0)), Default("[0.5, 0.5, 0.5]"), "share of the light that a particle sends back"),
+];
+
+const TURBIDITY: &[Field] = &[
+    field("contrast", Number(Range::within(0.0, 0.95)), Required, "how far the clearest water is below the mean, as a share of it"),
+    field("scale_m", Number(Range::within(0.05, 1000.0)), Default("2"), "distance at which two places have little in common"),
 ];
 
 const AMBIENT: Shape = Text(Fixed(&["none", "absolute", "exposed"]));

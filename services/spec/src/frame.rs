@@ -172,6 +172,10 @@ pub struct Water {
     pub ambient: Ambient,
     /// What a pixel without a valid range means.
     pub holes: HoleRule,
+    /// Marine snow; absent: none.
+    pub snow: Option<crate::suspended::Snow>,
+    /// Patches of murkier water; absent: even water.
+    pub turbidity: Option<crate::suspended::Turbidity>,
     /// Name of a style model.
     pub style: Option<String>,
     /// What of the model is run; absent: the network.

@@ -123,15 +123,21 @@ impl Node {
 
     /// The greatest number that can stand here.
     pub(crate) fn greatest(&self) -> Option<f64> {
+        self.ends(LawNode::greatest).into_iter().reduce(f64::max)
+    }
+
+    /// The least number that can stand here.
+    pub(crate) fn least(&self) -> Option<f64> {
+        self.ends(LawNode::least).into_iter().reduce(f64::min)
+    }
+
+    fn ends(&self, end: impl Fn(&LawNode) -> Option<f64>) -> Vec<f64> {
         let number = |(_, node): (String, &Self)| match node {
             Self::Constant(value) => value.as_f64(),
-            Self::Law(law) => law.greatest(),
+            Self::Law(law) => end(law),
             _ => None,
         };
-        self.alternatives("")
-            .into_iter()
-            .filter_map(number)
-            .reduce(f64::max)
+        self.alternatives("").into_iter().filter_map(number).collect()
     }
 }
 

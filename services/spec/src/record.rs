@@ -16,7 +16,7 @@ pub struct FrameRecord {
     /// The resolved frame as canonical JSON ([`crate::Frame::parameters`]).
     pub parameters: Value,
     /// The numbers the water stage ran with: per-channel coefficients after preset, derivation and range scale, and
-    /// which of them were derived. Empty without optics.
+    /// which of them were derived; how long the paths through patches were, and how much snow fell. Empty without any of these.
     pub optics: Map<String, Value>,
     /// The plan: per stage whether it was skipped, its variant, terms and bound.
     pub plan: Value,

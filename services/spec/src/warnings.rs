@@ -15,7 +15,7 @@ pub(crate) fn of(document: &Node, written: &Value) -> Vec<String> {
         warnings
             .push("`alpha` weights the style, but `water.style` is not given: it has no effect".to_owned());
     }
-    let without_optics = ["range_scale", "depth_m", "ambient", "holes"];
+    let without_optics = ["range_scale", "depth_m", "ambient", "holes", "turbidity"];
     for name in without_optics.into_iter().filter(|_| none_has("optics")) {
         if written.pointer(&format!("/water/{name}")).is_some() {
             warnings.push(format!("`water.{name}` has no effect without `water.optics`"));

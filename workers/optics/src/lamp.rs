@@ -13,16 +13,19 @@ mod legendre;
 mod nodes;
 mod normals;
 mod phase;
+mod point;
 mod reference;
 mod surface;
 
 pub use airlight::airlight;
+pub(crate) use elementary::small_sin_cos;
 pub use legendre::gauss_legendre;
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;
 pub use phase::{AVERAGE_BACKSCATTER_FRACTION, asymmetry_of, backscatter_fraction, henyey_greenstein};
+pub use point::{most_white, white_at};
 pub use reference::{REFERENCE_NODES, airlight_reference, irradiance_reference};
-pub use surface::{irradiance, lit};
+pub use surface::{SURFACE_ROUNDING, irradiance, lit};
 
 use imaging::geometry::Intrinsics;
 

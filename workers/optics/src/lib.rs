@@ -6,6 +6,7 @@
 pub mod attenuation;
 mod blend;
 pub mod chain;
+pub mod eye;
 pub mod forward_scatter;
 mod haze;
 pub mod kernel;
@@ -13,6 +14,8 @@ pub mod lamp;
 pub mod plan;
 pub mod preset;
 pub mod range;
+pub mod snow;
+pub mod turbidity;
 mod visibility;
 pub mod water;
 

@@ -82,7 +82,8 @@ fn rounding(stats: &SceneStats, water: &Water, channel: usize) -> f64 {
 
 /// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` where no light is
 /// below L > 0.0031, else what the steep foot of the curve allows (12.92).
-fn display_tolerance(stats: &SceneStats, water: &Water) -> f64 {
+#[must_use]
+pub fn display_tolerance(stats: &SceneStats, water: &Water) -> f64 {
     const FOOT: f64 = 0.003_130_8;
     let darkest = (0..3)
         .map(|channel| levels(stats, water, channel).0)

@@ -127,6 +127,12 @@ impl Water {
         }
     }
 
+    /// What a pixel without a valid range means.
+    #[must_use]
+    pub fn holes(&self) -> crate::range::HoleRule {
+        self.holes
+    }
+
     /// Forward scatter.
     #[must_use]
     pub fn scatter(&self) -> &Scatter {

@@ -1,14 +1,12 @@
 //! Lamps: the fast form against the f64 reference, and what must hold of their light.
 #![allow(clippy::unwrap_used)]
 
-use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
+use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, SURFACE_ROUNDING};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 
 /// f32 arithmetic in angles and paths, as a share of the frame's peak: some hundred roundings of 6e-8.
 const ROUNDING: f64 = 1e-5;
-/// f32 geometry of surfaces: a range of 30 m is known to 2 µm, and light falls with its square.
-const SURFACE_ROUNDING: f64 = 2e-5;
 const SIZES: [(usize, usize); 5] = [(1, 1), (3, 2), (17, 13), (64, 5), (131, 37)];
 
 /// Beside the camera, behind it, in view, beyond a wall, in the camera, and spots of both kinds.

@@ -4,6 +4,8 @@ use enhance::EnhanceError;
 use imaging::codec::EncodeError;
 use optics::chain::ChainError;
 use optics::lamp::LampError;
+use optics::snow::SnowError;
+use optics::turbidity::TurbidityError;
 use optics::water::WaterError;
 use quality::QualityError;
 use scenes::SceneError;
@@ -65,6 +67,12 @@ pub enum RenderError {
     /// The lamps cannot be.
     #[error("lights: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Lamps(Vec<LampError>),
+    /// The snow cannot be.
+    #[error("snow: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Snow(Vec<SnowError>),
+    /// The turbidity cannot be.
+    #[error("turbidity: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Turbidity(Vec<TurbidityError>),
     /// The style network failed.
     #[error(transparent)]
     Style(#[from] StyleError),
@@ -106,6 +114,8 @@ impl RenderError {
             | Self::Chain(_)
             | Self::Path(_)
             | Self::Lamps(_)
+            | Self::Snow(_)
+            | Self::Turbidity(_)
             | Self::RuntimeMissing(_)
             | Self::UnknownStyle { .. }
             | Self::Style(_)

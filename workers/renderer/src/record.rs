@@ -8,6 +8,7 @@ use spec::{ArtifactEntry, Counts, FrameRecord, Provenance, SceneRecord};
 
 use crate::provenance::{CODE_VERSION, cpu_features};
 use crate::stage::measure::Measurements;
+use crate::stage::snow::Fallen;
 use crate::stage::water::Chosen;
 
 /// A rendered frame.
@@ -72,6 +73,9 @@ pub(crate) struct Findings<'a> {
     /// The camera of the picture, which for an uploaded scene is not the one of the frame.
     pub(crate) camera: spec::Camera,
     pub(crate) chosen: &'a Chosen,
+    /// Mean, least and greatest path through patches as a share of the range.
+    pub(crate) factors: Option<[f64; 3]>,
+    pub(crate) fallen: Option<&'a Fallen>,
     pub(crate) measurements: Measurements,
     pub(crate) counts: Counts,
     pub(crate) timings_ms: BTreeMap<String, f64>,
@@ -86,8 +90,8 @@ pub(crate) fn finish(files: Vec<File>, findings: Findings<'_>) -> Rendered {
     let record = FrameRecord {
         frame: findings.frame.index,
         parameters: parameters(&findings),
-        optics: numbers(findings.chosen),
-        plan: plan(findings.frame, findings.chosen),
+        optics: numbers(&findings),
+        plan: plan(findings.frame, findings.chosen, findings.fallen),
         measurements: findings.measurements,
         artifacts: files.iter().map(File::entry).collect(),
         counts: findings.counts,
@@ -113,11 +117,22 @@ fn parameters(findings: &Findings<'_>) -> Value {
     parameters
 }
 
-/// The water's numbers by name, which of them were derived, and the preset; empty without water.
-fn numbers(chosen: &Chosen) -> Map<String, Value> {
-    let Some(water) = &chosen.water else {
-        return Map::new();
-    };
+/// The water's numbers by name, which of them were derived, the preset, and what was suspended in it; empty without water.
+fn numbers(findings: &Findings<'_>) -> Map<String, Value> {
+    let mut numbers = findings.chosen.water.as_ref().map_or_else(Map::new, of_water);
+    if let Some([mean, least, most]) = findings.factors {
+        numbers.insert(
+            "turbidity".to_owned(),
+            json!({"mean": mean, "least": least, "most": most}),
+        );
+    }
+    if let Some(fallen) = findings.fallen {
+        numbers.insert("snow".to_owned(), fallen.describe());
+    }
+    numbers
+}
+
+fn of_water(water: &optics::water::Water) -> Map<String, Value> {
     let known = water
         .numbers()
         .into_iter()
@@ -135,18 +150,11 @@ fn numbers(chosen: &Chosen) -> Map<String, Value> {
 }
 
 /// The plan as a list of stages; what is not known of a stage is left out.
-pub(crate) fn plan(frame: &spec::Frame, chosen: &Chosen) -> Value {
+pub(crate) fn plan(frame: &spec::Frame, chosen: &Chosen, fallen: Option<&Fallen>) -> Value {
     let in_water = |stage: &str| stage.starts_with("attenuation") || stage.starts_with("forward_scatter");
-    let lamps = json!({
-        "stage": "lamps",
-        "variant": match (frame.lamps.is_empty(), &frame.fidelity) {
-            (true, _) => "skip",
-            (false, spec::Fidelity::Reference) => "reference",
-            (false, _) => "quadrature",
-        },
-    });
+    let suspended = suspended(frame, chosen, fallen);
     let notes = chosen.plan.describe().into_iter().flat_map(|note| {
-        let before = (note.stage == "style").then(|| lamps.clone());
+        let before = (note.stage == "style").then(|| suspended.clone());
         let skipped = chosen.water.is_none() && in_water(note.stage);
         let mut entry = Map::new();
         entry.insert("stage".to_owned(), json!(note.stage));
@@ -158,9 +166,47 @@ pub(crate) fn plan(frame: &spec::Frame, chosen: &Chosen) -> Value {
             entry.insert("terms".to_owned(), json!(terms));
         }
         if let Some(bound) = note.bound {
-            entry.insert("bound".to_owned(), json!(bound));
+            // What goes into the water with an error comes out with one.
+            entry.insert("bound".to_owned(), json!(bound + chosen.shares.rounding));
         }
-        before.into_iter().chain([Value::Object(entry)])
+        before.into_iter().flatten().chain([Value::Object(entry)])
     });
     notes.collect()
+}
+
+/// The lines of turbidity, lamps and snow. What turbidity rounds is part of the bounds of the water.
+fn suspended(frame: &spec::Frame, chosen: &Chosen, fallen: Option<&Fallen>) -> Vec<Value> {
+    let reference = frame.fidelity == spec::Fidelity::Reference;
+    let either = |fast: &'static str| if reference { "reference" } else { fast };
+    let line = |stage: &str, variant: &str, bound: f64| {
+        let mut line = json!({"stage": stage, "variant": variant});
+        if bound > 0.0 && !reference && variant != "skip" {
+            line["bound"] = json!(bound);
+        }
+        line
+    };
+    let patchy = chosen.patches.is_some();
+    let turbidity = if patchy { either("closed_form") } else { "skip" };
+    let lamps = if frame.lamps.is_empty() {
+        "skip"
+    } else {
+        either("quadrature")
+    };
+    let planned = if frame.water.snow.is_some() {
+        either("discs")
+    } else {
+        "skip"
+    };
+    let snow = fallen.map_or(planned, |fallen| fallen.variant);
+    let of_snow = json!({"stage": "snow", "variant": snow, "bound": chosen.shares.snow});
+    vec![
+        line("turbidity", turbidity, 0.0),
+        line("lamps", lamps, chosen.shares.lamps),
+        // Where it is skipped, the share bounds what is expected to be lost.
+        if snow == "skip" && fallen.is_some() {
+            of_snow
+        } else {
+            line("snow", snow, chosen.shares.snow)
+        },
+    ]
 }

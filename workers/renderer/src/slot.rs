@@ -13,7 +13,7 @@ use crate::source::SceneSource;
 use crate::stage::files::{self, Products};
 use crate::stage::scene::{self, Prepared};
 use crate::stage::water::{self, Chosen};
-use crate::stage::{enhance, haze, labels, lamps, measure, style};
+use crate::stage::{enhance, haze, labels, lamps, measure, snow, style, turbidity};
 use crate::stopwatch::Stopwatch;
 
 /// What one worker thread reuses from frame to frame. Nothing in it changes a result.
@@ -55,20 +55,31 @@ impl Slot {
         let prepared = watch.time("scene", || self.scene(frame, source))?;
         let radiance = &prepared.scene.radiance;
         let water = water::resolve(frame, &prepared)?;
+        let patches = watch.time("turbidity", || {
+            turbidity::patches(frame, &prepared, water.as_ref())
+        })?;
         let lighting = lamps::lighting(frame, &prepared, water.as_ref())?;
         let lit = lighting.as_ref().and_then(|lighting| {
             watch.time("lamps", || lamps::surfaces(&prepared, lighting, water.as_ref()))
         });
         let shown = lit.as_ref().map(|(lit, _)| lit);
-        let chosen = watch.time("plan", || water::choose(frame, &prepared, shown, water, &lights));
+        let chosen = watch.time("plan", || {
+            water::choose(frame, &prepared, shown, (water, patches), &lights)
+        });
         let shown = shown.unwrap_or(radiance);
         let mut layers = watch.time("water", || {
             water::run(&prepared, shown, &chosen, &mut self.kernels)
         })?;
         let glows = lighting.as_ref().is_some_and(|lighting| {
-            watch.time("lamps", || lamps::glow(frame, &prepared, lighting, &mut layers))
+            let share = chosen.shares.lamps;
+            watch.time("lamps", || {
+                lamps::glow(frame, &prepared, lighting, share, &mut layers)
+            })
         });
         let dark = lit.is_some_and(|(_, shines)| !shines) && !glows;
+        let fallen = watch.time("snow", || {
+            snow::run(frame, &prepared, &chosen, lighting.as_ref(), &mut layers)
+        })?;
         let styled = watch.time("style", || {
             style::run(frame, &layers.scattered, &self.engine, &mut self.sessions)
         })?;
@@ -80,9 +91,7 @@ impl Slot {
             false => None,
         };
         let measurements = watch.time("metrics", || measure::run(frame, &rgb, clean.as_ref(), &enhanced))?;
-        let described = watch.time("labels", || {
-            labels::describe(&prepared, chosen.water.as_ref(), &layers)
-        });
+        let described = watch.time("labels", || labels::describe(&prepared, &chosen, &layers));
         let products = Products {
             frame,
             prepared: &prepared,
@@ -92,6 +101,7 @@ impl Slot {
             rgb: &rgb,
             enhanced: &enhanced,
             described: described.as_ref(),
+            fallen: fallen.as_ref(),
         };
         let files = watch.time("files", || files::encode(&products))?;
 
@@ -114,6 +124,12 @@ impl Slot {
             frame,
             camera: Camera::of_picture(radiance.width(), radiance.height(), prepared.focal_px),
             chosen: &chosen,
+            factors: chosen
+                .patches
+                .as_ref()
+                .zip(prepared.scene.range.as_ref())
+                .and_then(|(patches, range)| patches.factors(range)),
+            fallen: fallen.as_ref(),
             measurements,
             counts,
             timings_ms: watch.stop(),
@@ -137,13 +153,14 @@ impl Slot {
     pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<serde_json::Value, RenderError> {
         let prepared = self.scene(frame, source)?;
         let water = water::resolve(frame, &prepared)?;
+        let patches = turbidity::patches(frame, &prepared, water.as_ref())?;
         let lighting = lamps::lighting(frame, &prepared, water.as_ref())?;
         let lit = lighting
             .as_ref()
             .and_then(|lighting| lamps::surfaces(&prepared, lighting, water.as_ref()));
         let lit = lit.as_ref().map(|(lit, _)| lit);
-        let chosen = water::choose(frame, &prepared, lit, water, &spec::haze_lights(frame));
-        Ok(record::plan(frame, &chosen))
+        let chosen = water::choose(frame, &prepared, lit, (water, patches), &spec::haze_lights(frame));
+        Ok(record::plan(frame, &chosen, None))
     }
 
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
@@ -174,6 +191,9 @@ fn warnings(frame: &Frame, prepared: &Prepared, chosen: &Chosen) -> Vec<String> 
     }
     if !frame.lamps.is_empty() && prepared.scene.range.is_none() {
         warnings.push("the scene has no range: the lamps are skipped".to_owned());
+    }
+    if frame.water.snow.is_some() && prepared.scene.range.is_none() {
+        warnings.push("the scene has no range: the snow is skipped".to_owned());
     }
     let pixels = prepared
         .scene

@@ -8,5 +8,8 @@ pub(crate) mod lamps;
 pub(crate) mod measure;
 pub(crate) mod range_file;
 pub(crate) mod scene;
+pub(crate) mod shares;
+pub(crate) mod snow;
 pub(crate) mod style;
+pub(crate) mod turbidity;
 pub(crate) mod water;

@@ -137,6 +137,19 @@ impl Checker<'_> {
     }
 
     fn artifacts(&mut self, document: &Node) {
+        let snows = places(document, "water")
+            .iter()
+            .any(|(_, water)| water.get("snow").is_some());
+        for (pointer, list) in places(document, "artifacts").into_iter().filter(|_| !snows) {
+            let Node::List(items) = list else { continue };
+            let kinds = items.iter().enumerate();
+            for (pointer, kind) in kinds.flat_map(|(i, item)| item.strings(&format!("{pointer}/{i}"))) {
+                if kind == "snow_mask" {
+                    let message = "the artifact \"snow_mask\" needs `water.snow`";
+                    self.refuse(|| FieldError::new(&pointer, message).value(&Value::from(kind)));
+                }
+            }
+        }
         if document.get("enhance").is_none() {
             return;
         }

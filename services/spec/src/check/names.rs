@@ -14,9 +14,6 @@ const MAX_PATH_BYTES: usize = 4096;
 /// Longest name of a dataset and longest id of a scene.
 const MAX_NAME: usize = 100;
 
-/// Artifact kinds that have a name but cannot be made.
-const NOT_YET: [&str; 1] = ["snow_mask"];
-
 impl Checker<'_> {
     /// The string in its canonical form: presets by their full name, the others as written.
     pub(super) fn text(&mut self, at: &Place, names: Names, text: &str) -> Option<Node> {
@@ -43,7 +40,6 @@ impl Checker<'_> {
         self.refuse(|| {
             let value = Value::from(text);
             let problem = match names {
-                Names::Artifact if NOT_YET.contains(&text) => "is not available yet".to_owned(),
                 Names::Dataset | Names::SceneId | Names::Path => format!("must be {}", names.describe()),
                 _ => format!("is not {}", names.describe()),
             };

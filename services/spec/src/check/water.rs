@@ -6,7 +6,7 @@ use optics::water::Water as OpticalWater;
 use serde::Deserialize;
 
 use super::Checker;
-use super::across::has_lamps;
+use super::across::{has_lamps, places};
 use crate::draw::{Drawn, LawNode};
 use crate::frame::Water;
 use crate::invalid::FieldError;
@@ -46,10 +46,9 @@ impl Checker<'_> {
         let Some(water) = document.get("water") else {
             return;
         };
-        if water
-            .alternatives("")
-            .iter()
-            .all(|(_, water)| water.get("optics").is_none())
+        let alternatives = water.alternatives("");
+        let has = |name| alternatives.iter().any(|(_, water)| water.get(name).is_some());
+        if !(has("optics") || has("snow"))
             || self
                 .errors
                 .iter()
@@ -57,10 +56,13 @@ impl Checker<'_> {
         {
             return;
         }
-        let lamps = has_lamps(document);
+        let sight = Sight {
+            lamps: has_lamps(document),
+            solid: widest(document),
+        };
         let mut found = BTreeSet::new();
         for extremes in extremes(water) {
-            self.try_water(water, lamps, &|law: &LawNode| extremes.of(law), &mut found);
+            self.try_water(water, &sight, &|law: &LawNode| extremes.of(law), &mut found);
         }
         let tried = if water.laws().is_empty() {
             0
@@ -68,7 +70,7 @@ impl Checker<'_> {
             frames.min(FRAMES_TRIED)
         };
         for frame in 0..tried {
-            self.try_water(water, lamps, &|law: &LawNode| law.at(frame), &mut found);
+            self.try_water(water, &sight, &|law: &LawNode| law.at(frame), &mut found);
         }
     }
 
@@ -76,19 +78,36 @@ impl Checker<'_> {
     fn try_water(
         &mut self,
         water: &Node,
-        lamps: bool,
+        sight: &Sight,
         draw: &impl Fn(&LawNode) -> Drawn,
         found: &mut BTreeSet<(String, &'static str)>,
     ) {
         let Ok(values) = Water::deserialize(water.value(draw)) else {
             return;
         };
-        let Some(request) = crate::water::request(&values, lamps) else {
-            return;
-        };
-        for error in OpticalWater::validate(&request) {
-            let pointer = water.locate("/water", &path(error.field()), draw);
-            if found.insert((pointer.clone(), error.field())) {
+        let mut wrong = Vec::new();
+        if let Some(request) = crate::water::request(&values, sight.lamps) {
+            let errors = OpticalWater::validate(&request);
+            wrong.extend(
+                errors
+                    .into_iter()
+                    .map(|error| (path(error.field()), error.field(), error.to_string())),
+            );
+        }
+        if let Some(snow) = values.snow.map(crate::suspended::Snow::optics) {
+            let mut errors = snow.validate();
+            if let (true, Some(solid)) = (errors.is_empty(), sight.solid) {
+                errors.extend(snow.check_count(solid).err());
+            }
+            wrong.extend(
+                errors
+                    .into_iter()
+                    .map(|error| (vec!["snow", error.field], error.field, error.to_string())),
+            );
+        }
+        for (path, field, error) in wrong {
+            let pointer = water.locate("/water", &path, draw);
+            if found.insert((pointer.clone(), field)) {
                 let varied = if water.laws().is_empty() {
                     ""
                 } else {
@@ -98,6 +117,26 @@ impl Checker<'_> {
             }
         }
     }
+}
+
+/// What a water is looked at with.
+struct Sight {
+    lamps: bool,
+    /// The largest cross-section of the view at 1 m, m²; none if every scene brings its own camera.
+    solid: Option<f64>,
+}
+
+/// `W H / f²` of the widest and highest camera that the laws can yield.
+fn widest(document: &Node) -> Option<f64> {
+    let own = |(_, scene): &(String, &Node)| scene.get("family").is_some();
+    let cameras = places(document, "camera").into_iter().filter_map(|(_, camera)| {
+        let most = |name| camera.get(name).and_then(Node::greatest);
+        let across = 2.0 * (0.5 * most("hfov_deg")?.to_radians()).tan();
+        Some(across * across * most("height")? / camera.get("width").and_then(Node::least)?)
+    });
+    cameras
+        .reduce(f64::max)
+        .filter(|_| places(document, "scene").iter().any(own))
 }
 
 /// Where the optics' field stands below `water`.

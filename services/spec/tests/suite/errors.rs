@@ -278,18 +278,6 @@ fn an_artifact_of_a_method_needs_the_method() {
 }
 
 #[test]
-fn known_artifacts_that_are_not_built_yet_say_so() {
-    {
-        let kind = "snow_mask";
-        assert!(
-            only_error(json!({"artifacts": [kind]}))
-                .message
-                .ends_with("is not available yet")
-        );
-    }
-}
-
-#[test]
 fn lights_agree_on_their_space() {
     let light = |space: &str| json!({"kind": "haze", "x": 0, "y": 0, "space": space});
     let lights = json!({"lights": [light("linear"), {"choice": [light("linear"), light("display")]}]});

@@ -7,4 +7,5 @@ mod errors;
 mod law_errors;
 mod laws;
 mod soup;
+mod suspended;
 mod waters;

@@ -32,7 +32,7 @@ pub(super) fn full_angle(y: f32, x: f32) -> f32 {
 
 /// Sine and cosine of an angle within ±π/4.
 #[inline(always)]
-pub(super) fn small_sin_cos(x: f32) -> (f32, f32) {
+pub(crate) fn small_sin_cos(x: f32) -> (f32, f32) {
     let z = x * x;
     let sin = ((-1.951_529_6e-4 * z + 8.332_161e-3) * z - 1.666_665_5e-1) * z * x + x;
     let cos = ((2.443_315_7e-5 * z - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - 0.5 * z + 1.0;

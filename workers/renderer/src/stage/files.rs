@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::range_file::millimetres;
 use super::scene::Prepared;
+use super::snow::{self, Fallen};
 use super::water::{Chosen, transmittance};
 use crate::error::RenderError;
 use crate::record::File;
@@ -33,6 +34,7 @@ pub(crate) struct Products<'a> {
     pub(crate) rgb: &'a Rgb8,
     pub(crate) enhanced: &'a [(String, Enhanced)],
     pub(crate) described: Option<&'a SceneRecord>,
+    pub(crate) fallen: Option<&'a Fallen>,
 }
 
 /// The files that the frame asks for, in its order.
@@ -85,6 +87,7 @@ fn bytes(
         rgb,
         enhanced,
         described,
+        fallen,
     } = products;
     let labels = prepared.labels.as_ref();
     let scene = &prepared.scene;
@@ -111,6 +114,10 @@ fn bytes(
             Some(enhanced) => Some(picture(&enhanced.picture.to_rgb8(), frame.encode)?),
         },
         ArtifactKind::HscmMask => mask(of("hscm").and_then(|hscm| hscm.mask.clone()).map(Raster::from))?,
+        ArtifactKind::SnowMask => mask(Some(Raster::from(snow::codes(
+            *fallen,
+            (rgb.width(), rgb.height()),
+        ))))?,
         ArtifactKind::Instances => mask(scene.instances.clone().map(Raster::from))?,
         ArtifactKind::Semantics => mask(labels.map(|labels| Raster::from(labels.semantics.clone())))?,
         ArtifactKind::Findings => mask(labels.map(|labels| Raster::from(labels.findings.clone())))?,

@@ -1,26 +1,30 @@
 //! Labels of a procedural frame after the water: boxes, categories, and how well each object can be seen.
 
-use imaging::Rgb;
+use imaging::{Plane, Rgb};
 use optics::chain::Layers;
-use optics::water::Water;
 use optics::{Visibility, visibility};
 use scenes::labels::Instance;
 use spec::{InstanceRecord, IntrinsicsRecord, SceneRecord};
 
 use super::scene::Prepared;
+use super::water::Chosen;
 
 /// What the record says about the scene; none of a scene whose camera has no place in a world.
-pub(crate) fn describe(prepared: &Prepared, water: Option<&Water>, layers: &Layers) -> Option<SceneRecord> {
+pub(crate) fn describe(prepared: &Prepared, chosen: &Chosen, layers: &Layers) -> Option<SceneRecord> {
     let pose = prepared.pose?;
     let camera = prepared.scene.intrinsics?;
     let instances = prepared.labels.as_ref().map(|labels| {
-        let ranges = ranges(
-            prepared,
-            labels.instances.iter().map(|instance| instance.number).max(),
-        );
+        let most = labels.instances.iter().map(|instance| instance.number).max();
+        let ranges = medians(prepared, prepared.scene.range.as_ref(), most);
+        let paths = chosen
+            .patches
+            .as_ref()
+            .map(|patches| medians(prepared, Some(&patches.path), most));
         let one = |instance: &Instance| {
-            let median_m = ranges.get(usize::from(instance.number)).copied().flatten();
-            record(prepared, water, &layers.scattered, instance, median_m)
+            let of = |medians: &[Option<f64>]| medians.get(usize::from(instance.number)).copied().flatten();
+            let median_m = of(&ranges);
+            let path_m = paths.as_deref().map_or(median_m, of);
+            record(prepared, chosen, &layers.scattered, instance, (median_m, path_m))
         };
         labels.instances.iter().map(one).collect::<Vec<_>>()
     });
@@ -49,10 +53,10 @@ pub(crate) fn describe(prepared: &Prepared, water: Option<&Water>, layers: &Laye
 
 fn record(
     prepared: &Prepared,
-    water: Option<&Water>,
+    chosen: &Chosen,
     after: &Rgb<f32>,
     instance: &Instance,
-    median_m: Option<f64>,
+    (median_m, path_m): (Option<f64>, Option<f64>),
 ) -> InstanceRecord {
     let Instance {
         number,
@@ -63,24 +67,24 @@ fn record(
     let numbers = prepared.scene.instances.as_ref();
     let seen =
         numbers.and_then(|numbers| visibility(&prepared.scene.radiance, after, numbers, number, bounds));
-    let attenuation = water.map_or([0.0; 3], Water::direct_attenuation);
+    let water = chosen.water.as_ref();
+    let attenuation = water.map_or([0.0; 3], optics::water::Water::direct_attenuation);
     InstanceRecord {
         number,
         category: category.name().to_owned(),
         bounds,
         pixels: pixels as u64,
         range_m: median_m,
-        transmittance: median_m.map(|metres| attenuation.map(|c| (-c * metres).exp())),
+        transmittance: path_m.map(|metres| attenuation.map(|c| (-c * metres).exp())),
         contrast: seen.map(|seen| seen.after),
         visibility: seen.as_ref().and_then(Visibility::score),
         visible: seen.is_some_and(|seen| seen.is_visible()),
     }
 }
 
-/// The median range of every instance by its number.
-fn ranges(prepared: &Prepared, most: Option<u16>) -> Vec<Option<f64>> {
-    let scene = &prepared.scene;
-    let (Some(range), Some(numbers), Some(most)) = (&scene.range, &scene.instances, most) else {
+/// The median over every instance of metres by pixel, by its number.
+fn medians(prepared: &Prepared, metres: Option<&Plane<f32>>, most: Option<u16>) -> Vec<Option<f64>> {
+    let (Some(range), Some(numbers), Some(most)) = (metres, &prepared.scene.instances, most) else {
         return Vec::new();
     };
     let mut found = vec![Vec::new(); usize::from(most) + 1];

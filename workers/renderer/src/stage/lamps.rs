@@ -8,11 +8,7 @@ use optics::water::Water;
 use spec::{Fidelity, Frame};
 
 use super::scene::Prepared;
-use super::water::TOLERANCE;
 use crate::error::RenderError;
-
-/// Share of the tolerance that the glow may use up: more nodes cost little beside more kernels.
-const SHARE: f64 = 0.25;
 
 /// The lamps of a frame; `None` without lamps or without range, where they have nothing to shine on.
 pub(crate) fn lighting(
@@ -51,8 +47,14 @@ pub(crate) fn surfaces(
     Some((lamp::lit(&prepared.scene.radiance, gain, &irradiance), shines))
 }
 
-/// Adds the glow of the water to the picture and to its backscatter; says whether there is any.
-pub(crate) fn glow(frame: &Frame, prepared: &Prepared, lighting: &Lighting, layers: &mut Layers) -> bool {
+/// Adds the glow of the water to the picture and to its backscatter, with an error below `share`; says whether there is any.
+pub(crate) fn glow(
+    frame: &Frame,
+    prepared: &Prepared,
+    lighting: &Lighting,
+    share: f64,
+    layers: &mut Layers,
+) -> bool {
     let Some(range) = prepared.scene.range.as_ref() else {
         return false;
     };
@@ -61,8 +63,7 @@ pub(crate) fn glow(frame: &Frame, prepared: &Prepared, lighting: &Lighting, laye
             lamp::airlight_reference(&range.map(|&z| f64::from(z)), lighting, REFERENCE_NODES)
                 .map(|&v| v as f32)
         }
-        Fidelity::Tolerance(tolerance) => lamp::airlight(range, lighting, SHARE * tolerance),
-        Fidelity::Terms(_) | Fidelity::Display => lamp::airlight(range, lighting, SHARE * TOLERANCE),
+        _ => lamp::airlight(range, lighting, share),
     };
     for layer in [&mut layers.backscatter, &mut layers.scattered] {
         for (plane, glow) in layer.planes_mut().into_iter().zip(glow.planes()) {

@@ -4,11 +4,13 @@ use imaging::{Plane, Rgb};
 use optics::HazeLight;
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Fidelity, Plan, SceneStats};
+use optics::plan::{Plan, SceneStats};
 use optics::water::Water;
 use spec::Frame;
 
 use super::scene::Prepared;
+use super::shares::Shares;
+use super::turbidity::Patches;
 use crate::error::RenderError;
 
 /// What was chosen for a frame.
@@ -17,12 +19,21 @@ pub(crate) struct Chosen {
     pub(crate) water: Option<Water>,
     /// The water that the stage runs with: of a scene that lamps have lit, its ambient light is applied already.
     around: Option<Water>,
+    /// Patches of murkier water; none in even water.
+    pub(crate) patches: Option<Patches>,
+    /// What the errors of the stages may be.
+    pub(crate) shares: Shares,
     /// What runs.
     pub(crate) plan: Plan,
 }
 
-/// The tolerance of a frame that gives none.
-pub(crate) const TOLERANCE: f64 = 3e-4;
+impl Chosen {
+    /// Metres of water before each pixel: its range, or its path through patches.
+    pub(crate) fn path<'a>(&'a self, prepared: &'a Prepared) -> Option<&'a Plane<f32>> {
+        let patches = self.patches.as_ref().map(|patches| &patches.path);
+        patches.or(prepared.scene.range.as_ref())
+    }
+}
 
 /// The water of a frame with all its numbers; `None` without optics or without range.
 pub(crate) fn resolve(frame: &Frame, prepared: &Prepared) -> Result<Option<Water>, RenderError> {
@@ -38,7 +49,7 @@ pub(crate) fn choose(
     frame: &Frame,
     prepared: &Prepared,
     lit: Option<&Rgb<f32>>,
-    water: Option<Water>,
+    (water, patches): (Option<Water>, Option<Patches>),
     lights: &[HazeLight],
 ) -> Chosen {
     let style_weight = frame.water.style.as_ref().map(|_| frame.alpha);
@@ -46,6 +57,8 @@ pub(crate) fn choose(
         return Chosen {
             water: None,
             around: None,
+            patches: None,
+            shares: Shares::without_water(frame),
             plan: Plan::without_water(style_weight, lights),
         };
     };
@@ -53,21 +66,16 @@ pub(crate) fn choose(
         Some(_) => water.with_light_applied(),
         None => water.clone(),
     };
-    let stats = SceneStats::measure(lit.unwrap_or(&prepared.scene.radiance), range, &around);
-    let plan = Plan::for_frame(&stats, &around, style_weight, lights, fidelity(frame));
+    let path = patches.as_ref().map_or(range, |patches| &patches.path);
+    let stats = SceneStats::measure(lit.unwrap_or(&prepared.scene.radiance), path, &around);
+    let shares = Shares::of(frame, &stats, &around, lit);
+    let plan = Plan::for_frame(&stats, &around, style_weight, lights, shares.fidelity(frame));
     Chosen {
         water: Some(water),
         around: Some(around),
+        patches,
+        shares,
         plan,
-    }
-}
-
-fn fidelity(frame: &Frame) -> Fidelity {
-    match frame.fidelity {
-        spec::Fidelity::Tolerance(tolerance) => Fidelity::Tolerance(tolerance),
-        spec::Fidelity::Display => Fidelity::Display,
-        spec::Fidelity::Terms(terms) => Fidelity::Terms(terms),
-        spec::Fidelity::Reference => Fidelity::Reference,
     }
 }
 
@@ -78,7 +86,7 @@ pub(crate) fn run(
     chosen: &Chosen,
     kernels: &mut KernelCache,
 ) -> Result<Layers, RenderError> {
-    match (&chosen.around, &prepared.scene.range) {
+    match (&chosen.around, chosen.path(prepared)) {
         (Some(water), Some(range)) => Ok(chain::water(radiance, range, water, &chosen.plan, kernels)?),
         _ => Ok(in_air(radiance)),
     }
@@ -98,7 +106,7 @@ fn in_air(radiance: &Rgb<f32>) -> Layers {
 
 /// Transmittance of every pixel; 1 without water.
 pub(crate) fn transmittance(prepared: &Prepared, chosen: &Chosen) -> Rgb<f32> {
-    match (&chosen.water, &prepared.scene.range) {
+    match (&chosen.water, chosen.path(prepared)) {
         (Some(water), Some(range)) => chain::transmittance(range, water),
         _ => {
             let (width, height) = prepared.scene.radiance.size();

@@ -9,5 +9,6 @@ mod folders;
 mod labels;
 mod lamps;
 mod style;
+mod suspended;
 mod waters;
 mod workers;

@@ -1,0 +1,56 @@
+//! Snow and turbidity: what is refused.
+
+use serde_json::json;
+
+use crate::common::{errors, only_error, with};
+
+#[test]
+fn a_mask_of_snow_needs_snow() {
+    let error = only_error(json!({"artifacts": ["rgb", "snow_mask"]}));
+    assert_eq!(error.pointer, "/artifacts/1");
+    assert_eq!(error.message, "the artifact \"snow_mask\" needs `water.snow`");
+}
+
+fn snow(fields: serde_json::Value) -> serde_json::Value {
+    json!({"water": {"snow": fields}})
+}
+
+#[test]
+fn snow_says_everything_that_is_wrong_with_it() {
+    let pointers = |more| {
+        errors(&with(more))
+            .into_iter()
+            .map(|error| error.pointer)
+            .collect::<Vec<_>>()
+    };
+    let wrong = json!({"density_per_m3": -1, "radius_m": 1, "radius_spread": 2, "near_m": 0, "far_m": 1e3, "albedo": [2, 0, 0]});
+    let mut found = pointers(snow(wrong));
+    found.sort_unstable();
+    let expected = [
+        "albedo/0",
+        "density_per_m3",
+        "far_m",
+        "near_m",
+        "radius_m",
+        "radius_spread",
+    ];
+    assert_eq!(found, expected.map(|field| format!("/water/snow/{field}")));
+    assert_eq!(pointers(snow(json!({}))), ["/water/snow/density_per_m3"]);
+    let turned = json!({"density_per_m3": 1, "near_m": {"uniform": [0.1, 5]}});
+    assert_eq!(pointers(snow(turned)), ["/water/snow/near_m"]);
+    let thick = only_error(snow(json!({"density_per_m3": 1e5, "radius_m": 0.01})));
+    assert!(
+        thick.message.contains("cover the whole frame"),
+        "{}",
+        thick.message
+    );
+    let many = json!({"density_per_m3": {"uniform": [1, 1e5]}, "radius_m": 1e-5, "far_m": 30});
+    let many = only_error(snow(many));
+    assert_eq!(many.pointer, "/water/snow/density_per_m3");
+    assert!(many.message.contains("in this view"), "{}", many.message);
+    let patchy = json!({"water": {"turbidity": {"contrast": 1, "scale_m": 0}}});
+    assert_eq!(
+        pointers(patchy),
+        ["/water/turbidity/contrast", "/water/turbidity/scale_m"]
+    );
+}

@@ -1,0 +1,38 @@
+//! The light of lamps at a point in the water.
+
+use super::{Beam, Lighting};
+
+/// Radiance of a white particle that lamps light at a point in camera axes: `I₀ S e^{−c r}/(π r²)`, as a white surface that faces
+/// the lamp.
+#[must_use]
+pub fn white_at(place: [f64; 3], lighting: &Lighting) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for lamp in &lighting.lamps {
+        let away = [0, 1, 2].map(|i| place[i] - lamp.position_m[i]);
+        let distance = away
+            .iter()
+            .map(|v| v * v)
+            .sum::<f64>()
+            .sqrt()
+            .max(lighting.radius_m);
+        let profile = match lamp.beam {
+            Beam::Point => 1.0,
+            Beam::Spot { axis, cos_cone } => {
+                let cos = (0..3).map(|i| axis[i] * away[i]).sum::<f64>() / distance;
+                ((cos - cos_cone) / (1.0 - cos_cone)).clamp(0.0, 1.0)
+            }
+        };
+        for (i, sum) in sum.iter_mut().enumerate() {
+            let arriving = (-lighting.attenuation[i] * distance).exp();
+            *sum += lamp.intensity[i] * profile * arriving / (std::f64::consts::PI * distance * distance);
+        }
+    }
+    sum
+}
+
+/// No [`white_at`] is greater: every lamp at its own surface.
+#[must_use]
+pub fn most_white(lighting: &Lighting) -> [f64; 3] {
+    let nearest = std::f64::consts::PI * lighting.radius_m * lighting.radius_m;
+    [0, 1, 2].map(|i| lighting.lamps.iter().map(|lamp| lamp.intensity[i]).sum::<f64>() / nearest)
+}

@@ -1,0 +1,198 @@
+//! Marine snow: particles that hang in the water and light up.
+//!
+//! The water is cut into cells of the world; each holds a Poisson number of particles, uniform within it, with log-normal radii
+//! r. Every number has an address (seed, world, cell, particle), so the same particles are met from any camera, in any order and
+//! by any number of threads. A particle at the depth z along the axis and the range R along its ray is a Gaussian disc with
+//! `σ = max(f r/z, 1/2)` pixels, of the opacity `(f r/(z σ))² e^{−c R}` in its middle: one smaller than a pixel is dimmed by its
+//! share of the area. Its colour is albedo × the light that meets it, and it is laid over what is behind it, the farthest first,
+//! where R is less than the range of the pixel. The attenuation of the opacity stands for the water in front; the sprites of
+//! UWSim fade in the same way (Prats, Pérez, Fernández, Sanz 2012).
+
+mod fast;
+mod flakes;
+mod reference;
+
+pub use fast::snow;
+pub use flakes::{Flake, flakes};
+pub use reference::snow_reference;
+
+use imaging::Plane;
+use imaging::geometry::Intrinsics;
+
+use crate::eye::Eye;
+
+/// Most particles that a frame may be expected to hold.
+pub const MOST_PARTICLES: f64 = 400_000.0;
+/// Most particles per cubic metre.
+pub const MOST_DENSITY: f64 = 1e6;
+/// Nearest and farthest depth of particles, m.
+pub const DEPTHS_M: (f64, f64) = (0.05, 100.0);
+/// Least and greatest median radius, m.
+pub const RADIUS_M: (f64, f64) = (1e-5, 0.02);
+/// Greatest standard deviation of the logarithm of the radius.
+pub const MOST_SPREAD: f64 = 1.0;
+/// Largest share of the frame that the particles may be expected to cover.
+pub const MOST_COVER: f64 = 1.0;
+/// Logarithms of radii are cut at this many standard deviations.
+const TAIL: f64 = 3.0;
+
+/// What hangs in the water.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Snow {
+    /// Particles per cubic metre, n.
+    pub density_per_m3: f64,
+    /// Nearest depth along the optical axis, m.
+    pub near_m: f64,
+    /// Farthest depth, m.
+    pub far_m: f64,
+    /// Median radius, m.
+    pub radius_m: f64,
+    /// Standard deviation of the logarithm of the radius.
+    pub radius_spread: f64,
+    /// Share of the light that a particle sends back, R, G, B.
+    pub albedo: [f64; 3],
+}
+
+/// Snow that cannot be.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{field} is {value} but must be {limit}")]
+pub struct SnowError {
+    /// The field.
+    pub field: &'static str,
+    /// What was given.
+    pub value: String,
+    /// What is allowed.
+    pub limit: String,
+}
+
+impl Snow {
+    /// Everything wrong with it.
+    #[must_use]
+    pub fn validate(&self) -> Vec<SnowError> {
+        let mut errors = Vec::new();
+        let mut within = |field, value: f64, (least, most): (f64, f64)| {
+            if !(least..=most).contains(&value) {
+                errors.push(SnowError {
+                    field,
+                    value: value.to_string(),
+                    limit: format!("within {least}..={most}"),
+                });
+            }
+        };
+        within("density_per_m3", self.density_per_m3, (0.0, MOST_DENSITY));
+        within("near_m", self.near_m, DEPTHS_M);
+        within("far_m", self.far_m, DEPTHS_M);
+        within("radius_m", self.radius_m, RADIUS_M);
+        within("radius_spread", self.radius_spread, (0.0, MOST_SPREAD));
+        for albedo in self.albedo {
+            within("albedo", albedo, (0.0, 1.0));
+        }
+        if !errors.is_empty() {
+            return errors;
+        }
+        if self.near_m >= self.far_m {
+            errors.push(SnowError {
+                field: "near_m",
+                value: self.near_m.to_string(),
+                limit: format!("below `far_m`, {}", self.far_m),
+            });
+        }
+        let cover = self.cover(0.0);
+        if cover > MOST_COVER {
+            errors.push(SnowError {
+                field: "density_per_m3",
+                value: self.density_per_m3.to_string(),
+                limit: format!(
+                    "at most {:.3e} with these radii and depths, or the particles cover the whole frame",
+                    self.density_per_m3 / cover * MOST_COVER
+                ),
+            });
+        }
+        errors
+    }
+
+    /// Refuses more particles in view than [`MOST_PARTICLES`]. `solid` is the cross-section of the view at a depth of 1 m, m²:
+    /// `W H / f²`.
+    ///
+    /// # Errors
+    /// The density, with the greatest one for this view.
+    pub fn check_count(&self, solid: f64) -> Result<(), SnowError> {
+        let expected = self.expected(solid);
+        if expected <= MOST_PARTICLES {
+            return Ok(());
+        }
+        Err(SnowError {
+            field: "density_per_m3",
+            value: self.density_per_m3.to_string(),
+            limit: format!(
+                "at most {:.3e} in this view, which then holds {MOST_PARTICLES} particles",
+                self.density_per_m3 / expected * MOST_PARTICLES
+            ),
+        })
+    }
+
+    /// Particles expected in view: n times the volume of the frustum, `n (W H / f²) (z_f³ − z_n³)/3`.
+    #[must_use]
+    pub fn expected(&self, solid: f64) -> f64 {
+        self.density_per_m3 * solid * (self.far_m.powi(3) - self.near_m.powi(3)).max(0.0) / 3.0
+    }
+
+    /// Share of the frame that the particles are expected to cover, each pixel by its opacity:
+    /// `2π n E[r²] (e^{−c z_n} − e^{−c z_f})/c` with `E[r²] = median² e^{2 s²}`, in a water of the attenuation c.
+    #[must_use]
+    pub fn cover(&self, attenuation: f64) -> f64 {
+        let square = self.radius_m.powi(2) * (2.0 * self.radius_spread.powi(2)).exp();
+        let length = self.far_m - self.near_m;
+        let thinned = if attenuation * length > 1e-9 {
+            (-attenuation * self.near_m).exp() * -(-attenuation * length).exp_m1() / attenuation
+        } else {
+            length
+        };
+        std::f64::consts::TAU * self.density_per_m3 * square * thinned
+    }
+
+    /// Whether it may be left out: its density is 0, or expected pixels × contrast ≤ tolerance. `pixels` of the frame, the least
+    /// attenuation of the three channels in 1/m, and the largest difference between a particle and what is behind it.
+    #[must_use]
+    pub fn is_needless(&self, pixels: usize, attenuation: f64, contrast: f64, tolerance: f64) -> bool {
+        self.density_per_m3 == 0.0 || self.cover(attenuation) * pixels as f64 * contrast <= tolerance
+    }
+
+    /// The largest radius.
+    fn largest_m(&self) -> f64 {
+        self.radius_m * (TAIL * self.radius_spread).exp()
+    }
+}
+
+/// The particles of one world: of a seed, and of frames that share their particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct World {
+    /// Seed of the job.
+    pub seed: u64,
+    /// Which of its worlds: the frame, or 0 for all frames of a path.
+    pub index: u64,
+}
+
+/// What the particles hang in.
+#[derive(Clone, Copy)]
+pub struct Surround<'a> {
+    /// Metres along the ray, behind which nothing is seen; a hole has no end.
+    pub range: &'a Plane<f32>,
+    /// The camera.
+    pub eye: &'a Eye,
+    /// Beam attenuation c, 1/m.
+    pub attenuation: [f64; 3],
+    /// Metres of water of this attenuation on the way to a point in camera axes at this range.
+    pub path: &'a dyn Fn([f64; 3], f64) -> f64,
+    /// Radiance of a white particle at a point in camera axes.
+    pub light: &'a dyn Fn([f64; 3]) -> [f64; 3],
+}
+
+/// Cross-section of a view at a depth of 1 m, m²: `W H / f²`.
+#[must_use]
+pub fn solid(camera: &Intrinsics, (width, height): (usize, usize)) -> f64 {
+    width as f64 * height as f64 / (camera.focal_px * camera.focal_px)
+}
+
+#[cfg(test)]
+mod tests;

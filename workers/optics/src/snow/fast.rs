@@ -1,0 +1,84 @@
+//! Snow in f32: each particle on the pixels that it changes by more than its share of the tolerance.
+
+use imaging::{Plane, Rgb};
+
+use super::flakes::REACH;
+use super::{Flake, Surround};
+use crate::range::is_hole;
+
+/// [`snow_reference`](super::snow_reference) in place with an error below `tolerance` in linear light, rounding of f32 apart.
+/// Over-laying only ever shrinks an error from below, so the errors of the particles add at most: each may leave out what it
+/// changes by less than tolerance / number of particles.
+#[must_use]
+pub fn snow(
+    image: &mut Rgb<f32>,
+    flakes: &[Flake],
+    albedo: [f64; 3],
+    surround: &Surround<'_>,
+    tolerance: f64,
+) -> Plane<f32> {
+    let (width, height) = image.size();
+    // Both grow from 0, so that many faint particles keep their digits.
+    let mut change = Rgb::from_fn(width, height, |_, _| [0.0f32; 3]);
+    let mut mask = Plane::filled(width, height, 0.0f32);
+    let share = tolerance / flakes.len().max(1) as f64;
+    let mut brightest = image.planes().each_ref().map(|plane| {
+        let data = plane.data().iter();
+        data.fold(0.0f64, |most, &v| most.max(f64::from(v)))
+    });
+    let mut weights = Vec::new();
+    for flake in flakes {
+        let light = (surround.light)(flake.place);
+        let path = (surround.path)(flake.place, flake.range_m);
+        let opacity = surround.attenuation.map(|c| flake.opacity * (-c * path).exp());
+        let color = [0, 1, 2].map(|i| albedo[i] * light[i]);
+        let most = (0..3).fold(0.0f64, |most, i| {
+            brightest[i] = brightest[i].max(color[i]);
+            most.max(opacity[i] * brightest[i])
+        });
+        if most <= share {
+            continue;
+        }
+        let reach = flake.sigma * (2.0 * (most / share).ln()).sqrt().min(REACH);
+        let span = |centre: f64, side: usize| {
+            let first = (centre - reach).ceil().max(0.0) as usize;
+            first..((centre + reach).floor() + 1.0).clamp(0.0, side as f64) as usize
+        };
+        let (columns, rows) = (span(flake.centre[0], width), span(flake.centre[1], height));
+        if columns.is_empty() {
+            continue;
+        }
+        let falloff = |distance: f64| (-distance * distance / (2.0 * flake.sigma * flake.sigma)).exp();
+        weights.clear();
+        weights.extend(
+            columns
+                .clone()
+                .map(|x| falloff(x as f64 - flake.centre[0]) as f32),
+        );
+        let color = color.map(|v| v as f32);
+        for row in rows {
+            let down = falloff(row as f64 - flake.centre[1]);
+            let opacity = opacity.map(|v| (v * down) as f32);
+            let at = row * width + columns.start..row * width + columns.end;
+            let behind = &surround.range.data()[at.clone()];
+            let base = image.planes().each_ref().map(|plane| &plane.data()[at.clone()]);
+            let [red, green, blue] = change.planes_mut().map(|plane| &mut plane[at.clone()]);
+            let mask = &mut mask.data_mut()[at];
+            for i in 0..weights.len() {
+                let hidden = !is_hole(behind[i]) && f64::from(behind[i]) <= flake.range_m;
+                let weight = if hidden { 0.0 } else { weights[i] };
+                red[i] += (color[0] - (base[0][i] + red[i])) * (opacity[0] * weight);
+                green[i] += (color[1] - (base[1][i] + green[i])) * (opacity[1] * weight);
+                blue[i] += (color[2] - (base[2][i] + blue[i])) * (opacity[2] * weight);
+                mask[i] += (1.0 - mask[i]) * (opacity[1] * weight);
+            }
+        }
+    }
+    for (plane, change) in image.planes_mut().into_iter().zip(change.planes()) {
+        plane
+            .iter_mut()
+            .zip(change.data())
+            .for_each(|(light, change)| *light += change);
+    }
+    mask
+}

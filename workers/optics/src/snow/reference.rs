@@ -1,0 +1,50 @@
+//! Snow in f64: every particle on every pixel.
+
+use imaging::{Plane, Rgb};
+
+use super::{Flake, Surround};
+use crate::range::is_hole;
+
+/// Lays the particles, given the farthest first, over a picture in linear light; answers the picture and the opacity that they
+/// have together in green. `I ← I (1 − α) + albedo L α` with `α = opacity e^{−c R} exp(−d²/2σ²)`, d the distance of the pixel
+/// from the middle of the disc.
+#[must_use]
+pub fn snow_reference(
+    image: &Rgb<f64>,
+    flakes: &[Flake],
+    albedo: [f64; 3],
+    surround: &Surround<'_>,
+) -> (Rgb<f64>, Plane<f64>) {
+    let lit: Vec<([f64; 3], [f64; 3])> = flakes
+        .iter()
+        .map(|flake| {
+            let path = (surround.path)(flake.place, flake.range_m);
+            let light = (surround.light)(flake.place);
+            (
+                surround.attenuation.map(|c| flake.opacity * (-c * path).exp()),
+                [0, 1, 2].map(|i| albedo[i] * light[i]),
+            )
+        })
+        .collect();
+    let pixel = |x: usize, y: usize| {
+        let behind = f64::from(surround.range.at(x, y));
+        let (mut light, mut clear) = (image.at(x, y), 1.0);
+        for (flake, (opacity, color)) in flakes.iter().zip(&lit) {
+            if !is_hole(behind) && behind <= flake.range_m {
+                continue;
+            }
+            let (dx, dy) = (x as f64 - flake.centre[0], y as f64 - flake.centre[1]);
+            let disc = (-(dx * dx + dy * dy) / (2.0 * flake.sigma * flake.sigma)).exp();
+            for i in 0..3 {
+                light[i] += (color[i] - light[i]) * opacity[i] * disc;
+            }
+            clear *= 1.0 - opacity[1] * disc;
+        }
+        (light, 1.0 - clear)
+    };
+    let (width, height) = image.size();
+    (
+        Rgb::from_fn(width, height, |x, y| pixel(x, y).0),
+        Plane::from_fn(width, height, |x, y| pixel(x, y).1),
+    )
+}

@@ -1,0 +1,109 @@
+//! Paths through the field in f32, in closed form.
+
+use imaging::Plane;
+use imaging::simd::vectorised;
+
+use super::{Field, PAIRS};
+use crate::attenuation::masked;
+use crate::eye::Eye;
+use crate::range::{HoleRule, SHORTEST_M};
+
+/// Beyond this range the cosines have long cancelled: their sum no longer grows, m.
+const FARTHEST_M: f32 = 1e5;
+
+/// [`optical_path_reference`](super::optical_path_reference) with an error of at most
+/// [`path_rounding`](super::path_rounding) of the path or of the range, whichever is longer.
+#[must_use]
+pub fn optical_path(range: &Plane<f32>, field: &Field, eye: &Eye, holes: HoleRule) -> Plane<f32> {
+    let stand_in = match holes {
+        HoleRule::Range(metres) => Some(metres as f32),
+        HoleRule::Background | HoleRule::Reject => None,
+    };
+    let seen = field.seen_from(eye);
+    let waves = seen.pairs.map(|wave| {
+        let [x, y, z] = wave.vector;
+        let (sin, cos) = wave.phase.sin_cos();
+        [0.5 * x, 0.5 * y, 0.5 * z, seen.gain * cos, seen.gain * sin].map(|v| v as f32)
+    });
+    let lens = [1.0 / eye.camera.focal_px, eye.camera.cx, eye.camera.cy].map(|v| v as f32);
+    let (width, height) = range.size();
+    let mut path = Plane::filled(width, height, 0.0f32);
+    for y in 0..height {
+        let at = y * width..(y + 1) * width;
+        let path = &mut path.data_mut()[at];
+        vectorised(
+            #[inline(always)]
+            || row(range.row(y), y as f32, lens, stand_in, &waves, path),
+        );
+    }
+    path
+}
+
+#[inline(always)]
+fn row(
+    range: &[f32],
+    y: f32,
+    [inverse_focal, cx, cy]: [f32; 3],
+    stand_in: Option<f32>,
+    waves: &[[f32; 5]; PAIRS],
+    path: &mut [f32],
+) {
+    let path = &mut path[..range.len()];
+    let v = (y - cy) * inverse_focal;
+    let (fills, filling) = (stand_in.is_some(), stand_in.unwrap_or(1.0));
+    for i in 0..range.len() {
+        let u = (i as f32 - cx) * inverse_focal;
+        let (valid, z) = masked(range[i]);
+        let z = if fills & !valid { filling } else { z };
+        let near = z.min(FARTHEST_M);
+        let planar = near / (u * u + v * v + 1.0).sqrt();
+        let mut sum = 0.0;
+        for &[qx, qy, qz, cosine, sine] in waves {
+            let half = (qx * u + qy * v + qz) * planar;
+            let (sin, cos) = sin_cos(half);
+            let tiny = half.abs() < 1e-6;
+            let share = if tiny { 1.0 } else { sin / half };
+            sum += (cosine * cos - sine * sin) * share;
+        }
+        let length = (z + near * sum).max(SHORTEST_M as f32).min(f32::MAX);
+        path[i] = if valid | fills { length } else { range[i] };
+    }
+}
+
+/// Sine and cosine of an angle of either sign; of large ones with the error that their f32 form has anyway.
+#[inline(always)]
+fn sin_cos(x: f32) -> (f32, f32) {
+    /// Added and taken away again, it rounds to an integer, which then stands in the low bits.
+    const ROUND: f32 = 12_582_912.0;
+    /// π/2 in three parts (Cody and Waite 1980).
+    const PARTS: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
+    let rounded = x * std::f32::consts::FRAC_2_PI + ROUND;
+    let n = rounded - ROUND;
+    let r = ((x - n * PARTS[0]) - n * PARTS[1]) - n * PARTS[2];
+    let (sin, cos) = crate::lamp::small_sin_cos(r.max(-0.8).min(0.8));
+    let quarter = rounded.to_bits();
+    let (a, b) = if quarter & 1 == 0 { (sin, cos) } else { (cos, sin) };
+    let sin = f32::from_bits(a.to_bits() ^ ((quarter & 2) << 30));
+    let cos = f32::from_bits(b.to_bits() ^ ((quarter.wrapping_add(1) & 2) << 30));
+    (sin, cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sine_and_cosine_agree_with_the_standard_library() {
+        for step in -200_000..200_000 {
+            let x = step as f32 * 1.3e-3;
+            let (sin, cos) = sin_cos(x);
+            let (expected_sin, expected_cos) = f64::from(x).sin_cos();
+            assert!((f64::from(sin) - expected_sin).abs() < 4e-7, "{x}");
+            assert!((f64::from(cos) - expected_cos).abs() < 4e-7, "{x}");
+        }
+        for huge in [1e6f32, -3e7, 1e9] {
+            let (sin, cos) = sin_cos(huge);
+            assert!(sin.abs() <= 1.001 && cos.abs() <= 1.001);
+        }
+    }
+}

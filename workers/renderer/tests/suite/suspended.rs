@@ -1,0 +1,139 @@
+//! Snow and patches of turbidity in a job: what they change, what the record says.
+
+use fathom_renderer::{SceneSource, Slot};
+use imaging::codec::{Radiance, decode_radiance};
+use serde_json::{Value, json};
+
+use crate::common::{Files, engine_without_runtime, file, parse, render};
+
+fn snow() -> Value {
+    json!({"density_per_m3": 400.0, "radius_m": 0.004, "near_m": 0.3, "far_m": 6.0, "albedo": [1, 1, 1]})
+}
+
+fn codes(bytes: &[u8]) -> Vec<u8> {
+    let Radiance::Encoded(raster) = decode_radiance(bytes).unwrap() else {
+        panic!("a picture of codes");
+    };
+    raster.to_rgb8().data().to_vec()
+}
+
+fn stage<'a>(plan: &'a Value, name: &str) -> &'a Value {
+    let stages = plan.as_array().unwrap();
+    stages.iter().find(|stage| stage["stage"] == name).unwrap()
+}
+
+#[test]
+fn snow_whitens_the_picture_where_its_mask_says_and_leaves_the_range_alone() {
+    let files = Files::new();
+    let water = |snow: Value| json!({"optics": "jerlov-3C", "snow": snow});
+    let frame =
+        |snow| json!({"water": water(snow), "artifacts": ["scattered", "range", "direct", "snow_mask"]});
+    let with = render(&files.job(&frame(snow())));
+    let none = render(&files.job(&frame(json!({"density_per_m3": 0}))));
+    assert_eq!(file(&with, "range"), file(&none, "range"));
+    assert_eq!(file(&with, "direct"), file(&none, "direct"));
+    let (before, after) = (codes(file(&none, "scattered")), codes(file(&with, "scattered")));
+    let mask = codes(file(&with, "snow_mask"));
+    assert!(codes(file(&none, "snow_mask")).iter().all(|&code| code == 0));
+    assert!(mask.iter().filter(|&&code| code > 60).count() > 30);
+    for i in 0..mask.len() {
+        assert!(mask[i] > 0 || before[i].abs_diff(after[i]) <= 6, "{i}");
+        assert!(mask[i] < 60 || before[i] != after[i], "{i}");
+    }
+    let snow = &with.record.optics["snow"];
+    assert!(snow["particles"].as_u64().unwrap() > 50 && snow["cover"].as_f64().unwrap() > 0.01);
+    assert_eq!(stage(&with.record.plan, "snow")["variant"], "discs");
+    assert_eq!(stage(&none.record.plan, "snow")["variant"], "skip");
+    assert!(with.record.timings_ms.contains_key("snow"));
+}
+
+#[test]
+fn patches_replace_the_range_in_the_water_and_only_there() {
+    let files = Files::new();
+    let frame = |more: Value| {
+        let mut water = json!({"optics": "jerlov-3C"});
+        water
+            .as_object_mut()
+            .unwrap()
+            .extend(more.as_object().unwrap().clone());
+        render(&files.job(&json!({"water": water, "artifacts": ["rgb", "range", "transmittance"]})))
+    };
+    let (even, patchy) = (
+        frame(json!({})),
+        frame(json!({"turbidity": {"contrast": 0.9, "scale_m": 0.5}})),
+    );
+    assert_eq!(file(&even, "range"), file(&patchy, "range"));
+    assert_ne!(file(&even, "rgb"), file(&patchy, "rgb"));
+    assert_ne!(file(&even, "transmittance"), file(&patchy, "transmittance"));
+    let none = frame(json!({"turbidity": {"contrast": 0}}));
+    assert_eq!(file(&even, "rgb"), file(&none, "rgb"));
+    let factors = &patchy.record.optics["turbidity"];
+    let number = |name: &str| factors[name].as_f64().unwrap();
+    assert!(
+        number("least") < number("mean") && number("mean") < number("most"),
+        "{factors}"
+    );
+    assert!(number("least") > 0.1 && number("most") < 4.7);
+    assert_eq!(stage(&patchy.record.plan, "turbidity")["variant"], "closed_form");
+    assert!(!even.record.optics.contains_key("turbidity"));
+}
+
+#[test]
+fn with_everything_in_the_water_the_shares_add_up_to_the_tolerance_and_the_picture_is_within_a_code() {
+    let files = Files::new();
+    let frame = |fidelity: Value| {
+        let lamp = json!({"kind": "point", "position_m": [0.3, 0.0, 0.0], "intensity": [3.0, 3.0, 3.0]});
+        let water =
+            json!({"optics": "jerlov-3C", "snow": snow(), "turbidity": {"contrast": 0.7, "scale_m": 1.0}});
+        let fields = json!({"water": water, "lights": [lamp], "fidelity": fidelity,
+                            "artifacts": ["scattered", "snow_mask"]});
+        render(&files.job(&fields))
+    };
+    let exact = frame(json!({"variant": "reference"}));
+    for tolerance in [3e-4, 1e-3] {
+        let fast = frame(json!({"tolerance": tolerance}));
+        let bound = |name: &str| stage(&fast.record.plan, name)["bound"].as_f64().unwrap();
+        for channel in ["r", "g", "b"] {
+            let water = bound(&format!("forward_scatter.{channel}"));
+            let sum = water + bound("lamps") + bound("snow");
+            assert!(sum <= tolerance, "{channel}: {sum:e} of {tolerance:e}");
+        }
+        if tolerance == 3e-4 {
+            for kind in ["scattered", "snow_mask"] {
+                let pairs = codes(file(&fast, kind))
+                    .into_iter()
+                    .zip(codes(file(&exact, kind)));
+                assert!(pairs.into_iter().all(|(a, b)| a.abs_diff(b) <= 1), "{kind}");
+            }
+        }
+    }
+    let variants =
+        ["turbidity", "lamps", "snow"].map(|name| stage(&exact.record.plan, name)["variant"].clone());
+    assert_eq!(variants, ["reference"; 3]);
+}
+
+#[test]
+fn frames_of_a_path_share_their_particles_and_others_do_not() {
+    let job = |camera: Value| {
+        parse(
+            &json!({"scene": {"kind": "procedural", "family": "structure", "seed": 3}, "count": 2, "seed": 5,
+                      "metrics": [], "camera": camera, "artifacts": ["snow_mask"],
+                      "water": {"optics": "jerlov-3C", "snow": snow()}}),
+        )
+    };
+    let camera = json!({"width": 48, "height": 32});
+    let mut on_path = camera.clone();
+    on_path["path"] = json!({"frames": 9, "frame": 4});
+    let masks = |camera: &Value| {
+        let (job, source) = (job(camera.clone()), SceneSource::Local);
+        [0, 1].map(|index| {
+            let mut slot = Slot::new(&engine_without_runtime());
+            let rendered = slot.render(&job.resolve(index).unwrap(), &source).unwrap();
+            file(&rendered, "snow_mask").to_vec()
+        })
+    };
+    let [first, second] = masks(&camera);
+    assert_ne!(first, second);
+    let [first, second] = masks(&on_path);
+    assert_eq!(first, second);
+}
