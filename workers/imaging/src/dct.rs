@@ -7,8 +7,11 @@
 //! Each pass is a complex FFT of the same length (Makhoul 1980, "A fast cosine transform in one and two dimensions") that
 //! carries two real lines at once. [`Dct2`] is the plain form in either precision, [`PairDct`] the fast one.
 
+mod folding;
+mod group;
 mod pair;
 
+pub use folding::Folding;
 pub use pair::PairDct;
 pub use rustfft::num_complex::Complex;
 

@@ -5,6 +5,8 @@
 //! subtraction loses several per cent of the scattered share at centimetres. They are plain additions and multiplications
 //! without fused steps: every CPU gives the same bits.
 
+use imaging::simd::vectorised;
+
 /// Beyond this `exp(−x)` is 0 in f32 arithmetic.
 pub(crate) const OPAQUE: f32 = 87.0;
 const SHORTEST_M: f32 = crate::range::SHORTEST_M as f32;
@@ -35,14 +37,19 @@ pub fn exp_negative(x: f32) -> f32 {
 #[inline(always)]
 #[must_use]
 pub fn one_minus_exp_negative(x: f32) -> f32 {
+    one_minus(x, exp_negative(x))
+}
+
+/// The same, given `exp(−x)`.
+#[inline(always)]
+fn one_minus(x: f32, exp: f32) -> f32 {
+    // Both are computed, so that the choice is a selection and no branch.
     let small = x
         * (1.0
             - x * (0.5
                 - x * (1.666_666_7e-1
                     - x * (4.166_666_8e-2 - x * (8.333_334e-3 - x * (1.388_889e-3 - x * 1.984_127e-4))))));
-    // Both are computed, so that the choice is a selection and no branch.
-    let large = 1.0 - exp_negative(x);
-    if x < 0.5 { small } else { large }
+    if x < 0.5 { small } else { 1.0 - exp }
 }
 
 /// `w = exp(−G Z) − exp(−c Z)`, the share of the light that arrives scattered forward; 0 ≤ G ≤ c, `excess` = c − G.
@@ -77,36 +84,70 @@ pub(crate) struct Channel {
     pub(crate) veil: f32,
 }
 
-/// `D = J exp(−β_D Z)`; at a hole, where the path has no end, nothing if the water attenuates and J if it does not.
-#[inline(always)]
-pub(crate) fn direct(
-    radiance: &[f32],
-    range: &[f32],
-    Channel { gain, direct, .. }: Channel,
-    light: &mut [f32],
-) {
-    let at_hole = f32::from(u8::from(direct == 0.0));
-    for (d, (&j, &z)) in light.iter_mut().zip(radiance.iter().zip(range)) {
-        let (valid, z) = masked(z);
-        let arriving = exp_negative(direct * z);
-        *d = j * gain * if valid { arriving } else { at_hole };
+/// What attenuation makes of one channel, all of the length of the frame.
+pub(crate) struct Attenuated<'a> {
+    /// D.
+    pub(crate) direct: &'a mut [f32],
+    /// B.
+    pub(crate) veil: &'a mut [f32],
+    /// D + B.
+    pub(crate) image: &'a mut [f32],
+}
+
+/// `D = J exp(−β_D Z)` and `B = B∞ (1 − exp(−β_B Z))`. At a hole, where the path has no end: if the water attenuates no D and
+/// all of B∞, otherwise J and no veil.
+pub(crate) fn attenuate(radiance: &[f32], range: &[f32], channel: Channel, mut to: Attenuated<'_>) {
+    let Channel {
+        direct, backscatter, ..
+    } = channel;
+    if direct == backscatter {
+        // One exponential serves both.
+        let shares = |z| {
+            let arriving = exp_negative(direct * z);
+            [arriving, one_minus(direct * z, arriving)]
+        };
+        vectorised(
+            #[inline(always)]
+            || layers(radiance, range, channel, &mut to, shares),
+        );
+    } else {
+        let shares = |z| [exp_negative(direct * z), one_minus_exp_negative(backscatter * z)];
+        vectorised(
+            #[inline(always)]
+            || layers(radiance, range, channel, &mut to, shares),
+        );
     }
 }
 
-/// `B = B∞ (1 − exp(−β_B Z))`; at a hole all of B∞ if the water attenuates, nothing if it does not.
 #[inline(always)]
-pub(crate) fn veil(
+fn layers(
+    radiance: &[f32],
     range: &[f32],
-    Channel {
-        backscatter, veil, ..
-    }: Channel,
-    light: &mut [f32],
+    channel: Channel,
+    to: &mut Attenuated<'_>,
+    shares: impl Fn(f32) -> [f32; 2],
 ) {
-    let at_hole = f32::from(u8::from(backscatter > 0.0));
-    for (b, &z) in light.iter_mut().zip(range) {
+    let Channel {
+        gain,
+        direct,
+        backscatter,
+        veil,
+    } = channel;
+    let far = [
+        f32::from(u8::from(direct == 0.0)),
+        f32::from(u8::from(backscatter > 0.0)),
+    ];
+    let layers = to
+        .direct
+        .iter_mut()
+        .zip(to.veil.iter_mut())
+        .zip(to.image.iter_mut());
+    for (((d, b), i), (&j, &z)) in layers.zip(radiance.iter().zip(range)) {
         let (valid, z) = masked(z);
-        let veiling = one_minus_exp_negative(backscatter * z);
-        *b = veil * if valid { veiling } else { at_hole };
+        let [arriving, veiling] = shares(z);
+        *d = j * gain * if valid { arriving } else { far[0] };
+        *b = veil * if valid { veiling } else { far[1] };
+        *i = *d + *b;
     }
 }
 
@@ -150,10 +191,14 @@ mod tests {
     }
 
     fn attenuated(radiance: &[f32], range: &[f32], channel: Channel) -> [Vec<f32>; 2] {
-        let mut planes = [vec![0.0; range.len()], vec![0.0; range.len()]];
-        direct(radiance, range, channel, &mut planes[0]);
-        veil(range, channel, &mut planes[1]);
-        planes
+        let [mut direct, mut veil, mut image] = [(); 3].map(|()| vec![0.0; range.len()]);
+        let layers = Attenuated {
+            direct: &mut direct,
+            veil: &mut veil,
+            image: &mut image,
+        };
+        attenuate(radiance, range, channel, layers);
+        [direct, veil]
     }
 
     const WATER: Channel = Channel {
@@ -183,5 +228,23 @@ mod tests {
         assert_eq!(attenuated(&[0.5], &[1e6], WATER), [[0.0], [0.7]]);
         let [direct, veil] = attenuated(&[0.5], &[0.001], WATER);
         assert!((direct[0] - 0.5).abs() < 2e-4 && veil[0] < 2e-4);
+    }
+
+    #[test]
+    fn one_exponential_serves_equal_coefficients_alike() {
+        let range: Vec<f32> = (0..500).map(|i| 0.02 * i as f32 - 0.1).collect();
+        let radiance = vec![0.8; range.len()];
+        let equal = Channel {
+            backscatter: 0.3,
+            ..WATER
+        };
+        let nearly = Channel {
+            backscatter: f32::from_bits(0.3f32.to_bits() + 1),
+            ..WATER
+        };
+        let [one, other] = [equal, nearly].map(|channel| attenuated(&radiance, &range, channel));
+        for (one, other) in one.iter().flatten().zip(other.iter().flatten()) {
+            assert!((one - other).abs() < 3e-7, "{one} and {other}");
+        }
     }
 }

@@ -74,8 +74,7 @@ pub fn water(
         water,
         clear: plan.attenuation == AttenuationStep::Skip,
     };
-    let band = |c: usize| fast::band(&frame, &radiance.planes()[c], c, &plan.scatter[c], cache);
-    let bands = [0, 1, 2].map(band);
+    let bands = fast::bands(&frame, radiance, &plan.scatter, cache);
     cache.trim();
     Ok(layers(bands, holes))
 }

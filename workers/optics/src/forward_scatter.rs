@@ -11,13 +11,16 @@ mod basis;
 mod bound;
 mod buffers;
 mod cache;
+mod channel;
 mod chebyshev;
 mod nodes;
 mod reference;
 
 pub use bound::{Bound, Errors, ScaleLight};
 pub use cache::KernelCache;
+pub(crate) use channel::Channel;
 pub use chebyshev::{gather, scatter};
+pub(crate) use chebyshev::{gather_channels, scatter_channels};
 pub use nodes::{Nodes, closed_form_terms};
 pub(crate) use nodes::{place, scale_at};
 pub use reference::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference};

@@ -198,8 +198,19 @@ fn only_the_red_coefficient_changes_only_red() {
     };
     let (after, ..) = render(&redder, &range, Fidelity::Terms(5));
     assert_ne!(after.scattered.planes()[0], before.scattered.planes()[0]);
-    assert_eq!(after.scattered.planes()[1..], before.scattered.planes()[1..]);
+    let others = after.scattered.planes()[1..]
+        .iter()
+        .zip(&before.scattered.planes()[1..]);
+    for (after, before) in others {
+        for (after, before) in after.data().iter().zip(before.data()) {
+            assert!((after - before).abs() < SHARED_TRANSFORM, "{after} and {before}");
+        }
+    }
 }
+
+/// Two channels share a complex transform, and each of its sums is rounded with both of them in it: light up to 1 has an
+/// f32 step of 6e-8, which some ten stages add up to this at most.
+const SHARED_TRANSFORM: f32 = 1e-6;
 
 #[test]
 fn range_scale_is_the_same_as_a_longer_range() {

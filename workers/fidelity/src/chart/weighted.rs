@@ -2,7 +2,7 @@
 //! They differ from what is shipped only in the weights and the functions.
 
 use imaging::Plane;
-use imaging::dct::{Complex, PairDct};
+use imaging::dct::{Complex, Folding, PairDct};
 use optics::kernel::Transfer;
 
 /// A copy: its transfer function on the grid of the frame, column-major, and its weight at a kernel scale.
@@ -14,35 +14,44 @@ pub(super) struct Copy<'a> {
 /// Spreads the light by all copies.
 pub(super) fn spread(light: &Plane<f32>, gamma: &Plane<f32>, copies: &[Copy<'_>]) -> Plane<f32> {
     let (width, height) = light.size();
-    let mut transform = PairDct::new(width, height);
-    let fold = |transform: &PairDct, plane: &Plane<f32>| {
+    let (mut transform, folding) = (PairDct::new(width, height), Folding::new(width, height));
+    let [light, gamma] = [light, gamma].map(|plane| {
         let mut folded = vec![0.0; plane.data().len()];
-        transform.fold(plane.data(), &mut folded);
+        folding.fold(plane.data(), &mut folded);
         folded
-    };
-    let (light, gamma) = (fold(&transform, light), fold(&transform, gamma));
-    let mut samples = vec![Complex::default(); light.len()];
-    let mut spectrum = samples.clone();
-    let mut sum = vec![Complex::default(); light.len()];
+    });
+    let mut sum = vec![0.0f32; light.len()];
     for pair in copies.chunks(2) {
-        for ((sample, &u), &gamma) in samples.iter_mut().zip(&light).zip(&gamma) {
-            let second = pair.get(1).map_or(0.0, |copy| (copy.weight)(gamma));
-            *sample = Complex::new(u * (pair[0].weight)(gamma), u * second);
-        }
-        transform.forward(&mut samples, &mut spectrum);
         let second = &pair.last().unwrap_or(&pair[0]).transfer;
-        for ((sum, value), (a, b)) in sum
-            .iter_mut()
-            .zip(&spectrum)
-            .zip(pair[0].transfer.iter().zip(second))
-        {
-            sum.re += value.re * a + value.im * b;
-        }
+        transform.forward(
+            |place, row| {
+                let start = place * width;
+                let pixels = light[start..].iter().zip(&gamma[start..]);
+                for (sample, (&u, &gamma)) in row.iter_mut().zip(pixels) {
+                    let second = pair.get(1).map_or(0.0, |copy| (copy.weight)(gamma));
+                    *sample = Complex::new(u * (pair[0].weight)(gamma), u * second);
+                }
+            },
+            |p, column| {
+                let start = p * height;
+                let transfers = pair[0].transfer[start..].iter().zip(&second[start..]);
+                for ((sum, value), (a, b)) in sum[start..].iter_mut().zip(column).zip(transfers) {
+                    *sum += value.re * a + value.im * b;
+                }
+            },
+        );
     }
-    transform.inverse(&mut sum, &mut samples);
-    let folded: Vec<f32> = samples.iter().map(|value| value.re.max(0.0)).collect();
-    let mut plane = vec![0.0; folded.len()];
-    transform.unfold(&folded, &mut plane);
+    let mut plane = vec![0.0; sum.len()];
+    transform.inverse(
+        |p, column| {
+            let column = column.iter_mut().zip(&sum[p * height..]);
+            column.for_each(|(value, &sum)| *value = Complex::new(sum, 0.0));
+        },
+        |place, row| {
+            let row_of_plane = &mut plane[folding.row(place) * width..][..width];
+            folding.unfold_row(row, |value| value.re.max(0.0), row_of_plane);
+        },
+    );
     Plane::new(width, height, plane).expect("the size of the light")
 }
 

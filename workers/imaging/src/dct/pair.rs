@@ -1,18 +1,15 @@
 //! The transform for speed: two real planes travel as the real and the imaginary part of one complex plane.
 //!
-//! The cosine transform is linear, so one complex FFT per axis serves both. Samples come in *folded* order on both axes
-//! (those of even index forward, then those of odd index backward), which a user who transforms the same source several
-//! times establishes once; the spectrum is column-major, so that each axis is transformed in contiguous memory with a
-//! single transposition.
+//! The cosine transform is linear, so one complex FFT per axis serves both. Samples come in folded order on both axes, see
+//! [`Folding`]. Rows and columns of coefficients are handed over one by one while they are in the nearest
+//! cache: a plane of a frame does not fit there, and writing it out and reading it again would take longer than the FFT.
 
 use std::sync::Arc;
 
+use super::group::{Group, TILE};
 use crate::simd::vectorised;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
-
-/// Square of the transposition: 16 complex numbers are two cache lines.
-const TILE: usize = 16;
 
 /// Transforms of pairs of f32 planes of one size. Same scale as [`Dct2`](super::Dct2).
 pub struct PairDct {
@@ -20,6 +17,10 @@ pub struct PairDct {
     height: usize,
     rows: Axis,
     columns: Axis,
+    /// Between the axes: row-major, folded.
+    plane: Vec<Complex<f32>>,
+    /// Columns that are being worked on, each contiguous.
+    tile: Vec<Complex<f32>>,
     scratch: Vec<Complex<f32>>,
 }
 
@@ -62,6 +63,8 @@ impl PairDct {
             height,
             rows,
             columns,
+            plane: vec![Complex::default(); width * height],
+            tile: vec![Complex::default(); 2 * TILE * height],
             scratch,
         }
     }
@@ -72,167 +75,111 @@ impl PairDct {
         (self.width, self.height)
     }
 
-    /// Brings a row-major plane into folded order.
-    ///
-    /// # Panics
-    /// When a plane is of another size.
-    pub fn fold(&self, plane: &[f32], folded: &mut [f32]) {
-        self.expect_size(plane.len());
-        self.expect_size(folded.len());
-        for (y, row) in plane.chunks_exact(self.width.max(1)).enumerate() {
-            let place = folded_index(y, self.height);
-            let line = &mut folded[place * self.width..(place + 1) * self.width];
-            let (evens, odds) = line.split_at_mut(self.width.div_ceil(2));
-            evens
-                .iter_mut()
-                .zip(row.iter().step_by(2))
-                .for_each(|(to, &from)| *to = from);
-            odds.iter_mut()
-                .rev()
-                .zip(row.iter().skip(1).step_by(2))
-                .for_each(|(to, &from)| *to = from);
-        }
+    /// Memory that the transform takes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.plane.as_slice()) + size_of_val(self.tile.as_slice())
     }
 
-    /// Undoes [`PairDct::fold`].
-    ///
-    /// # Panics
-    /// When a plane is of another size.
-    pub fn unfold(&self, folded: &[f32], plane: &mut [f32]) {
-        self.expect_size(plane.len());
-        self.expect_size(folded.len());
-        for (y, row) in plane.chunks_exact_mut(self.width.max(1)).enumerate() {
-            let place = folded_index(y, self.height);
-            let line = &folded[place * self.width..(place + 1) * self.width];
-            let (evens, odds) = line.split_at(self.width.div_ceil(2));
-            row.iter_mut()
-                .step_by(2)
-                .zip(evens)
-                .for_each(|(to, &from)| *to = from);
-            row.iter_mut()
-                .skip(1)
-                .step_by(2)
-                .zip(odds.iter().rev())
-                .for_each(|(to, &from)| *to = from);
-        }
-    }
-
-    /// From two planes in folded order (overwritten) to their spectra, column-major: coefficient (p, q) is at
-    /// `p · height + q`.
-    ///
-    /// # Panics
-    /// When a plane is of another size.
-    pub fn forward(&mut self, folded: &mut [Complex<f32>], spectrum: &mut [Complex<f32>]) {
-        self.expect_size(folded.len());
-        self.expect_size(spectrum.len());
-        if folded.is_empty() {
+    /// From two planes to their spectra. `fill` writes a row of both in folded order, given its place in that order;
+    /// `take` is given each column p of coefficients, of frequencies q upwards, in some order.
+    pub fn forward(
+        &mut self,
+        mut fill: impl FnMut(usize, &mut [Complex<f32>]),
+        mut take: impl FnMut(usize, &[Complex<f32>]),
+    ) {
+        if self.plane.is_empty() {
             return;
         }
-        self.rows.forward.process_with_scratch(folded, &mut self.scratch);
-        transpose(folded, spectrum, self.width, self.height);
-        self.columns
-            .forward
-            .process_with_scratch(spectrum, &mut self.scratch);
-        let (rows, columns, height) = (&self.rows.twiddles, &self.columns.twiddles, self.height);
-        vectorised(
-            #[inline(always)]
-            || {
-                across(spectrum, rows, height, forward_butterfly);
-                for line in spectrum.chunks_exact_mut(height) {
-                    across(line, columns, 1, forward_butterfly);
-                }
-            },
-        );
-    }
-
-    /// From two spectra (overwritten) back to the planes in folded order.
-    ///
-    /// # Panics
-    /// When a plane is of another size.
-    pub fn inverse(&mut self, spectrum: &mut [Complex<f32>], folded: &mut [Complex<f32>]) {
-        self.expect_size(folded.len());
-        self.expect_size(spectrum.len());
-        if folded.is_empty() {
-            return;
+        for (y, row) in self.plane.chunks_exact_mut(self.width).enumerate() {
+            fill(y, row);
+            self.rows.forward.process_with_scratch(row, &mut self.scratch);
         }
-        let (rows, columns, height) = (&self.rows.twiddles, &self.columns.twiddles, self.height);
-        vectorised(
-            #[inline(always)]
-            || {
-                for line in spectrum.chunks_exact_mut(height) {
-                    across(line, columns, 1, inverse_butterfly);
-                }
-                across(spectrum, rows, height, inverse_butterfly);
-            },
-        );
-        self.columns
-            .inverse
-            .process_with_scratch(spectrum, &mut self.scratch);
-        transpose(spectrum, folded, self.height, self.width);
-        self.rows.inverse.process_with_scratch(folded, &mut self.scratch);
-        let scale = 1.0 / (self.width * self.height) as f32;
-        folded.iter_mut().for_each(|value| *value = value.scale(scale));
-    }
-
-    fn expect_size(&self, length: usize) {
-        assert_eq!(
-            length,
-            self.width * self.height,
-            "a plane of {}×{}",
-            self.width,
-            self.height
-        );
-    }
-}
-
-/// Where a sample stands in folded order.
-fn folded_index(index: usize, length: usize) -> usize {
-    if index.is_multiple_of(2) {
-        index / 2
-    } else {
-        length - 1 - index / 2
-    }
-}
-
-/// Row-major `width × height` to row-major `height × width`.
-fn transpose(from: &[Complex<f32>], to: &mut [Complex<f32>], width: usize, height: usize) {
-    for top in (0..height).step_by(TILE) {
-        for left in (0..width).step_by(TILE) {
-            for x in left..(left + TILE).min(width) {
-                let bottom = (top + TILE).min(height);
-                let line = &mut to[x * height + top..x * height + bottom];
-                for (value, y) in line.iter_mut().zip(top..bottom) {
-                    *value = from[y * width + x];
-                }
+        let (rows, columns) = (&self.rows.twiddles, &self.columns.twiddles);
+        for group in Group::all(self.width) {
+            let lines = &mut self.tile[..group.columns() * self.height];
+            group.load(&self.plane, self.width, lines, self.height);
+            vectorised(
+                #[inline(always)]
+                || group.across(lines, rows, self.height, forward_butterfly),
+            );
+            self.columns
+                .forward
+                .process_with_scratch(lines, &mut self.scratch);
+            for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
+                vectorised(
+                    #[inline(always)]
+                    || along(line, columns, forward_butterfly),
+                );
+                take(p, line);
             }
         }
     }
+
+    /// From two spectra back to the planes. `fill` writes each column p of coefficients, in some order; `take` is given the
+    /// rows of both planes, with their place in folded order.
+    pub fn inverse(
+        &mut self,
+        mut fill: impl FnMut(usize, &mut [Complex<f32>]),
+        mut take: impl FnMut(usize, &[Complex<f32>]),
+    ) {
+        if self.plane.is_empty() {
+            return;
+        }
+        let (rows, columns) = (&self.rows.twiddles, &self.columns.twiddles);
+        for group in Group::all(self.width) {
+            let lines = &mut self.tile[..group.columns() * self.height];
+            for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
+                fill(p, line);
+                vectorised(
+                    #[inline(always)]
+                    || along(line, columns, inverse_butterfly),
+                );
+            }
+            vectorised(
+                #[inline(always)]
+                || group.across(lines, rows, self.height, inverse_butterfly),
+            );
+            self.columns
+                .inverse
+                .process_with_scratch(lines, &mut self.scratch);
+            group.store(lines, self.height, &mut self.plane, self.width);
+        }
+        let scale = 1.0 / (self.width * self.height) as f32;
+        for (y, row) in self.plane.chunks_exact_mut(self.width).enumerate() {
+            self.rows.inverse.process_with_scratch(row, &mut self.scratch);
+            vectorised(
+                #[inline(always)]
+                || row.iter_mut().for_each(|value| *value = value.scale(scale)),
+            );
+            take(y, row);
+        }
+    }
 }
 
-/// Applies a butterfly to lines k and N−k of `length` numbers each, k = 1 … N/2; line 0 stays as it is.
+/// Applies a butterfly to numbers k and N−k of a line, k = 1 … N/2; number 0 stays as it is.
 #[inline(always)]
-fn across(
-    lines: &mut [Complex<f32>],
+fn along(
+    line: &mut [Complex<f32>],
     twiddles: &[Complex<f32>],
-    length: usize,
     butterfly: impl Fn(Complex<f32>, &mut Complex<f32>, &mut Complex<f32>),
 ) {
-    let count = twiddles.len();
-    for k in 1..count.div_ceil(2) {
-        let (low, high) = lines.split_at_mut((count - k) * length);
-        for (one, other) in low[k * length..(k + 1) * length]
+    let count = line.len();
+    let pairs = count.div_ceil(2);
+    if pairs > 1 {
+        let (low, high) = line.split_at_mut(count + 1 - pairs);
+        for ((one, other), &twiddle) in low[1..pairs]
             .iter_mut()
-            .zip(&mut high[..length])
+            .zip(high.iter_mut().rev())
+            .zip(&twiddles[1..pairs])
         {
-            butterfly(twiddles[k], one, other);
+            butterfly(twiddle, one, other);
         }
     }
     if count > 1 && count.is_multiple_of(2) {
-        let middle = count / 2;
-        for value in &mut lines[middle * length..(middle + 1) * length] {
-            let mut mirrored = *value;
-            butterfly(twiddles[middle], value, &mut mirrored);
-        }
+        let value = &mut line[count / 2];
+        let mut mirrored = *value;
+        butterfly(twiddles[count / 2], value, &mut mirrored);
     }
 }
 
@@ -257,7 +204,7 @@ fn inverse_butterfly(twiddle: Complex<f32>, one: &mut Complex<f32>, other: &mut 
 mod tests {
     use super::super::tests::{SIZES, noise};
     use super::*;
-    use crate::dct::Dct2;
+    use crate::dct::{Dct2, Folding};
 
     #[test]
     fn a_pair_is_transformed_as_each_plane_alone() {
@@ -267,7 +214,7 @@ mod tests {
             let folded = planes.each_ref().map(|plane| {
                 let single: Vec<f32> = plane.iter().map(|&v| v as f32).collect();
                 let mut folded = vec![0.0; single.len()];
-                pair.fold(&single, &mut folded);
+                Folding::new(width, height).fold(&single, &mut folded);
                 folded
             });
             let mut samples: Vec<_> = folded[0]
@@ -275,8 +222,11 @@ mod tests {
                 .zip(&folded[1])
                 .map(|(&a, &b)| Complex::new(a, b))
                 .collect();
-            let mut spectrum = vec![Complex::default(); samples.len()];
-            pair.forward(&mut samples, &mut spectrum);
+            let mut spectrum = vec![Complex::new(f32::NAN, f32::NAN); samples.len()];
+            pair.forward(
+                |y, row| row.copy_from_slice(&samples[y * width..][..width]),
+                |p, column| spectrum[p * height..][..height].copy_from_slice(column),
+            );
             let scale = ((width * height) as f64).sqrt();
             for (part, mut plane) in planes.clone().into_iter().enumerate() {
                 Dct2::new(width, height).forward(&mut plane);
@@ -286,11 +236,17 @@ mod tests {
                     assert!(error < 1e-6 * scale, "{width}×{height} at {index}: {error:e}");
                 }
             }
-            pair.inverse(&mut spectrum, &mut samples);
+            pair.inverse(
+                |p, column| column.copy_from_slice(&spectrum[p * height..][..height]),
+                |y, row| samples[y * width..][..width].copy_from_slice(row),
+            );
             for (part, plane) in planes.iter().enumerate() {
-                let folded: Vec<f32> = samples.iter().map(|v| [v.re, v.im][part]).collect();
-                let mut back = vec![0.0; folded.len()];
-                pair.unfold(&folded, &mut back);
+                let folding = Folding::new(width, height);
+                let mut back = vec![0.0; samples.len()];
+                for (place, row) in samples.chunks_exact(width).enumerate() {
+                    let y = folding.row(place);
+                    folding.unfold_row(row, |v| [v.re, v.im][part], &mut back[y * width..][..width]);
+                }
                 let worst = back
                     .iter()
                     .zip(plane)

@@ -1,11 +1,11 @@
 //! The chain in f32 with the fast forward scatter.
 
-use imaging::Plane;
 use imaging::simd::vectorised;
+use imaging::{Plane, Rgb};
 
 use super::Band;
 use crate::attenuation::{self, Channel, masked};
-use crate::forward_scatter::{KernelCache, Nodes, gather, scatter, widest_px};
+use crate::forward_scatter::{self, KernelCache, gather_channels, scatter_channels, widest_px};
 use crate::plan::ScatterStep;
 use crate::water::{Scatter, ScatterSource, Spread, Water};
 
@@ -19,7 +19,45 @@ pub(super) struct Frame<'a> {
     pub(super) clear: bool,
 }
 
-pub(super) fn band(
+/// All bands at once, so that planes of two of them may share a transform.
+pub(super) fn bands(
+    frame: &Frame<'_>,
+    radiance: &Rgb<f32>,
+    steps: &[ScatterStep; 3],
+    cache: &mut KernelCache,
+) -> [Band<f32>; 3] {
+    let mut bands = [0, 1, 2].map(|c| attenuated(frame, &radiance.planes()[c], c, &steps[c], cache));
+    match &frame.water.scatter {
+        Scatter::None => {}
+        Scatter::Jaffe { spread, .. } => {
+            let light = bands.each_ref().map(|band| &band.forward);
+            let (places, channels) = channels(frame, spread, light, steps, cache);
+            for (c, spread) in places.into_iter().zip(scatter_channels(channels, cache)) {
+                let light = std::mem::replace(&mut bands[c].forward, spread);
+                cache.buffers.give([light.into_data()]);
+            }
+            for (band, step) in bands.iter_mut().zip(steps) {
+                if *step != ScatterStep::Skip {
+                    accumulate(band.image.data_mut(), band.forward.data());
+                }
+            }
+        }
+        Scatter::Simplified { spread } => {
+            let images = bands.each_ref().map(|band| &band.image);
+            let (places, channels) = channels(frame, spread, images, steps, cache);
+            for (c, gathered) in places.into_iter().zip(gather_channels(channels, cache)) {
+                let Band { image, forward, .. } = &mut bands[c];
+                let attenuated = std::mem::replace(image, gathered);
+                combine(image.data(), attenuated.data(), forward.data_mut(), |i, a| i - a);
+                cache.buffers.give([attenuated.into_data()]);
+            }
+        }
+    }
+    bands
+}
+
+/// What attenuation leaves, the veil, and the light that is to be spread.
+fn attenuated(
     frame: &Frame<'_>,
     radiance: &Plane<f32>,
     channel: usize,
@@ -36,16 +74,14 @@ pub(super) fn band(
         veil: water.veiling_light[channel] as f32,
     };
     let [mut direct, mut veil, mut image, mut forward] = [(); 4].map(|()| empty(range, cache));
-    vectorised(
-        #[inline(always)]
-        || {
-            attenuation::direct(radiance.data(), range.data(), coefficients, direct.data_mut());
-            attenuation::veil(range.data(), coefficients, veil.data_mut());
-            combine(direct.data(), veil.data(), image.data_mut(), |d, b| d + b);
-        },
-    );
+    let layers = attenuation::Attenuated {
+        direct: direct.data_mut(),
+        veil: veil.data_mut(),
+        image: image.data_mut(),
+    };
+    attenuation::attenuate(radiance.data(), range.data(), coefficients, layers);
     match (&water.scatter, step) {
-        (Scatter::Jaffe { g, source, spread }, ScatterStep::Pointwise | ScatterStep::Interpolated(_)) => {
+        (Scatter::Jaffe { g, source, .. }, ScatterStep::Pointwise | ScatterStep::Interpolated(_)) => {
             // G may exceed c by the rounding of a derived sum; then nothing is scattered forward.
             let excess = (water.direct_attenuation[channel] - g[channel]).max(0.0) as f32;
             let (source, gain) = match source {
@@ -57,22 +93,6 @@ pub(super) fn band(
                 #[inline(always)]
                 || attenuation::spread_light(source.data(), range.data(), numbers, forward.data_mut()),
             );
-            if let Some((nodes, gamma)) = kernels(frame, spread, channel, step, cache) {
-                let spread = scatter(&forward, &gamma, nodes, cache);
-                let light = std::mem::replace(&mut forward, spread);
-                cache.buffers.give([light, gamma].map(Plane::into_data));
-            }
-            accumulate(image.data_mut(), forward.data());
-        }
-        (Scatter::Simplified { spread }, ScatterStep::Interpolated(_)) => {
-            if let Some((nodes, gamma)) = kernels(frame, spread, channel, step, cache) {
-                let gathered = gather(&image, &gamma, nodes, cache);
-                let attenuated = std::mem::replace(&mut image, gathered);
-                combine(image.data(), attenuated.data(), forward.data_mut(), |i, a| i - a);
-                cache.buffers.give([attenuated, gamma].map(Plane::into_data));
-            } else {
-                forward.data_mut().fill(0.0);
-            }
         }
         _ => forward.data_mut().fill(0.0),
     }
@@ -84,24 +104,29 @@ pub(super) fn band(
     }
 }
 
-/// The kernels of an interpolated step and each pixel's scale; none for another step, or where a frame of holes has no
-/// scale at all.
-fn kernels<'a>(
+/// The channels whose step is interpolated, each with its kernels. None where a frame of holes has no kernel scale at all.
+fn channels<'a>(
     frame: &Frame<'_>,
     spread: &Spread,
-    channel: usize,
-    step: &'a ScatterStep,
+    light: [&Plane<f32>; 3],
+    steps: &'a [ScatterStep; 3],
     cache: &mut KernelCache,
-) -> Option<(&'a Nodes, Plane<f32>)> {
-    let (ScatterStep::Interpolated(nodes), Some(farthest)) = (step, frame.farthest) else {
-        return None;
-    };
-    let mut gamma = empty(frame.range, cache);
-    vectorised(
-        #[inline(always)]
-        || scales(frame.range, *spread, channel, farthest, gamma.data_mut()),
-    );
-    Some((nodes, gamma))
+) -> (Vec<usize>, Vec<forward_scatter::Channel<'a>>) {
+    let (mut places, mut channels) = (Vec::new(), Vec::new());
+    for (c, light) in light.into_iter().enumerate() {
+        let (ScatterStep::Interpolated(nodes), Some(farthest)) = (&steps[c], frame.farthest) else {
+            continue;
+        };
+        let mut gamma = empty(frame.range, cache);
+        vectorised(
+            #[inline(always)]
+            || scales(frame.range, *spread, c, farthest, gamma.data_mut()),
+        );
+        places.push(c);
+        channels.push(forward_scatter::Channel::new(light, &gamma, nodes, cache));
+        cache.buffers.give([gamma.into_data()]);
+    }
+    (places, channels)
 }
 
 #[inline(always)]

@@ -8,7 +8,7 @@ use super::nodes::{Nodes, SHIFT_PX, place};
 
 /// Half the length of the interval that s is scaled to.
 const HALF: f64 = 2.0;
-/// Pixels that are worked on together: enough for any vector width, few enough for the first-level cache.
+/// Pixels whose shares are kept together: few enough for the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
 /// How a pixel's kernel is made up of the nodes.
@@ -79,48 +79,79 @@ impl Basis {
         }
     }
 
-    /// l_k of at most [`BLOCK`] pixels; nothing where there is no kernel k.
+    /// l_k of pixels; nothing where there is no kernel k.
     #[inline(always)]
     pub(super) fn shares(&self, k: usize, located: &[f32], shares: &mut [f32]) {
         match self {
-            Self::Exact(gammas) => {
-                let Some(&node) = gammas.get(k) else {
+            Self::Exact(gammas) => match gammas.get(k) {
+                Some(&node) => by_pixel(located, shares, |gamma| if gamma == node { 1.0 } else { 0.0 }),
+                None => shares.fill(0.0),
+            },
+            Self::Lagrange { nodes, weights, .. } => {
+                let Some(&weight) = weights.get(k) else {
                     return shares.fill(0.0);
                 };
-                for (share, &gamma) in shares.iter_mut().zip(located) {
-                    *share = if gamma == node { 1.0 } else { 0.0 };
-                }
-            }
-            Self::Lagrange { nodes, weights, .. } => {
-                shares.fill(weights.get(k).copied().unwrap_or(0.0));
-                for (_, &node) in nodes.iter().enumerate().filter(|(other, _)| *other != k) {
-                    for (share, &t) in shares.iter_mut().zip(located) {
-                        *share *= t - node;
-                    }
+                for (shares, located) in shares.chunks_mut(LANES).zip(located.chunks(LANES)) {
+                    let products = Products::of(located, &nodes[..k], &nodes[k + 1..]);
+                    products.times(|_, product| weight * product, shares);
                 }
             }
         }
     }
 
-    /// Divides `light` by the sum of all shares of its pixel, which is 1 but for rounding: then no light is lost.
+    /// l_k and l_{k+1}, both of which there are: they differ in one factor.
     #[inline(always)]
-    pub(super) fn normalise(&self, located: &[f32], light: &mut [f32]) {
-        let Self::Lagrange { nodes, .. } = self else {
-            return;
+    pub(super) fn pair_of_shares(&self, k: usize, located: &[f32], first: &mut [f32], second: &mut [f32]) {
+        let Self::Lagrange { nodes, weights, .. } = self else {
+            self.shares(k, located, first);
+            return self.shares(k + 1, located, second);
         };
-        for (light, located) in light.chunks_mut(BLOCK).zip(located.chunks(BLOCK)) {
-            let (mut sums, mut shares) = ([0.0f32; BLOCK], [0.0f32; BLOCK]);
-            for k in 0..nodes.len() {
-                self.shares(k, located, &mut shares);
-                for (sum, share) in sums.iter_mut().zip(&shares) {
-                    *sum += share;
-                }
-            }
-            for (light, sum) in light.iter_mut().zip(&sums) {
-                *light /= sum;
-            }
+        let (one, other) = ((nodes[k], weights[k]), (nodes[k + 1], weights[k + 1]));
+        let pixels = first.chunks_mut(LANES).zip(second.chunks_mut(LANES));
+        for ((first, second), located) in pixels.zip(located.chunks(LANES)) {
+            let products = Products::of(located, &nodes[..k], &nodes[k + 2..]);
+            products.times(|t, product| one.1 * (product * (t - other.0)), first);
+            products.times(|t, product| other.1 * (product * (t - one.0)), second);
         }
     }
+}
+
+/// Pixels that are worked on together: their products stay in registers.
+const LANES: usize = 32;
+
+/// `Π (t − t_j)` over some nodes, of a few pixels.
+struct Products {
+    t: [f32; LANES],
+    product: [f32; LANES],
+}
+
+impl Products {
+    #[inline(always)]
+    fn of(located: &[f32], below: &[f32], above: &[f32]) -> Self {
+        let mut t = [0.0f32; LANES];
+        t[..located.len()].copy_from_slice(located);
+        let mut product = [1.0f32; LANES];
+        for nodes in [below, above] {
+            for &node in nodes {
+                for (product, t) in product.iter_mut().zip(&t) {
+                    *product *= t - node;
+                }
+            }
+        }
+        Self { t, product }
+    }
+
+    #[inline(always)]
+    fn times(&self, share: impl Fn(f32, f32) -> f32, shares: &mut [f32]) {
+        for (to, (&t, &product)) in shares.iter_mut().zip(self.t.iter().zip(&self.product)) {
+            *to = share(t, product);
+        }
+    }
+}
+
+#[inline(always)]
+fn by_pixel(from: &[f32], to: &mut [f32], value: impl Fn(f32) -> f32) {
+    to.iter_mut().zip(from).for_each(|(to, &from)| *to = value(from));
 }
 
 /// ln x for normal positive x, absolute error below 1e-7 (|ln x| + 1). Polynomial of S. Moshier's Cephes library.
@@ -166,13 +197,11 @@ mod tests {
         let basis = Basis::new(nodes);
         let mut located = [gamma];
         basis.locate(&mut located);
-        let mut light = [1.0];
-        basis.normalise(&located, &mut light);
         let mut all = Vec::new();
         for k in 0..nodes.terms() {
             let mut share = [0.0];
             basis.shares(k, &located, &mut share);
-            all.push(share[0] * light[0]);
+            all.push(share[0]);
         }
         all
     }

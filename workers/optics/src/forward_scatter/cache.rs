@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use imaging::dct::{Complex, PairDct};
+use imaging::dct::PairDct;
 
 use super::buffers::{Buffers, MOST_KEPT_BYTES};
 use crate::chain::Layers;
@@ -14,21 +14,14 @@ use crate::kernel::Transfer;
 const CACHE_BYTES: usize = 64 << 20;
 
 /// Transfer functions by (kernel scale, frame size), least recently used first out, and the transform of the last size with
-/// its buffers. One for each thread, for a frame is computed on one.
+/// its plane. One for each thread, for a frame is computed on one.
 #[derive(Default)]
 pub struct KernelCache {
     grids: HashMap<(u64, usize, usize), Entry>,
     clock: u64,
     bytes: usize,
-    work: Option<Work>,
+    transform: Option<PairDct>,
     pub(crate) buffers: Buffers,
-}
-
-/// The transform of a frame size and the planes it works in: samples in folded order, their spectrum column-major.
-pub(super) struct Work {
-    pub(super) transform: PairDct,
-    pub(super) samples: Vec<Complex<f32>>,
-    pub(super) spectrum: Vec<Complex<f32>>,
 }
 
 struct Entry {
@@ -96,19 +89,16 @@ impl KernelCache {
     }
 
     /// The transform of a frame size.
-    pub(super) fn work(&mut self, (width, height): (usize, usize)) -> &mut Work {
-        self.work.take_if(|work| work.transform.size() != (width, height));
-        self.work.get_or_insert_with(|| Work {
-            transform: PairDct::new(width, height),
-            samples: vec![Complex::default(); width * height],
-            spectrum: vec![Complex::default(); width * height],
-        })
+    pub(super) fn transform(&mut self, (width, height): (usize, usize)) -> &mut PairDct {
+        self.transform
+            .take_if(|transform| transform.size() != (width, height));
+        self.transform.get_or_insert_with(|| PairDct::new(width, height))
     }
 
-    /// Lets go of the work planes of a very large frame.
+    /// Lets go of the transform of a very large frame.
     pub(crate) fn trim(&mut self) {
-        self.work
-            .take_if(|work| 2 * size_of_val(work.samples.as_slice()) > MOST_KEPT_BYTES);
+        self.transform
+            .take_if(|transform| transform.bytes() > MOST_KEPT_BYTES);
     }
 
     /// Bytes that the transfer functions take now.

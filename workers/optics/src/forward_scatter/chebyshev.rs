@@ -5,17 +5,18 @@
 //! gather:  F = Σ_k l_k(γ) · DCT⁻¹ [ H_k · DCT(I) ]       one forward, K back
 //! ```
 //!
-//! Two terms share a complex transform; terms are added up as they come, so that memory does not grow with K. The largest
-//! error for light up to 1 falls from 2e-3 with four terms to 1e-5 with eight. Nothing here is a fused operation; what a
-//! CPU's vector width changes is the order of sums inside the FFT, in the last place.
+//! Two planes share a complex transform, of one channel or of two; terms are added up as they come, so that memory does not
+//! grow with K. The largest error for light up to 1 falls from 2e-3 with four terms to 1e-5 with eight. What a CPU's vector
+//! width changes is the order of sums inside the FFT, in the last place.
 
-use std::sync::Arc;
+use std::ops::Range;
 
 use imaging::Plane;
-use imaging::dct::Complex;
+use imaging::dct::{Complex, Folding};
 use imaging::simd::vectorised;
 
-use super::basis::{BLOCK, Basis};
+use super::basis::BLOCK;
+use super::channel::{Channel, Pair, pairs};
 use super::{KernelCache, Nodes};
 
 /// Spreads the light `source` of each pixel with the pixel's own kernel scale `gamma`, in pixels, finite. Never negative.
@@ -29,80 +30,8 @@ pub fn scatter(
     nodes: &Nodes,
     cache: &mut KernelCache,
 ) -> Plane<f32> {
-    let basis = Basis::new(nodes);
-    let [mut light, located] = folded(source, gamma, &basis, cache);
-    vectorised(
-        #[inline(always)]
-        || basis.normalise(&located, &mut light),
-    );
-    let mut sum = cache.buffers.take(light.len());
-    sum.fill(0.0);
-    for k in (0..nodes.terms()).step_by(2) {
-        let [first, second] = pair_of_transfers(nodes, k, source.size(), cache);
-        let work = cache.work(source.size());
-        vectorised(
-            #[inline(always)]
-            || split(&basis, k, &light, &located, &mut work.samples),
-        );
-        work.transform.forward(&mut work.samples, &mut work.spectrum);
-        vectorised(
-            #[inline(always)]
-            || {
-                add_product(&mut sum, &work.spectrum, &first, |value| value.re);
-                if k + 1 < nodes.terms() {
-                    add_product(&mut sum, &work.spectrum, &second, |value| value.im);
-                }
-            },
-        );
-    }
-    let work = cache.work(source.size());
-    work.spectrum
-        .iter_mut()
-        .zip(&sum)
-        .for_each(|(value, &sum)| *value = Complex::new(sum, 0.0));
-    work.transform.inverse(&mut work.spectrum, &mut work.samples);
-    sum.iter_mut()
-        .zip(&work.samples)
-        .for_each(|(sum, value)| *sum = value.re);
-    cache.buffers.give([light, located]);
-    finished(source.size(), sum, cache)
-}
-
-/// H of terms k and k+1; the last again where k is the last, for its share is then 0.
-fn pair_of_transfers(
-    nodes: &Nodes,
-    k: usize,
-    (width, height): (usize, usize),
-    cache: &mut KernelCache,
-) -> [Arc<Vec<f32>>; 2] {
-    [k, (k + 1).min(nodes.terms() - 1)].map(|k| cache.transfer(nodes.gamma(k), width, height))
-}
-
-/// `l_k U` and `l_{k+1} U` of each pixel; nothing for the second where k is the last.
-#[inline(always)]
-fn split(basis: &Basis, k: usize, light: &[f32], located: &[f32], samples: &mut [Complex<f32>]) {
-    let pixels = light.chunks(BLOCK).zip(located.chunks(BLOCK));
-    for (samples, (light, located)) in samples.chunks_mut(BLOCK).zip(pixels) {
-        let (mut first, mut second) = ([0.0; BLOCK], [0.0; BLOCK]);
-        basis.shares(k, located, &mut first);
-        basis.shares(k + 1, located, &mut second);
-        for ((sample, &light), (one, other)) in samples.iter_mut().zip(light).zip(first.iter().zip(&second)) {
-            *sample = Complex::new(light * one, light * other);
-        }
-    }
-}
-
-/// Adds H_k times one part of the spectrum.
-#[inline(always)]
-fn add_product(
-    sum: &mut [f32],
-    spectrum: &[Complex<f32>],
-    transfer: &[f32],
-    part: impl Fn(&Complex<f32>) -> f32,
-) {
-    for (sum, (value, h)) in sum.iter_mut().zip(spectrum.iter().zip(transfer)) {
-        *sum += part(value) * h;
-    }
+    let channel = Channel::new(source, gamma, nodes, cache);
+    scatter_channels(vec![channel], cache).remove(0)
 }
 
 /// Collects `image` at each pixel with the pixel's own kernel scale `gamma`, in pixels, finite. Never negative.
@@ -111,91 +40,260 @@ fn add_product(
 /// When the planes differ in size.
 #[must_use]
 pub fn gather(image: &Plane<f32>, gamma: &Plane<f32>, nodes: &Nodes, cache: &mut KernelCache) -> Plane<f32> {
-    let basis = Basis::new(nodes);
-    let [mut light, located] = folded(image, gamma, &basis, cache);
-    let work = cache.work(image.size());
-    work.samples
-        .iter_mut()
-        .zip(&light)
-        .for_each(|(sample, &light)| *sample = Complex::new(light, 0.0));
-    work.transform.forward(&mut work.samples, &mut work.spectrum);
-    // From here on `light` holds the spectrum.
-    light
-        .iter_mut()
-        .zip(&work.spectrum)
-        .for_each(|(light, value)| *light = value.re);
-    let mut sum = cache.buffers.take(light.len());
-    sum.fill(0.0);
-    for k in (0..nodes.terms()).step_by(2) {
-        let [first, second] = pair_of_transfers(nodes, k, image.size(), cache);
-        let work = cache.work(image.size());
-        vectorised(
-            #[inline(always)]
-            || multiply(&light, &first, &second, &mut work.spectrum),
-        );
-        work.transform.inverse(&mut work.spectrum, &mut work.samples);
-        vectorised(
-            #[inline(always)]
-            || join(&basis, k, &work.samples, &located, &mut sum),
-        );
-    }
-    vectorised(
-        #[inline(always)]
-        || basis.normalise(&located, &mut sum),
-    );
-    cache.buffers.give([light, located]);
-    finished(image.size(), sum, cache)
+    let channel = Channel::new(image, gamma, nodes, cache);
+    gather_channels(vec![channel], cache).remove(0)
 }
 
-/// Two spectra from one, each under its own transfer function.
-#[inline(always)]
-fn multiply(spectrum: &[f32], first: &[f32], second: &[f32], product: &mut [Complex<f32>]) {
-    for (value, (&coefficient, (a, b))) in product
-        .iter_mut()
-        .zip(spectrum.iter().zip(first.iter().zip(second)))
-    {
-        *value = Complex::new(coefficient * a, coefficient * b);
+/// Spreads the light of several channels of one size.
+pub(crate) fn scatter_channels(channels: Vec<Channel<'_>>, cache: &mut KernelCache) -> Vec<Plane<f32>> {
+    let Some(size @ (width, height)) = channels.first().map(Channel::size) else {
+        return Vec::new();
+    };
+    let mut sums = zeros(channels.len(), size, cache);
+    for pair in pairs(channels.iter().map(Channel::terms)) {
+        let [first, second] = pair.transfers(&channels, cache);
+        cache.transform(size).forward(
+            |place, row| {
+                vectorised(
+                    #[inline(always)]
+                    || split(&channels, pair, line(place, width), row),
+                );
+            },
+            |p, column| {
+                let band = line(p, height);
+                let transfers = [&first[band.clone()], &second[band.clone()]];
+                match pair.channels() {
+                    [one, other] if one == other => add_products(&mut sums[one][band], column, transfers),
+                    [one, other] => {
+                        add_product(&mut sums[one][band.clone()], column, transfers[0], |v| v.re);
+                        add_product(&mut sums[other][band], column, transfers[1], |v| v.im);
+                    }
+                }
+            },
+        );
     }
+    cache
+        .buffers
+        .give(channels.into_iter().flat_map(Channel::into_buffers));
+    let planes = back(&sums, size, cache);
+    cache.buffers.give(sums);
+    planes
 }
 
-/// Adds each pixel's shares of two images.
+/// Collects the images of several channels of one size.
+pub(crate) fn gather_channels(mut channels: Vec<Channel<'_>>, cache: &mut KernelCache) -> Vec<Plane<f32>> {
+    let Some(size @ (width, height)) = channels.first().map(Channel::size) else {
+        return Vec::new();
+    };
+    let spectra = spectra(&channels, size, cache);
+    let mut sums = zeros(channels.len(), size, cache);
+    for pair in pairs(channels.iter().map(Channel::terms)) {
+        let [first, second] = pair.transfers(&channels, cache);
+        let [one, other] = pair.channels();
+        cache.transform(size).inverse(
+            |p, column| {
+                let band = line(p, height);
+                let (one, other) = (&spectra[one][band.clone()], &spectra[other][band.clone()]);
+                let (first, second) = (&first[band.clone()], &second[band]);
+                vectorised(
+                    #[inline(always)]
+                    || multiply([one, other], [first, second], column),
+                );
+            },
+            |place, row| {
+                vectorised(
+                    #[inline(always)]
+                    || join(&channels, pair, line(place, width), row, &mut sums),
+                );
+            },
+        );
+    }
+    cache.buffers.give(spectra);
+    for (channel, sum) in channels.iter_mut().zip(sums) {
+        cache.buffers.give([std::mem::replace(&mut channel.light, sum)]);
+    }
+    let planes = channels
+        .iter()
+        .map(|channel| unfolded(&channel.light, size, cache));
+    let planes = planes.collect();
+    cache
+        .buffers
+        .give(channels.into_iter().flat_map(Channel::into_buffers));
+    planes
+}
+
+/// `l_k U` of both terms, in the pixels of a row.
 #[inline(always)]
-fn join(basis: &Basis, k: usize, samples: &[Complex<f32>], located: &[f32], sum: &mut [f32]) {
-    let pixels = samples.chunks(BLOCK).zip(located.chunks(BLOCK));
-    for (sum, (samples, located)) in sum.chunks_mut(BLOCK).zip(pixels) {
-        let (mut first, mut second) = ([0.0; BLOCK], [0.0; BLOCK]);
-        basis.shares(k, located, &mut first);
-        basis.shares(k + 1, located, &mut second);
-        for ((sum, sample), (one, other)) in sum.iter_mut().zip(samples).zip(first.iter().zip(&second)) {
-            *sum += sample.re * one + sample.im * other;
+fn split(channels: &[Channel<'_>], pair: Pair, pixels: Range<usize>, row: &mut [Complex<f32>]) {
+    let [one, other] = pair
+        .channels()
+        .map(|channel| &channels[channel].light[pixels.clone()]);
+    let mut shares = [[0.0; BLOCK]; 2];
+    for (block, row) in row.chunks_mut(BLOCK).enumerate() {
+        let place = block * BLOCK..block * BLOCK + row.len();
+        pair.shares(channels, pixels.start + place.start, row.len(), &mut shares);
+        let lights = one[place.clone()].iter().zip(&other[place]);
+        let [first, second] = &shares;
+        for ((sample, (one, other)), (first, second)) in
+            row.iter_mut().zip(lights).zip(first.iter().zip(second))
+        {
+            *sample = Complex::new(one * first, other * second);
         }
     }
 }
 
-/// Light and located kernel scales in the order of the transform.
-fn folded(light: &Plane<f32>, gamma: &Plane<f32>, basis: &Basis, cache: &mut KernelCache) -> [Vec<f32>; 2] {
-    assert_eq!(
-        light.size(),
-        gamma.size(),
-        "light and kernel scale belong to one frame"
-    );
-    let mut folded = [light, gamma].map(|plane| {
-        let mut folded = cache.buffers.take(plane.data().len());
-        cache.work(plane.size()).transform.fold(plane.data(), &mut folded);
-        folded
-    });
+/// Adds both terms' images by the share that each pixel of a row has in them.
+#[inline(always)]
+fn join(
+    channels: &[Channel<'_>],
+    pair: Pair,
+    pixels: Range<usize>,
+    row: &[Complex<f32>],
+    sums: &mut [Vec<f32>],
+) {
+    let [one, other] = pair.channels();
+    let mut shares = [[0.0; BLOCK]; 2];
+    for (block, row) in row.chunks(BLOCK).enumerate() {
+        let start = pixels.start + block * BLOCK;
+        pair.shares(channels, start, row.len(), &mut shares);
+        let [first, second] = &shares;
+        for (sum, (value, share)) in sums[one][start..][..row.len()]
+            .iter_mut()
+            .zip(row.iter().zip(first))
+        {
+            *sum += value.re * share;
+        }
+        for (sum, (value, share)) in sums[other][start..][..row.len()]
+            .iter_mut()
+            .zip(row.iter().zip(second))
+        {
+            *sum += value.im * share;
+        }
+    }
+}
+
+/// Adds both parts of a column of the spectrum, each times its H.
+fn add_products(sum: &mut [f32], column: &[Complex<f32>], [first, second]: [&[f32]; 2]) {
     vectorised(
         #[inline(always)]
-        || basis.locate(&mut folded[1]),
+        || {
+            let products = column.iter().zip(first.iter().zip(second));
+            for (sum, (value, (one, other))) in sum.iter_mut().zip(products) {
+                *sum += value.re * one + value.im * other;
+            }
+        },
     );
-    folded
+}
+
+/// Adds one part of a column of the spectrum times its H.
+fn add_product(
+    sum: &mut [f32],
+    column: &[Complex<f32>],
+    transfer: &[f32],
+    part: impl Fn(&Complex<f32>) -> f32,
+) {
+    vectorised(
+        #[inline(always)]
+        || {
+            for (sum, (value, h)) in sum.iter_mut().zip(column.iter().zip(transfer)) {
+                *sum += part(value) * h;
+            }
+        },
+    );
+}
+
+/// Two spectra, each under its own transfer function.
+#[inline(always)]
+fn multiply([one, other]: [&[f32]; 2], [first, second]: [&[f32]; 2], column: &mut [Complex<f32>]) {
+    let products = one.iter().zip(first).zip(other.iter().zip(second));
+    for (value, ((one, first), (other, second))) in column.iter_mut().zip(products) {
+        *value = Complex::new(one * first, other * second);
+    }
+}
+
+/// The spectrum of each channel's light.
+fn spectra(channels: &[Channel<'_>], size: (usize, usize), cache: &mut KernelCache) -> Vec<Vec<f32>> {
+    let (width, height) = size;
+    let mut spectra = zeros(channels.len(), size, cache);
+    for (channels, spectra) in channels.chunks(2).zip(spectra.chunks_mut(2)) {
+        cache.transform(size).forward(
+            |place, row| {
+                let pixels = line(place, width);
+                let (one, other) = (&channels[0].light, &channels[channels.len() - 1].light);
+                let lights = one[pixels.clone()].iter().zip(&other[pixels]);
+                row.iter_mut()
+                    .zip(lights)
+                    .for_each(|(sample, (&one, &other))| *sample = Complex::new(one, other));
+            },
+            |p, column| {
+                for (part, spectrum) in spectra.iter_mut().enumerate() {
+                    let band = spectrum[line(p, height)].iter_mut().zip(column);
+                    band.for_each(|(to, value)| *to = if part == 0 { value.re } else { value.im });
+                }
+            },
+        );
+    }
+    spectra
+}
+
+/// The planes of some spectra.
+fn back(spectra: &[Vec<f32>], size: (usize, usize), cache: &mut KernelCache) -> Vec<Plane<f32>> {
+    let (width, height) = size;
+    let folding = Folding::new(width, height);
+    let mut planes = Vec::new();
+    for spectra in spectra.chunks(2) {
+        let mut data: Vec<_> = spectra
+            .iter()
+            .map(|_| cache.buffers.take(width * height))
+            .collect();
+        cache.transform(size).inverse(
+            |p, column| {
+                let (one, other) = (&spectra[0], &spectra[spectra.len() - 1]);
+                let band = line(p, height);
+                let values = one[band.clone()].iter().zip(&other[band]);
+                column
+                    .iter_mut()
+                    .zip(values)
+                    .for_each(|(to, (&one, &other))| *to = Complex::new(one, other));
+            },
+            |place, row| {
+                let pixels = line(folding.row(place), width);
+                for (part, data) in data.iter_mut().enumerate() {
+                    let positive = |value: Complex<f32>| if part == 0 { value.re } else { value.im }.max(0.0);
+                    folding.unfold_row(row, positive, &mut data[pixels.clone()]);
+                }
+            },
+        );
+        let plane = |data| Plane::new(width, height, data).expect("the size of the source");
+        planes.extend(data.into_iter().map(plane));
+    }
+    planes
 }
 
 /// Back in row-major order. The truth is never negative, so the clamp can only bring the result nearer.
-fn finished(size: (usize, usize), folded: Vec<f32>, cache: &mut KernelCache) -> Plane<f32> {
+fn unfolded(folded: &[f32], (width, height): (usize, usize), cache: &mut KernelCache) -> Plane<f32> {
+    let folding = Folding::new(width, height);
     let mut data = cache.buffers.take(folded.len());
-    cache.work(size).transform.unfold(&folded, &mut data);
-    data.iter_mut().for_each(|value| *value = value.max(0.0));
-    cache.buffers.give([folded]);
-    Plane::new(size.0, size.1, data).expect("the size of the source")
+    for (place, row) in folded.chunks_exact(width.max(1)).enumerate() {
+        folding.unfold_row(
+            row,
+            |value| value.max(0.0),
+            &mut data[line(folding.row(place), width)],
+        );
+    }
+    Plane::new(width, height, data).expect("the size of the image")
+}
+
+/// Planes of nothing.
+fn zeros(count: usize, (width, height): (usize, usize), cache: &mut KernelCache) -> Vec<Vec<f32>> {
+    let zeros = |_| {
+        let mut zeros = cache.buffers.take(width * height);
+        zeros.fill(0.0);
+        zeros
+    };
+    (0..count).map(zeros).collect()
+}
+
+fn line(index: usize, length: usize) -> Range<usize> {
+    index * length..(index + 1) * length
 }

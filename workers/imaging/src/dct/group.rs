@@ -1,0 +1,118 @@
+//! Columns of a plane in groups that a fast transform works on together.
+
+use rustfft::num_complex::Complex;
+
+/// Columns that are transformed together, and as many mirrored ones: eight complex numbers are a cache line.
+pub(super) const TILE: usize = 16;
+
+/// Columns that a butterfly joins: `low..low + count` and those mirrored to them, `width − k` for each k, in ascending order;
+/// or one that is mirrored to itself.
+#[derive(Clone, Copy)]
+pub(super) struct Group {
+    low: usize,
+    count: usize,
+    mirrored: usize,
+}
+
+impl Group {
+    /// All columns of a row of this width: those that stand alone first.
+    pub(super) fn all(width: usize) -> impl Iterator<Item = Self> {
+        let alone = |low| Self {
+            low,
+            count: 1,
+            mirrored: low,
+        };
+        let middle = (width > 1 && width.is_multiple_of(2)).then_some(width / 2);
+        let pairs = width.div_ceil(2);
+        let joined = (1..pairs).step_by(TILE).map(move |low| {
+            let count = TILE.min(pairs - low);
+            Self {
+                low,
+                count,
+                mirrored: width + 1 - low - count,
+            }
+        });
+        (0..width.min(1)).chain(middle).map(alone).chain(joined)
+    }
+
+    fn is_alone(self) -> bool {
+        self.low == self.mirrored
+    }
+
+    pub(super) fn columns(self) -> usize {
+        if self.is_alone() { 1 } else { 2 * self.count }
+    }
+
+    /// The columns in the order of their lines.
+    pub(super) fn places(self) -> impl Iterator<Item = usize> {
+        let mirrored = if self.is_alone() { 0 } else { self.count };
+        (self.low..self.low + self.count).chain(self.mirrored..self.mirrored + mirrored)
+    }
+
+    /// Copies the columns of a row-major plane into lines of their own.
+    pub(super) fn load(
+        self,
+        plane: &[Complex<f32>],
+        width: usize,
+        lines: &mut [Complex<f32>],
+        height: usize,
+    ) {
+        for top in (0..height).step_by(TILE) {
+            let bottom = (top + TILE).min(height);
+            for (line, x) in lines.chunks_exact_mut(height).zip(self.places()) {
+                for (value, y) in line[top..bottom].iter_mut().zip(top..bottom) {
+                    *value = plane[y * width + x];
+                }
+            }
+        }
+    }
+
+    /// Undoes [`Group::load`].
+    pub(super) fn store(
+        self,
+        lines: &[Complex<f32>],
+        height: usize,
+        plane: &mut [Complex<f32>],
+        width: usize,
+    ) {
+        for top in (0..height).step_by(TILE) {
+            let bottom = (top + TILE).min(height);
+            for (line, x) in lines.chunks_exact(height).zip(self.places()) {
+                for (value, y) in line[top..bottom].iter().zip(top..bottom) {
+                    plane[y * width + x] = *value;
+                }
+            }
+        }
+    }
+
+    /// Applies a butterfly to each column and the one mirrored to it.
+    #[inline(always)]
+    pub(super) fn across(
+        self,
+        lines: &mut [Complex<f32>],
+        twiddles: &[Complex<f32>],
+        height: usize,
+        butterfly: impl Fn(Complex<f32>, &mut Complex<f32>, &mut Complex<f32>),
+    ) {
+        if self.low == 0 {
+            return;
+        }
+        if self.is_alone() {
+            for value in lines {
+                let mut mirrored = *value;
+                butterfly(twiddles[self.low], value, &mut mirrored);
+            }
+            return;
+        }
+        let (low, high) = lines.split_at_mut(self.count * height);
+        let pairs = low
+            .chunks_exact_mut(height)
+            .zip(high.chunks_exact_mut(height).rev());
+        for (k, (one, other)) in (self.low..).zip(pairs) {
+            let twiddle = twiddles[k];
+            for (one, other) in one.iter_mut().zip(other) {
+                butterfly(twiddle, one, other);
+            }
+        }
+    }
+}

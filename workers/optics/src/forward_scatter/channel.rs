@@ -1,0 +1,172 @@
+//! What the fast method knows of one channel: light and kernel scales in the order of the transform, and the shares of the
+//! nodes in each pixel.
+
+use std::sync::Arc;
+
+use imaging::Plane;
+use imaging::dct::Folding;
+use imaging::simd::vectorised;
+
+use super::basis::{BLOCK, Basis};
+use super::{KernelCache, Nodes};
+
+/// A channel on its way through the transforms.
+pub(crate) struct Channel<'a> {
+    nodes: &'a Nodes,
+    basis: Basis,
+    pub(super) light: Vec<f32>,
+    located: Vec<f32>,
+    size: (usize, usize),
+}
+
+impl<'a> Channel<'a> {
+    /// The light of each pixel, and the pixel's own kernel scale `gamma` in pixels, finite.
+    ///
+    /// # Panics
+    /// When the planes differ in size.
+    #[must_use]
+    pub(crate) fn new(
+        light: &Plane<f32>,
+        gamma: &Plane<f32>,
+        nodes: &'a Nodes,
+        cache: &mut KernelCache,
+    ) -> Self {
+        assert_eq!(
+            light.size(),
+            gamma.size(),
+            "light and kernel scale belong to one frame"
+        );
+        let (basis, (width, height)) = (Basis::new(nodes), light.size());
+        let folding = Folding::new(width, height);
+        let [light, mut located] = [light, gamma].map(|plane| {
+            let mut folded = cache.buffers.take(plane.data().len());
+            folding.fold(plane.data(), &mut folded);
+            folded
+        });
+        vectorised(
+            #[inline(always)]
+            || basis.locate(&mut located),
+        );
+        Self {
+            nodes,
+            basis,
+            light,
+            located,
+            size: (width, height),
+        }
+    }
+
+    pub(super) fn size(&self) -> (usize, usize) {
+        self.size
+    }
+
+    pub(super) fn terms(&self) -> usize {
+        self.nodes.terms()
+    }
+
+    pub(super) fn into_buffers(self) -> [Vec<f32>; 2] {
+        [self.light, self.located]
+    }
+}
+
+/// Kernel `k` of channel `channel`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Term {
+    pub(super) channel: usize,
+    pub(super) k: usize,
+}
+
+/// Two terms that share a complex transform; the second may be missing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pair {
+    pub(super) first: Term,
+    pub(super) second: Option<Term>,
+}
+
+/// The terms of some channels two by two: neighbours of one channel as far as they go, since most of their shares is common;
+/// then what is left of channels with an odd number.
+pub(super) fn pairs(terms: impl IntoIterator<Item = usize>) -> Vec<Pair> {
+    let (mut pairs, mut left) = (Vec::new(), Vec::new());
+    for (channel, terms) in terms.into_iter().enumerate() {
+        let term = |k| Term { channel, k };
+        pairs.extend((1..terms).step_by(2).map(|k| Pair {
+            first: term(k - 1),
+            second: Some(term(k)),
+        }));
+        left.extend((!terms.is_multiple_of(2)).then(|| term(terms - 1)));
+    }
+    pairs.extend(left.chunks(2).map(|two| Pair {
+        first: two[0],
+        second: two.get(1).copied(),
+    }));
+    pairs
+}
+
+impl Pair {
+    /// The second again the first where it is missing: its share is 0.
+    fn both(self) -> [Term; 2] {
+        [self.first, self.second.unwrap_or(self.first)]
+    }
+
+    pub(super) fn channels(self) -> [usize; 2] {
+        self.both().map(|term| term.channel)
+    }
+
+    /// H of both.
+    pub(super) fn transfers(self, channels: &[Channel<'_>], cache: &mut KernelCache) -> [Arc<Vec<f32>>; 2] {
+        self.both().map(|Term { channel, k }| {
+            let Channel { nodes, size, .. } = &channels[channel];
+            cache.transfer(nodes.gamma(k), size.0, size.1)
+        })
+    }
+
+    /// The share of both in at most [`BLOCK`] pixels.
+    #[inline(always)]
+    pub(super) fn shares(
+        self,
+        channels: &[Channel<'_>],
+        start: usize,
+        count: usize,
+        [first, second]: &mut [[f32; BLOCK]; 2],
+    ) {
+        let (first, second) = (&mut first[..count], &mut second[..count]);
+        let located = |term: Term| &channels[term.channel].located[start..][..count];
+        let (Term { channel, k }, basis) = (self.first, &channels[self.first.channel].basis);
+        match self.second {
+            Some(other) if other.channel == channel => basis.pair_of_shares(k, located(other), first, second),
+            Some(other) => {
+                basis.shares(k, located(self.first), first);
+                channels[other.channel]
+                    .basis
+                    .shares(other.k, located(other), second);
+            }
+            None => {
+                basis.shares(k, located(self.first), first);
+                second.fill(0.0);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn listed(terms: &[usize]) -> Vec<[(usize, usize); 2]> {
+        let number = |term: Term| (term.channel, term.k);
+        let listed = pairs(terms.iter().copied()).into_iter();
+        listed
+            .map(|pair| [number(pair.first), pair.second.map_or((9, 9), number)])
+            .collect()
+    }
+
+    #[test]
+    fn what_is_left_of_odd_channels_travels_together() {
+        assert_eq!(
+            listed(&[3, 2, 1]),
+            [[(0, 0), (0, 1)], [(1, 0), (1, 1)], [(0, 2), (2, 0)]]
+        );
+        assert_eq!(listed(&[1]), [[(0, 0), (9, 9)]]);
+        assert!(listed(&[0]).is_empty());
+    }
+}
