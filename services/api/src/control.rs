@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use catalogue::{Deleted, JobRow, JobState};
+use catalogue::{CatalogueError, Deleted, JobRow, JobState};
 use queue::JobEntry;
 
 use crate::problem::Problem;
@@ -65,7 +65,8 @@ pub(crate) async fn retry_failed(app: &Shared, id: String) -> Result<JobRow, Pro
 /// Deletes a job with its images, whatever it is doing. Their space comes back in the background.
 pub(crate) async fn delete_job(app: &Shared, id: String) -> Result<Deleted, Problem> {
     in_turn(app, |app| async move {
-        let deleted = app.catalogue.delete_job(&id).await?;
+        let first = app.catalogue.delete_job(&id).await;
+        let deleted = or_with_reserve(&app, first, app.catalogue.delete_job(&id)).await?;
         app.dispatch.cancel(&id);
         told(&app, &id, "deleted");
         app.reclaim.notify_one();
@@ -77,7 +78,8 @@ pub(crate) async fn delete_job(app: &Shared, id: String) -> Result<Deleted, Prob
 /// Deletes a dataset with all its jobs, which must have ended.
 pub(crate) async fn delete_dataset(app: &Shared, name: String) -> Result<Deleted, Problem> {
     in_turn(app, |app| async move {
-        let deleted = app.catalogue.delete_dataset(&name).await?;
+        let first = app.catalogue.delete_dataset(&name).await;
+        let deleted = or_with_reserve(&app, first, app.catalogue.delete_dataset(&name)).await?;
         tracing::info!(
             dataset = name,
             jobs = deleted.jobs,
@@ -88,6 +90,23 @@ pub(crate) async fn delete_dataset(app: &Shared, name: String) -> Result<Deleted
         Ok(deleted)
     })
     .await
+}
+
+/// What a deletion answered, or, if the disk is full, what it answers with the reserve.
+async fn or_with_reserve(
+    app: &App,
+    first: Result<Deleted, CatalogueError>,
+    again: impl Future<Output = Result<Deleted, CatalogueError>>,
+) -> Result<Deleted, CatalogueError> {
+    match first {
+        Err(CatalogueError::Full { .. }) if app.space.give_reserve() => {
+            let deleted = again.await;
+            // It lays the reserve aside again when it is done.
+            app.reclaim.notify_one();
+            deleted
+        }
+        deleted => deleted,
+    }
 }
 
 /// A job as the lease table takes it up.

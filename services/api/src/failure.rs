@@ -64,7 +64,7 @@ pub(crate) fn writing(error: &std::io::Error) -> Problem {
     }
 }
 
-fn storage_full(error: &dyn std::fmt::Display) -> Problem {
+pub(crate) fn storage_full(error: &dyn std::fmt::Display) -> Problem {
     tracing::error!(%error, "the disk is full");
     Problem::new(
         Slug::StorageFull,

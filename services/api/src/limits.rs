@@ -108,6 +108,9 @@ pub struct Limits {
     pub head_read: Duration,
     /// How long an answer may lie unread: a client that has stopped reading is cut off.
     pub unread: Duration,
+    /// Bytes that are laid aside for deletions on a full disk. Taking a thousand rows away writes up to 20 MiB of log
+    /// before any space comes back.
+    pub reserve_bytes: u64,
     /// Decoding and thumbnails at the same time: one for each core, they hold whole pictures.
     pub compute: usize,
 }
@@ -128,6 +131,7 @@ impl Default for Limits {
             connections: 16_384,
             head_read: Duration::from_secs(30),
             unread: Duration::from_secs(60),
+            reserve_bytes: 32 << 20,
             compute: cores,
         }
     }

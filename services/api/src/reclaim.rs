@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use tokio_util::sync::CancellationToken;
 
-use crate::problem::Problem;
+use crate::problem::{Problem, Slug};
 use crate::state::{App, Shared};
 
 /// Digests that are deleted at a time: whoever stores an image waits for that long, some tens of milliseconds.
@@ -17,11 +17,13 @@ pub(crate) async fn run(app: Shared, end: CancellationToken) {
     loop {
         let left = match reclaim(&app, &end).await {
             Ok(left) => left,
+            Err(problem) if problem.is(Slug::StorageFull) && app.space.give_reserve() => continue,
             Err(problem) => {
                 tracing::error!(%problem, "the space of deleted jobs does not come back yet");
                 true
             }
         };
+        app.space.take_reserve_back().await;
         let pause = if left { AGAIN } else { Duration::MAX };
         tokio::select! {
             () = end.cancelled() => return,

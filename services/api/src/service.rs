@@ -176,7 +176,7 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         turn: Mutex::default(),
         upkeep: Mutex::default(),
         naming: Naming::default(),
-        space: Arc::new(Space::of(&config.data)),
+        space: Arc::new(Space::of(&config.data, surroundings.limits.reserve_bytes)),
         reclaim: Notify::new(),
         clock: surroundings.clock,
         telemetry: telemetry::install(),

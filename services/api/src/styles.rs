@@ -142,6 +142,7 @@ pub(crate) async fn add(app: &Shared, new: NewStyle) -> Result<(Card, bool), Pro
     if let Some(card) = app.styles.same(&new)? {
         return Ok((card, false));
     }
+    app.space.room().await?;
     trial::run(app, &new).await?;
     let keeper = Arc::clone(app);
     app.compute.run(move || keeper.styles.keep(new)).await?

@@ -23,6 +23,7 @@ pub(crate) struct Submission {
 /// the client goes away: a stored job that no worker is offered would wait for the next start of the service.
 pub(crate) async fn submit(app: &Shared, submission: Submission) -> Result<JobRow, Problem> {
     check(app, &submission.job).await?;
+    app.space.room().await?;
     let app = Arc::clone(app);
     let task = tokio::spawn(async move { store(&app, submission).await });
     task.await.map_err(|error| Problem::internal(&error))?

@@ -18,6 +18,7 @@ use crate::uploads::Form;
 /// Stores a scene unless one with the same content is there; says whether it is new. Goes on to its end when the
 /// client goes away.
 pub(crate) async fn keep(app: &Shared, form: Form) -> Result<(SceneRow, bool), Problem> {
+    app.space.room().await?;
     let created_ms = app.clock.unix_ms();
     let (row, blobs) = app.compute.run(move || checked(&form, created_ms)).await??;
     let app = Arc::clone(app);

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use crate::filter::{Bind, Column, Kind};
+use crate::joins::Join;
 
 /// (name in questions, where it stands in the record, kind). An array stands for its length.
 const PARAMETERS: &[(&str, &str, Kind)] = &[
@@ -151,12 +152,7 @@ const OWN: &[(&str, &str, Kind)] = &[
     ("created_ms", "images.created_ms", Kind::Number),
     ("digest", "images.digest", Kind::Text),
     ("failed", "0", Kind::Bool),
-    (
-        "warned",
-        "((SELECT json_array_length(r.record, '$.warnings') FROM records r
-           WHERE r.job_id = images.job_id AND r.frame = images.frame) > 0)",
-        Kind::Bool,
-    ),
+    ("warned", "(images.warnings > 0)", Kind::Bool),
 ];
 
 /// What is measured unless a question says otherwise.
@@ -234,6 +230,7 @@ impl Columns {
                 binds: Vec::new(),
                 kind: *kind,
                 always: true,
+                join: None,
             });
         }
         if let Some((name, _, kind)) = PARAMETERS.iter().find(|(known, ..)| *known == name) {
@@ -242,6 +239,7 @@ impl Columns {
                 binds: Vec::new(),
                 kind: *kind,
                 always: false,
+                join: None,
             });
         }
         self.metric(name).or_else(|| open_family(name))
@@ -257,13 +255,15 @@ impl Columns {
             .chars()
             .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
         let known = self.metrics.iter().find(|known| *known == metric)?;
-        (plain && !subject.is_empty()).then(|| Column {
-            sql: format!(
-                "(SELECT m.\"{known}\" FROM measurements m WHERE m.job_id = images.job_id AND m.frame = images.frame AND m.subject = ?)"
-            ),
-            binds: vec![Bind::Text(subject.to_owned())],
-            kind: Kind::Number,
-            always: false,
+        (plain && !subject.is_empty()).then(|| {
+            let join = Join::Measured(subject.to_owned());
+            Column {
+                sql: format!("{}.\"{known}\"", join.alias()),
+                binds: Vec::new(),
+                kind: Kind::Number,
+                always: false,
+                join: Some(join),
+            }
         })
     }
 }
@@ -274,17 +274,17 @@ fn open_family(name: &str) -> Option<Column> {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-');
     let quoted = |key: &str| (!key.is_empty() && key.chars().all(plain)).then(|| format!("\"{key}\""));
     let extract = |path: String, kind| {
+        let record = Join::Record.alias();
         let extracted = match kind {
-            Kind::Text => "CAST(json_extract(r.record, ?) AS TEXT)",
-            Kind::Number | Kind::Bool => "json_extract(r.record, ?)",
+            Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
+            Kind::Number | Kind::Bool => format!("json_extract({record}.record, ?)"),
         };
         Some(Column {
-            sql: format!(
-                "(SELECT {extracted} FROM records r WHERE r.job_id = images.job_id AND r.frame = images.frame)"
-            ),
+            sql: extracted,
             binds: vec![Bind::Text(path)],
             kind,
             always: false,
+            join: Some(Join::Record),
         })
     };
     if let Some(kind) = name.strip_prefix("artifacts.") {
@@ -295,6 +295,7 @@ fn open_family(name: &str) -> Option<Column> {
             binds: vec![Bind::Text(kind.to_owned())],
             kind: Kind::Text,
             always: false,
+            join: None,
         });
     }
     if let Some(label) = name.strip_prefix("labels.") {

@@ -13,6 +13,11 @@ mod lexer;
 
 pub(crate) use compile::compile;
 
+use std::collections::BTreeSet;
+
+use crate::error::CatalogueError;
+use crate::joins::Join;
+
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -36,6 +41,8 @@ pub(crate) struct Column {
     pub(crate) kind: Kind,
     /// Whether every row has a value.
     pub(crate) always: bool,
+    /// The row beside that of the image in which it stands.
+    pub(crate) join: Option<Join>,
 }
 
 /// A condition as SQL.
@@ -43,6 +50,7 @@ pub(crate) struct Column {
 pub(crate) struct Compiled {
     pub(crate) sql: String,
     pub(crate) binds: Vec<Bind>,
+    pub(crate) joins: BTreeSet<Join>,
 }
 
 /// A filter that cannot be read.
@@ -55,6 +63,16 @@ pub struct FilterError {
     pub message: String,
     /// The nearest name.
     pub did_you_mean: Option<String>,
+}
+
+/// A question that is refused for another reason than its filter.
+pub(crate) fn refused(message: String) -> CatalogueError {
+    FilterError {
+        position: 0,
+        message,
+        did_you_mean: None,
+    }
+    .into()
 }
 
 /// The nearest of some names, if one is near.

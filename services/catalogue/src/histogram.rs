@@ -4,12 +4,13 @@ use futures::TryStreamExt;
 use sqlx::sqlite::SqliteConnection;
 use sqlx::{AssertSqlSafe, Row};
 
+use crate::asked::Asked;
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::filter::{FilterError, Kind};
+use crate::filter::{Kind, refused};
 use crate::images::bound;
-use crate::page::{column, condition};
+use crate::page::column;
 use crate::stats::check_dataset;
 use crate::types::Histogram;
 
@@ -46,15 +47,6 @@ impl Catalogue {
     }
 }
 
-fn refused(message: String) -> CatalogueError {
-    FilterError {
-        position: 0,
-        message,
-        did_you_mean: None,
-    }
-    .into()
-}
-
 /// The values of a column and how many rows have none.
 async fn values(
     connection: &mut SqliteConnection,
@@ -68,18 +60,11 @@ async fn values(
     if column.kind != Kind::Number {
         return Err(refused(format!("`{name}` is no number")));
     }
-    let filter = condition(columns, filter)?;
-    let sql = format!(
-        "SELECT {} FROM images
-         WHERE images.dataset = ? AND images.job_id NOT IN (SELECT job_id FROM deletions) AND ({})",
-        column.sql, filter.sql
-    );
-    let mut statement = sqlx::query(AssertSqlSafe(sql));
-    for bind in &column.binds {
-        statement = bound(statement, Some(bind));
-    }
-    statement = statement.bind(dataset);
-    for bind in &filter.binds {
+    let mut asked = Asked::of_dataset(columns, dataset, filter)?;
+    asked.select(&column);
+    let (text, binds) = asked.statement()?;
+    let mut statement = sqlx::query(AssertSqlSafe(text));
+    for bind in &binds {
         statement = bound(statement, Some(bind));
     }
     let (mut values, mut missing) = (Vec::new(), 0);

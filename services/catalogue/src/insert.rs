@@ -31,6 +31,7 @@ pub(crate) struct NewImage {
     /// Of each subject, in the order of the metrics. One that the catalogue does not know stays in the record only.
     measurements: Vec<(String, Vec<Option<f64>>)>,
     artifacts: Vec<ArtifactEntry>,
+    warnings: i64,
     now_ms: u64,
 }
 
@@ -55,6 +56,7 @@ impl NewImage {
             parameters: Columns::parameter_values(&json),
             measurements: measured.collect(),
             artifacts: record.artifacts.clone(),
+            warnings: record.warnings.len() as i64,
             now_ms,
         })
     }
@@ -123,15 +125,16 @@ async fn insert_rows(
     let names: String = Columns::parameter_names()
         .map(|name| format!(", \"{name}\""))
         .collect();
-    let head = format!("INSERT INTO images (job_id, frame, dataset, created_ms, digest{names})");
-    let width = 5 + Columns::parameter_names().count();
+    let head = format!("INSERT INTO images (job_id, frame, dataset, created_ms, digest, warnings{names})");
+    let width = 6 + Columns::parameter_names().count();
     insert_all(connection, &head, width, new, |statement, (image, dataset, _)| {
         let fixed = statement
             .bind(&image.job)
             .bind(image.frame)
             .bind(dataset)
             .bind(image.now_ms as i64)
-            .bind(&image.digest);
+            .bind(&image.digest)
+            .bind(image.warnings);
         image
             .parameters
             .iter()

@@ -4,6 +4,7 @@
 //! answers them when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
 //! full beside the operation they belong to; values are always bound.
 
+mod asked;
 mod catalogue;
 mod columns;
 mod cursor;
@@ -15,6 +16,7 @@ mod histogram;
 mod images;
 mod insert;
 mod jobs;
+mod joins;
 mod metadata;
 mod open;
 mod page;

@@ -1,5 +1,7 @@
 //! Pages of images: filter, order, fields, and cursors that begin the next page where the last one ended.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{AssertSqlSafe, Row, TypeInfo, ValueRef};
@@ -9,7 +11,11 @@ use crate::cursor;
 use crate::error::CatalogueError;
 use crate::filter::{self, Bind, Column, Compiled, FilterError};
 use crate::images::bound;
+use crate::joins::Joins;
 use crate::types::{ImageQuery, Page};
+
+/// Every column of a dataset with ten enhancements are some hundreds; SQLite answers 2000.
+const MOST_FIELDS: usize = 1000;
 
 /// A column by its name, or an error with the nearest one.
 pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueError> {
@@ -30,6 +36,7 @@ pub(crate) fn condition(columns: &Columns, text: Option<&str>) -> Result<Compile
         None => Ok(Compiled {
             sql: "1".to_owned(),
             binds: Vec::new(),
+            joins: BTreeSet::new(),
         }),
         Some(text) => Ok(filter::compile(
             text,
@@ -83,6 +90,10 @@ impl Question {
         } else {
             query.fields.clone()
         };
+        if names.len() > MOST_FIELDS {
+            let message = format!("{} fields; there may be {MOST_FIELDS}", names.len());
+            return Err(filter::refused(message));
+        }
         let mut selected = names
             .iter()
             .map(|name| column(columns, name))
@@ -99,7 +110,14 @@ impl Question {
             sql.column(column);
         }
         let filter = condition(columns, query.filter.as_deref())?;
-        sql.push(" FROM images WHERE images.job_id NOT IN (SELECT job_id FROM deletions) AND (");
+        let mut joins = Joins::default();
+        selected.iter().for_each(|column| joins.add(column));
+        joins.add_all(&filter.joins);
+        let (images, subjects) = joins.images()?;
+        sql.push(" FROM ");
+        sql.text.push_str(&images);
+        sql.binds.extend(subjects.into_iter().map(Some));
+        sql.push(" WHERE images.job_id NOT IN (SELECT job_id FROM deletions) AND (");
         sql.text.push_str(&filter.sql);
         sql.binds.extend(filter.binds.into_iter().map(Some));
         sql.push(")");

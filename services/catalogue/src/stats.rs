@@ -7,11 +7,12 @@ use serde_json::Value;
 use sqlx::sqlite::SqliteConnection;
 use sqlx::{AssertSqlSafe, Row};
 
+use crate::asked::Asked;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::filter::{FilterError, Kind};
+use crate::filter::{Kind, refused};
 use crate::images::bound;
-use crate::page::{column, condition, value};
+use crate::page::{column, value};
 use crate::types::GroupStats;
 
 /// What is asked for.
@@ -22,55 +23,85 @@ pub(crate) struct Question<'a> {
     pub(crate) filter: Option<&'a str>,
 }
 
+/// More metrics than there are help nobody.
+const MOST_METRICS: usize = 64;
+
+/// One pass over the images for all metrics. The quartiles need every value, and SQLite takes longer to sort them than
+/// to hand them over: with three groups 3.3 us a value for aggregates and ranks, against 0.6 us.
 pub(crate) async fn stats(
     connection: &mut SqliteConnection,
     columns: &Columns,
     question: &Question<'_>,
 ) -> Result<Vec<GroupStats>, CatalogueError> {
     check_dataset(connection, question.dataset).await?;
-    let filter = condition(columns, question.filter)?;
-    let mut all = Vec::new();
+    if question.metrics.len() > MOST_METRICS {
+        let message = format!("{} metrics; there may be {MOST_METRICS}", question.metrics.len());
+        return Err(refused(message));
+    }
+    let mut sql = Asked::of_dataset(columns, question.dataset, question.filter)?;
     for metric in question.metrics {
         let measured = column(columns, metric)?;
         if measured.kind != Kind::Number {
-            let message = format!("`{metric}` is no number");
-            return Err(FilterError {
-                position: 0,
-                message,
-                did_you_mean: None,
-            }
-            .into());
+            return Err(refused(format!("`{metric}` is no number")));
         }
-        let group = question.group_by.map(|name| column(columns, name)).transpose()?;
-        let (group_sql, group_binds) = group.map_or(("NULL".to_owned(), Vec::new()), |g| (g.sql, g.binds));
-        let sql = format!(
-            "SELECT {group_sql}, {} FROM images
-             WHERE images.dataset = ? AND images.job_id NOT IN (SELECT job_id FROM deletions) AND ({})",
-            measured.sql, filter.sql
-        );
-        let mut statement = sqlx::query(AssertSqlSafe(sql));
-        for bind in group_binds.iter().chain(&measured.binds) {
-            statement = bound(statement, Some(bind));
-        }
-        statement = statement.bind(question.dataset);
-        for bind in &filter.binds {
-            statement = bound(statement, Some(bind));
-        }
-        let mut groups: BTreeMap<String, (Value, Vec<f64>)> = BTreeMap::new();
-        let mut rows = statement.fetch(&mut *connection);
-        while let Some(row) = rows.try_next().await? {
-            let group = value(&row, 0)?;
-            let values = &mut groups.entry(group.to_string()).or_insert((group, Vec::new())).1;
-            values.extend(row.try_get_unchecked::<Option<f64>, _>(1)?);
-        }
-        drop(rows);
-        all.extend(
-            groups
-                .into_values()
-                .map(|(group, values)| summary(group, metric, values)),
-        );
+        sql.select(&measured);
     }
-    Ok(all)
+    if let Some(name) = question.group_by {
+        sql.select(&column(columns, name)?);
+    }
+    let mut groups = Groups::default();
+    let metrics = question.metrics.len();
+    let (text, binds) = sql.statement()?;
+    let mut statement = sqlx::query(AssertSqlSafe(text));
+    for bind in &binds {
+        statement = bound(statement, Some(bind));
+    }
+    let mut rows = statement.fetch(connection);
+    while let Some(row) = rows.try_next().await? {
+        let group = match question.group_by {
+            Some(_) => value(&row, metrics)?,
+            None => Value::Null,
+        };
+        let columns = groups.of(group, metrics);
+        for (at, values) in columns.iter_mut().enumerate() {
+            values.extend(row.try_get_unchecked::<Option<f64>, _>(at)?);
+        }
+    }
+    drop(rows);
+    Ok(groups.summaries(question.metrics))
+}
+
+/// The values of each metric, group by group.
+#[derive(Default)]
+struct Groups {
+    all: BTreeMap<String, usize>,
+    values: Vec<(Value, Vec<Vec<f64>>)>,
+    /// Neighbours are often of one group.
+    last: usize,
+}
+
+impl Groups {
+    fn of(&mut self, group: Value, metrics: usize) -> &mut Vec<Vec<f64>> {
+        if self.values.get(self.last).is_none_or(|(last, _)| *last != group) {
+            self.last = *self.all.entry(group.to_string()).or_insert_with(|| {
+                self.values.push((group, vec![Vec::new(); metrics]));
+                self.values.len() - 1
+            });
+        }
+        &mut self.values[self.last].1
+    }
+
+    /// Metric by metric, in the order of the groups' texts.
+    fn summaries(mut self, metrics: &[String]) -> Vec<GroupStats> {
+        let mut all = Vec::new();
+        for (at, metric) in metrics.iter().enumerate() {
+            for &index in self.all.values() {
+                let (group, values) = &mut self.values[index];
+                all.push(summary(group.clone(), metric, std::mem::take(&mut values[at])));
+            }
+        }
+        all
+    }
 }
 
 pub(crate) async fn check_dataset(

@@ -1,12 +1,14 @@
 //! Space comes back after a deletion, and a full disk is told and survived.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::common::bytes::{noise_png, png};
 use crate::common::worker::Fake;
-use crate::common::{Running, job, start, start_in_folder};
+use crate::common::{Running, Setup, job, start, start_in_folder};
+use fathom_api::Limits;
 use serde_json::json;
 
 /// Bytes of all files below a folder.
@@ -98,7 +100,7 @@ fn a_full_disk_is_told_reading_goes_on_and_writing_goes_on_when_there_is_space_a
         eprintln!("this user may not mount a file system: nothing was tested");
         return;
     };
-    let service = start_in_folder(folder.path());
+    let service = start_in_folder(folder.path(), Setup::default());
     let worker = Fake::register(&service);
     let before = render(&service, &worker, "tests", 1, 300);
     let ballast = folder.path().join("ballast");
@@ -130,6 +132,55 @@ fn a_full_disk_is_told_reading_goes_on_and_writing_goes_on_when_there_is_space_a
         "done"
     );
     assert_eq!(service.upload(&[("rgb", &png(8, 6))]).status, 201);
+    drop(service.stop());
+    drop(small);
+}
+
+/// Takes the last byte of the disk.
+fn fill_up(ballast: &Path) {
+    let mut file = std::fs::File::create(ballast).unwrap();
+    for size in [1 << 20, 4096, 1] {
+        while file.write_all(&vec![7; size]).is_ok() {}
+    }
+}
+
+#[test]
+fn a_job_can_be_deleted_on_a_disk_without_a_free_byte_and_its_space_is_used_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(small) = Small::mount(folder.path(), "32m") else {
+        eprintln!("this user may not mount a file system: nothing was tested");
+        return;
+    };
+    let limits = Limits {
+        reserve_bytes: 4 << 20,
+        ..Limits::default()
+    };
+    let service = start_in_folder(
+        folder.path(),
+        Setup {
+            limits,
+            ..Setup::default()
+        },
+    );
+    let worker = Fake::register(&service);
+    let jobs: Vec<String> = (0..6)
+        .map(|seed| render(&service, &worker, "gone", seed, 1000))
+        .collect();
+    fill_up(&folder.path().join("ballast"));
+    service
+        .upload(&[("rgb", &noise_png(300, 99))])
+        .problem(507, "storage-full");
+
+    for job in &jobs {
+        let deleted = service.delete(&format!("/v1/jobs/{job}"));
+        assert_eq!(deleted.status, 200, "{}", deleted.text());
+    }
+    eventually("readiness", || service.get("/readyz").status == 200);
+    assert_eq!(service.upload(&[("rgb", &noise_png(300, 99))]).status, 201);
+    let kept = std::fs::metadata(folder.path().join("space.reserve"))
+        .unwrap()
+        .len();
+    assert_eq!(kept, limits.reserve_bytes, "laid aside for the next time");
     drop(service.stop());
     drop(small);
 }

@@ -1,7 +1,10 @@
 //! From tokens to SQL, by recursive descent.
 
+use std::collections::BTreeSet;
+
 use super::lexer::{Token, tokens};
 use super::{Bind, Column, Compiled, FilterError, Kind, nearest};
+use crate::joins::Join;
 
 /// Deeper nesting is refused, so that no filter exhausts the stack.
 const MOST_DEPTH: usize = 64;
@@ -23,6 +26,7 @@ pub(crate) fn compile(
         names,
         depth: 0,
         binds: Vec::new(),
+        joins: BTreeSet::new(),
     };
     let sql = parser.either()?;
     if parser.next < parser.tokens.len() {
@@ -31,6 +35,7 @@ pub(crate) fn compile(
     Ok(Compiled {
         sql,
         binds: parser.binds,
+        joins: parser.joins,
     })
 }
 
@@ -42,6 +47,7 @@ struct Parser<'a> {
     names: &'a [String],
     depth: usize,
     binds: Vec<Bind>,
+    joins: BTreeSet<Join>,
 }
 
 impl Parser<'_> {
@@ -91,6 +97,7 @@ impl Parser<'_> {
             did_you_mean: nearest(&name, self.names),
         })?;
         self.binds.extend(column.binds.iter().cloned());
+        self.joins.extend(column.join.clone());
         let sql = &column.sql;
         // Two-valued: what is missing compares as false. Where nothing is missing an index can be used.
         let known = |condition: String| {
@@ -278,6 +285,7 @@ mod tests {
             binds,
             kind,
             always: false,
+            join: None,
         })
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use catalogue::{Catalogue, FailureRow, synthetic};
 use fathom_catalogue as catalogue;
 use sqlx::sqlite::SqliteConnectOptions;
-use sqlx::{ConnectOptions, Connection, Executor};
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Executor};
 
 pub(crate) struct Fixture {
     pub(crate) catalogue: Arc<Catalogue>,
@@ -62,9 +62,9 @@ async fn open(folder: &tempfile::TempDir) -> Arc<Catalogue> {
 }
 
 /// Runs statements on a file that may not be there yet.
-pub(crate) async fn sabotage(path: &Path, sql: &'static str) {
+pub(crate) async fn sabotage(path: &Path, sql: &str) {
     let options = SqliteConnectOptions::new().filename(path).create_if_missing(true);
     let mut connection = options.connect().await.unwrap();
-    connection.execute(sql).await.unwrap();
+    connection.execute(AssertSqlSafe(sql.to_owned())).await.unwrap();
     connection.close().await.unwrap();
 }

@@ -13,7 +13,9 @@ const FIRST: &str = include_str!("first.sql");
 async fn opened() -> Fixture {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("catalogue.sqlite");
-    sabotage(&path, FIRST).await;
+    // One of its images had a warning.
+    let first = FIRST.replacen(r#""warnings":[]"#, r#""warnings":["odd"]"#, 1);
+    sabotage(&path, &first).await;
     let catalogue = Catalogue::open(&path, &synthetic::metrics()).await.unwrap();
     Fixture {
         catalogue: Arc::new(catalogue),
@@ -64,6 +66,22 @@ async fn rows_of_the_first_version_are_kept_and_found() {
             "only when it is asked for"
         );
     }
+    let warned = |filter: &str| ImageQuery {
+        filter: Some(filter.to_owned()),
+        limit: 5,
+        ..ImageQuery::default()
+    };
+    let page = at.catalogue.images(warned("warned")).await.unwrap();
+    assert_eq!((page.items.len(), &page.items[0]["frame"]), (1, &Value::from(0)));
+    assert_eq!(
+        at.catalogue
+            .images(warned("not warned"))
+            .await
+            .unwrap()
+            .items
+            .len(),
+        2
+    );
     assert_eq!(at.all_failures("job_sad").await.len(), 2);
 }
 

@@ -40,6 +40,7 @@ pub(crate) async fn create(State(app): State<Shared>) -> Result<(StatusCode, Jso
 }
 
 async fn copy(app: &Shared) -> Result<BackupView, Problem> {
+    app.space.room().await?;
     // Nothing that a copied row names may be taken away before its bytes are copied.
     let _alone = app.upkeep.lock().await;
     let backups = app.data.join("backups");

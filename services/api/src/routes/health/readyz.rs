@@ -20,7 +20,7 @@ pub(crate) async fn readyz(State(app): State<Shared>) -> Result<&'static str, Pr
         return Err(Problem::new(Slug::StorageFull, detail));
     }
     app.catalogue
-        .counts()
+        .job("")
         .await
         .map_err(|error| Problem::overloaded(error.to_string()))?;
     Ok("ready\n")

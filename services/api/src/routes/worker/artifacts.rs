@@ -16,6 +16,7 @@ pub(crate) async fn artifacts(
     Checked(PutArtifacts { claim, artifacts }, _): Checked<PutArtifactsRequest, PutArtifacts>,
 ) -> Result<ProtoBody<PutArtifactsResponse>, Problem> {
     app.dispatch.check(&claim).map_err(|_| stale_lease(&claim))?;
+    app.space.room().await?;
     let blobs = artifacts.into_iter().map(|file| Blob {
         digest: file.digest,
         bytes: file.data,

@@ -47,6 +47,7 @@ async fn held(app: &App, claim: &Claim, record: &FrameRecord) -> Result<bool, Pr
 }
 
 async fn insert(app: &App, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
+    app.space.room().await?;
     let _turn = app.naming.beside_others().await;
     for artifact in &record.artifacts {
         if !app.store.contains(&artifact.digest).await? {

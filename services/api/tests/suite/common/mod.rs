@@ -29,7 +29,10 @@ impl Default for Setup {
     fn default() -> Self {
         Self {
             token: None,
-            limits: Limits::default(),
+            limits: Limits {
+                reserve_bytes: 0,
+                ..Limits::default()
+            },
             clock: Clock::system(),
             library: None,
             program: "/bin/false",
@@ -97,8 +100,8 @@ pub(crate) fn start_on(data: TempDir, setup: Setup) -> Running {
 }
 
 /// A service over a folder that somebody else removes.
-pub(crate) fn start_in_folder(folder: &Path) -> Running {
-    start_at(tempfile::tempdir().unwrap(), folder.to_owned(), Setup::default())
+pub(crate) fn start_in_folder(folder: &Path, setup: Setup) -> Running {
+    start_at(tempfile::tempdir().unwrap(), folder.to_owned(), setup)
 }
 
 fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
