@@ -217,6 +217,23 @@ impl Service {
         )
     }
 
+    /// DELETE, as JSON with its status.
+    ///
+    /// # Panics
+    /// When the service does not answer.
+    #[must_use]
+    pub fn delete(&self, path: &str) -> (u16, Value) {
+        let mut response = agent()
+            .delete(format!("{}{path}", self.url))
+            .call()
+            .expect("the service answers");
+        let bytes = response.body_mut().read_to_vec().expect("a whole answer");
+        (
+            response.status().as_u16(),
+            serde_json::from_slice(&bytes).unwrap_or_default(),
+        )
+    }
+
     /// POST of a form with these fields.
     ///
     /// # Panics

@@ -44,6 +44,7 @@ mod styles;
 mod submit;
 mod telemetry;
 mod time;
+mod trainings;
 mod uploaded;
 mod uploads;
 mod wait;

@@ -14,6 +14,16 @@ pub(crate) const PICTURES_BYTES: usize = 200 << 20;
 pub(crate) const PICTURE_PIXELS: usize = 16_000_000;
 /// A style model and its form: the largest network that anybody tried for this has 7 MB.
 pub(crate) const STYLE_BYTES: usize = 64 << 20;
+/// Photos of one water.
+pub(crate) const PHOTOS: usize = 8;
+/// The photos of a training and its form.
+pub(crate) const PHOTOS_BYTES: usize = 128 << 20;
+/// Steps of a training: five times what the shipped waters took.
+pub(crate) const STEPS: u32 = 5000;
+/// Trainings that wait for each other: each keeps its photos on the disk.
+pub(crate) const OPEN_TRAININGS: usize = 8;
+/// Trainings that can still be asked after: a few kilobytes each.
+pub(crate) const KNOWN_TRAININGS: usize = 100;
 /// A text of a style's card.
 pub(crate) const CARD_TEXT_BYTES: usize = 4096;
 /// Styles that may be added: the list of all is one page.

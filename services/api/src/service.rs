@@ -27,6 +27,7 @@ use crate::naming::Naming;
 use crate::space::Space;
 use crate::state::{App, Shared};
 use crate::styles::{AddedStyleError, Styles};
+use crate::trainings::Trainings;
 use crate::watch::Watch;
 use crate::{control, listener, reclaim, routes, strikes, telemetry};
 
@@ -171,6 +172,7 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         ),
         pictures: Compute::new(surroundings.limits.pictures),
         styles: Styles::open(&config.data, config.library.clone())?,
+        trainings: Trainings::new(&config.worker_program, surroundings.limits.children),
         style_trial: config.style_trial,
         style_runtime: surroundings.style_runtime,
         turn: Mutex::default(),

@@ -18,6 +18,7 @@ use crate::estimate::Experience;
 use crate::naming::Naming;
 use crate::space::Space;
 use crate::styles::Styles;
+use crate::trainings::Trainings;
 use crate::watch::Watch;
 
 /// The parts of a running service.
@@ -34,6 +35,7 @@ pub(crate) struct App {
     pub(crate) pictures: Compute,
     pub(crate) children: Children,
     pub(crate) styles: Styles,
+    pub(crate) trainings: Trainings,
     /// How long a network that a user adds may take to be tried.
     pub(crate) style_trial: Duration,
     /// Version of the ONNX Runtime that this machine's workers find, or why there is none.

@@ -56,6 +56,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
         .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
         .merge(group(submit, &uploads, upload, limits::STYLE_BYTES).around(adding(), tokens))
+        .merge(group(submit, &uploads, upload, limits::PHOTOS_BYTES).around(training(), tokens))
         .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
         .merge(group(submit, &waits, upload, limits::JSON_BYTES).around(verifying(), tokens))
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
@@ -98,7 +99,9 @@ fn reading() -> OpenApiRouter<Shared> {
 }
 
 fn following() -> OpenApiRouter<Shared> {
-    OpenApiRouter::new().routes(routes!(jobs::get::get))
+    OpenApiRouter::new()
+        .routes(routes!(jobs::get::get))
+        .routes(routes!(styles::training::get))
 }
 
 fn streaming() -> OpenApiRouter<Shared> {
@@ -115,6 +118,7 @@ fn submitting() -> OpenApiRouter<Shared> {
         .routes(routes!(jobs::create::create))
         .routes(routes!(jobs::preview::preview))
         .routes(routes!(jobs::delete::delete))
+        .routes(routes!(styles::training::delete))
         .routes(routes!(jobs::cancel::cancel))
         .routes(routes!(jobs::pause::pause))
         .routes(routes!(jobs::resume::resume))
@@ -132,6 +136,10 @@ fn uploading() -> OpenApiRouter<Shared> {
 
 fn adding() -> OpenApiRouter<Shared> {
     OpenApiRouter::new().routes(routes!(styles::create::create))
+}
+
+fn training() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(styles::train::train))
 }
 
 fn verifying() -> OpenApiRouter<Shared> {

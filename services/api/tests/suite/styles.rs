@@ -202,3 +202,79 @@ fn a_damaged_style_is_left_out_and_the_service_still_starts() {
     );
     assert!(!folder.join(".new-abc").exists());
 }
+
+#[test]
+fn a_training_that_cannot_be_taken_is_refused_by_field() {
+    let service = start_with(trusting());
+    let refused: [Refused; 9] = [
+        (&[("photo", b"p")], "/name", "1 to 64"),
+        (&[("name", b"harbour")], "/photo", "missing"),
+        (&[("name", b"Big Bay"), ("photo", b"p")], "/name", "a-z, 0-9"),
+        (
+            &[("name", b"a"), ("photo", b"p"), ("steps", b"0")],
+            "/steps",
+            "1..=5000",
+        ),
+        (
+            &[("name", b"a"), ("photo", b"p"), ("steps", b"many")],
+            "/steps",
+            "many",
+        ),
+        (&[("name", b"a"), ("photo", b"p"), ("seed", b"-1")], "/seed", "-1"),
+        (
+            &[("name", b"a"), ("photo", b"p"), ("step", b"9")],
+            "/step",
+            "steps",
+        ),
+        (
+            &[("name", b"a"), ("name", b"b"), ("photo", b"p")],
+            "/name",
+            "twice",
+        ),
+        (
+            &[("name", b"a"), ("photo", b"p"), ("licence", &[b'x'; 5000])],
+            "/licence",
+            "4096",
+        ),
+    ];
+    for (form, pointer, says) in refused {
+        let problem = service.form("/v1/styles/train", form).problem(422, "validation");
+        let error = &problem["errors"][0];
+        assert_eq!(error["pointer"], pointer, "{problem}");
+        assert!(error["message"].as_str().unwrap().contains(says), "{problem}");
+    }
+    let many = [("photo", &b"p"[..]); 9];
+    let problem = service.form("/v1/styles/train", &many).problem(422, "validation");
+    assert!(problem["detail"].as_str().unwrap().contains("more than 8"));
+    let shipped = [("name", &b"muddy"[..]), ("photo", b"p")];
+    service
+        .form("/v1/styles/train", &shipped)
+        .problem(409, "name-taken");
+    service
+        .get("/v1/styles/trainings/trn_0")
+        .problem(404, "not-found");
+    service
+        .get("/v1/styles/trainings/trn_0?wait=61")
+        .problem(400, "invalid-query");
+    service
+        .delete("/v1/styles/trainings/trn_0")
+        .problem(404, "not-found");
+    assert!(!service.folder().join("added-styles").exists());
+}
+
+/// A process that ends well and leaves nothing.
+#[test]
+fn a_training_without_a_result_has_failed_and_says_so() {
+    let service = start_with(trusting());
+    let taken = service.form("/v1/styles/train", &[("name", b"harbour"), ("photo", b"p")]);
+    assert_eq!(taken.status, 202, "{}", taken.text());
+    let training = service
+        .get(&format!("{}?wait=30", taken.header("location")))
+        .json();
+    assert_eq!(training["state"], "failed", "{training}");
+    assert!(
+        training["error"].as_str().unwrap().contains("left no onnx"),
+        "{training}"
+    );
+    assert!(!names(&service).contains(&"harbour".to_owned()));
+}

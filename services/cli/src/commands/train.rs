@@ -47,6 +47,12 @@ pub(crate) struct Arguments {
     /// Threads [default: one for each core]; their number changes no byte
     #[arg(long)]
     threads: Option<NonZeroU16>,
+    /// Only say whether the photos can be learned from
+    #[arg(long)]
+    check: bool,
+    /// File that tells the progress as JSON, for the service that asks for the training
+    #[arg(long, hide = true)]
+    progress: Option<PathBuf>,
 }
 
 /// A photo with its file's digest.
@@ -67,6 +73,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .iter()
         .map(|path| read(path))
         .collect::<Result<Vec<_>, _>>()?;
+    if arguments.check {
+        return Ok(());
+    }
     let threads = arguments.threads.map_or(0, |threads| usize::from(threads.get()));
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -104,12 +113,13 @@ fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<()
         start,
     };
     product.write(&trainer.best(), start, 0)?;
-    let mut progress = TrainingProgress::new(steps);
+    let mut progress = TrainingProgress::new(steps, arguments.progress.clone());
+    progress.tell(0)?;
     let mut done = 0;
     while !trainer.is_done() && !stop.load(Ordering::Relaxed) {
         let losses = trainer.step();
         done += 1;
-        progress.set(done, &losses);
+        progress.set(done, &losses)?;
     }
     progress.finish();
     let best = trainer.best();

@@ -118,7 +118,7 @@ async fn read(mut body: Multipart) -> Result<NewStyle, Problem> {
 }
 
 /// A text of bearable length.
-async fn text(mut field: Field<'_>) -> Result<String, Problem> {
+pub(super) async fn text(mut field: Field<'_>) -> Result<String, Problem> {
     let name = field.name().unwrap_or_default().to_owned();
     let refuse = |why: String| Problem::field(&format!("/{name}"), format!("`{name}` {why}"));
     let mut bytes = Vec::new();

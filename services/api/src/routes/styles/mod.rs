@@ -2,3 +2,5 @@
 
 pub(crate) mod create;
 pub(crate) mod list;
+pub(crate) mod train;
+pub(crate) mod training;
