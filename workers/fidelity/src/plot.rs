@@ -2,6 +2,7 @@
 
 mod bars;
 mod canvas;
+mod grid;
 mod heat;
 mod lines;
 
@@ -15,8 +16,9 @@ use plotters_backend::DrawingBackend;
 use plotters_svg::SVGBackend;
 
 pub use bars::{Bar, Bars};
+pub use grid::Grid;
 pub use heat::HeatMap;
-pub use lines::{Axis, Lines, Mark, Series};
+pub use lines::{Axis, Form, Lines, Mark, Series};
 
 use canvas::Canvas;
 

@@ -1,12 +1,16 @@
 //! `fathom chart`: error against time of the variants of each stage.
 
+mod style;
+
 use std::path::{Path, PathBuf};
 
+use ::style::Library;
 use anyhow::Context;
 use fidelity::chart::{
-    self, ChartScene, Point, STAGES, cost, cost_chart, csv, error_chart, mark_pareto, standard_scenes,
+    self, ChartScene, Measure, Point, STAGES, cost, cost_chart, csv, error_chart, error_sheet, mark_pareto,
+    standard_scenes, summary,
 };
-use fidelity::plot::{self, Lines};
+use fidelity::plot::{self, Figure};
 use imaging::Raster;
 use imaging::geometry::Intrinsics;
 use scenes::uploaded::{RangeBytes, RangeKind, Upload, decode};
@@ -20,7 +24,7 @@ use crate::{files, machine};
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// Only this stage
-    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(STAGES.into_iter().chain(["cost"])))]
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(STAGES.into_iter().chain([style::STAGE, "cost"])))]
     stage: Option<String>,
     /// A picture of one's own in place of the standard scenes; needs --range
     #[arg(long, value_name = "FILE", requires = "range")]
@@ -28,7 +32,7 @@ pub(crate) struct Arguments {
     /// Range of the picture in metres along the ray, a float file (.npy)
     #[arg(long, value_name = "FILE")]
     range: Option<PathBuf>,
-    /// Folder for chart.json, chart.csv and the drawings
+    /// Folder for chart.json (the points), chart.csv, machine.json, figures.md and the drawings
     #[arg(long, value_name = "DIR", default_value = "charts")]
     out: PathBuf,
     /// Columns of the standard scenes; rows follow as 492 to 768
@@ -50,7 +54,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         (Some(picture), Some(range)) => vec![own(picture, range)?],
         _ => standard(arguments.width as usize)?,
     };
-    let stages: Vec<&str> = STAGES.into_iter().filter(|stage| wanted(stage)).collect();
+    let stages: Vec<&str> = STAGES
+        .into_iter()
+        .chain([style::STAGE])
+        .filter(|stage| wanted(stage))
+        .collect();
+    let library = Library::embedded().context("the embedded style models")?;
     let mut progress = Progress::new("chart", (scenes.len() * stages.len()) as u64 + 1);
     let mut points: Vec<Point> = Vec::new();
     let mut done = 0;
@@ -60,6 +69,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 "forward_scatter" => chart::forward_scatter(scene, runs),
                 "haze" => chart::haze(scene, runs),
                 "homomorphic" => chart::homomorphic(scene, runs),
+                "lamps" => chart::glow(scene, runs),
+                style::STAGE => style::tiers(scene, &library, runs),
                 _ => chart::whole_frame(scene, runs),
             });
             done += 1;
@@ -81,10 +92,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 scene.range.width(),
                 scene.range.height()
             );
+            let name = format!("{stage}-{}", scene.name);
+            draw(&arguments.out, &name, &error_chart(&title, &of, Measure::Max))?;
             draw(
                 &arguments.out,
-                &format!("{stage}-{}", scene.name),
-                &error_chart(&title, &of),
+                &format!("{name}-measures"),
+                &error_sheet(&title, &of),
             )?;
         }
     }
@@ -92,19 +105,28 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         draw(&arguments.out, "cost-size", &cost_chart(&points, false))?;
         draw(&arguments.out, "cost-terms", &cost_chart(&points, true))?;
     }
-    let data = json!({"machine": machine::describe(), "runs": runs, "points": points});
-    let text = serde_json::to_string_pretty(&data).context("points as JSON")?;
+    let text = serde_json::to_string_pretty(&points).context("points as JSON")?;
     files::write(&arguments.out.join("chart.json"), text.as_bytes())?;
+    let about = json!({"machine": machine::describe(), "version": env!("CARGO_PKG_VERSION"), "runs": runs});
+    let about = serde_json::to_string_pretty(&about).context("the machine as JSON")?;
+    files::write(&arguments.out.join("machine.json"), about.as_bytes())?;
+    let scene = scenes.last().context("at least one scene")?;
+    let tables = format!(
+        "# Figures of the charts\n\nWritten by `fathom chart`: {}; {runs} runs of each, after one to warm up.\n{}",
+        machine::describe(),
+        summary(&points, scene)
+    );
+    files::write(&arguments.out.join("figures.md"), tables.as_bytes())?;
     files::write(&arguments.out.join("chart.csv"), csv(&points).as_bytes())?;
     println!("{} points: {}", points.len(), arguments.out.display());
     Ok(())
 }
 
 /// Writes a drawing as SVG and PNG.
-pub(crate) fn draw(folder: &Path, name: &str, lines: &Lines) -> Result<(), Failure> {
+pub(crate) fn draw(folder: &Path, name: &str, figure: &impl Figure) -> Result<(), Failure> {
     let path = |extension: &str| folder.join(format!("{name}.{extension}"));
-    files::write(&path("svg"), plot::svg(lines).context("cannot draw")?.as_bytes())?;
-    let picture = plot::picture(lines).context("cannot draw")?;
+    files::write(&path("svg"), plot::svg(figure).context("cannot draw")?.as_bytes())?;
+    let picture = plot::picture(figure).context("cannot draw")?;
     files::write_picture(&path("png"), &Raster::from(picture))
 }
 

@@ -1,7 +1,7 @@
 //! The campaign in figures, words and drawings.
 
 use super::Outcome;
-use crate::plot::{Axis, Lines, Mark, Series};
+use crate::plot::{Axis, Form, Lines, Mark, Series};
 
 /// Figures of a campaign.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,12 @@ pub struct Summary {
     pub excess_95: f64,
     /// The largest.
     pub excess_max: f64,
+    /// The same by the clock, frame by frame.
+    pub clock_median: f64,
+    /// 95 % took no longer.
+    pub clock_95: f64,
+    /// Largest difference of 8-bit codes where `display` was asked for.
+    pub display_codes: u8,
 }
 
 /// Errors below this are mostly rounding.
@@ -46,6 +52,8 @@ impl Summary {
         let loud = outcomes.iter().filter(|o| o.error > ROUNDING && o.terms > 0);
         let ratios = sorted(loud.map(|o| o.bound / o.error).collect());
         let excess = sorted(outcomes.iter().map(Outcome::excess).collect());
+        let first = outcomes.iter().filter(|o| o.channel == 0);
+        let clock = sorted(first.map(Outcome::excess_ms).collect());
         Self {
             channels: outcomes.len(),
             broken: outcomes.iter().filter(|o| o.is_broken()).count(),
@@ -55,6 +63,9 @@ impl Summary {
             excess_median: at(&excess, 0.5),
             excess_95: at(&excess, 0.95),
             excess_max: at(&excess, 1.0),
+            clock_median: at(&clock, 0.5),
+            clock_95: at(&clock, 0.95),
+            display_codes: outcomes.iter().map(|o| o.display_codes).max().unwrap_or(0),
         }
     }
 }
@@ -63,19 +74,43 @@ impl Summary {
 #[must_use]
 pub fn markdown(outcomes: &[Outcome]) -> String {
     let summary = Summary::of(outcomes);
-    let mut text = format!(
-        "| figure | value |\n|---|---|\n| channels | {} |\n| of them transformed | {} |\n| errors above their bound | {} |\n\
-         | bound / error, smallest | {:.2} |\n| bound / error, median | {:.1} |\n| cost / cheapest, median | {:.2} |\n\
-         | cost / cheapest, 95 % | {:.2} |\n| cost / cheapest, largest | {:.2} |\n",
-        summary.channels,
-        summary.transformed,
-        summary.broken,
-        summary.closest,
-        summary.ratio_median,
-        summary.excess_median,
-        summary.excess_95,
-        summary.excess_max
+    let mut text = "| figure | value | promised |\n|---|---|---|\n".to_owned();
+    let mut row = |what: &str, value: String, promised: &str| {
+        text.push_str(&format!("| {what} | {value} | {promised} |\n"));
+    };
+    row("channels of frames", summary.channels.to_string(), "");
+    row("of them transformed", summary.transformed.to_string(), "");
+    row("errors above their bound", summary.broken.to_string(), "0");
+    row(
+        "bound / error, smallest",
+        format!("{:.2}", summary.closest),
+        "≥ 1",
     );
+    row(
+        "bound / error, median",
+        format!("{:.1}", summary.ratio_median),
+        "",
+    );
+    let codes = summary.display_codes.to_string();
+    row("8-bit codes off where `display` is asked for, most", codes, "≤ 1");
+    let excess = |value: f64| format!("{value:.2}");
+    row(
+        "kernels: cost / cheapest, median",
+        excess(summary.excess_median),
+        "≤ 1.5",
+    );
+    row("kernels: cost / cheapest, 95 %", excess(summary.excess_95), "≤ 2");
+    row(
+        "kernels: cost / cheapest, largest",
+        excess(summary.excess_max),
+        "",
+    );
+    row(
+        "clock: cost / cheapest, median",
+        excess(summary.clock_median),
+        "≤ 1.5",
+    );
+    row("clock: cost / cheapest, 95 %", excess(summary.clock_95), "≤ 2");
     for broken in outcomes.iter().filter(|o| o.is_broken()) {
         text.push_str(&format!(
             "\n- frame {} channel {} ({}): error {:.2e} above {:.2e}",
@@ -101,7 +136,7 @@ pub fn bound_chart(outcomes: &[Outcome]) -> Lines {
             .filter(|o| o.about.starts_with(name) && o.terms > 0)
             .map(|o| mark(o.bound, floor(o.error)))
             .collect(),
-        joined: false,
+        form: Form::Dots,
     };
     let limit = [1e-6, 0.1].map(|v| mark(v, v)).into();
     let axis = |title: &str| Axis {
@@ -118,7 +153,7 @@ pub fn bound_chart(outcomes: &[Outcome]) -> Lines {
             Series {
                 name: "error = bound".to_owned(),
                 marks: limit,
-                joined: true,
+                form: Form::Line,
             },
         ],
     }
@@ -145,7 +180,7 @@ pub fn cost_chart(outcomes: &[Outcome]) -> Lines {
         series: vec![Series {
             name: "campaign".to_owned(),
             marks: marks.collect(),
-            joined: true,
+            form: Form::Joined,
         }],
     }
 }
@@ -154,6 +189,7 @@ fn mark(x: f64, y: f64) -> Mark {
     Mark {
         x,
         y,
+        reach: None,
         label: String::new(),
         ringed: false,
     }

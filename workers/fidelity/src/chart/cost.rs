@@ -1,12 +1,14 @@
-//! Time against the size of the frame, the number of kernels and the number of lights.
+//! Time against the size of the frame, the number of kernels, of lights and of lamps.
 
 use optics::chain;
 use optics::forward_scatter::KernelCache;
+use optics::lamp::airlight;
 use optics::plan::{Fidelity, Plan, SceneStats};
 use optics::water::ScatterModel;
 use optics::{HazeSpace, haze};
 
-use super::forward_scatter::coastal;
+use super::forward_scatter::{DEFAULT_TOLERANCE, coastal};
+use super::lamps::lighting;
 use super::overlay::lights;
 use super::stopwatch::time;
 use super::{ChartScene, Point, standard_scenes};
@@ -24,7 +26,7 @@ const SIZES: [(usize, usize); 7] = [
 /// Where kernels and lights are varied.
 const USUAL: (usize, usize) = SIZES[1];
 
-/// Measures attenuation, forward scatter and haze of a slope. Sizes above `most_megapixels` are left out.
+/// Measures attenuation, forward scatter, haze and lamps of a slope. Sizes above `most_megapixels` are left out.
 #[must_use]
 pub fn cost(runs: usize, most_megapixels: f64) -> Vec<Point> {
     let mut points = Vec::new();
@@ -45,6 +47,15 @@ pub fn cost(runs: usize, most_megapixels: f64) -> Vec<Point> {
                 .map(|&k| water("jaffe", scene, ScatterModel::Jaffe, k, runs)),
         );
         points.push(water("simplified", scene, ScatterModel::Simplified, 6, runs));
+        let lamps: &[usize] = if size == USUAL { &[1, 2, 4, 8] } else { &[2] };
+        for &count in lamps {
+            let Some(lighting) = lighting(size.0, size.1, count) else {
+                continue;
+            };
+            let (times, _) = time(runs, || airlight(&scene.range, &lighting, DEFAULT_TOLERANCE));
+            let variant = ("lamps", Some(count));
+            points.push(Point::new("cost", variant, &scene.name, size, times, None));
+        }
         let counts: &[usize] = if size == USUAL { &[1, 2, 4, 8, 16] } else { &[4] };
         for &count in counts {
             let lights = lights(count);

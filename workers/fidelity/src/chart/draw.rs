@@ -3,59 +3,86 @@
 use std::fmt::Write;
 
 use super::Point;
-use crate::plot::{Axis, Lines, Mark, Series};
+use crate::plot::{Axis, Form, Grid, Lines, Mark, Series};
 
 /// Smaller errors are drawn here: on a logarithmic axis there is no 0.
 const FLOOR: f64 = 1e-8;
 
-/// Largest error against time, with the front and the default, of one stage and scene.
+/// What is drawn against time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// The largest error.
+    Max,
+    /// The root mean square error.
+    Rmse,
+    /// The largest difference of 8-bit codes.
+    Codes,
+    /// The mean colour difference.
+    DeltaE,
+}
+
+impl Measure {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Max, Self::Rmse, Self::Codes, Self::DeltaE];
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Max => "largest error, linear light",
+            Self::Rmse => "root mean square error",
+            Self::Codes => "8-bit codes off, most (0 at 0.1)",
+            Self::DeltaE => "mean colour difference, CIEDE2000",
+        }
+    }
+
+    /// On a logarithmic axis there is no 0: smaller values are drawn at the floor.
+    fn of(self, point: &Point) -> Option<f64> {
+        match self {
+            Self::Max => point.error_max.map(|e| e.max(FLOOR)),
+            Self::Rmse => point.error_rmse.map(|e| e.max(FLOOR)),
+            Self::Codes => point.codes_max.map(|codes| f64::from(codes).max(0.1)),
+            Self::DeltaE => point.delta_e.map(|e| e.max(1e-5)),
+        }
+    }
+}
+
+/// A measure of error against time, with the front and the default, of one stage and scene.
 #[must_use]
-pub fn error_chart(title: &str, points: &[Point]) -> Lines {
-    let error = |point: &Point| point.error_max.unwrap_or(FLOOR).max(FLOOR);
+pub fn error_chart(title: &str, points: &[Point], measure: Measure) -> Lines {
+    // Other programs on the machine only ever add time: the fastest run disturbs the picture least.
+    let mark = |point: &Point, labelled: bool| {
+        Some(Mark {
+            x: point.ms_min,
+            y: measure.of(point)?,
+            reach: Some(point.ms_median),
+            label: if labelled { label(point) } else { String::new() },
+            ringed: point.default,
+        })
+    };
     let mut names: Vec<&str> = Vec::new();
     for point in points.iter().filter(|p| p.error_max.is_some()) {
-        // The frame's variants carry their tolerance behind their name.
         let name = family(point);
         if !names.contains(&name) {
             names.push(name);
         }
     }
-    // Other programs on the machine only ever add time: the fastest run disturbs the picture least.
-    let mark = |point: &Point, label: bool| Mark {
-        x: point.ms_min,
-        y: error(point),
-        label: point
-            .terms
-            .filter(|_| label)
-            .map_or_else(String::new, |terms| terms.to_string()),
-        ringed: point.default,
-    };
+    let mut front: Vec<&Point> = points.iter().filter(|p| p.pareto).collect();
+    front.sort_by(|a, b| a.ms_min.total_cmp(&b.ms_min));
     let mut series: Vec<Series> = names
         .iter()
         .map(|name| {
-            let of = points
-                .iter()
-                .filter(|p| p.error_max.is_some() && family(p) == *name);
-            let marks: Vec<Mark> = of.enumerate().map(|(index, p)| mark(p, index % 2 == 0)).collect();
+            let of = points.iter().filter(|p| family(p) == *name).enumerate();
             Series {
                 name: (*name).to_owned(),
-                marks,
-                joined: false,
+                marks: of.filter_map(|(index, p)| mark(p, index % 2 == 0)).collect(),
+                form: Form::Dots,
             }
         })
         .collect();
-    let mut front: Vec<&Point> = points.iter().filter(|p| p.pareto).collect();
-    front.sort_by(|a, b| a.ms_min.total_cmp(&b.ms_min));
+    // Of the other measures the same points are joined, so that one sees what the front in the largest error means there.
     series.push(Series {
         name: "Pareto front".to_owned(),
-        marks: front
-            .into_iter()
-            .map(|p| Mark {
-                ringed: false,
-                ..mark(p, false)
-            })
-            .collect(),
-        joined: true,
+        marks: front.into_iter().filter_map(|p| mark(p, false)).collect(),
+        form: Form::Line,
     });
     let axis = |title: &str| Axis {
         title: title.to_owned(),
@@ -63,17 +90,32 @@ pub fn error_chart(title: &str, points: &[Point]) -> Lines {
     };
     Lines {
         title: format!("{title}  (ring: default)"),
-        x: axis("ms, fastest run"),
-        y: axis("largest error, linear light"),
+        x: axis("ms: fastest run, line to the median"),
+        y: axis(measure.title()),
         series,
     }
 }
 
-fn family(point: &Point) -> &str {
-    match point.stage {
-        "frame" => point.variant.split(' ').next().unwrap_or(&point.variant),
-        _ => &point.variant,
+/// All measures of one stage and scene on one sheet.
+#[must_use]
+pub fn error_sheet(title: &str, points: &[Point]) -> Grid {
+    Grid {
+        panels: Measure::ALL
+            .map(|measure| error_chart(title, points, measure))
+            .into(),
     }
+}
+
+/// The name of a variant without what stands in brackets behind it: a tolerance, a water.
+fn family(point: &Point) -> &str {
+    point.variant.split(" (").next().unwrap_or(&point.variant)
+}
+
+/// Terms, or else what stands in brackets.
+fn label(point: &Point) -> String {
+    let inside = || Some(point.variant.split_once(" (")?.1.trim_end_matches(')').to_owned());
+    let terms = point.terms.map(|terms| terms.to_string());
+    terms.or_else(inside).unwrap_or_default()
 }
 
 /// Time against megapixels, or at one size against kernels and lights.
@@ -85,10 +127,11 @@ pub fn cost_chart(points: &[Point], by_terms: bool) -> Lines {
     let fits = |p: &&Point| {
         let swept = (p.width, p.height) == USUAL;
         match (by_terms, p.variant.as_str()) {
-            (true, "jaffe" | "haze") => swept,
+            (true, "jaffe" | "haze" | "lamps") => swept,
             (true, _) => false,
             (false, "jaffe") => p.terms == Some(6),
             (false, "haze") => p.terms == Some(4),
+            (false, "lamps") => p.terms == Some(2),
             (false, _) => true,
         }
     };
@@ -100,6 +143,7 @@ pub fn cost_chart(points: &[Point], by_terms: bool) -> Lines {
         let mark = Mark {
             x,
             y: point.ms_min,
+            reach: None,
             label: String::new(),
             ringed: false,
         };
@@ -108,7 +152,7 @@ pub fn cost_chart(points: &[Point], by_terms: bool) -> Lines {
             None => series.push(Series {
                 name: point.variant.clone(),
                 marks: vec![mark],
-                joined: true,
+                form: Form::Joined,
             }),
         }
     }
@@ -117,9 +161,12 @@ pub fn cost_chart(points: &[Point], by_terms: bool) -> Lines {
         logarithmic: !by_terms,
     };
     let (title, x) = if by_terms {
-        ("Cost at 768x492", "kernels, lights")
+        ("Cost at 768x492", "kernels of jaffe, lights of haze, lamps")
     } else {
-        ("Cost against size: six kernels, four lights", "megapixels")
+        (
+            "Cost against size: six kernels, four lights, two lamps",
+            "megapixels",
+        )
     };
     Lines {
         title: title.to_owned(),

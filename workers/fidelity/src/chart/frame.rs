@@ -1,6 +1,7 @@
-//! The whole water stage as it is planned, tolerance by tolerance.
+//! The whole frame as it is planned, tolerance by tolerance: statistics, plan, water, haze of four lights, 8-bit codes.
 
-use imaging::Rgb;
+use imaging::{Rgb, transfer};
+use optics::HazeSpace;
 use optics::chain;
 use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
 use optics::plan::{Fidelity, Plan, SceneStats};
@@ -8,6 +9,7 @@ use optics::water::{ScatterModel, Water};
 
 use super::difference::difference;
 use super::forward_scatter::{DEFAULT_TOLERANCE, coastal};
+use super::overlay::{lights, overlay};
 use super::stopwatch::time;
 use super::{ChartScene, Point};
 
@@ -16,7 +18,7 @@ const TOLERANCES: [f64; 6] = [1.0 / 255.0, 1e-3, DEFAULT_TOLERANCE, 1e-4, 1e-5, 
 /// So many kernels leave nothing but the rounding of f32.
 const PLENTY: usize = 24;
 
-/// Measures statistics, plan and water of one scene, in both forms: `jaffe` and `simplified`. A frame
+/// Measures all but scene, style and files of one scene, in both forms: `jaffe` and `simplified`. A frame
 /// that is too large for the reference is compared with the same chain of 24 kernels, which is as exact as f32.
 #[must_use]
 pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
@@ -31,14 +33,18 @@ pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
         let Some(exact) = exact(scene, &water) else {
             continue;
         };
+        let lights = lights(4);
         let mut cache = KernelCache::new();
         let mut add = |variant: String, fidelity: Fidelity, is_default: bool| {
             let (times, answer) = time(runs, || {
                 let plan = planned(scene, &water, fidelity);
                 let layers = chain::water(&scene.radiance, &scene.range, &water, &plan, &mut cache);
-                let image = layers.as_ref().ok().map(|layers| layers.scattered.clone());
-                layers.into_iter().for_each(|layers| cache.recycle(layers));
-                (plan, image)
+                let image = layers.map(|layers| {
+                    let hazed = optics::haze(layers.scattered.clone(), &lights, HazeSpace::Linear);
+                    cache.recycle(layers);
+                    (transfer::encode_rgb8(&hazed), hazed).1
+                });
+                (plan, image.ok())
             });
             let (plan, Some(image)) = answer else { return };
             let terms = plan.describe().iter().filter_map(|note| note.terms).max();
@@ -56,12 +62,12 @@ pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
         for tolerance in TOLERANCES {
             let is_default = tolerance == DEFAULT_TOLERANCE && model == ScatterModel::Jaffe;
             add(
-                format!("{name} {tolerance:.0e}"),
+                format!("{name} ({tolerance:.0e})"),
                 Fidelity::Tolerance(tolerance),
                 is_default,
             );
         }
-        add(format!("{name} 16 kernels"), Fidelity::Terms(16), false);
+        add(format!("{name} (16 kernels)"), Fidelity::Terms(16), false);
     }
     points
 }
@@ -74,8 +80,8 @@ fn planned(scene: &ChartScene, water: &Water, fidelity: Fidelity) -> Plan {
 fn exact(scene: &ChartScene, water: &Water) -> Option<Rgb<f32>> {
     if scene.range.data().len() <= MAX_REFERENCE_PIXELS {
         let radiance = scene.radiance.map(|&j| f64::from(j));
-        let layers = chain::water_reference(&radiance, &scene.range.map(|&z| f64::from(z)), water);
-        return layers.ok().map(|layers| layers.scattered.map(|&v| v as f32));
+        let layers = chain::water_reference(&radiance, &scene.range.map(|&z| f64::from(z)), water).ok()?;
+        return Some(overlay(&layers.scattered, &lights(4), f64::INFINITY).map(|&v| v as f32));
     }
     let plan = planned(scene, water, Fidelity::Terms(PLENTY));
     let layers = chain::water(
@@ -85,5 +91,10 @@ fn exact(scene: &ChartScene, water: &Water) -> Option<Rgb<f32>> {
         &plan,
         &mut KernelCache::new(),
     );
-    layers.ok().map(|layers| layers.scattered)
+    let hazed = overlay(
+        &layers.ok()?.scattered.map(|&v| f64::from(v)),
+        &lights(4),
+        f64::INFINITY,
+    );
+    Some(hazed.map(|&v| v as f32))
 }

@@ -58,7 +58,7 @@ pub fn haze(scene: &ChartScene, runs: usize) -> Vec<Point> {
 }
 
 /// `I ← I (1 − α) + colour α`, pixel by pixel, nothing beyond `sigmas`.
-fn overlay<T: From<f32> + Into<f64> + std::marker::Copy + FromDouble>(
+pub(super) fn overlay<T: Into<f64> + std::marker::Copy + FromDouble>(
     image: &Rgb<T>,
     lights: &[HazeLight],
     sigmas: f64,
@@ -83,7 +83,7 @@ fn overlay<T: From<f32> + Into<f64> + std::marker::Copy + FromDouble>(
 }
 
 /// f32 or f64.
-trait FromDouble {
+pub(super) trait FromDouble {
     fn of(value: f64) -> Self;
 }
 

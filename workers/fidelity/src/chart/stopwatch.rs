@@ -13,6 +13,13 @@ pub struct Times {
     pub max: f64,
 }
 
+/// Milliseconds that `work` takes.
+pub fn time_once<R>(work: impl FnOnce() -> R) -> f64 {
+    let start = Instant::now();
+    std::hint::black_box(work());
+    start.elapsed().as_secs_f64() * 1e3
+}
+
 /// What takes longer than this is run only a few times.
 const SLOW_MS: f64 = 400.0;
 const SLOW_RUNS: usize = 3;

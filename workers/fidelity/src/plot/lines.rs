@@ -25,6 +25,8 @@ pub struct Mark {
     pub x: f64,
     /// Along the vertical axis.
     pub y: f64,
+    /// A thin line to this place along the horizontal axis.
+    pub reach: Option<f64>,
     /// Beside the point, if anything.
     pub label: String,
     /// Drawn with a ring.
@@ -38,8 +40,19 @@ pub struct Series {
     pub name: String,
     /// The points.
     pub marks: Vec<Mark>,
+    /// How they are drawn.
+    pub form: Form,
+}
+
+/// How points of one kind are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Each for itself.
+    Dots,
     /// Joined by a line.
-    pub joined: bool,
+    Joined,
+    /// The line alone, in the colour of text.
+    Line,
 }
 
 /// Points and lines.
@@ -55,11 +68,14 @@ pub struct Lines {
     pub series: Vec<Series>,
 }
 
-const SIZE: (i32, i32) = (900, 560);
+pub(super) const SIZE: (i32, i32) = (900, 560);
 const LEFT: i32 = 100;
 const RIGHT: i32 = 210;
 const TOP: i32 = 48;
 const BOTTOM: i32 = 64;
+
+/// With more points than this, dots are small.
+const CROWD: usize = 500;
 
 /// Maps values to pixels.
 struct Scale {
@@ -101,13 +117,20 @@ impl Scale {
     /// Values for grid lines, with their texts.
     fn ticks(&self) -> Vec<(f64, String)> {
         if self.logarithmic {
-            let decades = self.low.ceil() as i32..=self.high.floor() as i32;
-            let mut ticks: Vec<(f64, String)> = decades.map(|d| (10_f64.powi(d), power(d))).collect();
-            if ticks.len() < 2 {
-                for decade in self.low.floor() as i32..=self.high.ceil() as i32 {
-                    ticks.extend([2.0, 5.0].map(|m| (m * 10_f64.powi(decade), power_times(m, decade))));
+            let decades = self.low.floor() as i32..=self.high.ceil() as i32;
+            let mut ticks = Vec::new();
+            // Powers of ten, or finer where there are hardly any.
+            for multiples in [&[1.0][..], &[1.0, 2.0, 5.0], &[1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0]] {
+                let all = decades
+                    .clone()
+                    .flat_map(|decade| multiples.iter().map(move |&m| (m, decade)));
+                let values = all.map(|(m, decade)| (m * 10_f64.powi(decade), power_times(m, decade)));
+                ticks = values
+                    .filter(|(v, _)| (self.low..=self.high).contains(&v.log10()))
+                    .collect();
+                if ticks.len() > 2 {
+                    break;
                 }
-                ticks.retain(|(v, _)| (self.low..=self.high).contains(&v.log10()));
             }
             return ticks;
         }
@@ -127,24 +150,13 @@ impl Scale {
     }
 }
 
-fn power(decade: i32) -> String {
-    match decade {
-        -3..=4 => format!(
-            "{:.*}",
-            decade.min(0).unsigned_abs() as usize,
-            10_f64.powi(decade)
-        ),
-        _ => format!("1e{decade}"),
-    }
-}
-
 fn power_times(m: f64, decade: i32) -> String {
     match decade {
-        -3..=4 => format!(
-            "{:.*}",
-            decade.min(0).unsigned_abs() as usize,
-            m * 10_f64.powi(decade)
-        ),
+        -3..=4 => {
+            let digits = decade.min(0).unsigned_abs() as usize;
+            let digits = digits + usize::from(m.fract() != 0.0 && decade < 1);
+            format!("{:.digits$}", m * 10_f64.powi(decade))
+        }
         _ => format!("{m}e{decade}"),
     }
 }
@@ -160,7 +172,8 @@ impl Figure for Lines {
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         let marks = || self.series.iter().flat_map(|series| &series.marks);
         let (right, bottom) = (SIZE.0 - RIGHT, SIZE.1 - BOTTOM);
-        let x = Scale::new(&self.x, marks().map(|mark| mark.x), LEFT, right);
+        let across = marks().flat_map(|mark| [Some(mark.x), mark.reach]).flatten();
+        let x = Scale::new(&self.x, across, LEFT, right);
         let y = Scale::new(&self.y, marks().map(|mark| mark.y), bottom, TOP);
         area.draw(&Text::new(self.title.clone(), (12, 12), ink()))?;
         for (value, text) in x.ticks() {
@@ -189,19 +202,35 @@ impl Figure for Lines {
             .pos(Pos::new(HPos::Center, VPos::Top))
             .transform(FontTransform::Rotate270);
         area.draw(&Text::new(self.y.title.clone(), (10, (TOP + bottom) / 2), beside))?;
+        let radius = if marks().count() > CROWD { 2 } else { 4 };
         for (index, series) in self.series.iter().enumerate() {
-            let colour = PALETTE[index % PALETTE.len()];
+            let row = TOP + 8 + 22 * index as i32;
+            let colour = match series.form {
+                Form::Line => INK,
+                _ => PALETTE[index % PALETTE.len()],
+            };
             let points = series
                 .marks
                 .iter()
                 .filter_map(|mark| Some(((x.pixel(mark.x)?, y.pixel(mark.y)?), mark)));
             let points: Vec<_> = points.collect();
-            if series.joined {
+            if series.form != Form::Dots {
                 let path: Vec<_> = points.iter().map(|(at, _)| *at).collect();
-                area.draw(&PathElement::new(path, colour.stroke_width(2)))?;
+                let stroke = colour.stroke_width(if series.form == Form::Line { 1 } else { 2 });
+                area.draw(&PathElement::new(path, stroke))?;
             }
+            area.draw(&Text::new(series.name.clone(), (right + 34, row), ink()))?;
+            if series.form == Form::Line {
+                let sample = vec![(right + 12, row + 8), (right + 28, row + 8)];
+                area.draw(&PathElement::new(sample, INK))?;
+                continue;
+            }
+            area.draw(&Circle::new((right + 20, row + 8), 5, colour.filled()))?;
             for (at, mark) in &points {
-                area.draw(&Circle::new(*at, 4, colour.filled()))?;
+                if let Some(end) = mark.reach.and_then(|reach| x.pixel(reach)) {
+                    area.draw(&PathElement::new(vec![*at, (end, at.1)], colour))?;
+                }
+                area.draw(&Circle::new(*at, radius, colour.filled()))?;
                 if mark.ringed {
                     area.draw(&Circle::new(*at, 9, INK.stroke_width(2)))?;
                 }
@@ -209,9 +238,6 @@ impl Figure for Lines {
                     area.draw(&Text::new(mark.label.clone(), (at.0 + 8, at.1 - 18), ink()))?;
                 }
             }
-            let row = TOP + 8 + 22 * index as i32;
-            area.draw(&Circle::new((right + 20, row + 8), 5, colour.filled()))?;
-            area.draw(&Text::new(series.name.clone(), (right + 34, row), ink()))?;
         }
         Ok(())
     }
