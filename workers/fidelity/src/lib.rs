@@ -7,5 +7,6 @@ pub mod campaign;
 pub mod chain_stability;
 pub mod chart;
 pub mod plot;
+pub mod speed;
 pub mod stability;
 pub mod table1;

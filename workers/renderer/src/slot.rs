@@ -143,7 +143,9 @@ impl Slot {
             scene: described,
             onnx_runtime: ran.map(|runtime| runtime.version().to_owned()),
         };
-        Ok(record::finish(files.files, findings))
+        let rendered = record::finish(files.files, findings);
+        self.kernels.recycle(layers);
+        Ok(rendered)
     }
 
     /// What a frame would be rendered with: a list of stages, each with its variant and what bounds its error.

@@ -1,5 +1,6 @@
-//! `fathom bench`: how fast the service is on this machine.
+//! `fathom bench`: how fast rendering and the service are on this machine.
 
+mod render;
 mod service;
 
 use std::path::PathBuf;
@@ -17,6 +18,19 @@ pub(crate) struct Arguments {
 enum What {
     /// Submissions, claims, commits, pages and counts over a catalogue of many rows
     Service(ServiceArguments),
+    /// Frames and stages on one slot and on all, memory, kernels: writes speed.md
+    Render(RenderArguments),
+}
+
+/// Options of `fathom bench render`.
+#[derive(clap::Args)]
+pub(crate) struct RenderArguments {
+    /// Frames of each job
+    #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(8..=100_000))]
+    frames: u32,
+    /// Folder for speed.md
+    #[arg(long, value_name = "DIR", default_value = "bench")]
+    out: PathBuf,
 }
 
 /// Options of `fathom bench service`.
@@ -34,5 +48,6 @@ pub(crate) struct ServiceArguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Service(arguments) => service::run(arguments),
+        What::Render(arguments) => render::run(arguments),
     }
 }

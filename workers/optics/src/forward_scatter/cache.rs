@@ -22,6 +22,8 @@ pub struct KernelCache {
     bytes: usize,
     transform: Option<PairDct>,
     pub(crate) buffers: Buffers,
+    hits: u64,
+    misses: u64,
 }
 
 struct Entry {
@@ -58,8 +60,10 @@ impl KernelCache {
         let key = (gamma.to_bits(), width, height);
         if let Some(entry) = self.grids.get_mut(&key) {
             entry.used = self.clock;
+            self.hits += 1;
             return Arc::clone(&entry.grid);
         }
+        self.misses += 1;
         let grid: Arc<Vec<f32>> = Transfer::new(gamma).grid_f32(width, height).into();
         let bytes = size_of_val(grid.as_slice());
         while self.bytes + bytes > CACHE_BYTES {
@@ -101,6 +105,12 @@ impl KernelCache {
             .take_if(|transform| transform.bytes() > MOST_KEPT_BYTES);
     }
 
+    /// How often a transfer function was there, and how often it was not.
+    #[must_use]
+    pub fn hits_and_misses(&self) -> (u64, u64) {
+        (self.hits, self.misses)
+    }
+
     /// Bytes that the transfer functions take now.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -116,6 +126,8 @@ mod tests {
     fn the_cache_stays_within_its_memory_and_answers_the_same_after_eviction() {
         let mut cache = KernelCache::new();
         let first = cache.transfer(1.0, 512, 512);
+        cache.transfer(1.0, 512, 512);
+        assert_eq!(cache.hits_and_misses(), (1, 1));
         for step in 0..100 {
             cache.transfer(2.0 + f64::from(step), 512, 512);
             assert!(cache.bytes() <= CACHE_BYTES);
