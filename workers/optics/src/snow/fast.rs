@@ -6,6 +6,9 @@ use super::flakes::REACH;
 use super::{Flake, Surround};
 use crate::range::is_hole;
 
+/// Several maxima at once, so that the loop vectorises.
+const LANES: usize = 16;
+
 /// [`snow_reference`](super::snow_reference) in place with an error below `tolerance` in linear light, rounding of f32 apart.
 /// Over-laying only ever shrinks an error from below, so the errors of the particles add at most: each may leave out what it
 /// changes by less than tolerance / number of particles.
@@ -22,10 +25,7 @@ pub fn snow(
     let mut change = Rgb::from_fn(width, height, |_, _| [0.0f32; 3]);
     let mut mask = Plane::filled(width, height, 0.0f32);
     let share = tolerance / flakes.len().max(1) as f64;
-    let mut brightest = image.planes().each_ref().map(|plane| {
-        let data = plane.data().iter();
-        data.fold(0.0f64, |most, &v| most.max(f64::from(v)))
-    });
+    let mut brightest = brightest(image).map(f64::from);
     let mut weights = Vec::new();
     for flake in flakes {
         let light = (surround.light)(flake.place);
@@ -81,4 +81,19 @@ pub fn snow(
             .for_each(|(light, change)| *light += change);
     }
     mask
+}
+
+/// The largest light of each channel; at least 0.
+#[must_use]
+pub fn brightest(image: &Rgb<f32>) -> [f32; 3] {
+    image.planes().each_ref().map(|plane| {
+        let mut lanes = [0.0f32; LANES];
+        for chunk in plane.data().chunks(LANES) {
+            lanes
+                .iter_mut()
+                .zip(chunk)
+                .for_each(|(lane, &v)| *lane = lane.max(v));
+        }
+        lanes.into_iter().fold(0.0, f32::max)
+    })
 }

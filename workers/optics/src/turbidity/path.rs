@@ -8,6 +8,8 @@ use crate::attenuation::masked;
 use crate::eye::Eye;
 use crate::range::{HoleRule, SHORTEST_M};
 
+/// Pixels that are computed together.
+const RUN: usize = 64;
 /// Beyond this range the cosines have long cancelled: their sum no longer grows, m.
 const FARTHEST_M: f32 = 1e5;
 
@@ -39,6 +41,26 @@ pub fn optical_path(range: &Plane<f32>, field: &Field, eye: &Eye, holes: HoleRul
     path
 }
 
+/// Ends of the paths in camera axes, m, and the sum of all cosines.
+struct Lanes {
+    right: [f32; RUN],
+    down: [f32; RUN],
+    ahead: [f32; RUN],
+    sum: [f32; RUN],
+}
+
+impl Default for Lanes {
+    fn default() -> Self {
+        let [right, down, ahead, sum] = [[0.0; RUN]; 4];
+        Self {
+            right,
+            down,
+            ahead,
+            sum,
+        }
+    }
+}
+
 #[inline(always)]
 fn row(
     range: &[f32],
@@ -48,25 +70,44 @@ fn row(
     waves: &[[f32; 5]; PAIRS],
     path: &mut [f32],
 ) {
-    let path = &mut path[..range.len()];
     let v = (y - cy) * inverse_focal;
     let (fills, filling) = (stand_in.is_some(), stand_in.unwrap_or(1.0));
-    for i in 0..range.len() {
-        let u = (i as f32 - cx) * inverse_focal;
-        let (valid, z) = masked(range[i]);
-        let z = if fills & !valid { filling } else { z };
-        let near = z.min(FARTHEST_M);
-        let planar = near / (u * u + v * v + 1.0).sqrt();
-        let mut sum = 0.0;
-        for &[qx, qy, qz, cosine, sine] in waves {
-            let half = (qx * u + qy * v + qz) * planar;
-            let (sin, cos) = sin_cos(half);
-            let tiny = half.abs() < 1e-6;
-            let share = if tiny { 1.0 } else { sin / half };
-            sum += (cosine * cos - sine * sin) * share;
+    for (run, (range, path)) in range.chunks(RUN).zip(path.chunks_mut(RUN)).enumerate() {
+        let mut metres = [0.0f32; RUN];
+        metres[..range.len()].copy_from_slice(range);
+        let mut lanes = Lanes::default();
+        for i in 0..RUN {
+            let u = ((run * RUN + i) as f32 - cx) * inverse_focal;
+            let (valid, z) = masked(metres[i]);
+            let z = if fills & !valid { filling } else { z };
+            let planar = z.min(FARTHEST_M) / (u * u + v * v + 1.0).sqrt();
+            (lanes.right[i], lanes.down[i], lanes.ahead[i]) = (u * planar, v * planar, planar);
         }
-        let length = (z + near * sum).max(SHORTEST_M as f32).min(f32::MAX);
-        path[i] = if valid | fills { length } else { range[i] };
+        // One wave after the other over all lanes: a loop over waves within each pixel would stay scalar.
+        for wave in waves {
+            add(*wave, &mut lanes);
+        }
+        for i in 0..path.len() {
+            let (valid, z) = masked(metres[i]);
+            let z = if fills & !valid { filling } else { z };
+            let length = (z + z.min(FARTHEST_M) * lanes.sum[i])
+                .max(SHORTEST_M as f32)
+                .min(f32::MAX);
+            path[i] = if valid | fills { length } else { metres[i] };
+        }
+    }
+}
+
+/// Adds the mean of one cosine along every path.
+#[inline(always)]
+fn add([qx, qy, qz, cosine, sine]: [f32; 5], lanes: &mut Lanes) {
+    for i in 0..RUN {
+        let half = qx * lanes.right[i] + qy * lanes.down[i] + qz * lanes.ahead[i];
+        let (sin, cos) = sin_cos(half);
+        let tiny = half.abs() < 1e-6;
+        let share = sin / if tiny { 1.0 } else { half };
+        let share = if tiny { 1.0 } else { share };
+        lanes.sum[i] += (cosine * cos - sine * sin) * share;
     }
 }
 

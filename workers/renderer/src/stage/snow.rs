@@ -120,8 +120,7 @@ fn needless(
     let least = attenuation.into_iter().fold(f64::INFINITY, f64::min) * clearest;
     let lamps = lighting.map_or([0.0; 3], lamp::most_white);
     let colors = [0, 1, 2].map(|i| law.albedo[i] * (gain[i] + lamps[i]));
-    let samples = picture.planes().iter().flat_map(|plane| plane.data());
-    let behind = samples.fold(0.0f32, |most, &v| most.max(v));
+    let behind = snow::brightest(picture).into_iter().fold(0.0, f32::max);
     let contrast = colors.into_iter().fold(f64::from(behind), f64::max);
     let pixels = picture.width() * picture.height();
     law.is_needless(pixels, least, contrast, chosen.shares.snow)
