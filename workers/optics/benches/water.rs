@@ -91,10 +91,12 @@ fn parts(bench: &mut Criterion) {
                         *value = Complex::new(v, 1.0 - v);
                     }
                 },
+                WIDTH,
                 |p, column| sum[p * HEIGHT..][..HEIGHT].copy_from_slice(column),
             );
             transform.inverse(
                 |p, column| column.copy_from_slice(&sum[p * HEIGHT..][..HEIGHT]),
+                WIDTH,
                 |_, row| {
                     black_box(row);
                 },

@@ -32,6 +32,7 @@ pub(super) fn spread(light: &Plane<f32>, gamma: &Plane<f32>, copies: &[Copy<'_>]
                     *sample = Complex::new(u * (pair[0].weight)(gamma), u * second);
                 }
             },
+            width,
             |p, column| {
                 let start = p * height;
                 let transfers = pair[0].transfer[start..].iter().zip(&second[start..]);
@@ -47,6 +48,7 @@ pub(super) fn spread(light: &Plane<f32>, gamma: &Plane<f32>, copies: &[Copy<'_>]
             let column = column.iter_mut().zip(&sum[p * height..]);
             column.for_each(|(value, &sum)| *value = Complex::new(sum, 0.0));
         },
+        width,
         |place, row| {
             let row_of_plane = &mut plane[folding.row(place) * width..][..width];
             folding.unfold_row(row, |value| value.re.max(0.0), row_of_plane);

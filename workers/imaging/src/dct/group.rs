@@ -15,8 +15,8 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// All columns of a row of this width: those that stand alone first.
-    pub(super) fn all(width: usize) -> impl Iterator<Item = Self> {
+    /// The columns below a limit, each with its mirror, of a row of this width: those that stand alone first.
+    pub(super) fn below(limit: usize, width: usize) -> impl Iterator<Item = Self> {
         let alone = |low| Self {
             low,
             count: 1,
@@ -32,7 +32,15 @@ impl Group {
                 mirrored: width + 1 - low - count,
             }
         });
-        (0..width.min(1)).chain(middle).map(alone).chain(joined)
+        let all = (0..width.min(1)).chain(middle).map(alone).chain(joined);
+        all.filter(move |group| group.low < limit)
+    }
+
+    /// How many of the columns, which are ascending in both halves, are below the limit. The mirrored ones are greater.
+    pub(super) fn below_limit(self, limit: usize) -> usize {
+        let low = limit.saturating_sub(self.low).min(self.count);
+        let mirrored = limit.saturating_sub(self.mirrored).min(self.count);
+        if self.is_alone() { low } else { low + mirrored }
     }
 
     fn is_alone(self) -> bool {

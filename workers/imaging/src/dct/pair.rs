@@ -81,11 +81,13 @@ impl PairDct {
         size_of_val(self.plane.as_slice()) + size_of_val(self.tile.as_slice())
     }
 
-    /// From two planes to their spectra. `fill` writes a row of both in folded order, given its place in that order;
-    /// `take` is given each column p of coefficients, of frequencies q upwards, in some order.
+    /// From two planes to the first `columns` columns of their spectra: who needs low frequencies only, need not wait for
+    /// the others. `fill` writes a row of both in folded order, given its place in that order; `take` is given each column
+    /// p of coefficients, of frequencies q upwards, in some order.
     pub fn forward(
         &mut self,
         mut fill: impl FnMut(usize, &mut [Complex<f32>]),
+        columns: usize,
         mut take: impl FnMut(usize, &[Complex<f32>]),
     ) {
         if self.plane.is_empty() {
@@ -95,54 +97,54 @@ impl PairDct {
             fill(y, row);
             self.rows.forward.process_with_scratch(row, &mut self.scratch);
         }
-        let (rows, columns) = (&self.rows.twiddles, &self.columns.twiddles);
-        for group in Group::all(self.width) {
+        for group in Group::below(columns, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             group.load(&self.plane, self.width, lines, self.height);
             vectorised(
                 #[inline(always)]
-                || group.across(lines, rows, self.height, forward_butterfly),
+                || group.across(lines, &self.rows.twiddles, self.height, forward_butterfly),
             );
+            let lines = &mut lines[..group.below_limit(columns) * self.height];
             self.columns
                 .forward
                 .process_with_scratch(lines, &mut self.scratch);
             for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
                 vectorised(
                     #[inline(always)]
-                    || along(line, columns, forward_butterfly),
+                    || along(line, &self.columns.twiddles, forward_butterfly),
                 );
                 take(p, line);
             }
         }
     }
 
-    /// From two spectra back to the planes. `fill` writes each column p of coefficients, in some order; `take` is given the
-    /// rows of both planes, with their place in folded order.
+    /// From two spectra, of which all but the first `columns` columns are 0, back to the planes. `fill` writes each of those
+    /// columns p of coefficients, in some order; `take` is given the rows of both planes, with their place in folded order.
     pub fn inverse(
         &mut self,
         mut fill: impl FnMut(usize, &mut [Complex<f32>]),
+        columns: usize,
         mut take: impl FnMut(usize, &[Complex<f32>]),
     ) {
         if self.plane.is_empty() {
             return;
         }
-        let (rows, columns) = (&self.rows.twiddles, &self.columns.twiddles);
-        for group in Group::all(self.width) {
+        for group in Group::below(self.width, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
-            for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
+            let (some, none) = lines.split_at_mut(group.below_limit(columns) * self.height);
+            for (p, line) in group.places().zip(some.chunks_exact_mut(self.height)) {
                 fill(p, line);
                 vectorised(
                     #[inline(always)]
-                    || along(line, columns, inverse_butterfly),
+                    || along(line, &self.columns.twiddles, inverse_butterfly),
                 );
             }
+            self.columns.inverse.process_with_scratch(some, &mut self.scratch);
+            none.fill(Complex::default());
             vectorised(
                 #[inline(always)]
-                || group.across(lines, rows, self.height, inverse_butterfly),
+                || group.across(lines, &self.rows.twiddles, self.height, inverse_butterfly),
             );
-            self.columns
-                .inverse
-                .process_with_scratch(lines, &mut self.scratch);
             group.store(lines, self.height, &mut self.plane, self.width);
         }
         let scale = 1.0 / (self.width * self.height) as f32;
@@ -225,6 +227,7 @@ mod tests {
             let mut spectrum = vec![Complex::new(f32::NAN, f32::NAN); samples.len()];
             pair.forward(
                 |y, row| row.copy_from_slice(&samples[y * width..][..width]),
+                width,
                 |p, column| spectrum[p * height..][..height].copy_from_slice(column),
             );
             let scale = ((width * height) as f64).sqrt();
@@ -238,6 +241,7 @@ mod tests {
             }
             pair.inverse(
                 |p, column| column.copy_from_slice(&spectrum[p * height..][..height]),
+                width,
                 |y, row| samples[y * width..][..width].copy_from_slice(row),
             );
             for (part, plane) in planes.iter().enumerate() {
@@ -253,6 +257,47 @@ mod tests {
                     .map(|(b, p)| (f64::from(*b) - p).abs())
                     .fold(0.0, f64::max);
                 assert!(worst < 1e-6, "{width}×{height} and back: {worst:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn columns_that_are_not_asked_for_do_not_change_the_others() {
+        for (width, height) in SIZES {
+            let sample = |i: usize| Complex::new((i % 7) as f32, (i % 5) as f32 - 2.0);
+            let samples: Vec<_> = (0..width * height).map(sample).collect();
+            let mut pair = PairDct::new(width, height);
+            let mut spectrum = |columns: usize| {
+                let mut spectrum = vec![Complex::default(); samples.len()];
+                pair.forward(
+                    |y, row| row.copy_from_slice(&samples[y * width..][..width]),
+                    columns,
+                    |p, column| spectrum[p * height..][..height].copy_from_slice(column),
+                );
+                spectrum
+            };
+            let whole = spectrum(width);
+            for columns in 0..=width {
+                let mut cut = whole.clone();
+                cut[columns * height..].fill(Complex::default());
+                assert_eq!(spectrum(columns), cut, "{columns} of {width}×{height}");
+            }
+            let mut planes = |spectrum: &[Complex<f32>], columns: usize| {
+                let mut planes = samples.clone();
+                pair.inverse(
+                    |p, column| column.copy_from_slice(&spectrum[p * height..][..height]),
+                    columns,
+                    |y, row| planes[y * width..][..width].copy_from_slice(row),
+                );
+                planes
+            };
+            for columns in 0..=width {
+                let mut cut = whole.clone();
+                cut[columns * height..].fill(Complex::default());
+                let expected = planes(&cut, width);
+                for (one, other) in planes(&whole, columns).iter().zip(&expected) {
+                    assert!((one - other).norm() < 1e-5, "{columns} of {width}×{height}");
+                }
             }
         }
     }

@@ -9,7 +9,7 @@ use super::buffers::{Buffers, MOST_KEPT_BYTES};
 use crate::chain::Layers;
 use crate::kernel::Transfer;
 
-/// Memory that cached transfer functions may take: 40 of a 768×492 frame, a few frames' worth of nodes. Beyond it the
+/// Memory that cached transfer functions may take: at least 40 of a 768×492 frame, a few frames' worth of nodes. Beyond it the
 /// least recently used goes.
 const CACHE_BYTES: usize = 64 << 20;
 
@@ -27,8 +27,38 @@ pub struct KernelCache {
 }
 
 struct Entry {
-    grid: Arc<Vec<f32>>,
+    grid: Arc<Grid>,
     used: u64,
+}
+
+/// H of a kernel on the grid of a frame's cosine transform, as far as there is any.
+#[derive(Debug, PartialEq)]
+pub(super) struct Grid {
+    values: Vec<f32>,
+    height: usize,
+}
+
+impl Grid {
+    fn new(gamma: f64, width: usize, height: usize) -> Self {
+        let transfer = Transfer::new(gamma);
+        let columns = transfer.columns(width);
+        let values = transfer.columns_f32((width, height), columns);
+        Self { values, height }
+    }
+
+    /// Columns that are not 0.
+    pub(super) fn columns(&self) -> usize {
+        self.values.len() / self.height.max(1)
+    }
+
+    /// H along fy at `fx = p/2W`; none where it is 0.
+    pub(super) fn column(&self, p: usize) -> Option<&[f32]> {
+        self.values.chunks_exact(self.height).nth(p)
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.values.as_slice())
+    }
 }
 
 impl KernelCache {
@@ -54,8 +84,8 @@ impl KernelCache {
         }
     }
 
-    /// H of a kernel scale on the grid of a frame size, column-major.
-    pub(super) fn transfer(&mut self, gamma: f64, width: usize, height: usize) -> Arc<Vec<f32>> {
+    /// H of a kernel scale on the grid of a frame size.
+    pub(super) fn transfer(&mut self, gamma: f64, width: usize, height: usize) -> Arc<Grid> {
         self.clock += 1;
         let key = (gamma.to_bits(), width, height);
         if let Some(entry) = self.grids.get_mut(&key) {
@@ -64,8 +94,8 @@ impl KernelCache {
             return Arc::clone(&entry.grid);
         }
         self.misses += 1;
-        let grid: Arc<Vec<f32>> = Transfer::new(gamma).grid_f32(width, height).into();
-        let bytes = size_of_val(grid.as_slice());
+        let grid = Arc::new(Grid::new(gamma, width, height));
+        let bytes = grid.bytes();
         while self.bytes + bytes > CACHE_BYTES {
             let Some(oldest) = self
                 .grids
@@ -75,10 +105,7 @@ impl KernelCache {
             else {
                 return grid;
             };
-            let gone = self
-                .grids
-                .remove(&oldest)
-                .map_or(0, |entry| size_of_val(entry.grid.as_slice()));
+            let gone = self.grids.remove(&oldest).map_or(0, |entry| entry.grid.bytes());
             self.bytes -= gone;
         }
         self.bytes += bytes;
@@ -129,7 +156,7 @@ mod tests {
         cache.transfer(1.0, 512, 512);
         assert_eq!(cache.hits_and_misses(), (1, 1));
         for step in 0..100 {
-            cache.transfer(2.0 + f64::from(step), 512, 512);
+            cache.transfer(1.5 + f64::from(step) / 100.0, 512, 512);
             assert!(cache.bytes() <= CACHE_BYTES);
         }
         assert!(

@@ -8,6 +8,7 @@ use imaging::dct::Folding;
 use imaging::simd::vectorised;
 
 use super::basis::{BLOCK, Basis};
+use super::cache::Grid;
 use super::{KernelCache, Nodes};
 
 /// A channel on its way through the transforms.
@@ -113,7 +114,7 @@ impl Pair {
     }
 
     /// H of both.
-    pub(super) fn transfers(self, channels: &[Channel<'_>], cache: &mut KernelCache) -> [Arc<Vec<f32>>; 2] {
+    pub(super) fn transfers(self, channels: &[Channel<'_>], cache: &mut KernelCache) -> [Arc<Grid>; 2] {
         self.both().map(|Term { channel, k }| {
             let Channel { nodes, size, .. } = &channels[channel];
             cache.transfer(nodes.gamma(k), size.0, size.1)

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Two planes share a complex transform, of one channel or of two; terms are added up as they come, so that memory does not
-//! grow with K. The largest error for light up to 1 falls from 2e-3 with four terms to 1e-5 with eight. What a CPU's vector
+//! grow with K. A kernel some pixels wide has nothing to say about high frequencies: columns where H stays below a step of
+//! f32 are not transformed. The largest error for light up to 1 falls from 2e-3 with four terms to 1e-5 with eight. What a CPU's vector
 //! width changes is the order of sums inside the FFT, in the last place.
 
 use std::ops::Range;
@@ -59,14 +60,20 @@ pub(crate) fn scatter_channels(channels: Vec<Channel<'_>>, cache: &mut KernelCac
                     || split(&channels, pair, line(place, width), row),
                 );
             },
+            first.columns().max(second.columns()),
             |p, column| {
-                let band = line(p, height);
-                let transfers = [&first[band.clone()], &second[band.clone()]];
-                match pair.channels() {
-                    [one, other] if one == other => add_products(&mut sums[one][band], column, transfers),
-                    [one, other] => {
-                        add_product(&mut sums[one][band.clone()], column, transfers[0], |v| v.re);
-                        add_product(&mut sums[other][band], column, transfers[1], |v| v.im);
+                let ([one, other], band) = (pair.channels(), line(p, height));
+                match [first.column(p), second.column(p)] {
+                    [Some(first), Some(second)] if one == other => {
+                        add_products(&mut sums[one][band], column, [first, second]);
+                    }
+                    [first, second] => {
+                        if let Some(transfer) = first {
+                            add_product(&mut sums[one][band.clone()], column, transfer, |v| v.re);
+                        }
+                        if let Some(transfer) = second {
+                            add_product(&mut sums[other][band], column, transfer, |v| v.im);
+                        }
                     }
                 }
             },
@@ -92,14 +99,14 @@ pub(crate) fn gather_channels(mut channels: Vec<Channel<'_>>, cache: &mut Kernel
         let [one, other] = pair.channels();
         cache.transform(size).inverse(
             |p, column| {
-                let band = line(p, height);
-                let (one, other) = (&spectra[one][band.clone()], &spectra[other][band.clone()]);
-                let (first, second) = (&first[band.clone()], &second[band]);
+                let spectra = [&spectra[one][line(p, height)], &spectra[other][line(p, height)]];
+                let transfers = [first.column(p), second.column(p)];
                 vectorised(
                     #[inline(always)]
-                    || multiply([one, other], [first, second], column),
+                    || multiply(spectra, transfers, column),
                 );
             },
+            first.columns().max(second.columns()),
             |place, row| {
                 vectorised(
                     #[inline(always)]
@@ -202,12 +209,26 @@ fn add_product(
     );
 }
 
-/// Two spectra, each under its own transfer function.
+/// Two spectra, each under its own transfer function, which is 0 where there is none.
 #[inline(always)]
-fn multiply([one, other]: [&[f32]; 2], [first, second]: [&[f32]; 2], column: &mut [Complex<f32>]) {
-    let products = one.iter().zip(first).zip(other.iter().zip(second));
-    for (value, ((one, first), (other, second))) in column.iter_mut().zip(products) {
-        *value = Complex::new(one * first, other * second);
+fn multiply([one, other]: [&[f32]; 2], transfers: [Option<&[f32]>; 2], column: &mut [Complex<f32>]) {
+    if let [Some(first), Some(second)] = transfers {
+        let products = one.iter().zip(first).zip(other.iter().zip(second));
+        for (value, ((one, first), (other, second))) in column.iter_mut().zip(products) {
+            *value = Complex::new(one * first, other * second);
+        }
+        return;
+    }
+    column.fill(Complex::default());
+    if let Some(first) = transfers[0] {
+        for (value, (one, h)) in column.iter_mut().zip(one.iter().zip(first)) {
+            value.re = one * h;
+        }
+    }
+    if let Some(second) = transfers[1] {
+        for (value, (other, h)) in column.iter_mut().zip(other.iter().zip(second)) {
+            value.im = other * h;
+        }
     }
 }
 
@@ -225,6 +246,7 @@ fn spectra(channels: &[Channel<'_>], size: (usize, usize), cache: &mut KernelCac
                     .zip(lights)
                     .for_each(|(sample, (&one, &other))| *sample = Complex::new(one, other));
             },
+            width,
             |p, column| {
                 for (part, spectrum) in spectra.iter_mut().enumerate() {
                     let band = spectrum[line(p, height)].iter_mut().zip(column);
@@ -256,6 +278,7 @@ fn back(spectra: &[Vec<f32>], size: (usize, usize), cache: &mut KernelCache) -> 
                     .zip(values)
                     .for_each(|(to, (&one, &other))| *to = Complex::new(one, other));
             },
+            width,
             |place, row| {
                 let pixels = line(folding.row(place), width);
                 for (part, data) in data.iter_mut().enumerate() {

@@ -8,18 +8,36 @@ use super::Transfer;
 use super::transfer::{TERMS, even_chebyshev, sinc};
 use crate::attenuation::exp_negative;
 
+/// H below this is left out: one step of f32 beside light of 1.
+const NOTHING: f64 = 1e-7;
+/// Folded terms add to H, at most as much as three more of the first.
+const FOLDED: f64 = 4.0;
+
 impl Transfer {
+    /// How many of the frequencies `p/2W` a kernel this wide has anything to say about: beyond, H stays below 1e-7.
+    #[must_use]
+    pub fn columns(&self, width: usize) -> usize {
+        let reach = (FOLDED / NOTHING).ln() / (TAU * self.gamma());
+        // A gamma of 0 reaches everywhere.
+        ((2 * width) as f64 * reach).ceil().min(width as f64) as usize
+    }
+
     /// H at `fx = p/2W`, `fy = q/2H`, column-major (`p · height + q`), within 5e-7 of [`Transfer::at`]; exactly 1 at (0, 0),
     /// so that all light arrives.
     #[must_use]
     pub fn grid_f32(&self, width: usize, height: usize) -> Vec<f32> {
+        self.columns_f32((width, height), width)
+    }
+
+    /// The first columns of [`Transfer::grid_f32`].
+    pub(crate) fn columns_f32(&self, (width, height): (usize, usize), columns: usize) -> Vec<f32> {
         let rows: Vec<f64> = (0..height).map(|q| q as f64 / (2 * height) as f64).collect();
         let row_sinc: Vec<f32> = rows.iter().map(|&fy| sinc(fy) as f32).collect();
         let row_squares: Vec<f32> = rows.iter().map(|&fy| (fy * fy) as f32).collect();
         let row_terms: [Vec<f32>; TERMS] =
             std::array::from_fn(|term| rows.iter().map(|&fy| even_chebyshev(fy)[term] as f32).collect());
         let scale = (TAU * self.gamma()) as f32;
-        let mut grid = vec![0.0; width * height];
+        let mut grid = vec![0.0; columns * height];
         for (p, column) in grid.chunks_exact_mut(height.max(1)).enumerate() {
             let fx = p as f64 / (2 * width) as f64;
             let folded = self
@@ -68,6 +86,19 @@ mod tests {
         for gamma in [0.0, 0.04, 0.2, 0.8, 5.0, 7.0, 300.0] {
             let transfer = Transfer::new(gamma);
             let grid = transfer.grid_f32(width, height);
+            let columns = transfer.columns(width);
+            assert!(
+                columns == width || gamma > 5.0 && columns > 0,
+                "{columns} at γ = {gamma}"
+            );
+            assert!(
+                grid[columns * height..].iter().all(|h| *h < NOTHING as f32),
+                "γ = {gamma}"
+            );
+            assert_eq!(
+                transfer.columns_f32((width, height), columns),
+                grid[..columns * height]
+            );
             assert_eq!(grid[0], 1.0);
             for (index, &value) in grid.iter().enumerate() {
                 let (p, q) = (index / height, index % height);
