@@ -5,6 +5,7 @@
 //! whose error [`Bound`](crate::forward_scatter::Bound) says does. A style network has no known gain: with one the
 //! promise holds up to its input.
 
+mod bins;
 mod scatter;
 mod stats;
 

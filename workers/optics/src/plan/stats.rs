@@ -1,7 +1,9 @@
 //! What a plan needs to know of a scene.
 
+use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
 
+use super::bins;
 use crate::attenuation::OPAQUE;
 use crate::forward_scatter::widest_px;
 use crate::range::{HoleRule, bounds, is_hole};
@@ -48,30 +50,32 @@ impl SceneStats {
             HoleRule::Range(metres) if range.data().iter().any(|&z| is_hole(z)) => Some(metres as f32),
             _ => None,
         };
-        let opaque_m = [0, 1, 2].map(|channel| opaque_m(water, channel));
         // Which of the filled holes are lit is not worth a second look.
-        let filled = |seen: Option<(f32, f32)>| match (seen, stand_in) {
-            (Some((nearest, farthest)), Some(z)) => Some((nearest.min(z), farthest.max(z))),
-            (seen, stand_in) => seen.or(stand_in.map(|z| (z, z))),
+        let filled = |seen: Option<(f32, f32)>| {
+            let seen = match (seen, stand_in) {
+                (Some((nearest, farthest)), Some(z)) => Some((nearest.min(z), farthest.max(z))),
+                (seen, stand_in) => seen.or(stand_in.map(|z| (z, z))),
+            };
+            seen.map(|(nearest, farthest)| (f64::from(nearest), f64::from(farthest)))
         };
-        let span = |light: &[f32], most_m: f32| {
-            let span = filled(bounds(light, range.data(), most_m));
-            span.map(|(nearest, farthest)| (f64::from(nearest), f64::from(farthest)))
-        };
-        let mut bins = binned(radiance, range);
+        let channels = [0, 1, 2].map(|c| {
+            let light = radiance.planes()[c].data();
+            ChannelStats::measure(light, range.data(), opaque_m(water, c))
+        });
+        let brightest = channels.map(|channel| channel.brightest);
+        let mut bins = bins::binned(radiance, range);
         if let Some(z) = stand_in {
-            let brightest = radiance.planes().each_ref().map(|plane| largest(plane.data()));
             let metres = (f64::from(z), f64::from(z));
             bins.push(RangeBin { metres, brightest });
         }
         Self {
             holes: stand_in.is_none() && range.data().iter().any(|&z| is_hole(z)),
             bins,
-            darkest: radiance.planes().each_ref().map(|plane| smallest(plane.data())),
-            range_m: span(range.data(), f32::MAX),
-            lit_m: [0, 1, 2].map(|channel| span(radiance.planes()[channel].data(), opaque_m[channel])),
+            darkest: channels.map(|channel| channel.darkest),
+            range_m: filled(bounds(range.data(), range.data(), f32::MAX)),
+            lit_m: channels.map(|channel| filled(channel.lit_m)),
             distinct_m: distinct(range.data(), stand_in),
-            brightest: radiance.planes().each_ref().map(|plane| largest(plane.data())),
+            brightest,
             widest_px: widest_px(range.width(), range.height()),
         }
     }
@@ -89,56 +93,40 @@ fn opaque_m(water: &Water, channel: usize) -> f32 {
     }
 }
 
-/// Several maxima at once, so that the loop vectorises.
+/// What one look at a channel tells.
+#[derive(Clone, Copy)]
+struct ChannelStats {
+    brightest: f32,
+    darkest: f32,
+    lit_m: Option<(f32, f32)>,
+}
+
+impl ChannelStats {
+    fn measure(light: &[f32], range: &[f32], most_m: f32) -> Self {
+        let (mut brightest, mut darkest) = ([0.0f32; LANES], [f32::MAX; LANES]);
+        vectorised(
+            #[inline(always)]
+            || extremes(light, &mut brightest, &mut darkest),
+        );
+        Self {
+            brightest: brightest.into_iter().fold(0.0, f32::max),
+            darkest: darkest.into_iter().fold(f32::MAX, f32::min),
+            lit_m: bounds(light, range, most_m),
+        }
+    }
+}
+
+/// Several extremes at once, so that the loop vectorises.
 const LANES: usize = 16;
 
-fn largest(light: &[f32]) -> f32 {
-    let mut lanes = [0.0f32; LANES];
+#[inline(always)]
+fn extremes(light: &[f32], brightest: &mut [f32; LANES], darkest: &mut [f32; LANES]) {
     for chunk in light.chunks(LANES) {
-        for (lane, &l) in lanes.iter_mut().zip(chunk) {
-            *lane = lane.max(l);
+        for ((most, least), &l) in brightest.iter_mut().zip(darkest.iter_mut()).zip(chunk) {
+            *most = most.max(l);
+            *least = least.min(l);
         }
     }
-    lanes.into_iter().fold(0.0, f32::max)
-}
-
-fn smallest(light: &[f32]) -> f32 {
-    let mut lanes = [f32::MAX; LANES];
-    for chunk in light.chunks(LANES) {
-        for (lane, &l) in lanes.iter_mut().zip(chunk) {
-            *lane = lane.min(l);
-        }
-    }
-    lanes.into_iter().fold(f32::MAX, f32::min)
-}
-
-/// Bits of a float below its exponent and three more: eight bins for each factor of two.
-const BIN_SHIFT: u32 = 20;
-/// Bins of all positive floats.
-const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
-
-/// The largest radiance by range.
-fn binned(radiance: &Rgb<f32>, range: &Plane<f32>) -> Vec<RangeBin> {
-    // None of these is lit; a pixel of no light is none that spreads any.
-    let mut brightest = vec![[0.0f32; 3]; BINS];
-    let [r, g, b] = radiance.planes().each_ref().map(Plane::data);
-    for (&z, ((&r, &g), &b)) in range.data().iter().zip(r.iter().zip(g).zip(b)) {
-        if is_hole(z) {
-            continue;
-        }
-        let bin = &mut brightest[(z.to_bits() >> BIN_SHIFT) as usize];
-        *bin = [bin[0].max(r), bin[1].max(g), bin[2].max(b)];
-    }
-    let edge = |bin: usize| f64::from(f32::from_bits((bin as u32) << BIN_SHIFT));
-    let lit = brightest
-        .into_iter()
-        .enumerate()
-        .filter(|(_, bin)| bin.iter().any(|&light| light > 0.0));
-    lit.map(|(bin, brightest)| RangeBin {
-        metres: (edge(bin), edge(bin + 1).min(f64::from(f32::MAX))),
-        brightest,
-    })
-    .collect()
 }
 
 /// The distinct valid ranges, none if there are more than [`MOST_DISTINCT`].

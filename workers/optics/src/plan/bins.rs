@@ -1,0 +1,110 @@
+//! The largest radiance by range, in one look at a scene.
+
+use imaging::simd::vectorised;
+use imaging::{Plane, Rgb};
+
+use super::stats::RangeBin;
+use crate::range::{SHORTEST_M, is_hole};
+
+/// Bits of a float below its exponent and three more: eight bins for each factor of two.
+const BIN_SHIFT: u32 = 20;
+/// Bins of all positive floats.
+const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
+/// Pixels that are looked at together: most neighbours share a bin.
+const RUN: usize = 16;
+
+/// The lit bins, nearest first.
+pub(super) fn binned(radiance: &Rgb<f32>, range: &Plane<f32>) -> Vec<RangeBin> {
+    // None of these is lit; a pixel of no light is none that spreads any.
+    let mut brightest = vec![[0.0f32; 3]; BINS];
+    let light = radiance.planes().each_ref().map(Plane::data);
+    vectorised(
+        #[inline(always)]
+        || fill(light, range.data(), &mut brightest),
+    );
+    let edge = |bin: usize| f64::from(f32::from_bits((bin as u32) << BIN_SHIFT));
+    let lit = brightest
+        .into_iter()
+        .enumerate()
+        .filter(|(_, bin)| bin.iter().any(|&light| light > 0.0));
+    lit.map(|(bin, brightest)| RangeBin {
+        metres: (edge(bin), edge(bin + 1).min(f64::from(f32::MAX))),
+        brightest,
+    })
+    .collect()
+}
+
+#[inline(always)]
+fn fill(light: [&[f32]; 3], range: &[f32], brightest: &mut [[f32; 3]]) {
+    let [r, g, b] = light;
+    for (start, run) in range.chunks(RUN).enumerate().map(|(i, run)| (i * RUN, run)) {
+        let [r, g, b] = [r, g, b].map(|plane| &plane[start..start + run.len()]);
+        if let Some(bin) = common_bin(run) {
+            let bin = &mut brightest[bin];
+            for (most, plane) in bin.iter_mut().zip([r, g, b]) {
+                *most = most.max(largest(plane));
+            }
+            continue;
+        }
+        for (i, &z) in run.iter().enumerate().filter(|(_, z)| !is_hole(**z)) {
+            let bin = &mut brightest[bin_of(z)];
+            *bin = [bin[0].max(r[i]), bin[1].max(g[i]), bin[2].max(b[i])];
+        }
+    }
+}
+
+fn bin_of(z: f32) -> usize {
+    (z.to_bits() >> BIN_SHIFT) as usize
+}
+
+/// The bin of a whole run without a hole, if there is one.
+#[inline(always)]
+fn common_bin(run: &[f32]) -> Option<usize> {
+    let run: &[f32; RUN] = run.try_into().ok()?;
+    let (mut least, mut most) = (u32::MAX, 0);
+    for z in run {
+        // Negative numbers have the sign bit, NaN and infinity the greatest exponent.
+        least = least.min(z.to_bits());
+        most = most.max(z.to_bits());
+    }
+    let no_hole = least >= (SHORTEST_M as f32).to_bits() && most < f32::INFINITY.to_bits();
+    let bin = least >> BIN_SHIFT;
+    (no_hole && bin == most >> BIN_SHIFT).then_some(bin as usize)
+}
+
+#[inline(always)]
+fn largest(light: &[f32]) -> f32 {
+    let mut most = 0.0f32;
+    for &l in light {
+        most = if l > most { l } else { most };
+    }
+    most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_of_one_bin_count_like_their_pixels() {
+        // Slopes, steps and holes, of a length that is no multiple of a run.
+        let range = Plane::from_fn(101, 7, |x, y| match (x, y) {
+            (_, 0) => 1.0 + 0.001 * x as f32,
+            (_, 1) => 0.01 * x as f32,
+            (x, 2) if x % 17 == 3 => f32::NAN,
+            (x, 3) if x % 5 == 0 => -3.0,
+            (x, 4) if x == 50 => f32::INFINITY,
+            (x, _) => 2.0 + (x / 30) as f32,
+        });
+        let radiance = Rgb::from_fn(101, 7, |x, y| [x as f32, y as f32, ((x * y) % 13) as f32]);
+        let mut expected = vec![[0.0f32; 3]; BINS];
+        for (i, &z) in range.data().iter().enumerate().filter(|(_, z)| !is_hole(**z)) {
+            for (most, plane) in expected[bin_of(z)].iter_mut().zip(radiance.planes()) {
+                *most = most.max(plane.data()[i]);
+            }
+        }
+        expected.retain(|bin| bin.iter().any(|&light| light > 0.0));
+        let bins = binned(&radiance, &range);
+        assert_eq!(bins.iter().map(|bin| bin.brightest).collect::<Vec<_>>(), expected);
+    }
+}
