@@ -93,7 +93,7 @@ mod tests {
             (_, 1) => 0.01 * x as f32,
             (x, 2) if x % 17 == 3 => f32::NAN,
             (x, 3) if x % 5 == 0 => -3.0,
-            (x, 4) if x == 50 => f32::INFINITY,
+            (50, 4) => f32::INFINITY,
             (x, _) => 2.0 + (x / 30) as f32,
         });
         let radiance = Rgb::from_fn(101, 7, |x, y| [x as f32, y as f32, ((x * y) % 13) as f32]);
