@@ -3,104 +3,115 @@
 //! A number that a source does not give is absent, never guessed. Absorption and scattering are stored; beam attenuation is
 //! their sum. K_d, the decay of daylight with depth, stands beside them and never attenuates along a camera ray.
 
+mod behaviour;
+mod diffuse;
 mod jerlov;
+mod own;
+mod properties;
+mod pure_water;
+mod registry;
 mod self_test;
+mod single;
 
+pub use own::{NewWater, OwnError, is_shipped, own};
+pub use properties::{Properties, properties};
+pub use registry::{diffuse_in_disguise, expected_defects, find, presets};
 pub use self_test::{Defect, self_test};
 
-/// One water. Arrays are red, green, blue; coefficients in 1/m.
+/// Red, green, blue; a channel that is not known is absent.
+pub type Channels = [Option<f64>; 3];
+
+/// All three channels, if all are known.
+#[must_use]
+pub fn all_known(channels: Channels) -> Option<[f64; 3]> {
+    let [Some(r), Some(g), Some(b)] = channels else {
+        return None;
+    };
+    Some([r, g, b])
+}
+
+/// One water. Coefficients in 1/m; what is absent is unknown, never zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preset {
     /// Full name: water and source, such as `jerlov-3C/williamson2022`.
-    pub name: &'static str,
+    pub name: String,
+    /// Jerlov's type, such as `3C`, if it is one of them: the self-tests hold it against its neighbours.
+    pub jerlov_type: Option<String>,
     /// Where the numbers come from.
-    pub source: &'static str,
+    pub source: String,
     /// Under what terms they may be used, `unknown` if that is not known.
-    pub licence: &'static str,
+    pub licence: String,
     /// What a user should know.
-    pub caveats: &'static [&'static str],
+    pub caveats: Vec<String>,
     /// Wavelengths that stand for red, green and blue, nm.
-    pub wavelength_nm: Option<[f64; 3]>,
+    pub wavelength_nm: Channels,
     /// Absorption a.
-    pub absorption: Option<[f64; 3]>,
+    pub absorption: Channels,
     /// Scattering b.
-    pub scattering: Option<[f64; 3]>,
+    pub scattering: Channels,
     /// Beam attenuation c = a + b.
-    pub beam_attenuation: Option<[f64; 3]>,
+    pub beam_attenuation: Channels,
     /// Diffuse attenuation K_d.
-    pub diffuse_attenuation: Option<[f64; 3]>,
+    pub diffuse_attenuation: Channels,
+    /// Backscatter fraction b_b/b, if the source gives one.
+    pub backscatter_fraction: Option<f64>,
     /// Veiling light, linear, if the source gives one.
     pub veiling_light: Option<[f64; 3]>,
+    /// Which of these fields were computed from the source's own, by the names of the job description.
+    pub derived: Vec<&'static str>,
+    /// Below pure sea water and the like: to know, no reason to refuse.
+    pub warnings: Vec<String>,
+    /// What the self-tests find in it.
+    pub defects: Vec<String>,
 }
 
 impl Preset {
+    /// A water of which nothing is known yet.
+    #[must_use]
+    pub fn unknown(name: &str, source: &str, licence: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            jerlov_type: None,
+            source: source.to_owned(),
+            licence: licence.to_owned(),
+            caveats: Vec::new(),
+            wavelength_nm: [None; 3],
+            absorption: [None; 3],
+            scattering: [None; 3],
+            beam_attenuation: [None; 3],
+            diffuse_attenuation: [None; 3],
+            backscatter_fraction: None,
+            veiling_light: None,
+            derived: Vec::new(),
+            warnings: Vec::new(),
+            defects: Vec::new(),
+        }
+    }
+
     /// Why a frame cannot be rendered with this preset alone, if so.
     #[must_use]
-    pub fn unrenderable(&self) -> Option<&'static str> {
-        if self.beam_attenuation.is_none() {
-            return Some("absorption or scattering is unknown at one of its wavelengths");
+    pub fn unrenderable(&self) -> Option<String> {
+        if let Some(defect) = self
+            .defects
+            .iter()
+            .find(|what| !registry::is_expected(&self.name, what))
+        {
+            return Some(format!("it fails its self-test: {defect}"));
         }
-        (self.veiling_light.is_none() && self.diffuse_attenuation.is_none())
-            .then_some("neither veiling light nor diffuse attenuation is known")
+        let nothing = |channels: Channels| channels.iter().all(Option::is_none);
+        let why = if all_known(self.beam_attenuation).is_some() {
+            let veil = self.veiling_light.is_some() || all_known(self.diffuse_attenuation).is_some();
+            (!veil).then_some("neither veiling light nor diffuse attenuation is known")
+        } else if nothing(self.beam_attenuation) && nothing(self.scattering) {
+            Some("only K_d is known, which does not attenuate along a camera ray")
+        } else if self.wavelength_nm.iter().flatten().count() <= 1 {
+            Some("it is known at one wavelength only")
+        } else {
+            Some("absorption or scattering is unknown at one of its wavelengths")
+        };
+        why.map(str::to_owned)
     }
-}
-
-/// Every preset; of several sources for one water the default comes first.
-#[must_use]
-pub fn presets() -> &'static [Preset] {
-    &jerlov::PRESETS
-}
-
-/// The preset of a full name, or the default source of a bare one (`jerlov-3C`).
-#[must_use]
-pub fn find(name: &str) -> Option<&'static Preset> {
-    let bare = |preset: &Preset| preset.name.split('/').next() == Some(name);
-    presets()
-        .iter()
-        .find(|preset| preset.name == name || bare(preset))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_bare_name_is_its_default_source() {
-        assert_eq!(
-            find("jerlov-3C").map(|p| p.name),
-            Some("jerlov-3C/williamson2022")
-        );
-        assert_eq!(find("jerlov-9C").map(|p| p.name), Some("jerlov-9C/solonenko2015"));
-        assert_eq!(
-            find("jerlov-3C/solonenko2015").map(|p| p.name),
-            Some("jerlov-3C/solonenko2015")
-        );
-        assert!(find("jerlov-4C").is_none() && find("jerlov").is_none());
-    }
-
-    #[test]
-    fn attenuation_is_absorption_plus_scattering() {
-        let preset = find("jerlov-1C").unwrap();
-        let expected = [0.366 + 0.412, 0.099 + 0.447, 0.159 + 0.435];
-        assert_eq!(preset.beam_attenuation, Some(expected));
-    }
-
-    #[test]
-    fn a_water_without_absorption_in_red_is_listed_but_not_rendered() {
-        let preset = find("jerlov-5C/solonenko2015").unwrap();
-        assert!(preset.unrenderable().is_some());
-        assert_eq!(presets().iter().filter(|p| p.unrenderable().is_some()).count(), 1);
-    }
-
-    #[test]
-    fn diffuse_attenuation_is_interpolated_at_the_wavelengths_of_the_preset() {
-        let preset = find("jerlov-3C/williamson2022").unwrap();
-        // 650 is tabulated; 555 lies a tenth of the way from 550 (0.19) to 600 (0.33); 440 between 400 and 450.
-        let expected = [0.46, 0.19 + 0.1 * (0.33 - 0.19), 0.78 + 0.8 * (0.39 - 0.78)];
-        let known = preset.diffuse_attenuation.unwrap();
-        assert!(
-            known.iter().zip(expected).all(|(k, e)| (k - e).abs() < 1e-12),
-            "{known:?}"
-        );
-    }
-}
+mod tests;

@@ -1,8 +1,6 @@
 //! The Jerlov water types, and the baseline of a well-known simulator.
 
-use std::sync::LazyLock;
-
-use super::Preset;
+use super::{Channels, Preset};
 
 const WILLIAMSON: &str = "Williamson & Hollins 2022, Applied Optics 61, 9951: measured campaign means, from a secondary transcription";
 const SOLONENKO: &str = "Solonenko & Mobley 2015, Applied Optics 54, 5392: inverted from Jerlov's K_d, from a secondary transcription";
@@ -39,43 +37,43 @@ const INCOMPLETE: &[&str] = &[
 const NM_WILLIAMSON: [f64; 3] = [650.0, 555.0, 440.0];
 const NM_SOLONENKO: [f64; 3] = [650.0, 550.0, 450.0];
 
-/// (type, absorption, scattering, caveats), both R, G, B.
-type Row = (&'static str, Option<[f64; 3]>, [f64; 3], &'static [&'static str]);
+/// (name, absorption, scattering, caveats), both R, G, B.
+type Row = (&'static str, Channels, [f64; 3], &'static [&'static str]);
 
 const WILLIAMSON_ROWS: [Row; 6] = [
     (
         "jerlov-IB/williamson2022",
-        Some([0.346, 0.071, 0.042]),
+        [Some(0.346), Some(0.071), Some(0.042)],
         [0.118, 0.120, 0.135],
         FEW,
     ),
     (
         "jerlov-II/williamson2022",
-        Some([0.353, 0.077, 0.066]),
+        [Some(0.353), Some(0.077), Some(0.066)],
         [0.164, 0.184, 0.195],
         MEASURED,
     ),
     (
         "jerlov-III/williamson2022",
-        Some([0.364, 0.091, 0.114]),
+        [Some(0.364), Some(0.091), Some(0.114)],
         [0.271, 0.306, 0.309],
         MEASURED,
     ),
     (
         "jerlov-1C/williamson2022",
-        Some([0.366, 0.099, 0.159]),
+        [Some(0.366), Some(0.099), Some(0.159)],
         [0.412, 0.447, 0.435],
         MEASURED,
     ),
     (
         "jerlov-3C/williamson2022",
-        Some([0.375, 0.118, 0.231]),
+        [Some(0.375), Some(0.118), Some(0.231)],
         [0.652, 0.675, 0.636],
         MEASURED,
     ),
     (
         "jerlov-5C/williamson2022",
-        Some([0.395, 0.157, 0.327]),
+        [Some(0.395), Some(0.157), Some(0.327)],
         [1.237, 1.267, 1.072],
         MEASURED,
     ),
@@ -84,56 +82,61 @@ const WILLIAMSON_ROWS: [Row; 6] = [
 const SOLONENKO_ROWS: [Row; 10] = [
     (
         "jerlov-I/solonenko2015",
-        Some([0.334, 0.062, 0.018]),
+        [Some(0.334), Some(0.062), Some(0.018)],
         [0.0009, 0.0017, 0.0038],
         SUSPECT_CLEAREST,
     ),
     (
         "jerlov-IA/solonenko2015",
-        Some([0.334, 0.0622, 0.0221]),
+        [Some(0.334), Some(0.0622), Some(0.0221)],
         [0.0023, 0.0035, 0.0063],
         SUSPECT,
     ),
     (
         "jerlov-IB/solonenko2015",
-        Some([0.334, 0.0623, 0.0235]),
+        [Some(0.334), Some(0.0623), Some(0.0235)],
         [0.045, 0.0536, 0.068],
         INVERTED,
     ),
     (
         "jerlov-II/solonenko2015",
-        Some([0.334, 0.0622, 0.0241]),
+        [Some(0.334), Some(0.0622), Some(0.0241)],
         [0.270, 0.358, 0.504],
         INVERTED,
     ),
     (
         "jerlov-III/solonenko2015",
-        Some([0.336, 0.0646, 0.0388]),
+        [Some(0.336), Some(0.0646), Some(0.0388)],
         [0.737, 0.980, 1.38],
         INVERTED,
     ),
     (
         "jerlov-1C/solonenko2015",
-        Some([0.344, 0.076, 0.105]),
+        [Some(0.344), Some(0.076), Some(0.105)],
         [0.274, 0.365, 0.514],
         INVERTED,
     ),
     (
         "jerlov-3C/solonenko2015",
-        Some([0.346, 0.082, 0.154]),
+        [Some(0.346), Some(0.082), Some(0.154)],
         [0.800, 1.06, 1.50],
         INVERTED,
     ),
-    ("jerlov-5C/solonenko2015", None, [1.001, 1.33, 1.87], INCOMPLETE),
+    (
+        "jerlov-5C/solonenko2015",
+        [None, Some(0.117), Some(0.297)],
+        [1.001, 1.33, 1.87],
+        INCOMPLETE,
+    ),
     (
         "jerlov-7C/solonenko2015",
-        Some([0.403, 0.195, 0.542]),
+        [Some(0.403), Some(0.195), Some(0.542)],
         [1.77, 2.35, 3.30],
         INVERTED,
     ),
     (
         "jerlov-9C/solonenko2015",
-        Some([0.456, 0.348, 0.943]),
+        [Some(0.456), Some(0.348), Some(0.943)],
         [2.35, 3.12, 4.39],
         INVERTED,
     ),
@@ -154,9 +157,11 @@ const JERLOV_KD: [(&str, [f64; 7]); 10] = [
 ];
 const KD_FIRST_NM: f64 = 400.0;
 const KD_STEP_NM: f64 = 50.0;
+/// Tabulated wavelengths that stand for red, green and blue.
+pub(super) const NM_TABLE: [f64; 3] = NM_SOLONENKO;
 
 /// K_d between two tabulated wavelengths; nothing outside the table.
-fn diffuse_attenuation(water: &str, wavelength_nm: f64) -> Option<f64> {
+pub(super) fn diffuse_attenuation(water: &str, wavelength_nm: f64) -> Option<f64> {
     let (_, table) = JERLOV_KD.iter().find(|(name, _)| *name == water)?;
     let place = (wavelength_nm - KD_FIRST_NM) / KD_STEP_NM;
     let below = place.floor() as usize;
@@ -169,55 +174,56 @@ fn diffuse_attenuation(water: &str, wavelength_nm: f64) -> Option<f64> {
     }
 }
 
-fn preset(row: &Row, source: &'static str, licence: &'static str, wavelength_nm: [f64; 3]) -> Preset {
+fn preset(row: &Row, source: &str, licence: &str, wavelength_nm: [f64; 3]) -> Preset {
     let (name, absorption, scattering, caveats) = *row;
     let water = name
         .trim_start_matches("jerlov-")
         .split('/')
         .next()
         .unwrap_or_default();
-    let [r, g, b] = wavelength_nm.map(|nm| diffuse_attenuation(water, nm));
+    let tabulated = wavelength_nm.iter().all(|nm| nm % KD_STEP_NM == 0.0);
+    let interpolated = (!tabulated).then_some("diffuse_attenuation_per_m");
     Preset {
-        name,
-        source,
-        licence,
-        caveats,
-        wavelength_nm: Some(wavelength_nm),
+        jerlov_type: Some(water.to_owned()),
+        caveats: caveats.iter().map(ToString::to_string).collect(),
+        wavelength_nm: wavelength_nm.map(Some),
         absorption,
-        scattering: Some(scattering),
-        beam_attenuation: absorption
-            .map(|a| [a[0] + scattering[0], a[1] + scattering[1], a[2] + scattering[2]]),
-        diffuse_attenuation: r.zip(g).zip(b).map(|((r, g), b)| [r, g, b]),
-        veiling_light: None,
+        scattering: scattering.map(Some),
+        beam_attenuation: [0, 1, 2].map(|i| absorption[i].map(|a| a + scattering[i])),
+        diffuse_attenuation: wavelength_nm.map(|nm| diffuse_attenuation(water, nm)),
+        derived: ["beam_attenuation_per_m"]
+            .into_iter()
+            .chain(interpolated)
+            .collect(),
+        ..Preset::unknown(name, source, licence)
     }
 }
 
 /// Attenuation only, as the underwater camera plugin of UUV Simulator has it where a robot description sets nothing:
 /// `attenuationR`, `G` and `B` 1/30 per metre, `backgroundR`, `G` and `B` 0.
 fn uuv_simulator() -> Preset {
+    let caveats = [
+        "a baseline to compare with, not a measured water: grey attenuation and a black background",
+        "the simulator attenuates display codes; here the same numbers act on linear light",
+    ];
     Preset {
-        name: "uuv-simulator",
-        source: "UUV Simulator (uuvsimulator/uuv_simulator), defaults of UnderwaterCameraROSPlugin.cc",
-        licence: "Apache-2.0 (the simulator)",
-        caveats: &[
-            "a baseline to compare with, not a measured water: grey attenuation and a black background",
-            "the simulator attenuates display codes; here the same numbers act on linear light",
-        ],
-        wavelength_nm: None,
-        absorption: None,
-        scattering: None,
-        beam_attenuation: Some([1.0 / 30.0; 3]),
-        diffuse_attenuation: None,
+        caveats: caveats.map(str::to_owned).to_vec(),
+        beam_attenuation: [Some(1.0 / 30.0); 3],
         veiling_light: Some([0.0; 3]),
+        ..Preset::unknown(
+            "uuv-simulator",
+            "UUV Simulator (uuvsimulator/uuv_simulator), defaults of UnderwaterCameraROSPlugin.cc",
+            "Apache-2.0 (the simulator)",
+        )
     }
 }
 
-pub(super) static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
+pub(super) fn presets() -> impl Iterator<Item = Preset> {
     let measured = WILLIAMSON_ROWS
         .iter()
         .map(|row| preset(row, WILLIAMSON, OPEN_DATA, NM_WILLIAMSON));
     let inverted = SOLONENKO_ROWS
         .iter()
         .map(|row| preset(row, SOLONENKO, UNKNOWN, NM_SOLONENKO));
-    measured.chain(inverted).chain([uuv_simulator()]).collect()
-});
+    measured.chain(inverted).chain([uuv_simulator()])
+}

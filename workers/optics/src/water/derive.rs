@@ -6,7 +6,7 @@
 
 use super::{Ambient, Scatter, ScatterModel, ScatterRequest, Spread, Water, WaterError, WaterRequest};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
-use crate::preset;
+use crate::preset::{self, all_known};
 use crate::range::HoleRule;
 
 const G_SHARE_OF_SCATTERING: f64 = 0.05;
@@ -39,8 +39,12 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     });
     // A given beam attenuation replaces the preset's whole decomposition: a and b of another water would contradict it.
     let decomposition = preset.filter(|_| request.beam_attenuation.is_none());
-    let absorption = request.absorption.or(decomposition.and_then(|p| p.absorption));
-    let scattering = request.scattering.or(decomposition.and_then(|p| p.scattering));
+    let absorption = request
+        .absorption
+        .or(decomposition.and_then(|p| all_known(p.absorption)));
+    let scattering = request
+        .scattering
+        .or(decomposition.and_then(|p| all_known(p.scattering)));
     let sum = absorption.zip(scattering).map(|(a, b)| each(|i| a[i] + b[i]));
     if let (Some(c), Some(sum)) = (request.beam_attenuation, sum) {
         for i in (0..3).filter(|&i| (c[i] - sum[i]).abs() > SUM_SLACK_PER_M) {
@@ -58,7 +62,7 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     let attenuation = request
         .beam_attenuation
         .or(sum)
-        .or(decomposition.and_then(|p| p.beam_attenuation));
+        .or(decomposition.and_then(|p| all_known(p.beam_attenuation)));
     if attenuation.is_none() && (preset.is_some() || request.preset.is_none()) {
         let reason = "give it, or both absorption_per_m and scattering_per_m";
         checks.errors.push(WaterError::Missing {
@@ -68,7 +72,7 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     }
     let diffuse_attenuation = request
         .diffuse_attenuation
-        .or(preset.and_then(|p| p.diffuse_attenuation));
+        .or(preset.and_then(|p| all_known(p.diffuse_attenuation)));
     let decay = checks.decay(request, diffuse_attenuation);
     let given_veil = request.veiling_light.or(preset.and_then(|p| p.veiling_light));
     let veiling_light = match given_veil {
@@ -100,7 +104,7 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     let scale = request.range_scale;
     let scaled = |values: [f64; 3]| values.map(|v| v * scale);
     Ok(Water {
-        preset: preset.map(|p| p.name),
+        preset: preset.map(|p| p.name.as_str()),
         absorption: absorption.map(scaled),
         scattering: scattering.map(scaled),
         direct_attenuation: scaled(attenuation),
@@ -111,6 +115,7 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
         scatter: scaled_scatter(scatter, scale),
         backscatter_fraction: request
             .backscatter_fraction
+            .or(preset.and_then(|p| p.backscatter_fraction))
             .unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
         holes: request.holes,
         derived: checks.derived,

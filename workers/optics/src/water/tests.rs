@@ -271,7 +271,7 @@ fn every_renderable_preset_resolves_without_more() {
         .iter()
         .filter(|preset| preset.unrenderable().is_none())
     {
-        let request = self::preset(preset.name);
+        let request = self::preset(&preset.name);
         assert!(Water::resolve(&request, FOCAL_PX).is_ok(), "{}", preset.name);
     }
 }
