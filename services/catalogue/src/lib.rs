@@ -27,6 +27,7 @@ mod stats;
 pub mod synthetic;
 mod types;
 mod upkeep;
+mod waters;
 mod writer;
 
 pub use catalogue::Catalogue;
@@ -37,3 +38,4 @@ pub use types::{
     ImageRow, InsertImage, InsertJob, JobRow, JobState, NamedDigest, NewJob, OpenJob, Page, Retried,
     SceneRow,
 };
+pub use waters::WaterRow;

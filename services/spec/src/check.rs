@@ -4,6 +4,7 @@ mod across;
 mod law;
 mod names;
 mod object;
+mod own_water;
 mod water;
 
 use std::collections::BTreeSet;

@@ -5,6 +5,7 @@
 
 use crate::schema::Names::{
     Artifact, Dataset, Enhancement, Family, Fixed, Metric, Path, Preset as PresetName, SceneId, Style,
+    WaterName, Words,
 };
 use crate::schema::Presence::{Default, Optional, Required};
 use crate::schema::Shape::{Either, Integer, Labels, List, Number, Object, OneOf, Rgb, Short, Tagged, Text, Vector};
@@ -40,6 +41,22 @@ pub static DOCUMENT: Shape = Object(&[
     field("artifacts", names(&Text(Artifact)), Default("[\"rgb\"]"), "what to store"),
     field("encode", ENCODE, Default("{}"), "file format of RGB-like artifacts"),
     fixed("labels", Labels, Default("{}"), "the user's own scalars, queryable as `labels.<name>`"),
+]);
+
+/// A water of a user's own.
+pub static OWN_WATER: Shape = Object(&[
+    fixed("name", Text(WaterName), Required, "what jobs call it"),
+    fixed("source", Text(Words), Required, "where the numbers come from"),
+    fixed("licence", Text(Words), Default("\"unknown\""), "under what terms they may be used"),
+    fixed("caveats", List { element: &Text(Words), max: 16, distinct: true }, Default("[]"), "what others should know"),
+    fixed("jerlov_type", Text(Fixed(&optics::preset::JERLOV_TYPES)), Optional, "its type, held against its neighbours of the same source"),
+    fixed("wavelength_nm", Rgb(Range::within(300.0, 1000.0)), Required, "what stands for red, green and blue, falling"),
+    fixed("absorption_per_m", PER_METRE, Optional, "a"),
+    fixed("scattering_per_m", PER_METRE, Optional, "b"),
+    fixed("beam_attenuation_per_m", PER_METRE, Optional, "c; absent: a + b"),
+    fixed("diffuse_attenuation_per_m", PER_METRE, Optional, "K_d, the decay of daylight with depth"),
+    fixed("backscatter_fraction", Number(Range::within(0.002, 0.5)), Optional, "b_b/b, for the glow of lamps"),
+    fixed("veiling_light", RADIANCE, Optional, "backscatter radiance at infinite range, linear; absent: derived from K_d"),
 ]);
 
 const SCENE: Shape = Tagged {
@@ -119,6 +136,7 @@ const HOLES: Shape = Either(Fixed(&["background", "reject"]), &OneOf(&[
 
 const OPTICS: &[Field] = &[
     field("preset", Text(PresetName), Optional, "the preset whose fields the others replace"),
+    fixed("name", Text(WaterName), Optional, "what these coefficients are called; a water of the user's own brings its name"),
     field("beam_attenuation_per_m", PER_METRE, Optional, "c = a + b"),
     field("absorption_per_m", PER_METRE, Optional, "a"),
     field("scattering_per_m", PER_METRE, Optional, "b"),

@@ -202,6 +202,9 @@ pub struct Optics {
     /// Preset name, such as `jerlov-3C` or `jerlov-3C/williamson2022` or `uuv-simulator`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
+    /// What the coefficients are called, such as a water of the user's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// c = a + b.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beam_attenuation_per_m: Option<[f64; 3]>,

@@ -216,6 +216,10 @@ pub enum Names {
     Family,
     /// A water preset.
     Preset,
+    /// What a user calls a water.
+    WaterName,
+    /// Free text.
+    Words,
     /// A style model.
     Style,
     /// An enhancement method.
@@ -253,6 +257,8 @@ impl Names {
             Self::Fixed(_) => "one of the allowed words",
             Self::Family => "a known scene family",
             Self::Preset => "a known water preset",
+            Self::WaterName => "1 to 64 of A-Z a-z 0-9 . _ - that begin with a letter or digit",
+            Self::Words => "1 to 1000 characters",
             Self::Style => "a known style model",
             Self::Enhancement => "a known enhancement method",
             Self::Metric => "a known metric",

@@ -1,5 +1,9 @@
 //! The names that a description may use.
 
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value};
+
 /// The names that a description may use. They come from the crates and folders that own them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Vocabulary {
@@ -9,6 +13,8 @@ pub struct Vocabulary {
     pub presets: Vec<String>,
     /// Presets that cannot be rendered, and why.
     pub unrenderable_presets: Vec<(String, String)>,
+    /// Waters of the users' own: the fields of `water.optics` that stand for each name.
+    pub waters: BTreeMap<String, Map<String, Value>>,
     /// Style models.
     pub styles: Vec<String>,
     /// Enhancement methods.

@@ -21,6 +21,7 @@ pub(crate) fn of(document: &Node, written: &Value) -> Vec<String> {
             warnings.push(format!("`water.{name}` has no effect without `water.optics`"));
         }
     }
+    warnings.extend(waters.iter().filter_map(|(_, water)| diffuse(water)));
     let brings_picture = |scene: &Node| scene.get("family").is_none();
     if places(document, "scene")
         .iter()
@@ -42,6 +43,32 @@ pub(crate) fn of(document: &Node, written: &Value) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Whether a beam attenuation is a K_d, which attenuates daylight and no camera ray.
+fn diffuse(water: &Node) -> Option<String> {
+    let optics = water.get("optics")?.alternatives("");
+    optics.iter().find_map(|(_, optics)| {
+        let triple = |name| serde_json::from_value::<[f64; 3]>(optics.get(name)?.canonical()).ok();
+        diffuse_warning(
+            triple("beam_attenuation_per_m")?,
+            triple("diffuse_attenuation_per_m"),
+        )
+    })
+}
+
+/// What to say of a beam attenuation that is a K_d: the one beside it, or that of a known water.
+#[must_use]
+pub fn diffuse_warning(beam: [f64; 3], diffuse: Option<[f64; 3]>) -> Option<String> {
+    let whose = if diffuse == Some(beam) {
+        "the `diffuse_attenuation_per_m` beside it".to_owned()
+    } else {
+        format!("the K_d of {}", optics::preset::diffuse_in_disguise(beam)?)
+    };
+    Some(format!(
+        "`water.optics.beam_attenuation_per_m` is {whose}: K_d is the decay of daylight with depth, and as beam attenuation \
+         it makes the water too clear"
+    ))
 }
 
 /// Whether this law is a grid of more than one value.

@@ -135,6 +135,7 @@ impl Slot {
             timings_ms: watch.stop(),
             warnings: warnings(frame, &prepared, &chosen)
                 .into_iter()
+                .chain(water::diffuse_in_disguise(frame))
                 .chain(dark.then(|| "no lamp lights anything in view".to_owned()))
                 .chain(enhance::warnings(&enhanced))
                 .chain(files.warnings)

@@ -9,13 +9,13 @@ use style::Library;
 pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
     let presets = optics::preset::presets();
     let unrenderable = presets.iter().filter_map(|preset| {
-        let why = preset.unrenderable()?;
-        Some((preset.name.to_owned(), why.to_owned()))
+        Some((preset.name.clone(), preset.unrenderable()?))
     });
     Vocabulary {
         families: owned(scenes::FAMILIES),
-        presets: presets.iter().map(|preset| preset.name.to_owned()).collect(),
+        presets: presets.iter().map(|preset| preset.name.clone()).collect(),
         unrenderable_presets: unrenderable.collect(),
+        waters: Default::default(),
         styles: library.names().iter().map(ToString::to_string).collect(),
         enhancements: owned(enhance::METHODS),
         metrics: MetricId::all().map(|metric| metric.to_string()).collect(),

@@ -14,11 +14,19 @@ const MAX_PATH_BYTES: usize = 4096;
 /// Longest name of a dataset and longest id of a scene.
 const MAX_NAME: usize = 100;
 
+/// Longest free text in characters.
+const MAX_WORDS: usize = 1000;
+
+/// Longest name of a water, as for the waters themselves.
+const MAX_WATER_NAME: usize = 64;
+
 impl Checker<'_> {
     /// The string in its canonical form: presets by their full name, the others as written.
     pub(super) fn text(&mut self, at: &Place, names: Names, text: &str) -> Option<Node> {
         let canonical = match names {
             Names::Preset => self.vocabulary.preset(text),
+            Names::Words => is_words(text).then(|| text.to_owned()),
+            Names::WaterName => is_water_name(text).then(|| text.to_owned()),
             Names::Dataset => is_dataset(text).then(|| text.to_owned()),
             Names::SceneId => is_scene_id(text).then(|| text.to_owned()),
             Names::Path => is_path(text).then(|| text.to_owned()),
@@ -40,7 +48,13 @@ impl Checker<'_> {
         self.refuse(|| {
             let value = Value::from(text);
             let problem = match names {
-                Names::Dataset | Names::SceneId | Names::Path => format!("must be {}", names.describe()),
+                Names::Preset if self.vocabulary.waters.contains_key(text) => {
+                    "is a water of your own: choose among whole waters, as in {\"optics\": {\"choice\": […]}}"
+                        .to_owned()
+                }
+                Names::Words | Names::WaterName | Names::Dataset | Names::SceneId | Names::Path => {
+                    format!("must be {}", names.describe())
+                }
                 _ => format!("is not {}", names.describe()),
             };
             let error =
@@ -58,7 +72,10 @@ impl Checker<'_> {
         match names {
             Names::Fixed(list) => list.iter().map(|name| (*name).to_owned()).collect(),
             Names::Family => self.vocabulary.families.clone(),
-            Names::Preset => self.vocabulary.presets.clone(),
+            Names::Preset => {
+                let own = self.vocabulary.waters.keys();
+                self.vocabulary.presets.iter().chain(own).cloned().collect()
+            }
             Names::Style => self.vocabulary.styles.clone(),
             Names::Enhancement => self.vocabulary.enhancements.clone(),
             Names::Metric => self.vocabulary.metrics.clone(),
@@ -74,7 +91,7 @@ impl Checker<'_> {
                     .chain(enhanced)
                     .collect()
             }
-            Names::Dataset | Names::SceneId | Names::Path => Vec::new(),
+            Names::Words | Names::WaterName | Names::Dataset | Names::SceneId | Names::Path => Vec::new(),
         }
     }
 
@@ -110,6 +127,16 @@ fn is_dataset(text: &str) -> bool {
         && text.len() <= MAX_NAME
         && !text.contains("..")
         && text.chars().all(|c| letter(c) || "._-".contains(c))
+}
+
+fn is_words(text: &str) -> bool {
+    !text.trim().is_empty() && text.chars().count() <= MAX_WORDS
+}
+
+fn is_water_name(text: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+    let starts = text.starts_with(|c: char| c.is_ascii_alphanumeric());
+    starts && text.len() <= MAX_WATER_NAME && text.chars().all(plain)
 }
 
 fn is_scene_id(text: &str) -> bool {

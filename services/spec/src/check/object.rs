@@ -126,7 +126,8 @@ impl Checker<'_> {
 
     /// An object, or a string in place of its field `field`.
     pub(super) fn short(&mut self, at: &Place, field: &str, fields: &[Field], value: &Value) -> Option<Node> {
-        let checked = match value {
+        let numbers = self.own_water(value);
+        let checked = match numbers.as_ref().unwrap_or(value) {
             Value::Object(map) => self.object(at, fields, map),
             Value::String(_) => {
                 let field = fields.iter().find(|candidate| candidate.name == field)?;

@@ -6,10 +6,18 @@ use serde_json::{Value, json};
 /// Names to test with; `local` allows files.
 pub(crate) fn vocabulary(local: bool) -> Vocabulary {
     let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+    let water = json!({
+        "absorption_per_m": [0.4, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3],
+        "diffuse_attenuation_per_m": [0.6, 0.4, 0.8], "backscatter_fraction": 0.02
+    });
+    let Value::Object(water) = water else {
+        unreachable!("an object stands above")
+    };
     Vocabulary {
         families: names(&["structure"]),
         presets: names(&["jerlov-1C", "jerlov-3C", "uuv-simulator", "clear-kd"]),
         unrenderable_presets: vec![("clear-kd".to_owned(), "it has no beam attenuation".to_owned())],
+        waters: [("quay".to_owned(), water)].into(),
         styles: names(&["atlantic", "mediterranean", "muddy"]),
         enhancements: names(&["hscm", "ulap"]),
         metrics: names(&[

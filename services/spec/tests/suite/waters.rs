@@ -1,9 +1,9 @@
 //! Waters: what must fit together, and what the optics are asked for.
 
-use fathom_spec::{haze_lights, haze_space, water_request};
+use fathom_spec::{OwnWater, haze_lights, haze_space, water_request};
 use serde_json::{Value, json};
 
-use crate::common::{errors, job_with, only_error, with};
+use crate::common::{errors, job_with, only_error, vocabulary, with};
 
 fn optics(optics: Value) -> Value {
     json!({"water": {"optics": optics}})
@@ -186,5 +186,125 @@ fn fields_that_vary_together_stand_in_one_choice() {
     assert_eq!(
         only_error(optics(crossed)).pointer,
         "/water/optics/beam_attenuation_per_m"
+    );
+}
+
+#[test]
+fn a_water_of_the_users_own_is_written_out_in_numbers() {
+    let short = job_with(optics(json!("quay")));
+    let canonical: Value = serde_json::from_str(short.canonical()).unwrap();
+    let written = json!({"name": "quay", "absorption_per_m": [0.4, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3],
+        "diffuse_attenuation_per_m": [0.6, 0.4, 0.8], "backscatter_fraction": 0.02});
+    assert_eq!(canonical["water"]["optics"], written);
+    let mut forgetful = vocabulary(false);
+    forgetful.waters.clear();
+    let again = fathom_spec::Job::from_canonical(short.canonical(), &forgetful).unwrap();
+    assert_eq!(again.canonical(), short.canonical(), "no worker needs to know it");
+    assert_eq!(
+        again.resolve(0).unwrap().water.optics.unwrap().name.as_deref(),
+        Some("quay")
+    );
+    let request = water_request(&short.resolve(0).unwrap()).unwrap();
+    assert_eq!(
+        (request.preset, request.scattering),
+        (None, Some([1.0, 1.1, 1.3]))
+    );
+}
+
+#[test]
+fn what_stands_beside_a_water_of_the_users_own_replaces_its_numbers() {
+    let of = |fields: Value| job_with(optics(fields)).resolve(0).unwrap().water.optics.unwrap();
+    let veiled = of(json!({"preset": "quay", "veil_gain": 0.5, "absorption_per_m": [0.3, 0.1, 0.2]}));
+    assert_eq!(
+        (veiled.absorption_per_m, veiled.scattering_per_m),
+        (Some([0.3, 0.1, 0.2]), Some([1.0, 1.1, 1.3]))
+    );
+    assert_eq!(veiled.name.as_deref(), Some("quay"));
+    let whole = of(json!({"preset": "quay", "beam_attenuation_per_m": [1, 1, 1]}));
+    assert_eq!(
+        (whole.absorption_per_m, whole.beam_attenuation_per_m),
+        (None, Some([1.0; 3]))
+    );
+}
+
+#[test]
+fn a_choice_of_waters_may_hold_the_users_own_but_a_choice_of_presets_may_not() {
+    let job = job_with(json!({"count": 40, "water": {"optics": {"choice": ["jerlov-1C", "quay"]}}}));
+    let named = |i: u64| job.resolve(i).unwrap().water.optics.unwrap().name;
+    assert!((0..40).any(|i| named(i).is_some()) && (0..40).any(|i| named(i).is_none()));
+    let error = only_error(optics(json!({"preset": {"choice": ["jerlov-1C", "quay"]}})));
+    assert_eq!(error.pointer, "/water/optics/preset/choice/1");
+    assert!(
+        error.message.contains("choose among whole waters"),
+        "{}",
+        error.message
+    );
+    let typo = only_error(optics(json!("qay")));
+    assert_eq!(typo.did_you_mean.as_deref(), Some("quay"));
+    let name = only_error(optics(json!({"name": "../x", "preset": "jerlov-1C"})));
+    assert_eq!(name.pointer, "/water/optics/name");
+}
+
+fn quay() -> Value {
+    json!({"name": "quay-2", "source": "a transmissometer", "wavelength_nm": [650, 550, 450],
+        "absorption_per_m": [0.4, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3],
+        "diffuse_attenuation_per_m": [0.6, 0.4, 0.8]})
+}
+
+#[test]
+fn a_good_water_is_read_and_its_canonical_form_reads_the_same() {
+    let water = OwnWater::parse(quay().to_string().as_bytes(), &[]).unwrap();
+    assert_eq!(water.preset.name, "quay-2");
+    assert!(
+        !water.optics.contains_key("beam_attenuation_per_m"),
+        "a and b stand for it"
+    );
+    assert_eq!(OwnWater::parse(water.description.as_bytes(), &[]).unwrap(), water);
+}
+
+#[test]
+fn all_errors_of_a_water_are_listed_with_their_places() {
+    let wrong = json!({"name": "a/b", "wavelength_nm": [450, 550, 650], "colour": "green",
+        "absorption_per_m": [-1, 0.2, 0.5], "scattering_per_m": [1.0, "x", 1.3], "backscatter_fraction": 3});
+    let errors = OwnWater::parse(wrong.to_string().as_bytes(), &[]).unwrap_err().0;
+    let pointers: Vec<_> = errors.iter().map(|error| error.pointer.as_str()).collect();
+    let expected = [
+        "/colour",
+        "/name",
+        "/source",
+        "/absorption_per_m/0",
+        "/scattering_per_m/1",
+        "/backscatter_fraction",
+        "/wavelength_nm",
+    ];
+    assert_eq!(pointers, expected, "{errors:#?}");
+    let mut missing = quay();
+    missing.as_object_mut().unwrap().remove("scattering_per_m");
+    let errors = OwnWater::parse(missing.to_string().as_bytes(), &[])
+        .unwrap_err()
+        .0;
+    assert_eq!(errors[0].pointer, "/beam_attenuation_per_m", "{errors:?}");
+    for bytes in [
+        &b"[]"[..],
+        b"",
+        b"{",
+        b"null",
+        b"{\"name\": \"a\", \"name\": \"b\"}",
+    ] {
+        assert!(OwnWater::parse(bytes, &[]).is_err());
+    }
+}
+
+#[test]
+fn a_water_that_fails_a_self_test_is_refused_with_the_test() {
+    let mut thick = quay();
+    thick["jerlov_type"] = json!("I");
+    thick["absorption_per_m"] = json!([0.3, 0.96, 0.98]);
+    let errors = OwnWater::parse(thick.to_string().as_bytes(), &[]).unwrap_err().0;
+    assert!(
+        errors
+            .iter()
+            .any(|error| error.message.contains("clear water attenuates")),
+        "{errors:?}"
     );
 }

@@ -1,6 +1,6 @@
 //! A water of a user's own: the same rules and the same self-tests as for the shipped ones.
 
-use super::{Preset, behaviour, diffuse_in_disguise, find, pure_water, self_test};
+use super::{Preset, behaviour, diffuse_in_disguise, pure_water, self_test};
 use crate::water::{Water, WaterError};
 
 /// The longest name and the longest text of a source, in characters.
@@ -10,14 +10,15 @@ const MOST_CAVEATS: usize = 16;
 /// What a camera of visible light sees, and a little more, nm.
 const LEAST_NM: f64 = 300.0;
 const MOST_NM: f64 = 1000.0;
-const JERLOV_TYPES: [&str; 15] = [
+/// The types that a water may be of.
+pub const JERLOV_TYPES: [&str; 15] = [
     "I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C", "1", "3", "5", "7", "9",
 ];
 
 /// What a user gives. Arrays are red, green, blue; coefficients in 1/m; absent means unknown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NewWater {
-    /// 1..=64 letters, digits, `.`, `_` and `-`, the first a letter or digit; none of the shipped names.
+    /// 1..=64 letters, digits, `.`, `_` and `-`, the first a letter or digit.
     pub name: String,
     /// Jerlov's type, if it is one: I to III, 1C to 9C, 1 to 9.
     pub jerlov_type: Option<String>,
@@ -188,12 +189,6 @@ fn texts(new: &NewWater) -> Vec<OwnError> {
         );
     }
     errors
-}
-
-/// Whether a shipped water has this name.
-#[must_use]
-pub fn is_shipped(name: &str) -> bool {
-    find(name).is_some()
 }
 
 fn wavelengths(given: Option<[f64; 3]>) -> Option<OwnError> {

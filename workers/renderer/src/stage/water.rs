@@ -79,6 +79,12 @@ pub(crate) fn choose(
     }
 }
 
+/// A warning where the beam attenuation of a frame is a K_d.
+pub(crate) fn diffuse_in_disguise(frame: &Frame) -> Option<String> {
+    let optics = frame.water.optics.as_ref()?;
+    spec::diffuse_warning(optics.beam_attenuation_per_m?, optics.diffuse_attenuation_per_m)
+}
+
 /// Takes the scene under water.
 pub(crate) fn run(
     prepared: &Prepared,
