@@ -49,6 +49,7 @@ mod uploaded;
 mod uploads;
 mod wait;
 mod watch;
+mod waters;
 
 pub use auth::TokenError;
 pub use clock::Clock;
@@ -57,5 +58,6 @@ pub use data::{Data, DataError};
 pub use limits::Limits;
 pub use lock::LockError;
 pub use problem::Slug;
+pub use routes::waters::view::WaterView;
 pub use service::{Service, StartError, start, start_in};
 pub use styles::{AddedStyleError, added_styles};

@@ -29,6 +29,7 @@ use crate::state::{App, Shared};
 use crate::styles::{AddedStyleError, Styles};
 use crate::trainings::Trainings;
 use crate::watch::Watch;
+use crate::waters::Waters;
 use crate::{control, listener, reclaim, routes, strikes, telemetry};
 
 /// How often ended leases are looked for: a killed worker's frames are offered again this much after their term.
@@ -157,6 +158,7 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         store,
         lock,
     } = Data::open(&config.data, &metrics).await?;
+    let waters = Waters::open(&catalogue).await?;
     let app = App {
         data: config.data.clone(),
         catalogue,
@@ -174,6 +176,7 @@ async fn open(config: &Config, surroundings: Surroundings) -> Result<(App, File)
         styles: Styles::open(&config.data, config.library.clone())?,
         trainings: Trainings::new(&config.worker_program, surroundings.limits.children),
         style_trial: config.style_trial,
+        waters,
         style_runtime: surroundings.style_runtime,
         turn: Mutex::default(),
         upkeep: Mutex::default(),

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use catalogue::Catalogue;
 use metrics_exporter_prometheus::PrometheusHandle;
+use spec::Vocabulary;
 use store::Store;
 use tokio::sync::{Mutex, Notify};
 use tokio_util::sync::CancellationToken;
@@ -20,6 +21,7 @@ use crate::space::Space;
 use crate::styles::Styles;
 use crate::trainings::Trainings;
 use crate::watch::Watch;
+use crate::waters::Waters;
 
 /// The parts of a running service.
 pub(crate) struct App {
@@ -38,6 +40,7 @@ pub(crate) struct App {
     pub(crate) trainings: Trainings,
     /// How long a network that a user adds may take to be tried.
     pub(crate) style_trial: Duration,
+    pub(crate) waters: Waters,
     /// Version of the ONNX Runtime that this machine's workers find, or why there is none.
     pub(crate) style_runtime: Result<String, String>,
     /// Held while a job is paused, cancelled, deleted and so on.
@@ -56,3 +59,13 @@ pub(crate) struct App {
 
 /// The state as handlers get it.
 pub(crate) type Shared = Arc<App>;
+
+impl App {
+    /// The words that jobs may use now.
+    pub(crate) fn vocabulary(&self) -> Vocabulary {
+        Vocabulary {
+            waters: self.waters.words(),
+            ..self.styles.known().vocabulary.clone()
+        }
+    }
+}

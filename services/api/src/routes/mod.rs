@@ -90,6 +90,7 @@ fn reading() -> OpenApiRouter<Shared> {
         .routes(routes!(images::preview::preview))
         .routes(routes!(scenes::list::list))
         .routes(routes!(waters::list::list))
+        .routes(routes!(waters::get::get))
         .routes(routes!(styles::list::list))
         .routes(routes!(datasets::list::list))
         .routes(routes!(datasets::get::get))
@@ -124,6 +125,8 @@ fn submitting() -> OpenApiRouter<Shared> {
         .routes(routes!(jobs::resume::resume))
         .routes(routes!(jobs::retry_failed::retry_failed))
         .routes(routes!(datasets::delete::delete))
+        .routes(routes!(waters::create::create))
+        .routes(routes!(waters::delete::delete))
 }
 
 fn rendering() -> OpenApiRouter<Shared> {

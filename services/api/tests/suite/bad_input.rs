@@ -300,7 +300,7 @@ fn bad_questions_are_refused_with_what_is_wrong() {
             "{problem}"
         );
         service.get("/v1/no-such-route").problem(404, "not-found");
-        let refused = service.post("/v1/waters", &json!({}));
+        let refused = service.post("/v1/datasets", &json!({}));
         refused.problem(405, "method-not-allowed");
         assert_eq!(refused.header("allow"), "GET,HEAD");
     });

@@ -20,3 +20,4 @@ mod rendered;
 mod space;
 mod streams;
 mod styles;
+mod waters;

@@ -1,6 +1,7 @@
-//! `fathom waters`: the optical presets with their numbers and sources.
+//! `fathom waters`: the optical waters with their numbers and sources.
 
-use optics::preset::{Preset, presets};
+use api::WaterView;
+use optics::preset::{Channels, presets};
 use serde_json::json;
 
 use crate::exit::Failure;
@@ -9,7 +10,7 @@ use crate::table::{decimal, table};
 /// Options of `fathom waters`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Print one JSON array
+    /// Print one JSON array, with sources, licences and caveats
     #[arg(long)]
     json: bool,
 }
@@ -17,66 +18,60 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
-        let all: Vec<_> = presets().iter().map(describe).collect();
+        let all: Vec<_> = presets()
+            .iter()
+            .map(|preset| WaterView::new(preset, None))
+            .collect();
         println!("{}", json!(all));
         return Ok(());
     }
-    let triple = |values: Option<[f64; 3]>| {
-        values.map_or_else(
-            || "–".to_owned(),
-            |v| v.map(|x| decimal((x * 1e4).round() / 1e4)).join(" "),
-        )
+    let rounded = |x: f64| decimal((x * 1e4).round() / 1e4);
+    let triple = |values: Channels| match values {
+        [None, None, None] => "–".to_owned(),
+        values => values
+            .map(|value| value.map_or_else(|| "?".to_owned(), rounded))
+            .join(" "),
     };
     let rows: Vec<Vec<String>> = presets()
         .iter()
         .map(|preset| {
+            let renders = if preset.unrenderable().is_none() {
+                "yes"
+            } else {
+                "no"
+            };
+            let notes = preset.warnings.len() + preset.defects.len();
             vec![
-                preset.name.to_owned(),
+                preset.name.clone(),
                 triple(preset.wavelength_nm),
                 triple(preset.absorption),
                 triple(preset.scattering),
                 triple(preset.beam_attenuation),
                 triple(preset.diffuse_attenuation),
-                if preset.unrenderable().is_none() {
-                    "yes"
+                preset
+                    .backscatter_fraction
+                    .map_or_else(|| "–".to_owned(), rounded),
+                renders.to_owned(),
+                if notes == 0 {
+                    String::new()
                 } else {
-                    "no"
-                }
-                .to_owned(),
+                    notes.to_string()
+                },
             ]
         })
         .collect();
-    println!(
-        "{}",
-        table(
-            &[
-                "water (R G B)",
-                "nm",
-                "a [1/m]",
-                "b [1/m]",
-                "c [1/m]",
-                "Kd [1/m]",
-                "renders"
-            ],
-            &rows
-        )
-    );
-    println!("\nSources and caveats: fathom waters --json");
+    let head = [
+        "water (R G B)",
+        "nm",
+        "a [1/m]",
+        "b [1/m]",
+        "c [1/m]",
+        "Kd [1/m]",
+        "bb/b",
+        "renders",
+        "warnings",
+    ];
+    println!("{}", table(&head, &rows));
+    println!("\n–, ?: not known. Sources, licences, caveats and what is derived: fathom waters --json");
     Ok(())
-}
-
-fn describe(preset: &Preset) -> serde_json::Value {
-    json!({
-        "name": preset.name,
-        "source": preset.source,
-        "licence": preset.licence,
-        "caveats": preset.caveats,
-        "wavelength_nm": preset.wavelength_nm,
-        "absorption_per_m": preset.absorption,
-        "scattering_per_m": preset.scattering,
-        "beam_attenuation_per_m": preset.beam_attenuation,
-        "diffuse_attenuation_per_m": preset.diffuse_attenuation,
-        "veiling_light": preset.veiling_light,
-        "unrenderable": preset.unrenderable(),
-    })
 }

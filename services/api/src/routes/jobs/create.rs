@@ -31,7 +31,7 @@ pub(crate) async fn create(
     key: Option<IdempotencyKey>,
     JsonBytes(body): JsonBytes,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JobView>), Problem> {
-    let job = Job::parse(&body, &app.styles.known().vocabulary)?;
+    let job = Job::parse(&body, &app.vocabulary())?;
     let warnings = job.warnings().to_vec();
     let idempotency_key = key.map(|IdempotencyKey(key)| key);
     let row = submit(

@@ -86,7 +86,7 @@ pub(crate) async fn preview(
         let detail = format!("frames: is {shown} but must be in 0..={MOST_SHOWN}");
         return Err(Problem::new(Slug::InvalidQuery, detail));
     }
-    let job = Job::parse(&body, &app.styles.known().vocabulary)?;
+    let job = Job::parse(&body, &app.vocabulary())?;
     check(&app, &job).await?;
     let (frames, warnings) = (job.frames(), job.warnings().to_vec());
     let (first, sample) = app.compute.run(move || resolved(&job, shown)).await??;

@@ -45,7 +45,7 @@ pub(crate) async fn create(
     headers: HeaderMap,
     JsonBytes(body): JsonBytes,
 ) -> Result<Response, Problem> {
-    let job = Job::parse(&in_dataset(&body), &app.styles.known().vocabulary)?;
+    let job = Job::parse(&in_dataset(&body), &app.vocabulary())?;
     if job.frames() != 1 {
         return Err(Problem::field(
             "/count",
