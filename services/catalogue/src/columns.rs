@@ -5,6 +5,10 @@ use serde_json::Value;
 use crate::filter::{Bind, Column, Kind};
 use crate::joins::Join;
 
+/// The water by name: that of a preset, or of a water of the user's own, whose numbers the record holds.
+const WATER: &str = "water.optics";
+const OWN_WATER: &str = "/parameters/water/optics/name";
+
 /// (name in questions, where it stands in the record, kind). An array stands for its length.
 const PARAMETERS: &[(&str, &str, Kind)] = &[
     ("scene.kind", "/parameters/scene/kind", Kind::Text),
@@ -14,7 +18,7 @@ const PARAMETERS: &[(&str, &str, Kind)] = &[
     ("camera.width", "/parameters/camera/width", Kind::Number),
     ("camera.height", "/parameters/camera/height", Kind::Number),
     ("camera.hfov_deg", "/parameters/camera/hfov_deg", Kind::Number),
-    ("water.optics", "/parameters/water/optics/preset", Kind::Text),
+    (WATER, "/parameters/water/optics/preset", Kind::Text),
     ("water.range_scale", "/parameters/water/range_scale", Kind::Number),
     ("water.depth_m", "/parameters/water/depth_m", Kind::Number),
     ("water.ambient", "/parameters/water/ambient", Kind::Text),
@@ -120,6 +124,11 @@ const PARAMETERS: &[(&str, &str, Kind)] = &[
     ("spread_px_per_m.r", "/optics/spread_px_per_m/0", Kind::Number),
     ("spread_px_per_m.g", "/optics/spread_px_per_m/1", Kind::Number),
     ("spread_px_per_m.b", "/optics/spread_px_per_m/2", Kind::Number),
+    (
+        "backscatter_fraction",
+        "/optics/backscatter_fraction",
+        Kind::Number,
+    ),
     ("path.frame", "/parameters/camera/path/frame", Kind::Number),
     ("instances.count", "/scene/instances", Kind::Number),
     ("instances.visible", "/scene/visible", Kind::Number),
@@ -200,13 +209,20 @@ impl Columns {
 
     /// Parameter values of a record in the order of [`Columns::parameter_names`].
     pub(crate) fn parameter_values(record: &Value) -> Vec<Option<Bind>> {
-        let value = |pointer: &str| match record.pointer(pointer)? {
+        let found = |name: &str, pointer: &str| {
+            let own = || record.pointer(OWN_WATER).filter(|_| name == WATER);
+            record.pointer(pointer).or_else(own)
+        };
+        let value = |name: &str, pointer: &str| match found(name, pointer)? {
             Value::Number(number) => number.as_f64().map(Bind::Number),
             Value::String(text) => Some(Bind::Text(text.clone())),
             Value::Array(items) => Some(Bind::Number(items.len() as f64)),
             Value::Bool(_) | Value::Null | Value::Object(_) => None,
         };
-        PARAMETERS.iter().map(|(_, pointer, _)| value(pointer)).collect()
+        PARAMETERS
+            .iter()
+            .map(|(name, pointer, _)| value(name, pointer))
+            .collect()
     }
 
     pub(crate) fn parameter_names() -> impl Iterator<Item = &'static str> {
@@ -275,9 +291,12 @@ fn open_family(name: &str) -> Option<Column> {
     let quoted = |key: &str| (!key.is_empty() && key.chars().all(plain)).then(|| format!("\"{key}\""));
     let extract = |path: String, kind| {
         let record = Join::Record.alias();
+        // Text is greater than every number in SQLite, and a list is text: the intensity of a lamp is no number.
         let extracted = match kind {
             Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
-            Kind::Number | Kind::Bool => format!("json_extract({record}.record, ?)"),
+            Kind::Number | Kind::Bool => format!(
+                "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}.record, ?) AS v))"
+            ),
         };
         Some(Column {
             sql: extracted,

@@ -21,8 +21,7 @@ pub struct Frame {
     pub dataset: String,
     /// What the camera would see in air.
     pub scene: Scene,
-    /// Size and field of view; for an uploaded or local picture only `hfov_deg` is used, and only if the picture
-    /// came without intrinsics.
+    /// Size and field of view; of a user's picture only `hfov_deg` is used, if it came without intrinsics.
     pub camera: Camera,
     /// The water.
     pub water: Water,
@@ -194,8 +193,7 @@ pub enum StyleTier {
     Auto,
 }
 
-/// A preset, explicit coefficients, or a preset with fields replaced. Absent means unknown, never zero.
-/// Arrays are R, G, B; per-metre quantities are in 1/m.
+/// A preset, coefficients, or a preset with fields replaced; absent is unknown. Arrays are R, G, B, coefficients in 1/m.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Optics {

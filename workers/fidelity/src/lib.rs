@@ -10,3 +10,4 @@ pub mod plot;
 pub mod speed;
 pub mod stability;
 pub mod table1;
+pub mod waters;

@@ -2,9 +2,11 @@
 
 mod bars;
 mod canvas;
+mod cards;
 mod grid;
 mod heat;
 mod lines;
+mod panels;
 
 use std::convert::Infallible;
 
@@ -16,9 +18,11 @@ use plotters_backend::DrawingBackend;
 use plotters_svg::SVGBackend;
 
 pub use bars::{Bar, Bars};
+pub use cards::{Card, Cards};
 pub use grid::Grid;
 pub use heat::HeatMap;
 pub use lines::{Axis, Form, Lines, Mark, Series};
+pub use panels::{Panel, Panels};
 
 use canvas::Canvas;
 

@@ -8,9 +8,9 @@ use style::Library;
 #[must_use]
 pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
     let presets = optics::preset::presets();
-    let unrenderable = presets.iter().filter_map(|preset| {
-        Some((preset.name.clone(), preset.unrenderable()?))
-    });
+    let unrenderable = presets
+        .iter()
+        .filter_map(|preset| Some((preset.name.clone(), preset.unrenderable()?)));
     Vocabulary {
         families: owned(scenes::FAMILIES),
         presets: presets.iter().map(|preset| preset.name.clone()).collect(),

@@ -1,5 +1,7 @@
 //! The way of a camera through a world: from a start to an end, with the small sway of a vehicle.
 
+mod held;
+
 use std::f64::consts::TAU;
 
 use imaging::random::Stream;
@@ -155,7 +157,7 @@ impl CameraPath {
         let between = |a: [f64; 3], b: [f64; 3]| add(a, scale(sub(b, a), share));
         let eye = between(self.start.position_m, self.end.position_m);
         let target = between(self.start.target_m, self.end.target_m);
-        let pose = CameraPose::looking(eye, target, 0.0);
+        let pose = held::pose([self.start, self.end], eye, target);
         let swing = |axis: u64| self.swing(frame as f64, axis);
         let axes = [pose.right, pose.down, pose.ahead];
         let mut moved = pose;

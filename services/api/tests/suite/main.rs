@@ -13,6 +13,7 @@ mod documents;
 mod hostile;
 mod images;
 mod jobs;
+mod lamps;
 mod load;
 mod messages;
 mod pictures;

@@ -1,9 +1,14 @@
-//! `fathom waters`: the optical waters with their numbers and sources.
+//! `fathom waters`: the optical waters with their numbers and sources, and what they look like.
+
+mod pictures;
+
+use std::path::PathBuf;
 
 use api::WaterView;
 use optics::preset::{Channels, presets};
 use serde_json::json;
 
+use super::StyleArguments;
 use crate::exit::Failure;
 use crate::table::{decimal, table};
 
@@ -13,10 +18,21 @@ pub(crate) struct Arguments {
     /// Print one JSON array, with sources, licences and caveats
     #[arg(long)]
     json: bool,
+    /// Draw the waters instead: transmittance, grey cards, one wall and every scene family in several waters
+    #[arg(long, requires = "out")]
+    plot: bool,
+    /// Folder for the drawings
+    #[arg(long, value_name = "DIR", requires = "plot")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    style: StyleArguments,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(out) = arguments.out.as_deref().filter(|_| arguments.plot) {
+        return pictures::draw(out, &arguments.style);
+    }
     if arguments.json {
         let all: Vec<_> = presets()
             .iter()

@@ -122,18 +122,34 @@ fn a_k_d_in_place_of_the_beam_attenuation_is_said_in_the_answer_and_in_the_recor
         let mut optics = json!({"beam_attenuation_per_m": beam, "veiling_light": [0, 0.1, 0.1]});
         optics["diffuse_attenuation_per_m"] = more;
         if optics["diffuse_attenuation_per_m"].is_null() {
-            optics.as_object_mut().unwrap().remove("diffuse_attenuation_per_m");
+            optics
+                .as_object_mut()
+                .unwrap()
+                .remove("diffuse_attenuation_per_m");
         }
         files.job(&json!({"water": {"optics": optics}}))
     };
     let tabulated = of(json!([0.40, 0.089, 0.068]), Value::Null);
     let beside = of(json!([0.2, 0.3, 0.4]), json!([0.2, 0.3, 0.4]));
     for job in [tabulated, beside] {
-        assert!(job.warnings().iter().any(|warning| warning.contains(words)), "{:?}", job.warnings());
+        assert!(
+            job.warnings().iter().any(|warning| warning.contains(words)),
+            "{:?}",
+            job.warnings()
+        );
         let warnings = render(&job).record.warnings;
-        assert!(warnings.iter().any(|warning| warning.contains(words)), "{warnings:?}");
+        assert!(
+            warnings.iter().any(|warning| warning.contains(words)),
+            "{warnings:?}"
+        );
     }
     let beam = of(json!([0.778, 0.546, 0.594]), json!([0.45, 0.12, 0.25]));
     assert!(beam.warnings().is_empty(), "{:?}", beam.warnings());
-    assert!(render(&beam).record.warnings.iter().all(|warning| !warning.contains(words)));
+    assert!(
+        render(&beam)
+            .record
+            .warnings
+            .iter()
+            .all(|warning| !warning.contains(words))
+    );
 }
