@@ -94,7 +94,7 @@ pub struct CacheUse {
 pub fn cache_use((width, height): (usize, usize), frames: usize) -> Vec<CacheUse> {
     let jobs = ["one water", "random water", "random water and range"];
     let renderable = presets().iter().filter(|preset| preset.unrenderable().is_none());
-    let names: Vec<&str> = renderable.map(|preset| preset.name).collect();
+    let names: Vec<&str> = renderable.map(|preset| preset.name.as_str()).collect();
     let run = |(number, job): (usize, &'static str)| {
         let scene = &standard_scenes(width, height)[1];
         let stream = Stream::stage(2, "speed/cache");
