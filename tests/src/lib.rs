@@ -1,5 +1,6 @@
 //! Runs the real `fathom` binary for end-to-end tests: services, workers and single commands.
 
+pub mod ending;
 pub mod onnx;
 
 use std::io::{BufRead, BufReader};
@@ -79,7 +80,7 @@ pub fn digest_by_render(job: &Value, folder: &Path, slots: &str) -> String {
 
 /// A running `fathom serve` on a free port; stops when dropped.
 pub struct Service {
-    child: Child,
+    pub(crate) child: Child,
     /// `http://127.0.0.1:…`
     pub url: String,
 }
@@ -304,7 +305,7 @@ impl Drop for Service {
 
 /// A `fathom worker` of a service; stops when dropped.
 pub struct Worker {
-    child: Child,
+    pub(crate) child: Child,
 }
 
 impl Worker {
@@ -314,6 +315,15 @@ impl Worker {
     /// When the binary cannot be started.
     #[must_use]
     pub fn start(url: &str, name: &str, slots: usize) -> Self {
+        Self::start_with(url, name, slots, &[])
+    }
+
+    /// The same with further variables in its environment.
+    ///
+    /// # Panics
+    /// When the binary cannot be started.
+    #[must_use]
+    pub fn start_with(url: &str, name: &str, slots: usize, environment: &[(&str, &str)]) -> Self {
         let child = Command::new(fathom())
             .args([
                 "worker",
@@ -326,6 +336,7 @@ impl Worker {
             ])
             .env_remove("FATHOM_TOKEN")
             .env("FATHOM_LOG", "warn")
+            .envs(environment.iter().copied())
             .current_dir(root())
             .spawn()
             .expect("the binary starts");
