@@ -26,7 +26,7 @@ enum What {
 #[derive(clap::Args)]
 pub(crate) struct RenderArguments {
     /// Frames of each job
-    #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(8..=100_000))]
+    #[arg(long, default_value_t = 240, value_parser = clap::value_parser!(u32).range(8..=100_000))]
     frames: u32,
     /// Folder for speed.md
     #[arg(long, value_name = "DIR", default_value = "bench")]

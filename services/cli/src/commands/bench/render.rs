@@ -30,8 +30,18 @@ struct Measured {
     ms: BTreeMap<String, f64>,
     /// Kernels of the three channels together.
     kernels: Vec<usize>,
+    /// Milliseconds of processor time a frame, which other programs disturb less than the clock.
+    cpu_ms: f64,
+    /// Share of the slots' time in no stage: files written, frames handed out, slots idle at the end.
+    outside: f64,
     faults_per_frame: f64,
     peak_mb: f64,
+}
+
+/// What the system says of this process so far.
+struct Process {
+    faults: u64,
+    cpu_ms: f64,
 }
 
 /// Runs the command.
@@ -39,9 +49,9 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let cores = super::super::render::cores();
     let mut text = format!(
         "# Speed of rendering\n\nWritten by `fathom bench render`: {}. {} frames of {}x{} RGB for each row.\n\n## Slots\n\nA \
-         procedural structure in `jerlov-1C`, no style, the default metrics, PNG; the scene is prepared once.\n\n| tolerance | slots | \
-         frames/s | times one slot | frames/s of a slot | outside the stages | page faults a frame | peak memory |\n\
-         |---|---|---|---|---|---|---|---|\n",
+         procedural structure in `jerlov-1C`, no style, the default metrics, PNG; each slot prepares the scene and its kernels once.\n\n| tolerance | slots | \
+         frames/s | times one slot | CPU ms a frame | times one slot by CPU | outside the stages | page faults a frame | peak memory |\n\
+         |---|---|---|---|---|---|---|---|---|\n",
         machine::describe(),
         arguments.frames,
         SIZE.0,
@@ -58,16 +68,16 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
             let one: f64 = alone
                 .as_ref()
                 .map_or(measured.frames_per_s, |m: &Measured| m.frames_per_s);
-            let stages: f64 = STAGES.iter().map(|s| measured.ms.get(*s).unwrap_or(&0.0)).sum();
             let total = measured.ms.get("total").copied().unwrap_or(f64::NAN);
-            let busy = stages * measured.frames_per_s / 1e3 / slots as f64;
+            let cpu_one = alone.as_ref().map_or(measured.cpu_ms, |m: &Measured| m.cpu_ms);
             let _ = writeln!(
                 text,
-                "| {name} | {slots} | {:.1} | {:.2} | {:.1} | {:.1} % | {:.0} | {} |",
+                "| {name} | {slots} | {:.1} | {:.2} | {:.1} | {:.2} | {:.1} % | {:.0} | {} |",
                 measured.frames_per_s,
                 measured.frames_per_s / one,
-                measured.frames_per_s / slots as f64,
-                100.0 * (1.0 - busy).max(0.0),
+                measured.cpu_ms,
+                slots as f64 * cpu_one / measured.cpu_ms,
+                100.0 * measured.outside,
                 measured.faults_per_frame,
                 // The peak of a process only grows: of the second job it would be that of the first.
                 if name == TOLERANCES[0].0 {
@@ -99,7 +109,9 @@ fn stages_table(name: &str, one: &Measured, all: &Measured, cores: usize) -> Str
     let samples = SIZE.0 * SIZE.1;
     let rates = [1, cores].map(|threads| copy_gb_per_s(samples, threads));
     let mut text = format!(
-        "\n## Stages at {name}\n\nMilliseconds, median. The floor is what a plain copy of as many bytes takes; it runs at {:.1} GB/s on \
+        "\n## Stages at {name}\n\nMilliseconds, median. The last columns are what a plain copy of as many bytes takes, \
+         the floor of a frame that does nothing but move them; of forward scatter every frequency is counted, also those that are left \
+         out. A copy runs at {:.1} GB/s on \
          one core and {:.1} GB/s on each of {cores}, over a dozen planes. Kernels of the three channels: {:?}.\n\n| stage | 1 slot \
          | {cores} slots | MB moved | floor, 1 slot | floor, {cores} slots |\n|---|---|---|---|---|---|\n",
         rates[0], rates[1], one.kernels
@@ -171,9 +183,9 @@ fn measure(arguments: &RenderArguments, tolerance: f64, slots: usize) -> Result<
     let job = Job::parse(spec.to_string().as_bytes(), &vocabulary).context("the description of the job")?;
     let engine = Arc::new(Engine::new(library, None));
     let folder = std::env::temp_dir().join(format!("fathom-bench-{}-{slots}", std::process::id()));
-    let before = faults();
+    let before = process();
     let summary = renderer::local::render_job(&job, &engine, &folder, slots, |_| ());
-    let after = faults();
+    let after = process();
     let records = std::fs::read_to_string(folder.join("records.jsonl"));
     remove(&folder)?;
     let summary = summary.map_err(|error| Failure::BadInput(error.to_string()))?;
@@ -181,7 +193,16 @@ fn measure(arguments: &RenderArguments, tolerance: f64, slots: usize) -> Result<
     let records = records
         .lines()
         .filter_map(|line| serde_json::from_str::<Value>(line).ok());
-    let records: Vec<Value> = records.skip(WARM_UP.min(arguments.frames as usize / 2)).collect();
+    let all: Vec<Value> = records.collect();
+    let inside = |record: &Value| -> f64 {
+        let stages = record["timings_ms"].as_object().into_iter().flatten();
+        stages
+            .filter(|(stage, _)| *stage != "total")
+            .filter_map(|(_, ms)| ms.as_f64())
+            .sum()
+    };
+    let busy: f64 = all.iter().map(inside).sum();
+    let records = &all[WARM_UP.min(all.len() / 2)..];
     let median = |stage: &str| {
         let mut all: Vec<f64> = records
             .iter()
@@ -204,7 +225,9 @@ fn measure(arguments: &RenderArguments, tolerance: f64, slots: usize) -> Result<
         frames_per_s: summary.frames as f64 / summary.elapsed.as_secs_f64().max(1e-9),
         ms: STAGES.into_iter().chain(["total"]).map(of).collect(),
         kernels,
-        faults_per_frame: after.saturating_sub(before) as f64 / summary.frames.max(1) as f64,
+        cpu_ms: (after.cpu_ms - before.cpu_ms) / summary.frames.max(1) as f64,
+        outside: 1.0 - busy / (summary.elapsed.as_secs_f64() * 1e3 * slots as f64),
+        faults_per_frame: after.faults.saturating_sub(before.faults) as f64 / summary.frames.max(1) as f64,
         peak_mb: peak_mb(),
     })
 }
@@ -213,16 +236,19 @@ fn remove(folder: &PathBuf) -> Result<(), Failure> {
     Ok(std::fs::remove_dir_all(folder).with_context(|| format!("cannot remove {}", folder.display()))?)
 }
 
-/// Minor page faults of this process so far; 0 where the system does not say.
-fn faults() -> u64 {
+/// Minor page faults and processor time of this process; 0 where the system does not say.
+fn process() -> Process {
+    const TICK_MS: f64 = 10.0;
     let text = std::fs::read_to_string(Path::new("/proc/self/stat")).unwrap_or_default();
-    // Behind the name of the program, which may hold spaces: state, then six numbers, then this one.
+    // Behind the name of the program, which may hold spaces: state, six numbers, minor faults, three numbers, ticks of the
+    // program and of the system for it.
     let behind = text.rsplit_once(')').map_or("", |(_, behind)| behind);
-    behind
-        .split_whitespace()
-        .nth(7)
-        .and_then(|field| field.parse().ok())
-        .unwrap_or(0)
+    let fields: Vec<&str> = behind.split_whitespace().collect();
+    let field = |index: usize| fields.get(index).and_then(|f| f.parse::<u64>().ok()).unwrap_or(0);
+    Process {
+        faults: field(7),
+        cpu_ms: (field(11) + field(12)) as f64 * TICK_MS,
+    }
 }
 
 /// Most memory that this process has had, megabytes.
