@@ -17,7 +17,7 @@ mod point;
 mod reference;
 mod surface;
 
-pub use airlight::airlight;
+pub use airlight::{airlight, airlight_with_nodes};
 pub(crate) use elementary::small_sin_cos;
 pub use legendre::gauss_legendre;
 pub use nodes::MOST_NODES;

@@ -1,7 +1,9 @@
 //! Lamps: the fast form against the f64 reference, and what must hold of their light.
 #![allow(clippy::unwrap_used)]
 
-use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, SURFACE_ROUNDING};
+use fathom_optics::lamp::{
+    self, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, REFERENCE_NODES, SURFACE_ROUNDING,
+};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 
@@ -176,4 +178,19 @@ fn more_range_shows_more_glow_and_more_attenuation_less() {
     };
     assert!(sum(1.0, &near) < sum(2.0, &near) && sum(2.0, &near) < sum(f32::INFINITY, &near));
     assert!(sum(2.0, &murky) < sum(2.0, &near));
+}
+
+/// With the most nodes only the rounding of f32 is left, in view as beside the camera.
+#[test]
+fn more_nodes_come_nearer_to_the_reference() {
+    let size = (33, 21);
+    let range = range(size.0, size.1);
+    for (name, lamp) in lamps() {
+        let lighting = lighting(vec![lamp], size, 0.9);
+        let exact = lamp::airlight_reference(&range.map(|&z| f64::from(z)), &lighting, REFERENCE_NODES);
+        let error = |nodes| worst(&lamp::airlight_with_nodes(&range, &lighting, nodes), &exact);
+        let (few, most) = (error(4), error(MOST_NODES));
+        assert!(most <= ROUNDING * peak(&exact), "{name}: {most:e}");
+        assert!(most <= few, "{name}: {most:e} after {few:e}");
+    }
 }

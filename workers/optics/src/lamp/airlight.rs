@@ -7,11 +7,11 @@
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
 
-use super::elementary::{angle, full_angle, sin_cos, small_sin_cos};
+use super::elementary::{angle, fade, full_angle, sin_cos, small_sin_cos};
 use super::legendre::gauss_legendre;
 use super::nodes::{self, MOST_NODES, Source, Span};
 use super::{Beam, Lamp, Lighting};
-use crate::attenuation::{exp_negative, masked};
+use crate::attenuation::masked;
 
 /// Pixels of a run: short enough that they need about the same number of nodes.
 const RUN: usize = 64;
@@ -24,14 +24,34 @@ type Lanes = [f32; RUN];
 /// [`MOST_NODES`] suffice for it. `range` in metres along the ray; a hole has no end.
 #[must_use]
 pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Rgb<f32> {
+    let share = tolerance / lighting.lamps.len().max(1) as f64;
+    glow(range, lighting, Order::Within(share))
+}
+
+/// [`airlight`] with the same number of nodes on every ray: an even one from 2 to [`MOST_NODES`], any other is brought to the next
+/// below or to these ends.
+#[must_use]
+pub fn airlight_with_nodes(range: &Plane<f32>, lighting: &Lighting, nodes: usize) -> Rgb<f32> {
+    glow(range, lighting, Order::Fixed(nodes.clamp(2, MOST_NODES)))
+}
+
+/// How many nodes a run of pixels takes.
+#[derive(Clone, Copy)]
+enum Order {
+    /// As many as keep the error of one lamp within this.
+    Within(f64),
+    /// So many.
+    Fixed(usize),
+}
+
+fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
     let (width, height) = range.size();
     let mut glow = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0f32; width * height]);
     let rules: Vec<Vec<[f32; 2]>> = (0..=MOST_NODES / 2).map(half_rule).collect();
-    let share = tolerance / lighting.lamps.len().max(1) as f64;
     let lamps: Vec<Glow> = lighting
         .lamps
         .iter()
-        .map(|lamp| Glow::new(lamp, lighting, share))
+        .map(|lamp| Glow::new(lamp, lighting, order))
         .filter(|glow| glow.source.strength > 0.0)
         .collect();
     let [red, green, blue] = &mut glow;
@@ -43,10 +63,17 @@ pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Rgb<
         range_m[..run].copy_from_slice(&range.data()[at..at + run]);
         let mut sum = [[0.0f32; RUN]; 3];
         for lamp in &lamps {
-            vectorised(
-                #[inline(always)]
-                || add(lamp, start, &range_m, &rules, &mut sum),
-            );
+            if lamp.spot.is_some() {
+                vectorised(
+                    #[inline(always)]
+                    || add::<true>(lamp, start, &range_m, &rules, &mut sum),
+                );
+            } else {
+                vectorised(
+                    #[inline(always)]
+                    || add::<false>(lamp, start, &range_m, &rules, &mut sum),
+                );
+            }
         }
         for (plane, sum) in [&mut *red, &mut *green, &mut *blue].into_iter().zip(&sum) {
             plane[at..at + run].copy_from_slice(&sum[..run]);
@@ -78,10 +105,12 @@ struct Glow {
     /// 4 b I₀ (1 − g²)/(4π) of each channel: both steps from θ to β and from the interval to −1..=1.
     gain: [f32; 3],
     source: Source,
+    /// Nodes of every run; none: as many as the source's tolerance asks for.
+    fixed: Option<usize>,
 }
 
 impl Glow {
-    fn new(lamp: &Lamp, lighting: &Lighting, tolerance: f64) -> Self {
+    fn new(lamp: &Lamp, lighting: &Lighting, order: Order) -> Self {
         let single = |values: [f64; 3]| values.map(|v| v as f32);
         let g = lighting.asymmetry;
         let strength = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i]);
@@ -108,7 +137,14 @@ impl Glow {
                 strength: strength.into_iter().fold(0.0, f64::max),
                 attenuation: lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min),
                 asymmetry: g,
-                tolerance,
+                tolerance: match order {
+                    Order::Within(tolerance) => tolerance,
+                    Order::Fixed(_) => 0.0,
+                },
+            },
+            fixed: match order {
+                Order::Within(_) => None,
+                Order::Fixed(nodes) => Some(nodes),
             },
         }
     }
@@ -127,25 +163,36 @@ struct Intervals {
 }
 
 #[inline(always)]
-fn add(lamp: &Glow, start: (usize, usize), range: &Lanes, rules: &[Vec<[f32; 2]>], sum: &mut [Lanes; 3]) {
-    let (intervals, span) = intervals(lamp, start, range);
+fn add<const SPOT: bool>(
+    lamp: &Glow,
+    start: (usize, usize),
+    range: &Lanes,
+    rules: &[Vec<[f32; 2]>],
+    sum: &mut [Lanes; 3],
+) {
+    let (intervals, span) = intervals::<SPOT>(lamp, start, range);
     if span.to <= span.from {
         return;
     }
-    let rule = &rules[nodes::count(span, lamp.source) / 2];
+    let count = lamp.fixed.unwrap_or_else(|| nodes::count(span, lamp.source));
+    let rule = &rules[count / 2];
     let mut light = [[0.0f32; RUN]; 3];
     for &node in rule {
-        quadrature(lamp, &intervals, node, &mut light);
+        quadrature::<SPOT>(lamp, &intervals, node, &mut light);
+    }
+    let mut scale = [0.0f32; RUN];
+    for i in 0..RUN {
+        scale[i] = intervals.half[i] / intervals.distance[i];
     }
     for ((sum, light), gain) in sum.iter_mut().zip(&light).zip(lamp.gain) {
         for i in 0..RUN {
-            sum[i] += gain * intervals.half[i] / intervals.distance[i] * light[i];
+            sum[i] += gain * scale[i] * light[i];
         }
     }
 }
 
 #[inline(always)]
-fn intervals(lamp: &Glow, (x, y): (usize, usize), range: &Lanes) -> (Intervals, Span) {
+fn intervals<const SPOT: bool>(lamp: &Glow, (x, y): (usize, usize), range: &Lanes) -> (Intervals, Span) {
     let empty = [0.0f32; RUN];
     let mut to = Intervals {
         nearest: empty,
@@ -160,10 +207,7 @@ fn intervals(lamp: &Glow, (x, y): (usize, usize), range: &Lanes) -> (Intervals, 
     let [inverse_focal, cx, cy] = lamp.lens;
     let [px, py, pz] = lamp.place;
     let v = (y as f32 - cy) * inverse_focal;
-    let (is_spot, [ax, ay, az], cone) = match lamp.spot {
-        None => (false, [0.0; 3], 0.0),
-        Some((axis, cone)) => (true, axis, cone),
-    };
+    let ([ax, ay, az], cone) = lamp.spot.unwrap_or_default();
     for i in 0..RUN {
         let u = ((x + i) as f32 - cx) * inverse_focal;
         let inverse = 1.0 / (u * u + v * v + 1.0).sqrt();
@@ -189,7 +233,7 @@ fn intervals(lamp: &Glow, (x, y): (usize, usize), range: &Lanes) -> (Intervals, 
         );
         let end = if valid { end } else { std::f32::consts::FRAC_PI_2 };
         let (mut from, mut end) = (from, end);
-        if is_spot {
+        if SPOT {
             // (a × d)·(d × P) / D and a·d.
             let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
             let across = -(nx * mx + ny * my + nz * mz) / distance;
@@ -213,24 +257,43 @@ fn intervals(lamp: &Glow, (x, y): (usize, usize), range: &Lanes) -> (Intervals, 
         near[i] = if lit { distance } else { f32::INFINITY };
     }
     let span = Span {
-        from: first.into_iter().fold(f32::INFINITY, f32::min),
-        to: last.into_iter().fold(0.0, f32::max),
-        nearest_m: near.into_iter().fold(f32::INFINITY, f32::min),
+        from: extreme(&first, f32::min),
+        to: extreme(&last, f32::max),
+        nearest_m: extreme(&near, f32::min),
     };
     (to, span)
 }
 
+/// The least or the greatest, by halves: one after the other is no work for vectors.
+#[inline(always)]
+fn extreme(lanes: &Lanes, of: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut best = *lanes;
+    let mut half = RUN / 2;
+    while half > 0 {
+        for i in 0..half {
+            best[i] = of(best[i], best[i + half]);
+        }
+        half /= 2;
+    }
+    best[0]
+}
+
 /// Adds the two nodes `±node` of every pixel.
 #[inline(always)]
-fn quadrature(lamp: &Glow, to: &Intervals, [node, weight]: [f32; 2], light: &mut [Lanes; 3]) {
+fn quadrature<const SPOT: bool>(
+    lamp: &Glow,
+    to: &Intervals,
+    [node, weight]: [f32; 2],
+    light: &mut [Lanes; 3],
+) {
     let [red, green, blue] = light;
     for i in 0..RUN {
         let (sin_step, cos_step) = small_sin_cos(to.half[i] * node);
         let (ss, sc) = (to.sin[i] * cos_step, to.cos[i] * sin_step);
         let (cc, cs) = (to.cos[i] * cos_step, to.sin[i] * sin_step);
         let at = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
-        let [r1, g1, b1] = scattered(lamp, at, ss + sc, cc - cs);
-        let [r2, g2, b2] = scattered(lamp, at, ss - sc, cc + cs);
+        let [r1, g1, b1] = scattered::<SPOT>(lamp, at, ss + sc, cc - cs);
+        let [r2, g2, b2] = scattered::<SPOT>(lamp, at, ss - sc, cc + cs);
         red[i] += weight * (r1 + r2);
         green[i] += weight * (g1 + g2);
         blue[i] += weight * (b1 + b2);
@@ -239,17 +302,28 @@ fn quadrature(lamp: &Glow, to: &Intervals, [node, weight]: [f32; 2], light: &mut
 
 /// The integrand at the angle β of this sine and cosine.
 #[inline(always)]
-fn scattered(lamp: &Glow, [nearest, distance, across, along]: [f32; 4], sin: f32, cos: f32) -> [f32; 3] {
+fn scattered<const SPOT: bool>(
+    lamp: &Glow,
+    [nearest, distance, across, along]: [f32; 4],
+    sin: f32,
+    cos: f32,
+) -> [f32; 3] {
     let ([wide, narrow], [cr, cg, cb]) = (lamp.denominator, lamp.attenuation);
     let cos = cos.max(1e-7);
-    let denominator = wide * sin * sin + narrow * cos * cos;
-    let to_axis = across * (2.0 * sin * cos) + along * (sin * sin - cos * cos);
-    let profile = (lamp.offset + lamp.slope * to_axis).max(0.0).min(1.0);
-    let light = profile / (denominator * denominator.sqrt());
-    let path = (nearest + distance * (sin / cos)).max(0.0);
+    let (ss, cc) = (sin * sin, cos * cos);
+    let denominator = wide * ss + narrow * cc;
+    let cubed = denominator * denominator.sqrt();
+    // One division serves the phase function and the tangent.
+    let inverse = 1.0 / (cubed * cos);
+    let mut light = inverse * cos;
+    if SPOT {
+        let to_axis = across * (2.0 * sin * cos) + along * (ss - cc);
+        light *= (lamp.offset + lamp.slope * to_axis).max(0.0).min(1.0);
+    }
+    let path = (nearest + distance * (sin * inverse * cubed)).max(0.0);
     [
-        light * exp_negative(cr * path),
-        light * exp_negative(cg * path),
-        light * exp_negative(cb * path),
+        light * fade(cr * path),
+        light * fade(cg * path),
+        light * fade(cb * path),
     ]
 }

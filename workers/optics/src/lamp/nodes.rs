@@ -46,13 +46,23 @@ pub(super) fn count(span: Span, source: Source) -> usize {
     let growth = 2.0 * ellipse(source.asymmetry, from, half).ln();
     let fade = source.attenuation * distance;
     let shown = (fade * to.tan()).powi(2).min(1.0);
-    let enough = |n: &usize| {
-        let n = *n as f64;
-        let pole = POLE_FACTOR * at_start.max(at_end) * (-growth * n).exp();
-        let edge = 0.5 / (n * n) * (8.0 * (-2.0 * (fade * n * n).cbrt()).exp()).min(1.0);
-        pole + at_end * shown * edge <= source.tolerance
+    let (pole, edge) = (POLE_FACTOR * at_start.max(at_end), at_end * shown);
+    let root = fade.cbrt();
+    let enough = |n: f64| {
+        let most = 0.5 * edge / (n * n);
+        let pole = pole * (-growth * n).exp();
+        // The cube root and its exponential only where they can help.
+        pole <= source.tolerance
+            && (pole + most <= source.tolerance
+                || pole + most * 8.0 * (-2.0 * root * n.powf(2.0 / 3.0)).exp() <= source.tolerance)
     };
-    COUNTS.into_iter().find(enough).unwrap_or(MOST_NODES)
+    // Fewer leave more than the tolerance behind the pole.
+    let least = (pole / source.tolerance).ln() / growth;
+    let counts = COUNTS.into_iter().filter(|&n| n as f64 >= least - 1.0);
+    counts
+        .into_iter()
+        .find(|&n| enough(n as f64))
+        .unwrap_or(MOST_NODES)
 }
 
 /// The phase function at β, where the scattering angle has the cosine cos 2β.
