@@ -17,10 +17,8 @@ use crate::exit::Failure;
 use crate::sheet::{Tile, sheet};
 use crate::{files, machine};
 
-const WALL_PX: usize = 300;
+const WALL_PX: usize = 256;
 const WALL_SEED: u64 = 3;
-/// The way to the wall that the near camera has gone, of the whole.
-const NEARER: f64 = 0.67;
 const FAMILY_PX: usize = 256;
 const FAMILY_SEEDS: [u64; 2] = [3, 11];
 /// Runs of each frame; the fastest counts.
@@ -42,9 +40,7 @@ pub(super) fn draw(out: &Path, style: &StyleArguments) -> Result<(), Failure> {
         ))),
         library,
     };
-    for (name, near) in [("wall", false), ("wall-near", true)] {
-        save(&out.join(format!("{name}.png")), studio.wall(near)?)?;
-    }
+    save(&out.join("wall.png"), studio.wall()?)?;
     let mut costs = Vec::new();
     for family in scenes::FAMILIES {
         let (picture, cost) = studio.family(family)?;
@@ -81,20 +77,9 @@ struct Studio {
 }
 
 impl Studio {
-    /// The same wall in Jerlov I to 9C, from the camera's usual place or from a third of the way.
-    fn wall(&mut self, near: bool) -> Result<Rgb8, Failure> {
-        let mut camera = json!({"width": 600, "height": 400, "hfov_deg": 70});
-        if near {
-            let (usual, _) = self.render("structure", WALL_SEED, &camera, &json!({}))?;
-            let scene = usual.record.scene.as_ref();
-            let pose = scene.context("a procedural scene has a pose")?.world_from_camera;
-            let nearer = NEARER * middle_range(&usual)?;
-            let ahead = |metres: f64| [0, 1, 2].map(|i| pose[i][3] + metres * pose[i][2]);
-            let waypoint =
-                |metres: f64| json!({"position_m": ahead(metres), "target_m": ahead(metres + 1.0)});
-            camera["path"] =
-                json!({"frames": 2, "frame": 0, "start": waypoint(nearer), "end": waypoint(nearer + 0.01)});
-        }
+    /// The same wall in Jerlov I to 9C.
+    fn wall(&mut self) -> Result<Rgb8, Failure> {
+        let camera = json!({"width": 600, "height": 400, "hfov_deg": 70});
         let mut tiles = vec![];
         let names = waters::TYPES.map(|kind| format!("jerlov-{kind}"));
         for name in [None].into_iter().chain(names.iter().map(Some)) {
