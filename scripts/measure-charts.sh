@@ -10,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 "$fathom" bench render --out docs
-"$fathom" chart --runs 15 --out "$work/charts"
+"$fathom" chart --runs 9 --out "$work/charts"
 "$fathom" campaign --scenes 10000 --out docs/campaign
 "$fathom" stability --chain --out docs
 for water in jerlov-IB jerlov-1C jerlov-3C; do

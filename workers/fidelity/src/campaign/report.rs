@@ -180,7 +180,7 @@ pub fn cost_chart(outcomes: &[Outcome]) -> Lines {
         series: vec![Series {
             name: "campaign".to_owned(),
             marks: marks.collect(),
-            form: Form::Joined,
+            form: Form::Line,
         }],
     }
 }

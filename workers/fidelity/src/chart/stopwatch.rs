@@ -24,7 +24,7 @@ pub fn time_once<R>(work: impl FnOnce() -> R) -> f64 {
 const SLOW_MS: f64 = 400.0;
 const SLOW_RUNS: usize = 3;
 
-/// Runs `work` once to warm up and then up to `runs` times; answers what the last run gave.
+/// Runs `work` once to warm up and then `runs` times; what is slow has no need to warm up. Answers what the last run gave.
 pub fn time<R>(runs: usize, mut work: impl FnMut() -> R) -> (Times, R) {
     let mut timed = || {
         let start = Instant::now();
@@ -32,14 +32,12 @@ pub fn time<R>(runs: usize, mut work: impl FnMut() -> R) -> (Times, R) {
         (start.elapsed().as_secs_f64() * 1e3, answer)
     };
     let (first, mut answer) = timed();
-    let runs = if first > SLOW_MS {
-        runs.min(SLOW_RUNS)
+    let (mut all, runs) = if first > SLOW_MS {
+        (vec![first], runs.min(SLOW_RUNS))
     } else {
-        runs
-    }
-    .max(1);
-    let mut all = Vec::with_capacity(runs);
-    for _ in 0..runs {
+        (Vec::with_capacity(runs), runs.max(1))
+    };
+    for _ in all.len()..runs {
         let (ms, last) = timed();
         all.push(ms);
         answer = last;
