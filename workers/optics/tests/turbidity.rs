@@ -1,14 +1,18 @@
 //! Paths through patchy water: the closed form against quadrature, and the chain's bound with them.
 #![allow(clippy::unwrap_used)]
 
+use fathom_optics::chain::{water, water_reference};
 use fathom_optics::eye::Eye;
+use fathom_optics::forward_scatter::KernelCache;
+use fathom_optics::plan::{Fidelity, Plan, SceneStats};
 use fathom_optics::range::{HoleRule, is_hole};
 use fathom_optics::snow::World;
 use fathom_optics::turbidity::{Turbidity, optical_path, optical_path_reference, path_rounding};
-use imaging::Plane;
+use fathom_optics::water::{Water, WaterRequest};
 use imaging::geometry::Intrinsics;
+use imaging::{Plane, Rgb};
 
-const SIZES: [(usize, usize); 6] = [(1, 1), (1, 9), (7, 1), (13, 17), (31, 8), (67, 41)];
+const SIZES: [(usize, usize); 6] = [(1, 1), (1, 9), (7, 1), (13, 17), (31, 8), (37, 23)];
 
 fn eye(size: (usize, usize)) -> Eye {
     Eye {
@@ -83,5 +87,53 @@ fn the_scalar_form_is_the_quadrature_too() {
         let length = ray.iter().map(|v| v * v).sum::<f64>().sqrt();
         let path = seen.path_m(ray.map(|v| v / length), 6.5);
         assert!((path - exact.at(x, y)).abs() < 1e-9, "{path} {}", exact.at(x, y));
+    }
+}
+
+/// The plan made for the paths bounds the whole error against the reference in f64 of paths and chain.
+#[test]
+fn the_plan_bounds_the_chain_in_patchy_water() {
+    let size = (48, 31);
+    let eye = eye(size);
+    let request = WaterRequest {
+        preset: Some("jerlov-3C".to_owned()),
+        ..WaterRequest::default()
+    };
+    let optics = Water::resolve(&request, eye.camera.focal_px).unwrap();
+    let radiance = Rgb::from_fn(size.0, size.1, |x, y| {
+        let stripe = if (x / 5 + y / 4) % 2 == 0 { 0.9 } else { 0.05 };
+        [stripe, 0.7 * stripe, 0.95 - stripe]
+    });
+    let range = range(size.0, size.1, 1.0);
+    for (contrast, scale_m) in [(0.5, 3.0), (0.95, 0.5)] {
+        let turbidity = Turbidity { contrast, scale_m };
+        let field = turbidity.field(World { seed: 4, index: 1 });
+        let exact_path = optical_path_reference(
+            &range.map(|&z| z.into()),
+            &turbidity,
+            &field,
+            &eye,
+            HoleRule::Background,
+        );
+        let exact = water_reference(&radiance.map(|&j| j.into()), &exact_path, &optics).unwrap();
+        let path = optical_path(&range, &field, &eye, HoleRule::Background);
+        for tolerance in [1e-2, 3e-4, 3e-5] {
+            let stats = SceneStats::measure(&radiance, &path, &optics);
+            let plan = Plan::for_frame(&stats, &optics, None, &[], Fidelity::Tolerance(tolerance));
+            let fast = water(&radiance, &path, &optics, &plan, &mut KernelCache::new()).unwrap();
+            let farthest = stats.range_m.unwrap().1;
+            let rounding = 2.0 * path_rounding(farthest, scale_m) / std::f64::consts::E;
+            for (channel, bound) in plan.bounds.unwrap().into_iter().enumerate() {
+                let pairs = fast.scattered.planes()[channel].data().iter();
+                let worst = pairs
+                    .zip(exact.scattered.planes()[channel].data())
+                    .map(|(&fast, exact)| (f64::from(fast) - exact).abs())
+                    .fold(0.0, f64::max);
+                assert!(
+                    worst <= bound + rounding,
+                    "{turbidity:?}, {tolerance:e}, channel {channel}: {worst:e} > {bound:e} + {rounding:e}"
+                );
+            }
+        }
     }
 }

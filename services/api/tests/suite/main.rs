@@ -21,4 +21,5 @@ mod rendered;
 mod space;
 mod streams;
 mod styles;
+mod suspended;
 mod waters;
