@@ -93,6 +93,9 @@ impl Contents {
     }
 }
 
+/// Largest standard deviation of the noise: what a good camera has under water. A network without chance can neither
+/// take away more nor add any, so more would only be a floor under the distance from the style.
+const MAX_NOISE: f64 = 0.01;
 /// Where nothing is met.
 const FAR_M: f32 = 40.0;
 
@@ -142,7 +145,7 @@ fn sink(air: &mut Air, chance: &Chance) {
 fn finish(light: Tensor<f32>, gain: f64, chance: &Chance) -> Tensor<f32> {
     let gamma = chance.between("gamma", 0, 0.75, 1.35);
     let slope = [0, 1].map(|axis| chance.between("slope", axis, -0.5, 0.5));
-    let sigma = chance.between("noise", 0, 0.0, 0.03) as f32;
+    let sigma = chance.between("noise", 0, 0.0, MAX_NOISE) as f32;
     let stream = Stream::stage(chance.stream.bits(chance.index, 2), "content noise");
     let mut noise = normals(&stream, chance.index);
     let mut out = light;

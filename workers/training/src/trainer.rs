@@ -15,10 +15,11 @@ use crate::photo::Photo;
 use crate::tensor::Tensor;
 use crate::transfer::{Colours, transfer};
 
-/// Pictures of a batch.
-const BATCH: usize = 4;
-/// Side of a crop in pixels.
-pub(crate) const CROP: usize = 160;
+/// Pictures of a batch: many small ones, since the style's colours must be found over all of them together, and a batch
+/// of few is too far from the whole.
+const BATCH: usize = 14;
+/// Side of a crop in pixels: at the coarsest level it still holds several patches.
+const CROP: usize = 80;
 /// Content pictures of a training; they come round with other crops.
 const POOL: usize = 192;
 /// Content pictures whose colours the colour transfer starts from.
@@ -173,17 +174,22 @@ impl Trainer {
         let picture = self.pool[index].get_or_init(|| self.contents.picture(index as u64));
         let draw = |purpose: u64| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose);
         let offset = |purpose| (draw(purpose) * (SIDE - CROP + 1) as f64) as usize;
-        cropped(picture, (offset(0), offset(1)), draw(2) < 0.5)
+        cropped(picture, (offset(0), offset(1)), CROP, draw(2) < 0.5)
     }
 }
 
-/// A crop, mirrored or not.
-pub(crate) fn cropped(picture: &Tensor<f32>, (left, top): (usize, usize), mirrored: bool) -> Tensor<f32> {
-    let mut crop = Tensor::zeros(3, CROP, CROP);
+/// A square crop, mirrored or not.
+pub(crate) fn cropped(
+    picture: &Tensor<f32>,
+    (left, top): (usize, usize),
+    side: usize,
+    mirrored: bool,
+) -> Tensor<f32> {
+    let mut crop = Tensor::zeros(3, side, side);
     for channel in 0..3 {
-        for y in 0..CROP {
+        for y in 0..side {
             let row = crop.row_mut(channel, y);
-            row.copy_from_slice(&picture.row(channel, top + y)[left..left + CROP]);
+            row.copy_from_slice(&picture.row(channel, top + y)[left..left + side]);
             if mirrored {
                 row.reverse();
             }

@@ -2,6 +2,7 @@
 
 mod render;
 mod service;
+mod style;
 
 use std::path::PathBuf;
 
@@ -20,6 +21,8 @@ enum What {
     Service(ServiceArguments),
     /// Frames and stages on one slot and on all, memory, kernels: writes speed.md
     Render(RenderArguments),
+    /// The tiers of the style waters beside a usual network, how far they lie apart, and how different the waters are
+    Style(StyleBench),
 }
 
 /// Options of `fathom bench render`.
@@ -44,10 +47,24 @@ pub(crate) struct ServiceArguments {
     data: Option<PathBuf>,
 }
 
+/// Options of `fathom bench style`.
+#[derive(clap::Args)]
+pub(crate) struct StyleBench {
+    #[command(flatten)]
+    style: super::StyleArguments,
+    /// Runs of each, of which the fastest counts
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    runs: u32,
+    /// Folder for style-bench.md
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Service(arguments) => service::run(arguments),
+        What::Style(arguments) => style::run(arguments),
         What::Render(arguments) => render::run(arguments),
     }
 }

@@ -119,9 +119,15 @@ fn of_styles(arguments: &Arguments) -> Result<(), Failure> {
     let control = StyleModel::without_card("johnson", style::net::onnx::johnson(1));
     let found =
         styles::measure(&library, &control, &runtime).map_err(|error| Failure::Other(error.into()))?;
-    let text = styles::markdown(&found);
+    let mut text = styles::markdown(&found);
+    text.push_str(
+        "\n![gain over noise](stability/style-gain.png)\n![change over move](stability/style-flicker.png)\n",
+    );
     let path = arguments.out.join("style-stability.md");
     files::write(&path, text.as_bytes())?;
+    for (name, lines) in styles::curves(&found) {
+        super::chart::draw(&arguments.out.join("stability"), name, &lines)?;
+    }
     print!("{text}");
     println!("written to {}", path.display());
     Ok(())

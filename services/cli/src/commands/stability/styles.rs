@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use fidelity::plot::{Axis, Form, Lines, Mark, Series};
 use imaging::Rgb;
 use imaging::random::Stream;
 use style::{Library, Runtime, Session, StyleError};
@@ -17,13 +18,20 @@ const SIZES: [(usize, usize); 8] = [
     (869, 565),
     (1920, 1080),
 ];
-/// Standard deviation of the noise on flat frames.
-const NOISE: f64 = 1.0 / 255.0;
+/// Standard deviation of the noise on flat frames that the table has, in units of 1/255.
+const NOISE: f64 = 1.0;
+/// Noise on flat frames that the gain is drawn over, in units of 1/255.
+const LEVELS: [f64; 6] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
+/// Moves that the change of a pixel is drawn over, in pixels.
+const MOVES: [usize; 6] = [1, 2, 3, 5, 8, 13];
 /// Side of the patch whose samples are moved one by one for the Jacobian, in a frame of [`AROUND`].
 const PATCH: usize = 10;
 const AROUND: usize = 40;
 const MOVE: f32 = 0.01;
 const ITERATIONS: usize = 30;
+/// What is promised of our own network: the gain, and the change of a pixel under a move of one, of 255.
+const GAIN_LIMIT: f64 = 0.6;
+const FLICKER_LIMIT: f64 = 0.5;
 /// Pixels at the border that shifted and cropped frames do not share surroundings for.
 const MARGIN: usize = 24;
 
@@ -38,6 +46,10 @@ pub(super) struct Steadiness {
     pub(super) flicker_255: f64,
     /// Change of a pixel between two crops, of 255.
     pub(super) crop_255: f64,
+    /// The gain over the noise, in units of 1/255.
+    pub(super) gains: Vec<(f64, f64)>,
+    /// The change of a pixel over the move, in pixels, of 255.
+    pub(super) moves: Vec<(f64, f64)>,
     /// What becomes of black and of white.
     pub(super) black: [f32; 3],
     pub(super) white: [f32; 3],
@@ -71,25 +83,29 @@ fn of(name: &str, mut session: Session) -> Result<Steadiness, StyleError> {
         .take(6)
         .collect();
     let flat = |light: f32| Rgb::from_fn(64, 64, |_, _| [light; 3]);
-    let mut gain = 0.0f64;
-    for light in [0.2, 0.4, 0.6] {
-        let frame = flat(light);
-        let stream = Stream::stage(1, "stability noise");
-        let noisy = Rgb::from_fn(64, 64, |x, y| {
-            [0, 1, 2].map(|channel| {
-                // Uniform noise of this deviation.
-                let unit = stream.unit((y * 64 + x) as u64, channel) - 0.5;
-                light + (unit * NOISE * 12.0f64.sqrt()) as f32
-            })
-        });
-        gain = gain.max(distance(&run(&noisy)?, &run(&frame)?) / distance(&noisy, &frame));
+    let mut gains = Vec::new();
+    for level in LEVELS {
+        let mut gain = 0.0f64;
+        for light in [0.2, 0.4, 0.6] {
+            let frame = flat(light);
+            let stream = Stream::stage(1, "stability noise");
+            let noisy = Rgb::from_fn(64, 64, |x, y| {
+                [0, 1, 2].map(|channel| {
+                    // Uniform noise of this deviation.
+                    let unit = stream.unit((y * 64 + x) as u64, channel) - 0.5;
+                    light + (unit * level / 255.0 * 12.0f64.sqrt()) as f32
+                })
+            });
+            gain = gain.max(distance(&run(&noisy)?, &run(&frame)?) / distance(&noisy, &frame));
+        }
+        gains.push((level, gain));
     }
-    let (mut flicker, mut crop) = (0.0, 0.0);
+    let mut changes = MOVES.map(|_| 0.0);
     for scene in &lively {
         let side = scene.width() - 16;
         let inner = side - 2 * MARGIN;
         let base = part(&run(&part(scene, (0, 0), side))?, (MARGIN, MARGIN), inner);
-        for (at, sum) in [(1, &mut flicker), (13, &mut crop)] {
+        for (at, sum) in MOVES.into_iter().zip(&mut changes) {
             let moved = run(&part(scene, (at, at), side))?;
             let same = part(&moved, (MARGIN - at, MARGIN - at), inner);
             let change = distance(&same, &base);
@@ -107,10 +123,19 @@ fn of(name: &str, mut session: Session) -> Result<Steadiness, StyleError> {
     };
     Ok(Steadiness {
         name: name.to_owned(),
-        gain,
+        gain: gains
+            .iter()
+            .find(|(level, _)| *level == NOISE)
+            .map_or(f64::NAN, |found| found.1),
         singular,
-        flicker_255: 255.0 * flicker.sqrt(),
-        crop_255: 255.0 * crop.sqrt(),
+        flicker_255: 255.0 * changes[0].sqrt(),
+        crop_255: 255.0 * changes[MOVES.len() - 1].sqrt(),
+        gains,
+        moves: MOVES
+            .iter()
+            .zip(changes)
+            .map(|(&at, sum)| (at as f64, 255.0 * sum.sqrt()))
+            .collect(),
         black,
         white,
         failed: SIZES.iter().copied().filter(|size| fails(size)).collect(),
@@ -184,6 +209,62 @@ fn spread(frame: &Rgb<f32>) -> f64 {
         .map(|v| f64::from(v - mean) * f64::from(v - mean))
         .sum();
     (squares / data.len() as f64).sqrt()
+}
+
+/// The gain over the noise, and the change of a pixel over the move, with what is promised of ours.
+pub(super) fn curves(found: &[Steadiness]) -> [(&'static str, Lines); 2] {
+    let axis = |title: &str| Axis {
+        title: title.to_owned(),
+        logarithmic: true,
+    };
+    let series = |name: &str, points: &[(f64, f64)]| {
+        // A change of nothing has no place on this axis.
+        let points = points.iter().filter(|(_, y)| *y > 0.0);
+        let mark = |&(x, y): &(f64, f64)| Mark {
+            x,
+            y,
+            label: String::new(),
+            ringed: false,
+            reach: None,
+        };
+        Series {
+            name: name.to_owned(),
+            marks: points.map(mark).collect(),
+            form: if name == "limit" { Form::Line } else { Form::Joined },
+        }
+    };
+    let ends = |xs: [f64; 2], limit: f64| xs.map(|x| (x, limit));
+    let limit = |points: [(f64, f64); 2]| series("limit", &points);
+    let mut gains: Vec<_> = found
+        .iter()
+        .map(|model| series(&model.name, &model.gains))
+        .collect();
+    gains.push(limit(ends([LEVELS[0], LEVELS[LEVELS.len() - 1]], GAIN_LIMIT)));
+    let mut moves: Vec<_> = found
+        .iter()
+        .map(|model| series(&model.name, &model.moves))
+        .collect();
+    moves.push(limit(ends([1.0, 2.0], FLICKER_LIMIT)));
+    [
+        (
+            "style-gain",
+            Lines {
+                title: "What becomes of noise on flat frames".to_owned(),
+                x: axis("noise, 1/255"),
+                y: axis("gain"),
+                series: gains,
+            },
+        ),
+        (
+            "style-flicker",
+            Lines {
+                title: "Change of the same pixel when the frame moves".to_owned(),
+                x: axis("move, pixels"),
+                y: axis("root mean square change, of 255"),
+                series: moves,
+            },
+        ),
+    ]
 }
 
 /// The table of the documentation.
