@@ -1,6 +1,7 @@
 //! Runs the real `fathom` binary for end-to-end tests: services, workers and single commands.
 
 pub mod ending;
+pub mod memory;
 pub mod onnx;
 
 use std::io::{BufRead, BufReader};

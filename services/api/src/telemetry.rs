@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use axum::http::Method;
+use catalogue::COMMIT_OPERATIONS;
 use metrics::{counter, describe_counter, describe_gauge, describe_histogram, gauge, histogram};
 use metrics_exporter_prometheus::{Matcher, PrometheusBuilder, PrometheusHandle};
 use spec::FrameRecord;
@@ -14,6 +15,8 @@ const REQUEST_BUCKETS: [f64; 10] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0
 const STAGE_BUCKETS: [f64; 10] = [0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 /// From a thumbnail to the linear layers of a large frame.
 const COMMIT_BUCKETS: [f64; 8] = [1e4, 3e4, 1e5, 3e5, 1e6, 1e7, 1e8, 5e8];
+/// From one alone to a full transaction.
+const OPERATIONS_BUCKETS: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
 /// A frame has about a dozen stages; a record that claims more is not worth a label for each.
 const MAX_STAGES: usize = 32;
 
@@ -45,6 +48,7 @@ pub(crate) fn install() -> &'static PrometheusHandle {
         let builder = buckets(builder, REQUEST_SECONDS, &REQUEST_BUCKETS);
         let builder = buckets(builder, STAGE_SECONDS, &STAGE_BUCKETS);
         let builder = buckets(builder, COMMIT_BYTES, &COMMIT_BUCKETS);
+        let builder = buckets(builder, COMMIT_OPERATIONS, &OPERATIONS_BUCKETS);
         let recorder = builder.build_recorder();
         let handle = recorder.handle();
         if metrics::set_global_recorder(recorder).is_err() {
@@ -85,6 +89,10 @@ fn describe() {
     describe_counter!(EXPIRED, "Leases that ran out without a word of their worker");
     describe_gauge!(QUEUE_AGE, "Seconds since the oldest open job was submitted");
     describe_histogram!(COMMIT_BYTES, "Bytes of the artifacts of a committed frame");
+    describe_histogram!(
+        COMMIT_OPERATIONS,
+        "Images, jobs and changes of state that shared a transaction of the catalogue"
+    );
     describe_gauge!(WAL_BYTES, "Bytes of the catalogue's write-ahead log");
     describe_gauge!(STORE_BYTES, "Bytes of the artifacts that can be read");
     describe_gauge!(
@@ -97,7 +105,7 @@ fn describe() {
 pub(crate) fn request(method: &Method, route: &str, status: u16, seconds: f64) {
     // A client may invent methods; a label for each would grow without end.
     let method = match *method {
-        Method::GET | Method::HEAD | Method::POST => method.as_str(),
+        Method::GET | Method::HEAD | Method::POST | Method::DELETE => method.as_str(),
         _ => "other",
     };
     let labels = [

@@ -39,3 +39,4 @@ pub use types::{
     SceneRow,
 };
 pub use waters::WaterRow;
+pub use writer::COMMIT_OPERATIONS;

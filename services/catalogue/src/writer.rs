@@ -24,6 +24,8 @@ const IMAGES: usize = 64;
 /// Bytes of the log after which it is folded into the file: twice SQLite's own, since pages that are changed again and
 /// again are written to the file once for each time that the log fills.
 const LONG_LOG: u64 = 8 << 20;
+/// Operations of a transaction, as a histogram: images, jobs, changes of state.
+pub const COMMIT_OPERATIONS: &str = "fathom_commit_operations";
 /// How long a transaction gathers: less than a flush to the disk takes.
 const GATHER: Duration = Duration::from_millis(2);
 
@@ -170,6 +172,7 @@ async fn group(
         faults::point("catalogue.written");
         failure = connection.execute("COMMIT").await.err().map(CatalogueError::from);
         faults::point("catalogue.committed");
+        metrics::histogram!(COMMIT_OPERATIONS).record(replies.len() as f64);
     }
     if failure.is_some() {
         // SQLite may have rolled back by itself; then there is nothing to roll back and this says so.

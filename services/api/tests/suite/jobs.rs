@@ -55,6 +55,7 @@ fn a_submitted_job_becomes_images_that_can_be_asked_for() {
         "fathom_leases_expired_total",
         "fathom_attempts_total",
         "fathom_commit_bytes_bucket",
+        "fathom_commit_operations_bucket",
         "fathom_wal_bytes",
         "fathom_store_bytes",
     ] {

@@ -1,0 +1,152 @@
+//! A flood of everything at once, and what the service holds in memory before and after it.
+
+#![allow(clippy::unwrap_used)]
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use fathom_tests::Service;
+use serde_json::json;
+
+/// Submissions of one round, and who makes them at the same time.
+const SUBMISSIONS: u64 = 5_000;
+const CLIENTS: u64 = 64;
+/// Connections of each kind of bad reader.
+const BAD_READERS: usize = 200;
+/// An accepted job stays in the table of those that wait: some kilobytes each. The rest is room for the allocator, which
+/// keeps what busy threads have used.
+const MOST_GROWTH: u64 = 64 << 20;
+
+fn job(label: u64) -> String {
+    json!({
+        "dataset": "flood", "count": 1000, "seed": label,
+        "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}},
+        "camera": {"width": 160, "height": 100, "hfov_deg": 80}
+    })
+    .to_string()
+}
+
+fn connect(service: &Service) -> TcpStream {
+    let address = service.url.strip_prefix("http://").unwrap();
+    let stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    stream
+}
+
+/// One request on a connection of its own; the status.
+fn submit(service: &Service, body: &str) -> u16 {
+    let mut stream = connect(service);
+    let head = format!(
+        "POST /v1/jobs HTTP/1.1\r\nhost: x\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
+        body.len()
+    );
+    // A shed request is answered without its body being read, which may break the connection behind the answer.
+    let _ = stream.write_all(head.as_bytes());
+    let _ = stream.write_all(body.as_bytes());
+    let mut answer = Vec::new();
+    let _ = stream.read_to_end(&mut answer);
+    let status = answer
+        .get(9..12)
+        .and_then(|status| std::str::from_utf8(status).ok());
+    status.and_then(|status| status.parse().ok()).unwrap_or(0)
+}
+
+/// Five thousand submissions by sixty-four clients, beside readers that never read, and heads that never end. Answers
+/// how many were accepted and how many shed.
+fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
+    let requests = [
+        format!("GET /v1/jobs/{id}/events HTTP/1.1\r\nhost: x\r\n\r\n"),
+        "GET /v1/images?limit=1000 HTTP/1.1\r\nhost: x\r\n\r\n".to_owned(),
+        "GET /v1/jobs?limit=1000 HTTP/1.1\r\nhost: x\r\n\r\n".to_owned(),
+    ];
+    let mut never_read = Vec::new();
+    for request in &requests {
+        for _ in 0..BAD_READERS {
+            let mut stream = connect(service);
+            stream.write_all(request.as_bytes()).unwrap();
+            never_read.push(stream);
+        }
+    }
+    let over = AtomicBool::new(false);
+    let (next, accepted, shed) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
+    std::thread::scope(|scope| {
+        // A byte of a head at a time.
+        scope.spawn(|| {
+            let mut slow: Vec<TcpStream> = (0..BAD_READERS).map(|_| connect(service)).collect();
+            for byte in b"GET /livez HTTP/1.1\r\nx-slow: "
+                .iter()
+                .chain(std::iter::repeat(&b'x'))
+            {
+                if over.load(Ordering::SeqCst) {
+                    break;
+                }
+                // The service may have cut it off.
+                slow.retain_mut(|stream| stream.write_all(&[*byte]).is_ok());
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        });
+        let clients: Vec<_> = (0..CLIENTS)
+            .map(|_| {
+                scope.spawn(|| {
+                    loop {
+                        let at = next.fetch_add(1, Ordering::SeqCst);
+                        if at >= SUBMISSIONS {
+                            break;
+                        }
+                        match submit(service, &job(number * SUBMISSIONS + at)) {
+                            202 => accepted.fetch_add(1, Ordering::SeqCst),
+                            503 => shed.fetch_add(1, Ordering::SeqCst),
+                            status => panic!("a submission was answered {status}"),
+                        };
+                    }
+                })
+            })
+            .collect();
+        let ended: Vec<_> = clients.into_iter().map(|client| client.join()).collect();
+        over.store(true, Ordering::SeqCst);
+        assert!(
+            ended.iter().all(Result::is_ok),
+            "every submission has one of two answers"
+        );
+    });
+    (accepted.into_inner(), shed.into_inner())
+}
+
+/// Failure: a submission that is answered otherwise than 202 or 503; an accepted job that is not there; a service that does
+/// not answer meanwhile; memory that goes on growing from round to round.
+#[test]
+fn ten_thousand_submissions_among_bad_readers_are_answered_and_the_memory_stays_bounded() {
+    let data = tempfile::tempdir().unwrap();
+    let service = Service::start(data.path(), &["--workers", "0"]);
+    let id = service.submit(&serde_json::from_str(&job(0)).unwrap());
+    let before = service.resident_bytes();
+    let (mut accepted, mut after) = (1, Vec::new());
+    for number in 0..2 {
+        let begun = Instant::now();
+        let (new, shed) = round(&service, number, &id);
+        assert_eq!(service.get("/livez").0, 200);
+        accepted += new;
+        let peak = service.resident_bytes();
+        std::thread::sleep(Duration::from_secs(2));
+        after.push(service.resident_bytes());
+        println!(
+            "round {number}: {new} accepted, {shed} shed in {:.1} s; resident {} MB before, {} MB at its end, {} MB 2 s later",
+            begun.elapsed().as_secs_f64(),
+            before >> 20,
+            peak >> 20,
+            after[number as usize] >> 20
+        );
+    }
+    let (_, dataset) = service.get("/v1/datasets/flood");
+    assert_eq!(dataset["jobs"], json!(accepted), "{dataset}");
+    drop(service);
+    let again = Service::start(data.path(), &["--workers", "0"]);
+    println!(
+        "a fresh start with all of these jobs: {} MB",
+        again.resident_bytes() >> 20
+    );
+    let growth = after[1].saturating_sub(after[0]);
+    assert!(growth < MOST_GROWTH, "the second round added {} MB", growth >> 20);
+}
