@@ -1,6 +1,7 @@
 //! Runs the real `fathom` binary for end-to-end tests: services, workers and single commands.
 
 pub mod ending;
+pub mod forms;
 pub mod memory;
 pub mod onnx;
 
@@ -236,34 +237,6 @@ impl Service {
         )
     }
 
-    /// POST of a form with these fields.
-    ///
-    /// # Panics
-    /// When the service does not answer.
-    #[must_use]
-    pub fn form(&self, path: &str, fields: &[(&str, &[u8])]) -> (u16, Value) {
-        const BOUNDARY: &str = "----fathom-test-boundary";
-        let mut form = Vec::new();
-        for (name, bytes) in fields {
-            let head = format!("--{BOUNDARY}\r\nContent-Disposition: form-data; name=\"{name}\"\r\n\r\n");
-            form.extend([head.as_bytes(), bytes, b"\r\n"].concat());
-        }
-        form.extend_from_slice(format!("--{BOUNDARY}--\r\n").as_bytes());
-        let mut response = agent()
-            .post(format!("{}{path}", self.url))
-            .header(
-                "content-type",
-                format!("multipart/form-data; boundary={BOUNDARY}"),
-            )
-            .send(&form)
-            .expect("the service answers");
-        let bytes = response.body_mut().read_to_vec().expect("a whole answer");
-        (
-            response.status().as_u16(),
-            serde_json::from_slice(&bytes).unwrap_or_default(),
-        )
-    }
-
     /// Submits a job that must be accepted.
     ///
     /// # Panics
@@ -392,7 +365,7 @@ fn stop(child: &mut Child) {
     let _ = child.wait();
 }
 
-fn agent() -> ureq::Agent {
+pub(crate) fn agent() -> ureq::Agent {
     ureq::Agent::config_builder()
         .http_status_as_error(false)
         .timeout_global(Some(Duration::from_secs(120)))
