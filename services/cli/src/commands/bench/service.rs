@@ -179,8 +179,10 @@ fn pages(remote: &Remote, what: &str, filter: &str) -> Result<String, Failure> {
     let (mut times, mut path) = (Vec::new(), base.clone());
     for _ in 0..TIMES {
         let begun = Instant::now();
-        let page = remote.get(&path)?.json()?;
+        let answer = remote.get(&path)?;
+        // What the client makes of the answer is its own time.
         times.push(begun.elapsed());
+        let page = answer.json()?;
         let cursor = page.get("next_cursor").and_then(serde_json::Value::as_str);
         path = cursor.map_or_else(|| base.clone(), |cursor| format!("{base}&cursor={cursor}"));
     }
