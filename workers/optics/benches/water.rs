@@ -21,10 +21,10 @@ fn radiance() -> Rgb<f32> {
     })
 }
 
-/// A slope from 1 to 15 m with a near pole: a different range in every pixel.
-fn range() -> Plane<f32> {
+/// A slope with a near pole: a different range in every pixel.
+fn range(near_m: f32, far_m: f32) -> Plane<f32> {
     Plane::from_fn(WIDTH, HEIGHT, |x, y| {
-        let slope = 1.0 + 14.0 * (y as f32 + x as f32 / WIDTH as f32) / HEIGHT as f32;
+        let slope = near_m + (far_m - near_m) * (y as f32 + x as f32 / WIDTH as f32) / HEIGHT as f32;
         if (300..340).contains(&x) {
             1.5 + 1e-3 * y as f32
         } else {
@@ -33,7 +33,7 @@ fn range() -> Plane<f32> {
     })
 }
 
-fn coastal(model: ScatterModel) -> Water {
+fn water_of(preset: &str, model: ScatterModel) -> Water {
     let scatter = ScatterRequest {
         model,
         g: None,
@@ -42,7 +42,7 @@ fn coastal(model: ScatterModel) -> Water {
         source: Default::default(),
     };
     let request = WaterRequest {
-        preset: Some("jerlov-1C".to_owned()),
+        preset: Some(preset.to_owned()),
         scatter: Some(scatter),
         ..WaterRequest::default()
     };
@@ -50,31 +50,42 @@ fn coastal(model: ScatterModel) -> Water {
 }
 
 fn water(bench: &mut Criterion) {
-    let (radiance, range) = (radiance(), range());
+    let (radiance, coastal) = (radiance(), range(1.0, 15.0));
     let mut cache = KernelCache::new();
-    let mut stage = |name: &str, model: ScatterModel, fidelity: Fidelity| {
-        let water = coastal(model);
-        let stats = SceneStats::measure(&radiance, &range, &water);
+    let mut stage = |name: &str, water: Water, range: &Plane<f32>, fidelity: Fidelity| {
+        let stats = SceneStats::measure(&radiance, range, &water);
         let plan = Plan::for_frame(&stats, &water, None, &[], fidelity);
         bench.bench_function(name, |b| {
             b.iter(|| {
-                let layers = chain::water(black_box(&radiance), &range, &water, &plan, &mut cache);
+                let layers = chain::water(black_box(&radiance), range, &water, &plan, &mut cache);
                 cache.recycle(layers.expect("a good frame"));
             });
         });
     };
-    stage("attenuation", ScatterModel::None, Fidelity::Tolerance(3e-4));
+    let of = |model| water_of("jerlov-1C", model);
+    let bounded = Fidelity::Tolerance(3e-4);
+    stage("attenuation", of(ScatterModel::None), &coastal, bounded);
     for terms in [4, 6, 9] {
+        let fixed = Fidelity::Terms(terms);
         stage(
             &format!("jaffe K={terms}"),
-            ScatterModel::Jaffe,
-            Fidelity::Terms(terms),
+            of(ScatterModel::Jaffe),
+            &coastal,
+            fixed,
         );
     }
-    stage("simplified K=4", ScatterModel::Simplified, Fidelity::Terms(4));
-    let water = coastal(ScatterModel::Jaffe);
+    let simplified = of(ScatterModel::Simplified);
+    stage("simplified K=4", simplified, &coastal, Fidelity::Terms(4));
+    let turbid = water_of("jerlov-5C", ScatterModel::Jaffe);
+    stage(
+        "jaffe within 3e-4, jerlov-5C over 0.5 to 10 m",
+        turbid,
+        &range(0.5, 10.0),
+        bounded,
+    );
+    let water = of(ScatterModel::Jaffe);
     bench.bench_function("scene stats", |b| {
-        b.iter(|| SceneStats::measure(black_box(&radiance), &range, &water))
+        b.iter(|| SceneStats::measure(black_box(&radiance), &coastal, &water))
     });
 }
 
