@@ -1,4 +1,4 @@
-//! Natural logarithm, exponential and cube root, written so that a loop over them becomes vector code.
+//! Natural logarithm and exponential, written so that a loop over them becomes vector code.
 //!
 //! Range reduction and polynomials are those of the Cephes library (S. L. Moshier, 1992, `logf` and `expf`). No
 //! fused operation is used: every instruction set gives the same bits.
@@ -47,18 +47,6 @@ pub(crate) fn exp_nonpositive(x: f32) -> f32 {
     power * scale
 }
 
-/// Cube root of a normal positive number within 1e-14 of itself: a third of the exponent as first guess (3 % off),
-/// then a Halley step in single and one in double precision, each of which cubes the error.
-#[inline(always)]
-pub(crate) fn cube_root(t: f64) -> f64 {
-    let single = t as f32;
-    let guess = f32::from_bits(single.to_bits() / 3 + 0x2a51_37a0);
-    let cube = guess * guess * guess;
-    let root = f64::from(guess * ((cube + 2.0 * single) / (2.0 * cube + single)));
-    let cube = root * root * root;
-    root * ((cube + 2.0 * t) / (2.0 * cube + t))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,13 +73,5 @@ mod tests {
         }
         assert_eq!(exp_nonpositive(0.0), 1.0);
         assert!(exp_nonpositive(f32::MIN) < 1e-37);
-    }
-
-    #[test]
-    fn the_cube_root_is_exact_to_rounding() {
-        for i in 1..=200_000u32 {
-            let t = f64::from(i) / 190_000.0;
-            assert!((cube_root(t) / t.cbrt() - 1.0).abs() < 1e-14, "{t}");
-        }
     }
 }

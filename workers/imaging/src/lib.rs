@@ -5,6 +5,7 @@
 pub mod codec;
 pub mod dct;
 pub mod geometry;
+pub mod lab;
 mod plane;
 pub mod random;
 mod raster;

@@ -8,10 +8,10 @@
 //! multiples from sums of angles, and the mean hue is the direction half-way between the two. The one angle in the
 //! formula is a polynomial. Exactly opposite hues have no mean; 0 is taken.
 
-use imaging::Rgb8;
 use imaging::simd::vectorised;
+use imaging::{Rgb8, lab};
 
-use crate::lab::{LINEAR, of_linear};
+use crate::linear::LINEAR;
 use crate::work::Work;
 
 /// Mean difference to the clean picture.
@@ -57,7 +57,7 @@ fn lab(linear: &[f64; 256], codes: &[u8]) -> [[f64; BLOCK]; 3] {
     }
     let mut lab = [[0.0f64; BLOCK]; 3];
     for x in 0..BLOCK {
-        let [l, a, b] = of_linear(light[0][x], light[1][x], light[2][x]);
+        let [l, a, b] = lab::of_linear([light[0][x], light[1][x], light[2][x]]);
         lab[0][x] = l;
         lab[1][x] = a;
         lab[2][x] = b;
@@ -254,7 +254,7 @@ mod tests {
         let colour = |i: usize| {
             let code = |shift: usize| (i.wrapping_mul(0x9e37_79b9) >> shift) as u8;
             let light = [3, 11, 19].map(|shift| LINEAR[usize::from(code(shift))]);
-            of_linear(light[0], light[1], light[2])
+            lab::of_linear(light)
         };
         for i in 0..200_000 {
             let (one, other) = (colour(i), colour(7 * i + 3));

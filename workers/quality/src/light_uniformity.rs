@@ -18,7 +18,7 @@
 
 use std::sync::LazyLock;
 
-use crate::lab::LINEAR;
+use crate::linear::LINEAR;
 use crate::work::Work;
 
 /// Cells along either axis.

@@ -5,10 +5,11 @@
 //! `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the standard deviation of C; con_l the mean of the k largest l
 //! less the mean of the k smallest, k one hundredth of the pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
 
+use imaging::lab::{self, TO_XYZ};
 use pulp::{Simd, WithSimd};
 
 use crate::colours::Colours;
-use crate::lab::{LINEAR, TO_XYZ, lab_response};
+use crate::linear::LINEAR;
 use crate::work::Work;
 
 /// UCIQE itself.
@@ -132,7 +133,7 @@ impl Batch {
     fn convert(&mut self) {
         let [r, g, b] = &self.linear;
         for i in 0..BATCH {
-            let response = |row: [f64; 3]| lab_response(row[0] * r[i] + row[1] * g[i] + row[2] * b[i]);
+            let response = |row: [f64; 3]| lab::response(row[0] * r[i] + row[1] * g[i] + row[2] * b[i]);
             let (x, y, z) = (response(TO_XYZ[0]), response(TO_XYZ[1]), response(TO_XYZ[2]));
             let l = (116.0 * y - 16.0) / 100.0;
             let (a, b) = (500.0 * (x - y), 200.0 * (y - z));

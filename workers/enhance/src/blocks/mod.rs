@@ -6,7 +6,6 @@ mod box_mean;
 mod extremum;
 mod guided;
 pub(crate) mod histogram;
-pub(crate) mod lab;
 mod light;
 mod norm;
 mod quadtree;

@@ -1,10 +1,10 @@
 //! Step 3: lightness stretched and colours strengthened in CIE Lab.
 
 use imaging::simd::vectorised;
-use imaging::{Plane, Rgb, Rgb8, transfer};
+use imaging::{Plane, Rgb, Rgb8, lab, transfer};
 
 use super::{Curves, linear};
-use crate::blocks::{lab, tails};
+use crate::blocks::tails;
 use crate::elementary::exp_nonpositive;
 use crate::method::Variant;
 
