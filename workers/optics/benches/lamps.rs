@@ -4,8 +4,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
-use imaging::Plane;
 use imaging::geometry::Intrinsics;
+use imaging::{Plane, Rgb};
 
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;
@@ -52,6 +52,19 @@ fn lamps(bench: &mut Criterion) {
                 b.iter(|| lamp::airlight(black_box(&range), &lighting, tolerance));
             });
         }
+        // All that a frame with lamps costs more than one without.
+        let scene = Rgb::from_fn(WIDTH, HEIGHT, |_, _| [0.5f32; 3]);
+        bench.bench_function(
+            &format!("4 {name}: normals, lit surfaces and airlight, tolerance 3e-4"),
+            |b| {
+                b.iter(|| {
+                    let normals = lamp::normals_of(black_box(&range), &lighting.camera);
+                    let surfaces = lamp::irradiance(&range, &normals, &lighting);
+                    let lit = lamp::lit(&scene, [0.2; 3], &surfaces);
+                    (lit, lamp::airlight(&range, &lighting, 3e-4))
+                });
+            },
+        );
         let normals = lamp::normals_of(&range, &lighting.camera);
         bench.bench_function(&format!("light of 4 {name} on surfaces"), |b| {
             b.iter(|| lamp::irradiance(black_box(&range), &normals, &lighting));

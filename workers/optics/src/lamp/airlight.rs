@@ -4,10 +4,12 @@
 //! t₀ + D u, sin θ is sin² β − cos² β, and the denominator of the phase function is (1 + g)² sin² β + (1 − g)² cos² β, without
 //! cancellation. Rows are cut into runs of pixels; each run and lamp has its own number of nodes.
 
+use std::sync::LazyLock;
+
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
 
-use super::elementary::{angle, fade, full_angle, sin_cos, small_sin_cos};
+use super::elementary::{HALVINGS, angle, fade, full_angle, sin_cos, small_sin_cos};
 use super::legendre::gauss_legendre;
 use super::nodes::{self, MOST_NODES, Source, Span};
 use super::{Beam, Lamp, Lighting};
@@ -19,6 +21,9 @@ const RUN: usize = 64;
 const FARTHEST_M: f32 = 1e6;
 
 type Lanes = [f32; RUN];
+
+/// The rules of 0, 2, 4, … nodes.
+static RULES: LazyLock<Vec<Vec<[f32; 2]>>> = LazyLock::new(|| (0..=MOST_NODES / 2).map(half_rule).collect());
 
 /// [`airlight_reference`](super::airlight_reference) with an error below `tolerance` in linear light, as long as
 /// [`MOST_NODES`] suffice for it. `range` in metres along the ray; a hole has no end.
@@ -47,13 +52,15 @@ enum Order {
 fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
     let (width, height) = range.size();
     let mut glow = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0f32; width * height]);
-    let rules: Vec<Vec<[f32; 2]>> = (0..=MOST_NODES / 2).map(half_rule).collect();
+    let rules = &*RULES;
     let lamps: Vec<Glow> = lighting
         .lamps
         .iter()
         .map(|lamp| Glow::new(lamp, lighting, order))
         .filter(|glow| glow.source.strength > 0.0)
         .collect();
+    let camera = &lighting.camera;
+    let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
     let [red, green, blue] = &mut glow;
     for start in (0..height).flat_map(|y| (0..width).step_by(RUN).map(move |x| (x, y))) {
         let (x, y) = start;
@@ -61,17 +68,22 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
         let at = y * width + x;
         let mut range_m = [f32::INFINITY; RUN];
         range_m[..run].copy_from_slice(&range.data()[at..at + run]);
+        let mut rays = Rays::default();
+        vectorised(
+            #[inline(always)]
+            || rays_of(lens, start, &range_m, &mut rays),
+        );
         let mut sum = [[0.0f32; RUN]; 3];
         for lamp in &lamps {
             if lamp.spot.is_some() {
                 vectorised(
                     #[inline(always)]
-                    || add::<true>(lamp, start, &range_m, &rules, &mut sum),
+                    || add::<true>(lamp, &rays, rules, &mut sum),
                 );
             } else {
                 vectorised(
                     #[inline(always)]
-                    || add::<false>(lamp, start, &range_m, &rules, &mut sum),
+                    || add::<false>(lamp, &rays, rules, &mut sum),
                 );
             }
         }
@@ -92,15 +104,14 @@ fn half_rule(half: usize) -> Vec<[f32; 2]> {
 /// One lamp in f32.
 struct Glow {
     place: [f32; 3],
-    /// 1/f, cx, cy.
-    lens: [f32; 3],
     radius: f32,
     spot: Option<([f32; 3], f32)>,
     /// The profile of a spot is `offset + slope cos`, clamped to 0..=1; of a point lamp it is 1.
     offset: f32,
     slope: f32,
-    /// (1 + g)² and (1 − g)².
+    /// (1 − g)² and 4 g, what it grows by with sin² β.
     denominator: [f32; 2],
+    /// Halvings per metre.
     attenuation: [f32; 3],
     /// 4 b I₀ (1 − g²)/(4π) of each channel: both steps from θ to β and from the interval to −1..=1.
     gain: [f32; 3],
@@ -115,7 +126,6 @@ impl Glow {
         let g = lighting.asymmetry;
         let strength = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i]);
         let constant = 2.0 * (1.0 - g * g) / (4.0 * std::f64::consts::PI);
-        let camera = &lighting.camera;
         let (spot, offset, slope) = match lamp.beam {
             Beam::Point => (None, 1.0, 0.0),
             Beam::Spot { axis, cos_cone } => {
@@ -125,13 +135,12 @@ impl Glow {
         };
         Self {
             place: single(lamp.position_m),
-            lens: single([1.0 / camera.focal_px, camera.cx, camera.cy]),
             radius: lighting.radius_m as f32,
             spot,
             offset: offset as f32,
             slope: slope as f32,
-            denominator: [((1.0 + g) * (1.0 + g)) as f32, ((1.0 - g) * (1.0 - g)) as f32],
-            attenuation: single(lighting.attenuation),
+            denominator: [((1.0 - g) * (1.0 - g)) as f32, (4.0 * g) as f32],
+            attenuation: single(lighting.attenuation.map(|c| c * f64::from(HALVINGS))),
             gain: single(strength.map(|s| s * constant)),
             source: Source {
                 strength: strength.into_iter().fold(0.0, f64::max),
@@ -150,6 +159,39 @@ impl Glow {
     }
 }
 
+/// The rays of a run as unit vectors, and how far they go; a hole has no end.
+struct Rays {
+    right: Lanes,
+    down: Lanes,
+    ahead: Lanes,
+    end: Lanes,
+}
+
+impl Default for Rays {
+    fn default() -> Self {
+        let [right, down, ahead, end] = [[0.0; RUN]; 4];
+        Self {
+            right,
+            down,
+            ahead,
+            end,
+        }
+    }
+}
+
+#[inline(always)]
+fn rays_of([inverse_focal, cx, cy]: [f32; 3], (x, y): (usize, usize), range: &Lanes, to: &mut Rays) {
+    let v = (y as f32 - cy) * inverse_focal;
+    for i in 0..RUN {
+        let u = ((x + i) as f32 - cx) * inverse_focal;
+        let inverse = 1.0 / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
+        let (valid, z) = masked(range[i]);
+        let z = z.min(FARTHEST_M);
+        (to.right[i], to.down[i], to.ahead[i]) = (u * inverse, v * inverse, inverse);
+        to.end[i] = if valid { z } else { f32::INFINITY };
+    }
+}
+
 /// The intervals of a run: t₀, D, middle and half length in β, and what a spot needs.
 struct Intervals {
     nearest: Lanes,
@@ -163,14 +205,8 @@ struct Intervals {
 }
 
 #[inline(always)]
-fn add<const SPOT: bool>(
-    lamp: &Glow,
-    start: (usize, usize),
-    range: &Lanes,
-    rules: &[Vec<[f32; 2]>],
-    sum: &mut [Lanes; 3],
-) {
-    let (intervals, span) = intervals::<SPOT>(lamp, start, range);
+fn add<const SPOT: bool>(lamp: &Glow, rays: &Rays, rules: &[Vec<[f32; 2]>], sum: &mut [Lanes; 3]) {
+    let (intervals, span) = intervals::<SPOT>(lamp, rays);
     if span.to <= span.from {
         return;
     }
@@ -192,7 +228,7 @@ fn add<const SPOT: bool>(
 }
 
 #[inline(always)]
-fn intervals<const SPOT: bool>(lamp: &Glow, (x, y): (usize, usize), range: &Lanes) -> (Intervals, Span) {
+fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays) -> (Intervals, Span) {
     let empty = [0.0f32; RUN];
     let mut to = Intervals {
         nearest: empty,
@@ -204,41 +240,35 @@ fn intervals<const SPOT: bool>(lamp: &Glow, (x, y): (usize, usize), range: &Lane
         along: empty,
     };
     let (mut first, mut last, mut near) = (empty, empty, empty);
-    let [inverse_focal, cx, cy] = lamp.lens;
     let [px, py, pz] = lamp.place;
-    let v = (y as f32 - cy) * inverse_focal;
     let ([ax, ay, az], cone) = lamp.spot.unwrap_or_default();
     for i in 0..RUN {
-        let u = ((x + i) as f32 - cx) * inverse_focal;
-        let inverse = 1.0 / (u * u + v * v + 1.0).sqrt();
-        let (dx, dy, dz) = (u * inverse, v * inverse, inverse);
+        let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
         // P × d, whose length is the distance from the ray.
         let (mx, my, mz) = (py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx);
-        let nearest = px * dx + py * dy + pz * dz;
-        let distance = (mx * mx + my * my + mz * mz).sqrt().max(lamp.radius);
+        let nearest = px.mul_add(dx, py.mul_add(dy, pz * dz));
+        let distance = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt().max(lamp.radius);
         let square = distance * distance;
-        let to_eye = (nearest * nearest + square).sqrt();
+        let to_eye = nearest.mul_add(nearest, square).sqrt();
         let ahead = nearest > 0.0;
         let from = angle(
             if ahead { distance } else { to_eye - nearest },
             if ahead { to_eye + nearest } else { distance },
         );
-        let (valid, z) = masked(range[i]);
-        let beyond = z.min(FARTHEST_M) - nearest;
-        let to_end = (beyond * beyond + square).sqrt();
+        let beyond = rays.end[i] - nearest;
+        let to_end = beyond.mul_add(beyond, square).sqrt();
         let before = beyond < 0.0;
         let end = angle(
             if before { distance } else { to_end + beyond },
             if before { to_end - beyond } else { distance },
         );
-        let end = if valid { end } else { std::f32::consts::FRAC_PI_2 };
         let (mut from, mut end) = (from, end);
         if SPOT {
             // (a × d)·(d × P) / D and a·d.
             let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
-            let across = -(nx * mx + ny * my + nz * mz) / distance;
-            let along = ax * dx + ay * dy + az * dz;
-            let most = (across * across + along * along).sqrt();
+            let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) / distance;
+            let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
+            let most = across.mul_add(across, along * along).sqrt();
             let share = (cone / most.max(1e-9)).min(1.0);
             let half = 0.5 * angle((1.0 - share * share).max(0.0).sqrt(), share.max(1e-9));
             let middle = 0.5 * (full_angle(along, across) + std::f32::consts::FRAC_PI_2);
@@ -288,15 +318,17 @@ fn quadrature<const SPOT: bool>(
 ) {
     let [red, green, blue] = light;
     for i in 0..RUN {
+        let (sin, cos) = (to.sin[i], to.cos[i]);
         let (sin_step, cos_step) = small_sin_cos(to.half[i] * node);
-        let (ss, sc) = (to.sin[i] * cos_step, to.cos[i] * sin_step);
-        let (cc, cs) = (to.cos[i] * cos_step, to.sin[i] * sin_step);
+        let (ss, cc) = (sin * cos_step, cos * cos_step);
         let at = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
-        let [r1, g1, b1] = scattered::<SPOT>(lamp, at, ss + sc, cc - cs);
-        let [r2, g2, b2] = scattered::<SPOT>(lamp, at, ss - sc, cc + cs);
-        red[i] += weight * (r1 + r2);
-        green[i] += weight * (g1 + g2);
-        blue[i] += weight * (b1 + b2);
+        let above = (cos.mul_add(sin_step, ss), (-sin).mul_add(sin_step, cc));
+        let below = ((-cos).mul_add(sin_step, ss), sin.mul_add(sin_step, cc));
+        let [r1, g1, b1] = scattered::<SPOT>(lamp, at, above);
+        let [r2, g2, b2] = scattered::<SPOT>(lamp, at, below);
+        red[i] = weight.mul_add(r1 + r2, red[i]);
+        green[i] = weight.mul_add(g1 + g2, green[i]);
+        blue[i] = weight.mul_add(b1 + b2, blue[i]);
     }
 }
 
@@ -305,25 +337,24 @@ fn quadrature<const SPOT: bool>(
 fn scattered<const SPOT: bool>(
     lamp: &Glow,
     [nearest, distance, across, along]: [f32; 4],
-    sin: f32,
-    cos: f32,
+    (sin, cos): (f32, f32),
 ) -> [f32; 3] {
-    let ([wide, narrow], [cr, cg, cb]) = (lamp.denominator, lamp.attenuation);
+    let ([narrow, growth], [cr, cg, cb]) = (lamp.denominator, lamp.attenuation);
     let cos = cos.max(1e-7);
-    let (ss, cc) = (sin * sin, cos * cos);
-    let denominator = wide * ss + narrow * cc;
+    let ss = sin * sin;
+    let denominator = ss.mul_add(growth, narrow);
     let cubed = denominator * denominator.sqrt();
     // One division serves the phase function and the tangent.
     let inverse = 1.0 / (cubed * cos);
     let mut light = inverse * cos;
     if SPOT {
-        let to_axis = across * (2.0 * sin * cos) + along * (ss - cc);
-        light *= (lamp.offset + lamp.slope * to_axis).max(0.0).min(1.0);
+        let to_axis = across.mul_add(2.0 * sin * cos, along * cos.mul_add(-cos, ss));
+        light *= lamp.slope.mul_add(to_axis, lamp.offset).max(0.0).min(1.0);
     }
-    let path = (nearest + distance * (sin * inverse * cubed)).max(0.0);
+    let path = distance.mul_add(sin * inverse * cubed, nearest);
     [
-        light * fade(cr * path),
-        light * fade(cg * path),
-        light * fade(cb * path),
+        light * fade(cr, path),
+        light * fade(cg, path),
+        light * fade(cb, path),
     ]
 }

@@ -41,20 +41,21 @@ pub(super) fn count(span: Span, source: Source) -> usize {
     let half = 0.5 * (to - from);
     let distance = f64::from(span.nearest_m);
     let scale = source.strength / distance * 4.0 * half;
-    let at_start = scale * phase(source.asymmetry, from);
-    let at_end = scale * phase(source.asymmetry, to);
+    // At β the scattering angle has the cosine cos 2β.
+    let phase = |(sin, cos): (f64, f64)| super::henyey_greenstein(source.asymmetry, cos * cos - sin * sin);
+    let ends = [from.sin_cos(), to.sin_cos()];
+    let [at_start, at_end] = ends.map(|end| scale * phase(end));
     let growth = 2.0 * ellipse(source.asymmetry, from, half).ln();
     let fade = source.attenuation * distance;
-    let shown = (fade * to.tan()).powi(2).min(1.0);
+    let shown = (fade * ends[1].0 / ends[1].1).powi(2).min(1.0);
     let (pole, edge) = (POLE_FACTOR * at_start.max(at_end), at_end * shown);
-    let root = fade.cbrt();
     let enough = |n: f64| {
         let most = 0.5 * edge / (n * n);
         let pole = pole * (-growth * n).exp();
         // The cube root and its exponential only where they can help.
         pole <= source.tolerance
             && (pole + most <= source.tolerance
-                || pole + most * 8.0 * (-2.0 * root * n.powf(2.0 / 3.0)).exp() <= source.tolerance)
+                || pole + most * 8.0 * (-2.0 * (fade * n * n).cbrt()).exp() <= source.tolerance)
     };
     // Fewer leave more than the tolerance behind the pole.
     let least = (pole / source.tolerance).ln() / growth;
@@ -65,17 +66,13 @@ pub(super) fn count(span: Span, source: Source) -> usize {
         .unwrap_or(MOST_NODES)
 }
 
-/// The phase function at β, where the scattering angle has the cosine cos 2β.
-fn phase(g: f64, beta: f64) -> f64 {
-    super::henyey_greenstein(g, (2.0 * beta).cos())
-}
-
 /// The sum of the half axes of the ellipse with its foci at the ends of the interval, through the pole of the phase function.
 fn ellipse(g: f64, from: f64, half: f64) -> f64 {
     // Of a g below 0 the poles lie at the other end, π/2 ± i ½ ln(1/|g|).
     let pole = if g < 0.0 { std::f64::consts::FRAC_PI_2 } else { 0.0 };
     let height = 0.5 * (1.0 / g.abs().max(1e-6)).ln() / half.max(1e-6);
     let middle = (from + half - pole) / half.max(1e-6);
-    let sum = 0.5 * ((middle - 1.0).hypot(height) + (middle + 1.0).hypot(height));
+    let to_focus = |x: f64| (x * x + height * height).sqrt();
+    let sum = 0.5 * (to_focus(middle - 1.0) + to_focus(middle + 1.0));
     sum + (sum * sum - 1.0).max(0.0).sqrt()
 }

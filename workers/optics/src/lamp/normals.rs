@@ -62,25 +62,26 @@ fn row_normals(
     let width = nx.len();
     let (left, middle, right) = (&row[..width], &row[1..=width], &row[2..width + 2]);
     let (above, below) = (&above[1..=width], &below[1..=width]);
+    let focal = 1.0 / inverse_focal;
     let v = (y - cy) * inverse_focal;
     for i in 0..width {
         let u = (i as f32 - cx) * inverse_focal;
-        let norm = (u * u + v * v + 1.0).sqrt();
+        let inverse = 1.0 / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
         let (valid, z) = masked(middle[i]);
         let [west, east] = [slope(left[i], z, -1.0), slope(right[i], z, 1.0)];
         let [north, south] = [slope(above[i], z, -1.0), slope(below[i], z, 1.0)];
         let across = joined(west, east, z);
         let down = joined(north, south, z);
-        // R = Z/|v|; its slopes follow from those of Z and of |v|.
-        let planar = z / norm;
-        let along = (across - planar * u * inverse_focal / norm) / norm;
-        let downward = (down - planar * v * inverse_focal / norm) / norm;
+        // R = Z/|v|; its slopes, times f, follow from those of Z and of |v|.
+        let planar = z * inverse;
+        let shift = planar * inverse;
+        let a = across.mul_add(focal, -(shift * u)) * inverse;
+        let b = down.mul_add(focal, -(shift * v)) * inverse;
         // (∂/∂x) × (∂/∂y) of R (u, v, 1), divided by R/f², turned to the camera.
-        let (a, b) = (along / inverse_focal, downward / inverse_focal);
-        let (x, y, z) = (-a, -b, a * u + b * v + planar);
+        let (x, y, z) = (-a, -b, a.mul_add(u, b.mul_add(v, planar)));
         // It faces the camera where its product with the ray is below 0; that product is R for (x, y, z).
-        let length = (x * x + y * y + z * z).sqrt();
-        let scale = if valid { -1.0 / length } else { -1.0 / norm };
+        let length = x.mul_add(x, y.mul_add(y, z * z)).sqrt();
+        let scale = if valid { -1.0 / length } else { -inverse };
         nx[i] = if valid { x } else { u } * scale;
         ny[i] = if valid { y } else { v } * scale;
         nz[i] = if valid { z } else { 1.0 } * scale;

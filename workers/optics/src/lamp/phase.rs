@@ -9,7 +9,8 @@ pub const AVERAGE_BACKSCATTER_FRACTION: f64 = 0.0183;
 /// 1941). Its integral over the sphere is 1. It lacks the rise toward 180° that sea water shows.
 #[must_use]
 pub fn henyey_greenstein(g: f64, cos: f64) -> f64 {
-    (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * cos).powf(1.5))
+    let square = 1.0 + g * g - 2.0 * g * cos;
+    (1.0 - g * g) / (4.0 * PI * square * square.sqrt())
 }
 
 /// b_b/b of the phase function: its integral over the backward half, `(1 − g)/(2 g) ((1 + g)/√(1 + g²) − 1)`; 1/2 at g = 0.

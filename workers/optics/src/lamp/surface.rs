@@ -3,8 +3,9 @@
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
 
+use super::elementary::{HALVINGS, fade};
 use super::{Beam, Lamp, Lighting};
-use crate::attenuation::{exp_negative, masked};
+use crate::attenuation::masked;
 
 /// Rounding of f32 in the light on surfaces, as a share of the frame's peak: a range of 30 m is known to 2 µm, and light falls with
 /// its square.
@@ -16,36 +17,33 @@ const PER_STERADIAN: f32 = std::f32::consts::FRAC_1_PI;
 #[must_use]
 pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Rgb<f32> {
     let (width, height) = range.size();
-    let mut light = Rgb::from_fn(width, height, |_, _| [0.0f32; 3]);
+    let [mut red, mut green, mut blue] = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
     let camera = &lighting.camera;
     let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
-    let attenuation = lighting.attenuation.map(|c| c as f32);
+    let attenuation = lighting.attenuation.map(|c| c as f32 * HALVINGS);
     let radius = lighting.radius_m as f32;
     let lamps: Vec<Source> = lighting.lamps.iter().map(Source::new).collect();
-    let [red, green, blue] = light.planes_mut();
+    let mut places = [(); 4].map(|()| vec![0.0f32; width]);
     for y in 0..height {
-        let row = y * width..(y + 1) * width;
-        let normal = normals.each_ref().map(|plane| plane.row(y));
-        let planes = [
-            &mut red[row.clone()],
-            &mut green[row.clone()],
-            &mut blue[row.clone()],
-        ];
-        let [red, green, blue] = planes;
+        vectorised(
+            #[inline(always)]
+            || places_of(lens, y as f32, range.row(y), &mut places),
+        );
+        let row = Row {
+            places: places.each_ref().map(Vec::as_slice),
+            normals: normals.each_ref().map(|plane| plane.row(y)),
+            attenuation,
+            radius,
+        };
         for lamp in &lamps {
-            let scene = Row {
-                lens,
-                y: y as f32,
-                attenuation,
-                radius,
-            };
+            let (red, green, blue) = (red.row_mut(y), green.row_mut(y), blue.row_mut(y));
             vectorised(
                 #[inline(always)]
-                || shine(scene, *lamp, range.row(y), normal, red, green, blue),
+                || shine(row, *lamp, red, green, blue),
             );
         }
     }
-    light
+    Rgb::new([red, green, blue]).expect("planes of one frame")
 }
 
 /// The scene by the light that it has, `gain` times J for each channel, and by that of the lamps: `J (gain + E/π)`.
@@ -63,11 +61,13 @@ pub fn lit(radiance: &Rgb<f32>, gain: [f64; 3], irradiance: &Rgb<f32>) -> Rgb<f3
     Rgb::new([band(0), band(1), band(2)]).expect("planes of one frame")
 }
 
-/// What the pixels of a row share.
+/// What the lamps meet in a row.
 #[derive(Clone, Copy)]
-struct Row {
-    lens: [f32; 3],
-    y: f32,
+struct Row<'a> {
+    /// Where the surfaces are in camera axes, and 1, or 0 at a hole.
+    places: [&'a [f32]; 4],
+    normals: [&'a [f32]; 3],
+    /// Halvings per metre.
     attenuation: [f32; 3],
     radius: f32,
 }
@@ -104,13 +104,28 @@ impl Source {
 }
 
 #[inline(always)]
+fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [Vec<f32>; 4]) {
+    let width = range.len();
+    let [px, py, pz, shown] = to.each_mut().map(|lane| &mut lane[..width]);
+    let v = (y - cy) * inverse_focal;
+    for i in 0..width {
+        let u = (i as f32 - cx) * inverse_focal;
+        let (valid, z) = masked(range[i]);
+        // So far away that nothing arrives, and its square is still finite.
+        let planar = z.min(1e6) / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
+        (px[i], py[i], pz[i]) = (u * planar, v * planar, planar);
+        shown[i] = if valid { 1.0 } else { 0.0 };
+    }
+}
+
+#[inline(always)]
 fn shine(
     Row {
-        lens: [inverse_focal, cx, cy],
-        y,
+        places: [x, y, z, shown],
+        normals: [nx, ny, nz],
         attenuation: [cr, cg, cb],
         radius,
-    }: Row,
+    }: Row<'_>,
     Source {
         place: [px, py, pz],
         axis: [ax, ay, az],
@@ -118,31 +133,25 @@ fn shine(
         slope,
         intensity: [ir, ig, ib],
     }: Source,
-    range: &[f32],
-    [nx, ny, nz]: [&[f32]; 3],
     red: &mut [f32],
     green: &mut [f32],
     blue: &mut [f32],
 ) {
-    let width = range.len();
+    let width = red.len();
+    let (x, y, z, shown) = (&x[..width], &y[..width], &z[..width], &shown[..width]);
     let (nx, ny, nz) = (&nx[..width], &ny[..width], &nz[..width]);
-    let (red, green, blue) = (&mut red[..width], &mut green[..width], &mut blue[..width]);
-    let v = (y - cy) * inverse_focal;
+    let (green, blue) = (&mut green[..width], &mut blue[..width]);
     for i in 0..width {
-        let u = (i as f32 - cx) * inverse_focal;
-        let (valid, z) = masked(range[i]);
-        // So far away that nothing arrives, and its square is still finite.
-        let planar = z.min(1e6) / (u * u + v * v + 1.0).sqrt();
-        let (lx, ly, lz) = (px - u * planar, py - v * planar, pz - planar);
-        let distance = (lx * lx + ly * ly + lz * lz).sqrt().max(radius);
+        let (lx, ly, lz) = (px - x[i], py - y[i], pz - z[i]);
+        let square = lx.mul_add(lx, ly.mul_add(ly, lz * lz));
+        let distance = square.sqrt().max(radius);
         let inverse = 1.0 / distance;
-        let facing = ((nx[i] * lx + ny[i] * ly + nz[i] * lz) * inverse).max(0.0);
-        let cos = -(ax * lx + ay * ly + az * lz) * inverse;
-        let profile = (offset + slope * cos).max(0.0).min(1.0);
-        let fall = facing * profile * inverse * inverse;
-        let fall = if valid { fall } else { 0.0 };
-        red[i] += ir * fall * exp_negative(cr * distance);
-        green[i] += ig * fall * exp_negative(cg * distance);
-        blue[i] += ib * fall * exp_negative(cb * distance);
+        let facing = nx[i].mul_add(lx, ny[i].mul_add(ly, nz[i] * lz)).max(0.0);
+        let cos = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
+        let profile = slope.mul_add(cos, offset).max(0.0).min(1.0);
+        let fall = facing * shown[i] * profile * (inverse * inverse * inverse);
+        red[i] = (ir * fall).mul_add(fade(cr, distance), red[i]);
+        green[i] = (ig * fall).mul_add(fade(cg, distance), green[i]);
+        blue[i] = (ib * fall).mul_add(fade(cb, distance), blue[i]);
     }
 }
