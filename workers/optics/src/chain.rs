@@ -15,7 +15,7 @@ use imaging::{Plane, Rgb};
 
 use crate::attenuation::exp_negative;
 use crate::forward_scatter::KernelCache;
-use crate::plan::{AttenuationStep, Plan};
+use crate::plan::{AttenuationStep, Plan, ScatterStep};
 use crate::range::{HoleRule, bounds, is_hole};
 use crate::water::Water;
 
@@ -67,7 +67,10 @@ pub fn water(
     check::sizes(radiance.size(), range.size())?;
     let holes = check::holes(range, water.holes)?;
     let range = &*filled(range, water.holes);
-    let farthest = bounds(range.data(), range.data(), f32::MAX).map(|(_, farthest)| farthest);
+    // Only a kernel asks for it.
+    let spreads = (plan.scatter.iter()).any(|step| matches!(step, ScatterStep::Interpolated(_)));
+    let bounds = spreads.then(|| bounds(range.data(), range.data(), f32::MAX));
+    let farthest = bounds.flatten().map(|(_, farthest)| farthest);
     let frame = fast::Frame {
         range,
         farthest,

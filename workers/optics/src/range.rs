@@ -6,6 +6,7 @@ use imaging::simd::vectorised;
 pub const SHORTEST_M: f64 = 1e-3;
 
 /// Whether a pixel's range is none: NaN, infinite, negative, zero or below a millimetre.
+#[inline(always)]
 #[must_use]
 pub fn is_hole(range: impl Into<f64>) -> bool {
     let range = range.into();

@@ -24,6 +24,9 @@ pub(crate) struct Arguments {
     /// Folder for the drawings
     #[arg(long, value_name = "DIR", requires = "plot")]
     out: Option<PathBuf>,
+    /// Draw the plots alone, without the sheets of scenes, which take minutes
+    #[arg(long, requires = "plot")]
+    no_scenes: bool,
     #[command(flatten)]
     style: StyleArguments,
 }
@@ -31,7 +34,11 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(out) = arguments.out.as_deref().filter(|_| arguments.plot) {
-        return pictures::draw(out, &arguments.style);
+        pictures::plots(out)?;
+        return match arguments.no_scenes {
+            true => Ok(()),
+            false => pictures::sheets(out, &arguments.style),
+        };
     }
     if arguments.json {
         let all: Vec<_> = presets()

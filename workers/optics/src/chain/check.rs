@@ -1,5 +1,6 @@
 //! What must hold before any light is computed with.
 
+use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
 
 use crate::forward_scatter::MAX_REFERENCE_PIXELS;
@@ -106,7 +107,10 @@ pub(super) fn sizes(
 
 /// Counts the holes, and refuses them where the rule does.
 pub(super) fn holes<T: Copy + Into<f64>>(range: &Plane<T>, rule: HoleRule) -> Result<u64, ChainError> {
-    let holes = range.data().iter().filter(|&&z| is_hole(z)).count();
+    let holes = vectorised(
+        #[inline(always)]
+        || range.data().iter().filter(|&&z| is_hole(z)).count(),
+    );
     if rule == HoleRule::Reject && holes > 0 {
         return Err(ChainError::Holes { holes });
     }

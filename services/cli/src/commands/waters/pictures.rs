@@ -25,13 +25,17 @@ const FAMILY_SEEDS: [u64; 2] = [3, 11];
 const RUNS: usize = 9;
 const STYLE: &str = "mediterranean";
 
-/// Writes everything into a folder.
-pub(super) fn draw(out: &Path, style: &StyleArguments) -> Result<(), Failure> {
+/// Writes the plots into a folder.
+pub(super) fn plots(out: &Path) -> Result<(), Failure> {
     figure(out, "transmittance", &waters::transmittance())?;
     figure(out, "daylight", &waters::daylight())?;
     figure(out, "grey-cards", &waters::grey_cards())?;
     figure(out, "visibility-range", &waters::visibility_over_range())?;
-    figure(out, "visibility-turbidity", &waters::visibility_over_turbidity())?;
+    figure(out, "visibility-turbidity", &waters::visibility_over_turbidity())
+}
+
+/// Writes the sheets of scenes into a folder, with the milliseconds that they took.
+pub(super) fn sheets(out: &Path, style: &StyleArguments) -> Result<(), Failure> {
     let library = styles::library(style)?;
     let mut studio = Studio {
         slot: Slot::new(&Arc::new(Engine::new(
