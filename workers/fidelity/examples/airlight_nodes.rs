@@ -116,6 +116,7 @@ fn lighting(lamps: &[Lamp], (width, height): (usize, usize)) -> Lighting {
         attenuation: [0.778, 0.546, 0.594],
         scattering: [0.412, 0.447, 0.435],
         asymmetry: 0.919,
+        patches: None,
     }
 }
 

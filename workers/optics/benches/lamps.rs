@@ -4,6 +4,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
+use fathom_optics::snow::World;
+use fathom_optics::turbidity::{Field, Turbidity};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 
@@ -18,7 +20,16 @@ fn lighting(lamps: Vec<Lamp>) -> Lighting {
         attenuation: [0.778, 0.546, 0.594],
         scattering: [0.412, 0.447, 0.435],
         asymmetry: 0.919,
+        patches: None,
     }
+}
+
+fn patches() -> Field {
+    let turbidity = Turbidity {
+        contrast: 0.8,
+        scale_m: 1.2,
+    };
+    turbidity.field(World { seed: 7, index: 0 })
 }
 
 fn lamps(bench: &mut Criterion) {
@@ -62,6 +73,20 @@ fn lamps(bench: &mut Criterion) {
                     let surfaces = lamp::irradiance(&range, &normals, &lighting);
                     let lit = lamp::lit(&scene, [0.2; 3], &surfaces);
                     (lit, lamp::airlight(&range, &lighting, 3e-4))
+                });
+            },
+        );
+        let patchy = Lighting {
+            patches: Some(patches()),
+            ..lighting.clone()
+        };
+        bench.bench_function(
+            &format!("4 {name} in patches: normals, surfaces and airlight"),
+            |b| {
+                b.iter(|| {
+                    let normals = lamp::normals_of(black_box(&range), &patchy.camera);
+                    let surfaces = lamp::irradiance(&range, &normals, &patchy);
+                    (surfaces, lamp::airlight(&range, &patchy, 3e-4))
                 });
             },
         );

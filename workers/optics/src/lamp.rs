@@ -6,12 +6,17 @@
 //! Nayar 2005). S is 1, or the profile of a spot, `clamp((cos − cos cone)/(1 − cos cone), 0, 1)` about its axis. The camera looks
 //! along z, x is right and y is down. Nothing casts a shadow, and light that is scattered more than once is left out: it would
 //! add 3 % in clear water, 10-20 % in coastal water and more than all of the single in a harbour.
+//!
+//! In patches of turbidity b and c are multiplied by means of the field along the ray: for the glow, b over the stretch of
+//! [`glow_within`], from which most of it comes, and c from the camera to its end; for the way to a surface, c over as many metres
+//! before it. The field along both legs of every node would cost a hundred times as much.
 
 mod airlight;
 mod elementary;
 mod legendre;
 mod nodes;
 mod normals;
+mod patches;
 mod phase;
 mod point;
 mod reference;
@@ -22,12 +27,15 @@ pub(crate) use elementary::small_sin_cos;
 pub use legendre::gauss_legendre;
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;
+pub use patches::glow_within;
 pub use phase::{AVERAGE_BACKSCATTER_FRACTION, asymmetry_of, backscatter_fraction, henyey_greenstein};
 pub use point::{most_white, white_at};
 pub use reference::{REFERENCE_NODES, airlight_reference, irradiance_reference};
 pub use surface::{SURFACE_ROUNDING, irradiance, lit};
 
 use imaging::geometry::Intrinsics;
+
+use crate::turbidity::Field;
 
 /// Radius of a lamp in metres: nothing is nearer to it, or its light had no bound.
 pub const LAMP_RADIUS_M: f64 = 0.02;
@@ -166,6 +174,8 @@ pub struct Lighting {
     pub scattering: [f64; 3],
     /// Asymmetry g of the phase function, −1 < g < 1.
     pub asymmetry: f64,
+    /// Patches of murkier water, in the axes of the camera; none in even water.
+    pub patches: Option<Field>,
 }
 
 #[cfg(test)]

@@ -9,12 +9,13 @@
 //! All coefficients share the factor, so the water of the chain is unchanged once the range Z of each pixel is replaced by the
 //! length of the path `τ = ∫₀^Z m dt` through water of the mean. The field is a sum of K (K − 1)/2 cosines, whose integral along
 //! a ray is known: `∫₀^Z cos(ψ + q t) dt = Z cos(ψ + q Z/2) sin(q Z/2)/(q Z/2)`. The reference integrates m itself, numerically.
-//! The light of lamps meets the mean water on its way to what it lights; only the way to the camera goes through the field.
+//! For the light of lamps each ray has a mean of the field of its own: see [`crate::lamp`].
 
 mod path;
 mod reference;
 
 pub use path::optical_path;
+pub(crate) use path::{RUN, Rays};
 pub use reference::{REFERENCE_STEP, optical_path_reference};
 
 use imaging::random::Stream;

@@ -42,6 +42,7 @@ fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), asymmetry: f64) -
         attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
         scattering,
         asymmetry,
+        patches: None,
     }
 }
 

@@ -58,7 +58,7 @@ impl Slot {
         let patches = watch.time("turbidity", || {
             turbidity::patches(frame, &prepared, water.as_ref())
         })?;
-        let lighting = lamps::lighting(frame, &prepared, water.as_ref())?;
+        let lighting = lamps::lighting(frame, &prepared, water.as_ref(), patches.as_ref())?;
         let lit = lighting.as_ref().and_then(|lighting| {
             watch.time("lamps", || lamps::surfaces(&prepared, lighting, water.as_ref()))
         });
@@ -157,7 +157,7 @@ impl Slot {
         let prepared = self.scene(frame, source)?;
         let water = water::resolve(frame, &prepared)?;
         let patches = turbidity::patches(frame, &prepared, water.as_ref())?;
-        let lighting = lamps::lighting(frame, &prepared, water.as_ref())?;
+        let lighting = lamps::lighting(frame, &prepared, water.as_ref(), patches.as_ref())?;
         let lit = lighting
             .as_ref()
             .and_then(|lighting| lamps::surfaces(&prepared, lighting, water.as_ref()));

@@ -36,6 +36,7 @@ pub(super) fn lighting(width: usize, height: usize, count: usize) -> Option<Ligh
         attenuation: water.direct_attenuation(),
         scattering: water.scattering()?,
         asymmetry: asymmetry_of(water.backscatter_fraction()),
+        patches: None,
     })
 }
 

@@ -4,19 +4,23 @@
 //! t₀ + D u, sin θ is sin² β − cos² β, and the denominator of the phase function is (1 + g)² sin² β + (1 − g)² cos² β, without
 //! cancellation. Rows are cut into runs of pixels; each run and lamp has its own number of nodes.
 
+mod intervals;
+
 use std::sync::LazyLock;
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
 
-use super::elementary::{HALVINGS, angle, fade, full_angle, sin_cos, small_sin_cos};
+use super::elementary::{HALVINGS, fade, small_sin_cos};
 use super::legendre::gauss_legendre;
-use super::nodes::{self, MOST_NODES, Source, Span};
+use super::nodes::{self, MOST_NODES, Source};
+use super::patches;
 use super::{Beam, Lamp, Lighting};
-use crate::attenuation::masked;
+use crate::turbidity;
+use intervals::{Intervals, Murk, Rays, intervals, murk_of, rays_of};
 
 /// Pixels of a run: short enough that they need about the same number of nodes.
-const RUN: usize = 64;
+const RUN: usize = turbidity::RUN;
 /// A range beyond this counts as this many metres.
 const FARTHEST_M: f32 = 1e6;
 
@@ -61,6 +65,7 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
         .collect();
     let camera = &lighting.camera;
     let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
+    let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
     let [red, green, blue] = &mut glow;
     for start in (0..height).flat_map(|y| (0..width).step_by(RUN).map(move |x| (x, y))) {
         let (x, y) = start;
@@ -75,15 +80,22 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
         );
         let mut sum = [[0.0f32; RUN]; 3];
         for lamp in &lamps {
+            let mut murk = Murk::default();
+            if let Some(patches) = &patches {
+                vectorised(
+                    #[inline(always)]
+                    || murk_of(lamp, &rays, patches, start, &mut murk),
+                );
+            }
             if lamp.spot.is_some() {
                 vectorised(
                     #[inline(always)]
-                    || add::<true>(lamp, &rays, rules, &mut sum),
+                    || add::<true>(lamp, &rays, &murk, rules, &mut sum),
                 );
             } else {
                 vectorised(
                     #[inline(always)]
-                    || add::<false>(lamp, &rays, rules, &mut sum),
+                    || add::<false>(lamp, &rays, &murk, rules, &mut sum),
                 );
             }
         }
@@ -105,6 +117,8 @@ fn half_rule(half: usize) -> Vec<[f32; 2]> {
 struct Glow {
     place: [f32; 3],
     radius: f32,
+    /// Distances from the ray that its glow begins before it.
+    before: f32,
     spot: Option<([f32; 3], f32)>,
     /// The profile of a spot is `offset + slope cos`, clamped to 0..=1; of a point lamp it is 1.
     offset: f32,
@@ -136,6 +150,7 @@ impl Glow {
         Self {
             place: single(lamp.position_m),
             radius: lighting.radius_m as f32,
+            before: patches::before(g) as f32,
             spot,
             offset: offset as f32,
             slope: slope as f32,
@@ -159,54 +174,15 @@ impl Glow {
     }
 }
 
-/// The rays of a run as unit vectors, and how far they go; a hole has no end.
-struct Rays {
-    right: Lanes,
-    down: Lanes,
-    ahead: Lanes,
-    end: Lanes,
-}
-
-impl Default for Rays {
-    fn default() -> Self {
-        let [right, down, ahead, end] = [[0.0; RUN]; 4];
-        Self {
-            right,
-            down,
-            ahead,
-            end,
-        }
-    }
-}
-
 #[inline(always)]
-fn rays_of([inverse_focal, cx, cy]: [f32; 3], (x, y): (usize, usize), range: &Lanes, to: &mut Rays) {
-    let v = (y as f32 - cy) * inverse_focal;
-    for i in 0..RUN {
-        let u = ((x + i) as f32 - cx) * inverse_focal;
-        let inverse = 1.0 / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
-        let (valid, z) = masked(range[i]);
-        let z = z.min(FARTHEST_M);
-        (to.right[i], to.down[i], to.ahead[i]) = (u * inverse, v * inverse, inverse);
-        to.end[i] = if valid { z } else { f32::INFINITY };
-    }
-}
-
-/// The intervals of a run: t₀, D, middle and half length in β, and what a spot needs.
-struct Intervals {
-    nearest: Lanes,
-    distance: Lanes,
-    sin: Lanes,
-    cos: Lanes,
-    half: Lanes,
-    /// cos of the angle to the axis: `across · cos θ + along · sin θ`.
-    across: Lanes,
-    along: Lanes,
-}
-
-#[inline(always)]
-fn add<const SPOT: bool>(lamp: &Glow, rays: &Rays, rules: &[Vec<[f32; 2]>], sum: &mut [Lanes; 3]) {
-    let (intervals, span) = intervals::<SPOT>(lamp, rays);
+fn add<const SPOT: bool>(
+    lamp: &Glow,
+    rays: &Rays,
+    murk: &Murk,
+    rules: &[Vec<[f32; 2]>],
+    sum: &mut [Lanes; 3],
+) {
+    let (intervals, span) = intervals::<SPOT>(lamp, rays, murk);
     if span.to <= span.from {
         return;
     }
@@ -214,11 +190,11 @@ fn add<const SPOT: bool>(lamp: &Glow, rays: &Rays, rules: &[Vec<[f32; 2]>], sum:
     let rule = &rules[count / 2];
     let mut light = [[0.0f32; RUN]; 3];
     for &node in rule {
-        quadrature::<SPOT>(lamp, &intervals, node, &mut light);
+        quadrature::<SPOT>(lamp, &intervals, &murk.path, node, &mut light);
     }
     let mut scale = [0.0f32; RUN];
     for i in 0..RUN {
-        scale[i] = intervals.half[i] / intervals.distance[i];
+        scale[i] = murk.source[i] * intervals.half[i] / intervals.distance[i];
     }
     for ((sum, light), gain) in sum.iter_mut().zip(&light).zip(lamp.gain) {
         for i in 0..RUN {
@@ -227,92 +203,12 @@ fn add<const SPOT: bool>(lamp: &Glow, rays: &Rays, rules: &[Vec<[f32; 2]>], sum:
     }
 }
 
-#[inline(always)]
-fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays) -> (Intervals, Span) {
-    let empty = [0.0f32; RUN];
-    let mut to = Intervals {
-        nearest: empty,
-        distance: empty,
-        sin: empty,
-        cos: empty,
-        half: empty,
-        across: empty,
-        along: empty,
-    };
-    let (mut first, mut last, mut near) = (empty, empty, empty);
-    let [px, py, pz] = lamp.place;
-    let ([ax, ay, az], cone) = lamp.spot.unwrap_or_default();
-    for i in 0..RUN {
-        let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
-        // P × d, whose length is the distance from the ray.
-        let (mx, my, mz) = (py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx);
-        let nearest = px.mul_add(dx, py.mul_add(dy, pz * dz));
-        let distance = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt().max(lamp.radius);
-        let square = distance * distance;
-        let to_eye = nearest.mul_add(nearest, square).sqrt();
-        let ahead = nearest > 0.0;
-        let from = angle(
-            if ahead { distance } else { to_eye - nearest },
-            if ahead { to_eye + nearest } else { distance },
-        );
-        let beyond = rays.end[i] - nearest;
-        let to_end = beyond.mul_add(beyond, square).sqrt();
-        let before = beyond < 0.0;
-        let end = angle(
-            if before { distance } else { to_end + beyond },
-            if before { to_end - beyond } else { distance },
-        );
-        let (mut from, mut end) = (from, end);
-        if SPOT {
-            // (a × d)·(d × P) / D and a·d.
-            let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
-            let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) / distance;
-            let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
-            let most = across.mul_add(across, along * along).sqrt();
-            let share = (cone / most.max(1e-9)).min(1.0);
-            let half = 0.5 * angle((1.0 - share * share).max(0.0).sqrt(), share.max(1e-9));
-            let middle = 0.5 * (full_angle(along, across) + std::f32::consts::FRAC_PI_2);
-            from = from.max(middle - half);
-            end = end.min(middle + half);
-            (to.across[i], to.along[i]) = (across, along);
-        }
-        let half = (0.5 * (end - from)).max(0.0);
-        let (sin, cos) = sin_cos((0.5 * (end + from)).max(0.0).min(std::f32::consts::FRAC_PI_2));
-        (to.nearest[i], to.distance[i], to.half[i]) = (nearest, distance, half);
-        (to.sin[i], to.cos[i]) = (sin, cos);
-        // A pixel without any light must not widen the span.
-        let lit = half > 0.0;
-        first[i] = if lit { from } else { f32::INFINITY };
-        last[i] = if lit { end } else { 0.0 };
-        near[i] = if lit { distance } else { f32::INFINITY };
-    }
-    let span = Span {
-        from: extreme(&first, f32::min),
-        to: extreme(&last, f32::max),
-        nearest_m: extreme(&near, f32::min),
-    };
-    (to, span)
-}
-
-/// The least or the greatest, by halves: one after the other is no work for vectors.
-#[inline(always)]
-fn extreme(lanes: &Lanes, of: impl Fn(f32, f32) -> f32) -> f32 {
-    let mut best = *lanes;
-    let mut half = RUN / 2;
-    while half > 0 {
-        for i in 0..half {
-            best[i] = of(best[i], best[i + half]);
-        }
-        half /= 2;
-    }
-    best[0]
-}
-
 /// Adds the two nodes `±node` of every pixel.
 #[inline(always)]
 fn quadrature<const SPOT: bool>(
     lamp: &Glow,
     to: &Intervals,
+    murk: &Lanes,
     [node, weight]: [f32; 2],
     light: &mut [Lanes; 3],
 ) {
@@ -321,7 +217,8 @@ fn quadrature<const SPOT: bool>(
         let (sin, cos) = (to.sin[i], to.cos[i]);
         let (sin_step, cos_step) = small_sin_cos(to.half[i] * node);
         let (ss, cc) = (sin * cos_step, cos * cos_step);
-        let at = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
+        let (nearest, distance) = (murk[i] * to.nearest[i], murk[i] * to.distance[i]);
+        let at = [nearest, distance, to.across[i], to.along[i]];
         let above = (cos.mul_add(sin_step, ss), (-sin).mul_add(sin_step, cc));
         let below = ((-cos).mul_add(sin_step, ss), sin.mul_add(sin_step, cc));
         let [r1, g1, b1] = scattered::<SPOT>(lamp, at, above);

@@ -22,6 +22,10 @@ pub(super) struct Span {
     pub(super) to: f32,
     /// Least distance of the lamp from a ray, m.
     pub(super) nearest_m: f32,
+    /// Least and greatest factor of c, and the greatest of b.
+    pub(super) clearest: f32,
+    pub(super) murkiest: f32,
+    pub(super) source: f32,
 }
 
 /// What the light of one lamp is bounded by.
@@ -40,14 +44,17 @@ pub(super) fn count(span: Span, source: Source) -> usize {
     let (from, to) = (f64::from(span.from), f64::from(span.to).min(f64::from(FRAC_PI_2)));
     let half = 0.5 * (to - from);
     let distance = f64::from(span.nearest_m);
-    let scale = source.strength / distance * 4.0 * half;
+    let (clear, murky) = (f64::from(span.clearest), f64::from(span.murkiest));
+    let scale = source.strength * f64::from(span.source) / distance * 4.0 * half;
     // At β the scattering angle has the cosine cos 2β.
     let phase = |(sin, cos): (f64, f64)| super::henyey_greenstein(source.asymmetry, cos * cos - sin * sin);
     let ends = [from.sin_cos(), to.sin_cos()];
     let [at_start, at_end] = ends.map(|end| scale * phase(end));
     let growth = 2.0 * ellipse(source.asymmetry, from, half).ln();
-    let fade = source.attenuation * distance;
-    let shown = (fade * ends[1].0 / ends[1].1).powi(2).min(1.0);
+    let fade = source.attenuation * clear * distance;
+    let shown = (source.attenuation * murky * distance * ends[1].0 / ends[1].1)
+        .powi(2)
+        .min(1.0);
     let (pole, edge) = (POLE_FACTOR * at_start.max(at_end), at_end * shown);
     let enough = |n: f64| {
         let most = 0.5 * edge / (n * n);

@@ -1,11 +1,18 @@
 //! The light of lamps at a point in the water.
 
+use super::patches::{last, mean};
 use super::{Beam, Lighting};
 
 /// Radiance of a white particle that lamps light at a point in camera axes: `I₀ S e^{−c r}/(π r²)`, as a white surface that faces
 /// the lamp.
 #[must_use]
 pub fn white_at(place: [f64; 3], lighting: &Lighting) -> [f64; 3] {
+    let range = place
+        .iter()
+        .map(|v| v * v)
+        .sum::<f64>()
+        .sqrt()
+        .max(lighting.radius_m);
     let mut sum = [0.0; 3];
     for lamp in &lighting.lamps {
         let away = [0, 1, 2].map(|i| place[i] - lamp.position_m[i]);
@@ -15,6 +22,8 @@ pub fn white_at(place: [f64; 3], lighting: &Lighting) -> [f64; 3] {
             .sum::<f64>()
             .sqrt()
             .max(lighting.radius_m);
+        let ray = place.map(|v| v / range);
+        let murk = mean(lighting.patches.as_ref(), ray, last(range, distance));
         let profile = match lamp.beam {
             Beam::Point => 1.0,
             Beam::Spot { axis, cos_cone } => {
@@ -23,7 +32,7 @@ pub fn white_at(place: [f64; 3], lighting: &Lighting) -> [f64; 3] {
             }
         };
         for (i, sum) in sum.iter_mut().enumerate() {
-            let arriving = (-lighting.attenuation[i] * distance).exp();
+            let arriving = (-lighting.attenuation[i] * murk * distance).exp();
             *sum += lamp.intensity[i] * profile * arriving / (std::f64::consts::PI * distance * distance);
         }
     }

@@ -4,6 +4,7 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 
 use super::legendre::gauss_legendre;
+use super::patches::{glow_within, last, mean};
 use super::{Beam, Lamp, Lighting, henyey_greenstein};
 use crate::range::is_hole;
 
@@ -13,7 +14,7 @@ pub const REFERENCE_NODES: usize = 128;
 /// The glow of the water before the lamps, radiance in linear light: for a ray along the unit vector d up to the range Z (a hole:
 /// without end), with t₀ = d·P and D the distance of the lamp from the ray,
 /// `L = (b I₀/D) ∫ S p(−sin θ) e^{−c (t₀ + D tan θ + D/cos θ)} dθ` from `atan(−t₀/D)` to `atan((Z − t₀)/D)`,
-/// by Gauss–Legendre quadrature with `nodes` nodes (single scattering: Sun et al. 2005, Eq. 7-10).
+/// by Gauss–Legendre quadrature with `nodes` nodes; in patchy water b and c are those of the ray, see [`glow_within`] (single scattering: Sun et al. 2005, Eq. 7-10).
 #[must_use]
 pub fn airlight_reference(range: &Plane<f64>, lighting: &Lighting, nodes: usize) -> Rgb<f64> {
     let rule = gauss_legendre(nodes);
@@ -49,6 +50,9 @@ fn glow(ray: [f64; 3], z: f64, lamp: &Lamp, lighting: &Lighting, rule: &[(f64, f
         let half = (cos_cone / most).acos();
         (from, to) = (from.max(middle - half), to.min(middle + half));
     }
+    let patches = lighting.patches.as_ref();
+    let (begin, end) = glow_within(z, nearest, distance, lighting.asymmetry);
+    let (source, murk) = (mean(patches, ray, (begin, end)), mean(patches, ray, (0.0, end)));
     let mut sum = [0.0; 3];
     for (node, weight) in rule.iter().filter(|_| to > from) {
         let theta = 0.5 * (from + to) + 0.5 * (to - from) * node;
@@ -59,11 +63,12 @@ fn glow(ray: [f64; 3], z: f64, lamp: &Lamp, lighting: &Lighting, rule: &[(f64, f
         let path = nearest + distance * (theta.tan() + 1.0 / theta.cos());
         let scattered = weight * profile * henyey_greenstein(lighting.asymmetry, -theta.sin());
         for (sum, c) in sum.iter_mut().zip(lighting.attenuation) {
-            *sum += scattered * (-c * path).exp();
+            *sum += scattered * (-c * murk * path).exp();
         }
     }
-    [0, 1, 2]
-        .map(|i| lighting.scattering[i] * lamp.intensity[i] / distance * 0.5 * (to - from).max(0.0) * sum[i])
+    [0, 1, 2].map(|i| {
+        source * lighting.scattering[i] * lamp.intensity[i] / distance * 0.5 * (to - from).max(0.0) * sum[i]
+    })
 }
 
 /// The light of the lamps that falls on surfaces: `E = I₀ S e^{−c r} max(n·l, 0) / r²`, none at a hole. `normals` are unit
@@ -83,8 +88,9 @@ pub fn irradiance_reference(range: &Plane<f64>, normals: &[Plane<f32>; 3], light
                 Beam::Spot { axis, cos_cone } => profile(-dot(axis, to_lamp) / distance, cos_cone),
             };
             let fall = facing * profile / (distance * distance);
+            let metres = mean(lighting.patches.as_ref(), ray, last(z, distance)) * distance;
             for i in 0..3 {
-                sum[i] += lamp.intensity[i] * fall * (-lighting.attenuation[i] * distance).exp();
+                sum[i] += lamp.intensity[i] * fall * (-lighting.attenuation[i] * metres).exp();
             }
         }
         sum

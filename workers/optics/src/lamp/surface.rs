@@ -6,6 +6,8 @@ use imaging::{Plane, Rgb};
 use super::elementary::{HALVINGS, fade};
 use super::{Beam, Lamp, Lighting};
 use crate::attenuation::masked;
+use crate::range::SHORTEST_M;
+use crate::turbidity::{self, RUN};
 
 /// Rounding of f32 in the light on surfaces, as a share of the frame's peak: a range of 30 m is known to 2 µm, and light falls with
 /// its square.
@@ -23,7 +25,9 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
     let attenuation = lighting.attenuation.map(|c| c as f32 * HALVINGS);
     let radius = lighting.radius_m as f32;
     let lamps: Vec<Source> = lighting.lamps.iter().map(Source::new).collect();
+    let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
     let mut places = [(); 4].map(|()| vec![0.0f32; width]);
+    let mut murk = vec![1.0f32; width];
     for y in 0..height {
         vectorised(
             #[inline(always)]
@@ -36,10 +40,16 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
             radius,
         };
         for lamp in &lamps {
+            if let Some(patches) = &patches {
+                vectorised(
+                    #[inline(always)]
+                    || murk_of(patches, y, range.row(y), (row, lamp.place), &mut murk),
+                );
+            }
             let (red, green, blue) = (red.row_mut(y), green.row_mut(y), blue.row_mut(y));
             vectorised(
                 #[inline(always)]
-                || shine(row, *lamp, red, green, blue),
+                || shine(row, *lamp, &murk, red, green, blue),
             );
         }
     }
@@ -118,6 +128,44 @@ fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut 
     }
 }
 
+/// The factor of c on the way from a lamp: the mean of the field over as much of the ray before the surface.
+#[inline(always)]
+fn murk_of(
+    patches: &turbidity::Rays,
+    y: usize,
+    range: &[f32],
+    (row, [px, py, pz]): (Row<'_>, [f32; 3]),
+    murk: &mut [f32],
+) {
+    let [places_x, places_y, places_z, _] = row.places;
+    for start in (0..range.len()).step_by(RUN) {
+        let run = RUN.min(range.len() - start);
+        let at = start..start + run;
+        let [mut x, mut y_m, mut z_m, mut end] = [[0.0f32; RUN]; 4];
+        x[..run].copy_from_slice(&places_x[at.clone()]);
+        y_m[..run].copy_from_slice(&places_y[at.clone()]);
+        z_m[..run].copy_from_slice(&places_z[at.clone()]);
+        end[..run].copy_from_slice(&range[at.clone()]);
+        let mut begin = [0.0f32; RUN];
+        for i in 0..RUN {
+            let (lx, ly, lz) = (px - x[i], py - y_m[i], pz - z_m[i]);
+            let leg = (lx * lx + ly * ly + lz * lz).sqrt().max(row.radius);
+            end[i] = masked(end[i]).1.max(SHORTEST_M as f32);
+            begin[i] = (end[i] - leg).max(0.0);
+        }
+        let (all, before) = (
+            patches.excess((start, y), &end),
+            patches.excess((start, y), &begin),
+        );
+        let mut factor = [0.0f32; RUN];
+        for i in 0..RUN {
+            let excess = (end[i] * all[i] - begin[i] * before[i]) / (end[i] - begin[i]);
+            factor[i] = (1.0 + excess).max(0.0);
+        }
+        murk[at].copy_from_slice(&factor[..run]);
+    }
+}
+
 #[inline(always)]
 fn shine(
     Row {
@@ -133,6 +181,7 @@ fn shine(
         slope,
         intensity: [ir, ig, ib],
     }: Source,
+    murk: &[f32],
     red: &mut [f32],
     green: &mut [f32],
     blue: &mut [f32],
@@ -140,6 +189,7 @@ fn shine(
     let width = red.len();
     let (x, y, z, shown) = (&x[..width], &y[..width], &z[..width], &shown[..width]);
     let (nx, ny, nz) = (&nx[..width], &ny[..width], &nz[..width]);
+    let murk = &murk[..width];
     let (green, blue) = (&mut green[..width], &mut blue[..width]);
     for i in 0..width {
         let (lx, ly, lz) = (px - x[i], py - y[i], pz - z[i]);
@@ -150,8 +200,9 @@ fn shine(
         let cos = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
         let profile = slope.mul_add(cos, offset).max(0.0).min(1.0);
         let fall = facing * shown[i] * profile * (inverse * inverse * inverse);
-        red[i] = (ir * fall).mul_add(fade(cr, distance), red[i]);
-        green[i] = (ig * fall).mul_add(fade(cg, distance), green[i]);
-        blue[i] = (ib * fall).mul_add(fade(cb, distance), blue[i]);
+        let metres = murk[i] * distance;
+        red[i] = (ir * fall).mul_add(fade(cr, metres), red[i]);
+        green[i] = (ig * fall).mul_add(fade(cg, metres), green[i]);
+        blue[i] = (ib * fall).mul_add(fade(cb, metres), blue[i]);
     }
 }

@@ -1,6 +1,7 @@
 //! Paths through the field in f32, in closed form.
 
 use imaging::Plane;
+use imaging::geometry::Intrinsics;
 use imaging::simd::vectorised;
 
 use super::{Field, PAIRS};
@@ -9,7 +10,7 @@ use crate::eye::Eye;
 use crate::range::{HoleRule, SHORTEST_M};
 
 /// Pixels that are computed together.
-const RUN: usize = 64;
+pub(crate) const RUN: usize = 64;
 /// Beyond this range the cosines have long cancelled: their sum no longer grows, m.
 const FARTHEST_M: f32 = 1e5;
 
@@ -21,13 +22,7 @@ pub fn optical_path(range: &Plane<f32>, field: &Field, eye: &Eye, holes: HoleRul
         HoleRule::Range(metres) => Some(metres as f32),
         HoleRule::Background | HoleRule::Reject => None,
     };
-    let seen = field.seen_from(eye);
-    let waves = seen.pairs.map(|wave| {
-        let [x, y, z] = wave.vector;
-        let (sin, cos) = wave.phase.sin_cos();
-        [0.5 * x, 0.5 * y, 0.5 * z, seen.gain * cos, seen.gain * sin].map(|v| v as f32)
-    });
-    let lens = [1.0 / eye.camera.focal_px, eye.camera.cx, eye.camera.cy].map(|v| v as f32);
+    let rays = Rays::new(&field.seen_from(eye), &eye.camera);
     let (width, height) = range.size();
     let mut path = Plane::filled(width, height, 0.0f32);
     for y in 0..height {
@@ -35,7 +30,7 @@ pub fn optical_path(range: &Plane<f32>, field: &Field, eye: &Eye, holes: HoleRul
         let path = &mut path.data_mut()[at];
         vectorised(
             #[inline(always)]
-            || row(range.row(y), y as f32, lens, stand_in, &waves, path),
+            || row(range.row(y), y, stand_in, &rays, path),
         );
     }
     path
@@ -61,39 +56,63 @@ impl Default for Lanes {
     }
 }
 
-#[inline(always)]
-fn row(
-    range: &[f32],
-    y: f32,
-    [inverse_focal, cx, cy]: [f32; 3],
-    stand_in: Option<f32>,
-    waves: &[[f32; 5]; PAIRS],
-    path: &mut [f32],
-) {
-    let v = (y - cy) * inverse_focal;
-    let (fills, filling) = (stand_in.is_some(), stand_in.unwrap_or(1.0));
-    for (run, (range, path)) in range.chunks(RUN).zip(path.chunks_mut(RUN)).enumerate() {
-        let mut metres = [0.0f32; RUN];
-        metres[..range.len()].copy_from_slice(range);
+/// A field before a camera, in f32.
+pub(crate) struct Rays {
+    waves: [[f32; 5]; PAIRS],
+    /// 1/f, cx, cy.
+    lens: [f32; 3],
+}
+
+impl Rays {
+    /// `field` in the axes of the camera.
+    pub(crate) fn new(field: &Field, camera: &Intrinsics) -> Self {
+        let waves = field.pairs.map(|wave| {
+            let [x, y, z] = wave.vector;
+            let (sin, cos) = wave.phase.sin_cos();
+            [0.5 * x, 0.5 * y, 0.5 * z, field.gain * cos, field.gain * sin].map(|v| v as f32)
+        });
+        let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
+        Self { waves, lens }
+    }
+
+    /// By how much the mean of the field from the camera to these distances exceeds 1, on the rays of a run of pixels.
+    #[inline(always)]
+    pub(crate) fn excess(&self, (x, y): (usize, usize), metres: &[f32; RUN]) -> [f32; RUN] {
+        let [inverse_focal, cx, cy] = self.lens;
+        let v = (y as f32 - cy) * inverse_focal;
         let mut lanes = Lanes::default();
         for i in 0..RUN {
-            let u = ((run * RUN + i) as f32 - cx) * inverse_focal;
-            let (valid, z) = masked(metres[i]);
-            let z = if fills & !valid { filling } else { z };
-            let planar = z.min(FARTHEST_M) / (u * u + v * v + 1.0).sqrt();
+            let u = ((x + i) as f32 - cx) * inverse_focal;
+            let planar = metres[i].min(FARTHEST_M) / (u * u + v * v + 1.0).sqrt();
             (lanes.right[i], lanes.down[i], lanes.ahead[i]) = (u * planar, v * planar, planar);
         }
         // One wave after the other over all lanes: a loop over waves within each pixel would stay scalar.
-        for wave in waves {
+        for wave in &self.waves {
             add(*wave, &mut lanes);
         }
+        lanes.sum
+    }
+}
+
+#[inline(always)]
+fn row(range: &[f32], y: usize, stand_in: Option<f32>, rays: &Rays, path: &mut [f32]) {
+    let (fills, filling) = (stand_in.is_some(), stand_in.unwrap_or(1.0));
+    for (run, (range, path)) in range.chunks(RUN).zip(path.chunks_mut(RUN)).enumerate() {
+        let mut given = [0.0f32; RUN];
+        given[..range.len()].copy_from_slice(range);
+        let mut metres = [0.0f32; RUN];
+        for i in 0..RUN {
+            let (valid, z) = masked(given[i]);
+            metres[i] = if fills & !valid { filling } else { z };
+        }
+        let excess = rays.excess((run * RUN, y), &metres);
         for i in 0..path.len() {
-            let (valid, z) = masked(metres[i]);
-            let z = if fills & !valid { filling } else { z };
-            let length = (z + z.min(FARTHEST_M) * lanes.sum[i])
+            let (valid, _) = masked(given[i]);
+            let z = metres[i];
+            let length = (z + z.min(FARTHEST_M) * excess[i])
                 .max(SHORTEST_M as f32)
                 .min(f32::MAX);
-            path[i] = if valid | fills { length } else { metres[i] };
+            path[i] = if valid | fills { length } else { given[i] };
         }
     }
 }

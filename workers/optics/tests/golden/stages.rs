@@ -360,6 +360,7 @@ pub(crate) fn airlight(case: &Case) {
         attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
         scattering,
         asymmetry: case.number("hg_g").expect("an asymmetry"),
+        patches: None,
     };
     let exact = lamp::airlight_reference(&range, &lighting, REFERENCE_NODES);
     let peak = case

@@ -8,6 +8,7 @@ use optics::water::Water;
 use spec::{Fidelity, Frame};
 
 use super::scene::Prepared;
+use super::turbidity::Patches;
 use crate::error::RenderError;
 
 /// The lamps of a frame; `None` without lamps or without range, where they have nothing to shine on.
@@ -15,6 +16,7 @@ pub(crate) fn lighting(
     frame: &Frame,
     prepared: &Prepared,
     water: Option<&Water>,
+    patches: Option<&Patches>,
 ) -> Result<Option<Lighting>, RenderError> {
     let lamps = spec::lamps(frame).map_err(RenderError::Lamps)?;
     let Some(range) = prepared.scene.range.as_ref().filter(|_| !lamps.is_empty()) else {
@@ -29,6 +31,7 @@ pub(crate) fn lighting(
         attenuation: water.map_or([0.0; 3], Water::direct_attenuation),
         scattering: water.and_then(Water::scattering).unwrap_or([0.0; 3]),
         asymmetry: water.map_or(0.0, |water| lamp::asymmetry_of(water.backscatter_fraction())),
+        patches: patches.map(|patches| patches.field),
     }))
 }
 

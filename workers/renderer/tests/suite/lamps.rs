@@ -89,6 +89,33 @@ fn the_reference_and_the_fast_form_give_the_same_picture() {
     assert!(worst < 1.1e-4, "{worst}");
 }
 
+/// Without daylight there is no veil: what is left of the backscatter is the glow.
+#[test]
+fn patches_of_turbidity_dim_and_brighten_the_glow() {
+    let files = Files::new();
+    let glow = |turbidity: Value, fidelity: Value| {
+        let mut water = dark_water();
+        water["turbidity"] = turbidity;
+        let fields = json!({"water": water, "artifacts": ["backscatter"],
+                            "lights": [spot(json!([0, 0, 1]))], "fidelity": fidelity});
+        samples(file(&render(&files.job(&fields)), "backscatter"))
+    };
+    let difference = |one: &[f32], other: &[f32]| {
+        let pairs = one.iter().zip(other);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    };
+    let patches = json!({"contrast": 0.9, "scale_m": 0.5});
+    let even = glow(
+        json!({"contrast": 0.0, "scale_m": 0.5}),
+        json!({"tolerance": 1e-4}),
+    );
+    let patchy = glow(patches.clone(), json!({"tolerance": 1e-4}));
+    let most = even.iter().copied().fold(0.0, f32::max);
+    assert!(difference(&even, &patchy) > 0.05 * most);
+    let exact = glow(patches, json!({"variant": "reference"}));
+    assert!(difference(&exact, &patchy) < 1.1e-4);
+}
+
 #[test]
 fn bad_lamps_are_refused_together() {
     let files = Files::new();

@@ -1,0 +1,189 @@
+//! The rays of a run of pixels, the angles at which they see a lamp, and how murky the water there is.
+
+use super::super::elementary::{angle, full_angle, sin_cos};
+use super::super::nodes::Span;
+use super::super::patches::BESIDE;
+use super::{FARTHEST_M, Glow, Lanes, RUN};
+use crate::attenuation::masked;
+use crate::turbidity;
+
+/// The rays of a run as unit vectors, and how far they go; a hole has no end.
+pub(super) struct Rays {
+    pub(super) right: Lanes,
+    pub(super) down: Lanes,
+    pub(super) ahead: Lanes,
+    pub(super) end: Lanes,
+}
+
+impl Default for Rays {
+    fn default() -> Self {
+        let [right, down, ahead, end] = [[0.0; RUN]; 4];
+        Self {
+            right,
+            down,
+            ahead,
+            end,
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn rays_of(
+    [inverse_focal, cx, cy]: [f32; 3],
+    (x, y): (usize, usize),
+    range: &Lanes,
+    to: &mut Rays,
+) {
+    let v = (y as f32 - cy) * inverse_focal;
+    for i in 0..RUN {
+        let u = ((x + i) as f32 - cx) * inverse_focal;
+        let inverse = 1.0 / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
+        let (valid, z) = masked(range[i]);
+        let z = z.min(FARTHEST_M);
+        (to.right[i], to.down[i], to.ahead[i]) = (u * inverse, v * inverse, inverse);
+        to.end[i] = if valid { z } else { f32::INFINITY };
+    }
+}
+
+/// The intervals of a run: t₀, D, middle and half length in β, and what a spot needs.
+pub(super) struct Intervals {
+    pub(super) nearest: Lanes,
+    pub(super) distance: Lanes,
+    pub(super) sin: Lanes,
+    pub(super) cos: Lanes,
+    pub(super) half: Lanes,
+    /// cos of the angle to the axis: `across · cos θ + along · sin θ`.
+    pub(super) across: Lanes,
+    pub(super) along: Lanes,
+}
+
+/// How murky the water is on the rays of a run, see [`glow_within`](super::glow_within).
+pub(super) struct Murk {
+    /// The factor of b.
+    pub(super) source: Lanes,
+    /// The factor of c.
+    pub(super) path: Lanes,
+}
+
+impl Default for Murk {
+    fn default() -> Self {
+        let [source, path] = [[1.0; RUN]; 2];
+        Self { source, path }
+    }
+}
+
+#[inline(always)]
+pub(super) fn murk_of(
+    lamp: &Glow,
+    rays: &Rays,
+    patches: &turbidity::Rays,
+    start: (usize, usize),
+    to: &mut Murk,
+) {
+    let [px, py, pz] = lamp.place;
+    let [mut begin, mut end] = [[0.0f32; RUN]; 2];
+    for i in 0..RUN {
+        let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
+        let (mx, my, mz) = (py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx);
+        let nearest = px * dx + py * dy + pz * dz;
+        let distance = (mx * mx + my * my + mz * mz).sqrt().max(lamp.radius);
+        begin[i] = (rays.end[i].min(nearest) - lamp.before * distance).max(0.0);
+        end[i] = rays.end[i].min(nearest.max(BESIDE as f32 * distance));
+    }
+    let to_end = patches.excess(start, &end);
+    for i in 0..RUN {
+        to.path[i] = (1.0 + to_end[i]).max(0.0);
+    }
+    to.source = to.path;
+    if extreme(&begin, f32::max) > 0.0 {
+        let to_begin = patches.excess(start, &begin);
+        for i in 0..RUN {
+            let excess = (end[i] * to_end[i] - begin[i] * to_begin[i]) / (end[i] - begin[i]);
+            to.source[i] = (1.0 + excess).max(0.0);
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk) -> (Intervals, Span) {
+    let empty = [0.0f32; RUN];
+    let mut to = Intervals {
+        nearest: empty,
+        distance: empty,
+        sin: empty,
+        cos: empty,
+        half: empty,
+        across: empty,
+        along: empty,
+    };
+    let (mut first, mut last, mut near) = (empty, empty, empty);
+    let [px, py, pz] = lamp.place;
+    let ([ax, ay, az], cone) = lamp.spot.unwrap_or_default();
+    for i in 0..RUN {
+        let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
+        // P × d, whose length is the distance from the ray.
+        let (mx, my, mz) = (py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx);
+        let nearest = px.mul_add(dx, py.mul_add(dy, pz * dz));
+        let distance = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt().max(lamp.radius);
+        let square = distance * distance;
+        let to_eye = nearest.mul_add(nearest, square).sqrt();
+        let ahead = nearest > 0.0;
+        let from = angle(
+            if ahead { distance } else { to_eye - nearest },
+            if ahead { to_eye + nearest } else { distance },
+        );
+        let beyond = rays.end[i] - nearest;
+        let to_end = beyond.mul_add(beyond, square).sqrt();
+        let before = beyond < 0.0;
+        let end = angle(
+            if before { distance } else { to_end + beyond },
+            if before { to_end - beyond } else { distance },
+        );
+        let (mut from, mut end) = (from, end);
+        if SPOT {
+            // (a × d)·(d × P) / D and a·d.
+            let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
+            let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) / distance;
+            let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
+            let most = across.mul_add(across, along * along).sqrt();
+            let share = (cone / most.max(1e-9)).min(1.0);
+            let half = 0.5 * angle((1.0 - share * share).max(0.0).sqrt(), share.max(1e-9));
+            let middle = 0.5 * (full_angle(along, across) + std::f32::consts::FRAC_PI_2);
+            from = from.max(middle - half);
+            end = end.min(middle + half);
+            (to.across[i], to.along[i]) = (across, along);
+        }
+        let half = (0.5 * (end - from)).max(0.0);
+        let (sin, cos) = sin_cos((0.5 * (end + from)).max(0.0).min(std::f32::consts::FRAC_PI_2));
+        (to.nearest[i], to.distance[i], to.half[i]) = (nearest, distance, half);
+        (to.sin[i], to.cos[i]) = (sin, cos);
+        // A pixel without any light must not widen the span.
+        let lit = half > 0.0;
+        first[i] = if lit { from } else { f32::INFINITY };
+        last[i] = if lit { end } else { 0.0 };
+        near[i] = if lit { distance } else { f32::INFINITY };
+    }
+    let span = Span {
+        from: extreme(&first, f32::min),
+        to: extreme(&last, f32::max),
+        nearest_m: extreme(&near, f32::min),
+        clearest: extreme(&murk.path, f32::min),
+        murkiest: extreme(&murk.path, f32::max),
+        source: extreme(&murk.source, f32::max),
+    };
+    (to, span)
+}
+
+/// The least or the greatest, by halves: one after the other is no work for vectors.
+#[inline(always)]
+fn extreme(lanes: &Lanes, of: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut best = *lanes;
+    let mut half = RUN / 2;
+    while half > 0 {
+        for i in 0..half {
+            best[i] = of(best[i], best[i + half]);
+        }
+        half /= 2;
+    }
+    best[0]
+}
