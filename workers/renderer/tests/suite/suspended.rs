@@ -1,10 +1,13 @@
 //! Snow and patches of turbidity in a job: what they change, what the record says.
 
-use fathom_renderer::{SceneSource, Slot};
+use fathom_renderer::{Rendered, SceneSource, Slot};
 use imaging::codec::{Radiance, decode_radiance};
 use serde_json::{Value, json};
 
 use crate::common::{Files, engine_without_runtime, file, parse, render};
+
+/// Rounding of f32 in the glow and in the sum of the layers, as a share of the brightest.
+const ROUNDING: f32 = 1e-5;
 
 fn snow() -> Value {
     json!({"density_per_m3": 400.0, "radius_m": 0.004, "near_m": 0.3, "far_m": 6.0, "albedo": [1, 1, 1]})
@@ -110,6 +113,77 @@ fn with_everything_in_the_water_the_shares_add_up_to_the_tolerance_and_the_pictu
     let variants =
         ["turbidity", "lamps", "snow"].map(|name| stage(&exact.record.plan, name)["variant"].clone());
     assert_eq!(variants, ["reference"; 3]);
+}
+
+/// Samples of the sum of all layers.
+fn layers(rendered: &Rendered) -> Vec<f32> {
+    let layer = |kind: &str| {
+        let Radiance::Linear(layer) = decode_radiance(file(rendered, kind)).unwrap() else {
+            panic!("{kind} is a linear layer");
+        };
+        let planes = layer.into_planes().into_iter();
+        planes.flat_map(imaging::Plane::into_data).collect::<Vec<f32>>()
+    };
+    let mut sum = layer("direct");
+    for kind in ["forward_scatter", "backscatter"] {
+        sum.iter_mut()
+            .zip(layer(kind))
+            .for_each(|(sum, light)| *sum += light);
+    }
+    sum
+}
+
+/// Random waters, lamps, patches and snow: what the plan promises holds with all of them together.
+#[test]
+fn whatever_is_in_the_water_no_error_exceeds_the_bounds_of_the_plan() {
+    let uniform = |least: f64, most: f64| json!({"uniform": [least, most]});
+    let place = json!([uniform(-0.8, 0.8), uniform(-0.5, 0.5), uniform(-0.3, 2.5)]);
+    let light = json!({"log_uniform": [0.05, 10.0]});
+    let mut falling = snow();
+    falling["density_per_m3"] = json!({"log_uniform": [1.0, 400.0]});
+    let files = Files::new();
+    let fields = |fidelity: Value| {
+        json!({"count": 10, "seed": 11, "fidelity": fidelity,
+            "water": {"optics": {"choice": ["jerlov-IB", "jerlov-1C", "jerlov-3C", "jerlov-7C"]}, "snow": falling.clone(),
+                      "turbidity": {"contrast": uniform(0.0, 0.95), "scale_m": {"log_uniform": [0.2, 10.0]}}},
+            "lights": [{"kind": "point", "position_m": place, "intensity": [light, light, light]},
+                       {"kind": "spot", "position_m": place, "intensity": [light, light, light],
+                        "direction": [uniform(-0.5, 0.5), uniform(-0.5, 0.5), 1.0], "cone_deg": uniform(5.0, 80.0)}],
+            "artifacts": ["direct", "forward_scatter", "backscatter", "scattered"]})
+    };
+    let tolerance = 3e-4;
+    let [fast, exact] =
+        [json!({"tolerance": tolerance}), json!({"variant": "reference"})].map(|of| files.job(&fields(of)));
+    for index in 0..10 {
+        let [fast, exact] = [&fast, &exact].map(|job| {
+            let mut slot = Slot::new(&engine_without_runtime());
+            let frame = job.resolve(index).unwrap();
+            slot.render(&frame, &SceneSource::Local).unwrap()
+        });
+        let bound = |name: &str| stage(&fast.record.plan, name)["bound"].as_f64().unwrap();
+        let (ours, exactly) = (layers(&fast), layers(&exact));
+        let pixels = ours.len() / 3;
+        let brightest = exactly.iter().copied().fold(1.0, f32::max);
+        let mut whole: f64 = 0.0;
+        for (channel, name) in ["r", "g", "b"].into_iter().enumerate() {
+            let promised = bound(&format!("forward_scatter.{name}")) + bound("lamps");
+            whole = whole.max(promised + bound("snow"));
+            let of = channel * pixels..(channel + 1) * pixels;
+            let pairs = ours[of.clone()].iter().zip(&exactly[of]);
+            let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(
+                f64::from(error) <= promised + f64::from(ROUNDING * brightest),
+                "frame {index}, {name}: {error:e} above {promised:e}"
+            );
+        }
+        let pairs = codes(file(&fast, "scattered"))
+            .into_iter()
+            .zip(codes(file(&exact, "scattered")));
+        let most = pairs.into_iter().map(|(a, b)| a.abs_diff(b)).max();
+        // A surface that a lamp all but touches is so bright that rounding alone is above the tolerance.
+        assert!(whole <= tolerance || brightest > 3.0, "frame {index}: {whole:e}");
+        assert!(whole > tolerance || most <= Some(1), "frame {index}: {most:?}");
+    }
 }
 
 #[test]
