@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
     /// Folder for the drawings
     #[arg(long, value_name = "DIR", requires = "plot")]
     out: Option<PathBuf>,
-    /// Draw the plots alone, without the sheets of scenes, which take minutes
+    /// Draw the plots alone, without the sheets of scenes, which take most of the time
     #[arg(long, requires = "plot")]
     no_scenes: bool,
     #[command(flatten)]
