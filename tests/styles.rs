@@ -56,6 +56,49 @@ fn a_network_of_a_user_is_tried_added_rendered_and_rendered_again() {
     );
 }
 
+/// The picture and noise in equal parts.
+fn noisy() -> Vec<u8> {
+    let inputs = [picture("image", 3, ["h", "w"]), picture("noise", 1, ["h", "w"])];
+    let outputs = [picture("styled", 3, ["h", "w"])];
+    file(&graph(
+        &[node("Mean", &["image", "noise"], &["styled"])],
+        &[],
+        &inputs,
+        &outputs,
+    ))
+}
+
+#[test]
+fn a_network_that_takes_noise_is_told_apart_and_its_frames_are_rendered_again_byte_for_byte() {
+    let data = tempfile::tempdir().unwrap();
+    let service = start(data.path());
+    for (name, model, takes_noise) in [("soft", good(), false), ("noisy", noisy(), true)] {
+        let (status, card) = service.form("/v1/styles", &[("name", name.as_bytes()), ("model", &model)]);
+        assert_eq!(
+            (status, &card["takes_noise"]),
+            (201, &json!(takes_noise)),
+            "{card}"
+        );
+        let (_, page) = service.get("/v1/styles");
+        assert!(page["items"].as_array().unwrap().contains(&card), "{page}");
+    }
+    let job = json!({
+        "dataset": "noisy", "count": 3, "scene": {"kind": "procedural", "family": "structure", "seed": 1},
+        "camera": {"width": 48, "height": 32, "hfov_deg": 80}, "water": {"style": "noisy"}, "metrics": []
+    });
+    let id = service.submit(&job);
+    assert_eq!(service.finished(&id)["state"], "done");
+    for frame in 0..3 {
+        let path = format!("/v1/images/{id}/{frame}/verify");
+        let (status, verified) = service.post(&path, &json!({"rerender": true}));
+        assert_eq!(
+            (status, &verified["reproduced"]),
+            (200, &json!(true)),
+            "{verified}"
+        );
+    }
+}
+
 #[test]
 fn a_network_that_cannot_be_used_is_refused_by_what_it_does() {
     let data = tempfile::tempdir().unwrap();

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::ports::takes_noise;
+
 /// What is known of a model. A card file is this as JSON; all but the name and the digest may be left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,6 +34,10 @@ pub struct Card {
     /// Its outputs.
     #[serde(default)]
     pub outputs: Vec<String>,
+    /// Whether it has an input `noise`, which is fed from the job's seed and the frame. Read from the file, whatever a
+    /// card file says.
+    #[serde(default)]
+    pub takes_noise: bool,
     /// What the style weight does with its output.
     #[serde(default)]
     pub alpha: String,
@@ -126,6 +132,7 @@ impl Card {
                 card.sha256
             ));
         }
+        card.takes_noise = takes_noise(onnx);
         Ok(card)
     }
 
@@ -141,6 +148,7 @@ impl Card {
             licence: unknown(),
             inputs: Vec::new(),
             outputs: Vec::new(),
+            takes_noise: takes_noise(onnx),
             alpha: String::new(),
             caveats: vec!["it came without a card".to_owned()],
             training: None,

@@ -68,6 +68,12 @@ impl Session {
         matches!(self.form, Form::Onnx(_))
     }
 
+    /// Whether the model has an input for noise: give it [`crate::noise`].
+    #[must_use]
+    pub fn takes_noise(&self) -> bool {
+        matches!(&self.form, Form::Onnx(graph) if graph.takes_noise())
+    }
+
     /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An answer that is larger than the frame
     /// (of a network that pads) is cropped from the top left. `noise` is standard normal, of the frame's size, for a
     /// model with such an input: zeros if it is not given; other models do not look at it.
@@ -100,8 +106,7 @@ impl Session {
                 height,
             });
         }
-        let takes_noise = matches!(&self.form, Form::Onnx(graph) if graph.takes_noise());
-        let noise = noise.filter(|_| takes_noise);
+        let noise = noise.filter(|_| self.takes_noise());
         if let Some(noise) = noise
             && noise.size() != (width, height)
         {

@@ -19,5 +19,5 @@ mod transfer;
 pub mod waters;
 
 pub use photo::{MAX_SIDE_PX, MIN_SIDE_PX, MIN_SPREAD, Photo, PhotoError};
-pub use score::{Score, new_scenes, score};
+pub use score::{Score, new_scenes, score, score_over};
 pub use trainer::{Best, Trainer};

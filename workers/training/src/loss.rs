@@ -1,4 +1,4 @@
-//! What training lowers: `4 texture + 6 colour + 3.3 content + 20 range`.
+//! What training lowers: `3.7 texture + 12 colour + 6 content + 20 range`.
 
 mod content;
 mod draw;
@@ -18,8 +18,8 @@ use crate::tensor::Tensor;
 
 /// Weights of the parts.
 const TEXTURE: f64 = 4.0;
-const COLOUR: f64 = 6.0;
-const CONTENT: f64 = 3.3;
+const COLOUR: f64 = 15.0;
+const CONTENT: f64 = 6.4;
 const RANGE: f64 = 20.0;
 
 /// The parts of the loss.

@@ -1,5 +1,7 @@
 //! The held-out score: the losses on new scenes, with the result as the network delivers it.
 
+use std::ops::Range;
+
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use rayon::prelude::*;
@@ -37,19 +39,25 @@ pub struct Score {
 /// Some of the new scenes as pictures, sRGB-encoded.
 #[must_use]
 pub fn new_scenes() -> Vec<Rgb<f32>> {
-    crops(SHOWN).iter().map(picture).collect()
+    crops(0..SHOWN).iter().map(picture).collect()
 }
 
-fn crops(scenes: u64) -> Vec<Tensor<f32>> {
+fn crops(scenes: Range<u64>) -> Vec<Tensor<f32>> {
     let contents = Contents::new(SEED, "held-out content");
     let crop = |index| cropped(&contents.picture(index), (16, 16), SIDE, false);
-    (0..scenes).into_par_iter().map(crop).collect()
+    scenes.into_par_iter().map(crop).collect()
 }
 
 /// Scores a network against photos.
 #[must_use]
 pub fn score(weights: &Weights, photos: &[Photo]) -> Score {
-    let crops = crops(SCENES);
+    score_over(weights, photos, 0..SCENES, DRAWS)
+}
+
+/// The same over other new scenes, with patches drawn any number of times: how far a score moves with its scenes.
+#[must_use]
+pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws: u64) -> Score {
+    let crops = crops(scenes);
     let mut plain = weights.clone();
     let (weight, bias) = plain.layer_mut(OUTPUT);
     weight.fill(0.0);
@@ -68,7 +76,7 @@ pub fn score(weights: &Weights, photos: &[Photo]) -> Score {
     let before: Vec<_> = crops.into_iter().map(Pyramid::new).collect();
     let style: Vec<_> = photos.iter().map(|photo| photo.pyramid.clone()).collect();
     let stream = Stream::stage(SEED, "held-out draws");
-    let all: Vec<Losses> = (0..DRAWS)
+    let all: Vec<Losses> = (0..draws)
         .map(|draw| losses(&before, results.clone(), &style, &stream, draw).0)
         .collect();
     Score {

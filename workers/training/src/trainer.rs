@@ -1,7 +1,5 @@
 //! Training, step by step. The numbers depend on photos, seed and step count alone, not on how many threads work.
 
-use std::sync::OnceLock;
-
 use imaging::random::Stream;
 use rayon::prelude::*;
 use style::net::layer::{BLOCKS, COLOUR, LAYERS, OUTPUT, PIXEL, Weights};
@@ -17,13 +15,14 @@ use crate::transfer::{Colours, transfer};
 
 /// Pictures of a batch: many small ones, since the style's colours must be found over all of them together, and a batch
 /// of few is too far from the whole.
-const BATCH: usize = 14;
-/// Side of a crop in pixels: at the coarsest level it still holds several patches.
-const CROP: usize = 80;
-/// Content pictures of a training; they come round with other crops.
-const POOL: usize = 192;
-/// Content pictures whose colours the colour transfer starts from.
-const COLOUR_PICTURES: usize = 32;
+const BATCH: usize = 48;
+/// Side of a crop in pixels: at the coarsest level it is one patch.
+const CROP: usize = 56;
+/// Content pictures of each brightness; a step takes one of them.
+const CHOICE: usize = 8;
+/// Content pictures of a training: many, since the colour transfer that it starts from is only as good as they are like
+/// those that will come.
+const POOL: usize = BATCH * CHOICE;
 /// Bias that the features of a pixel begin with.
 const PIXEL_BIAS: f32 = 0.25;
 /// Steps over which losses are averaged to tell the best weights.
@@ -32,8 +31,8 @@ const WINDOW: usize = 50;
 /// A training under way.
 pub struct Trainer {
     style: Vec<Pyramid<f32>>,
-    contents: Contents,
-    pool: Vec<OnceLock<Tensor<f32>>>,
+    /// Content pictures from dark to bright.
+    pool: Vec<Tensor<f32>>,
     stream: Stream,
     start: Weights,
     weights: Weights,
@@ -65,11 +64,20 @@ impl Trainer {
         assert!(!photos.is_empty(), "there is a photo to learn from");
         let style: Vec<_> = photos.iter().map(|photo| photo.pyramid.clone()).collect();
         let contents = Contents::new(seed, "training content");
-        let pool: Vec<OnceLock<Tensor<f32>>> = (0..POOL).map(|_| OnceLock::new()).collect();
-        (0..COLOUR_PICTURES).into_par_iter().for_each(|index| {
-            pool[index].get_or_init(|| contents.picture(index as u64));
+        let mut pool: Vec<Tensor<f32>> = (0..POOL as u64)
+            .into_par_iter()
+            .map(|index| contents.picture(index))
+            .collect();
+        let content = Colours::of(pool.iter());
+        // Floats that are not negative are ordered as their bits are.
+        pool.sort_by_cached_key(|picture| {
+            picture
+                .data
+                .iter()
+                .map(|&value| f64::from(value))
+                .sum::<f64>()
+                .to_bits()
         });
-        let content = Colours::of(pool.iter().filter_map(OnceLock::get));
         let target = Colours::of(style.iter().map(|pyramid| &pyramid.levels[0]));
         let stream = Stream::stage(seed, "training");
         let (map, offset) = transfer(&content, &target);
@@ -83,7 +91,6 @@ impl Trainer {
         }
         Self {
             style,
-            contents,
             pool,
             stream,
             weights: randomised(&start, &stream),
@@ -169,10 +176,11 @@ impl Trainer {
         }
     }
 
+    /// A crop of a picture of the brightness that belongs to a place of the batch. So each batch has about the colours of
+    /// all pictures, as if it were several times as large.
     fn crop(&self, step: u64, place: usize) -> Tensor<f32> {
-        let index = (step as usize * BATCH + place) % POOL;
-        let picture = self.pool[index].get_or_init(|| self.contents.picture(index as u64));
         let draw = |purpose: u64| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose);
+        let picture = &self.pool[place * CHOICE + (draw(3) * CHOICE as f64) as usize];
         let offset = |purpose| (draw(purpose) * (SIDE - CROP + 1) as f64) as usize;
         cropped(picture, (offset(0), offset(1)), CROP, draw(2) < 0.5)
     }

@@ -62,7 +62,7 @@ pub const LOOKS: [WaterLook; 3] = [
         ratio: 2.2,
         tint: [0.50, 0.52, 1.0],
         veil_gain: 0.22,
-        range_scale: 3.8,
+        range_scale: 3.4,
         light_gain: 1.3,
         particles_per_mpx: 1600.0,
         particle_colour: [0.65, 0.8, 0.95],
@@ -103,7 +103,7 @@ pub const LOOKS: [WaterLook; 3] = [
         turbidity: 0.30,
         floor: [0.42, 0.34, 0.22],
         blur_px: 2.4,
-        noise: 0.0048,
+        noise: 0.002,
     },
 ];
 

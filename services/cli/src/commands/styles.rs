@@ -54,11 +54,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             vec![
                 model.name.clone(),
                 model.card.licence.clone(),
+                if model.card.takes_noise { "yes" } else { "no" }.to_owned(),
                 model.card.sha256[..16].to_owned(),
             ]
         })
         .collect();
-    println!("{}", table(&["style", "licence", "sha256"], &rows));
+    println!("{}", table(&["style", "licence", "noise", "sha256"], &rows));
     match Runtime::load(arguments.style.onnxruntime.as_deref()) {
         Ok(runtime) => println!("\nONNX Runtime {}", runtime.version()),
         Err(missing) => println!("\n{missing}"),

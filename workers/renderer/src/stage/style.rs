@@ -22,7 +22,8 @@ pub(crate) struct Sessions(BTreeMap<(String, bool), Session>);
 pub(crate) struct Styled<'a> {
     /// Linear light after the blend.
     pub(crate) picture: Cow<'a, Rgb<f32>>,
-    /// Name and SHA-256 of the model that ran; the name ends in `.lut` if it was the colour table.
+    /// Name and SHA-256 of the model that ran; the name ends in `.lut` if it was the colour table, in
+    /// `.noise` if the network was fed noise of (job seed, frame).
     pub(crate) model: Option<(String, String)>,
     /// Whether it ran on ONNX Runtime.
     pub(crate) on_runtime: bool,
@@ -45,13 +46,20 @@ pub(crate) fn run<'a>(
     let model = &known(name, engine)?;
     let table = takes_table(frame, model);
     let session = sessions.of(model, table, engine)?;
-    let repainted = session.apply(&transfer::encode_unit(scattered), None)?;
+    let noise = session
+        .takes_noise()
+        .then(|| style::noise(frame.seed, frame.index, scattered.size()));
+    let repainted = session.apply(&transfer::encode_unit(scattered), noise.as_ref())?;
     let on_runtime = session.uses_runtime();
     let picture = Cow::Owned(optics::style_blend(scattered, &repainted, frame.alpha));
-    let tier = if table { ".lut" } else { "" };
+    let how = match (table, noise) {
+        (true, _) => ".lut",
+        (false, Some(_)) => ".noise",
+        (false, None) => "",
+    };
     Ok(Styled {
         picture,
-        model: Some((format!("{name}{tier}"), model.card.sha256.clone())),
+        model: Some((format!("{name}{how}"), model.card.sha256.clone())),
         on_runtime,
     })
 }

@@ -8,6 +8,10 @@ mod fake_service;
 mod folders;
 mod labels;
 mod lamps;
+mod noise;
+#[expect(dead_code, reason = "the tests of the style crate use more of it")]
+#[path = "../../../style/tests/suite/onnx.rs"]
+mod onnx;
 mod style;
 mod suspended;
 mod waters;

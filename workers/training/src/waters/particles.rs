@@ -12,7 +12,7 @@ const LARGEST: f64 = 7.0;
 /// Sizes that are drawn, half an octave and a bit apart.
 const SIZES: usize = 7;
 /// Brightness of the smallest.
-const PEAK: f64 = 0.12;
+const PEAK: f64 = 0.05;
 
 /// Brightness of `count` particles, row by row.
 pub(super) fn draw(seed: u64, count: u64, (width, height): (usize, usize)) -> Vec<f32> {

@@ -10,7 +10,7 @@ use crate::state::Shared;
 
 /// List the style models with their cards, all on one page.
 #[utoipa::path(get, path = "/v1/styles", tag = "waters",
-    responses((status = 200, description = "All style models: name, digest, source, licence, caveats. The card of one that a user added warns \
+    responses((status = 200, description = "All style models: name, digest, source, licence, caveats, and whether it takes noise (`takes_noise`). The card of one that a user added warns \
                                            that nobody has measured its stability.",
                body = Page<Value>)))]
 pub(crate) async fn list(State(app): State<Shared>) -> Result<Json<Page<Value>>, Problem> {

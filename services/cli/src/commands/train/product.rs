@@ -85,6 +85,7 @@ impl Product<'_> {
             licence: self.arguments.licence.clone(),
             inputs: vec!["image: [n,3,h,w] float32, sRGB-encoded, 0..1, any size from 1x1".to_owned()],
             outputs: vec!["styled: [n,3,h,w] float32, sRGB-encoded, 0..1, the size of the input".to_owned()],
+            takes_noise: false,
             alpha: "share of this output in the frame, blended in sRGB-encoded values: 0 leaves the network out, 1 is \
                     its output alone"
                 .to_owned(),

@@ -1,0 +1,62 @@
+//! What a model file says of its inputs, read without ONNX Runtime.
+
+use crate::net::wire::{Value, fields};
+
+/// Name of the input for noise.
+const NOISE: &[u8] = b"noise";
+
+/// Whether a model has an input `noise` beside its picture. Not for a file that is no model.
+pub(crate) fn takes_noise(onnx: &[u8]) -> bool {
+    let graph = under(onnx, 7).next().unwrap_or_default();
+    // Old files list their weights among the inputs as well.
+    let weights: Vec<&[u8]> = under(graph, 5)
+        .filter_map(|tensor| under(tensor, 8).next())
+        .collect();
+    let inputs = under(graph, 11).filter_map(|input| under(input, 1).next());
+    let inputs: Vec<&[u8]> = inputs.filter(|name| !weights.contains(name)).collect();
+    inputs.len() > 1 && inputs.contains(&NOISE)
+}
+
+/// The messages and texts under a field.
+fn under(message: &[u8], number: u64) -> impl Iterator<Item = &[u8]> {
+    fields(message).filter_map(move |field| match field? {
+        (found, Value::Bytes(bytes)) if found == number => Some(bytes),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::net::wire::bytes;
+
+    fn model(inputs: &[&str], weights: &[&str]) -> Vec<u8> {
+        let (mut model, mut graph) = (Vec::new(), Vec::new());
+        for (names, field, name_field) in [(inputs, 11, 1), (weights, 5, 8)] {
+            for name in names {
+                let mut named = Vec::new();
+                bytes(&mut named, name_field, name.as_bytes());
+                bytes(&mut graph, field, &named);
+            }
+        }
+        bytes(&mut model, 7, &graph);
+        model
+    }
+
+    #[test]
+    fn an_input_is_noise_by_its_name_beside_another_and_if_it_is_no_weight() {
+        assert!(takes_noise(&model(&["image", "noise"], &["weight"])));
+        assert!(takes_noise(&model(&["noise", "x"], &[])));
+        for (inputs, weights) in [
+            (&["image"][..], &[][..]),
+            (&["noise"], &[]),
+            (&["image", "noise"], &["noise"]),
+            (&["image", "mask"], &["noise"]),
+        ] {
+            assert!(!takes_noise(&model(inputs, weights)), "{inputs:?} {weights:?}");
+        }
+        for file in [&b""[..], b"hello, world", &[0xff; 40]] {
+            assert!(!takes_noise(file));
+        }
+    }
+}
