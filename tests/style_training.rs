@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use fathom_tests::{Service, run};
@@ -202,6 +203,47 @@ fn a_training_that_ends_in_the_middle_leaves_nothing_and_the_service_goes_on() {
     assert_eq!(status, 404);
 }
 
+/// The process may write no more while it trains: what it has learned has nowhere to go.
+#[test]
+fn a_disk_that_fills_while_training_ends_the_training_alone() {
+    let (data, temporary) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let of_service = [("TMPDIR", temporary.path().to_str().unwrap())];
+    let service = Service::start_with(data.path(), &["--slots", "1"], &of_service);
+    let (before, photo) = (names(&service), photo());
+    let (_, training) = ask(&service, "full", "300", &photo);
+    running(&service, &training["id"]);
+    let limited = std::process::Command::new("prlimit")
+        .args(["--pid", &training_of("full"), "--fsize=4096"])
+        .status();
+    assert!(limited.unwrap().success());
+    let training = ended(&service, &training["id"]);
+    assert_eq!(training["state"], "failed", "{training}");
+    // SIGXFSZ, or the error of the write where that is ignored.
+    let error = training["error"].as_str().unwrap();
+    assert!(
+        error.contains("signal: 25") || error.contains("File too large"),
+        "{training}"
+    );
+    assert_eq!(names(&service), before);
+    // An order has a folder of its own.
+    let mut left = walk(temporary.path());
+    left.retain(|path| path.parent() != Some(temporary.path()));
+    assert!(left.is_empty(), "{left:?}");
+    let (_, again) = ask(&service, "full", "1", &photo);
+    assert_eq!(
+        ended(&service, &again["id"])["state"],
+        "done",
+        "the service goes on"
+    );
+}
+
+/// All files below a folder.
+fn walk(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().flatten();
+    let below = |path: PathBuf| if path.is_dir() { walk(&path) } else { vec![path] };
+    entries.flat_map(|entry| below(entry.path())).collect()
+}
+
 fn running(service: &Service, id: &Value) {
     let path = format!("/v1/styles/trainings/{}", id.as_str().unwrap());
     let begun = Instant::now();
@@ -211,8 +253,8 @@ fn running(service: &Service, id: &Value) {
     }
 }
 
-/// Kills the process that trains a style of this name, as a machine that runs out of memory does.
-fn kill_training_of(name: &str) {
+/// The id of the process that trains a style of this name.
+fn training_of(name: &str) -> String {
     let is_it = |command: &[u8]| {
         let arguments: Vec<_> = command.split(|&byte| byte == 0).collect();
         arguments.get(1) == Some(&&b"train"[..]) && arguments.contains(&name.as_bytes())
@@ -221,8 +263,13 @@ fn kill_training_of(name: &str) {
     let process = entries
         .filter(|entry| std::fs::read(entry.path().join("cmdline")).is_ok_and(|command| is_it(&command)))
         .find_map(|entry| entry.file_name().into_string().ok());
+    process.unwrap()
+}
+
+/// Kills the process that trains a style of this name, as a machine that runs out of memory does.
+fn kill_training_of(name: &str) {
     let status = std::process::Command::new("kill")
-        .args(["-9", &process.unwrap()])
+        .args(["-9", &training_of(name)])
         .status();
     assert!(status.unwrap().success());
 }

@@ -217,6 +217,23 @@ fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
     let output = train(&photo, &out, &["--steps", "2"]);
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(names(&out), ["harbour.sheet.png"]);
+    // Every file may have 4 KiB, as on a disk that fills while it is written.
+    let bounded = folder.path().join("bounded");
+    let script = "trap '' XFSZ; ulimit -f 8; exec \"$@\"";
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", script, "sh"])
+        .arg(fathom())
+        .arg("train")
+        .arg(&photo);
+    command
+        .args(["--name", "harbour", "--steps", "2", "--out"])
+        .arg(&bounded);
+    let output = command.output().expect("a shell");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("File too large"), "{said}");
+    assert!(names(&bounded).is_empty());
     let full = Path::new("/dev/full/out");
     assert_eq!(train(&photo, full, &["--steps", "2"]).status.code(), Some(1));
 }
