@@ -79,12 +79,13 @@ fn row_normals(
         let b = down.mul_add(focal, -(shift * v)) * inverse;
         // (∂/∂x) × (∂/∂y) of R (u, v, 1), divided by R/f², turned to the camera.
         let (x, y, z) = (-a, -b, a.mul_add(u, b.mul_add(v, planar)));
-        // It faces the camera where its product with the ray is below 0; that product is R for (x, y, z).
-        let length = x.mul_add(x, y.mul_add(y, z * z)).sqrt();
-        let scale = if valid { -1.0 / length } else { -inverse };
-        nx[i] = if valid { x } else { u } * scale;
-        ny[i] = if valid { y } else { v } * scale;
-        nz[i] = if valid { z } else { 1.0 } * scale;
+        // It faces the camera where its product with the ray is below 0; that product is R for (x, y, z). A selection before the
+        // division: two divisions to choose from would become a branch, and the loop scalar.
+        let x = if valid { x } else { u };
+        let y = if valid { y } else { v };
+        let z = if valid { z } else { 1.0 };
+        let scale = -1.0 / x.mul_add(x, y.mul_add(y, z * z)).sqrt();
+        (nx[i], ny[i], nz[i]) = (x * scale, y * scale, z * scale);
     }
 }
 
