@@ -190,15 +190,11 @@ fn add<const SPOT: bool>(
     let rule = &rules[count / 2];
     let mut light = [[0.0f32; RUN]; 3];
     for &node in rule {
-        quadrature::<SPOT>(lamp, &intervals, &murk.path, node, &mut light);
-    }
-    let mut scale = [0.0f32; RUN];
-    for i in 0..RUN {
-        scale[i] = murk.source[i] * intervals.half[i] / intervals.distance[i];
+        quadrature::<SPOT>(lamp, &intervals, node, &mut light);
     }
     for ((sum, light), gain) in sum.iter_mut().zip(&light).zip(lamp.gain) {
         for i in 0..RUN {
-            sum[i] += gain * scale[i] * light[i];
+            sum[i] += gain * intervals.scale[i] * light[i];
         }
     }
 }
@@ -208,7 +204,6 @@ fn add<const SPOT: bool>(
 fn quadrature<const SPOT: bool>(
     lamp: &Glow,
     to: &Intervals,
-    murk: &Lanes,
     [node, weight]: [f32; 2],
     light: &mut [Lanes; 3],
 ) {
@@ -217,8 +212,7 @@ fn quadrature<const SPOT: bool>(
         let (sin, cos) = (to.sin[i], to.cos[i]);
         let (sin_step, cos_step) = small_sin_cos(to.half[i] * node);
         let (ss, cc) = (sin * cos_step, cos * cos_step);
-        let (nearest, distance) = (murk[i] * to.nearest[i], murk[i] * to.distance[i]);
-        let at = [nearest, distance, to.across[i], to.along[i]];
+        let at = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
         let above = (cos.mul_add(sin_step, ss), (-sin).mul_add(sin_step, cc));
         let below = ((-cos).mul_add(sin_step, ss), sin.mul_add(sin_step, cc));
         let [r1, g1, b1] = scattered::<SPOT>(lamp, at, above);

@@ -45,13 +45,15 @@ pub(super) fn rays_of(
     }
 }
 
-/// The intervals of a run: t₀, D, middle and half length in β, and what a spot needs.
+/// The intervals of a run: t₀ and D as metres of mean water, middle and half length in β, what the sum over the nodes is
+/// multiplied by, and what a spot needs.
 pub(super) struct Intervals {
     pub(super) nearest: Lanes,
     pub(super) distance: Lanes,
     pub(super) sin: Lanes,
     pub(super) cos: Lanes,
     pub(super) half: Lanes,
+    pub(super) scale: Lanes,
     /// cos of the angle to the axis: `across · cos θ + along · sin θ`.
     pub(super) across: Lanes,
     pub(super) along: Lanes,
@@ -113,6 +115,7 @@ pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk)
         sin: empty,
         cos: empty,
         half: empty,
+        scale: empty,
         across: empty,
         along: empty,
     };
@@ -155,7 +158,8 @@ pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk)
         }
         let half = (0.5 * (end - from)).max(0.0);
         let (sin, cos) = sin_cos((0.5 * (end + from)).max(0.0).min(std::f32::consts::FRAC_PI_2));
-        (to.nearest[i], to.distance[i], to.half[i]) = (nearest, distance, half);
+        (to.nearest[i], to.distance[i]) = (murk.path[i] * nearest, murk.path[i] * distance);
+        (to.half[i], to.scale[i]) = (half, murk.source[i] * half / distance);
         (to.sin[i], to.cos[i]) = (sin, cos);
         // A pixel without any light must not widen the span.
         let lit = half > 0.0;
