@@ -1,4 +1,4 @@
-//! What training lowers: `3.7 texture + 12 colour + 6 content + 20 range`.
+//! What training lowers: `4 texture + 15 colour + 6.4 content + 20 range`.
 
 mod content;
 mod draw;

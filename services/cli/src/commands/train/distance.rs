@@ -1,6 +1,7 @@
 //! How far a style's colour table is from its network, on new scenes.
 
 use imaging::{Plane, Rgb, transfer};
+use rayon::prelude::*;
 use style::TableDistance;
 use style::net::layer::Weights;
 use style::net::{Network, Scratch, Table, TableScratch};
@@ -13,29 +14,48 @@ const XYZ: [[f64; 3]; 3] = [
 ];
 const WHITE: [f64; 3] = [0.9505, 1.0, 1.089];
 
+/// What one scene says.
+struct Scene {
+    /// Differences of samples, of 255.
+    differences: Vec<f64>,
+    similarity: f64,
+    /// Colour differences of pixels.
+    colour: Vec<f64>,
+}
+
 pub(super) fn measure(weights: &Weights) -> TableDistance {
     let network = Network::new(weights);
     let table = Table::of(&network);
-    let (mut scratch, mut table_scratch) = (Scratch::default(), TableScratch::default());
-    let (mut differences, mut similarity, mut colour, mut pixels) = (Vec::new(), 0.0, 0.0, 0.0);
-    let scenes = training::new_scenes();
-    for scene in &scenes {
-        let exact = network.apply(scene, &mut scratch);
-        let near = table.apply(scene, &mut table_scratch);
-        for (a, b) in exact.planes().iter().zip(near.planes()) {
-            let pairs = a.data().iter().zip(b.data());
-            differences.extend(pairs.map(|(a, b)| f64::from((a - b).abs()) * 255.0));
+    let of_scene = |scene: &Rgb<f32>| {
+        let exact = network.apply(scene, &mut Scratch::default());
+        let near = table.apply(scene, &mut TableScratch::default());
+        let planes = exact.planes().iter().zip(near.planes());
+        let pairs = planes.flat_map(|(a, b)| a.data().iter().zip(b.data()));
+        let places = (0..exact.height()).flat_map(|y| (0..exact.width()).map(move |x| (x, y)));
+        let apart = |(x, y)| {
+            let (one, other) = (lab(exact.at(x, y)), lab(near.at(x, y)));
+            let squares = one.iter().zip(other).map(|(a, b)| (a - b) * (a - b));
+            squares.sum::<f64>().sqrt()
+        };
+        Scene {
+            differences: pairs.map(|(a, b)| f64::from((a - b).abs()) * 255.0).collect(),
+            similarity: quality::ssim_reference(&gray(&exact), &gray(&near)),
+            colour: places.map(apart).collect(),
         }
-        similarity += quality::ssim_reference(&gray(&exact), &gray(&near)) / scenes.len() as f64;
-        for y in 0..exact.height() {
-            for x in 0..exact.width() {
-                let (one, other) = (lab(exact.at(x, y)), lab(near.at(x, y)));
-                let squares: f64 = one.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum();
-                colour += squares.sqrt();
-                pixels += 1.0;
-            }
-        }
-    }
+    };
+    let scenes: Vec<Scene> = training::new_scenes().par_iter().map(of_scene).collect();
+    // In the order of the scenes, whichever was ready first.
+    let similarity = scenes
+        .iter()
+        .map(|scene| scene.similarity / scenes.len() as f64)
+        .sum();
+    let colours = || scenes.iter().flat_map(|scene| &scene.colour);
+    let (colour, pixels) = (colours().sum::<f64>(), colours().count() as f64);
+    let mut differences: Vec<f64> = scenes
+        .iter()
+        .flat_map(|scene| &scene.differences)
+        .copied()
+        .collect();
     differences.sort_by(f64::total_cmp);
     let last = differences.len() - 1;
     let rounded = |value: f64| (value * 1e4).round() / 1e4;
