@@ -34,7 +34,7 @@ pub(crate) struct StyleUpload {
     name: String,
     /// The ONNX file, all of its tensors in it: an input `image` and an output `styled`, float32
     /// `[1, 3, height, width]` of any size, sRGB-encoded in 0..=1; and, if it wants one, an input `noise`
-    /// `[1, 1, height, width]`, standard normal.
+    /// `[1, 1, height, width]`, standard normal, of the job's seed and the frame.
     #[schema(value_type = String, format = Binary)]
     model: Vec<u8>,
     /// What kind of network it is.
