@@ -45,6 +45,28 @@ pub(super) fn rays_of(
     }
 }
 
+/// Where a lamp P stands beside a ray d.
+struct Beside {
+    /// P × d, whose length is the distance from the ray.
+    moment: [f32; 3],
+    /// t₀ = P·d.
+    nearest: f32,
+    /// D, at least the lamp's radius.
+    distance: f32,
+}
+
+#[inline(always)]
+fn beside(lamp: &Glow, rays: &Rays, i: usize) -> Beside {
+    let [px, py, pz] = lamp.place;
+    let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
+    let [mx, my, mz] = [py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx];
+    Beside {
+        moment: [mx, my, mz],
+        nearest: px.mul_add(dx, py.mul_add(dy, pz * dz)),
+        distance: mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt().max(lamp.radius),
+    }
+}
+
 /// The intervals of a run: t₀ and D as metres of mean water, middle and half length in β, what the sum over the nodes is
 /// multiplied by, and what a spot needs.
 pub(super) struct Intervals {
@@ -82,13 +104,11 @@ pub(super) fn murk_of(
     start: (usize, usize),
     to: &mut Murk,
 ) {
-    let [px, py, pz] = lamp.place;
     let [mut begin, mut end] = [[0.0f32; RUN]; 2];
     for i in 0..RUN {
-        let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
-        let (mx, my, mz) = (py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx);
-        let nearest = px * dx + py * dy + pz * dz;
-        let distance = (mx * mx + my * my + mz * mz).sqrt().max(lamp.radius);
+        let Beside {
+            nearest, distance, ..
+        } = beside(lamp, rays, i);
         begin[i] = (rays.end[i].min(nearest) - lamp.before * distance).max(0.0);
         end[i] = rays.end[i].min(nearest.max(BESIDE as f32 * distance));
     }
@@ -120,14 +140,14 @@ pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk)
         along: empty,
     };
     let (mut first, mut last, mut near) = (empty, empty, empty);
-    let [px, py, pz] = lamp.place;
     let ([ax, ay, az], cone) = lamp.spot.unwrap_or_default();
     for i in 0..RUN {
         let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
-        // P × d, whose length is the distance from the ray.
-        let (mx, my, mz) = (py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx);
-        let nearest = px.mul_add(dx, py.mul_add(dy, pz * dz));
-        let distance = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt().max(lamp.radius);
+        let Beside {
+            moment: [mx, my, mz],
+            nearest,
+            distance,
+        } = beside(lamp, rays, i);
         let square = distance * distance;
         let to_eye = nearest.mul_add(nearest, square).sqrt();
         let ahead = nearest > 0.0;

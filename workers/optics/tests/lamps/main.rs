@@ -1,6 +1,10 @@
 //! Lamps: the fast form against the f64 reference, and what must hold of their light.
 #![allow(clippy::unwrap_used)]
 
+mod errors;
+mod patches;
+
+use errors::{peak, worst};
 use fathom_optics::lamp::{
     self, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, REFERENCE_NODES, SURFACE_ROUNDING,
 };
@@ -54,20 +58,6 @@ fn range(width: usize, height: usize) -> Plane<f32> {
         _ if x > width / 2 => 0.8 + 0.01 * y as f32,
         _ => 2.0 + 0.05 * x as f32 + 0.1 * y as f32,
     })
-}
-
-fn peak(light: &Rgb<f64>) -> f64 {
-    let samples = light.planes().iter().flat_map(|plane| plane.data());
-    samples.copied().fold(0.0, f64::max)
-}
-
-fn worst(fast: &Rgb<f32>, exact: &Rgb<f64>) -> f64 {
-    let pairs = fast.planes().iter().zip(exact.planes());
-    let errors = pairs.flat_map(|(fast, exact)| {
-        let samples = fast.data().iter().zip(exact.data());
-        samples.map(|(&fast, exact)| (f64::from(fast) - exact).abs())
-    });
-    errors.fold(0.0, |worst, error| if error <= worst { worst } else { error })
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! Lamps in patchy water: the fast form against the reference, and both against the field integrated along both legs.
-#![allow(clippy::unwrap_used)]
 
 use fathom_optics::lamp::{
     self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, gauss_legendre, henyey_greenstein,
 };
 use fathom_optics::snow::World;
 use fathom_optics::turbidity::{Field, Turbidity};
+use imaging::Plane;
 use imaging::geometry::Intrinsics;
-use imaging::{Plane, Rgb};
+
+use crate::errors::{peak, worst};
 
 /// f32 arithmetic in angles, paths and the cosines of the field, as a share of the frame's peak.
 const ROUNDING: f64 = 2e-5;
@@ -60,20 +61,6 @@ fn range(width: usize, height: usize) -> Plane<f64> {
         (2, 1) => f64::NAN,
         _ => 1.0 + 5.0 * y as f64 / height as f64 + 0.01 * x as f64,
     })
-}
-
-fn peak(light: &Rgb<f64>) -> f64 {
-    let samples = light.planes().iter().flat_map(|plane| plane.data());
-    samples.copied().fold(0.0, f64::max)
-}
-
-fn worst(fast: &Rgb<f32>, exact: &Rgb<f64>) -> f64 {
-    let pairs = fast.planes().iter().zip(exact.planes());
-    let errors = pairs.flat_map(|(fast, exact)| {
-        let samples = fast.data().iter().zip(exact.data());
-        samples.map(|(&fast, exact)| (f64::from(fast) - exact).abs())
-    });
-    errors.fold(0.0, |worst, error| if error <= worst { worst } else { error })
 }
 
 #[test]
