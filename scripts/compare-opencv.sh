@@ -10,7 +10,7 @@ if ! "$venv/bin/python" -c 'import cv2, numpy' 2>/dev/null; then
     python3 -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check opencv-python-headless numpy
 fi
-cargo build --quiet --release -p fathom-enhance --example hscm_times
+cargo build --quiet --release -p enhance --example hscm_times
 # Both take turns on the same core, so they need not share it with each other.
 pin=""
 if command -v taskset >/dev/null; then

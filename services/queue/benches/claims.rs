@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use fathom_queue::{JobEntry, LeaseTable, Millis};
+use queue::{JobEntry, LeaseTable, Millis};
 
 const EACH: u64 = 1_000_000;
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_queue::{JobEntry, LeaseTable, Millis, Totals};
+use queue::{JobEntry, LeaseTable, Millis, Totals};
 
 fn table(frames: u64) -> LeaseTable {
     let mut table = LeaseTable::new();

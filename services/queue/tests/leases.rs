@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use fathom_queue::{JobEntry, LeaseTable, Millis, Stale};
+use queue::{JobEntry, LeaseTable, Millis, Stale};
 
 fn job(id: &str, frames: u64) -> JobEntry {
     JobEntry {

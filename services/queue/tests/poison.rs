@@ -8,8 +8,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use fathom_queue::{Grant, JobEntry, LeaseTable, Millis, StrikeEvent};
 use imaging::random::Stream;
+use queue::{Grant, JobEntry, LeaseTable, Millis, StrikeEvent};
 
 const HISTORIES: u64 = 2_000;
 const STEPS: u64 = 20_000;

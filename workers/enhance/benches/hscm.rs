@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_enhance::hscm::{self, Luma, Options, circle, clahe, homomorphic, median, merge};
-use fathom_enhance::{self as enhance, Method, Variant};
+use enhance::hscm::{self, Luma, Options, circle, clahe, homomorphic, median, merge};
+use enhance::{self as enhance, Method, Variant};
 use imaging::{Raster, Rgb8};
 
 const WIDTH: usize = 869;

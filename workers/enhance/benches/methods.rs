@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_enhance::blocks::{Guide, box_mean, guided, largest};
-use fathom_enhance::{METHODS, Method, Variant, run};
+use enhance::blocks::{Guide, box_mean, guided, largest};
+use enhance::{METHODS, Method, Variant, run};
 use imaging::{Plane, Raster, Rgb8};
 
 const WIDTH: usize = 869;

@@ -7,8 +7,8 @@ mod content;
 use std::error::Error;
 
 use content::{SIZES, pictures};
-use fathom_enhance::hscm::{Luma, Options, homomorphic};
-use fathom_enhance::{METHODS, Method, Variant, run_variant};
+use enhance::hscm::{Luma, Options, homomorphic};
+use enhance::{METHODS, Method, Variant, run_variant};
 use imaging::Raster;
 
 /// The references of guided filters are slow.

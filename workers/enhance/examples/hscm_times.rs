@@ -5,7 +5,7 @@ use std::error::Error;
 use std::io::{self, BufRead, Write};
 use std::{env, fs, time::Instant};
 
-use fathom_enhance::{Method, run};
+use enhance::{Method, run};
 use imaging::codec::{decode_picture, encode_png};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_enhance::{EnhanceError, METHODS, Method, run};
+use enhance::{EnhanceError, METHODS, Method, run};
 use imaging::random::Stream;
 use imaging::{Channels, Raster, Samples};
 use proptest::prelude::*;

@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use cases::Case;
-use fathom_enhance::hscm::{Luma, Options, Output, Settings, circle, clahe, homomorphic, median, merge};
-use fathom_enhance::{Method, Variant, hscm, run};
+use enhance::hscm::{Luma, Options, Output, Settings, circle, clahe, homomorphic, median, merge};
+use enhance::{Method, Variant, hscm, run};
 use imaging::codec::{FilePlane, decode_plane, encode_png};
 use imaging::{Plane, Raster};
 

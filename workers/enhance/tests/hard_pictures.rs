@@ -1,7 +1,7 @@
 //! Pictures and options on which naive implementations fail.
 
-use fathom_enhance::hscm::{Circle, Luma, Options, Output, Profile, Settings, enhance, homomorphic};
-use fathom_enhance::{EnhanceError, Variant};
+use enhance::hscm::{Circle, Luma, Options, Output, Profile, Settings, enhance, homomorphic};
+use enhance::{EnhanceError, Variant};
 use imaging::{Channels, Plane, Raster, Rgb8, Samples};
 use proptest::prelude::*;
 

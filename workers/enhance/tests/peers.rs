@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use fathom_enhance::{Method, Variant, run_variant};
+use enhance::{Method, Variant, run_variant};
 use imaging::Raster;
 use imaging::codec::decode_picture;
 

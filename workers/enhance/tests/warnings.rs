@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_enhance::{METHODS, Method, Warning, run};
+use enhance::{METHODS, Method, Warning, run};
 use imaging::{Raster, Rgb8};
 
 fn warnings(name: &str, picture: &Rgb8) -> Vec<Warning> {

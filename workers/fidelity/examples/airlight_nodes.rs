@@ -5,7 +5,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use fathom_fidelity::plot::{Axis, Form, Lines, Mark, Series, picture, svg};
+use fidelity::plot::{Axis, Form, Lines, Mark, Series, picture, svg};
 use imaging::codec::encode_png;
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Raster, Rgb};

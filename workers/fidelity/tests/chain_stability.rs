@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_fidelity::chain_stability::{self as chain, Finding, findings, markdown};
+use fidelity::chain_stability::{self as chain, Finding, findings, markdown};
 
 fn holds(finding: &Finding) {
     assert!(!finding.figures.is_empty());

@@ -4,9 +4,9 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_imaging::random::Stream;
-use fathom_imaging::transfer::{self, Transfer};
-use fathom_imaging::{Raster, Rgb8, codec};
+use imaging::random::Stream;
+use imaging::transfer::{self, Transfer};
+use imaging::{Raster, Rgb8, codec};
 
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;

@@ -3,11 +3,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
-use fathom_optics::snow::World;
-use fathom_optics::turbidity::{Field, Turbidity};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
+use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
+use optics::snow::World;
+use optics::turbidity::{Field, Turbidity};
 
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;

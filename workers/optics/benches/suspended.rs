@@ -3,12 +3,12 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_optics::eye::Eye;
-use fathom_optics::range::HoleRule;
-use fathom_optics::snow::{Snow, Surround, World, flakes, snow};
-use fathom_optics::turbidity::{Turbidity, optical_path};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
+use optics::eye::Eye;
+use optics::range::HoleRule;
+use optics::snow::{Snow, Surround, World, flakes, snow};
+use optics::turbidity::{Turbidity, optical_path};
 
 const SIZE: (usize, usize) = (768, 492);
 const WORLD: World = World { seed: 1, index: 0 };

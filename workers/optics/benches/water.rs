@@ -3,13 +3,13 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_optics::forward_scatter::KernelCache;
-use fathom_optics::kernel::Transfer;
-use fathom_optics::plan::{Fidelity, Plan, SceneStats};
-use fathom_optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
-use fathom_optics::{HazeBlend, HazeLight, HazeSpace, chain, haze};
 use imaging::dct::{Complex, PairDct};
 use imaging::{Plane, Rgb};
+use optics::forward_scatter::KernelCache;
+use optics::kernel::Transfer;
+use optics::plan::{Fidelity, Plan, SceneStats};
+use optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
+use optics::{HazeBlend, HazeLight, HazeSpace, chain, haze};
 
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;

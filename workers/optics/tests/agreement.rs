@@ -5,11 +5,11 @@
 #[path = "agreement/scenes.rs"]
 mod scenes;
 
-use fathom_optics::chain::{Layers, water, water_reference};
-use fathom_optics::forward_scatter::KernelCache;
-use fathom_optics::plan::{Fidelity, Plan, SceneStats};
-use fathom_optics::water::{ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
 use imaging::{Plane, Rgb};
+use optics::chain::{Layers, water, water_reference};
+use optics::forward_scatter::KernelCache;
+use optics::plan::{Fidelity, Plan, SceneStats};
+use optics::water::{ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
 
 use scenes::{SCENES, Scene};
 

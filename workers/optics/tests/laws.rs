@@ -2,15 +2,15 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_optics::chain::{Layers, water};
-use fathom_optics::forward_scatter::{KernelCache, Nodes, gather, scatter};
-use fathom_optics::kernel::Transfer;
-use fathom_optics::plan::{Fidelity, Plan, ScatterStep, SceneStats};
-use fathom_optics::range::HoleRule;
-use fathom_optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
 use imaging::dct::Dct2;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
+use optics::chain::{Layers, water};
+use optics::forward_scatter::{KernelCache, Nodes, gather, scatter};
+use optics::kernel::Transfer;
+use optics::plan::{Fidelity, Plan, ScatterStep, SceneStats};
+use optics::range::HoleRule;
+use optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
 
 const WIDTH: usize = 41;
 const HEIGHT: usize = 29;

@@ -1,10 +1,10 @@
 //! The fast form of snow agrees with its f64 reference: size × scene × tolerance.
 #![allow(clippy::unwrap_used)]
 
-use fathom_optics::eye::Eye;
-use fathom_optics::snow::{Flake, Snow, Surround, World, flakes, snow, snow_reference};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
+use optics::eye::Eye;
+use optics::snow::{Flake, Snow, Surround, World, flakes, snow, snow_reference};
 
 /// f32 over up to some thousand faint layers on one pixel, as tiny frames have them: at most 6e-8 for each, of either sign.
 const ROUNDING: f64 = 1e-5;

@@ -1,16 +1,16 @@
 //! Paths through patchy water: the closed form against quadrature, and the chain's bound with them.
 #![allow(clippy::unwrap_used)]
 
-use fathom_optics::chain::{water, water_reference};
-use fathom_optics::eye::Eye;
-use fathom_optics::forward_scatter::KernelCache;
-use fathom_optics::plan::{Fidelity, Plan, SceneStats};
-use fathom_optics::range::{HoleRule, is_hole};
-use fathom_optics::snow::World;
-use fathom_optics::turbidity::{Turbidity, optical_path, optical_path_reference, path_rounding};
-use fathom_optics::water::{Water, WaterRequest};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
+use optics::chain::{water, water_reference};
+use optics::eye::Eye;
+use optics::forward_scatter::KernelCache;
+use optics::plan::{Fidelity, Plan, SceneStats};
+use optics::range::{HoleRule, is_hole};
+use optics::snow::World;
+use optics::turbidity::{Turbidity, optical_path, optical_path_reference, path_rounding};
+use optics::water::{Water, WaterRequest};
 
 const SIZES: [(usize, usize); 6] = [(1, 1), (1, 9), (7, 1), (13, 17), (31, 8), (37, 23)];
 

@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_quality::{MetricId, measure};
 use imaging::Rgb8;
+use quality::{MetricId, measure};
 
 const WIDTH: usize = 869;
 const HEIGHT: usize = 565;

@@ -4,8 +4,8 @@
 mod cases;
 
 use cases::Case;
-use fathom_quality::{MetricId, measure};
 use imaging::Rgb8;
+use quality::{MetricId, measure};
 use serde_json::Value;
 
 /// Relative to values above 1: double precision with sums in another order.

@@ -1,8 +1,8 @@
 //! Pictures on which published programs fail, and properties of every picture.
 
-use fathom_quality::{MetricId, QualityError, measure};
 use imaging::{Channels, Plane, Raster, Rgb8, Samples};
 use proptest::prelude::*;
+use quality::{MetricId, QualityError, measure};
 
 /// Rounding at the ends of a range.
 const SLACK: f64 = 1e-9;

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_quality::{MetricId, measure};
 use imaging::{Rgb8, transfer};
+use quality::{MetricId, measure};
 
 const WIDTH: usize = 320;
 const HEIGHT: usize = 240;

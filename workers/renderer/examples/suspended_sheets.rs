@@ -5,9 +5,9 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-use fathom_renderer::{Engine, SceneSource, Slot, vocabulary};
 use imaging::codec::{Radiance, decode_radiance, downscale, encode_png};
 use imaging::{Raster, Rgb8};
+use renderer::{Engine, SceneSource, Slot, vocabulary};
 use serde_json::{Value, json};
 use spec::Job;
 use style::Library;

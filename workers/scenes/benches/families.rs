@@ -1,8 +1,8 @@
 //! One frame of every family on one core, and what its labels add.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_scenes::{FAMILIES, World, procedural};
 use imaging::geometry::Intrinsics;
+use scenes::{FAMILIES, World, procedural};
 
 const SIZE: (usize, usize) = (768, 492);
 const SEEDS: u64 = 24;

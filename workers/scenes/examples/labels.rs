@@ -1,9 +1,9 @@
 //! Writes a sheet of labels, a row for each family: picture, normals, categories, instances and findings:
 //! `cargo run --release --example labels -- FILE.png [SEED] [TILE_WIDTH]`.
 
-use fathom_scenes::{FAMILIES, World};
 use imaging::geometry::Intrinsics;
 use imaging::{Raster, Rgb8, codec, transfer};
+use scenes::{FAMILIES, World};
 
 const SIZE: (usize, usize) = (768, 492);
 /// Crack, corrosion, spalling, joint, growth, coating damage.

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use fathom_scenes::procedural;
 use imaging::geometry::Intrinsics;
 use imaging::{Raster, Rgb8, codec, transfer};
+use scenes::procedural;
 
 /// Frames made of each seed; the fastest counts.
 const REPEATS: usize = 5;

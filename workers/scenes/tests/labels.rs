@@ -1,9 +1,9 @@
 //! What labels promise, for every family.
 #![allow(clippy::unwrap_used)]
 
-use fathom_scenes::categories::{CATEGORIES, Category, FINDINGS, Finding};
-use fathom_scenes::{FAMILIES, Labels, Scene, World};
 use imaging::geometry::Intrinsics;
+use scenes::categories::{CATEGORIES, Category, FINDINGS, Finding};
+use scenes::{FAMILIES, Labels, Scene, World};
 
 const SEEDS: std::ops::Range<u64> = 0..24;
 const SIZE: (usize, usize) = (193, 123);

@@ -1,10 +1,10 @@
 //! A sequence shows one world that stays as it is, and no camera breaks a frame.
 #![allow(clippy::unwrap_used)]
 
-use fathom_scenes::categories::Finding;
-use fathom_scenes::path::Sway;
-use fathom_scenes::{CameraPose, FAMILIES, Labels, Scene, World};
 use imaging::geometry::Intrinsics;
+use scenes::categories::Finding;
+use scenes::path::Sway;
+use scenes::{CameraPose, FAMILIES, Labels, Scene, World};
 
 const SIZE: (usize, usize) = (160, 102);
 const SWAY: Sway = Sway {

@@ -1,9 +1,9 @@
 //! Twenty-four seeds are twenty-four scenes.
 
-use fathom_scenes::{FAMILIES, procedural};
 use imaging::geometry::Intrinsics;
 use imaging::{Rgb8, transfer};
 use quality::MetricId;
+use scenes::{FAMILIES, procedural};
 
 /// Frames more alike than this would look like one scene from two places.
 const MOST_ALIKE: f64 = 0.8;

@@ -1,9 +1,9 @@
 //! One frame through a network on one core.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use fathom_style::net::layer::{PARAMETERS, Weights};
-use fathom_style::net::{Network, Scratch, Table, TableScratch};
 use imaging::Rgb;
+use style::net::layer::{PARAMETERS, Weights};
+use style::net::{Network, Scratch, Table, TableScratch};
 
 fn frames(c: &mut Criterion) {
     let values = (0..PARAMETERS).map(|i| (i as f32 * 0.37).fract() * 0.2 - 0.1);

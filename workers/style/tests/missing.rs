@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use fathom_style::{Runtime, RuntimeMissing};
+use style::{Runtime, RuntimeMissing};
 
 fn refusal(path: &Path) -> String {
     let error = Runtime::load(Some(path)).unwrap_err();

@@ -1,8 +1,8 @@
 //! How far the ratios of a trained water to its colour transfer move with the scenes they are taken over:
 //! `scenes SEED MODEL.onnx PHOTO...`, seed and photos as in its training. Prints rows of a Markdown table.
 
-use fathom_training::{Photo, Trainer, score_over};
 use imaging::codec::decode_picture;
+use training::{Photo, Trainer, score_over};
 
 /// New scenes, and how often patches are drawn.
 const SETS: [(std::ops::Range<u64>, u64); 6] = [

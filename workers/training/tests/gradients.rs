@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_training::loss::losses;
-use fathom_training::loss::pyramid::Pyramid;
-use fathom_training::network::{backward, forward};
-use fathom_training::tensor::Tensor;
 use imaging::random::Stream;
 use style::net::layer::{LAYERS, OUTPUT, Weights};
+use training::loss::losses;
+use training::loss::pyramid::Pyramid;
+use training::network::{backward, forward};
+use training::tensor::Tensor;
 
 /// Rounding of central differences of sums of order 1.
 const OF_NETWORK: f64 = 1e-4;

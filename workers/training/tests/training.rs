@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_training::network::forward;
-use fathom_training::tensor::Tensor;
-use fathom_training::waters::WaterLook;
-use fathom_training::{Photo, Trainer, score};
 use imaging::{Plane, Rgb};
 use style::net::{Network, Scratch};
+use training::network::forward;
+use training::tensor::Tensor;
+use training::waters::WaterLook;
+use training::{Photo, Trainer, score};
 
 fn photo() -> Photo {
     let look = WaterLook::named("muddy").unwrap();

@@ -60,7 +60,7 @@ fn a_service_that_others_can_reach_does_not_start_without_a_token() {
     config.listen = "0.0.0.0:0".parse().unwrap();
     let runtime = tokio::runtime::Runtime::new().unwrap();
     let error = runtime
-        .block_on(fathom_api::start(config))
+        .block_on(api::start(config))
         .err()
         .expect("it must not start");
     assert!(error.to_string().contains("FATHOM_TOKEN"), "{error}");
@@ -72,7 +72,7 @@ fn a_second_service_on_the_same_directory_does_not_start() {
     let second = config(service.data.path(), None);
     let runtime = tokio::runtime::Runtime::new().unwrap();
     let error = runtime
-        .block_on(fathom_api::start(second))
+        .block_on(api::start(second))
         .err()
         .expect("it must not start");
     assert!(error.to_string().contains("another service"), "{error}");

@@ -64,7 +64,7 @@ fn every_route_is_described_and_every_reference_resolves() {
         let pointer = reference.split('"').next().unwrap();
         assert!(document.pointer(pointer).is_some(), "{pointer} is nowhere");
     }
-    for slug in fathom_api::Slug::ALL {
+    for slug in api::Slug::ALL {
         assert!(text.contains(&format!("/problems/{}`", slug.name())), "{slug:?}");
         assert_eq!(service.get(&format!("/problems/{}", slug.name())).status, 200);
     }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::bad_input::nothing_changes;
 use crate::common::worker::Fake;
 use crate::common::{Running, Setup, job, start, start_with};
-use fathom_api::Limits;
+use api::Limits;
 
 const JSON: [(&str, &str); 1] = [("content-type", "application/json")];
 const CLIENTS: usize = 250;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::worker::Fake;
 use crate::common::{Running, Setup, job, start, start_with};
-use fathom_api::Limits;
+use api::Limits;
 use serde_json::json;
 
 /// Opens a connection that has sent the head of a submission and keeps its body back.

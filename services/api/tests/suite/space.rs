@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::common::bytes::{noise_png, png};
 use crate::common::worker::Fake;
 use crate::common::{Running, Setup, job, start, start_in_folder};
-use fathom_api::Limits;
+use api::Limits;
 use serde_json::json;
 
 /// Bytes of all files below a folder.

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use fathom_catalogue::{CatalogueError, InsertImage, JobState, synthetic};
+use catalogue::{CatalogueError, InsertImage, JobState, synthetic};
 use tokio::task::JoinSet;
 
 use crate::fixture::Fixture;

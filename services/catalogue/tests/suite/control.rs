@@ -1,6 +1,6 @@
 //! Pausing, resuming, trying again.
 
-use fathom_catalogue::{CatalogueError, InsertImage, JobState, synthetic};
+use catalogue::{CatalogueError, InsertImage, JobState, synthetic};
 
 use crate::fixture::Fixture;
 

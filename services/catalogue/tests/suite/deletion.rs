@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use fathom_catalogue::{CatalogueError, Deleted, Idempotency, ImageQuery, InsertJob, JobState, synthetic};
+use catalogue::{CatalogueError, Deleted, Idempotency, ImageQuery, InsertJob, JobState, synthetic};
 
 use crate::fixture::Fixture;
 

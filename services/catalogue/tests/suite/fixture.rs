@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use catalogue::{Catalogue, FailureRow, synthetic};
-use fathom_catalogue as catalogue;
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Executor};
 

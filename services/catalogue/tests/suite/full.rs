@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
-use fathom_catalogue::{Catalogue, CatalogueError, ImageQuery, InsertJob, synthetic};
+use catalogue::{Catalogue, CatalogueError, ImageQuery, InsertJob, synthetic};
 
 const MOUNTED: &str = "CATALOGUE_ON_A_SMALL_DISK";
 const DISK: &str = "size=40m";

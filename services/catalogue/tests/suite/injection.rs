@@ -1,6 +1,6 @@
 //! Text that tries to be SQL: it is a value, or it is refused.
 
-use fathom_catalogue::{CatalogueError, ImageQuery};
+use catalogue::{CatalogueError, ImageQuery};
 
 use crate::fixture::Fixture;
 

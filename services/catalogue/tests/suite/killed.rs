@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
-use fathom_catalogue::{Catalogue, InsertImage, synthetic};
+use catalogue::{Catalogue, InsertImage, synthetic};
 
 use crate::fixture::Fixture;
 

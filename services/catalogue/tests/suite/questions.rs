@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use fathom_catalogue::{CatalogueError, ImageQuery, synthetic};
+use catalogue::{CatalogueError, ImageQuery, synthetic};
 
 use crate::fixture::Fixture;
 

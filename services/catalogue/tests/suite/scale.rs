@@ -1,6 +1,6 @@
 //! Size: a job is a formula, not a list.
 
-use fathom_catalogue::synthetic;
+use catalogue::synthetic;
 
 use crate::fixture::Fixture;
 

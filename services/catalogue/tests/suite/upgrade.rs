@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fathom_catalogue::{Catalogue, CatalogueError, Idempotency, ImageQuery, InsertJob, JobState, synthetic};
+use catalogue::{Catalogue, CatalogueError, Idempotency, ImageQuery, InsertJob, JobState, synthetic};
 use serde_json::Value;
 
 use crate::fixture::{Fixture, sabotage};

@@ -1,6 +1,6 @@
 //! Copies and checks.
 
-use fathom_catalogue::{Catalogue, synthetic};
+use catalogue::{Catalogue, synthetic};
 
 use crate::fixture::Fixture;
 

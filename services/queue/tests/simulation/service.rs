@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use fathom_queue::{Beat, Grant, JobEntry, LeaseTable, Millis, StrikeEvent};
+use queue::{Beat, Grant, JobEntry, LeaseTable, Millis, StrikeEvent};
 
 /// The term of a lease, as promised to workers.
 const TERM_MS: u64 = 15_000;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use fathom_queue::Grant;
 use imaging::random::Stream;
+use queue::Grant;
 
 use crate::service::{Claim, Service, Variant, Violation};
 
@@ -175,7 +175,7 @@ impl World {
             }
             Event::Written(..) => {}
             Event::Fail(claim, retryable) => self.service.fail(&claim, retryable, clock)?,
-            Event::Release(token) => self.service.table.release(token, fathom_queue::Millis(clock)),
+            Event::Release(token) => self.service.table.release(token, queue::Millis(clock)),
             Event::Beat(worker, tokens) => {
                 let beat = self.service.beat(&name(worker), &tokens, clock);
                 if let Some(worker) = self.workers.get_mut(&worker) {
@@ -260,7 +260,7 @@ impl World {
                 held: Vec::new(),
             },
         );
-        let start = fathom_queue::Millis(self.now + self.ahead);
+        let start = queue::Millis(self.now + self.ahead);
         self.service
             .table
             .register(&name(id), &name(id), slots as u32, start);

@@ -1,7 +1,7 @@
 //! What the tests of this crate share.
 
-use fathom_spec::{FieldError, Job, Vocabulary};
 use serde_json::{Value, json};
+use spec::{FieldError, Job, Vocabulary};
 
 /// Names to test with; `local` allows files.
 pub(crate) fn vocabulary(local: bool) -> Vocabulary {

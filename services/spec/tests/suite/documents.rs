@@ -1,7 +1,7 @@
 //! Valid descriptions: defaults, canonical form, frames.
 
-use fathom_spec::{ArtifactKind, Camera, Fidelity, Format, HazeBlend, HoleRule, Job, Scene};
 use serde_json::{Value, json};
+use spec::{ArtifactKind, Camera, Fidelity, Format, HazeBlend, HoleRule, Job, Scene};
 
 use crate::common::{job, job_with, parameters, vocabulary, with};
 

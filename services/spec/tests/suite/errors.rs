@@ -1,7 +1,7 @@
 //! Refused descriptions: every error at once, each with its place and what would be right.
 
-use fathom_spec::{FieldError, Job, MAX_ERRORS};
 use serde_json::{Value, json};
+use spec::{FieldError, Job, MAX_ERRORS};
 
 use crate::common::{errors, only_error, vocabulary, with};
 

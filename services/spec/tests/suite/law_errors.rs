@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::common::{errors, only_error, with};
 
-fn alpha(law: Value) -> fathom_spec::FieldError {
+fn alpha(law: Value) -> spec::FieldError {
     only_error(json!({"alpha": law, "water": {"style": "muddy"}}))
 }
 

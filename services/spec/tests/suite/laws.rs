@@ -1,9 +1,9 @@
 //! The laws: published answers, independence of one another, grids.
 
 use crate::common::{job, job_with, parameters, with};
-use fathom_spec::{Fidelity, law};
 use imaging::random::Stream;
 use serde_json::{Value, json};
+use spec::{Fidelity, law};
 
 /// log and exp of another library than `libm` may differ by some units in the last place.
 const OTHER_LIBRARY: f64 = 1e-14;

@@ -1,8 +1,8 @@
 //! Random input: never a panic, and valid descriptions keep their promises.
 
-use fathom_spec::{Job, fields::MAX_FRAMES};
 use proptest::prelude::*;
 use serde_json::{Value, json};
+use spec::{Job, fields::MAX_FRAMES};
 
 use crate::common::{vocabulary, with};
 
@@ -123,7 +123,7 @@ fn no_law(value: &Value) -> bool {
     }
 }
 
-fn parse(document: &Value) -> Result<Job, fathom_spec::Invalid> {
+fn parse(document: &Value) -> Result<Job, spec::Invalid> {
     Job::parse(document.to_string().as_bytes(), &vocabulary(false))
 }
 

@@ -1,7 +1,7 @@
 //! Waters: what must fit together, and what the optics are asked for.
 
-use fathom_spec::{OwnWater, haze_lights, haze_space, water_request};
 use serde_json::{Value, json};
+use spec::{OwnWater, haze_lights, haze_space, water_request};
 
 use crate::common::{errors, job_with, only_error, vocabulary, with};
 
@@ -198,7 +198,7 @@ fn a_water_of_the_users_own_is_written_out_in_numbers() {
     assert_eq!(canonical["water"]["optics"], written);
     let mut forgetful = vocabulary(false);
     forgetful.waters.clear();
-    let again = fathom_spec::Job::from_canonical(short.canonical(), &forgetful).unwrap();
+    let again = spec::Job::from_canonical(short.canonical(), &forgetful).unwrap();
     assert_eq!(again.canonical(), short.canonical(), "no worker needs to know it");
     assert_eq!(
         again.resolve(0).unwrap().water.optics.unwrap().name.as_deref(),

@@ -1,6 +1,6 @@
 //! Bytes that are not what was written: all found, none served, all replaced by putting them again.
 
-use fathom_store::{Blob, Scrubbed, Store, StoreError};
+use store::{Blob, Scrubbed, Store, StoreError};
 
 use crate::fixture::{holds_all, numbered, packs, put_one_by_one};
 

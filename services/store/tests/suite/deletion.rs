@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use fathom_store::{Blob, Scrubbed, Store, StoreError};
+use store::{Blob, Scrubbed, Store, StoreError};
 
 use crate::fixture::{blob, digests, holds_all, numbered, packs, put_one_by_one, size};
 

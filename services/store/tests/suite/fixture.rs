@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use fathom_store::{Blob, Store};
 use sha2::{Digest, Sha256};
+use store::{Blob, Store};
 
 pub(crate) fn blob(bytes: &[u8]) -> Blob {
     let digest = Sha256::digest(bytes)

@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use fathom_store::{Blob, Store, StoreError};
+use store::{Blob, Store, StoreError};
 
 use crate::fixture::{digests, holds_all, numbered};
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 
-use fathom_store::Store;
+use store::Store;
 
 use crate::fixture::{digests, numbered};
 

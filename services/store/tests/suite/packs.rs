@@ -1,6 +1,6 @@
 //! What goes in comes out, or an error does.
 
-use fathom_store::{Blob, Store, StoreError};
+use store::{Blob, Store, StoreError};
 
 use crate::fixture::blob;
 

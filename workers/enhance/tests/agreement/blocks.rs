@@ -1,7 +1,7 @@
 //! The building blocks.
 
-use fathom_enhance::Variant::{Fast, Reference};
-use fathom_enhance::blocks::{
+use enhance::Variant::{Fast, Reference};
+use enhance::blocks::{
     Guide, Veil, box_mean, gaussian, guided, largest, restore, tails, window_max, window_min,
 };
 use imaging::{Plane, Rgb8};

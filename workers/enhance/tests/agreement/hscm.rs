@@ -1,7 +1,7 @@
 //! The stages of HSCM.
 
-use fathom_enhance::hscm::{Luma, MEDIAN_MAX, Options, Profile, Settings, homomorphic, median};
-use fathom_enhance::{Variant, hscm};
+use enhance::hscm::{Luma, MEDIAN_MAX, Options, Profile, Settings, homomorphic, median};
+use enhance::{Variant, hscm};
 use imaging::{Channels, Plane, Raster, Samples};
 
 use crate::{SIZES, noise, pictures};

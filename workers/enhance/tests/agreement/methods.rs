@@ -1,6 +1,6 @@
 //! Whole methods.
 
-use fathom_enhance::{METHODS, Method, Variant, run_variant};
+use enhance::{METHODS, Method, Variant, run_variant};
 use imaging::Raster;
 
 use crate::{SIZES, pictures};

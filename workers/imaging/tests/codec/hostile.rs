@@ -4,8 +4,8 @@
 
 use std::time::{Duration, Instant};
 
-use fathom_imaging::codec::{self, DecodeError};
-use fathom_imaging::{Plane, Raster, Rgb};
+use imaging::codec::{self, DecodeError};
+use imaging::{Plane, Raster, Rgb};
 use proptest::prelude::*;
 
 use crate::{npy, png, ramp};

@@ -6,8 +6,8 @@ mod hostile;
 mod npy;
 mod png;
 
-use fathom_imaging::codec::{self, FilePlane, Radiance};
-use fathom_imaging::{Channels, Plane, Raster, Rgb, Rgb8, Samples};
+use imaging::codec::{self, FilePlane, Radiance};
+use imaging::{Channels, Plane, Raster, Rgb, Rgb8, Samples};
 
 fn ramp(width: usize, height: usize) -> Rgb8 {
     Rgb8::from_fn(width, height, |x, y| {

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_imaging::codec::{self, FilePlane, Radiance};
-use fathom_imaging::{Plane, Rgb};
+use imaging::codec::{self, FilePlane, Radiance};
+use imaging::{Plane, Rgb};
 
 /// A file of version 1.0 with this header text and data.
 pub(crate) fn file(header: &str, data: &[u8]) -> Vec<u8> {

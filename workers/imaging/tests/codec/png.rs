@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fathom_imaging::codec::{self, FilePlane};
-use fathom_imaging::{Plane, Raster, Samples};
+use imaging::codec::{self, FilePlane};
+use imaging::{Plane, Raster, Samples};
 
 /// Colour types of PNG.
 const GRAY: u8 = 0;

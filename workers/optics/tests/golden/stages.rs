@@ -1,15 +1,15 @@
 //! What each stage compares.
 
-use fathom_optics::chain::{self, ChainError, Layers};
-use fathom_optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
-use fathom_optics::kernel::{Transfer, pixel};
-use fathom_optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
-use fathom_optics::plan::{Fidelity, Plan, SceneStats};
-use fathom_optics::range::HoleRule;
-use fathom_optics::water::{Ambient, ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
-use fathom_optics::{HazeBlend, HazeLight, HazeSpace, haze as lay_haze, style_blend};
 use imaging::Rgb;
 use imaging::geometry::Intrinsics;
+use optics::chain::{self, ChainError, Layers};
+use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
+use optics::kernel::{Transfer, pixel};
+use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
+use optics::plan::{Fidelity, Plan, SceneStats};
+use optics::range::HoleRule;
+use optics::water::{Ambient, ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
+use optics::{HazeBlend, HazeLight, HazeSpace, haze as lay_haze, style_blend};
 use serde_json::Value;
 
 use crate::case::Case;

@@ -5,11 +5,9 @@ mod errors;
 mod patches;
 
 use errors::{peak, worst};
-use fathom_optics::lamp::{
-    self, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, REFERENCE_NODES, SURFACE_ROUNDING,
-};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
+use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, REFERENCE_NODES, SURFACE_ROUNDING};
 
 /// f32 arithmetic in angles and paths, as a share of the frame's peak: some hundred roundings of 6e-8.
 const ROUNDING: f64 = 1e-5;

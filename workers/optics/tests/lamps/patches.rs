@@ -1,12 +1,10 @@
 //! Lamps in patchy water: the fast form against the reference, and both against the field integrated along both legs.
 
-use fathom_optics::lamp::{
-    self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, gauss_legendre, henyey_greenstein,
-};
-use fathom_optics::snow::World;
-use fathom_optics::turbidity::{Field, Turbidity};
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
+use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, gauss_legendre, henyey_greenstein};
+use optics::snow::World;
+use optics::turbidity::{Field, Turbidity};
 
 use crate::errors::{peak, worst};
 

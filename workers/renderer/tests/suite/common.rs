@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use fathom_renderer::{Engine, RenderError, Rendered, SceneSource, Slot};
 use imaging::codec::{encode_npy_plane, encode_png};
 use imaging::{Plane, Raster, Rgb8};
+use renderer::{Engine, RenderError, Rendered, SceneSource, Slot};
 use serde_json::{Value, json};
 use spec::Job;
 use style::Library;
@@ -84,7 +84,7 @@ fn merge(into: &mut Value, fields: &Value) {
 pub(crate) fn library() -> Library {
     let shipped = Library::embedded().unwrap();
     let mut onnx = shipped.get("muddy").unwrap().onnx.to_vec();
-    let name = b"fathom_style";
+    let name = b"style";
     let at = onnx
         .windows(name.len())
         .position(|window| window == name)
@@ -111,13 +111,13 @@ pub(crate) fn engine_without_runtime() -> Arc<Engine> {
 }
 
 pub(crate) fn parse(description: &Value) -> Job {
-    let vocabulary = fathom_renderer::vocabulary(&library(), true);
+    let vocabulary = renderer::vocabulary(&library(), true);
     Job::parse(description.to_string().as_bytes(), &vocabulary).unwrap_or_else(|invalid| panic!("{invalid}"))
 }
 
 /// What is wrong with a description.
 pub(crate) fn parse_errors(description: &Value) -> Vec<spec::FieldError> {
-    let vocabulary = fathom_renderer::vocabulary(&library(), true);
+    let vocabulary = renderer::vocabulary(&library(), true);
     Job::parse(description.to_string().as_bytes(), &vocabulary)
         .unwrap_err()
         .0

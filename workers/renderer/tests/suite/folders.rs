@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use fathom_renderer::local::{LocalError, Summary, render_job};
+use renderer::local::{LocalError, Summary, render_job};
 use serde_json::json;
 use spec::{FrameRecord, Job};
 use tempfile::tempdir;

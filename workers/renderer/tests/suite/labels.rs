@@ -1,7 +1,7 @@
 //! Labels of procedural scenes, what the water leaves to be seen of them, and sequences.
 
-use fathom_renderer::{Rendered, SceneSource, Slot};
 use imaging::codec::{FilePlane, decode_plane};
+use renderer::{Rendered, SceneSource, Slot};
 use serde_json::{Value, json};
 
 use crate::common::{Files, engine_without_runtime, file, parse, parse_errors, render};
@@ -57,7 +57,7 @@ fn masks_boxes_and_record_speak_of_the_same_objects() {
     assert_eq!(pose[3], [0.0, 0.0, 0.0, 1.0]);
 }
 
-fn file_of<'a>(files: &'a [fathom_renderer::File], kind: &str) -> &'a [u8] {
+fn file_of<'a>(files: &'a [renderer::File], kind: &str) -> &'a [u8] {
     &files.iter().find(|file| file.kind == kind).unwrap().bytes
 }
 

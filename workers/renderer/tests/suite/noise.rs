@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use fathom_renderer::{Engine, SceneSource, Slot};
 use imaging::codec::decode_picture;
+use renderer::{Engine, SceneSource, Slot};
 use serde_json::json;
 use spec::Job;
 use style::Library;
@@ -42,7 +42,7 @@ fn engine() -> Arc<Engine> {
 
 fn job(files: &Files, style: &str, seed: u64) -> Job {
     let fields = json!({"water": {"style": style}, "seed": seed, "count": 9});
-    let vocabulary = fathom_renderer::vocabulary(&library(), true);
+    let vocabulary = renderer::vocabulary(&library(), true);
     Job::parse(files.description(&fields).to_string().as_bytes(), &vocabulary).unwrap()
 }
 

@@ -1,7 +1,7 @@
 //! Snow and patches of turbidity in a job: what they change, what the record says.
 
-use fathom_renderer::{Rendered, SceneSource, Slot};
 use imaging::codec::{Radiance, decode_radiance};
+use renderer::{Rendered, SceneSource, Slot};
 use serde_json::{Value, json};
 
 use crate::common::{Files, engine_without_runtime, file, parse, render};

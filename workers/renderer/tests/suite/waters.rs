@@ -1,6 +1,6 @@
 //! What the water stage does with the odd scene, and what the record says about it.
 
-use fathom_renderer::{SceneSource, Slot};
+use renderer::{SceneSource, Slot};
 use serde_json::{Value, json};
 
 use crate::common::{Files, engine_without_runtime, file, render, try_render};

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use fathom_renderer::worker::{self, Limits, WorkerOptions};
-use fathom_renderer::{Engine, RangeUpload, SceneSource, Slot, UploadedScene};
+use renderer::worker::{self, Limits, WorkerOptions};
+use renderer::{Engine, RangeUpload, SceneSource, Slot, UploadedScene};
 use scenes::uploaded::RangeKind;
 use serde_json::{Value, json};
 use spec::Job;

@@ -1,10 +1,10 @@
 //! The fast network, its f64 reference and ONNX Runtime on the exported file agree: weights × picture × size.
 
-use fathom_style::net::layer::{COLOUR, LAYERS, OUTPUT, Weights};
-use fathom_style::net::{Network, Scratch, apply_reference, onnx};
-use fathom_style::{Library, Session};
 use imaging::Rgb;
 use imaging::random::Stream;
+use style::net::layer::{COLOUR, LAYERS, OUTPUT, Weights};
+use style::net::{Network, Scratch, apply_reference, onnx};
+use style::{Library, Session};
 
 use crate::{model_of, runtime};
 

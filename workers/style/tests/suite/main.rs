@@ -9,7 +9,7 @@ mod waters;
 
 use std::path::Path;
 
-use fathom_style::{Library, Runtime, StyleModel};
+use style::{Library, Runtime, StyleModel};
 
 /// ONNX Runtime as scripts/get-onnxruntime.sh installs it, else from where it usually lies.
 fn runtime() -> Runtime {

@@ -1,7 +1,7 @@
 //! Models of other forms than the shipped ones: what is taken, and what is refused with which words.
 
-use fathom_style::{Session, StyleError};
 use imaging::{Plane, Rgb};
+use style::{Session, StyleError};
 
 use crate::onnx::{DOUBLE, FLOAT, Graph};
 use crate::{model_of, runtime};
@@ -168,7 +168,7 @@ fn a_model_of_another_form_is_refused_before_it_runs() {
 /// The family of fast neural style runs as any other network of a user's.
 #[test]
 fn a_network_with_instance_normalisation_loads_and_runs() {
-    let model = model_of(&fathom_style::net::onnx::johnson(1));
+    let model = model_of(&style::net::onnx::johnson(1));
     assert!(model.needs_runtime() && Session::native(&model).is_none());
     let mut session = runtime().session(&model).unwrap();
     let frame = Rgb::from_fn(45, 38, |x, y| [x as f32 / 45.0, y as f32 / 38.0, 0.3]);

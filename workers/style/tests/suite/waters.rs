@@ -1,7 +1,7 @@
 //! The shipped waters.
 
-use fathom_style::{Library, Runtime, Session};
 use imaging::Rgb;
+use style::{Library, Runtime, Session};
 
 use crate::runtime;
 

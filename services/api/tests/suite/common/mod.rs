@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use fathom_api::{Clock, Config, Limits, Service, Surroundings};
+use api::{Clock, Config, Limits, Service, Surroundings};
 use serde_json::{Value, json};
 use style::Library;
 use tempfile::TempDir;
@@ -117,9 +117,7 @@ fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
         style_runtime,
         limits: setup.limits,
     };
-    let service = runtime
-        .block_on(fathom_api::start_in(config, surroundings))
-        .unwrap();
+    let service = runtime.block_on(api::start_in(config, surroundings)).unwrap();
     let url = format!("http://{}", service.address());
     Running {
         runtime,
