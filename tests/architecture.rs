@@ -19,14 +19,13 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("workers/training", &["imaging", "scenes", "style"]),
     ("services/spec", &["imaging", "optics"]),
     ("proto", &["spec"]),
-    ("services/queue", &["proto", "spec"]),
     ("services/faults", &[]),
     ("services/store", &["faults"]),
     ("services/catalogue", &["faults", "spec"]),
     (
         "workers/renderer",
         &[
-            "enhance", "faults", "imaging", "optics", "proto", "quality", "queue", "scenes", "spec", "style",
+            "enhance", "faults", "imaging", "optics", "proto", "quality", "scenes", "spec", "style",
         ],
     ),
     (
@@ -39,7 +38,6 @@ const ARROWS: &[(&str, &[&str])] = &[
             "optics",
             "proto",
             "quality",
-            "queue",
             "renderer",
             "scenes",
             "spec",
@@ -59,7 +57,6 @@ const ARROWS: &[(&str, &[&str])] = &[
             "optics",
             "proto",
             "quality",
-            "queue",
             "renderer",
             "scenes",
             "spec",

@@ -39,8 +39,8 @@ impl Clock {
     }
 
     /// Milliseconds since some moment; leases are measured in it.
-    pub(crate) fn now(&self) -> queue::Millis {
-        queue::Millis((self.monotonic)())
+    pub(crate) fn now(&self) -> crate::leases::table::Millis {
+        crate::leases::table::Millis((self.monotonic)())
     }
 
     /// Milliseconds since 1970 in UTC; rows are stamped with it.

@@ -1,5 +1,7 @@
 //! The folder of a service, opened by one process.
 
+mod lock;
+
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,7 +9,7 @@ use std::path::{Path, PathBuf};
 use catalogue::{Catalogue, CatalogueError};
 use store::{Store, StoreError};
 
-use crate::lock::{self, LockError};
+pub use lock::LockError;
 
 /// Why a data folder cannot be opened.
 #[derive(Debug, thiserror::Error)]

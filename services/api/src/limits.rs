@@ -77,8 +77,6 @@ pub(crate) const HEARTBEAT: Duration = Duration::from_secs(15);
 /// Side of a thumbnail.
 pub(crate) const PREVIEW_PX: usize = 256;
 
-/// The lease of a frame: three missed beats.
-pub(crate) const LEASE_TERM_MS: u32 = 15_000;
 /// The beat of a worker.
 pub(crate) const BEAT_MS: u32 = 5_000;
 

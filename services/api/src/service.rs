@@ -15,22 +15,26 @@ use tokio::task::{JoinError, JoinHandle};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
-use crate::auth::{TokenError, Tokens};
-use crate::child::Children;
-use crate::compute::Compute;
+use crate::app::{App, Shared};
+use crate::bytes::naming::Naming;
+use crate::bytes::reclaim;
+use crate::bytes::space::Space;
 use crate::config::{Config, Surroundings};
 use crate::data::{Data, DataError};
-use crate::dispatch::Dispatch;
-use crate::estimate::Experience;
-use crate::fleet::{Fleet, OnExit, Recipe};
-use crate::naming::Naming;
-use crate::space::Space;
-use crate::state::{App, Shared};
+use crate::http::auth::{TokenError, Tokens};
+use crate::http::listener;
+use crate::jobs::control;
+use crate::leases::changes::Watch;
+use crate::leases::costs::Experience;
+use crate::leases::dispatch::Dispatch;
+use crate::leases::strikes;
+use crate::processes::child::Children;
+use crate::processes::compute::Compute;
+use crate::processes::fleet::{Fleet, OnExit, Recipe};
+use crate::styles::trainings::Trainings;
 use crate::styles::{AddedStyleError, Styles};
-use crate::trainings::Trainings;
-use crate::watch::Watch;
 use crate::waters::Waters;
-use crate::{control, listener, reclaim, routes, strikes, telemetry};
+use crate::{router, telemetry};
 
 /// How often ended leases are looked for: a killed worker's frames are offered again this much after their term.
 const EXPIRY_INTERVAL: Duration = Duration::from_millis(200);
@@ -104,7 +108,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
     let listener = TcpListener::bind(config.listen).await.map_err(listen)?;
     let address = listener.local_addr().map_err(listen)?;
     let end = CancellationToken::new();
-    let router = routes::router(Arc::clone(&app), &Arc::new(tokens), &limits);
+    let router = router::router(Arc::clone(&app), &Arc::new(tokens), &limits);
     let tasks = vec![
         tokio::spawn(listener::serve(listener, router, limits, end.clone())),
         tokio::spawn(expire_leases(Arc::clone(&app), end.clone())),

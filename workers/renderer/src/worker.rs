@@ -6,6 +6,7 @@
 //! that is away is waited for, a frame that fails is reported, a panic fails one frame.
 
 mod beat;
+pub mod client;
 mod deliver;
 mod held;
 mod jobs;
@@ -24,8 +25,8 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
+use client::Client;
 use proto::message::Register;
-use queue::client::Client;
 use style::Library;
 
 use crate::engine::Engine;

@@ -7,7 +7,7 @@ use utoipa::openapi::OpenApi;
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa::{Modify, OpenApi as _, ToResponse, ToSchema};
 
-use crate::problem::Slug;
+use crate::http::problem::Slug;
 
 pub(crate) use common::complete;
 pub(crate) use job::JobDescription;

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use style::{Library, LibraryError, is_name};
 
+use crate::http::problem::{Problem, Slug};
 use crate::limits;
-use crate::problem::{Problem, Slug};
 
 /// The folder's name in that of the service.
 const FOLDER: &str = "added-styles";

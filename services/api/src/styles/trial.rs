@@ -5,18 +5,18 @@ use std::ffi::OsStr;
 use tempfile::TempDir;
 
 use super::NewStyle;
-use crate::child::{Allowance, Ended};
+use crate::app::App;
+use crate::http::problem::{Problem, Slug};
 use crate::limits;
-use crate::problem::{Problem, Slug};
-use crate::state::App;
+use crate::processes::child::{Allowance, Ended};
 
 /// Asks `fathom check-style`; an error names what the network did wrong.
 pub(super) async fn run(app: &App, new: &NewStyle) -> Result<(), Problem> {
-    let folder = TempDir::new().map_err(|error| crate::failure::writing(&error))?;
+    let folder = TempDir::new().map_err(|error| crate::http::failure::writing(&error))?;
     let file = folder.path().join("model.onnx");
     tokio::fs::write(&file, &new.onnx)
         .await
-        .map_err(|error| crate::failure::writing(&error))?;
+        .map_err(|error| crate::http::failure::writing(&error))?;
     let arguments = [
         OsStr::new("--model"),
         file.as_os_str(),

@@ -5,7 +5,7 @@ use crate::common::worker::Fake;
 use crate::common::{Running, job, start, start_on};
 use catalogue::Catalogue;
 use proto::message::Lease;
-use queue::client::ClientError;
+use renderer::worker::client::ClientError;
 use serde_json::{Value, json};
 use store::Store;
 use tempfile::TempDir;

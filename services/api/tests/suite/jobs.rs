@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::common::worker::Fake;
 use crate::common::{job, start, start_on};
 use proto::message::Lease;
-use queue::client::ClientError;
+use renderer::worker::client::ClientError;
 use serde_json::json;
 
 #[test]

@@ -1,6 +1,6 @@
 //! One beat for all leases of the worker.
 
-use queue::client::ClientError;
+use super::client::ClientError;
 
 use super::Shared;
 

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::mpsc::Receiver;
 
+use super::client::ClientError;
 use proto::limits::shorten;
 use proto::message::{Artifact, Claim, Commit, Fail, PutArtifacts};
 use proto::wire;
-use queue::client::ClientError;
 
 use super::Shared;
 use super::held::Hold;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use queue::client::ClientError;
+use super::client::ClientError;
 
 use super::stop::Stop;
 

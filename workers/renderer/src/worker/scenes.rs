@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use super::client::ClientError;
 use imaging::geometry::Intrinsics;
 use proto::message::{RangeFile, RangeKind};
-use queue::client::ClientError;
 use sha2::{Digest, Sha256};
 
 use super::Shared;

@@ -5,9 +5,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use super::client::{Client, ClientError};
 use proto::message::{Beat, BeatOf, Lease, Register, Registered, Release, SceneFiles, Style, WantLease};
 use proto::wire;
-use queue::client::{Client, ClientError};
 
 use super::patience::pause_after;
 

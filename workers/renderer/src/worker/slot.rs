@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
+use super::client::ClientError;
 use proto::message::{Claim, Lease};
-use queue::client::ClientError;
 use spec::{Job, Scene};
 
 use super::Shared;

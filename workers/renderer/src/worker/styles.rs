@@ -1,6 +1,6 @@
 //! Style models that the service has and this worker does not.
 
-use queue::client::ClientError;
+use super::client::ClientError;
 
 use super::Shared;
 

@@ -58,12 +58,6 @@ impl Files {
         json!({"kind": "files", "rgb": self.path("rgb.png")})
     }
 
-    /// The picture's and the range's bytes.
-    pub(crate) fn bytes(&self) -> (Vec<u8>, Vec<u8>) {
-        let read = |name| std::fs::read(self.folder.path().join(name)).unwrap();
-        (read("rgb.png"), read("range.npy"))
-    }
-
     fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_str().unwrap().to_owned()
     }

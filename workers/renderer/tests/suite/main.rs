@@ -1,10 +1,9 @@
-//! Frames from description to bytes, jobs without a service, and the worker against a service of a hundred lines.
+//! Frames from description to bytes, and jobs without a service.
 
 #![allow(clippy::unwrap_used)]
 
 mod artifacts;
 mod common;
-mod fake_service;
 mod folders;
 mod labels;
 mod lamps;
@@ -15,4 +14,3 @@ mod onnx;
 mod style;
 mod suspended;
 mod waters;
-mod workers;

@@ -9,7 +9,7 @@ use proto::message::{
     Artifact, BeatOf, Claim, Commit, Fail, Lease, PutArtifacts, Register, Release, WantLease,
 };
 use proto::wire::BeatResponse;
-use queue::client::{Client, ClientError};
+use renderer::worker::client::{Client, ClientError};
 use renderer::worker::{Limits, WorkerOptions};
 use serde_json::{Map, json};
 use sha2::{Digest, Sha256};

@@ -8,7 +8,7 @@ use anyhow::Context;
 use api::{Data, Service};
 use catalogue::{InsertJob, synthetic};
 use proto::wire::{LeaseRequest, RegisterRequest, ReleaseRequest};
-use queue::client::Client;
+use renderer::worker::client::Client;
 use serde_json::json;
 use tokio::runtime::Runtime;
 

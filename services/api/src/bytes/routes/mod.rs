@@ -1,0 +1,3 @@
+//! `/v1/worker/blobs`.
+
+pub(crate) mod blob;

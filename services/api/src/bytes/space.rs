@@ -1,0 +1,147 @@
+//! Whether there is space on the disk, as far as the service has noticed.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use axum::extract::{Request, State};
+use axum::middleware::Next;
+use axum::response::Response;
+
+use crate::http::failure::storage_full;
+use crate::http::problem::{Problem, Slug};
+
+/// Written to see whether there is space again: as much as a few frames need.
+const PROBE_BYTES: usize = 4 << 20;
+/// Its file, overwritten each time and removed.
+const PROBE: &str = "space.probe";
+
+/// Bytes that are kept so that a deletion, which must write before it frees anything, can be done on a full disk.
+const RESERVE: &str = "space.reserve";
+
+/// What is known of the space.
+pub(crate) struct Space {
+    folder: PathBuf,
+    full: AtomicBool,
+    reserve_bytes: u64,
+    /// The reserve is given to a deletion: until it is there again nothing else may be written.
+    given: AtomicBool,
+    /// The deletion is still at it.
+    in_use: AtomicBool,
+}
+
+impl Space {
+    /// Lays the reserve aside, if there is room for it.
+    pub(crate) fn of(folder: &Path, reserve_bytes: u64) -> Self {
+        let space = Self {
+            folder: folder.to_owned(),
+            full: AtomicBool::new(false),
+            reserve_bytes,
+            given: AtomicBool::new(false),
+            in_use: AtomicBool::new(false),
+        };
+        if let Err(error) = space.lay_aside() {
+            tracing::warn!(%error, "there is no room for a reserve: on a full disk nothing can be deleted");
+        }
+        space
+    }
+
+    /// Gives the reserve to a deletion; false if there is none.
+    pub(crate) fn give_reserve(&self) -> bool {
+        let given = std::fs::remove_file(self.folder.join(RESERVE)).is_ok();
+        if given {
+            tracing::warn!("the disk is full: the reserve goes to a deletion");
+            self.in_use.store(true, Ordering::SeqCst);
+            self.given.store(true, Ordering::SeqCst);
+            self.full.store(true, Ordering::SeqCst);
+        }
+        given
+    }
+
+    /// The deletion is done, or cannot go on: the reserve is laid aside again as soon as there is room.
+    pub(crate) async fn take_reserve_back(self: &Arc<Self>) {
+        self.in_use.store(false, Ordering::SeqCst);
+        self.is_full().await;
+    }
+
+    /// Whether something may be written: not while the reserve is given to a deletion and cannot be laid aside again.
+    pub(crate) async fn room(self: &Arc<Self>) -> Result<(), Problem> {
+        if self.given.load(Ordering::SeqCst) && self.is_full().await {
+            return Err(storage_full(&"the reserve is in use"));
+        }
+        Ok(())
+    }
+
+    /// Whether the service ran out of space and there is still none.
+    pub(crate) async fn is_full(self: &Arc<Self>) -> bool {
+        if !self.full.load(Ordering::SeqCst) {
+            return false;
+        }
+        let space = Arc::clone(self);
+        let probed = tokio::task::spawn_blocking(move || space.probe()).await;
+        let full = !matches!(probed, Ok(Ok(())));
+        self.full.store(full, Ordering::SeqCst);
+        full
+    }
+
+    /// Size of the catalogue's write-ahead log.
+    pub(crate) async fn wal_bytes(&self) -> u64 {
+        let file = tokio::fs::metadata(self.folder.join("catalogue.sqlite-wal")).await;
+        file.map_or(0, |file| file.len())
+    }
+
+    fn probe(&self) -> io::Result<()> {
+        let path = self.folder.join(PROBE);
+        if self.in_use.load(Ordering::SeqCst) {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        self.lay_aside()?;
+        let written = std::fs::write(&path, vec![1; PROBE_BYTES]);
+        let removed = std::fs::remove_file(&path);
+        written.and(removed)
+    }
+
+    /// Writes the reserve, whole or not at all.
+    fn lay_aside(&self) -> io::Result<()> {
+        let path = self.folder.join(RESERVE);
+        if std::fs::metadata(&path).map_or(0, |file| file.len()) != self.reserve_bytes {
+            let written = File::create(&path).and_then(|file| fill(file, self.reserve_bytes));
+            if written.is_err() {
+                std::fs::remove_file(&path)?;
+            }
+            written?;
+        }
+        self.given.store(false, Ordering::SeqCst);
+        Ok(())
+    }
+}
+
+/// Bytes that no file system makes smaller.
+fn fill(mut file: File, bytes: u64) -> io::Result<()> {
+    let mut state = 1_u64;
+    let mut block = [0; 1 << 16];
+    for at in (0..bytes).step_by(block.len()) {
+        for word in block.chunks_exact_mut(8) {
+            // Marsaglia (2003), xorshift64.
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            word.copy_from_slice(&state.to_le_bytes());
+        }
+        let length = block.len().min((bytes - at) as usize);
+        file.write_all(&block[..length])?;
+    }
+    file.sync_all()
+}
+
+/// Takes note of answers that say that the disk is full.
+pub(crate) async fn note(State(space): State<Arc<Space>>, request: Request, next: Next) -> Response {
+    let answer = next.run(request).await;
+    let problem = answer.extensions().get::<Problem>();
+    if problem.is_some_and(|problem| problem.is(Slug::StorageFull)) {
+        space.full.store(true, Ordering::SeqCst);
+    }
+    answer
+}

@@ -1,0 +1,3 @@
+//! Datasets: sums, statistics and tables of their images.
+
+pub(crate) mod routes;

@@ -1,0 +1,165 @@
+//! `GET /v1/datasets/{name}/metadata.jsonl` and `metadata.csv`.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::response::Response;
+use catalogue::ImageQuery;
+use serde::Deserialize;
+use serde_json::Value;
+use utoipa::IntoParams;
+
+use crate::app::{App, Shared};
+use crate::http::extract::{Path, Query};
+use crate::http::lines::{self, Batch};
+use crate::http::problem::Problem;
+use crate::images::routes::list::checked_filter;
+use crate::limits::ROWS_BATCH;
+
+/// Which images.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct Parameters {
+    /// Only images that fulfil this.
+    #[param(example = "uiqm > 0.8")]
+    filter: Option<String>,
+}
+
+/// Read everything that is known of a dataset's images, one JSON object a line.
+///
+/// Parameters, labels, metrics, counts, digests of the artifacts. Every row has the same members.
+#[utoipa::path(get, path = "/v1/datasets/{name}/metadata.jsonl", tag = "datasets",
+    params(("name" = String, Path, description = "Name of the dataset"), Parameters),
+    responses((status = 200, description = "One object a line.", content_type = "application/x-ndjson", body = String),
+              (status = 404, response = crate::openapi::Problem)))]
+pub(crate) async fn jsonl(
+    State(app): State<Shared>,
+    Path(name): Path<String>,
+    Query(asked): Query<Parameters>,
+) -> Result<Response, Problem> {
+    let table = Table::of(&app, name, asked).await?;
+    table
+        .answer(app, lines::NDJSON, Vec::new(), |_, rows| lines::json_lines(rows))
+        .await
+}
+
+/// Read everything that is known of a dataset's images as a table.
+///
+/// The first line names the columns; what is absent is empty.
+#[utoipa::path(get, path = "/v1/datasets/{name}/metadata.csv", tag = "datasets",
+    params(("name" = String, Path, description = "Name of the dataset"), Parameters),
+    responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String),
+              (status = 404, response = crate::openapi::Problem)))]
+pub(crate) async fn csv(
+    State(app): State<Shared>,
+    Path(name): Path<String>,
+    Query(asked): Query<Parameters>,
+) -> Result<Response, Problem> {
+    let table = Table::of(&app, name, asked).await?;
+    let head = record(table.columns.iter().map(|name| quoted(name)));
+    let media_type = "text/csv; charset=utf-8; header=present";
+    table
+        .answer(app, media_type, head.into_bytes(), |columns, rows| {
+            Ok(records(columns, &rows))
+        })
+        .await
+}
+
+/// A question whose answer is all rows of a dataset.
+struct Table {
+    dataset: String,
+    filter: Option<String>,
+    columns: Vec<String>,
+}
+
+/// How rows become bytes, with the names of the columns.
+type Write = fn(&[String], Vec<Value>) -> Result<Vec<u8>, Problem>;
+
+impl Table {
+    async fn of(app: &App, dataset: String, asked: Parameters) -> Result<Self, Problem> {
+        super::get::row(app, &dataset).await?;
+        let columns = app.catalogue.columns(&dataset).await?.into_iter();
+        Ok(Self {
+            filter: checked_filter(asked.filter)?,
+            columns: columns.map(|column| column.name).collect(),
+            dataset,
+        })
+    }
+
+    async fn answer(
+        self,
+        app: Shared,
+        media_type: &'static str,
+        mut head: Vec<u8>,
+        write: Write,
+    ) -> Result<Response, Problem> {
+        let mut first = self.batch(&app, None, write).await?;
+        head.append(&mut first.bytes);
+        first.bytes = head;
+        let table = Arc::new(self);
+        Ok(lines::answer(media_type, first, move |cursor| {
+            let (app, table) = (Arc::clone(&app), Arc::clone(&table));
+            async move { table.batch(&app, Some(cursor), write).await }
+        }))
+    }
+
+    async fn batch(&self, app: &App, cursor: Option<String>, write: Write) -> Result<Batch<String>, Problem> {
+        let query = ImageQuery {
+            dataset: Some(self.dataset.clone()),
+            filter: self.filter.clone(),
+            order_by: None,
+            limit: ROWS_BATCH,
+            cursor,
+            fields: self.columns.clone(),
+        };
+        let page = app.catalogue.images(query).await?;
+        Ok(Batch {
+            bytes: write(&self.columns, page.items)?,
+            next: page.next_cursor,
+        })
+    }
+}
+
+fn records(columns: &[String], rows: &[Value]) -> Vec<u8> {
+    let line = |row: &Value| record(columns.iter().map(|name| cell(row.get(name))));
+    rows.iter().map(line).collect::<String>().into_bytes()
+}
+
+fn record(cells: impl Iterator<Item = String>) -> String {
+    cells.collect::<Vec<_>>().join(",") + "\r\n"
+}
+
+fn cell(value: Option<&Value>) -> String {
+    match value {
+        None | Some(Value::Null) => String::new(),
+        Some(Value::String(text)) => quoted(text),
+        Some(other) => quoted(&other.to_string()),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    if text.contains(['"', ',', '\r', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn cells_are_quoted_where_they_must_be_and_empty_where_nothing_is() {
+        let columns = ["a", "b", "c", "d"].map(str::to_owned);
+        let rows = [
+            json!({"a": "x, \"y\"\n", "b": 1.5, "c": null}),
+            json!({"d": true}),
+        ];
+        let text = String::from_utf8(records(&columns, &rows)).unwrap();
+        assert_eq!(text, "\"x, \"\"y\"\"\n\",1.5,,\r\n,,,true\r\n");
+    }
+}

@@ -1,0 +1,256 @@
+//! Bearer tokens with scopes. Only SHA-256 hashes of the secrets are kept.
+
+use std::net::SocketAddr;
+
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::middleware::Next;
+use axum::response::Response;
+use sha2::{Digest, Sha256};
+
+use crate::http::problem::{Problem, Slug};
+
+/// What a token may do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// Look at everything that is not secret.
+    Read,
+    /// Submit and cancel jobs, upload scenes.
+    Submit,
+    /// Be a worker.
+    Work,
+    /// Everything.
+    Admin,
+}
+
+impl Scope {
+    const ALL: [Self; 4] = [Self::Read, Self::Submit, Self::Work, Self::Admin];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Submit => "submit",
+            Self::Work => "work",
+            Self::Admin => "admin",
+        }
+    }
+
+    fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|scope| scope.name() == name)
+    }
+}
+
+/// Why the token setting cannot be used. Secrets are never part of a message.
+#[derive(Debug, thiserror::Error)]
+pub enum TokenError {
+    /// An entry without a secret.
+    #[error("token entry {position} has no secret")]
+    Empty {
+        /// Counted from 1.
+        position: usize,
+    },
+    /// The part before `:` is not a list of scopes.
+    #[error(
+        "token entry {position} names an unknown scope; scopes are read, submit, work and admin, joined by `+`"
+    )]
+    Scope {
+        /// Counted from 1.
+        position: usize,
+    },
+    /// Others could reach the service.
+    #[error("{0} can be reached from other machines: set FATHOM_TOKEN, or listen on 127.0.0.1")]
+    Open(SocketAddr),
+}
+
+/// Who sent a request: rows that belong to a caller carry `owner`.
+#[derive(Debug, Clone)]
+pub(crate) struct Caller {
+    /// Hash of the token, or `local` where none is needed.
+    pub(crate) owner: String,
+}
+
+struct Entry {
+    hash: [u8; 32],
+    scopes: Vec<Scope>,
+}
+
+/// The known tokens; none: everybody may do everything.
+pub(crate) struct Tokens(Vec<Entry>);
+
+impl Tokens {
+    /// Reads `SECRET` or `scope+scope:SECRET` entries, separated by commas.
+    pub(crate) fn parse(setting: Option<&str>, listen: SocketAddr) -> Result<Self, TokenError> {
+        let Some(setting) = setting.filter(|text| !text.is_empty()) else {
+            return if listen.ip().is_loopback() {
+                Ok(Self(Vec::new()))
+            } else {
+                Err(TokenError::Open(listen))
+            };
+        };
+        let entries = setting
+            .split(',')
+            .zip(1..)
+            .map(|(text, position)| Entry::parse(text.trim(), position));
+        Ok(Self(entries.collect::<Result<_, _>>()?))
+    }
+
+    /// Whether requests need a token.
+    pub(crate) fn are_needed(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    /// Lets one more secret work as a worker.
+    pub(crate) fn add_worker(&mut self, secret: &str) {
+        self.0.push(Entry {
+            hash: Sha256::digest(secret).into(),
+            scopes: vec![Scope::Work],
+        });
+    }
+
+    fn check(&self, headers: &HeaderMap, needed: Scope) -> Result<Caller, Problem> {
+        if self.0.is_empty() {
+            return Ok(Caller {
+                owner: "local".to_owned(),
+            });
+        }
+        let Some(secret) = bearer(headers) else {
+            return Err(unauthorized(
+                "this request needs the header `Authorization: Bearer TOKEN`",
+                "Bearer",
+            ));
+        };
+        let hash: [u8; 32] = Sha256::digest(secret).into();
+        // Every entry is looked at, whichever matches.
+        let known = self.0.iter().fold(None, |found, entry| {
+            if same(&entry.hash, &hash) {
+                Some(entry)
+            } else {
+                found
+            }
+        });
+        let Some(entry) = known else {
+            return Err(unauthorized(
+                "the token is not known",
+                "Bearer error=\"invalid_token\"",
+            ));
+        };
+        if entry.scopes.contains(&needed) || entry.scopes.contains(&Scope::Admin) {
+            return Ok(Caller {
+                owner: spec::hex(&hash),
+            });
+        }
+        let detail = format!("this request needs a token with the scope `{}`", needed.name());
+        Err(Problem::new(Slug::Forbidden, detail).with("scope", needed.name()))
+    }
+}
+
+impl Entry {
+    fn parse(text: &str, position: usize) -> Result<Self, TokenError> {
+        let (scopes, secret) = match text.split_once(':') {
+            None => (vec![Scope::Admin], text),
+            Some((names, secret)) => {
+                let scopes: Option<Vec<_>> = names.split('+').map(Scope::parse).collect();
+                (scopes.ok_or(TokenError::Scope { position })?, secret)
+            }
+        };
+        if secret.is_empty() {
+            return Err(TokenError::Empty { position });
+        }
+        Ok(Self {
+            hash: Sha256::digest(secret).into(),
+            scopes,
+        })
+    }
+}
+
+fn unauthorized(detail: &str, challenge: &'static str) -> Problem {
+    Problem::new(Slug::Unauthorized, detail)
+        .header(header::WWW_AUTHENTICATE, HeaderValue::from_static(challenge))
+}
+
+fn bearer(headers: &HeaderMap) -> Option<&[u8]> {
+    let value = headers.get(header::AUTHORIZATION)?.as_bytes();
+    let (scheme, secret) = value.split_at_checked(7)?;
+    scheme
+        .eq_ignore_ascii_case(b"bearer ")
+        .then(|| secret.trim_ascii())
+}
+
+/// Compares in a time that does not depend on where the first difference is.
+fn same(a: &[u8; 32], b: &[u8; 32]) -> bool {
+    a.iter().zip(b).fold(0, |difference, (x, y)| difference | (x ^ y)) == 0
+}
+
+/// What a group of routes needs of its callers.
+#[derive(Clone)]
+pub(crate) struct Guard {
+    pub(crate) tokens: std::sync::Arc<Tokens>,
+    pub(crate) scope: Scope,
+}
+
+/// Lets requests through that carry a token with the scope; marks them with their [`Caller`].
+pub(crate) async fn require(
+    State(guard): State<Guard>,
+    mut request: Request,
+    next: Next,
+) -> Result<Response, Problem> {
+    let caller = guard.tokens.check(request.headers(), guard.scope)?;
+    request.extensions_mut().insert(caller);
+    Ok(next.run(request).await)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tokens(setting: &str) -> Tokens {
+        Tokens::parse(Some(setting), local()).unwrap()
+    }
+
+    fn local() -> SocketAddr {
+        "127.0.0.1:0".parse().unwrap()
+    }
+
+    fn status(tokens: &Tokens, secret: &str, scope: Scope) -> u16 {
+        let mut headers = HeaderMap::new();
+        headers.insert(header::AUTHORIZATION, format!("Bearer {secret}").parse().unwrap());
+        tokens
+            .check(&headers, scope)
+            .map_or_else(|problem| problem.render(None).status().as_u16(), |_| 200)
+    }
+
+    #[test]
+    fn a_plain_secret_may_do_everything_and_a_scoped_one_only_its_scopes() {
+        let tokens = tokens("boss, read+submit:alice");
+        assert_eq!(status(&tokens, "boss", Scope::Work), 200);
+        assert_eq!(status(&tokens, "alice", Scope::Submit), 200);
+        assert_eq!(status(&tokens, "alice", Scope::Work), 403);
+        assert_eq!(status(&tokens, "mallory", Scope::Read), 401);
+        assert_eq!(status(&tokens, "read+submit:alice", Scope::Read), 401);
+    }
+
+    #[test]
+    fn a_misspelt_scope_never_becomes_a_secret_that_may_do_everything() {
+        assert!(matches!(
+            Tokens::parse(Some("raed:alice"), local()),
+            Err(TokenError::Scope { position: 1 })
+        ));
+        assert!(matches!(
+            Tokens::parse(Some("boss,read:"), local()),
+            Err(TokenError::Empty { position: 2 })
+        ));
+        assert!(matches!(
+            Tokens::parse(Some("boss,"), local()),
+            Err(TokenError::Empty { position: 2 })
+        ));
+    }
+
+    #[test]
+    fn other_machines_are_only_let_in_with_a_token() {
+        let open: SocketAddr = "0.0.0.0:7311".parse().unwrap();
+        assert!(matches!(Tokens::parse(None, open), Err(TokenError::Open(_))));
+        assert!(matches!(Tokens::parse(Some(""), open), Err(TokenError::Open(_))));
+        assert!(Tokens::parse(Some("boss"), open).is_ok());
+        assert!(Tokens::parse(None, "[::1]:7311".parse().unwrap()).is_ok());
+    }
+}

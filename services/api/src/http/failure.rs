@@ -1,0 +1,73 @@
+//! From the errors of the crates below to problems: the only place where that is decided.
+
+use catalogue::CatalogueError;
+use proto::MessageError;
+use store::StoreError;
+
+use crate::http::problem::{Problem, Slug};
+
+impl From<CatalogueError> for Problem {
+    fn from(error: CatalogueError) -> Self {
+        match error {
+            CatalogueError::Filter(filter) => {
+                let problem =
+                    Self::new(Slug::InvalidFilter, filter.to_string()).with("position", filter.position);
+                match filter.did_you_mean {
+                    Some(name) => problem.with("did_you_mean", name),
+                    None => problem,
+                }
+            }
+            CatalogueError::Cursor => Self::new(Slug::InvalidCursor, error.to_string()),
+            CatalogueError::NotFound { .. } => Self::not_found(error.to_string()),
+            CatalogueError::Full { .. } => storage_full(&error),
+            CatalogueError::Transition { .. } => Self::new(Slug::JobState, error.to_string()),
+            CatalogueError::Timeout { .. } => Self::new(Slug::QueryTooSlow, error.to_string()),
+            CatalogueError::Closed => Self::overloaded("the service is stopping"),
+            CatalogueError::SqliteTooOld { .. }
+            | CatalogueError::Open { .. }
+            | CatalogueError::Failed { .. } => Self::internal(&error),
+        }
+    }
+}
+
+impl From<StoreError> for Problem {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::Full { .. } => storage_full(&error),
+            StoreError::DigestMismatch { .. } | StoreError::NotADigest { .. } => {
+                Self::new(Slug::InvalidBody, error.to_string())
+            }
+            StoreError::Corrupt { .. } => {
+                tracing::error!(%error, "a stored artifact is damaged");
+                Self::new(Slug::CorruptArtifact, error.to_string())
+            }
+            StoreError::Closed => Self::overloaded("the service is stopping"),
+            StoreError::Pack { .. } | StoreError::Damaged { .. } | StoreError::Failed { .. } => {
+                Self::internal(&error)
+            }
+        }
+    }
+}
+
+impl From<MessageError> for Problem {
+    fn from(error: MessageError) -> Self {
+        Self::new(Slug::InvalidBody, error.to_string())
+    }
+}
+
+/// From an error of the file system while something was written.
+pub(crate) fn writing(error: &std::io::Error) -> Problem {
+    use std::io::ErrorKind;
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => storage_full(error),
+        _ => Problem::internal(error),
+    }
+}
+
+pub(crate) fn storage_full(error: &dyn std::fmt::Display) -> Problem {
+    tracing::error!(%error, "the disk is full");
+    Problem::new(
+        Slug::StorageFull,
+        "there is no space left for the data directory; reading goes on",
+    )
+}

@@ -1,0 +1,318 @@
+//! What every request passes through, from the outside in: request id and log line, problems, panics, other sites'
+//! pages; then what its group needs: scope, a place in the group's budget, a time limit, a body limit.
+
+use std::any::Any;
+use std::panic::AssertUnwindSafe;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::extract::{DefaultBodyLimit, MatchedPath, Request, State};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::{IntoResponse, Response};
+use futures::FutureExt;
+use tokio::sync::Semaphore;
+use tracing::Instrument;
+use utoipa_axum::router::OpenApiRouter;
+use uuid::Uuid;
+
+use crate::http::auth::{Guard, Scope, Tokens, require};
+use crate::http::held::Held;
+use crate::http::problem::{Problem, Slug};
+use crate::telemetry;
+
+/// How long a request waits for a place before it is shed: long enough for a burst of submissions to pass in group
+/// commits, short enough for a client to notice. Those who wait have sent no more than their head.
+const SHED_AFTER: Duration = Duration::from_millis(500);
+/// A request id from the client is taken over up to this length.
+const REQUEST_ID_BYTES: usize = 64;
+
+/// What a group of routes has in common.
+pub(crate) struct Group {
+    pub(crate) scope: Option<Scope>,
+    pub(crate) budget: Budget,
+    pub(crate) timeout: Duration,
+    pub(crate) body_bytes: usize,
+}
+
+impl Group {
+    /// Puts the group's layers around its routes, and around nothing else: unknown routes belong to no group.
+    pub(crate) fn around<S: Clone + Send + Sync + 'static>(
+        self,
+        routes: OpenApiRouter<S>,
+        tokens: &Arc<Tokens>,
+    ) -> OpenApiRouter<S> {
+        let routes = routes
+            .route_layer(DefaultBodyLimit::max(self.body_bytes))
+            .route_layer(from_fn_with_state(self.timeout, in_time))
+            .route_layer(from_fn_with_state(self.budget, within_budget));
+        match self.scope {
+            Some(scope) => routes.route_layer(from_fn_with_state(
+                Guard {
+                    tokens: Arc::clone(tokens),
+                    scope,
+                },
+                require,
+            )),
+            None => routes,
+        }
+    }
+}
+
+/// How many requests of a kind may be at work at the same time. Clones share the places: a layer is cloned for
+/// each route, and the limit must hold over all of them.
+#[derive(Clone)]
+pub(crate) struct Budget {
+    name: &'static str,
+    places: Arc<Semaphore>,
+}
+
+impl Budget {
+    pub(crate) fn new(name: &'static str, places: usize) -> Self {
+        Self {
+            name,
+            places: Arc::new(Semaphore::new(places)),
+        }
+    }
+}
+
+async fn within_budget(
+    State(budget): State<Budget>,
+    request: Request,
+    next: Next,
+) -> Result<Response, Problem> {
+    let place = tokio::time::timeout(SHED_AFTER, budget.places.acquire_owned());
+    let Ok(Ok(place)) = place.await else {
+        telemetry::shed(budget.name);
+        return Err(Problem::overloaded(format!(
+            "all places for {} are taken",
+            budget.name
+        )));
+    };
+    let answer = next.run(request).await;
+    Ok(answer.map(|body| Held::around(body, place)))
+}
+
+async fn in_time(State(limit): State<Duration>, request: Request, next: Next) -> Result<Response, Problem> {
+    tokio::time::timeout(limit, next.run(request)).await.map_err(|_| {
+        Problem::new(
+            Slug::RequestTimeout,
+            format!("not received and answered within {} s", limit.as_secs()),
+        )
+    })
+}
+
+/// The outermost layer: gives the request its id, turns problems and panics into answers, writes the log line.
+pub(crate) async fn observe(request: Request, next: Next) -> Response {
+    let id = request_id(request.headers());
+    let method = request.method().clone();
+    let path = request.uri().path().to_owned();
+    let route = request
+        .extensions()
+        .get::<MatchedPath>()
+        .map_or("unmatched", MatchedPath::as_str)
+        .to_owned();
+    let start = Instant::now();
+    let span = tracing::info_span!("request", id);
+    let work = async {
+        if crosses_sites(&request) {
+            cross_origin()
+        } else {
+            next.run(request).await
+        }
+    };
+    let response = AssertUnwindSafe(work.instrument(span.clone()))
+        .catch_unwind()
+        .await
+        .unwrap_or_else(panicked);
+    let mut response = as_problem(response, &id);
+    let seconds = start.elapsed().as_secs_f64();
+    let status = response.status().as_u16();
+    telemetry::request(&method, &route, status, seconds);
+    let ms = seconds * 1e3;
+    // Workers and probes call all the time: their lines are for those who look for them.
+    if route.starts_with("/v1/worker/") || !route.starts_with("/v1/") {
+        span.in_scope(|| tracing::debug!(%method, path, status, ms, "answered"));
+    } else {
+        span.in_scope(|| tracing::info!(%method, path, status, ms, "answered"));
+    }
+    if let Ok(value) = HeaderValue::from_str(&id) {
+        response.headers_mut().insert("x-request-id", value);
+    }
+    response
+}
+
+fn request_id(headers: &HeaderMap) -> String {
+    let given = headers.get("x-request-id").and_then(|value| value.to_str().ok());
+    let usable = |id: &&str| {
+        (1..=REQUEST_ID_BYTES).contains(&id.len())
+            && id
+                .bytes()
+                .all(|byte| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte))
+    };
+    given
+        .filter(usable)
+        .map_or_else(|| format!("req_{}", Uuid::now_v7().simple()), str::to_owned)
+}
+
+/// Whether a browser sent this on behalf of another site's page: an open service on loopback would obey.
+fn crosses_sites(request: &Request) -> bool {
+    if [Method::GET, Method::HEAD, Method::OPTIONS].contains(request.method()) {
+        return false;
+    }
+    let Some(origin) = request.headers().get(header::ORIGIN) else {
+        return false;
+    };
+    let host = request.headers().get(header::HOST).map(HeaderValue::as_bytes);
+    let site = origin
+        .to_str()
+        .ok()
+        .and_then(|text| text.split_once("://"))
+        .map(|(_, site)| site.as_bytes());
+    site.is_none() || site != host
+}
+
+fn cross_origin() -> Response {
+    Problem::new(
+        Slug::CrossOrigin,
+        "the page that sent this belongs to another site",
+    )
+    .into_response()
+}
+
+fn panicked(payload: Box<dyn Any + Send>) -> Response {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+    Problem::internal(&format!("panic: {}", text.unwrap_or_default())).into_response()
+}
+
+/// Writes a problem's body; an error that is none yet, such as an unsupported method, becomes one.
+fn as_problem(mut response: Response, id: &str) -> Response {
+    if let Some(problem) = response.extensions_mut().remove::<Problem>() {
+        return problem.render(Some(id));
+    }
+    let slug = match response.status() {
+        status if !status.is_client_error() && !status.is_server_error() => return response,
+        StatusCode::NOT_FOUND => Slug::NotFound,
+        StatusCode::METHOD_NOT_ALLOWED => Slug::MethodNotAllowed,
+        StatusCode::PAYLOAD_TOO_LARGE => Slug::TooLarge,
+        StatusCode::UNSUPPORTED_MEDIA_TYPE => Slug::UnsupportedMediaType,
+        status if status.is_client_error() => Slug::InvalidBody,
+        _ => Slug::Internal,
+    };
+    let allow = response.headers_mut().remove(header::ALLOW);
+    let problem = Problem::new(slug, "see /openapi.json for the routes and what they take");
+    let problem = match allow {
+        Some(allow) => problem.header(header::ALLOW, allow),
+        None => problem,
+    };
+    problem.render(Some(id))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use axum::Router;
+    use axum::body::Body;
+    use axum::middleware::from_fn;
+    use axum::routing::get;
+    use tokio::sync::Barrier;
+    use tower::ServiceExt;
+
+    use super::*;
+
+    async fn ask(app: &Router, request: Request) -> Response {
+        app.clone().oneshot(request).await.unwrap()
+    }
+
+    fn path(path: &str) -> Request {
+        Request::get(path).body(Body::empty()).unwrap()
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn the_budget_holds_over_all_routes_together_and_sheds_the_rest() {
+        let (inside, most) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0)));
+        let gate = Arc::new(Barrier::new(4));
+        let work = {
+            let (inside, most, gate) = (Arc::clone(&inside), Arc::clone(&most), Arc::clone(&gate));
+            move || async move {
+                most.fetch_max(inside.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+                gate.wait().await;
+                inside.fetch_sub(1, Ordering::SeqCst);
+            }
+        };
+        let budget = Budget::new("tests", 3);
+        let app = Router::new()
+            .route("/a", get(work.clone()))
+            .route("/b", get(work))
+            .layer(from_fn_with_state(budget, within_budget))
+            .layer(from_fn(observe));
+        let calls: Vec<_> = (0..40)
+            .map(|i| tokio::spawn(app.clone().oneshot(path(if i % 2 == 0 { "/a" } else { "/b" }))))
+            .collect();
+        tokio::time::sleep(SHED_AFTER * 2).await;
+        assert_eq!(inside.load(Ordering::SeqCst), 3);
+        gate.wait().await;
+        let mut statuses = Vec::new();
+        for call in calls {
+            let response = call.await.unwrap().unwrap();
+            if response.status() == 503 {
+                assert_eq!(response.headers()[header::RETRY_AFTER], "1");
+            }
+            statuses.push(response.status().as_u16());
+        }
+        assert_eq!(statuses.iter().filter(|status| **status == 200).count(), 3);
+        assert_eq!(statuses.iter().filter(|status| **status == 503).count(), 37);
+        assert_eq!(most.load(Ordering::SeqCst), 3);
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn panics_and_late_answers_are_problems_with_the_request_id() {
+        let app = Router::new()
+            .route(
+                "/panic",
+                get(|| async {
+                    if true {
+                        panic!("on purpose")
+                    }
+                }),
+            )
+            .route("/late", get(std::future::pending::<()>))
+            .layer(from_fn_with_state(Duration::from_secs(5), in_time))
+            .layer(from_fn(observe));
+        for (route, status) in [("/panic", 500), ("/late", 408)] {
+            let mut request = path(route);
+            request
+                .headers_mut()
+                .insert("x-request-id", "mine-1".parse().unwrap());
+            let response = ask(&app, request).await;
+            assert_eq!(response.status(), status);
+            assert_eq!(
+                response.headers()[header::CONTENT_TYPE],
+                "application/problem+json"
+            );
+            assert_eq!(response.headers()["x-request-id"], "mine-1");
+            let body = axum::body::to_bytes(response.into_body(), 4096).await.unwrap();
+            assert!(String::from_utf8_lossy(&body).contains(r#""instance":"mine-1""#));
+        }
+    }
+
+    #[test]
+    fn only_pages_of_other_sites_are_refused() {
+        let request = |origin: Option<&str>| {
+            let mut request = Request::post("/")
+                .header("host", "localhost:7311")
+                .body(Body::empty())
+                .unwrap();
+            if let Some(origin) = origin {
+                request.headers_mut().insert("origin", origin.parse().unwrap());
+            }
+            request
+        };
+        assert!(!crosses_sites(&request(None)));
+        assert!(!crosses_sites(&request(Some("http://localhost:7311"))));
+        assert!(crosses_sites(&request(Some("http://evil.example"))));
+        assert!(crosses_sites(&request(Some("null"))));
+    }
+}

@@ -1,0 +1,14 @@
+//! What every topic needs of HTTP: extractors, problems, layers, the accept loop.
+
+pub(crate) mod auth;
+pub(crate) mod extract;
+pub(crate) mod failure;
+mod held;
+pub(crate) mod layers;
+pub(crate) mod lines;
+pub(crate) mod listener;
+pub(crate) mod paging;
+mod patient;
+pub(crate) mod problem;
+pub(crate) mod stored;
+pub(crate) mod time;

@@ -1,0 +1,172 @@
+//! Answers with stored bytes: entity tags, caching, single ranges (RFC 9110 sections 13 and 14).
+
+use std::ops::Range;
+
+use axum::body::{Body, Bytes};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+use crate::http::problem::{Problem, Slug};
+
+/// Bytes that are named by their digest never change: a copy is good for as long as the standard lets one say.
+const IMMUTABLE: &str = "private, max-age=31536000, immutable";
+
+/// Stored bytes on their way out.
+pub(crate) struct Stored<'a> {
+    pub(crate) digest: &'a str,
+    pub(crate) media_type: &'a str,
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Stored<'_> {
+    /// All of them, or the range that is asked for.
+    pub(crate) fn answer(self, headers: &HeaderMap) -> Result<Response, Problem> {
+        let media_type = HeaderValue::from_str(self.media_type);
+        let media_type = media_type.unwrap_or(HeaderValue::from_static("application/octet-stream"));
+        let length = self.bytes.len();
+        let common = (
+            immutable(self.digest),
+            [
+                (header::CONTENT_TYPE, media_type),
+                (header::ACCEPT_RANGES, HeaderValue::from_static("bytes")),
+                (
+                    header::X_CONTENT_TYPE_OPTIONS,
+                    HeaderValue::from_static("nosniff"),
+                ),
+            ],
+        );
+        match requested(headers, self.digest, length) {
+            Asked::All => Ok((common, self.bytes).into_response()),
+            Asked::Part(range) => {
+                let place = format!("bytes {}-{}/{length}", range.start, range.end - 1);
+                let part = Bytes::from(self.bytes).slice(range);
+                let place = [(header::CONTENT_RANGE, place)];
+                Ok((StatusCode::PARTIAL_CONTENT, common, place, Body::from(part)).into_response())
+            }
+            Asked::Beyond => {
+                let place = HeaderValue::from_str(&format!("bytes */{length}"));
+                let problem = Problem::new(
+                    Slug::RangeNotSatisfiable,
+                    format!("the artifact has {length} bytes"),
+                );
+                Err(place.into_iter().fold(problem, |problem, place| {
+                    problem.header(header::CONTENT_RANGE, place)
+                }))
+            }
+        }
+    }
+}
+
+/// Whether the client has a copy with this tag.
+pub(crate) fn is_at_hand(headers: &HeaderMap, tag: &str) -> bool {
+    let lines = headers
+        .get_all(header::IF_NONE_MATCH)
+        .into_iter()
+        .filter_map(|value| value.to_str().ok());
+    let mut tags = lines
+        .flat_map(|line| line.split(','))
+        .map(|one| one.trim().trim_start_matches("W/"));
+    tags.any(|one| one == "*" || one.trim_matches('"') == tag)
+}
+
+/// "Your copy is right."
+pub(crate) fn not_modified(tag: &str) -> Response {
+    (StatusCode::NOT_MODIFIED, immutable(tag)).into_response()
+}
+
+/// The headers of bytes that never change.
+pub(crate) fn immutable(tag: &str) -> [(HeaderName, String); 2] {
+    [
+        (header::ETAG, format!("\"{tag}\"")),
+        (header::CACHE_CONTROL, IMMUTABLE.to_owned()),
+    ]
+}
+
+enum Asked {
+    All,
+    Part(Range<usize>),
+    Beyond,
+}
+
+/// What `Range` asks for. Several ranges, other units and what does not parse count as no range, as the standard
+/// allows.
+fn requested(headers: &HeaderMap, digest: &str, length: usize) -> Asked {
+    let text = |name| {
+        headers
+            .get(name)
+            .and_then(|value: &HeaderValue| value.to_str().ok())
+    };
+    if text(header::IF_RANGE).is_some_and(|tag| tag.trim_matches('"') != digest) {
+        return Asked::All;
+    }
+    let Some((first, last)) =
+        text(header::RANGE).and_then(|range| range.strip_prefix("bytes=")?.split_once('-'))
+    else {
+        return Asked::All;
+    };
+    let (start, end) = match (first.trim().parse::<usize>(), last.trim().parse::<usize>()) {
+        (Ok(first), Ok(last)) if first <= last => (first, last.saturating_add(1).min(length)),
+        (Ok(first), Err(_)) if last.trim().is_empty() => (first, length),
+        (Err(_), Ok(suffix)) if first.trim().is_empty() => match suffix {
+            0 => return Asked::Beyond,
+            _ => (length.saturating_sub(suffix), length),
+        },
+        _ => return Asked::All,
+    };
+    if start < end {
+        Asked::Part(start..end)
+    } else {
+        Asked::Beyond
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(range: &str) -> (u16, Option<String>) {
+        let mut headers = HeaderMap::new();
+        headers.insert(header::RANGE, range.parse().unwrap());
+        let stored = Stored {
+            digest: "abc",
+            media_type: "image/png",
+            bytes: (0..10).collect(),
+        };
+        let response = stored
+            .answer(&headers)
+            .unwrap_or_else(|problem| problem.render(None));
+        let place = response
+            .headers()
+            .get(header::CONTENT_RANGE)
+            .map(|value| value.to_str().unwrap().to_owned());
+        (response.status().as_u16(), place)
+    }
+
+    #[test]
+    fn one_range_is_answered_and_anything_stranger_gets_everything() {
+        assert_eq!(status("bytes=2-5"), (206, Some("bytes 2-5/10".to_owned())));
+        assert_eq!(status("bytes=2-99"), (206, Some("bytes 2-9/10".to_owned())));
+        assert_eq!(status("bytes=7-"), (206, Some("bytes 7-9/10".to_owned())));
+        assert_eq!(status("bytes=-3"), (206, Some("bytes 7-9/10".to_owned())));
+        assert_eq!(status("bytes=-99"), (206, Some("bytes 0-9/10".to_owned())));
+        assert_eq!(status("bytes=10-"), (416, Some("bytes */10".to_owned())));
+        assert_eq!(status("bytes=-0"), (416, Some("bytes */10".to_owned())));
+        for strange in [
+            "bytes=5-2",
+            "bytes=0-1,4-5",
+            "lines=1-2",
+            "bytes=x-y",
+            "bytes=99999999999999999999-",
+        ] {
+            assert_eq!(status(strange), (200, None), "{strange}");
+        }
+    }
+
+    #[test]
+    fn a_copy_is_recognised_in_a_list_and_a_weak_tag() {
+        let mut headers = HeaderMap::new();
+        headers.insert(header::IF_NONE_MATCH, "\"x\", W/\"abc\"".parse().unwrap());
+        assert!(is_at_hand(&headers, "abc"));
+        assert!(!is_at_hand(&headers, "abcd"));
+    }
+}

@@ -1,0 +1,136 @@
+//! Rendering a stored frame again, in a child process: as a folder it gets the description and the scene's files, and
+//! leaves the artifacts there.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use imaging::Samples;
+use imaging::codec::{Radiance, decode_picture, decode_radiance};
+use serde_json::{Value, json};
+use spec::{FrameRecord, Job, Scene};
+use tempfile::TempDir;
+
+use crate::app::App;
+use crate::http::problem::{Problem, Slug};
+use crate::processes::child::{Allowance, Ended};
+
+/// A frame of 64 Mpx by the reference implementation is not rendered while somebody waits.
+const ALLOWANCE: Allowance = Allowance {
+    time: Duration::from_secs(120),
+    memory_bytes: 8 << 30,
+};
+
+/// A frame that was rendered again.
+pub(crate) struct Again {
+    folder: TempDir,
+    pub(crate) record: FrameRecord,
+}
+
+impl Again {
+    /// The bytes of an artifact of this kind.
+    pub(crate) fn bytes(&self, kind: &str) -> Option<Vec<u8>> {
+        let at = self
+            .record
+            .artifacts
+            .iter()
+            .position(|artifact| artifact.kind == kind)?;
+        fs::read(self.folder.path().join(format!("artifact-{at}"))).ok()
+    }
+}
+
+/// Renders a frame of a stored job.
+pub(crate) async fn rerender(app: &App, job_id: &str, frame: u64) -> Result<Again, Problem> {
+    let row = crate::jobs::control::known(app, job_id).await?;
+    let job = Job::from_canonical(&row.spec, &app.vocabulary())?;
+    let resolved = job.resolve(frame)?;
+    let folder = TempDir::new().map_err(|error| Problem::internal(&error))?;
+    let scene = match &resolved.scene {
+        Scene::Uploaded { id } => lay_out(app, id, folder.path()).await?,
+        Scene::Procedural { .. } | Scene::Files { .. } => Value::Null,
+    };
+    let request = json!({"spec": row.spec, "frame": frame, "scene": scene});
+    write(folder.path(), "request.json", request.to_string().as_bytes())?;
+    let arguments = [
+        OsStr::new("--folder"),
+        folder.path().as_os_str(),
+        OsStr::new("--data"),
+        app.data.as_os_str(),
+    ];
+    let ended = app.children.run("rerender", &arguments, ALLOWANCE).await?;
+    match ended {
+        Ended::Well => {}
+        Ended::Refused(why) | Ended::Lacking(why) => return Err(Problem::new(Slug::RenderFailed, why)),
+        Ended::Badly(why) => {
+            let detail = format!("the process that rendered the frame: {why}");
+            return Err(Problem::new(Slug::RenderFailed, detail));
+        }
+    }
+    let record = fs::read(folder.path().join("record.json")).map_err(|error| Problem::internal(&error))?;
+    let record = serde_json::from_slice(&record).map_err(|error| Problem::internal(&error))?;
+    Ok(Again { folder, record })
+}
+
+/// Writes the files of an uploaded scene; answers what is known of them.
+async fn lay_out(app: &App, id: &str, folder: &Path) -> Result<Value, Problem> {
+    let row = app.catalogue.scene(id).await?;
+    let row = row.ok_or_else(|| Problem::not_found(format!("no scene `{id}`")))?;
+    let files = [
+        ("rgb", Some(&row.rgb_digest)),
+        ("range", row.range_digest.as_ref()),
+        ("instances", row.instances_digest.as_ref()),
+    ];
+    for (name, digest) in files {
+        let Some(digest) = digest else { continue };
+        let bytes = app.store.get(digest).await?;
+        let bytes = bytes.ok_or_else(|| {
+            let detail = format!("file `{name}` of scene {id} is missing");
+            Problem::new(Slug::CorruptArtifact, detail)
+        })?;
+        write(folder, name, &bytes)?;
+    }
+    Ok(json!({
+        "range": row.range_digest.is_some(), "instances": row.instances_digest.is_some(),
+        "z_depth": row.range_kind.as_deref() == Some("z_depth"),
+        "unit_m": row.unit_m, "invalid_code": row.invalid_code,
+        "focal_px": row.focal_px, "cx": row.cx, "cy": row.cy,
+    }))
+}
+
+fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Problem> {
+    fs::write(folder.join(name), bytes).map_err(|error| Problem::internal(&error))
+}
+
+/// The largest difference between two artifacts: in codes of a picture or mask, in its unit of a linear layer. None:
+/// they cannot be compared, such as pictures of different sizes.
+pub(crate) fn difference(stored: &[u8], again: &[u8]) -> Option<f64> {
+    if stored == again {
+        return Some(0.0);
+    }
+    if let (Ok(a), Ok(b)) = (decode_picture(stored), decode_picture(again)) {
+        return match (a.samples(), b.samples()) {
+            _ if (a.width(), a.height()) != (b.width(), b.height()) => None,
+            (Samples::U8(a), Samples::U8(b)) => {
+                largest(a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b))))
+            }
+            (Samples::U16(a), Samples::U16(b)) => {
+                largest(a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b))))
+            }
+            _ => None,
+        };
+    }
+    let linear = |bytes: &[u8]| match decode_radiance(bytes) {
+        Ok(Radiance::Linear(picture)) => Some(picture),
+        _ => None,
+    };
+    let (a, b) = (linear(stored)?, linear(again)?);
+    let planes = a.planes().iter().zip(b.planes());
+    let pairs = planes.flat_map(|(a, b)| a.data().iter().zip(b.data()));
+    (a.size() == b.size()).then_some(())?;
+    largest(pairs.map(|(a, b)| f64::from((a - b).abs())))
+}
+
+fn largest(differences: impl Iterator<Item = f64>) -> Option<f64> {
+    differences.max_by(f64::total_cmp)
+}

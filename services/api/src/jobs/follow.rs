@@ -1,0 +1,178 @@
+//! Following a job: events made from what the catalogue says, when a client is ready for the next one. Nothing is
+//! stored for a client, so one that reads slowly costs nothing and one that comes back misses nothing.
+
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use axum::response::sse::Event;
+use catalogue::{CatalogueError, JobRow, JobState};
+use futures::stream::{self, Stream};
+use serde_json::json;
+use tokio::sync::Notify;
+use tokio::time::Instant;
+
+use crate::app::Shared;
+use crate::jobs::routes::errors::Failure;
+use crate::jobs::view::JobView;
+use crate::limits::PROGRESS_PAUSE;
+
+/// Frames that a `problem` names; `/errors` has all of them.
+const NAMED_FRAMES: u32 = 5;
+
+/// How far a client has been told: the id of an event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Seen {
+    version: u64,
+    failed: u64,
+}
+
+impl Seen {
+    pub(crate) fn of(job: &JobRow) -> Self {
+        Self {
+            version: job.version,
+            failed: job.failed,
+        }
+    }
+
+    /// `VERSION.FAILED`.
+    pub(crate) fn parse(id: &str) -> Option<Self> {
+        let (version, failed) = id.split_once('.')?;
+        Some(Self {
+            version: version.parse().ok()?,
+            failed: failed.parse().ok()?,
+        })
+    }
+}
+
+/// What was told last.
+struct Told {
+    seen: Seen,
+    /// None: told in an earlier connection.
+    state: Option<JobState>,
+    done: Option<u64>,
+}
+
+/// A client that follows a job.
+pub(crate) struct Follow {
+    app: Shared,
+    id: String,
+    bell: Arc<Notify>,
+    told: Option<Told>,
+    next_progress: Instant,
+    ready: VecDeque<Event>,
+    ended: bool,
+}
+
+impl Follow {
+    pub(crate) fn new(app: Shared, id: String, seen: Option<Seen>) -> Self {
+        let told = seen.map(|seen| Told {
+            seen,
+            state: None,
+            done: None,
+        });
+        Self {
+            bell: app.watch.of(&id),
+            app,
+            id,
+            told,
+            next_progress: Instant::now(),
+            ready: VecDeque::new(),
+            ended: false,
+        }
+    }
+
+    pub(crate) fn events(self) -> impl Stream<Item = Result<Event, Infallible>> + Send {
+        stream::unfold(self, |mut follow| async move {
+            let event = follow.next().await?;
+            Some((Ok(event), follow))
+        })
+    }
+
+    async fn next(&mut self) -> Option<Event> {
+        loop {
+            if let Some(event) = self.ready.pop_front() {
+                return Some(event);
+            }
+            if self.ended || self.app.stop.is_cancelled() {
+                return None;
+            }
+            let bell = Arc::clone(&self.bell);
+            let mut change = std::pin::pin!(bell.notified());
+            change.as_mut().enable();
+            if let Err(error) = self.look().await {
+                tracing::warn!(%error, job = self.id, "a job cannot be followed");
+                return None;
+            }
+            if self.ready.is_empty() && !self.ended {
+                let stop = self.app.stop.clone();
+                tokio::select! {
+                    () = change => tokio::time::sleep_until(self.next_progress).await,
+                    () = stop.cancelled() => {}
+                }
+            }
+        }
+    }
+
+    /// Makes the events that say what is new.
+    async fn look(&mut self) -> Result<(), CatalogueError> {
+        let Some(job) = self.app.catalogue.job(&self.id).await? else {
+            self.ended = true;
+            let gone = Event::default().event("state");
+            self.push(gone, &json!({"id": self.id, "state": "deleted"}));
+            return Ok(());
+        };
+        let seen = Seen::of(&job);
+        if self.told.as_ref().is_some_and(|told| told.seen == seen) {
+            return Ok(());
+        }
+        let before = self.told.take();
+        let failed_before = before.as_ref().map_or(0, |told| told.seen.failed);
+        if job.failed > failed_before {
+            self.problem(&job, failed_before).await?;
+        }
+        let counts = before
+            .as_ref()
+            .and_then(|told| told.done)
+            .map(|done| (done, failed_before));
+        if counts != Some((job.done, job.failed)) {
+            let progress = json!({"done": job.done, "failed": job.failed, "frames": job.frames});
+            self.push(Event::default().event("progress"), &progress);
+        }
+        self.ended = job.state.has_ended();
+        self.told = Some(Told {
+            seen,
+            state: Some(job.state),
+            done: Some(job.done),
+        });
+        if before.and_then(|told| told.state) != Some(job.state) {
+            let view = JobView::from(job);
+            self.push(Event::default().event("state"), &view);
+        }
+        // Only the last event has an id: a client that loses the others on its way gets all of them again.
+        if let Some(last) = self.ready.pop_back() {
+            self.ready
+                .push_back(last.id(format!("{}.{}", seen.version, seen.failed)));
+        }
+        self.next_progress = Instant::now() + PROGRESS_PAUSE;
+        Ok(())
+    }
+
+    async fn problem(&mut self, job: &JobRow, before: u64) -> Result<(), CatalogueError> {
+        let failures = self.app.catalogue.failures(&self.id, None, NAMED_FRAMES).await?;
+        let frames: Vec<Failure> = failures.into_iter().map(Failure::from).collect();
+        let problem = json!({
+            "failed": job.failed, "new": job.failed - before, "frames": frames,
+            "errors": format!("/v1/jobs/{}/errors", self.id),
+        });
+        self.push(Event::default().event("problem"), &problem);
+        Ok(())
+    }
+
+    fn push(&mut self, event: Event, data: &impl serde::Serialize) {
+        match event.json_data(data) {
+            Ok(event) => self.ready.push_back(event),
+            Err(error) => tracing::error!(%error, "an event cannot be written"),
+        }
+    }
+}

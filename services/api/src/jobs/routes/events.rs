@@ -1,0 +1,56 @@
+//! `GET /v1/jobs/{id}/events`.
+
+use axum::extract::State;
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::sse::{KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+
+use crate::app::Shared;
+use crate::http::extract::Path;
+use crate::http::problem::{Problem, Slug};
+use crate::jobs::control::known;
+use crate::jobs::follow::{Follow, Seen};
+use crate::limits;
+
+/// Follow a job as server-sent events.
+///
+/// `state` carries the job, whenever its state changes and at the beginning. `progress` carries `done`, `failed` and
+/// `frames`, twice a second at most. `problem` says that more frames were given up: how many, and some of them with
+/// their errors. Where nothing happens for 15 s a comment comes. The stream ends with the job; asked again after its
+/// end, the answer is 204. `Last-Event-ID` goes on where the last event ended; nothing is lost, since every event tells
+/// how things are, not how they changed.
+#[utoipa::path(get, path = "/v1/jobs/{id}/events", tag = "jobs",
+    params(("id" = String, Path, description = "`job_…`"),
+           ("Last-Event-ID" = Option<String>, Header, description = "Id of the last event that was received")),
+    responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String),
+              (status = 204, description = "The job has ended and all of it was told."),
+              (status = 404, response = crate::openapi::Problem)))]
+pub(crate) async fn events(
+    State(app): State<Shared>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let job = known(&app, &id).await?;
+    let seen = last_event(&headers)?;
+    if job.state.has_ended() && seen == Some(Seen::of(&job)) {
+        return Ok(StatusCode::NO_CONTENT.into_response());
+    }
+    let events = Follow::new(app, id, seen).events();
+    let heartbeat = KeepAlive::new().interval(limits::HEARTBEAT).text("");
+    Ok(Sse::new(events).keep_alive(heartbeat).into_response())
+}
+
+fn last_event(headers: &HeaderMap) -> Result<Option<Seen>, Problem> {
+    let Some(id) = headers.get("last-event-id").filter(|id| !id.is_empty()) else {
+        return Ok(None);
+    };
+    let seen = id.to_str().ok().and_then(Seen::parse);
+    seen.map(Some).ok_or_else(|| {
+        let id = String::from_utf8_lossy(id.as_bytes());
+        let id: String = id.chars().take(40).collect();
+        Problem::new(
+            Slug::InvalidHeader,
+            format!("Last-Event-ID is `{id}` but must be the id of an event, such as `12.0`"),
+        )
+    })
+}

@@ -1,0 +1,225 @@
+//! The open frames of one job. Fresh frames are a cursor, so a job of ten million takes no memory.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use super::types::{JobEntry, Millis};
+
+/// A frame that kills its worker or fails this often is given up.
+const STRIKES: u32 = 3;
+/// First pause after a failure; it doubles with each strike, so that a fault which passes has time to pass.
+const PAUSE_MS: u64 = 1000;
+const LONGEST_PAUSE_MS: u64 = 30_000;
+
+pub(crate) struct Job {
+    pub(crate) priority: i32,
+    pub(crate) held_back: bool,
+    /// When it was served last, counted in grants: the longest waiting goes first.
+    pub(crate) served: u64,
+    frames: u64,
+    finished: u64,
+    leased: u64,
+    cursor: u64,
+    /// Ranges ahead of the cursor that it must not offer: start → end.
+    skipped: BTreeMap<u64, u64>,
+    /// Ranges that were handed back: start → end.
+    returned: BTreeMap<u64, u64>,
+    /// Frames that are offered one at a time.
+    alone: BTreeSet<u64>,
+    /// Frames that pause after a failure, and are then offered one at a time.
+    pausing: BTreeSet<(Millis, u64)>,
+    strikes: BTreeMap<u64, u32>,
+    given_up: BTreeSet<u64>,
+}
+
+/// What a strike means for a frame.
+pub(crate) struct Struck {
+    pub(crate) strikes: u32,
+    /// When to try it again; `None`: it is given up.
+    pub(crate) again: Option<Millis>,
+}
+
+impl Job {
+    pub(crate) fn new(entry: &JobEntry) -> Self {
+        let mut job = Self {
+            priority: entry.priority,
+            held_back: entry.paused,
+            served: 0,
+            frames: entry.frames,
+            finished: 0,
+            leased: 0,
+            cursor: 0,
+            skipped: BTreeMap::new(),
+            returned: BTreeMap::new(),
+            alone: BTreeSet::new(),
+            pausing: BTreeSet::new(),
+            strikes: BTreeMap::new(),
+            given_up: entry
+                .failed
+                .iter()
+                .copied()
+                .filter(|&f| f < entry.frames)
+                .collect(),
+        };
+        let failed = entry.failed.iter().map(|&frame| frame..frame + 1);
+        let mut closed: Vec<Range<u64>> = entry.done.iter().cloned().chain(failed).collect();
+        closed.sort_unstable_by_key(|range| range.start);
+        let mut covered = 0;
+        for range in closed {
+            let (start, end) = (range.start.max(covered), range.end.min(entry.frames));
+            if start < end {
+                job.skipped.insert(start, end);
+                job.finished += end - start;
+                covered = end;
+            }
+        }
+        // What struck before is tried alone at once, and not met by the cursor again.
+        for (&frame, &strikes) in &entry.strikes {
+            let before = job.skipped.range(..=frame).next_back();
+            if frame < entry.frames && before.is_none_or(|(_, &end)| end <= frame) {
+                job.skipped.insert(frame, frame + 1);
+                job.alone.insert(frame);
+                job.strikes.insert(frame, strikes);
+            }
+        }
+        job
+    }
+
+    /// Frames that are neither finished nor held.
+    pub(crate) fn queued(&self) -> u64 {
+        self.frames - self.finished - self.leased
+    }
+
+    /// Frames that are held.
+    pub(crate) fn leased(&self) -> u64 {
+        self.leased
+    }
+
+    pub(crate) fn finished(&self) -> bool {
+        self.finished == self.frames
+    }
+
+    /// The attempt that a lease of this frame would be.
+    pub(crate) fn attempt(&self, frame: u64) -> u32 {
+        self.strikes.get(&frame).copied().unwrap_or(0) + 1
+    }
+
+    /// The next frames, at most `most`; frames that were in trouble come one at a time.
+    pub(crate) fn take(&mut self, most: u64, now: Millis) -> Option<Range<u64>> {
+        if self.held_back {
+            return None;
+        }
+        if let Some(&(until, frame)) = self.pausing.first()
+            && until <= now
+        {
+            self.pausing.pop_first();
+            return Some(self.leave(frame..frame + 1));
+        }
+        if let Some(frame) = self.alone.pop_first() {
+            return Some(self.leave(frame..frame + 1));
+        }
+        if let Some((start, end)) = self.returned.pop_first() {
+            let stop = end.min(start + most);
+            if stop < end {
+                self.returned.insert(stop, end);
+            }
+            return Some(self.leave(start..stop));
+        }
+        self.fresh(most)
+    }
+
+    /// A frame that the table keeps apart leaves like any other.
+    pub(crate) fn take_suspect(&mut self, frame: u64) -> Range<u64> {
+        self.leave(frame..frame + 1)
+    }
+
+    fn fresh(&mut self, most: u64) -> Option<Range<u64>> {
+        while let Some((&start, &end)) = self.skipped.first_key_value()
+            && start <= self.cursor
+        {
+            self.cursor = self.cursor.max(end);
+            self.skipped.pop_first();
+        }
+        let end = self
+            .skipped
+            .first_key_value()
+            .map_or(self.frames, |(&start, _)| start);
+        let stop = end.min(self.cursor.saturating_add(most));
+        if self.cursor >= stop {
+            return None;
+        }
+        let frames = self.cursor..stop;
+        self.cursor = stop;
+        Some(self.leave(frames))
+    }
+
+    fn leave(&mut self, frames: Range<u64>) -> Range<u64> {
+        self.leased += frames.end - frames.start;
+        frames
+    }
+
+    /// A frame has its image.
+    pub(crate) fn complete(&mut self, frame: u64) {
+        self.leased -= 1;
+        self.finished += 1;
+        self.strikes.remove(&frame);
+    }
+
+    /// A frame comes back unharmed.
+    pub(crate) fn give_back(&mut self, frame: u64) {
+        self.leased -= 1;
+        if self.strikes.contains_key(&frame) {
+            self.alone.insert(frame);
+            return;
+        }
+        let before = self
+            .returned
+            .range(..frame)
+            .next_back()
+            .filter(|(_, end)| **end == frame);
+        let start = before.map_or(frame, |(&start, _)| start);
+        self.returned.insert(start, frame + 1);
+    }
+
+    /// A frame was in a lease of several that was lost.
+    pub(crate) fn single_out(&mut self, frame: u64) {
+        self.leased -= 1;
+        self.alone.insert(frame);
+    }
+
+    /// A frame comes back to the table, which keeps it apart.
+    pub(crate) fn suspect(&mut self) {
+        self.leased -= 1;
+    }
+
+    /// An attempt at a frame failed; where it waits is the caller's to say.
+    pub(crate) fn strike(&mut self, frame: u64, retryable: bool, now: Millis) -> Struck {
+        self.leased -= 1;
+        let strikes = self.attempt(frame);
+        if !retryable || strikes >= STRIKES {
+            self.strikes.remove(&frame);
+            self.given_up.insert(frame);
+            self.finished += 1;
+            return Struck { strikes, again: None };
+        }
+        self.strikes.insert(frame, strikes);
+        let pause = (PAUSE_MS << (strikes - 1)).min(LONGEST_PAUSE_MS);
+        Struck {
+            strikes,
+            again: Some(now.plus(pause)),
+        }
+    }
+
+    /// A frame that was given up is offered again, as if it had never failed. Any other stays as it is.
+    pub(crate) fn retry(&mut self, frame: u64) {
+        if self.given_up.remove(&frame) {
+            self.finished -= 1;
+            self.alone.insert(frame);
+        }
+    }
+
+    /// Offers a frame again, after a pause.
+    pub(crate) fn pause(&mut self, frame: u64, until: Millis) {
+        self.pausing.insert((until, frame));
+    }
+}

@@ -1,0 +1,117 @@
+//! The leases, found by token, by worker, and by when they end.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::types::Millis;
+
+pub(crate) struct Lease {
+    pub(crate) worker: String,
+    pub(crate) job: String,
+    /// Frames that are still open, with their attempt.
+    pub(crate) frames: BTreeMap<u64, u32>,
+    /// Whether it held several frames at first.
+    pub(crate) several: bool,
+    /// Whether its worker must hold nothing beside it.
+    pub(crate) apart: bool,
+    /// Whether its job was cancelled; it stays until its worker has been told.
+    pub(crate) cancelled: bool,
+    pub(crate) ends: Millis,
+}
+
+/// All leases.
+#[derive(Default)]
+pub(crate) struct Leases {
+    by_token: BTreeMap<u64, Lease>,
+    by_worker: BTreeMap<String, BTreeSet<u64>>,
+    by_end: BTreeSet<(Millis, u64)>,
+}
+
+impl Leases {
+    pub(crate) fn insert(&mut self, token: u64, lease: Lease) {
+        self.by_worker
+            .entry(lease.worker.clone())
+            .or_default()
+            .insert(token);
+        self.by_end.insert((lease.ends, token));
+        self.by_token.insert(token, lease);
+    }
+
+    pub(crate) fn contains(&self, token: u64) -> bool {
+        self.by_token.contains_key(&token)
+    }
+
+    pub(crate) fn get(&self, token: u64) -> Option<&Lease> {
+        self.by_token.get(&token)
+    }
+
+    /// For everything but the end and the worker, which are also kept elsewhere.
+    pub(crate) fn get_mut(&mut self, token: u64) -> Option<&mut Lease> {
+        self.by_token.get_mut(&token)
+    }
+
+    pub(crate) fn prolong(&mut self, token: u64, ends: Millis) {
+        if let Some(lease) = self.by_token.get_mut(&token) {
+            self.by_end.remove(&(lease.ends, token));
+            lease.ends = ends;
+            self.by_end.insert((ends, token));
+        }
+    }
+
+    /// Tokens of the leases that have run out.
+    pub(crate) fn ended(&self, now: Millis) -> Vec<u64> {
+        self.by_end
+            .iter()
+            .take_while(|(ends, _)| *ends <= now)
+            .map(|(_, token)| *token)
+            .collect()
+    }
+
+    pub(crate) fn tokens_of(&self, worker: &str) -> Vec<u64> {
+        self.by_worker
+            .get(worker)
+            .map(|tokens| tokens.iter().copied().collect())
+            .unwrap_or_default()
+    }
+
+    pub(crate) fn of_worker(&self, worker: &str) -> impl Iterator<Item = &Lease> {
+        let tokens = self.by_worker.get(worker).into_iter().flatten();
+        tokens.filter_map(|token| self.by_token.get(token))
+    }
+
+    pub(crate) fn of_job(&self, job: &str) -> Vec<u64> {
+        self.by_token
+            .iter()
+            .filter(|(_, lease)| lease.job == job)
+            .map(|(token, _)| *token)
+            .collect()
+    }
+
+    /// Takes a frame out of its lease; a lease without frames is gone.
+    pub(crate) fn take_out(&mut self, token: u64, frame: u64) {
+        if let Some(lease) = self.by_token.get_mut(&token) {
+            lease.frames.remove(&frame);
+            self.remove_if_empty(token);
+        }
+    }
+
+    /// Forgets a lease that holds no frame any more.
+    pub(crate) fn remove_if_empty(&mut self, token: u64) {
+        if self
+            .by_token
+            .get(&token)
+            .is_none_or(|lease| !lease.frames.is_empty())
+        {
+            return;
+        }
+        let Some(lease) = self.by_token.remove(&token) else {
+            return;
+        };
+        self.by_end.remove(&(lease.ends, token));
+        if let Some(tokens) = self.by_worker.get_mut(&lease.worker) {
+            tokens.remove(&token);
+            if tokens.is_empty() {
+                self.by_worker.remove(&lease.worker);
+            }
+        }
+    }
+}

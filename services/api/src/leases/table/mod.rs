@@ -1,0 +1,392 @@
+//! The lease table: a pure state machine. Time and tokens are arguments, so a test can play any history. Delivery is at
+//! least once; a stale token changes nothing.
+//!
+//! **Who is served.** The highest priority; among equals the job that was served longest ago, where a new job stands
+//! behind those that wait already. So a huge job does not starve a small later one, nor do many small ones starve it.
+//! A lease holds about three seconds of work, and less towards the end of a job, so that all slots finish together.
+//!
+//! **Who is to blame for a crash.** A worker that vanishes takes all its frames along, and renders several at a time.
+//! Only a frame that was the single one its worker held gets a strike. Frames from leases of several are offered one
+//! at a time from then on. Frames that were alone in their lease but not alone in their worker become suspects: a
+//! suspect is given only to a worker that holds nothing else, and that worker gets nothing beside it. One worker at a
+//! time is kept from new work until it is empty, so that suspects are not waited for for ever.
+
+mod claims;
+mod job;
+mod lease;
+mod suspects;
+mod types;
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Range;
+
+use self::job::{Job, Struck};
+use self::lease::{Lease, Leases};
+use self::suspects::{Suspect, Suspects};
+pub use self::types::{Beat, Grant, JobEntry, Millis, Stale, StrikeEvent, Totals, WorkerRow};
+
+/// How long a lease lasts without a beat: three of them may be missed.
+pub const TERM_MS: u32 = 15_000;
+/// Work that one lease should hold: long enough that asking costs nothing, short enough that a lost one costs little.
+const LEASE_WORK_MS: f64 = 3000.0;
+/// Most frames of a lease, however quick they are.
+const MOST_FRAMES: u64 = 256;
+/// A worker that holds nothing and was not heard of for so long is forgotten.
+const FORGET_AFTER_MS: u64 = 600_000;
+
+/// All leases of a service.
+#[derive(Default)]
+pub struct LeaseTable {
+    pub(crate) jobs: BTreeMap<String, Job>,
+    /// The jobs in the order in which they are served: priority, when served last, id.
+    line: BTreeSet<(Reverse<i32>, u64, String)>,
+    suspects: Suspects,
+    pub(crate) leases: Leases,
+    /// Frames whose image is being written, with the token of their lease.
+    pub(crate) pinned: HashMap<(String, u64), u64>,
+    workers: BTreeMap<String, Worker>,
+    grants: u64,
+}
+
+struct Worker {
+    name: String,
+    slots: u64,
+    seen: Millis,
+}
+
+impl LeaseTable {
+    /// An empty table.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Offers a job's open frames.
+    pub fn add_job(&mut self, entry: JobEntry) {
+        let mut job = Job::new(&entry);
+        if !job.finished() && !self.jobs.contains_key(&entry.id) {
+            job.served = self.grants;
+            self.line.insert(place(&entry.id, &job));
+            self.jobs.insert(entry.id, job);
+        }
+    }
+
+    /// Offers nothing more of a job, cancelled or deleted; its leases are void. An image that is being written at the moment still counts.
+    pub fn cancel(&mut self, job: &str) {
+        self.forget_job(job);
+        for token in self.leases.of_job(job) {
+            self.drop_open(token);
+            if let Some(lease) = self.leases.get_mut(token) {
+                lease.cancelled = true;
+            }
+        }
+    }
+
+    /// Offers nothing of a job for now; leases that are out go on and may be prolonged.
+    pub fn pause(&mut self, job: &str) {
+        self.hold_back(job, true);
+    }
+
+    /// Offers a paused job again.
+    pub fn resume(&mut self, job: &str) {
+        self.hold_back(job, false);
+    }
+
+    fn hold_back(&mut self, job: &str, back: bool) {
+        if let Some(job) = self.jobs.get_mut(job) {
+            job.held_back = back;
+        }
+    }
+
+    /// Offers those of these frames again that were given up, one at a time and as if they had never failed. Answers
+    /// whether the table has the job: one that has ended must be added again.
+    pub fn retry(&mut self, job: &str, frames: &[u64]) -> bool {
+        let Some(job) = self.jobs.get_mut(job) else {
+            return false;
+        };
+        frames.iter().for_each(|&frame| job.retry(frame));
+        true
+    }
+
+    /// Takes a worker on. `slots`: how many frames it renders at a time.
+    pub fn register(&mut self, worker: &str, name: &str, slots: u32, now: Millis) {
+        let (name, slots) = (name.to_owned(), u64::from(slots.max(1)));
+        self.workers.insert(
+            worker.to_owned(),
+            Worker {
+                name,
+                slots,
+                seen: now,
+            },
+        );
+    }
+
+    /// Leases the next frames to a worker. `token` must be new. `frame_ms` is what a frame costs the worker; not positive:
+    /// unknown, and one frame is given.
+    pub fn grant(&mut self, worker: &str, now: Millis, token: u64, frame_ms: f64) -> Option<Grant> {
+        self.saw(worker, now);
+        if self.leases.of_worker(worker).any(|lease| lease.apart) || self.leases.contains(token) {
+            return None;
+        }
+        let offered = |job: &str| self.jobs.get(job).is_some_and(|job| !job.held_back);
+        if let Some(suspect) = self.suspects.due(now, offered) {
+            if self.leases.of_worker(worker).next().is_none() {
+                return self.grant_suspect(worker, now, token, &suspect);
+            }
+            if self.suspects.empties(worker, now) {
+                return None;
+            }
+        }
+        let most = frames_worth(frame_ms);
+        let alive = self
+            .workers
+            .values()
+            .filter(|worker| worker.seen.plus(TERM_MS.into()) > now);
+        let slots: u64 = alive.map(|worker| worker.slots).sum();
+        let found = self.line.iter().find_map(|(_, _, id)| {
+            let job = self.jobs.get_mut(id)?;
+            // What is left is shared among all slots.
+            let most = most.min(job.queued().div_ceil(slots.max(1))).max(1);
+            Some((id.clone(), job.take(most, now)?))
+        });
+        let (id, frames) = found?;
+        Some(self.lease(worker, now, token, &id, frames, false))
+    }
+
+    fn grant_suspect(&mut self, worker: &str, now: Millis, token: u64, suspect: &Suspect) -> Option<Grant> {
+        self.suspects.take(suspect);
+        let (_, job, frame) = suspect;
+        let frames = self.jobs.get_mut(job)?.take_suspect(*frame);
+        Some(self.lease(worker, now, token, job, frames, true))
+    }
+
+    fn lease(
+        &mut self,
+        worker: &str,
+        now: Millis,
+        token: u64,
+        id: &str,
+        frames: Range<u64>,
+        apart: bool,
+    ) -> Grant {
+        let job = self.jobs.get_mut(id).expect("the frames were taken from it");
+        self.line.remove(&place(id, job));
+        self.grants += 1;
+        job.served = self.grants;
+        self.line.insert(place(id, job));
+        let frames: BTreeMap<u64, u32> = frames.map(|frame| (frame, job.attempt(frame))).collect();
+        let granted = frames.iter().map(|(&frame, &attempt)| (frame, attempt)).collect();
+        let lease = Lease {
+            worker: worker.to_owned(),
+            job: id.to_owned(),
+            several: frames.len() > 1,
+            frames,
+            apart,
+            cancelled: false,
+            ends: now.plus(TERM_MS.into()),
+        };
+        self.leases.insert(token, lease);
+        Grant {
+            token,
+            job_id: id.to_owned(),
+            frames: granted,
+        }
+    }
+
+    /// Prolongs a worker's leases.
+    pub fn beat(&mut self, worker: &str, tokens: &[u64], now: Millis) -> Beat {
+        self.saw(worker, now);
+        let mut beat = Beat::default();
+        for &token in tokens {
+            match self.leases.get_mut(token).filter(|lease| lease.worker == worker) {
+                None => beat.lost.push(token),
+                Some(lease) if lease.cancelled => {
+                    beat.cancelled.push(token);
+                    self.leases.remove_if_empty(token);
+                }
+                Some(_) => self.leases.prolong(token, now.plus(TERM_MS.into())),
+            }
+        }
+        beat
+    }
+
+    /// Takes the open frames of a lease back; no attempt is burned.
+    pub fn release(&mut self, token: u64, _now: Millis) {
+        for (job, frame) in self.drop_open(token) {
+            if let Some(job) = self.jobs.get_mut(&job) {
+                job.give_back(frame);
+            }
+        }
+        self.leases.remove_if_empty(token);
+    }
+
+    /// Takes back the leases that have run out, worker by worker.
+    pub fn expire(&mut self, now: Millis) -> Vec<StrikeEvent> {
+        let mut lost: BTreeMap<String, Vec<u64>> = BTreeMap::new();
+        for token in self.leases.ended(now) {
+            if let Some(lease) = self.leases.get(token) {
+                lost.entry(lease.worker.clone()).or_default().push(token);
+            }
+        }
+        let events = lost
+            .into_iter()
+            .flat_map(|(worker, tokens)| self.lose(&worker, &tokens, now))
+            .collect();
+        let leases = &self.leases;
+        self.workers.retain(|id, worker| {
+            worker.seen.plus(FORGET_AFTER_MS) > now || leases.of_worker(id).next().is_some()
+        });
+        events
+    }
+
+    /// Takes back all leases of a worker whose process has ended.
+    pub fn drop_worker(&mut self, worker: &str, now: Millis) -> Vec<StrikeEvent> {
+        let tokens = self.leases.tokens_of(worker);
+        let events = self.lose(worker, &tokens, now);
+        self.workers.remove(worker);
+        events
+    }
+
+    /// Whether a job has frames that have not ended.
+    #[must_use]
+    pub fn has_job(&self, job: &str) -> bool {
+        self.jobs.contains_key(job)
+    }
+
+    /// Leases that have run out and that [`LeaseTable::expire`] would take back.
+    #[must_use]
+    pub fn ended(&self, now: Millis) -> usize {
+        self.leases.ended(now).len()
+    }
+
+    /// The known workers.
+    #[must_use]
+    pub fn workers(&self) -> Vec<WorkerRow> {
+        let held = |id: &str| {
+            self.leases
+                .of_worker(id)
+                .map(|lease| lease.frames.len() as u64)
+                .sum()
+        };
+        let row = |(id, worker): (&String, &Worker)| WorkerRow {
+            id: id.clone(),
+            leased_frames: held(id),
+            last_seen: worker.seen,
+        };
+        self.workers.iter().map(row).collect()
+    }
+
+    /// Frames that wait and frames that are held.
+    #[must_use]
+    pub fn totals(&self) -> Totals {
+        let queued = self.jobs.values().map(Job::queued).sum();
+        Totals {
+            queued,
+            leased: self.jobs.values().map(Job::leased).sum(),
+        }
+    }
+
+    /// These leases of a worker are lost; see the top of this file for what that means to their frames.
+    fn lose(&mut self, worker: &str, tokens: &[u64], now: Millis) -> Vec<StrikeEvent> {
+        let alone = self
+            .leases
+            .of_worker(worker)
+            .map(|lease| lease.frames.len())
+            .sum::<usize>()
+            == 1;
+        let name = self
+            .workers
+            .get(worker)
+            .map_or(worker, |worker| &worker.name)
+            .to_owned();
+        let mut events = Vec::new();
+        for &token in tokens {
+            let several = self.leases.get(token).is_some_and(|lease| lease.several);
+            for (job, frame) in self.drop_open(token) {
+                let Some(entry) = self.jobs.get_mut(&job) else {
+                    continue;
+                };
+                if !alone && several {
+                    entry.single_out(frame);
+                } else if !alone {
+                    entry.suspect();
+                    self.suspects.add(now, job, frame);
+                } else {
+                    let Struck { strikes, again } = entry.strike(frame, true, now);
+                    // The first time it may have been the worker's fault, and nobody shall wait for it.
+                    let again = again.map(|pause| if strikes == 1 { now } else { pause });
+                    if let Some(from) = again {
+                        self.suspects.add(from, job.clone(), frame);
+                    }
+                    let error = format!("worker `{name}` was lost while it rendered this frame and no other");
+                    events.push(event(&job, frame, strikes, error, again.is_none()));
+                    self.forget_finished(&job);
+                }
+            }
+            self.leases.remove_if_empty(token);
+        }
+        events
+    }
+
+    /// Takes every frame that is not pinned out of a lease and answers them.
+    fn drop_open(&mut self, token: u64) -> Vec<(String, u64)> {
+        let Some(lease) = self.leases.get_mut(token) else {
+            return Vec::new();
+        };
+        let (job, pinned) = (lease.job.clone(), &self.pinned);
+        let mut open = Vec::new();
+        lease.frames.retain(|&frame, _| {
+            let stays = pinned.get(&(job.clone(), frame)) == Some(&token);
+            if !stays {
+                open.push((job.clone(), frame));
+            }
+            stays
+        });
+        open
+    }
+
+    pub(crate) fn forget_finished(&mut self, job: &str) {
+        if self.jobs.get(job).is_some_and(Job::finished) {
+            self.forget_job(job);
+        }
+    }
+
+    fn forget_job(&mut self, id: &str) {
+        if let Some(job) = self.jobs.remove(id) {
+            self.line.remove(&place(id, &job));
+            self.suspects.forget_job(id);
+        }
+    }
+
+    fn saw(&mut self, worker: &str, now: Millis) {
+        if let Some(known) = self.workers.get_mut(worker) {
+            known.seen = now;
+        } else {
+            self.register(worker, worker, 1, now);
+        }
+    }
+}
+
+/// How many frames of this cost a lease should hold.
+fn frames_worth(frame_ms: f64) -> u64 {
+    if frame_ms > 0.0 {
+        (LEASE_WORK_MS / frame_ms).clamp(1.0, MOST_FRAMES as f64) as u64
+    } else {
+        1
+    }
+}
+
+fn place(id: &str, job: &Job) -> (Reverse<i32>, u64, String) {
+    (Reverse(job.priority), job.served, id.to_owned())
+}
+
+pub(crate) fn event(job: &str, frame: u64, strikes: u32, error: String, quarantined: bool) -> StrikeEvent {
+    StrikeEvent {
+        job: job.to_owned(),
+        frame,
+        strikes,
+        error,
+        quarantined,
+    }
+}

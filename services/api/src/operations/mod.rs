@@ -1,0 +1,3 @@
+//! What those who run the service ask.
+
+pub(crate) mod routes;

@@ -1,0 +1,89 @@
+//! `POST /v1/backups`.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use serde::Serialize;
+use utoipa::ToSchema;
+use uuid::Uuid;
+
+use crate::app::Shared;
+use crate::http::problem::Problem;
+
+/// A copy of everything that the service has stored.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Backup)]
+pub(crate) struct BackupView {
+    /// Its folder on the service's machine. A service started on it goes on from the moment of the copy.
+    #[schema(example = "data/backups/bak_0198c0ffee007000800000000000000a")]
+    folder: String,
+    /// Bytes of all its files.
+    bytes: u64,
+}
+
+/// Copy the catalogue and all artifacts while the service runs.
+///
+/// The copy is a data folder of its own, in `backups` of the service's: move it away, and start a service on it to
+/// restore. One backup is made at a time.
+#[utoipa::path(post, path = "/v1/backups", tag = "operations",
+    responses((status = 201, description = "The copy is whole and on the disk.", body = BackupView),
+              (status = 507, response = crate::openapi::Problem)))]
+pub(crate) async fn create(State(app): State<Shared>) -> Result<(StatusCode, Json<BackupView>), Problem> {
+    // It goes on to its end when the client goes away, and leaves nothing half-done behind.
+    let app = Arc::clone(&app);
+    let task = tokio::spawn(async move { copy(&app).await });
+    let view = task.await.map_err(|error| Problem::internal(&error))??;
+    Ok((StatusCode::CREATED, Json(view)))
+}
+
+async fn copy(app: &Shared) -> Result<BackupView, Problem> {
+    app.space.room().await?;
+    // Nothing that a copied row names may be taken away before its bytes are copied.
+    let _alone = app.upkeep.lock().await;
+    let backups = app.data.join("backups");
+    let name = format!("bak_{}", Uuid::now_v7().simple());
+    let (unfinished, folder) = (backups.join(format!(".{name}")), backups.join(&name));
+    let failed = |error: std::io::Error| Problem::internal(&error);
+    tokio::fs::create_dir_all(&unfinished).await.map_err(failed)?;
+    let copied = async {
+        app.catalogue.backup(&unfinished.join("catalogue.sqlite")).await?;
+        app.store.backup(&unfinished).await?;
+        let (keeper, copy) = (Arc::clone(app), unfinished.clone());
+        let copied = app.compute.run(move || keeper.styles.copy_to(&copy)).await?;
+        copied.map_err(|error| crate::http::failure::writing(&error))?;
+        tokio::fs::rename(&unfinished, &folder).await.map_err(failed)?;
+        size(&folder).await.map_err(failed)
+    };
+    let copied: Result<u64, Problem> = copied.await;
+    if copied.is_err()
+        && let Err(error) = tokio::fs::remove_dir_all(&unfinished).await
+    {
+        tracing::warn!(folder = %unfinished.display(), %error, "what a failed backup wrote is left behind");
+    }
+    let bytes = copied?;
+    tracing::info!(folder = %folder.display(), bytes, "backup made");
+    Ok(BackupView {
+        folder: folder.display().to_string(),
+        bytes,
+    })
+}
+
+async fn size(folder: &Path) -> std::io::Result<u64> {
+    let mut bytes = 0;
+    let mut open = vec![folder.to_owned()];
+    while let Some(folder) = open.pop() {
+        let mut entries = tokio::fs::read_dir(folder).await?;
+        while let Some(entry) = entries.next_entry().await? {
+            let about = entry.metadata().await?;
+            if about.is_dir() {
+                open.push(entry.path());
+            } else {
+                bytes += about.len();
+            }
+        }
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,114 @@
+//! `POST /v1/enhance`.
+
+use axum::extract::State;
+use axum::http::{HeaderName, HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+use enhance::Method;
+use imaging::codec::{encode_png, encode_webp_lossless};
+use serde::Deserialize;
+use utoipa::{IntoParams, ToSchema};
+
+use crate::app::Shared;
+use crate::http::extract::{MultipartBody, Query};
+use crate::http::problem::Problem;
+use crate::pictures::Files;
+
+/// Codes of what the method is known to do badly with this picture.
+const WARNINGS: HeaderName = HeaderName::from_static("fathom-warnings");
+
+/// The form of an answer.
+#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Format {
+    /// PNG.
+    #[default]
+    Png,
+    /// WebP without loss.
+    Webp,
+}
+
+/// Which method, and what of its result.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct Parameters {
+    /// The enhancement method.
+    #[param(example = "hscm")]
+    method: String,
+    /// Whether pixels outside of the method's mask are blacked out, if it has one.
+    #[serde(default = "yes")]
+    #[param(default = true)]
+    mask: bool,
+    /// Form of the answer.
+    #[serde(default)]
+    #[param(inline, default = "png")]
+    format: Format,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// A picture of one's own.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the body; `pictures` reads it field by field")]
+pub(crate) struct EnhanceUpload {
+    /// PNG, JPEG or WebP of at most 16 Mpx.
+    #[schema(value_type = String, format = Binary)]
+    picture: Vec<u8>,
+}
+
+/// Enhance a picture of your own. Nothing is stored.
+///
+/// `Fathom-Warnings` names known failures of the method that the picture shows.
+#[utoipa::path(post, path = "/v1/enhance", tag = "pictures", params(Parameters),
+    request_body(content = EnhanceUpload, content_type = "multipart/form-data"),
+    responses((status = 200, description = "The enhanced picture, 8 bit.",
+               content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp"))),
+              (status = 422, response = crate::openapi::Problem)))]
+pub(crate) async fn enhance(
+    State(app): State<Shared>,
+    Query(asked): Query<Parameters>,
+    MultipartBody(body): MultipartBody,
+) -> Result<Response, Problem> {
+    let method = Method::parse(&asked.method).ok_or_else(|| {
+        let known = enhance::METHODS.join(", ");
+        Problem::field(
+            "/method",
+            format!("method is `{}`; there are {known}", asked.method),
+        )
+    })?;
+    let files = Files::read(body, &["picture"]).await?;
+    let media_type = match asked.format {
+        Format::Png => "image/png",
+        Format::Webp => "image/webp",
+    };
+    let (bytes, warnings) = app
+        .pictures
+        .run(move || enhanced(&files, &method, &asked))
+        .await??;
+    let mut answer = ([(header::CONTENT_TYPE, media_type)], bytes).into_response();
+    if let Ok(codes) = HeaderValue::from_str(&warnings) {
+        answer.headers_mut().insert(WARNINGS, codes);
+    }
+    Ok(answer)
+}
+
+fn enhanced(files: &Files, method: &Method, asked: &Parameters) -> Result<(Vec<u8>, String), Problem> {
+    let refuse = |message: String| Problem::field("/picture", message);
+    let picture = files.picture("picture")?;
+    let picture = picture.ok_or_else(|| refuse("`picture` is missing".to_owned()))?;
+    let enhanced = enhance::run(method, &picture).map_err(|error| refuse(error.to_string()))?;
+    let result = if asked.mask {
+        enhanced.picture
+    } else {
+        enhanced.unmasked
+    };
+    let bytes = match asked.format {
+        Format::Png => encode_png(&result),
+        Format::Webp => encode_webp_lossless(&result.to_rgb8()),
+    };
+    let bytes = bytes.map_err(|error| refuse(error.to_string()))?;
+    let codes: Vec<_> = enhanced.warnings.iter().map(|warning| warning.code()).collect();
+    Ok((bytes, codes.join(", ")))
+}

@@ -1,0 +1,95 @@
+//! `POST /v1/measure`.
+
+use std::collections::BTreeMap;
+
+use axum::Json;
+use axum::extract::State;
+use quality::MetricId;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use crate::app::Shared;
+use crate::http::extract::{MultipartBody, Query};
+use crate::http::problem::Problem;
+use crate::pictures::Files;
+
+/// As in a job that names none.
+const USUAL: &str = "entropy,uicm,uism,uiconm,uiqm,uciqe";
+
+/// Which metrics.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct Parameters {
+    /// Metrics, separated by commas.
+    #[param(default = "entropy,uicm,uism,uiconm,uiqm,uciqe", example = "uiqm,uiqm@table1")]
+    metrics: Option<String>,
+}
+
+/// A picture of one's own.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the body; `pictures` reads it field by field")]
+pub(crate) struct MeasureUpload {
+    /// PNG, JPEG or WebP of at most 16 Mpx.
+    #[schema(value_type = String, format = Binary)]
+    picture: Vec<u8>,
+    /// The clean picture of the same size, for `psnr` and `ssim`.
+    #[schema(value_type = Option<String>, format = Binary)]
+    clean: Option<Vec<u8>>,
+}
+
+/// What was measured.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Measured {
+    /// Columns of the picture.
+    width: usize,
+    /// Rows of the picture.
+    height: usize,
+    /// Values by metric.
+    metrics: BTreeMap<String, f64>,
+}
+
+/// Measure a picture of your own. Nothing is stored.
+#[utoipa::path(post, path = "/v1/measure", tag = "pictures", params(Parameters),
+    request_body(content = MeasureUpload, content_type = "multipart/form-data"),
+    responses((status = 200, description = "The values.", body = Measured),
+              (status = 422, response = crate::openapi::Problem)))]
+pub(crate) async fn measure(
+    State(app): State<Shared>,
+    Query(asked): Query<Parameters>,
+    MultipartBody(body): MultipartBody,
+) -> Result<Json<Measured>, Problem> {
+    let metrics = metrics(asked.metrics.as_deref().unwrap_or(USUAL))?;
+    let files = Files::read(body, &["picture", "clean"]).await?;
+    let measured = app.pictures.run(move || measured(&files, &metrics)).await??;
+    Ok(Json(measured))
+}
+
+fn metrics(list: &str) -> Result<Vec<MetricId>, Problem> {
+    let parse = |name: &str| {
+        MetricId::parse(name).ok_or_else(|| {
+            let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
+            let message = format!("metric `{name}` does not exist; there are {}", known.join(", "));
+            Problem::field("/metrics", message)
+        })
+    };
+    list.split(',').map(|name| parse(name.trim())).collect()
+}
+
+fn measured(files: &Files, metrics: &[MetricId]) -> Result<Measured, Problem> {
+    let picture = files.picture("picture")?;
+    let picture = picture
+        .ok_or_else(|| Problem::field("/picture", "`picture` is missing"))?
+        .to_rgb8();
+    let clean = files.picture("clean")?.map(|clean| clean.to_rgb8());
+    let values = quality::measure(&picture, clean.as_ref(), metrics)
+        .map_err(|error| Problem::field("/clean", error.to_string()))?;
+    Ok(Measured {
+        width: picture.width(),
+        height: picture.height(),
+        metrics: values
+            .into_iter()
+            .map(|(id, value)| (id.to_string(), value))
+            .collect(),
+    })
+}

@@ -1,0 +1,32 @@
+//! The pool for whatever computes: decoding, hashing, thumbnails.
+
+use std::sync::Arc;
+
+use tokio::sync::Semaphore;
+
+use crate::http::problem::Problem;
+
+/// Runs closures on threads of their own, a bounded number at a time.
+pub(crate) struct Compute(Arc<Semaphore>);
+
+impl Compute {
+    pub(crate) fn new(threads: usize) -> Self {
+        Self(Arc::new(Semaphore::new(threads)))
+    }
+
+    /// Runs a computation. It goes on to its end, and keeps its place, when the caller goes away.
+    pub(crate) async fn run<T: Send + 'static>(
+        &self,
+        computation: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T, Problem> {
+        let place = Arc::clone(&self.0)
+            .acquire_owned()
+            .await
+            .map_err(|error| Problem::internal(&error))?;
+        let task = tokio::task::spawn_blocking(move || {
+            let _place = place;
+            computation()
+        });
+        task.await.map_err(|error| Problem::internal(&error))
+    }
+}

@@ -1,0 +1,180 @@
+//! The router: one line for each endpoint, grouped by what they need.
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::middleware::{from_fn, from_fn_with_state};
+use axum::routing::{get, post};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use utoipa_swagger_ui::SwaggerUi;
+
+use crate::app::Shared;
+use crate::bytes::space;
+use crate::http::auth::{Scope, Tokens};
+use crate::http::layers::{Budget, Group, observe};
+use crate::http::problem;
+use crate::http::problem::Problem;
+use crate::limits::{self, Limits};
+use crate::{bytes, datasets, images, jobs, leases, openapi, operations, pictures, scenes, styles, waters};
+
+/// The whole application.
+pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Router {
+    let probing = Budget::new("probes", limits.requests);
+    let requests = Budget::new("requests", limits.requests);
+    let waits = Budget::new("waits", limits.waits);
+    let streams = Budget::new("streams", limits.streams);
+    let uploads = Budget::new("uploads", limits.uploads);
+    let pictures = Budget::new("pictures", limits.pictures);
+    let backups = Budget::new("backups", 1);
+    let group = |scope, budget: &Budget, timeout, body_bytes| Group {
+        scope,
+        budget: budget.clone(),
+        timeout,
+        body_bytes,
+    };
+    let (read, submit) = (Some(Scope::Read), Some(Scope::Submit));
+    let (request, upload) = (limits::REQUEST, limits::UPLOAD);
+    let wait = limits::MAX_WAIT + limits::LONG_POLL_GRACE;
+    let routes = OpenApiRouter::with_openapi(openapi::frame())
+        .merge(group(None, &probing, request, 0).around(probes(), tokens))
+        .merge(group(read, &requests, request, 0).around(reading(), tokens))
+        .merge(group(read, &waits, wait, 0).around(following(), tokens))
+        .merge(group(read, &streams, request, 0).around(streaming(), tokens))
+        .merge(group(submit, &requests, request, limits::JSON_BYTES).around(submitting(), tokens))
+        .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
+        .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
+        .merge(group(submit, &uploads, upload, limits::STYLE_BYTES).around(adding(), tokens))
+        .merge(group(submit, &uploads, upload, limits::PHOTOS_BYTES).around(training(), tokens))
+        .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
+        .merge(group(submit, &waits, upload, limits::JSON_BYTES).around(verifying(), tokens))
+        .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
+    let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
+    openapi::complete(&mut document);
+    let pages = SwaggerUi::new("/docs").url("/openapi.json", document);
+    let space = Arc::clone(&app.space);
+    public
+        .with_state(app)
+        .merge(pages)
+        .route("/problems/{slug}", get(problem::describe))
+        .fallback(|| async { Problem::not_found("no such route; see /docs") })
+        .layer(from_fn_with_state(space, space::note))
+        .layer(from_fn(observe))
+}
+
+fn probes() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new()
+        .routes(routes!(operations::routes::livez::livez))
+        .routes(routes!(operations::routes::readyz::readyz))
+        .routes(routes!(operations::routes::version::version))
+}
+
+fn reading() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new()
+        .routes(routes!(operations::routes::metrics::metrics))
+        .routes(routes!(jobs::routes::list::list))
+        .routes(routes!(images::routes::list::list))
+        .routes(routes!(images::routes::get::get))
+        .routes(routes!(images::routes::artifact::artifact))
+        .routes(routes!(images::routes::preview::preview))
+        .routes(routes!(scenes::routes::list::list))
+        .routes(routes!(waters::routes::list::list))
+        .routes(routes!(waters::routes::get::get))
+        .routes(routes!(styles::routes::list::list))
+        .routes(routes!(datasets::routes::list::list))
+        .routes(routes!(datasets::routes::get::get))
+        .routes(routes!(datasets::routes::stats::stats))
+        .routes(routes!(datasets::routes::histogram::histogram))
+        .routes(routes!(leases::routes::workers::list))
+}
+
+fn following() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new()
+        .routes(routes!(jobs::routes::get::get))
+        .routes(routes!(styles::routes::training::get))
+}
+
+fn streaming() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new()
+        .routes(routes!(jobs::routes::events::events))
+        .routes(routes!(jobs::routes::results::results))
+        .routes(routes!(jobs::routes::errors::errors))
+        .routes(routes!(datasets::routes::metadata::jsonl))
+        .routes(routes!(datasets::routes::metadata::csv))
+}
+
+fn submitting() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new()
+        .routes(routes!(jobs::routes::create::create))
+        .routes(routes!(jobs::routes::preview::preview))
+        .routes(routes!(jobs::routes::delete::delete))
+        .routes(routes!(styles::routes::training::delete))
+        .routes(routes!(jobs::routes::cancel::cancel))
+        .routes(routes!(jobs::routes::pause::pause))
+        .routes(routes!(jobs::routes::resume::resume))
+        .routes(routes!(jobs::routes::retry_failed::retry_failed))
+        .routes(routes!(datasets::routes::delete::delete))
+        .routes(routes!(waters::routes::create::create))
+        .routes(routes!(waters::routes::delete::delete))
+}
+
+fn rendering() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(jobs::routes::render::create))
+}
+
+fn uploading() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(scenes::routes::create::create))
+}
+
+fn adding() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(styles::routes::create::create))
+}
+
+fn training() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(styles::routes::train::train))
+}
+
+fn verifying() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(images::routes::verify::verify))
+}
+
+fn computing() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new()
+        .routes(routes!(pictures::routes::enhance::enhance))
+        .routes(routes!(pictures::routes::measure::measure))
+}
+
+fn operating() -> OpenApiRouter<Shared> {
+    OpenApiRouter::new().routes(routes!(operations::routes::backup::create))
+}
+
+/// Calls of workers have budgets of their own: no flood of public requests can let a lease expire.
+fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<Shared> {
+    let group = |budget, timeout, body_bytes| Group {
+        scope: Some(Scope::Work),
+        budget,
+        timeout,
+        body_bytes,
+    };
+    let calls = OpenApiRouter::new()
+        .route("/v1/worker/register", post(leases::routes::register::register))
+        .route("/v1/worker/beat", post(leases::routes::beat::beat))
+        .route("/v1/worker/commit", post(leases::routes::commit::commit))
+        .route("/v1/worker/fail", post(leases::routes::fail::fail))
+        .route("/v1/worker/release", post(leases::routes::release::release))
+        .route("/v1/worker/scenes/{id}", get(scenes::routes::files::scene))
+        .route("/v1/worker/styles", get(styles::routes::model::styles))
+        .route("/v1/worker/styles/{name}", get(styles::routes::model::style))
+        .route("/v1/worker/blobs/{digest}", get(bytes::routes::blob::blob));
+    let waits = OpenApiRouter::new().route("/v1/worker/lease", post(leases::routes::lease::lease));
+    let uploads =
+        OpenApiRouter::new().route("/v1/worker/artifacts", post(leases::routes::artifacts::artifacts));
+    let waiting = limits::MAX_WAIT + limits::LONG_POLL_GRACE;
+    let calls_budget = Budget::new("worker calls", limits.worker_calls);
+    let waits_budget = Budget::new("worker waits", limits.worker_waits);
+    let uploads_budget = Budget::new("worker uploads", limits.worker_uploads);
+    OpenApiRouter::new()
+        .merge(group(calls_budget, limits::REQUEST, limits::WORKER_MESSAGE_BYTES).around(calls, tokens))
+        .merge(group(waits_budget, waiting, limits::WORKER_MESSAGE_BYTES).around(waits, tokens))
+        .merge(group(uploads_budget, limits::UPLOAD, limits::ARTIFACT_BYTES).around(uploads, tokens))
+}

@@ -1,3 +1,0 @@
-//! `/v1/backups`.
-
-pub(crate) mod create;

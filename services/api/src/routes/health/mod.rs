@@ -1,6 +1,0 @@
-//! What operators and their machines ask.
-
-pub(crate) mod livez;
-pub(crate) mod metrics;
-pub(crate) mod readyz;
-pub(crate) mod version;

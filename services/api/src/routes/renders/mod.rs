@@ -1,3 +1,0 @@
-//! One frame, now.
-
-pub(crate) mod create;

@@ -1,5 +1,0 @@
-//! Uploaded scenes.
-
-pub(crate) mod create;
-pub(crate) mod list;
-pub(crate) mod view;

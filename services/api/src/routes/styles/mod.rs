@@ -1,6 +1,0 @@
-//! Style water models.
-
-pub(crate) mod create;
-pub(crate) mod list;
-pub(crate) mod train;
-pub(crate) mod training;

@@ -1,3 +1,0 @@
-//! The fleet, as people see it.
-
-pub(crate) mod list;

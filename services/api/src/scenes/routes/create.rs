@@ -1,0 +1,63 @@
+//! `POST /v1/scenes`.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderName, StatusCode, header};
+use utoipa::ToSchema;
+
+use crate::app::Shared;
+use crate::http::extract::MultipartBody;
+use crate::http::problem::Problem;
+use crate::scenes::form::Form;
+use crate::scenes::keep::keep;
+use crate::scenes::view::SceneView;
+
+/// The fields of a scene upload.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the body; `uploads` reads it field by field")]
+pub(crate) struct SceneUpload {
+    /// The picture: PNG, JPEG, WebP, or NPY `[h, w, 3]` with linear radiance.
+    #[schema(value_type = String, format = Binary)]
+    rgb: Vec<u8>,
+    /// Distances along the line of sight: 8- or 16-bit PNG, or NPY.
+    #[schema(value_type = Option<String>, format = Binary)]
+    range: Option<Vec<u8>>,
+    /// Distances along the optical axis, as depth cameras give them; needs the camera.
+    #[schema(value_type = Option<String>, format = Binary)]
+    z_depth: Option<Vec<u8>>,
+    /// Metres of one unit of the file. Required for integer files.
+    unit_m: Option<f64>,
+    /// The code that means "no return". Required for integer files.
+    invalid_code: Option<u16>,
+    /// Focal length in pixels; `fx` is the same.
+    focal_px: Option<f64>,
+    /// Column of the principal point; absent: the middle.
+    cx: Option<f64>,
+    /// Row of the principal point; absent: the middle.
+    cy: Option<f64>,
+    /// Horizontal field of view, instead of the focal length.
+    hfov_deg: Option<f64>,
+    /// Instance of each pixel, 0 = background: 8- or 16-bit PNG.
+    #[schema(value_type = Option<String>, format = Binary)]
+    instances: Option<Vec<u8>>,
+}
+
+/// Upload a scene.
+///
+/// It is decoded and checked before anything is stored. Scenes are named by their content: the same upload answers
+/// the same scene with 200.
+#[utoipa::path(post, path = "/v1/scenes", tag = "scenes",
+    request_body(content = SceneUpload, content_type = "multipart/form-data"),
+    responses((status = 201, description = "Stored.", body = SceneView),
+              (status = 200, description = "It was there already.", body = SceneView),
+              (status = 422, response = crate::openapi::Problem)))]
+pub(crate) async fn create(
+    State(app): State<Shared>,
+    MultipartBody(body): MultipartBody,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<SceneView>), Problem> {
+    let form = Form::read(body).await?;
+    let (row, new) = keep(&app, form).await?;
+    let status = if new { StatusCode::CREATED } else { StatusCode::OK };
+    let location = [(header::LOCATION, format!("/v1/scenes?id={}", row.id))];
+    Ok((status, location, Json(row.into())))
+}

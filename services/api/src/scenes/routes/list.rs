@@ -1,0 +1,38 @@
+//! `GET /v1/scenes`.
+
+use axum::Json;
+use axum::extract::State;
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use crate::app::Shared;
+use crate::http::extract::Query;
+use crate::http::paging::{Page, rows};
+use crate::http::problem::Problem;
+use crate::scenes::view::SceneView;
+
+/// Which page.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct Parameters {
+    /// Rows of the page, 1..=1000.
+    #[param(default = 100)]
+    limit: Option<u32>,
+    /// `next_cursor` of the page before.
+    cursor: Option<String>,
+}
+
+/// List uploaded scenes.
+#[utoipa::path(get, path = "/v1/scenes", tag = "scenes", params(Parameters),
+    responses((status = 200, description = "A page of scenes.", body = Page<SceneView>)))]
+pub(crate) async fn list(
+    State(app): State<Shared>,
+    Query(asked): Query<Parameters>,
+) -> Result<Json<Page<SceneView>>, Problem> {
+    let page = app.catalogue.scenes(rows(asked.limit)?, asked.cursor).await?;
+    Ok(Json(Page {
+        items: page.items.into_iter().map(SceneView::from).collect(),
+        next_cursor: page.next_cursor,
+    }))
+}

@@ -1,0 +1,7 @@
+//! Style water models.
+
+pub(crate) mod create;
+pub(crate) mod list;
+pub(crate) mod model;
+pub(crate) mod train;
+pub(crate) mod training;

@@ -1,0 +1,122 @@
+//! `GET /v1/styles/trainings/{id}` and `DELETE` of the same.
+
+use std::time::Duration;
+
+use axum::Json;
+use axum::extract::State as Has;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use style::Card;
+use utoipa::{IntoParams, ToSchema};
+
+use crate::app::Shared;
+use crate::http::extract::{Path, Query};
+use crate::http::problem::{Problem, Slug};
+use crate::limits;
+use crate::styles::trainings::{State, Training, cancel};
+
+/// A training.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Training)]
+pub(crate) struct TrainingView {
+    /// `trn_…`
+    id: String,
+    /// The name of the style.
+    name: String,
+    /// `queued`, `running`, `done`, `failed` or `cancelled`.
+    #[schema(example = "running")]
+    state: &'static str,
+    /// Steps to do.
+    steps: u32,
+    /// Seed of all chance.
+    seed: u64,
+    /// Steps done.
+    done: u64,
+    /// The losses of the newest steps: `texture`, `colour`, `content`.
+    #[schema(value_type = Option<Value>)]
+    losses: Value,
+    /// Why there is no style.
+    error: Option<String>,
+    /// The card of the style, as in the list of styles.
+    #[schema(value_type = Option<Value>)]
+    card: Option<Card>,
+}
+
+impl TrainingView {
+    pub(crate) fn of(training: &Training) -> Self {
+        let order = &training.order;
+        let progress = training.progress();
+        let (state, error, card) = match training.state() {
+            State::Open if progress.is_some() => ("running", None, None),
+            State::Open => ("queued", None, None),
+            State::Done(card) => ("done", None, Some(*card)),
+            State::Failed(why) => ("failed", Some(why), None),
+            State::Cancelled => ("cancelled", None, None),
+        };
+        let progress = progress.unwrap_or_default();
+        let done = match state {
+            "done" => u64::from(order.steps),
+            _ => progress["done"].as_u64().unwrap_or_default(),
+        };
+        Self {
+            id: training.id.clone(),
+            name: order.name.clone(),
+            state,
+            steps: order.steps,
+            seed: order.seed,
+            done,
+            losses: progress["losses"].clone(),
+            error,
+            card,
+        }
+    }
+}
+
+/// How long to wait.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct Parameters {
+    /// Seconds to wait at most for its end, 0..=60.
+    #[param(default = 0, maximum = 60)]
+    wait: Option<u64>,
+}
+
+/// See a training, or wait for its end.
+#[utoipa::path(get, path = "/v1/styles/trainings/{id}", tag = "waters",
+    params(("id" = String, Path, description = "`trn_…`"), Parameters),
+    responses((status = 200, description = "The training as it is now.", body = TrainingView),
+              (status = 404, response = crate::openapi::Problem)))]
+pub(crate) async fn get(
+    Has(app): Has<Shared>,
+    Path(id): Path<String>,
+    Query(asked): Query<Parameters>,
+) -> Result<Json<TrainingView>, Problem> {
+    let limit = Duration::from_secs(asked.wait.unwrap_or(0));
+    if limit > limits::MAX_WAIT {
+        let detail = format!(
+            "wait: is {} but must be in 0..={}",
+            limit.as_secs(),
+            limits::MAX_WAIT.as_secs()
+        );
+        return Err(Problem::new(Slug::InvalidQuery, detail));
+    }
+    let training = app.trainings.get(&id)?;
+    training.wait(&app, limit).await;
+    Ok(Json(TrainingView::of(&training)))
+}
+
+/// Cancel a training.
+///
+/// Nothing of it stays. A training that has ended stays as it is, and so does its style.
+#[utoipa::path(delete, path = "/v1/styles/trainings/{id}", tag = "waters",
+    params(("id" = String, Path, description = "`trn_…`")),
+    responses((status = 200, description = "The training as it is now.", body = TrainingView),
+              (status = 404, response = crate::openapi::Problem)))]
+pub(crate) async fn delete(
+    Has(app): Has<Shared>,
+    Path(id): Path<String>,
+) -> Result<Json<TrainingView>, Problem> {
+    let training = cancel(&app, &id).await?;
+    Ok(Json(TrainingView::of(&training)))
+}

@@ -1,0 +1,192 @@
+//! Styles that are trained from photos: one at a time, each in a process of its own.
+//!
+//! A training is known to the running service alone: what survives is the style that it ends with. The process leaves
+//! all that it makes in a folder for the moment, so a training that fails, is cancelled or dies with the service
+//! leaves nothing behind.
+
+mod process;
+
+pub(crate) use process::photo;
+
+use std::collections::VecDeque;
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use serde_json::Value;
+use style::Card;
+use tempfile::TempDir;
+use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
+use uuid::Uuid;
+
+use crate::app::{App, Shared};
+use crate::http::problem::{Problem, Slug};
+use crate::limits;
+use crate::processes::child::Children;
+
+/// What a training is asked for; the photos lie in `folder`.
+pub(crate) struct Order {
+    pub(crate) name: String,
+    pub(crate) seed: u64,
+    pub(crate) steps: u32,
+    pub(crate) licence: String,
+    pub(crate) source: String,
+    pub(crate) photos: usize,
+    pub(crate) folder: TempDir,
+}
+
+/// How far a training is.
+#[derive(Clone)]
+pub(crate) enum State {
+    /// Others are before it, or it works.
+    Open,
+    /// Its style can be used.
+    Done(Box<Card>),
+    /// Why there is no style.
+    Failed(String),
+    /// Somebody wanted no more of it.
+    Cancelled,
+}
+
+/// A training.
+pub(crate) struct Training {
+    pub(crate) id: String,
+    pub(crate) order: Order,
+    state: Mutex<State>,
+    ended: Notify,
+    stop: CancellationToken,
+}
+
+impl Training {
+    pub(crate) fn state(&self) -> State {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// What the process says of its progress; nothing while others are before it.
+    pub(crate) fn progress(&self) -> Option<Value> {
+        let text = std::fs::read(self.order.folder.path().join(process::PROGRESS)).ok()?;
+        serde_json::from_slice(&text).ok()
+    }
+
+    fn is_open(&self) -> bool {
+        matches!(self.state(), State::Open)
+    }
+
+    fn end(&self, state: State) {
+        *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
+        // The photos and what came of them are needed no more; the folder itself goes with the training.
+        for entry in std::fs::read_dir(self.order.folder.path())
+            .into_iter()
+            .flatten()
+            .flatten()
+        {
+            let _ = std::fs::remove_file(entry.path()).or_else(|_| std::fs::remove_dir_all(entry.path()));
+        }
+        self.ended.notify_waiters();
+    }
+
+    /// Waits until it has ended, for so long at most, or until the service stops.
+    pub(crate) async fn wait(&self, app: &App, limit: Duration) {
+        let mut ended = std::pin::pin!(self.ended.notified());
+        ended.as_mut().enable();
+        if self.is_open() {
+            tokio::select! {
+                _ = tokio::time::timeout(limit, ended) => {}
+                () = app.stop.cancelled() => {}
+            }
+        }
+    }
+}
+
+/// The trainings of a running service, the oldest first.
+pub(crate) struct Trainings {
+    list: Mutex<VecDeque<Arc<Training>>>,
+    /// One at a time: each uses half of the cores.
+    trainers: Children,
+    /// Looks at photos while somebody waits.
+    lookers: Children,
+}
+
+impl Trainings {
+    pub(crate) fn new(program: &Path, lookers: usize) -> Self {
+        Self {
+            list: Mutex::default(),
+            trainers: Children::new(program, Vec::new(), 1),
+            lookers: Children::new(program, Vec::new(), lookers),
+        }
+    }
+
+    /// The training of an id.
+    pub(crate) fn get(&self, id: &str) -> Result<Arc<Training>, Problem> {
+        let found = self.list().iter().find(|training| training.id == id).cloned();
+        found.ok_or_else(|| Problem::not_found(format!("no training `{id}` since the service started")))
+    }
+
+    fn list(&self) -> MutexGuard<'_, VecDeque<Arc<Training>>> {
+        self.list.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes an order up, if its name is free and there is room.
+    fn take(&self, app: &App, order: Order) -> Result<Arc<Training>, Problem> {
+        let taken = |why: String| Err(Problem::new(Slug::NameTaken, why));
+        if app.styles.known().library.get(&order.name).is_some() {
+            return taken(format!(
+                "there is a style `{}` already; styles are never replaced",
+                order.name
+            ));
+        }
+        let mut list = self.list();
+        if let Some(other) = list
+            .iter()
+            .find(|other| other.is_open() && other.order.name == order.name)
+        {
+            return taken(format!(
+                "a style `{}` is being trained already, by {}",
+                order.name, other.id
+            ));
+        }
+        if list.iter().filter(|training| training.is_open()).count() >= limits::OPEN_TRAININGS {
+            let detail = format!("{} trainings are waiting already", limits::OPEN_TRAININGS);
+            return Err(Problem::overloaded(detail));
+        }
+        let training = Arc::new(Training {
+            id: format!("trn_{}", Uuid::now_v7().simple()),
+            order,
+            state: Mutex::new(State::Open),
+            ended: Notify::new(),
+            stop: app.stop.child_token(),
+        });
+        list.push_back(Arc::clone(&training));
+        while list.len() > limits::KNOWN_TRAININGS && list.front().is_some_and(|oldest| !oldest.is_open()) {
+            list.pop_front();
+        }
+        Ok(training)
+    }
+}
+
+/// Looks at the photos of an order and takes it up. The training goes on when the caller goes away.
+pub(crate) async fn start(app: &Shared, order: Order) -> Result<Arc<Training>, Problem> {
+    process::look(&app.trainings.lookers, &order).await?;
+    let training = app.trainings.take(app, order)?;
+    let (app, work) = (Arc::clone(app), Arc::clone(&training));
+    tokio::spawn(async move {
+        let state = tokio::select! {
+            () = work.stop.cancelled() => State::Cancelled,
+            ended = process::train(&app, &work.order) => match ended {
+                Ok(card) => State::Done(Box::new(card)),
+                Err(why) => State::Failed(why),
+            },
+        };
+        work.end(state);
+    });
+    Ok(training)
+}
+
+/// Ends a training; nothing of it stays. One that has ended already is left as it is.
+pub(crate) async fn cancel(app: &App, id: &str) -> Result<Arc<Training>, Problem> {
+    let training = app.trainings.get(id)?;
+    training.stop.cancel();
+    training.wait(app, limits::REQUEST).await;
+    Ok(training)
+}

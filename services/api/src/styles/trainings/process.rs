@@ -1,0 +1,106 @@
+//! The process that trains: `fathom train` over a folder.
+
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
+use std::time::Duration;
+
+use style::Card;
+
+use super::Order;
+use crate::app::Shared;
+use crate::http::problem::Problem;
+use crate::processes::child::{Allowance, Children, Ended};
+use crate::styles::{NewStyle, add};
+
+/// Where the process tells its progress, in the folder of the order.
+pub(super) const PROGRESS: &str = "progress.json";
+const OUT: &str = "out";
+
+/// A picture of 64 Mpx is decoded in a few seconds and takes 1 GiB.
+const LOOK: Allowance = Allowance {
+    time: Duration::from_secs(60),
+    memory_bytes: 3 << 30,
+};
+/// The most steps that may be asked for take a tenth of this on a quiet machine; a training holds about 0.2 GiB beside the
+/// photos.
+const TRAIN: Allowance = Allowance {
+    time: Duration::from_secs(3600),
+    memory_bytes: 4 << 30,
+};
+
+/// The name of a photo in the folder of its order; it stands in messages.
+pub(crate) fn photo(index: usize) -> String {
+    format!("photo {}", index + 1)
+}
+
+fn arguments(order: &Order) -> Vec<OsString> {
+    let folder = order.folder.path();
+    let photos = (0..order.photos).map(|index| folder.join(photo(index)).into_os_string());
+    photos
+        .chain(["--name".into(), order.name.clone().into()])
+        .collect()
+}
+
+/// Says whether the photos can be learned from.
+pub(super) async fn look(children: &Children, order: &Order) -> Result<(), Problem> {
+    let mut arguments = arguments(order);
+    arguments.push("--check".into());
+    let ended = run(children, &arguments, LOOK).await?;
+    let refuse = |why: String| Err(Problem::field("/photo", clean(&why, order.folder.path())));
+    match ended {
+        Ended::Well => Ok(()),
+        Ended::Refused(why) => refuse(why),
+        Ended::Lacking(why) | Ended::Badly(why) => refuse(format!(
+            "it cannot be used; of the process that looked at it: {why}"
+        )),
+    }
+}
+
+/// Trains, and adds the style; an error is told to whoever asks for the training.
+pub(super) async fn train(app: &Shared, order: &Order) -> Result<Card, String> {
+    let folder = order.folder.path();
+    let out = folder.join(OUT);
+    let mut arguments = arguments(order);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let options: [(&str, OsString); 7] = [
+        ("--seed", order.seed.to_string().into()),
+        ("--steps", order.steps.to_string().into()),
+        ("--threads", cores.div_ceil(2).to_string().into()),
+        ("--progress", folder.join(PROGRESS).into()),
+        ("--out", out.clone().into()),
+        ("--licence", order.licence.clone().into()),
+        ("--source", order.source.clone().into()),
+    ];
+    for (name, value) in options {
+        // Joined, so that a text that begins with a dash is no option.
+        let mut option = OsString::from(name);
+        option.push("=");
+        option.push(value);
+        arguments.push(option);
+    }
+    let ended = run(&app.trainings.trainers, &arguments, TRAIN).await;
+    match ended.map_err(|problem| problem.to_string())? {
+        Ended::Well => {}
+        Ended::Refused(why) | Ended::Lacking(why) | Ended::Badly(why) => return Err(clean(&why, folder)),
+    }
+    let read = |extension: &str| {
+        let file = out.join(format!("{}.{extension}", order.name));
+        std::fs::read(&file).map_err(|error| format!("the training left no {extension}: {error}"))
+    };
+    let (onnx, card) = (read("onnx")?, read("card.json")?);
+    let card: Card = serde_json::from_slice(&card).map_err(|error| format!("its card: {error}"))?;
+    let mut new = NewStyle::new(&order.name, onnx).map_err(|problem| problem.to_string())?;
+    new.card = card;
+    let added = add(app, new).await.map_err(|problem| problem.to_string())?;
+    Ok(added.0)
+}
+
+async fn run(children: &Children, arguments: &[OsString], allowance: Allowance) -> Result<Ended, Problem> {
+    let arguments: Vec<&OsStr> = arguments.iter().map(OsString::as_os_str).collect();
+    children.run("train", &arguments, allowance).await
+}
+
+/// What a process said, without the folder that nobody else knows.
+fn clean(said: &str, folder: &Path) -> String {
+    said.replace(&format!("{}/", folder.display()), "")
+}

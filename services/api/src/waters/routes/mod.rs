@@ -1,0 +1,6 @@
+//! Optical waters: the shipped ones, and those of the users' own.
+
+pub(crate) mod create;
+pub(crate) mod delete;
+pub(crate) mod get;
+pub(crate) mod list;

@@ -1,0 +1,320 @@
+//! A service of a hundred lines: the worker protocol over the real lease table, with faults on demand.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use api::lease_table::{JobEntry, LeaseTable, Millis, TERM_MS};
+use prost::Message;
+use proto::message::{BeatOf, Commit, Fail, Lease, PutArtifacts, Register, Registered, Release, WantLease};
+use proto::wire;
+use sha2::{Digest, Sha256};
+use spec::{FrameRecord, Job, hex};
+
+#[derive(Default)]
+pub(crate) struct State {
+    pub(crate) table: LeaseTable,
+    specs: BTreeMap<String, Job>,
+    pub(crate) workers: BTreeSet<String>,
+    pub(crate) images: BTreeMap<u64, FrameRecord>,
+    pub(crate) commits: u64,
+    pub(crate) failures: Vec<(u64, String, bool)>,
+    blobs: BTreeMap<String, Vec<u8>>,
+    scene: Option<wire::SceneResponse>,
+    tokens: u64,
+    /// Answers to commits that are lost on the way, from now on.
+    pub(crate) lost_answers: u32,
+    /// Whether every call is answered with 503.
+    pub(crate) away: bool,
+    /// Whether every call is answered with 401.
+    pub(crate) strict: bool,
+}
+
+/// What a call is answered with.
+enum Answer {
+    Message(Vec<u8>),
+    Problem(u16, &'static str),
+    /// The connection breaks.
+    Nothing,
+}
+
+pub(crate) struct FakeService {
+    pub(crate) url: String,
+    state: Arc<Mutex<State>>,
+}
+
+impl FakeService {
+    pub(crate) fn start() -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let url = format!("http://{}", listener.local_addr().unwrap());
+        let state: Arc<Mutex<State>> = Arc::default();
+        let shared = Arc::clone(&state);
+        let begun = Instant::now();
+        thread::spawn(move || {
+            for stream in listener.incoming() {
+                let state = Arc::clone(&shared);
+                thread::spawn(move || serve(stream.unwrap(), &state, begun));
+            }
+        });
+        Self { url, state }
+    }
+
+    pub(crate) fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap()
+    }
+
+    pub(crate) fn add_job(&self, id: &str, job: &Job) {
+        let mut state = self.state();
+        state.specs.insert(id.to_owned(), job.clone());
+        state.table.add_job(JobEntry {
+            id: id.to_owned(),
+            frames: job.frames(),
+            ..JobEntry::default()
+        });
+    }
+
+    /// An uploaded scene: answered to every id.
+    pub(crate) fn add_scene(&self, rgb: Vec<u8>, range: Vec<u8>) {
+        let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
+        let mut state = self.state();
+        state.scene = Some(wire::SceneResponse {
+            rgb_digest: digest(&rgb),
+            range_digest: Some(digest(&range)),
+            range_kind: wire::RangeKind::Range.into(),
+            unit_m: Some(1.0),
+            ..wire::SceneResponse::default()
+        });
+        state.blobs.extend([(digest(&rgb), rgb), (digest(&range), range)]);
+    }
+
+    /// What a restart does: workers and leases are forgotten, images are not.
+    pub(crate) fn restart(&self) {
+        let mut state = self.state();
+        state.workers.clear();
+        state.table = LeaseTable::new();
+        let done = state
+            .images
+            .keys()
+            .map(|&frame| frame..frame + 1)
+            .collect::<Vec<_>>();
+        let jobs: Vec<(String, u64)> = state
+            .specs
+            .iter()
+            .map(|(id, job)| (id.clone(), job.frames()))
+            .collect();
+        for (id, frames) in jobs {
+            state.table.add_job(JobEntry {
+                id,
+                frames,
+                done: done.clone(),
+                ..JobEntry::default()
+            });
+        }
+    }
+
+    /// Waits until something is true of the state.
+    pub(crate) fn wait(&self, what: &str, mut until: impl FnMut(&State) -> bool) {
+        let limit = Instant::now() + Duration::from_secs(30);
+        while !until(&self.state()) {
+            assert!(Instant::now() < limit, "waited too long: {what}");
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+fn serve(stream: TcpStream, state: &Mutex<State>, begun: Instant) {
+    let mut reader = BufReader::new(stream.try_clone().unwrap());
+    while let Some((path, body)) = request(&mut reader) {
+        let now = Millis(begun.elapsed().as_millis() as u64);
+        let answer = answer(&mut state.lock().unwrap(), &path, &body, now);
+        let (status, body) = match answer {
+            Answer::Message(body) => (200, body),
+            Answer::Problem(status, slug) => (
+                status,
+                format!("{{\"type\": \"/problems/{slug}\", \"title\": \"{slug}\", \"detail\": \"\"}}").into(),
+            ),
+            Answer::Nothing => return,
+        };
+        let head = format!("HTTP/1.1 {status} X\r\ncontent-length: {}\r\n\r\n", body.len());
+        if (&stream).write_all(&[head.as_bytes(), &body].concat()).is_err() {
+            return;
+        }
+        // What a long-poll does, without the waiting.
+        if path.ends_with("/lease") && body.is_empty() {
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+fn request(reader: &mut BufReader<TcpStream>) -> Option<(String, Vec<u8>)> {
+    let (mut line, mut path, mut length) = (String::new(), None, 0);
+    loop {
+        line.clear();
+        if reader.read_line(&mut line).ok()? == 0 {
+            return None;
+        }
+        if line == "\r\n" {
+            break;
+        }
+        if path.is_none() {
+            path = line.split(' ').nth(1).map(str::to_owned);
+        }
+        if let Some((name, value)) = line.split_once(':')
+            && name.eq_ignore_ascii_case("content-length")
+        {
+            length = value.trim().parse().unwrap();
+        }
+    }
+    let mut body = vec![0; length];
+    reader.read_exact(&mut body).ok()?;
+    Some((path?, body))
+}
+
+fn decoded<M, W>(body: &[u8]) -> M
+where
+    W: Message + Default,
+    M: TryFrom<W>,
+    M::Error: std::fmt::Debug,
+{
+    M::try_from(W::decode(body).unwrap()).unwrap()
+}
+
+const STALE: Answer = Answer::Problem(409, "stale-lease");
+const UNKNOWN_WORKER: Answer = Answer::Problem(404, "unknown-worker");
+
+fn answer(state: &mut State, path: &str, body: &[u8], now: Millis) -> Answer {
+    if state.away {
+        return Answer::Problem(503, "overloaded");
+    }
+    if state.strict {
+        return Answer::Problem(401, "unauthorized");
+    }
+    match path.strip_prefix("/v1/worker/").unwrap() {
+        "register" => register(state, &decoded::<Register, wire::RegisterRequest>(body), now),
+        "lease" => lease(state, &decoded::<WantLease, wire::LeaseRequest>(body), now),
+        "beat" => {
+            let beat: BeatOf = decoded::<_, wire::BeatRequest>(body);
+            if !state.workers.contains(&beat.worker_id) {
+                return UNKNOWN_WORKER;
+            }
+            let api::lease_table::Beat { cancelled, lost } =
+                state.table.beat(&beat.worker_id, &beat.tokens, now);
+            Answer::Message(wire::BeatResponse { cancelled, lost }.encode_to_vec())
+        }
+        "artifacts" => {
+            let put: PutArtifacts = decoded::<_, wire::PutArtifactsRequest>(body);
+            let claim = put.claim;
+            if state
+                .table
+                .check(&claim.job_id, claim.frame, claim.token, claim.attempt)
+                .is_err()
+            {
+                return STALE;
+            }
+            for artifact in put.artifacts {
+                assert_eq!(hex(&Sha256::digest(&artifact.data)), artifact.digest);
+                state.blobs.insert(artifact.digest, artifact.data);
+            }
+            Answer::Message(Vec::new())
+        }
+        "commit" => commit(state, decoded::<Commit, wire::CommitRequest>(body), now),
+        "fail" => {
+            let Fail {
+                claim,
+                error,
+                retryable,
+                ..
+            } = decoded::<_, wire::FailRequest>(body);
+            let (job, frame) = (&claim.job_id, claim.frame);
+            match state
+                .table
+                .fail(job, frame, claim.token, claim.attempt, retryable, &error, now)
+            {
+                Err(_) => STALE,
+                Ok(_) => {
+                    state.failures.push((frame, error, retryable));
+                    Answer::Message(Vec::new())
+                }
+            }
+        }
+        "release" => {
+            state
+                .table
+                .release(decoded::<Release, wire::ReleaseRequest>(body).token, now);
+            Answer::Message(Vec::new())
+        }
+        get => match get.split_once('/').unwrap() {
+            ("scenes", _) => Answer::Message(state.scene.as_ref().unwrap().encode_to_vec()),
+            ("blobs", digest) => Answer::Message(state.blobs[digest].clone()),
+            _ => panic!("unexpected call {path}"),
+        },
+    }
+}
+
+fn register(state: &mut State, about: &Register, now: Millis) -> Answer {
+    state.tokens += 1;
+    let worker_id = format!("wrk_{}", state.tokens);
+    state.table.register(&worker_id, &about.name, about.slots, now);
+    state.workers.insert(worker_id.clone());
+    let registered = Registered {
+        worker_id,
+        lease_term_ms: TERM_MS,
+        beat_ms: 20,
+    };
+    Answer::Message(wire::RegisterResponse::from(registered).encode_to_vec())
+}
+
+fn lease(state: &mut State, want: &WantLease, now: Millis) -> Answer {
+    if !state.workers.contains(&want.worker_id) {
+        return UNKNOWN_WORKER;
+    }
+    state.tokens += 1;
+    let Some(grant) = state
+        .table
+        .grant(&want.worker_id, now, state.tokens, want.frame_ms)
+    else {
+        return Answer::Message(Vec::new());
+    };
+    let lease = Lease {
+        token: grant.token,
+        spec_json: state.specs[&grant.job_id].canonical().to_owned(),
+        job_id: grant.job_id,
+        frames: grant.frames,
+        term_ms: TERM_MS,
+    };
+    Answer::Message(
+        wire::LeaseResponse {
+            lease: Some(lease.into()),
+        }
+        .encode_to_vec(),
+    )
+}
+
+fn commit(state: &mut State, commit: Commit, now: Millis) -> Answer {
+    let Commit { claim, record } = commit;
+    let (job, frame) = (&claim.job_id, claim.frame);
+    if state
+        .table
+        .begin_commit(job, frame, claim.token, claim.attempt, now)
+        .is_err()
+    {
+        return STALE;
+    }
+    assert!(
+        record
+            .artifacts
+            .iter()
+            .all(|artifact| state.blobs.contains_key(&artifact.digest))
+    );
+    state.table.finish_commit(job, frame);
+    state.commits += 1;
+    state.images.insert(frame, record);
+    if state.lost_answers > 0 {
+        state.lost_answers -= 1;
+        return Answer::Nothing;
+    }
+    Answer::Message(wire::CommitResponse { already_there: false }.encode_to_vec())
+}

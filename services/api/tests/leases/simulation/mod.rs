@@ -1,0 +1,96 @@
+//! A hundred thousand random histories of a service and its workers.
+//!
+//! Messages are delayed, doubled, lost and overtake each other; workers crash, stall past their leases and wake again;
+//! the service crashes between any two steps and starts from what it had written; its clock jumps; jobs are paused,
+//! cancelled and tried again meanwhile.
+//!
+//! Failure is: a frame with two images, or with none although nobody gave it up; an image that was accepted under a
+//! token that is not the frame's latest, or after the lease had run out, or of a frame that was given up; a frame that
+//! is offered although it has ended; one that is given up before its third strike; a history that does not end.
+//!
+//! A simulation that finds nothing proves little unless it finds what is there: two services that are broken on
+//! purpose must be caught.
+
+mod service;
+mod world;
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use service::{Variant, Violation};
+use world::World;
+
+const HISTORIES: u64 = 100_000;
+/// Set to play more histories, other ones each time the number grows.
+const MORE: &str = "FATHOM_HISTORIES";
+/// Broken services are caught within so many histories.
+const CAUGHT_WITHIN: u64 = 1_000;
+
+/// Plays histories on all processors; answers the violations, with the numbers of their histories.
+fn play(histories: u64, variant: Variant) -> BTreeSet<(u64, Violation)> {
+    let (next, found) = (AtomicU64::new(0), AtomicBool::new(false));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        let work = || {
+            let mut violations = BTreeSet::new();
+            loop {
+                let number = next.fetch_add(1, Ordering::Relaxed);
+                if number >= histories || (variant == Variant::Sound && found.load(Ordering::Relaxed)) {
+                    return violations;
+                }
+                if let Err(violation) = World::new(number, variant).play() {
+                    found.store(true, Ordering::Relaxed);
+                    violations.insert((number, violation));
+                }
+            }
+        };
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        threads
+            .into_iter()
+            .flat_map(|thread| thread.join().unwrap())
+            .collect()
+    })
+}
+
+#[test]
+fn in_no_history_is_a_promise_broken() {
+    let histories = std::env::var(MORE).map_or(HISTORIES, |text| text.parse().unwrap());
+    assert_eq!(play(histories, Variant::Sound), BTreeSet::new());
+}
+
+#[test]
+fn a_service_that_does_not_look_at_tokens_is_caught() {
+    let found = play(CAUGHT_WITHIN, Variant::NoFence);
+    assert!(
+        found
+            .iter()
+            .any(|(_, violation)| *violation == Violation::StaleToken),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_service_that_does_not_look_whether_a_frame_is_open_is_caught() {
+    let found = play(CAUGHT_WITHIN, Variant::NoStateGuard);
+    for expected in [
+        Violation::TwoImages,
+        Violation::LeaseHadEnded,
+        Violation::WasGivenUp,
+    ] {
+        assert!(
+            found.iter().any(|(_, violation)| *violation == expected),
+            "{expected:?} in {found:?}"
+        );
+    }
+}
+
+#[test]
+fn a_service_that_forgets_what_it_wrote_is_caught() {
+    let found = play(CAUGHT_WITHIN, Variant::ForgetsImages);
+    assert!(
+        found
+            .iter()
+            .any(|(_, violation)| *violation == Violation::OfferedAgain),
+        "{found:?}"
+    );
+}
