@@ -6,67 +6,10 @@ use std::path::{Path, PathBuf};
 
 use fathom_tests::root;
 
-/// Every crate and the crates of ours that it may use. A crate that is missing here fails the test, and so does an
-/// arrow that is not listed: read ARCHITECTURE.md before you add one.
-const ARROWS: &[(&str, &[&str])] = &[
-    ("workers/imaging", &[]),
-    ("workers/optics", &["imaging"]),
-    ("workers/scenes", &["imaging"]),
-    ("workers/enhance", &["imaging"]),
-    ("workers/quality", &["imaging"]),
-    ("workers/style", &["imaging"]),
-    ("workers/fidelity", &["enhance", "imaging", "optics", "quality"]),
-    ("workers/training", &["imaging", "scenes", "style"]),
-    ("services/spec", &["imaging", "optics"]),
-    ("proto", &["spec"]),
-    ("services/faults", &[]),
-    ("services/store", &["faults"]),
-    ("services/catalogue", &["faults", "spec"]),
-    (
-        "workers/renderer",
-        &[
-            "enhance", "faults", "imaging", "optics", "proto", "quality", "scenes", "spec", "style",
-        ],
-    ),
-    (
-        "services/api",
-        &[
-            "catalogue",
-            "enhance",
-            "faults",
-            "imaging",
-            "optics",
-            "proto",
-            "quality",
-            "renderer",
-            "scenes",
-            "spec",
-            "store",
-            "style",
-        ],
-    ),
-    (
-        "services/cli",
-        &[
-            "api",
-            "catalogue",
-            "enhance",
-            "faults",
-            "fidelity",
-            "imaging",
-            "optics",
-            "proto",
-            "quality",
-            "renderer",
-            "scenes",
-            "spec",
-            "store",
-            "style",
-            "training",
-        ],
-    ),
-    ("tests", &[]),
-];
+/// Behind this line ARCHITECTURE.md lists every crate with the crates of ours that it uses.
+const ARROWS_FOLLOW: &str = "compares this list with the manifests";
+/// Behind this heading it lists every folder.
+const MAP_FOLLOWS: &str = "## Map";
 
 /// Crates that are values in, values out.
 const PURE: &[&str] = &[
@@ -137,51 +80,101 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-#[test]
-fn every_member_is_in_the_table_of_arrows_and_uses_only_what_it_may() {
-    let members: BTreeSet<String> = manifest("")["workspace"]["members"]
-        .as_array()
-        .expect("an array")
+/// The folders of the workspace's members.
+fn members() -> Vec<String> {
+    let workspace = manifest("");
+    let members = workspace["workspace"]["members"].as_array().expect("an array");
+    members
         .iter()
         .map(|member| member.as_str().expect("a path").to_owned())
-        .collect();
-    let listed: BTreeSet<String> = ARROWS.iter().map(|(folder, _)| (*folder).to_owned()).collect();
-    assert_eq!(members, listed);
+        .collect()
+}
+
+/// Each crate with the crates of ours that it uses, as the manifests say.
+fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     let ours = ours();
-    for (folder, allowed) in ARROWS {
-        let used: BTreeSet<_> = dependencies(&manifest(folder), "dependencies");
-        for name in used.intersection(&ours) {
-            assert!(
-                allowed.contains(&name.as_str()),
-                "{folder} must not depend on {name}"
-            );
+    let arrows = |folder: &String| {
+        let manifest = manifest(folder);
+        let name = manifest["package"]["name"].as_str().expect("a name").to_owned();
+        let used = dependencies(&manifest, "dependencies");
+        (name, used.intersection(&ours).cloned().collect())
+    };
+    let folders = members();
+    let product = folders.iter().filter(|folder| *folder != "tests");
+    product.map(arrows).collect()
+}
+
+/// The lines of the first fenced block of ARCHITECTURE.md behind this text.
+fn block(behind: &str) -> Vec<String> {
+    let page = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    let rest = page
+        .split_once(behind)
+        .expect("the text stands in ARCHITECTURE.md")
+        .1;
+    let lines = rest.lines().skip_while(|line| !line.starts_with("```")).skip(1);
+    lines
+        .take_while(|line| !line.starts_with("```"))
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn the_arrows_of_the_architecture_page_are_those_of_the_manifests() {
+    let line = |(name, used): (String, BTreeSet<String>)| {
+        let used: Vec<String> = used.into_iter().collect();
+        format!("{name} → {}", used.join(", "))
+            .trim_end_matches(" → ")
+            .to_owned()
+    };
+    let expected: BTreeSet<String> = arrows().into_iter().map(line).collect();
+    let written: BTreeSet<String> = block(ARROWS_FOLLOW).into_iter().collect();
+    let missing: Vec<_> = expected.difference(&written).collect();
+    let wrong: Vec<_> = written.difference(&expected).collect();
+    assert!(
+        missing.is_empty() && wrong.is_empty(),
+        "ARCHITECTURE.md should say {missing:#?} and not {wrong:#?}"
+    );
+}
+
+#[test]
+fn the_map_of_the_architecture_page_has_every_member_and_every_folder_of_it_exists() {
+    let mut parent = String::new();
+    let mut folders = BTreeSet::new();
+    for line in block(MAP_FOLLOWS).iter().filter(|line| !line.is_empty()) {
+        let name = line.split_whitespace().next().unwrap_or_default();
+        let is_below = line.starts_with(' ');
+        if !is_below {
+            name.clone_into(&mut parent);
         }
+        let folder = if is_below {
+            format!("{parent}{name}")
+        } else {
+            name.to_owned()
+        };
+        assert!(
+            root().join(&folder).is_dir(),
+            "the map has {folder}, which is not there"
+        );
+        folders.insert(folder.trim_end_matches('/').to_owned());
+    }
+    for member in members() {
+        assert!(folders.contains(&member), "{member} is not in the map");
     }
 }
 
 #[test]
 fn a_restoration_never_sees_the_water_that_it_is_judged_by() {
-    let ours = ours();
-    let table: BTreeMap<&str, &[&str]> = ARROWS
-        .iter()
-        .map(|(folder, arrows)| (folder.rsplit('/').next().unwrap_or(folder), *arrows))
-        .collect();
+    let arrows = arrows();
     for start in ["enhance", "quality"] {
-        let mut seen = BTreeSet::from([start.to_owned()]);
+        let mut seen = BTreeSet::new();
         let mut open = vec![start.to_owned()];
         while let Some(name) = open.pop() {
-            let folder = ARROWS
-                .iter()
-                .map(|(folder, _)| *folder)
-                .find(|f| f.ends_with(&format!("/{name}")));
-            for next in
-                dependencies(&manifest(folder.expect("a listed crate")), "dependencies").intersection(&ours)
-            {
-                assert!(table.contains_key(next.as_str()));
-                if seen.insert(next.clone()) {
-                    open.push(next.clone());
-                }
-            }
+            open.extend(
+                arrows[&name]
+                    .iter()
+                    .filter(|next| seen.insert((*next).clone()))
+                    .cloned(),
+            );
         }
         assert!(
             !seen.contains("optics"),
@@ -204,11 +197,11 @@ fn pure_crates_name_no_file_socket_clock_environment_or_log() {
 
 #[test]
 fn sql_is_spoken_only_by_the_catalogue_and_the_artifact_packs() {
-    for (folder, _) in ARROWS {
-        let speaks = dependencies(&manifest(folder), "dependencies").contains("sqlx");
+    for folder in members() {
+        let speaks = dependencies(&manifest(&folder), "dependencies").contains("sqlx");
         assert_eq!(
             speaks,
-            matches!(*folder, "services/catalogue" | "services/store"),
+            matches!(folder.as_str(), "services/catalogue" | "services/store"),
             "{folder}"
         );
     }
@@ -218,9 +211,9 @@ fn sql_is_spoken_only_by_the_catalogue_and_the_artifact_packs() {
 fn every_crate_keeps_the_workspace_lints_and_unsafe_is_forbidden() {
     let lints = &manifest("")["workspace"]["lints"];
     assert_eq!(lints["rust"]["unsafe_code"].as_str(), Some("forbid"));
-    for (folder, _) in ARROWS {
+    for folder in members() {
         assert_eq!(
-            manifest(folder)["lints"]["workspace"].as_bool(),
+            manifest(&folder)["lints"]["workspace"].as_bool(),
             Some(true),
             "{folder}"
         );
@@ -229,8 +222,8 @@ fn every_crate_keeps_the_workspace_lints_and_unsafe_is_forbidden() {
 
 #[test]
 fn no_source_file_outgrows_four_hundred_lines() {
-    for (folder, _) in ARROWS {
-        for path in sources(&root().join(folder)) {
+    for folder in members() {
+        for path in sources(&root().join(&folder)) {
             let lines = fs::read_to_string(&path)
                 .expect("a readable source")
                 .lines()
