@@ -2,14 +2,15 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use scenes::uploaded::{self, RangeBytes, RangeKind, Upload};
+use scenes::uploaded;
+use spec::{RangeFile, RangeKind, SceneFiles};
 
 fuzz_target!(|parts: (Vec<u8>, Vec<u8>, Option<f64>, Option<u16>, bool)| {
     let (rgb, range, unit_m, invalid_code, z_depth) = parts;
     let kind = if z_depth { RangeKind::ZDepth } else { RangeKind::Range };
-    let upload = Upload {
-        rgb: &rgb,
-        range: Some(RangeBytes { bytes: &range, kind, unit_m, invalid_code }),
+    let upload = SceneFiles {
+        rgb,
+        range: Some(RangeFile { file: range, kind, unit_m, invalid_code }),
         intrinsics: None,
         instances: None,
     };

@@ -141,52 +141,6 @@ pub struct Release {
     pub reason: String,
 }
 
-/// What an uploaded scene is made of; the files come by digest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SceneFiles {
-    /// The picture.
-    pub rgb_digest: String,
-    /// The range file.
-    pub range: Option<RangeFile>,
-    /// The camera, if the upload said it.
-    pub intrinsics: Option<Intrinsics>,
-    /// The instance mask.
-    pub instances_digest: Option<String>,
-}
-
-/// A stored range file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RangeFile {
-    /// The file.
-    pub digest: String,
-    /// What its values are.
-    pub kind: RangeKind,
-    /// Metres of one unit.
-    pub unit_m: Option<f64>,
-    /// The code that means "no return".
-    pub invalid_code: Option<u16>,
-}
-
-/// What the values of a range file are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RangeKind {
-    /// Distances along the line of sight.
-    Range,
-    /// Distances along the optical axis.
-    ZDepth,
-}
-
-/// A pinhole camera in pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Intrinsics {
-    /// Focal length, above 0.
-    pub focal_px: f64,
-    /// Column of the principal point.
-    pub cx: f64,
-    /// Row of the principal point.
-    pub cy: f64,
-}
-
 /// A style model that jobs may name; its ONNX file comes by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Style {

@@ -1,27 +1,28 @@
 //! What an uploaded scene is made of.
 
+use spec::{Intrinsics, RangeFile, RangeKind, SceneFiles};
+
 use crate::check::{MessageError, digest, finite, positive, wrong};
-use crate::message::{Intrinsics, RangeFile, RangeKind, SceneFiles};
 use crate::wire;
 
-impl TryFrom<wire::SceneResponse> for SceneFiles {
+impl TryFrom<wire::SceneResponse> for SceneFiles<String> {
     type Error = MessageError;
 
     fn try_from(wire: wire::SceneResponse) -> Result<Self, MessageError> {
         let range = match wire.range_digest {
             None => None,
             Some(range) => Some(RangeFile {
-                digest: digest("range_digest", range)?,
+                file: digest("range_digest", range)?,
                 kind: range_kind(wire.range_kind)?,
                 unit_m: wire.unit_m.map(|unit| positive("unit_m", unit)).transpose()?,
                 invalid_code: wire.invalid_code.map(invalid_code).transpose()?,
             }),
         };
         Ok(Self {
-            rgb_digest: digest("rgb_digest", wire.rgb_digest)?,
+            rgb: digest("rgb_digest", wire.rgb_digest)?,
             range,
-            intrinsics: wire.intrinsics.map(Intrinsics::try_from).transpose()?,
-            instances_digest: wire
+            intrinsics: wire.intrinsics.map(intrinsics).transpose()?,
+            instances: wire
                 .instances_digest
                 .map(|it| digest("instances_digest", it))
                 .transpose()?,
@@ -42,27 +43,23 @@ fn invalid_code(code: u32) -> Result<u16, MessageError> {
     u16::try_from(code).map_err(|_| wrong("invalid_code", &code, "0..=65535"))
 }
 
-impl TryFrom<wire::Intrinsics> for Intrinsics {
-    type Error = MessageError;
-
-    fn try_from(wire: wire::Intrinsics) -> Result<Self, MessageError> {
-        Ok(Self {
-            focal_px: positive("focal_px", wire.focal_px)?,
-            cx: finite("cx", wire.cx)?,
-            cy: finite("cy", wire.cy)?,
-        })
-    }
+fn intrinsics(wire: wire::Intrinsics) -> Result<Intrinsics, MessageError> {
+    Ok(Intrinsics {
+        focal_px: positive("focal_px", wire.focal_px)?,
+        cx: finite("cx", wire.cx)?,
+        cy: finite("cy", wire.cy)?,
+    })
 }
 
-impl From<SceneFiles> for wire::SceneResponse {
-    fn from(scene: SceneFiles) -> Self {
+impl From<SceneFiles<String>> for wire::SceneResponse {
+    fn from(scene: SceneFiles<String>) -> Self {
         let range_kind = match scene.range.as_ref().map(|range| range.kind) {
             None => wire::RangeKind::Unspecified,
             Some(RangeKind::Range) => wire::RangeKind::Range,
             Some(RangeKind::ZDepth) => wire::RangeKind::ZDepth,
         };
         Self {
-            rgb_digest: scene.rgb_digest,
+            rgb_digest: scene.rgb,
             range_kind: range_kind.into(),
             unit_m: scene.range.as_ref().and_then(|range| range.unit_m),
             invalid_code: scene
@@ -70,11 +67,11 @@ impl From<SceneFiles> for wire::SceneResponse {
                 .as_ref()
                 .and_then(|range| range.invalid_code)
                 .map(u32::from),
-            range_digest: scene.range.map(|range| range.digest),
+            range_digest: scene.range.map(|range| range.file),
             intrinsics: scene
                 .intrinsics
                 .map(|Intrinsics { focal_px, cx, cy }| wire::Intrinsics { focal_px, cx, cy }),
-            instances_digest: scene.instances_digest,
+            instances_digest: scene.instances,
         }
     }
 }

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use proptest::prelude::*;
 use prost::Message;
-use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
+use spec::{ArtifactEntry, Counts, FrameRecord, Intrinsics, Provenance, RangeFile, RangeKind, SceneFiles};
 
 use crate::message::*;
 use crate::{MessageError, wire};
@@ -52,12 +52,12 @@ fn record() -> FrameRecord {
     }
 }
 
-fn scene() -> SceneFiles {
+fn scene() -> SceneFiles<String> {
     let kind = RangeKind::ZDepth;
     SceneFiles {
-        rgb_digest: "01".repeat(32),
+        rgb: "01".repeat(32),
         range: Some(RangeFile {
-            digest: "23".repeat(32),
+            file: "23".repeat(32),
             kind,
             unit_m: Some(0.001),
             invalid_code: Some(65535),
@@ -67,7 +67,7 @@ fn scene() -> SceneFiles {
             cx: 3.5,
             cy: -1.0,
         }),
-        instances_digest: Some("45".repeat(32)),
+        instances: Some("45".repeat(32)),
     }
 }
 
@@ -153,7 +153,7 @@ fn what_is_said_of_a_frame_survives_the_wire_unchanged() {
     let bare = SceneFiles {
         range: None,
         intrinsics: None,
-        instances_digest: None,
+        instances: None,
         ..scene()
     };
     assert_eq!(sent::<_, wire::SceneResponse>(bare.clone()), bare);
@@ -245,7 +245,7 @@ fn all(bytes: &[u8]) -> [bool; 9] {
         arrives::<PutArtifacts, wire::PutArtifactsRequest>(bytes),
         arrives::<Commit, wire::CommitRequest>(bytes),
         arrives::<Fail, wire::FailRequest>(bytes),
-        arrives::<SceneFiles, wire::SceneResponse>(bytes),
+        arrives::<SceneFiles<String>, wire::SceneResponse>(bytes),
     ]
 }
 

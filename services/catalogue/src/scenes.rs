@@ -1,6 +1,7 @@
 //! Uploaded scenes, one for each content.
 
 use serde_json::json;
+use spec::{Intrinsics, RangeFile, RangeKind, SceneFiles};
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
@@ -12,6 +13,8 @@ pub(crate) async fn insert(
     connection: &mut SqliteConnection,
     scene: &SceneRow,
 ) -> Result<String, CatalogueError> {
+    let files = &scene.files;
+    let (range, camera) = (files.range.as_ref(), files.intrinsics.as_ref());
     sqlx::query(
         "INSERT INTO scenes (id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code,
                              instances_digest, width, height, focal_px, cx, cy, created_ms)
@@ -19,17 +22,17 @@ pub(crate) async fn insert(
     )
     .bind(&scene.id)
     .bind(&scene.content_digest)
-    .bind(&scene.rgb_digest)
-    .bind(&scene.range_digest)
-    .bind(&scene.range_kind)
-    .bind(scene.unit_m)
-    .bind(scene.invalid_code)
-    .bind(&scene.instances_digest)
+    .bind(&files.rgb)
+    .bind(range.map(|range| &range.file))
+    .bind(range.map(|range| range.kind.name()))
+    .bind(range.and_then(|range| range.unit_m))
+    .bind(range.and_then(|range| range.invalid_code))
+    .bind(&files.instances)
     .bind(scene.width)
     .bind(scene.height)
-    .bind(scene.focal_px)
-    .bind(scene.cx)
-    .bind(scene.cy)
+    .bind(camera.map(|camera| camera.focal_px))
+    .bind(camera.map(|camera| camera.cx))
+    .bind(camera.map(|camera| camera.cy))
     .bind(scene.created_ms as i64)
     .execute(&mut *connection)
     .await?;
@@ -90,20 +93,28 @@ pub(crate) async fn list(
 }
 
 fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {
+    let kind = row.try_get::<Option<&str>, _>(4)?.and_then(RangeKind::parse);
+    let range = row.try_get::<Option<String>, _>(3)?.zip(kind);
+    let (unit_m, invalid_code) = (row.try_get(5)?, row.try_get(6)?);
     Ok(SceneRow {
         id: row.try_get(0)?,
         content_digest: row.try_get(1)?,
-        rgb_digest: row.try_get(2)?,
-        range_digest: row.try_get(3)?,
-        range_kind: row.try_get(4)?,
-        unit_m: row.try_get(5)?,
-        invalid_code: row.try_get(6)?,
-        instances_digest: row.try_get(7)?,
+        files: SceneFiles {
+            rgb: row.try_get(2)?,
+            range: range.map(|(file, kind)| RangeFile {
+                file,
+                kind,
+                unit_m,
+                invalid_code,
+            }),
+            instances: row.try_get(7)?,
+            intrinsics: match (row.try_get(10)?, row.try_get(11)?, row.try_get(12)?) {
+                (Some(focal_px), Some(cx), Some(cy)) => Some(Intrinsics { focal_px, cx, cy }),
+                _ => None,
+            },
+        },
         width: row.try_get(8)?,
         height: row.try_get(9)?,
-        focal_px: row.try_get(10)?,
-        cx: row.try_get(11)?,
-        cy: row.try_get(12)?,
         created_ms: row.try_get::<i64, _>(13)? as u64,
     })
 }

@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::str::FromStr;
 
 use serde_json::Value;
+use spec::SceneFiles;
 
 /// Where a job stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -330,28 +331,12 @@ pub struct SceneRow {
     pub id: String,
     /// Digest over everything that a render depends on.
     pub content_digest: String,
-    /// The picture.
-    pub rgb_digest: String,
-    /// The range file.
-    pub range_digest: Option<String>,
-    /// `range` or `z_depth`.
-    pub range_kind: Option<String>,
-    /// Metres of one unit of the range file.
-    pub unit_m: Option<f64>,
-    /// The code that means "no return".
-    pub invalid_code: Option<u16>,
-    /// The instance mask.
-    pub instances_digest: Option<String>,
+    /// Digests of the files, and what they mean.
+    pub files: SceneFiles<String>,
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Focal length in pixels.
-    pub focal_px: Option<f64>,
-    /// Column of the principal point.
-    pub cx: Option<f64>,
-    /// Row of the principal point.
-    pub cy: Option<f64>,
     /// When it was stored.
     pub created_ms: u64,
 }

@@ -1,7 +1,10 @@
 //! What can be stored of a frame.
 
+use serde::Deserialize;
+
 /// What can be stored of a frame.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(try_from = "String")]
 pub enum ArtifactKind {
     /// The result.
     Rgb,
@@ -85,6 +88,14 @@ impl ArtifactKind {
             .iter()
             .find(|(fixed, _)| *fixed == name)
             .map(|(_, kind)| kind.clone())
+    }
+}
+
+impl TryFrom<String> for ArtifactKind {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Self::parse(&name).ok_or_else(|| format!("`{name}` is not an artifact kind"))
     }
 }
 

@@ -49,7 +49,7 @@ pub static OWN_WATER: Shape = Object(&[
     fixed("source", Text(Words), Required, "where the numbers come from"),
     fixed("licence", Text(Words), Default("\"unknown\""), "under what terms they may be used"),
     fixed("caveats", List { element: &Text(Words), max: 16, distinct: true }, Default("[]"), "what others should know"),
-    fixed("jerlov_type", Text(Fixed(&optics::preset::JERLOV_TYPES)), Optional, "its type, held against its neighbours of the same source"),
+    fixed("jerlov_type", Text(Fixed(&crate::JERLOV_TYPES)), Optional, "its type, held against its neighbours of the same source"),
     fixed("wavelength_nm", Rgb(Range::within(300.0, 1000.0)), Required, "what stands for red, green and blue, falling"),
     fixed("absorption_per_m", PER_METRE, Optional, "a"),
     fixed("scattering_per_m", PER_METRE, Optional, "b"),

@@ -13,7 +13,7 @@ use crate::invalid::{FieldError, Invalid};
 use crate::json::{self, MAX_BYTES};
 use crate::node::Node;
 use crate::vocabulary::Vocabulary;
-use crate::{typed, warnings};
+use crate::warnings;
 
 /// A job, valid by construction: N frames as a formula.
 ///
@@ -75,7 +75,7 @@ impl Job {
             .unwrap_or_default();
         Ok(Self {
             dataset: dataset.into_iter().map(|(_, name)| name.to_owned()).collect(),
-            warnings: warnings::of(&document, &value),
+            warnings: warnings::of(&document, &value, vocabulary),
             canonical,
             frames,
             cells: product.unwrap_or(1),
@@ -135,17 +135,15 @@ impl Job {
                 FieldError::new("", message).limit(format!("0..{}", self.frames))
             ));
         }
-        let Value::Object(mut fields) = self.document.value(&|law| law.at(index)) else {
-            return Err(one(FieldError::new("", "the description is not an object")));
-        };
+        let mut parameters = self.document.value(&|law| law.at(index));
         // Each cell of the grid goes through the whole path, and then again.
-        if let Some(Value::Object(path)) = fields.get_mut("camera").and_then(|camera| camera.get_mut("path"))
+        if let Some(Value::Object(path)) = parameters.pointer_mut("/camera/path")
             && !path.contains_key("frame")
         {
             let frames = path.get("frames").and_then(Value::as_u64).unwrap_or(1);
             path.insert("frame".to_owned(), (index / self.cells % frames).into());
         }
-        typed::frame(index, fields)
+        Frame::read(index, parameters)
             .map_err(|error| one(FieldError::new("", format!("frame {index}: {error}"))))
     }
 

@@ -4,47 +4,47 @@
 //! all errors together; [`Job::resolve`] is a pure function of (job, index) to a [`Frame`] without any law left.
 
 mod artifact;
+mod camera;
 mod check;
 mod draw;
 #[rustfmt::skip]
 pub mod fields;
 mod frame;
-mod haze;
 mod invalid;
 mod job;
 mod json;
-mod lamps;
 pub mod law;
+mod light;
 mod node;
 mod normal;
 mod own_water;
 mod record;
+mod rules;
+mod scene_files;
 mod scene_record;
 pub mod schema;
 mod suggest;
 mod suspended;
 pub mod table;
-mod typed;
 mod vocabulary;
 mod warnings;
 mod water;
 
+pub use imaging::geometry::Intrinsics;
+
 pub use artifact::ArtifactKind;
-pub use frame::{
-    Ambient, Beam, Camera, Encode, Fidelity, Format, ForwardScatter, ForwardScatterModel, Frame, Haze,
-    HazeBlend, HazeSpace, HoleRule, Lamp, Optics, Path, RangeFile, ScatterSource, Scene, StyleTier, Water,
-    Waypoint,
-};
-pub use haze::{haze_lights, haze_space};
+pub use camera::{Camera, Path, Waypoint};
+pub use frame::{Encode, Fidelity, Frame, Scene, Variant};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::Job;
 pub use json::{MAX_BYTES, MAX_DEPTH};
-pub use lamps::lamps;
+pub use light::{Haze, HazeBlend, HazeSpace, Light, PointLamp, SpotLamp};
 pub use normal::normal_quantile;
-pub use own_water::OwnWater;
+pub use own_water::{JERLOV_TYPES, OwnWater};
 pub use record::{ArtifactEntry, Counts, FrameRecord, Provenance, hex, job_digest};
-pub use scene_record::{InstanceRecord, IntrinsicsRecord, SceneRecord};
-pub use suspended::{Snow, Turbidity, snow, turbidity, water_world};
+pub use rules::{Fault, Sight, WaterRules};
+pub use scene_files::{RangeFile, RangeKind, SceneFiles};
+pub use scene_record::{InstanceRecord, SceneRecord};
+pub use suspended::{Snow, Turbidity};
 pub use vocabulary::Vocabulary;
-pub use warnings::diffuse_warning;
-pub use water::water_request;
+pub use water::{Ambient, ForwardScatter, HoleRule, Optics, ScatterModel, ScatterSource, StyleTier, Water};

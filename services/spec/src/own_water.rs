@@ -1,58 +1,67 @@
-//! Reading a water of a user's own.
+//! A water of a user's own, as it is submitted.
 
-use optics::preset::{NewWater, OwnError, Preset, all_known, own};
-use optics::water::WaterError;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::check::{Checker, Place};
 use crate::fields::OWN_WATER;
 use crate::invalid::{FieldError, Invalid};
 use crate::json;
+use crate::rules::Fault;
 use crate::vocabulary::Vocabulary;
+use crate::water::Optics;
 
-/// A water of a user's own that has passed all checks.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OwnWater {
-    /// Its numbers, with its warnings.
-    pub preset: Preset,
-    /// As it was submitted, in canonical form.
-    pub description: String,
-    /// The fields of `water.optics` that stand for its name in a job.
-    pub optics: Map<String, Value>,
-}
-
-/// What passed the table of fields.
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct Body {
-    name: String,
-    source: String,
-    licence: Option<String>,
-    caveats: Vec<String>,
-    jerlov_type: Option<String>,
-    wavelength_nm: Option<[f64; 3]>,
-    absorption_per_m: Option<[f64; 3]>,
-    scattering_per_m: Option<[f64; 3]>,
-    beam_attenuation_per_m: Option<[f64; 3]>,
-    diffuse_attenuation_per_m: Option<[f64; 3]>,
-    backscatter_fraction: Option<f64>,
-    veiling_light: Option<[f64; 3]>,
-}
-
-const COEFFICIENTS: [&str; 4] = [
-    "/absorption_per_m",
-    "/scattering_per_m",
-    "/beam_attenuation_per_m",
-    "/diffuse_attenuation_per_m",
+/// The types that a water may be of.
+pub const JERLOV_TYPES: [&str; 15] = [
+    "I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C", "1", "3", "5", "7", "9",
 ];
 
+/// A water of a user's own. Arrays are R, G, B; absent is unknown.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct OwnWater {
+    /// what jobs call it
+    pub name: String,
+    /// where the numbers come from
+    pub source: String,
+    /// under what terms they may be used
+    pub licence: String,
+    /// what others should know
+    pub caveats: Vec<String>,
+    /// its type, held against its neighbours of the same source
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jerlov_type: Option<String>,
+    /// what stands for red, green and blue, falling
+    pub wavelength_nm: [f64; 3],
+    /// a
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absorption_per_m: Option<[f64; 3]>,
+    /// b
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scattering_per_m: Option<[f64; 3]>,
+    /// c; absent: a + b
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beam_attenuation_per_m: Option<[f64; 3]>,
+    /// K_d, the decay of daylight with depth
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffuse_attenuation_per_m: Option<[f64; 3]>,
+    /// b_b/b, for the glow of lamps
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub backscatter_fraction: Option<f64>,
+    /// backscatter radiance at infinite range, linear; absent: derived from K_d
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub veiling_light: Option<[f64; 3]>,
+}
+
 impl OwnWater {
-    /// Reads and checks a water, alone and beside `others`, the waters that users have given before.
+    /// Reads a water and checks it, field by field and then by `test`, which knows what makes a water.
     ///
     /// # Errors
-    /// Every error together: fields, limits, contradictions, and what the self-tests find.
-    pub fn parse(bytes: &[u8], others: &[Preset]) -> Result<Self, Invalid> {
+    /// Every error together: fields, limits, and what `test` finds.
+    pub fn parse<T>(
+        bytes: &[u8],
+        test: impl FnOnce(&Self) -> Result<T, Vec<Fault>>,
+    ) -> Result<(Self, T), Invalid> {
         let value = json::read(bytes)?;
         let vocabulary = Vocabulary::default();
         let mut checker = Checker {
@@ -63,73 +72,73 @@ impl OwnWater {
         let Some(node) = checker.node(&Place::default(), &OWN_WATER, false, &value) else {
             return Err(Invalid(checker.errors));
         };
-        let canonical = node.canonical();
-        let body = Body::deserialize(&canonical).unwrap_or_default();
-        let has_error = |pointer: &str| checker.errors.iter().any(|error| error.pointer == pointer);
-        let in_numbers = COEFFICIENTS.iter().any(|&field| {
-            checker
-                .errors
-                .iter()
-                .any(|error| error.pointer.starts_with(field))
-        });
-        let new = body.into();
-        let tested = own(&new, others);
-        let more: Vec<FieldError> = tested
-            .as_ref()
-            .err()
-            .into_iter()
-            .flatten()
-            // A number that is refused is neither missing nor known.
-            .filter(|error| !(in_numbers && matches!(error, OwnError::Water(WaterError::Missing { .. }))))
-            .map(|error| {
-                let pointer = error.field().map(|field| format!("/{field}")).unwrap_or_default();
-                FieldError::new(&pointer, error.to_string())
-            })
-            .filter(|error| !has_error(&error.pointer))
-            .collect();
-        checker.errors.extend(more);
+        let water = Self::deserialize(node.canonical()).unwrap_or_default();
+        let tested = test(&water);
+        let mut errors = checker.errors;
+        let more = tested.as_ref().err().map(|faults| new_errors(faults, &errors));
+        errors.extend(more.into_iter().flatten());
         match tested {
-            Ok(preset) if checker.errors.is_empty() => Ok(Self {
-                optics: optics(&new, &preset),
-                preset,
-                description: canonical.to_string(),
-            }),
-            _ => Err(Invalid(checker.errors)),
+            Ok(found) if errors.is_empty() => Ok((water, found)),
+            _ => Err(Invalid(errors)),
+        }
+    }
+
+    /// The water as it was submitted, in canonical form.
+    #[must_use]
+    pub fn description(&self) -> String {
+        json!(self).to_string()
+    }
+
+    /// The fields of `water.optics` that stand for its name in a job. The beam attenuation is left to a and b where both
+    /// are known.
+    #[must_use]
+    pub fn optics(&self) -> Map<String, Value> {
+        let parts = self.absorption_per_m.is_some() && self.scattering_per_m.is_some();
+        let optics = Optics {
+            absorption_per_m: self.absorption_per_m,
+            scattering_per_m: self.scattering_per_m,
+            beam_attenuation_per_m: self.beam_attenuation_per_m.filter(|_| !parts),
+            diffuse_attenuation_per_m: self.diffuse_attenuation_per_m,
+            backscatter_fraction: self.backscatter_fraction,
+            veiling_light: self.veiling_light,
+            ..Optics::default()
+        };
+        match json!(optics) {
+            Value::Object(fields) => fields,
+            _ => Map::new(),
         }
     }
 }
 
-impl From<Body> for NewWater {
-    fn from(body: Body) -> Self {
-        Self {
-            name: body.name,
-            jerlov_type: body.jerlov_type,
-            source: body.source,
-            licence: body.licence,
-            caveats: body.caveats,
-            wavelength_nm: body.wavelength_nm,
-            absorption: body.absorption_per_m,
-            scattering: body.scattering_per_m,
-            beam_attenuation: body.beam_attenuation_per_m,
-            diffuse_attenuation: body.diffuse_attenuation_per_m,
-            backscatter_fraction: body.backscatter_fraction,
-            veiling_light: body.veiling_light,
-        }
-    }
-}
-
-/// The beam attenuation is left to a and b where both are known.
-fn optics(new: &NewWater, preset: &Preset) -> Map<String, Value> {
-    let parts = new.absorption.is_some() && new.scattering.is_some();
-    let beam = all_known(preset.beam_attenuation).filter(|_| !parts);
-    let fields = [
-        ("absorption_per_m", json!(new.absorption)),
-        ("scattering_per_m", json!(new.scattering)),
-        ("beam_attenuation_per_m", json!(beam)),
-        ("diffuse_attenuation_per_m", json!(new.diffuse_attenuation)),
-        ("backscatter_fraction", json!(new.backscatter_fraction)),
-        ("veiling_light", json!(new.veiling_light)),
-    ];
-    let known = fields.into_iter().filter(|(_, value)| !value.is_null());
-    known.map(|(field, value)| (field.to_owned(), value)).collect()
+/// The faults of fields that have no error yet. A number that is refused is neither missing nor known.
+fn new_errors(faults: &[Fault], errors: &[FieldError]) -> Vec<FieldError> {
+    let is_refused = |field: &str| errors.iter().any(|error| error.pointer.starts_with(field));
+    let in_numbers = [
+        "/absorption_per_m",
+        "/scattering_per_m",
+        "/beam_attenuation_per_m",
+        "/diffuse_attenuation_per_m",
+    ]
+    .into_iter()
+    .any(is_refused);
+    let pointer = |fault: &Fault| {
+        fault
+            .path
+            .iter()
+            .map(|step| format!("/{step}"))
+            .collect::<String>()
+    };
+    let has_error = |fault: &&Fault| {
+        let at = pointer(fault);
+        let below = format!("{at}/");
+        let is_there =
+            |error: &FieldError| error.pointer == at || !at.is_empty() && error.pointer.starts_with(&below);
+        errors.iter().any(is_there)
+    };
+    faults
+        .iter()
+        .filter(|fault| !(in_numbers && fault.missing))
+        .filter(|fault| !has_error(fault))
+        .map(|fault| FieldError::new(&pointer(fault), fault.message.clone()))
+        .collect()
 }

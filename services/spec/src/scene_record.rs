@@ -1,5 +1,6 @@
 //! What a record says about the scene of a frame: where the camera was, and what could be seen.
 
+use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
 
 /// The camera's place in the world of a procedural scene, and the objects in view.
@@ -8,7 +9,7 @@ pub struct SceneRecord {
     /// Rows of the matrix that takes camera axes (right, down, ahead, 1) to the world, in metres.
     pub world_from_camera: [[f64; 4]; 4],
     /// The pinhole camera, in index coordinates.
-    pub intrinsics: IntrinsicsRecord,
+    pub intrinsics: Intrinsics,
     /// The objects in view; absent unless an artifact with labels was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instances: Option<Vec<InstanceRecord>>,
@@ -21,17 +22,6 @@ pub struct SceneRecord {
     /// Their mean visibility.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_visibility: Option<f64>,
-}
-
-/// A pinhole camera with square pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct IntrinsicsRecord {
-    /// Focal length.
-    pub focal_px: f64,
-    /// Column of the principal point.
-    pub cx: f64,
-    /// Row of the principal point.
-    pub cy: f64,
 }
 
 /// An object in view.

@@ -4,17 +4,22 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value};
 
+use crate::rules::WaterRules;
+
 /// The names that a description may use. They come from the crates and folders that own them.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default)]
 pub struct Vocabulary {
     /// Families of procedural scenes.
     pub families: Vec<String>,
-    /// Water presets, bare (`jerlov-3C`) or full (`jerlov-3C/williamson2022`) names.
+    /// Full names of the water presets (`jerlov-3C/williamson2022`); the first of several that share the part before the
+    /// slash is what that part alone means (`jerlov-3C`).
     pub presets: Vec<String>,
     /// Presets that cannot be rendered, and why.
     pub unrenderable_presets: Vec<(String, String)>,
     /// Waters of the users' own: the fields of `water.optics` that stand for each name.
     pub waters: BTreeMap<String, Map<String, Value>>,
+    /// What must fit together within a water.
+    pub rules: WaterRules,
     /// Style models.
     pub styles: Vec<String>,
     /// Enhancement methods.
@@ -26,28 +31,15 @@ pub struct Vocabulary {
 }
 
 impl Vocabulary {
-    /// The full name of a preset; `None` if it is not listed under its full, its bare or the written name.
-    pub(crate) fn preset(&self, written: &str) -> Option<String> {
-        let full = full_name(written);
-        let listed = |name: &str| self.presets.iter().any(|preset| preset == name);
-        (listed(written) || listed(&full) || listed(bare_name(&full)) && full_name(bare_name(&full)) == full)
-            .then_some(full)
+    /// The full name of a preset, if there is one of this full or bare name.
+    pub(crate) fn preset(&self, written: &str) -> Option<&str> {
+        let is_meant = |full: &&String| *full == written || full.split('/').next() == Some(written);
+        self.presets.iter().find(is_meant).map(String::as_str)
     }
 
     /// Why a preset, by its full name, cannot be rendered.
     pub(crate) fn why_unrenderable(&self, full: &str) -> Option<&str> {
-        self.unrenderable_presets
-            .iter()
-            .find(|(name, _)| full_name(name) == full)
-            .map(|(_, why)| why.as_str())
+        let found = self.unrenderable_presets.iter().find(|(name, _)| name == full);
+        found.map(|(_, why)| why.as_str())
     }
-}
-
-/// `jerlov-3C` means the default source of that type.
-fn full_name(written: &str) -> String {
-    optics::preset::find(written).map_or_else(|| written.to_owned(), |preset| preset.name.to_owned())
-}
-
-fn bare_name(full: &str) -> &str {
-    full.split_once('/').map_or(full, |(bare, _)| bare)
 }

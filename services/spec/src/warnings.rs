@@ -1,13 +1,16 @@
 //! What a user should know about a valid description.
 
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::check::places;
 use crate::draw::{Law, LawNode};
 use crate::node::Node;
+use crate::vocabulary::Vocabulary;
+use crate::water::Optics;
 
 /// The warnings of a checked description; `written` is what was submitted.
-pub(crate) fn of(document: &Node, written: &Value) -> Vec<String> {
+pub(crate) fn of(document: &Node, written: &Value, vocabulary: &Vocabulary) -> Vec<String> {
     let mut warnings = Vec::new();
     let waters = places(document, "water");
     let none_has = |name| waters.iter().all(|(_, water)| water.get(name).is_none());
@@ -21,7 +24,7 @@ pub(crate) fn of(document: &Node, written: &Value) -> Vec<String> {
             warnings.push(format!("`water.{name}` has no effect without `water.optics`"));
         }
     }
-    warnings.extend(waters.iter().filter_map(|(_, water)| diffuse(water)));
+    warnings.extend(waters.iter().filter_map(|(_, water)| optics(water, vocabulary)));
     let brings_picture = |scene: &Node| scene.get("family").is_none();
     if places(document, "scene")
         .iter()
@@ -45,30 +48,13 @@ pub(crate) fn of(document: &Node, written: &Value) -> Vec<String> {
     warnings
 }
 
-/// Whether a beam attenuation is a K_d, which attenuates daylight and no camera ray.
-fn diffuse(water: &Node) -> Option<String> {
+/// What the rules of waters say of one of these optics.
+fn optics(water: &Node, vocabulary: &Vocabulary) -> Option<String> {
     let optics = water.get("optics")?.alternatives("");
     optics.iter().find_map(|(_, optics)| {
-        let triple = |name| serde_json::from_value::<[f64; 3]>(optics.get(name)?.canonical()).ok();
-        diffuse_warning(
-            triple("beam_attenuation_per_m")?,
-            triple("diffuse_attenuation_per_m"),
-        )
+        let numbers = Optics::deserialize(optics.value(&|law| law.at(0))).ok()?;
+        (vocabulary.rules.warning)(&numbers)
     })
-}
-
-/// What to say of a beam attenuation that is a K_d: the one beside it, or that of a known water.
-#[must_use]
-pub fn diffuse_warning(beam: [f64; 3], diffuse: Option<[f64; 3]>) -> Option<String> {
-    let whose = if diffuse == Some(beam) {
-        "the `diffuse_attenuation_per_m` beside it".to_owned()
-    } else {
-        format!("the K_d of {}", optics::preset::diffuse_in_disguise(beam)?)
-    };
-    Some(format!(
-        "`water.optics.beam_attenuation_per_m` is {whose}: K_d is the decay of daylight with depth, and as beam attenuation \
-         it makes the water too clear"
-    ))
 }
 
 /// Whether this law is a grid of more than one value.

@@ -1,57 +1,187 @@
-//! From a frame to what the optics ask for.
+//! The water of a frame: optics, what varies with the place, and the style. Presets and what follows from these numbers
+//! are the business of `optics`.
 
-use optics::water::{ScatterModel, ScatterRequest, WaterRequest};
+use serde::{Deserialize, Serialize};
 
-use crate::frame::{Ambient, ForwardScatter, ForwardScatterModel, Frame, HoleRule, ScatterSource, Water};
+use crate::suspended::{Snow, Turbidity};
 
-/// The water of a frame as the optics ask for it; `None` without optics: no attenuation and no scatter.
-#[must_use]
-pub fn water_request(frame: &Frame) -> Option<WaterRequest> {
-    request(&frame.water, !frame.lamps.is_empty())
+/// The water and its style.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Water {
+    /// a preset or coefficients; absent: no water
+    pub optics: Option<Optics>,
+    /// multiplies every per-metre quantity
+    pub range_scale: f64,
+    /// depth of the camera below the surface
+    pub depth_m: Option<f64>,
+    /// what daylight's decay with depth does to the scene
+    pub ambient: Ambient,
+    /// what a pixel without a valid range means
+    pub holes: HoleRule,
+    /// style model
+    pub style: Option<String>,
+    /// marine snow; absent: none
+    pub snow: Option<Snow>,
+    /// patches of murkier water that multiply every coefficient; absent: even water
+    pub turbidity: Option<Turbidity>,
+    /// network, colour table, or what the tolerance allows; absent: `net`
+    pub style_tier: Option<StyleTier>,
 }
 
-pub(crate) fn request(water: &Water, lamps: bool) -> Option<WaterRequest> {
-    let optics = water.optics.as_ref()?;
-    Some(WaterRequest {
-        preset: optics.preset.clone(),
-        beam_attenuation: optics.beam_attenuation_per_m,
-        absorption: optics.absorption_per_m,
-        scattering: optics.scattering_per_m,
-        backscatter_attenuation: optics.backscatter_attenuation_per_m,
-        diffuse_attenuation: optics.diffuse_attenuation_per_m,
-        veiling_light: optics.veiling_light,
-        veil_gain: optics.veil_gain,
-        depth_m: water.depth_m,
-        ambient: match water.ambient {
-            Ambient::None => optics::water::Ambient::None,
-            Ambient::Absolute => optics::water::Ambient::Absolute,
-            Ambient::Exposed => optics::water::Ambient::Exposed,
-        },
-        holes: match water.holes {
-            HoleRule::Background => optics::range::HoleRule::Background,
-            HoleRule::RangeM(range_m) => optics::range::HoleRule::Range(range_m),
-            HoleRule::Reject => optics::range::HoleRule::Reject,
-        },
-        range_scale: water.range_scale,
-        backscatter_fraction: optics.backscatter_fraction,
-        lamps,
-        scatter: optics.forward_scatter.as_ref().map(scatter),
-    })
-}
-
-fn scatter(scatter: &ForwardScatter) -> ScatterRequest {
-    ScatterRequest {
-        model: match scatter.model {
-            ForwardScatterModel::Jaffe => ScatterModel::Jaffe,
-            ForwardScatterModel::Simplified => ScatterModel::Simplified,
-            ForwardScatterModel::None => ScatterModel::None,
-        },
-        g: scatter.g_per_m,
-        spread_px_per_m: scatter.spread_px_per_m,
-        spread_offset_px: scatter.spread_offset_px,
-        source: match scatter.source {
-            ScatterSource::Radiance => optics::water::ScatterSource::Radiance,
-            ScatterSource::Direct => optics::water::ScatterSource::Direct,
-        },
+impl Default for Water {
+    fn default() -> Self {
+        Self {
+            optics: None,
+            range_scale: 1.0,
+            depth_m: None,
+            ambient: Ambient::default(),
+            holes: HoleRule::default(),
+            style: None,
+            snow: None,
+            turbidity: None,
+            style_tier: None,
+        }
     }
+}
+
+impl From<Optics> for Water {
+    /// A water of these optics, all else as in a description that says nothing of it.
+    fn from(optics: Optics) -> Self {
+        Self {
+            optics: Some(optics),
+            ..Self::default()
+        }
+    }
+}
+
+/// A preset, coefficients, or a preset with fields replaced; absent is unknown. Arrays are R, G, B, coefficients in 1/m.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Optics {
+    /// the preset whose fields the others replace
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// what these coefficients are called; a water of the user's own brings its name
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// c = a + b
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beam_attenuation_per_m: Option<[f64; 3]>,
+    /// a
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absorption_per_m: Option<[f64; 3]>,
+    /// b
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scattering_per_m: Option<[f64; 3]>,
+    /// of the revised model; absent: as c
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub backscatter_attenuation_per_m: Option<[f64; 3]>,
+    /// K_d, the decay of daylight with depth
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffuse_attenuation_per_m: Option<[f64; 3]>,
+    /// backscatter radiance at infinite range, linear
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub veiling_light: Option<[f64; 3]>,
+    /// brightness of a derived veiling light
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub veil_gain: Option<f64>,
+    /// b_b/b, for the glow of lamps; absent: 0.0183
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub backscatter_fraction: Option<f64>,
+    /// absent: `jaffe` if a and b are known, else none
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forward_scatter: Option<ForwardScatter>,
+}
+
+/// Forward scatter of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForwardScatter {
+    /// the form
+    pub model: ScatterModel,
+    /// G, at most c; absent: derived
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub g_per_m: Option<[f64; 3]>,
+    /// growth of the kernel with range; absent: derived
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread_px_per_m: Option<[f64; 3]>,
+    /// kernel at range 0; absent: 0, or derived with the growth
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread_offset_px: Option<[f64; 3]>,
+    /// the light `jaffe` spreads
+    pub source: ScatterSource,
+}
+
+impl From<ScatterModel> for ForwardScatter {
+    /// This form with all its numbers derived.
+    fn from(model: ScatterModel) -> Self {
+        Self {
+            model,
+            g_per_m: None,
+            spread_px_per_m: None,
+            spread_offset_px: None,
+            source: ScatterSource::default(),
+        }
+    }
+}
+
+/// The two published forms of forward scatter, or none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScatterModel {
+    /// Jaffe–McGlamery: each point of the scene spreads with its own range (Eq. 3-6 as meant).
+    Jaffe,
+    /// Each image point gathers with its own range (Eq. 8-9).
+    Simplified,
+    /// No forward scatter.
+    None,
+}
+
+/// What light the `jaffe` form spreads.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScatterSource {
+    /// U = J w, so that no more than e^{−GZ} of the light arrives.
+    #[default]
+    Radiance,
+    /// U = J T w, Eq. 3 to the letter.
+    Direct,
+}
+
+/// What daylight's decay with depth does to the scene.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ambient {
+    /// The picture is what the camera would see in air, already lit.
+    #[default]
+    None,
+    /// Radiance and a given veiling light are multiplied by exp(−K_d h).
+    Absolute,
+    /// Radiance is multiplied by exp(−K_d h) over its largest channel, as a camera that exposes for the depth shows it.
+    Exposed,
+}
+
+/// What a pixel without a valid range means.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HoleRule {
+    /// The ray meets only water: nothing of the scene arrives where the water attenuates at all.
+    #[default]
+    Background,
+    /// The frame is refused.
+    Reject,
+    /// range that takes the place of a hole's
+    RangeM(f64),
+}
+
+/// What of a style model is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StyleTier {
+    /// The network.
+    Net,
+    /// Its colour table.
+    Lut,
+    /// The table where its measured distance from the network is within the tolerance, else the network.
+    Auto,
 }

@@ -7,7 +7,8 @@ mod report;
 use imaging::{Rgb, transfer};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{AttenuationStep, Fidelity, Plan, ScatterStep, SceneStats};
+use optics::plan::{AttenuationStep, Plan, ScatterStep, SceneStats};
+use spec::Fidelity;
 
 use crate::chart::time_once;
 
@@ -86,7 +87,7 @@ pub fn run(case: &Case) -> Vec<Outcome> {
         |plan: &Plan| render(plan).map_or([f64::INFINITY; 3], |layers| errors_of(&layers, &exact));
     let planned = errors(&plan);
     let cheapest = cheapest(case, &plan, &planned_for, &mut errors);
-    let shown = render(&planned_for(Fidelity::Display));
+    let shown = render(&planned_for(Fidelity::DISPLAY));
     let display_codes = shown.map_or([u8::MAX; 3], |layers| codes_of(&layers, &exact));
     let mut ms = (f64::INFINITY, f64::INFINITY);
     for _ in 0..RUNS {

@@ -8,9 +8,10 @@ use imaging::random::Stream;
 use optics::chain;
 use optics::forward_scatter::KernelCache;
 use optics::kernel::Transfer;
-use optics::plan::{Fidelity, Plan, SceneStats};
+use optics::plan::{Plan, SceneStats};
 use optics::preset::presets;
-use optics::water::{Water, WaterRequest};
+use optics::water::Water;
+use spec::{Fidelity, Optics};
 
 use crate::chart::{standard_scenes, time, time_once};
 
@@ -150,10 +151,13 @@ fn render(
 }
 
 fn at_scale(preset: &str, range_scale: f64, width: usize) -> Option<Water> {
-    let request = WaterRequest {
-        preset: Some(preset.to_owned()),
+    let request = spec::Water {
         range_scale,
-        ..WaterRequest::default()
+        ..Optics {
+            preset: Some(preset.to_owned()),
+            ..Optics::default()
+        }
+        .into()
     };
     let focal_px = width as f64 / (2.0 * 40f64.to_radians().tan());
     Water::resolve(&request, focal_px).ok()

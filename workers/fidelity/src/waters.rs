@@ -3,11 +3,12 @@
 use imaging::{Plane, Rgb, transfer};
 use optics::chain;
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Fidelity, Plan, SceneStats};
+use optics::plan::{Plan, SceneStats};
 use optics::preset::{Channels, Preset, all_known, find, presets, properties};
 use optics::visibility;
-use optics::water::{Water, WaterRequest};
+use optics::water::Water;
 use plotters::style::RGBColor;
+use spec::{Fidelity, Optics};
 
 use crate::plot::{Axis, Card, Cards, Form, Lines, Mark, Panel, Panels, Series};
 
@@ -190,10 +191,13 @@ fn score(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
     const SIZE: (usize, usize) = (96, 64);
     const CARD: [usize; 4] = [36, 22, 60, 42];
     const FOCAL_PX: f64 = 60.0;
-    let request = WaterRequest {
-        preset: Some(preset.to_owned()),
+    let request = spec::Water {
         range_scale: turbidity,
-        ..WaterRequest::default()
+        ..Optics {
+            preset: Some(preset.to_owned()),
+            ..Optics::default()
+        }
+        .into()
     };
     let water = Water::resolve(&request, FOCAL_PX).ok()?;
     let numbers = Plane::from_fn(SIZE.0, SIZE.1, |x, y| {

@@ -1,9 +1,11 @@
 //! The pinhole camera, and range along the ray from distance along the optical axis.
 
+use serde::{Deserialize, Serialize};
+
 use crate::plane::Plane;
 
 /// A pinhole camera with square pixels, in index coordinates: the centre of pixel (0, 0) is (0, 0).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Intrinsics {
     /// Focal length in pixels, above 0.
     pub focal_px: f64,

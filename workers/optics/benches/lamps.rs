@@ -7,7 +7,8 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
 use optics::snow::World;
-use optics::turbidity::{Field, Turbidity};
+use optics::turbidity::Field;
+use spec::Turbidity;
 
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;
@@ -29,7 +30,7 @@ fn patches() -> Field {
         contrast: 0.8,
         scale_m: 1.2,
     };
-    turbidity.field(World { seed: 7, index: 0 })
+    Field::new(&turbidity, World { seed: 7, index: 0 })
 }
 
 fn lamps(bench: &mut Criterion) {

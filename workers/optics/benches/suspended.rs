@@ -6,9 +6,9 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::eye::Eye;
-use optics::range::HoleRule;
-use optics::snow::{Snow, Surround, World, flakes, snow};
-use optics::turbidity::{Turbidity, optical_path};
+use optics::snow::{Surround, World, flakes, snow};
+use optics::turbidity::{Field, optical_path};
+use spec::{HoleRule, Snow, Turbidity};
 
 const SIZE: (usize, usize) = (768, 492);
 const WORLD: World = World { seed: 1, index: 0 };
@@ -23,7 +23,7 @@ fn suspended(bench: &mut Criterion) {
         contrast: 0.8,
         scale_m: 1.0,
     };
-    let field = patches.field(WORLD);
+    let field = Field::new(&patches, WORLD);
     bench.bench_function("paths through patches", |b| {
         b.iter(|| optical_path(black_box(&range), &field, &eye, HoleRule::Background));
     });

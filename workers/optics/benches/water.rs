@@ -7,9 +7,10 @@ use imaging::dct::{Complex, PairDct};
 use imaging::{Plane, Rgb};
 use optics::forward_scatter::KernelCache;
 use optics::kernel::Transfer;
-use optics::plan::{Fidelity, Plan, SceneStats};
-use optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
-use optics::{HazeBlend, HazeLight, HazeSpace, chain, haze};
+use optics::plan::{Plan, SceneStats};
+use optics::water::Water;
+use optics::{chain, haze};
+use spec::{Fidelity, ForwardScatter, Haze, HazeBlend, HazeSpace, Optics, ScatterModel};
 
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;
@@ -34,18 +35,12 @@ fn range(near_m: f32, far_m: f32) -> Plane<f32> {
 }
 
 fn water_of(preset: &str, model: ScatterModel) -> Water {
-    let scatter = ScatterRequest {
-        model,
-        g: None,
-        spread_px_per_m: None,
-        spread_offset_px: None,
-        source: Default::default(),
-    };
-    let request = WaterRequest {
+    let scatter = ForwardScatter::from(model);
+    let request = spec::Water::from(Optics {
         preset: Some(preset.to_owned()),
-        scatter: Some(scatter),
-        ..WaterRequest::default()
-    };
+        forward_scatter: Some(scatter),
+        ..Optics::default()
+    });
     Water::resolve(&request, 600.0).expect("a renderable preset")
 }
 
@@ -117,19 +112,20 @@ fn parts(bench: &mut Criterion) {
     bench.bench_function("transfer function of a new node", |b| {
         b.iter(|| Transfer::new(black_box(2.5)).grid_f32(WIDTH, HEIGHT));
     });
-    let light = |x| HazeLight {
+    let light = |x| Haze {
         x,
         y: 1.0,
         size: 0.2,
         intensity: 0.8,
         color: [1.0, 0.9, 0.7],
         blend: HazeBlend::Over,
+        space: HazeSpace::Linear,
     };
     let lights = [0.0, 0.3, 0.6, 1.0].map(light);
     bench.bench_function("haze of four lights", |b| {
         b.iter_batched(
             radiance,
-            |image| haze(image, &lights, HazeSpace::Linear),
+            |image| haze(image, &lights),
             criterion::BatchSize::LargeInput,
         );
     });

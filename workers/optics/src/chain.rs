@@ -12,11 +12,12 @@ mod reference;
 use std::borrow::Cow;
 
 use imaging::{Plane, Rgb};
+use spec::HoleRule;
 
 use crate::attenuation::exp_negative;
 use crate::forward_scatter::KernelCache;
 use crate::plan::{AttenuationStep, Plan, ScatterStep};
-use crate::range::{HoleRule, bounds, is_hole};
+use crate::range::{bounds, is_hole};
 use crate::water::Water;
 
 pub use check::{ChainError, check_radiance};
@@ -104,7 +105,7 @@ fn layers<T>([r, g, b]: [Band<T>; 3], holes: u64) -> Layers<T> {
 /// The range with holes replaced where the rule names a distance.
 fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
     match holes {
-        HoleRule::Range(metres) => {
+        HoleRule::RangeM(metres) => {
             Cow::Owned(range.map(|&z| if is_hole(z) { T::from_metres(metres) } else { z }))
         }
         HoleRule::Background | HoleRule::Reject => Cow::Borrowed(range),

@@ -4,60 +4,16 @@
 //! `add`: `I ← I + colour α_l`. It is an overlay, not physics: it knows neither range nor water.
 
 use imaging::{Rgb, transfer};
+use spec::{Haze, HazeBlend, HazeSpace};
 
-/// One light.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HazeLight {
-    /// Position in fractions of the width; may lie outside the frame.
-    pub x: f64,
-    /// Position in fractions of the height.
-    pub y: f64,
-    /// σ in image heights; 0, negative or not finite: the light is skipped.
-    pub size: f64,
-    /// k, clamped to 0..=1.
-    pub intensity: f64,
-    /// Colour in the working space; may exceed 1.
-    pub color: [f64; 3],
-    /// How it is laid over the picture.
-    pub blend: HazeBlend,
-}
-
-/// How haze is laid over the picture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum HazeBlend {
-    /// Covers what is below.
-    #[default]
-    Over,
-    /// Adds to what is below.
-    Add,
-}
-
-/// The space haze is laid in.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum HazeSpace {
-    /// Linear light.
-    #[default]
-    Linear,
-    /// sRGB-encoded values, clamped to 0..=1.
-    Display,
-}
-
-impl HazeLight {
-    /// Whether the light does anything at all.
-    #[must_use]
-    pub fn shines(&self) -> bool {
-        self.size > 0.0 && self.size.is_finite() && self.intensity > 0.0
-    }
-}
-
-/// Lays every light over a linear picture.
+/// Lays every light over a linear picture, in the space of the first: it is the same for all.
 #[must_use]
-pub fn haze(image: Rgb<f32>, lights: &[HazeLight], space: HazeSpace) -> Rgb<f32> {
+pub fn haze(image: Rgb<f32>, lights: &[Haze]) -> Rgb<f32> {
     let mut shining = lights.iter().filter(|light| light.shines()).peekable();
-    if shining.peek().is_none() {
+    let Some(first) = shining.peek() else {
         return image;
-    }
-    match space {
+    };
+    match first.space {
         HazeSpace::Linear => shining.fold(image, lay),
         HazeSpace::Display => {
             let encoded = shining.fold(transfer::encode_unit(&image), lay);
@@ -69,7 +25,7 @@ pub fn haze(image: Rgb<f32>, lights: &[HazeLight], space: HazeSpace) -> Rgb<f32>
 /// A light weaker than this leaves every f32 of ordinary brightness as it is.
 const NOTHING: f64 = 1e-9;
 
-fn lay(mut image: Rgb<f32>, light: &HazeLight) -> Rgb<f32> {
+fn lay(mut image: Rgb<f32>, light: &Haze) -> Rgb<f32> {
     let (width, height) = image.size();
     let falloff = |distance: f64| (-distance * distance / (2.0 * light.size * light.size)).exp();
     let aspect = width as f64 / height as f64;
@@ -121,25 +77,22 @@ fn add(row: &mut [f32], across: &[f32], strength: f32, color: f32) {
 mod tests {
     use super::*;
 
-    fn light(x: f64, color: [f64; 3], blend: HazeBlend) -> HazeLight {
-        HazeLight {
+    fn light(x: f64, color: [f64; 3], blend: HazeBlend) -> Haze {
+        Haze {
             x,
             y: 0.5,
             size: 0.3,
             intensity: 1.0,
             color,
             blend,
+            space: HazeSpace::Linear,
         }
     }
 
     #[test]
     fn the_middle_of_a_full_light_has_its_colour() {
         let image = Rgb::from_fn(1, 1, |_, _| [0.1f32; 3]);
-        let lit = haze(
-            image,
-            &[light(0.5, [1.0, 0.5, 2.0], HazeBlend::Over)],
-            HazeSpace::Linear,
-        );
+        let lit = haze(image, &[light(0.5, [1.0, 0.5, 2.0], HazeBlend::Over)]);
         assert_eq!(lit.at(0, 0), [1.0, 0.5, 2.0]);
     }
 
@@ -151,8 +104,8 @@ mod tests {
                 light(0.4, [1.0, 0.0, 0.0], blend),
                 light(0.6, [0.0, 1.0, 0.0], blend),
             );
-            let one = haze(image.clone(), &[a.clone(), b.clone()], HazeSpace::Linear);
-            let other = haze(image.clone(), &[b, a], HazeSpace::Linear);
+            let one = haze(image.clone(), &[a, b]);
+            let other = haze(image.clone(), &[b, a]);
             let worst = one
                 .at(1, 1)
                 .iter()
@@ -173,12 +126,13 @@ mod tests {
             (0.2, 0.0),
             (0.2, f64::NAN),
         ] {
-            let dark = HazeLight {
+            let dark = Haze {
                 size,
                 intensity,
+                space: HazeSpace::Display,
                 ..light(0.5, [1.0; 3], HazeBlend::Over)
             };
-            assert_eq!(haze(image.clone(), &[dark], HazeSpace::Display), image);
+            assert_eq!(haze(image.clone(), &[dark]), image);
         }
     }
 }

@@ -34,6 +34,7 @@ pub use reference::{REFERENCE_NODES, airlight_reference, irradiance_reference};
 pub use surface::{SURFACE_ROUNDING, irradiance, lit};
 
 use imaging::geometry::Intrinsics;
+use spec::Light;
 
 use crate::turbidity::Field;
 
@@ -140,6 +141,25 @@ impl Lamp {
             }),
             _ => Err(errors),
         }
+    }
+
+    /// The lamps among the lights of a frame, in their order.
+    ///
+    /// # Errors
+    /// Everything that is wrong with them, such as a direction of length 0 that laws have yielded.
+    pub fn among(lights: &[Light]) -> Result<Vec<Self>, Vec<LampError>> {
+        let (mut lamps, mut errors) = (Vec::new(), Vec::new());
+        for light in lights {
+            match light {
+                Light::Haze(_) => continue,
+                Light::Point(lamp) => Self::point(lamp.position_m, lamp.intensity),
+                Light::Spot(lamp) => {
+                    Self::spot(lamp.position_m, lamp.intensity, lamp.direction, lamp.cone_deg)
+                }
+            }
+            .map_or_else(|wrong| errors.extend(wrong), |lamp| lamps.push(lamp));
+        }
+        if errors.is_empty() { Ok(lamps) } else { Err(errors) }
     }
 
     /// Where it is, in metres: right, down, ahead of the camera.

@@ -20,5 +20,5 @@ mod visibility;
 pub mod water;
 
 pub use blend::style_blend;
-pub use haze::{HazeBlend, HazeLight, HazeSpace, haze};
+pub use haze::haze;
 pub use visibility::{LEAST_CONTRAST, Visibility, visibility};

@@ -11,22 +11,11 @@ mod stats;
 
 pub use stats::{RangeBin, SceneStats};
 
-use crate::forward_scatter::Nodes;
-use crate::haze::HazeLight;
-use crate::water::Water;
+pub use spec::Fidelity;
+use spec::Haze;
 
-/// How exact the water must be.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fidelity {
-    /// Largest error in linear light.
-    Tolerance(f64),
-    /// One code of the 8-bit picture.
-    Display,
-    /// This many kernels, whatever the error.
-    Terms(usize),
-    /// The slow f64 form.
-    Reference,
-}
+use crate::forward_scatter::Nodes;
+use crate::water::Water;
 
 /// Forward scatter of one channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,13 +106,13 @@ impl Plan {
         stats: &SceneStats,
         water: &Water,
         style_weight: Option<f64>,
-        lights: &[HazeLight],
+        lights: &[Haze],
         fidelity: Fidelity,
     ) -> Self {
         let tolerance = match fidelity {
             Fidelity::Tolerance(tolerance) => Some(tolerance),
-            Fidelity::Display => Some(display_tolerance(stats, water)),
-            Fidelity::Terms(_) | Fidelity::Reference => None,
+            Fidelity::DISPLAY => Some(display_tolerance(stats, water)),
+            Fidelity::Terms(_) | Fidelity::REFERENCE => None,
         };
         let lost = [0, 1, 2].map(|channel| attenuation_effect(stats, water, channel));
         let clear =
@@ -138,7 +127,7 @@ impl Plan {
         let bound = |channel: usize| used(channel) + steps[channel].1.unwrap_or(0.0);
         Self {
             attenuation: match fidelity {
-                Fidelity::Reference => AttenuationStep::Reference,
+                Fidelity::REFERENCE => AttenuationStep::Reference,
                 _ if clear => AttenuationStep::Skip,
                 _ => AttenuationStep::Fast,
             },
@@ -150,7 +139,7 @@ impl Plan {
 
     /// The plan of a frame without range or without optics: the water stage is skipped.
     #[must_use]
-    pub fn without_water(style_weight: Option<f64>, lights: &[HazeLight]) -> Self {
+    pub fn without_water(style_weight: Option<f64>, lights: &[Haze]) -> Self {
         Self {
             attenuation: AttenuationStep::Skip,
             scatter: [const { ScatterStep::Skip }; 3],

@@ -13,7 +13,7 @@ mod registry;
 mod self_test;
 mod single;
 
-pub use own::{JERLOV_TYPES, NewWater, OwnError, own};
+pub use own::{OwnError, own, parse_own};
 pub use properties::{Properties, properties};
 pub use registry::{diffuse_in_disguise, expected_defects, find, presets};
 pub use self_test::{Defect, self_test};

@@ -13,18 +13,6 @@ pub fn is_hole(range: impl Into<f64>) -> bool {
     !(range.is_finite() && range >= SHORTEST_M)
 }
 
-/// What a hole means.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub enum HoleRule {
-    /// The ray meets only water: nothing of the scene arrives where the water attenuates at all.
-    #[default]
-    Background,
-    /// The range is this many metres.
-    Range(f64),
-    /// A frame with holes is refused.
-    Reject,
-}
-
 /// Several bounds at once, so that the loop vectorises.
 const LANES: usize = 16;
 

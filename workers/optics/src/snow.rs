@@ -18,6 +18,7 @@ pub use reference::snow_reference;
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
+use spec::Snow;
 
 use crate::eye::Eye;
 
@@ -36,23 +37,6 @@ pub const MOST_COVER: f64 = 1.0;
 /// Logarithms of radii are cut at this many standard deviations.
 const TAIL: f64 = 3.0;
 
-/// What hangs in the water.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Snow {
-    /// Particles per cubic metre, n.
-    pub density_per_m3: f64,
-    /// Nearest depth along the optical axis, m.
-    pub near_m: f64,
-    /// Farthest depth, m.
-    pub far_m: f64,
-    /// Median radius, m.
-    pub radius_m: f64,
-    /// Standard deviation of the logarithm of the radius.
-    pub radius_spread: f64,
-    /// Share of the light that a particle sends back, R, G, B.
-    pub albedo: [f64; 3],
-}
-
 /// Snow that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} is {value} but must be {limit}")]
@@ -65,103 +49,101 @@ pub struct SnowError {
     pub limit: String,
 }
 
-impl Snow {
-    /// Everything wrong with it.
-    #[must_use]
-    pub fn validate(&self) -> Vec<SnowError> {
-        let mut errors = Vec::new();
-        let mut within = |field, value: f64, (least, most): (f64, f64)| {
-            if !(least..=most).contains(&value) {
-                errors.push(SnowError {
-                    field,
-                    value: value.to_string(),
-                    limit: format!("within {least}..={most}"),
-                });
-            }
-        };
-        within("density_per_m3", self.density_per_m3, (0.0, MOST_DENSITY));
-        within("near_m", self.near_m, DEPTHS_M);
-        within("far_m", self.far_m, DEPTHS_M);
-        within("radius_m", self.radius_m, RADIUS_M);
-        within("radius_spread", self.radius_spread, (0.0, MOST_SPREAD));
-        for albedo in self.albedo {
-            within("albedo", albedo, (0.0, 1.0));
-        }
-        if !errors.is_empty() {
-            return errors;
-        }
-        if self.near_m >= self.far_m {
+/// Everything wrong with it.
+#[must_use]
+pub fn validate(snow: &Snow) -> Vec<SnowError> {
+    let mut errors = Vec::new();
+    let mut within = |field, value: f64, (least, most): (f64, f64)| {
+        if !(least..=most).contains(&value) {
             errors.push(SnowError {
-                field: "near_m",
-                value: self.near_m.to_string(),
-                limit: format!("below `far_m`, {}", self.far_m),
+                field,
+                value: value.to_string(),
+                limit: format!("within {least}..={most}"),
             });
         }
-        let cover = self.cover(0.0);
-        if cover > MOST_COVER {
-            errors.push(SnowError {
-                field: "density_per_m3",
-                value: self.density_per_m3.to_string(),
-                limit: format!(
-                    "at most {:.3e} with these radii and depths, or the particles cover the whole frame",
-                    self.density_per_m3 / cover * MOST_COVER
-                ),
-            });
-        }
-        errors
+    };
+    within("density_per_m3", snow.density_per_m3, (0.0, MOST_DENSITY));
+    within("near_m", snow.near_m, DEPTHS_M);
+    within("far_m", snow.far_m, DEPTHS_M);
+    within("radius_m", snow.radius_m, RADIUS_M);
+    within("radius_spread", snow.radius_spread, (0.0, MOST_SPREAD));
+    for albedo in snow.albedo {
+        within("albedo", albedo, (0.0, 1.0));
     }
-
-    /// Refuses more particles in view than [`MOST_PARTICLES`]. `solid` is the cross-section of the view at a depth of 1 m, m²:
-    /// `W H / f²`.
-    ///
-    /// # Errors
-    /// The density, with the greatest one for this view.
-    pub fn check_count(&self, solid: f64) -> Result<(), SnowError> {
-        let expected = self.expected(solid);
-        if expected <= MOST_PARTICLES {
-            return Ok(());
-        }
-        Err(SnowError {
+    if !errors.is_empty() {
+        return errors;
+    }
+    if snow.near_m >= snow.far_m {
+        errors.push(SnowError {
+            field: "near_m",
+            value: snow.near_m.to_string(),
+            limit: format!("below `far_m`, {}", snow.far_m),
+        });
+    }
+    let covered = cover(snow, 0.0);
+    if covered > MOST_COVER {
+        errors.push(SnowError {
             field: "density_per_m3",
-            value: self.density_per_m3.to_string(),
+            value: snow.density_per_m3.to_string(),
             limit: format!(
-                "at most {:.3e} in this view, which then holds {MOST_PARTICLES} particles",
-                self.density_per_m3 / expected * MOST_PARTICLES
+                "at most {:.3e} with these radii and depths, or the particles cover the whole frame",
+                snow.density_per_m3 / covered * MOST_COVER
             ),
-        })
+        });
     }
+    errors
+}
 
-    /// Particles expected in view: n times the volume of the frustum, `n (W H / f²) (z_f³ − z_n³)/3`.
-    #[must_use]
-    pub fn expected(&self, solid: f64) -> f64 {
-        self.density_per_m3 * solid * (self.far_m.powi(3) - self.near_m.powi(3)).max(0.0) / 3.0
+/// Refuses more particles in view than [`MOST_PARTICLES`]. `solid` is the cross-section of the view at a depth of 1 m, m²:
+/// `W H / f²`.
+///
+/// # Errors
+/// The density, with the greatest one for this view.
+pub fn check_count(snow: &Snow, solid: f64) -> Result<(), SnowError> {
+    let count = expected(snow, solid);
+    if count <= MOST_PARTICLES {
+        return Ok(());
     }
+    Err(SnowError {
+        field: "density_per_m3",
+        value: snow.density_per_m3.to_string(),
+        limit: format!(
+            "at most {:.3e} in this view, which then holds {MOST_PARTICLES} particles",
+            snow.density_per_m3 / count * MOST_PARTICLES
+        ),
+    })
+}
 
-    /// Share of the frame that the particles are expected to cover, each pixel by its opacity:
-    /// `2π n E[r²] (e^{−c z_n} − e^{−c z_f})/c` with `E[r²] = median² e^{2 s²}`, in a water of the attenuation c.
-    #[must_use]
-    pub fn cover(&self, attenuation: f64) -> f64 {
-        let square = self.radius_m.powi(2) * (2.0 * self.radius_spread.powi(2)).exp();
-        let length = self.far_m - self.near_m;
-        let thinned = if attenuation * length > 1e-9 {
-            (-attenuation * self.near_m).exp() * -(-attenuation * length).exp_m1() / attenuation
-        } else {
-            length
-        };
-        std::f64::consts::TAU * self.density_per_m3 * square * thinned
-    }
+/// Particles expected in view: n times the volume of the frustum, `n (W H / f²) (z_f³ − z_n³)/3`.
+#[must_use]
+pub fn expected(snow: &Snow, solid: f64) -> f64 {
+    snow.density_per_m3 * solid * (snow.far_m.powi(3) - snow.near_m.powi(3)).max(0.0) / 3.0
+}
 
-    /// Whether it may be left out: its density is 0, or expected pixels × contrast ≤ tolerance. `pixels` of the frame, the least
-    /// attenuation of the three channels in 1/m, and the largest difference between a particle and what is behind it.
-    #[must_use]
-    pub fn is_needless(&self, pixels: usize, attenuation: f64, contrast: f64, tolerance: f64) -> bool {
-        self.density_per_m3 == 0.0 || self.cover(attenuation) * pixels as f64 * contrast <= tolerance
-    }
+/// Share of the frame that the particles are expected to cover, each pixel by its opacity:
+/// `2π n E[r²] (e^{−c z_n} − e^{−c z_f})/c` with `E[r²] = median² e^{2 s²}`, in a water of the attenuation c.
+#[must_use]
+pub fn cover(snow: &Snow, attenuation: f64) -> f64 {
+    let square = snow.radius_m.powi(2) * (2.0 * snow.radius_spread.powi(2)).exp();
+    let length = snow.far_m - snow.near_m;
+    let thinned = if attenuation * length > 1e-9 {
+        (-attenuation * snow.near_m).exp() * -(-attenuation * length).exp_m1() / attenuation
+    } else {
+        length
+    };
+    std::f64::consts::TAU * snow.density_per_m3 * square * thinned
+}
 
-    /// The largest radius.
-    fn largest_m(&self) -> f64 {
-        self.radius_m * (TAIL * self.radius_spread).exp()
-    }
+/// Whether it may be left out: its density is 0, or expected pixels × contrast ≤ tolerance. `pixels` of the frame, the least
+/// attenuation of the three channels in 1/m, and the largest difference between a particle and what is behind it.
+#[must_use]
+pub fn is_needless(snow: &Snow, pixels: usize, attenuation: f64, contrast: f64, tolerance: f64) -> bool {
+    snow.density_per_m3 == 0.0 || cover(snow, attenuation) * pixels as f64 * contrast <= tolerance
+}
+
+/// The largest radius.
+fn largest_m(snow: &Snow) -> f64 {
+    snow.radius_m * (TAIL * snow.radius_spread).exp()
 }
 
 /// The particles of one world: of a seed, and of frames that share their particles.

@@ -19,6 +19,7 @@ pub(crate) use path::{RUN, Rays};
 pub use reference::{REFERENCE_STEP, optical_path_reference};
 
 use imaging::random::Stream;
+use spec::Turbidity;
 
 use crate::eye::Eye;
 use crate::snow::World;
@@ -39,15 +40,6 @@ pub fn path_rounding(farthest_m: f64, scale_m: f64) -> f64 {
 const WAVES: usize = 5;
 const PAIRS: usize = WAVES * (WAVES - 1) / 2;
 
-/// How patchy the water is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turbidity {
-    /// k, 0: even.
-    pub contrast: f64,
-    /// ℓ, the distance in metres over which patches differ.
-    pub scale_m: f64,
-}
-
 /// Turbidity that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} is {value} but must be within {}..={}", limit.0, limit.1)]
@@ -60,48 +52,19 @@ pub struct TurbidityError {
     pub limit: (f64, f64),
 }
 
-impl Turbidity {
-    /// Everything wrong with it.
-    #[must_use]
-    pub fn validate(&self) -> Vec<TurbidityError> {
-        let fields = [
-            ("contrast", self.contrast, (0.0, MOST_CONTRAST)),
-            ("scale_m", self.scale_m, SCALE_M),
-        ];
-        let wrong = fields
-            .into_iter()
-            .filter(|(_, value, (least, most))| !(*least..=*most).contains(value));
-        wrong
-            .map(|(field, value, limit)| TurbidityError { field, value, limit })
-            .collect()
-    }
-
-    /// The field of one world.
-    #[must_use]
-    pub fn field(&self, world: World) -> Field {
-        let dice = Stream::stage(world.seed, "turbidity");
-        let draw = |element: usize| dice.unit(world.index, element as u64);
-        let turn = std::f64::consts::TAU;
-        // Two uniform numbers for each normal one, after Box and Muller 1958, and one for the phase.
-        let waves = [0, 1, 2, 3, 4].map(|j: usize| {
-            let first = 7 * j;
-            let vector = [0, 2, 4].map(|at| {
-                let length = (-2.0 * (1.0 - draw(first + at)).ln()).sqrt();
-                length * (turn * draw(first + at + 1)).cos() / self.scale_m
-            });
-            (vector, turn * draw(first + 6))
-        });
-        let mut pairs = [Wave::default(); PAIRS];
-        let of = (0..WAVES).flat_map(|j| (j + 1..WAVES).map(move |k| (j, k)));
-        for (pair, (j, k)) in pairs.iter_mut().zip(of) {
-            pair.vector = [0, 1, 2].map(|i| waves[j].0[i] - waves[k].0[i]);
-            pair.phase = waves[j].1 - waves[k].1;
-        }
-        Field {
-            gain: self.contrast * 2.0 / WAVES as f64,
-            pairs,
-        }
-    }
+/// Everything wrong with it.
+#[must_use]
+pub fn validate(turbidity: &Turbidity) -> Vec<TurbidityError> {
+    let fields = [
+        ("contrast", turbidity.contrast, (0.0, MOST_CONTRAST)),
+        ("scale_m", turbidity.scale_m, SCALE_M),
+    ];
+    let wrong = fields
+        .into_iter()
+        .filter(|(_, value, (least, most))| !(*least..=*most).contains(value));
+    wrong
+        .map(|(field, value, limit)| TurbidityError { field, value, limit })
+        .collect()
 }
 
 /// One cosine of the field.
@@ -122,6 +85,33 @@ pub struct Field {
 }
 
 impl Field {
+    /// The field of one world.
+    #[must_use]
+    pub fn new(turbidity: &Turbidity, world: World) -> Self {
+        let dice = Stream::stage(world.seed, "turbidity");
+        let draw = |element: usize| dice.unit(world.index, element as u64);
+        let turn = std::f64::consts::TAU;
+        // Two uniform numbers for each normal one, after Box and Muller 1958, and one for the phase.
+        let waves = [0, 1, 2, 3, 4].map(|j: usize| {
+            let first = 7 * j;
+            let vector = [0, 2, 4].map(|at| {
+                let length = (-2.0 * (1.0 - draw(first + at)).ln()).sqrt();
+                length * (turn * draw(first + at + 1)).cos() / turbidity.scale_m
+            });
+            (vector, turn * draw(first + 6))
+        });
+        let mut pairs = [Wave::default(); PAIRS];
+        let of = (0..WAVES).flat_map(|j| (j + 1..WAVES).map(move |k| (j, k)));
+        for (pair, (j, k)) in pairs.iter_mut().zip(of) {
+            pair.vector = [0, 1, 2].map(|i| waves[j].0[i] - waves[k].0[i]);
+            pair.phase = waves[j].1 - waves[k].1;
+        }
+        Self {
+            gain: turbidity.contrast * 2.0 / WAVES as f64,
+            pairs,
+        }
+    }
+
     /// m at a point of the world: the factor of every coefficient there.
     #[must_use]
     pub fn at(&self, point: [f64; 3]) -> f64 {

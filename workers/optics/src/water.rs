@@ -2,12 +2,14 @@
 
 mod derive;
 mod error;
-mod request;
+mod rules;
 
 pub use error::WaterError;
-pub use request::{Ambient, ScatterModel, ScatterRequest, ScatterSource, WaterRequest};
+pub use rules::RULES;
 
-use crate::range::HoleRule;
+use spec::{HoleRule, Optics, ScatterSource};
+
+use derive::Request;
 
 /// Width of the forward-scatter kernel: `γ(Z) = offset + per_metre · Z` in pixels, for each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,20 +68,39 @@ pub struct Water {
 }
 
 impl Water {
-    /// Completes a request for a camera of this focal length in pixels: preset, given fields, what follows from them.
+    /// Completes a description for a camera of this focal length in pixels: preset, given fields, what follows from them.
     ///
     /// # Errors
     /// Every contradiction and every missing number at once, each with its field, value and limit.
-    pub fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Self, Vec<WaterError>> {
-        derive::resolve(request, focal_px)
+    pub fn resolve(description: &spec::Water, focal_px: f64) -> Result<Self, Vec<WaterError>> {
+        Self::complete(description, false, focal_px)
     }
 
-    /// The same checks for a request whose camera is not known yet.
+    /// The same for a water that lamps light, which takes scattering.
+    ///
+    /// # Errors
+    /// As [`Water::resolve`].
+    pub fn resolve_lit(description: &spec::Water, focal_px: f64) -> Result<Self, Vec<WaterError>> {
+        Self::complete(description, true, focal_px)
+    }
+
+    /// The same checks for a description whose camera is not known yet.
     #[must_use]
-    pub fn validate(request: &WaterRequest) -> Vec<WaterError> {
+    pub fn validate(description: &spec::Water, lamps: bool) -> Vec<WaterError> {
         /// Any focal length will do: no limit depends on it.
         const ANY_FOCAL_PX: f64 = 1000.0;
-        derive::resolve(request, ANY_FOCAL_PX).err().unwrap_or_default()
+        let completed = Self::complete(description, lamps, ANY_FOCAL_PX);
+        completed.err().unwrap_or_default()
+    }
+
+    fn complete(description: &spec::Water, lamps: bool, focal_px: f64) -> Result<Self, Vec<WaterError>> {
+        let unknown = Optics::default();
+        let request = Request {
+            water: description,
+            optics: description.optics.as_ref().unwrap_or(&unknown),
+            lamps,
+        };
+        derive::resolve(&request, focal_px)
     }
 
     /// The full name of the preset, if one was used.
@@ -129,7 +150,7 @@ impl Water {
 
     /// What a pixel without a valid range means.
     #[must_use]
-    pub fn holes(&self) -> crate::range::HoleRule {
+    pub fn holes(&self) -> HoleRule {
         self.holes
     }
 

@@ -8,10 +8,11 @@ mod scenes;
 use imaging::{Plane, Rgb};
 use optics::chain::{Layers, water, water_reference};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Fidelity, Plan, SceneStats};
-use optics::water::{ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
+use optics::plan::{Plan, SceneStats};
+use optics::water::Water;
 
 use scenes::{SCENES, Scene};
+use spec::{Fidelity, ForwardScatter, Optics, ScatterModel, ScatterSource};
 
 /// A single pixel, single lines, primes, odd, even and composite sides.
 const SIZES: [(usize, usize); 8] = [
@@ -35,21 +36,21 @@ const BY_TERMS: [(usize, f64); 5] = [(4, 3.5e-3), (6, 4e-4), (8, 9e-5), (12, 3e-
 
 /// Both forms, and both sources of the first. Spread differs between the channels: pixels to subpixels.
 fn forms() -> [(&'static str, Water); 3] {
-    let form = |name, model, source| {
-        let scatter = ScatterRequest {
-            model,
-            g: Some([0.13, 0.042, 0.0315]),
+    let form = |name, model: ScatterModel, source| {
+        let scatter = ForwardScatter {
             spread_px_per_m: Some([0.9, 0.3, 0.04]),
             spread_offset_px: Some([0.0, 0.5, 0.1]),
             source,
+            g_per_m: Some([0.13, 0.042, 0.0315]),
+            ..model.into()
         };
-        let request = WaterRequest {
-            beam_attenuation: Some([0.37, 0.12, 0.09]),
-            backscatter_attenuation: Some([0.25, 0.12, 0.11]),
+        let request = spec::Water::from(Optics {
+            beam_attenuation_per_m: Some([0.37, 0.12, 0.09]),
+            backscatter_attenuation_per_m: Some([0.25, 0.12, 0.11]),
             veiling_light: Some([0.03, 0.12, 0.18]),
-            scatter: Some(scatter),
-            ..WaterRequest::default()
-        };
+            forward_scatter: Some(scatter),
+            ..Optics::default()
+        });
         (name, Water::resolve(&request, 500.0).expect("a consistent water"))
     };
     [

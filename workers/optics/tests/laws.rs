@@ -8,9 +8,9 @@ use imaging::{Plane, Rgb};
 use optics::chain::{Layers, water};
 use optics::forward_scatter::{KernelCache, Nodes, gather, scatter};
 use optics::kernel::Transfer;
-use optics::plan::{Fidelity, Plan, ScatterStep, SceneStats};
-use optics::range::HoleRule;
-use optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
+use optics::plan::{Plan, ScatterStep, SceneStats};
+use optics::water::Water;
+use spec::{Fidelity, ForwardScatter, HoleRule, Optics, ScatterModel};
 
 const WIDTH: usize = 41;
 const HEIGHT: usize = 29;
@@ -38,32 +38,31 @@ fn dot(a: &Plane<f32>, b: &Plane<f32>) -> f64 {
         .sum()
 }
 
-fn request() -> WaterRequest {
-    let scatter = ScatterRequest {
-        model: ScatterModel::Jaffe,
-        g: Some([0.1; 3]),
+fn request() -> spec::Water {
+    let scatter = ForwardScatter {
         spread_px_per_m: Some([0.7; 3]),
-        spread_offset_px: None,
-        source: Default::default(),
+        g_per_m: Some([0.1; 3]),
+        ..ScatterModel::Jaffe.into()
     };
-    WaterRequest {
-        beam_attenuation: Some([0.4, 0.2, 0.15]),
+    spec::Water::from(Optics {
+        beam_attenuation_per_m: Some([0.4, 0.2, 0.15]),
         veiling_light: Some([0.03, 0.12, 0.18]),
-        scatter: Some(scatter),
-        ..WaterRequest::default()
-    }
+        forward_scatter: Some(scatter),
+        ..Optics::default()
+    })
 }
 
-fn with_g(g: [f64; 3]) -> WaterRequest {
-    let request = request();
-    let scatter = request.scatter.map(|scatter| ScatterRequest {
-        g: Some(g),
-        ..scatter
-    });
-    WaterRequest { scatter, ..request }
+fn with_g(g: [f64; 3]) -> spec::Water {
+    let mut request = request();
+    let scatter = request
+        .optics
+        .as_mut()
+        .and_then(|optics| optics.forward_scatter.as_mut());
+    scatter.expect("the request has it").g_per_m = Some(g);
+    request
 }
 
-fn render(request: &WaterRequest, range: &Plane<f32>, fidelity: Fidelity) -> (Layers, Plan, Rgb<f32>) {
+fn render(request: &spec::Water, range: &Plane<f32>, fidelity: Fidelity) -> (Layers, Plan, Rgb<f32>) {
     let radiance = Rgb::new([noise(0), noise(1), noise(2)]).expect("planes of one size");
     let optics = Water::resolve(request, 500.0).expect("a consistent water");
     let plan = Plan::for_frame(
@@ -192,8 +191,11 @@ fn where_all_scattered_light_is_lost_none_is_spread() {
 fn only_the_red_coefficient_changes_only_red() {
     let range = noise(3).map(|r| 1.0 + 9.0 * r);
     let (before, ..) = render(&request(), &range, Fidelity::Terms(5));
-    let redder = WaterRequest {
-        beam_attenuation: Some([0.5, 0.2, 0.15]),
+    let redder = spec::Water {
+        optics: request().optics.map(|optics| Optics {
+            beam_attenuation_per_m: Some([0.5, 0.2, 0.15]),
+            ..optics
+        }),
         ..request()
     };
     let (after, ..) = render(&redder, &range, Fidelity::Terms(5));
@@ -216,7 +218,7 @@ const SHARED_TRANSFORM: f32 = 1e-6;
 fn range_scale_is_the_same_as_a_longer_range() {
     let range = noise(3).map(|r| 1.0 + 4.0 * r);
     let (scaled, ..) = render(
-        &WaterRequest {
+        &spec::Water {
             range_scale: 2.0,
             ..request()
         },
@@ -234,8 +236,8 @@ fn holes_follow_their_rule() {
     let range = Plane::from_fn(WIDTH, HEIGHT, |x, _| if x == 3 { f32::NAN } else { 4.0 });
     let (background, ..) = render(&request(), &range, Fidelity::Terms(5));
     assert_eq!((background.holes, background.direct.at(3, 3)), (29, [0.0; 3]));
-    let rule = |holes| WaterRequest { holes, ..request() };
-    let (replaced, ..) = render(&rule(HoleRule::Range(4.0)), &range, Fidelity::Terms(5));
+    let rule = |holes| spec::Water { holes, ..request() };
+    let (replaced, ..) = render(&rule(HoleRule::RangeM(4.0)), &range, Fidelity::Terms(5));
     let (flat, ..) = render(&request(), &Plane::filled(WIDTH, HEIGHT, 4.0), Fidelity::Terms(5));
     assert_eq!((replaced.holes, &replaced.scattered), (29, &flat.scattered));
     let optics = Water::resolve(&rule(HoleRule::Reject), 500.0).unwrap();

@@ -4,7 +4,8 @@
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::eye::Eye;
-use optics::snow::{Flake, Snow, Surround, World, flakes, snow, snow_reference};
+use optics::snow::{Flake, Surround, World, flakes, snow, snow_reference};
+use spec::Snow;
 
 /// f32 over up to some thousand faint layers on one pixel, as tiny frames have them: at most 6e-8 for each, of either sign.
 const ROUNDING: f64 = 1e-5;

@@ -6,11 +6,12 @@ use imaging::{Plane, Rgb};
 use optics::chain::{water, water_reference};
 use optics::eye::Eye;
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Fidelity, Plan, SceneStats};
-use optics::range::{HoleRule, is_hole};
+use optics::plan::{Plan, SceneStats};
+use optics::range::is_hole;
 use optics::snow::World;
-use optics::turbidity::{Turbidity, optical_path, optical_path_reference, path_rounding};
-use optics::water::{Water, WaterRequest};
+use optics::turbidity::{Field, optical_path, optical_path_reference, path_rounding};
+use optics::water::Water;
+use spec::{Fidelity, HoleRule, Optics, Turbidity};
 
 const SIZES: [(usize, usize); 6] = [(1, 1), (1, 9), (7, 1), (13, 17), (31, 8), (37, 23)];
 
@@ -43,11 +44,11 @@ fn paths_agree_with_the_quadrature() {
         let eye = eye(size);
         for (contrast, scale_m) in [(0.3, 0.05), (0.95, 0.7), (0.5, 20.0), (0.9, 1000.0)] {
             let turbidity = Turbidity { contrast, scale_m };
-            let field = turbidity.field(World { seed: 9, index: 4 });
+            let field = Field::new(&turbidity, World { seed: 9, index: 4 });
             let farthest = if size.0 < 20 { 30.0 } else { 2.0 };
             for scale in [0.01, 1.0, farthest] {
                 let range = range(size.0, size.1, scale);
-                for holes in [HoleRule::Background, HoleRule::Range(12.0)] {
+                for holes in [HoleRule::Background, HoleRule::RangeM(12.0)] {
                     let fast = optical_path(&range, &field, &eye, holes);
                     let exact =
                         optical_path_reference(&range.map(|&z| z.into()), &turbidity, &field, &eye, holes);
@@ -77,7 +78,7 @@ fn the_scalar_form_is_the_quadrature_too() {
         contrast: 0.95,
         scale_m: 0.4,
     };
-    let field = turbidity.field(World { seed: 2, index: 0 });
+    let field = Field::new(&turbidity, World { seed: 2, index: 0 });
     let eye = eye((31, 17));
     let range = Plane::filled(31, 17, 6.5f64);
     let exact = optical_path_reference(&range, &turbidity, &field, &eye, HoleRule::Background);
@@ -95,10 +96,10 @@ fn the_scalar_form_is_the_quadrature_too() {
 fn the_plan_bounds_the_chain_in_patchy_water() {
     let size = (48, 31);
     let eye = eye(size);
-    let request = WaterRequest {
+    let request = spec::Water::from(Optics {
         preset: Some("jerlov-3C".to_owned()),
-        ..WaterRequest::default()
-    };
+        ..Optics::default()
+    });
     let optics = Water::resolve(&request, eye.camera.focal_px).unwrap();
     let radiance = Rgb::from_fn(size.0, size.1, |x, y| {
         let stripe = if (x / 5 + y / 4) % 2 == 0 { 0.9 } else { 0.05 };
@@ -107,7 +108,7 @@ fn the_plan_bounds_the_chain_in_patchy_water() {
     let range = range(size.0, size.1, 1.0);
     for (contrast, scale_m) in [(0.5, 3.0), (0.95, 0.5)] {
         let turbidity = Turbidity { contrast, scale_m };
-        let field = turbidity.field(World { seed: 4, index: 1 });
+        let field = Field::new(&turbidity, World { seed: 4, index: 1 });
         let exact_path = optical_path_reference(
             &range.map(|&z| z.into()),
             &turbidity,

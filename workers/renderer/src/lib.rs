@@ -22,5 +22,5 @@ pub use error::RenderError;
 pub use provenance::{CODE_VERSION, cpu_features};
 pub use record::{File, Rendered};
 pub use slot::Slot;
-pub use source::{RangeUpload, SceneSource, UploadedScene};
+pub use source::{SceneBytes, SceneSource};
 pub use vocabulary::vocabulary;

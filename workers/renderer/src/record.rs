@@ -176,7 +176,7 @@ pub(crate) fn plan(frame: &spec::Frame, chosen: &Chosen, fallen: Option<&Fallen>
 
 /// The lines of turbidity, lamps and snow. What turbidity rounds is part of the bounds of the water.
 fn suspended(frame: &spec::Frame, chosen: &Chosen, fallen: Option<&Fallen>) -> Vec<Value> {
-    let reference = frame.fidelity == spec::Fidelity::Reference;
+    let reference = frame.fidelity == spec::Fidelity::REFERENCE;
     let either = |fast: &'static str| if reference { "reference" } else { fast };
     let line = |stage: &str, variant: &str, bound: f64| {
         let mut line = json!({"stage": stage, "variant": variant});
@@ -187,10 +187,10 @@ fn suspended(frame: &spec::Frame, chosen: &Chosen, fallen: Option<&Fallen>) -> V
     };
     let patchy = chosen.patches.is_some();
     let turbidity = if patchy { either("closed_form") } else { "skip" };
-    let lamps = if frame.lamps.is_empty() {
-        "skip"
-    } else {
+    let lamps = if frame.has_lamps() {
         either("quadrature")
+    } else {
+        "skip"
     };
     let planned = if frame.water.snow.is_some() {
         either("discs")

@@ -50,7 +50,7 @@ impl Slot {
     /// [`RenderError`], which says whether trying again can help.
     pub fn render(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
         let mut watch = Stopwatch::start();
-        let lights = spec::haze_lights(frame);
+        let lights = frame.haze();
 
         let prepared = watch.time("scene", || self.scene(frame, source))?;
         let radiance = &prepared.scene.radiance;
@@ -83,7 +83,7 @@ impl Slot {
         let styled = watch.time("style", || {
             style::run(frame, &layers.scattered, &self.engine, &mut self.sessions)
         })?;
-        let hazed = watch.time("haze", || haze::run(frame, &styled.picture, &lights));
+        let hazed = watch.time("haze", || haze::run(&styled.picture, &lights));
         let (rgb, clamped) = watch.time("encode", || transfer::encode_rgb8(&hazed));
         let enhanced = watch.time("enhance", || enhance::run(frame, &rgb))?;
         let clean = match measure::needs_clean(frame)? {
@@ -162,7 +162,7 @@ impl Slot {
             .as_ref()
             .and_then(|lighting| lamps::surfaces(&prepared, lighting, water.as_ref()));
         let lit = lit.as_ref().map(|(lit, _)| lit);
-        let chosen = water::choose(frame, &prepared, lit, (water, patches), &spec::haze_lights(frame));
+        let chosen = water::choose(frame, &prepared, lit, (water, patches), &frame.haze());
         Ok(record::plan(frame, &chosen, None))
     }
 
@@ -192,7 +192,7 @@ fn warnings(frame: &Frame, prepared: &Prepared, chosen: &Chosen) -> Vec<String> 
     if frame.water.optics.is_some() && chosen.water.is_none() {
         warnings.push("the scene has no range: the water's optics are skipped".to_owned());
     }
-    if !frame.lamps.is_empty() && prepared.scene.range.is_none() {
+    if frame.has_lamps() && prepared.scene.range.is_none() {
         warnings.push("the scene has no range: the lamps are skipped".to_owned());
     }
     if frame.water.snow.is_some() && prepared.scene.range.is_none() {

@@ -5,6 +5,7 @@ mod held;
 use std::f64::consts::TAU;
 
 use imaging::random::Stream;
+use spec::Waypoint;
 
 use crate::pose::{add, cross, dot, length, scale, sub, unit};
 use crate::{CameraPose, SceneError};
@@ -42,15 +43,6 @@ impl Sway {
         period_frames: 100.0,
         seed: 0,
     };
-}
-
-/// Where a camera is and what it looks at, in metres of the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Waypoint {
-    /// The centre of projection.
-    pub position_m: [f64; 3],
-    /// A point on the optical axis.
-    pub target_m: [f64; 3],
 }
 
 /// A straight way from a start to an end at constant speed. Frame 0 is at the start, the last frame at the end; a path of one

@@ -8,78 +8,27 @@ use imaging::codec::{self, FilePlane, Radiance};
 use imaging::geometry::{Intrinsics, range_from_z_depth};
 use imaging::transfer::{Transfer, decode_raster};
 use imaging::{Plane, Rgb};
+use spec::{RangeFile, RangeKind, SceneFiles};
 
 use crate::{Scene, SceneError};
-
-/// The files of a scene and what has to be known about them.
-#[derive(Debug, Clone, Copy)]
-pub struct Upload<'a> {
-    /// PNG, JPEG, WebP, or NPY floats of shape [height, width, 3].
-    pub rgb: &'a [u8],
-    /// Range or z-depth.
-    pub range: Option<RangeBytes<'a>>,
-    /// The camera; needed to turn z-depth into range.
-    pub intrinsics: Option<Intrinsics>,
-    /// Instance of each pixel, 0 = background: 8- or 16-bit gray PNG, or NPY uint8 or uint16.
-    pub instances: Option<&'a [u8]>,
-}
-
-/// A map of distances: 8- or 16-bit gray PNG, or NPY float32, float64, uint8 or uint16.
-#[derive(Debug, Clone, Copy)]
-pub struct RangeBytes<'a> {
-    /// The file.
-    pub bytes: &'a [u8],
-    /// What its values are.
-    pub kind: RangeKind,
-    /// Metres per unit of the file. Floats are metres if it is not given; integer codes need it.
-    pub unit_m: Option<f64>,
-    /// The value that stands for a hole. Integer codes need it; in a file of floats it is a hole beside what is not
-    /// finite.
-    pub invalid_code: Option<u16>,
-}
-
-/// Which distance a map holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RangeKind {
-    /// Along the line of sight.
-    Range,
-    /// Along the optical axis, as depth cameras give it.
-    ZDepth,
-}
-
-impl RangeKind {
-    fn field(self) -> &'static str {
-        match self {
-            Self::Range => "range",
-            Self::ZDepth => "z_depth",
-        }
-    }
-
-    fn map(self) -> &'static str {
-        match self {
-            Self::Range => "range map",
-            Self::ZDepth => "z-depth map",
-        }
-    }
-}
 
 /// Decodes a scene. Holes of the range are NaN; a negative radiance stays, for the chain to clamp and count.
 ///
 /// # Errors
 /// [`SceneError`]: a file that cannot be used, sides that differ, a number that is missing or out of its limits, a
 /// radiance that is not finite.
-pub fn decode(upload: &Upload) -> Result<Scene, SceneError> {
+pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneError> {
     if let Some(camera) = &upload.intrinsics {
         check_camera(camera)?;
     }
-    let radiance = decode_radiance(upload.rgb)?;
+    let radiance = decode_radiance(upload.rgb.as_ref())?;
     let size = radiance.size();
     let range = match &upload.range {
         Some(file) => Some(decode_range(file, upload.intrinsics.as_ref(), size)?),
         None => None,
     };
-    let instances = match upload.instances {
-        Some(bytes) => Some(decode_instances(bytes, size)?),
+    let instances = match &upload.instances {
+        Some(bytes) => Some(decode_instances(bytes.as_ref(), size)?),
         None => None,
     };
     Ok(Scene {
@@ -124,12 +73,16 @@ fn decode_radiance(bytes: &[u8]) -> Result<Rgb<f32>, SceneError> {
     Ok(radiance)
 }
 
-fn decode_range(
-    file: &RangeBytes,
+fn decode_range<T: AsRef<[u8]>>(
+    file: &RangeFile<T>,
     camera: Option<&Intrinsics>,
     image: (usize, usize),
 ) -> Result<Plane<f32>, SceneError> {
-    let field = file.kind.field();
+    let field = file.kind.name();
+    let map = match file.kind {
+        RangeKind::Range => "range map",
+        RangeKind::ZDepth => "z-depth map",
+    };
     if let Some(unit) = file.unit_m
         && !(unit.is_finite() && unit > 0.0)
     {
@@ -146,15 +99,16 @@ fn decode_range(
             });
         }
     };
-    let plane = codec::decode_plane(file.bytes).map_err(|reason| SceneError::File { field, reason })?;
+    let plane =
+        codec::decode_plane(file.file.as_ref()).map_err(|reason| SceneError::File { field, reason })?;
     let metres = match plane {
         FilePlane::Floats(values) => {
-            check_size(values.size(), image, field, file.kind.map())?;
+            check_size(values.size(), image, field, map)?;
             let (unit, invalid) = (file.unit_m.unwrap_or(1.0), file.invalid_code.map(f32::from));
             values.map(|&value| metres_or_hole(f64::from(value), unit, Some(value) == invalid))
         }
         FilePlane::Codes(codes) => {
-            check_size(codes.size(), image, field, file.kind.map())?;
+            check_size(codes.size(), image, field, map)?;
             let missing = |field, reason| SceneError::Missing { field, reason };
             let unit = file
                 .unit_m

@@ -2,9 +2,10 @@
 
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
+use spec::Waypoint;
 
 use crate::labels::Labels;
-use crate::path::{CameraPath, LARGEST_SWAY, Sway, Waypoint};
+use crate::path::{CameraPath, LARGEST_SWAY, Sway};
 use crate::pose::{add, scale};
 use crate::site::vector::vec3;
 use crate::site::{self, Picture, Site};

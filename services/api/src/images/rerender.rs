@@ -76,13 +76,7 @@ pub(crate) async fn rerender(app: &App, job_id: &str, frame: u64) -> Result<Agai
 async fn lay_out(app: &App, id: &str, folder: &Path) -> Result<Value, Problem> {
     let row = app.catalogue.scene(id).await?;
     let row = row.ok_or_else(|| Problem::not_found(format!("no scene `{id}`")))?;
-    let files = [
-        ("rgb", Some(&row.rgb_digest)),
-        ("range", row.range_digest.as_ref()),
-        ("instances", row.instances_digest.as_ref()),
-    ];
-    for (name, digest) in files {
-        let Some(digest) = digest else { continue };
+    for (name, digest) in row.files.named() {
         let bytes = app.store.get(digest).await?;
         let bytes = bytes.ok_or_else(|| {
             let detail = format!("file `{name}` of scene {id} is missing");
@@ -90,12 +84,7 @@ async fn lay_out(app: &App, id: &str, folder: &Path) -> Result<Value, Problem> {
         })?;
         write(folder, name, &bytes)?;
     }
-    Ok(json!({
-        "range": row.range_digest.is_some(), "instances": row.instances_digest.is_some(),
-        "z_depth": row.range_kind.as_deref() == Some("z_depth"),
-        "unit_m": row.unit_m, "invalid_code": row.invalid_code,
-        "focal_px": row.focal_px, "cx": row.cx, "cy": row.cy,
-    }))
+    Ok(json!(row.files))
 }
 
 fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Problem> {

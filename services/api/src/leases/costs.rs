@@ -120,7 +120,7 @@ impl Learned {
         let in_water = frame.water.optics.is_some();
         let runs = |stage: &str| match stage {
             "water" => in_water,
-            "lamps" => !frame.lamps.is_empty(),
+            "lamps" => frame.has_lamps(),
             "snow" => frame.water.snow.is_some_and(|snow| snow.density_per_m3 > 0.0),
             "turbidity" => {
                 in_water
@@ -130,14 +130,14 @@ impl Learned {
                         .is_some_and(|patches| patches.contrast > 0.0)
             }
             "style" => frame.water.style.is_some() && frame.alpha > 0.0,
-            "haze" => !frame.lights.is_empty(),
+            "haze" => !frame.haze().is_empty(),
             "enhance" => !frame.enhance.is_empty(),
             "metrics" => !frame.metrics.is_empty(),
             _ => true,
         };
         let stages = TYPICAL_NS.iter().filter(|(stage, _)| runs(stage));
         let ns = stages.map(|(stage, typical)| {
-            let units = if *stage == "lamps" { frame.lamps.len() } else { 1 };
+            let units = if *stage == "lamps" { frame.lamp_count() } else { 1 };
             self.stage_ns.get(stage).unwrap_or(typical) * units as f64
         });
         ns.sum::<f64>() * pixels / 1e9

@@ -7,8 +7,7 @@ use axum::extract::Multipart;
 use axum::extract::multipart::{Field, MultipartError};
 use axum::http::StatusCode;
 use imaging::geometry::Intrinsics;
-use scenes::uploaded::{RangeBytes, RangeKind, Upload};
-use spec::{FieldError, Invalid};
+use spec::{FieldError, Invalid, RangeFile, RangeKind, SceneFiles};
 
 use crate::http::problem::{Problem, Slug};
 use crate::limits;
@@ -32,11 +31,11 @@ const FIELDS: [&str; 11] = [
 #[derive(Default)]
 pub(crate) struct Form {
     pub(crate) rgb: Option<Bytes>,
-    pub(crate) range: Option<Bytes>,
-    pub(crate) z_depth: Option<Bytes>,
-    pub(crate) instances: Option<Bytes>,
-    pub(crate) unit_m: Option<f64>,
-    pub(crate) invalid_code: Option<u16>,
+    range: Option<Bytes>,
+    z_depth: Option<Bytes>,
+    instances: Option<Bytes>,
+    unit_m: Option<f64>,
+    invalid_code: Option<u16>,
     focal_px: Option<f64>,
     cx: Option<f64>,
     cy: Option<f64>,
@@ -168,24 +167,21 @@ impl Form {
         })
     }
 
-    /// The same as the decoder takes it.
-    pub(crate) fn upload(&self, camera: Option<Intrinsics>) -> Upload<'_> {
-        let file = |bytes, kind| RangeBytes {
-            bytes,
-            kind,
-            unit_m: self.unit_m,
-            invalid_code: self.invalid_code,
-        };
-        let range = self.range.as_deref().map(|bytes| file(bytes, RangeKind::Range));
-        let z_depth = self
-            .z_depth
-            .as_deref()
-            .map(|bytes| file(bytes, RangeKind::ZDepth));
-        Upload {
-            rgb: self.rgb.as_deref().unwrap_or_default(),
-            range: range.or(z_depth),
+    /// The files, with a camera if anything is said about one.
+    pub(crate) fn files(self, camera: Option<Intrinsics>) -> SceneFiles<Bytes> {
+        let range = self.range.map(|file| (file, RangeKind::Range));
+        let z_depth = self.z_depth.map(|file| (file, RangeKind::ZDepth));
+        let (unit_m, invalid_code) = (self.unit_m, self.invalid_code);
+        SceneFiles {
+            rgb: self.rgb.unwrap_or_default(),
+            range: range.or(z_depth).map(|(file, kind)| RangeFile {
+                file,
+                kind,
+                unit_m,
+                invalid_code,
+            }),
+            instances: self.instances,
             intrinsics: camera,
-            instances: self.instances.as_deref(),
         }
     }
 }

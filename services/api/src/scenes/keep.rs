@@ -1,5 +1,6 @@
 //! Keeping a scene: decoded first, then its bytes, then the row that names them.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 
 use catalogue::SceneRow;
@@ -8,6 +9,7 @@ use imaging::geometry::Intrinsics;
 use scenes::SceneError;
 use scenes::uploaded::decode;
 use sha2::{Digest, Sha256};
+use spec::SceneFiles;
 use store::Blob;
 use uuid::Uuid;
 
@@ -20,7 +22,7 @@ use crate::scenes::form::Form;
 pub(crate) async fn keep(app: &Shared, form: Form) -> Result<(SceneRow, bool), Problem> {
     app.space.room().await?;
     let created_ms = app.clock.unix_ms();
-    let (row, blobs) = app.compute.run(move || checked(&form, created_ms)).await??;
+    let (row, blobs) = app.compute.run(move || checked(form, created_ms)).await??;
     let app = Arc::clone(app);
     let task = tokio::spawn(async move {
         let id = row.id.clone();
@@ -36,37 +38,28 @@ pub(crate) async fn keep(app: &Shared, form: Form) -> Result<(SceneRow, bool), P
 }
 
 /// Decodes everything once, so that no worker meets a scene that cannot be read.
-fn checked(form: &Form, created_ms: u64) -> Result<(SceneRow, Vec<Blob>), Problem> {
-    let camera = camera(form)?;
-    let scene = decode(&form.upload(camera)).map_err(|error| refusal(&error))?;
-    let files = [&form.rgb, &form.range, &form.z_depth, &form.instances];
-    let blobs: [Option<Blob>; 4] = files.map(|file| file.as_ref().map(|bytes| blob(bytes)));
-    let [rgb, range, z_depth, instances] = blobs
-        .each_ref()
-        .map(|blob| blob.as_ref().map(|blob| blob.digest.clone()));
-    let range_kind = match (&range, &z_depth) {
-        (Some(_), _) => Some("range"),
-        (None, Some(_)) => Some("z_depth"),
-        (None, None) => None,
-    };
-    let mut row = SceneRow {
+fn checked(form: Form, created_ms: u64) -> Result<(SceneRow, Vec<Blob>), Problem> {
+    let camera = camera(&form)?;
+    let files = form.files(camera);
+    let scene = decode(&files).map_err(|error| refusal(&error))?;
+    let mut blobs = Vec::new();
+    let Ok(files) = files.try_map(|bytes| -> Result<_, Infallible> {
+        let digest = spec::hex(&Sha256::digest(bytes));
+        blobs.push(Blob {
+            digest: digest.clone(),
+            bytes: bytes.to_vec(),
+        });
+        Ok(digest)
+    });
+    let row = SceneRow {
         id: format!("scn_{}", Uuid::now_v7().simple()),
-        rgb_digest: rgb.unwrap_or_default(),
-        range_digest: range.or(z_depth),
-        range_kind: range_kind.map(str::to_owned),
-        unit_m: form.unit_m,
-        invalid_code: form.invalid_code,
-        instances_digest: instances,
+        content_digest: content_digest(&files),
+        files,
         width: side(scene.radiance.width()),
         height: side(scene.radiance.height()),
-        focal_px: camera.map(|camera| camera.focal_px),
-        cx: camera.map(|camera| camera.cx),
-        cy: camera.map(|camera| camera.cy),
-        content_digest: String::new(),
         created_ms,
     };
-    row.content_digest = content_digest(&row);
-    Ok((row, blobs.into_iter().flatten().collect()))
+    Ok((row, blobs))
 }
 
 /// The camera needs the picture's size, which only decoding tells for every format.
@@ -82,25 +75,19 @@ fn camera(form: &Form) -> Result<Option<Intrinsics>, Problem> {
     Ok(form.camera(width, height))
 }
 
-fn blob(bytes: &[u8]) -> Blob {
-    Blob {
-        digest: spec::hex(&Sha256::digest(bytes)),
-        bytes: bytes.to_vec(),
-    }
-}
-
 /// SHA-256 over everything that a render of the scene depends on.
-fn content_digest(row: &SceneRow) -> String {
+fn content_digest(files: &SceneFiles<String>) -> String {
+    let (range, camera) = (files.range.as_ref(), files.intrinsics.as_ref());
     let content = serde_json::json!([
-        row.rgb_digest,
-        row.range_digest,
-        row.range_kind,
-        row.unit_m,
-        row.invalid_code,
-        row.instances_digest,
-        row.focal_px,
-        row.cx,
-        row.cy,
+        files.rgb,
+        range.map(|range| &range.file),
+        range.map(|range| range.kind),
+        range.and_then(|range| range.unit_m),
+        range.and_then(|range| range.invalid_code),
+        files.instances,
+        camera.map(|camera| camera.focal_px),
+        camera.map(|camera| camera.cx),
+        camera.map(|camera| camera.cy),
     ]);
     spec::hex(&Sha256::digest(format!("fathom-scene-v1{content}")))
 }

@@ -2,6 +2,7 @@
 
 use catalogue::SceneRow;
 use serde::Serialize;
+use spec::SceneFiles;
 use utoipa::ToSchema;
 
 use crate::http::time::rfc3339;
@@ -22,7 +23,7 @@ pub(crate) struct SceneView {
     /// SHA-256 of the range file; null: no range, no water.
     range_digest: Option<String>,
     /// `range` (along the line of sight) or `z_depth` (along the optical axis).
-    range_kind: Option<String>,
+    range_kind: Option<&'static str>,
     /// Metres of one unit of the range file.
     unit_m: Option<f64>,
     /// The code that means "no return".
@@ -41,19 +42,25 @@ pub(crate) struct SceneView {
 
 impl From<SceneRow> for SceneView {
     fn from(row: SceneRow) -> Self {
+        let SceneFiles {
+            rgb,
+            range,
+            instances,
+            intrinsics,
+        } = row.files;
         Self {
             id: row.id,
             width: row.width,
             height: row.height,
-            rgb_digest: row.rgb_digest,
-            range_digest: row.range_digest,
-            range_kind: row.range_kind,
-            unit_m: row.unit_m,
-            invalid_code: row.invalid_code,
-            instances_digest: row.instances_digest,
-            focal_px: row.focal_px,
-            cx: row.cx,
-            cy: row.cy,
+            rgb_digest: rgb,
+            range_kind: range.as_ref().map(|range| range.kind.name()),
+            unit_m: range.as_ref().and_then(|range| range.unit_m),
+            invalid_code: range.as_ref().and_then(|range| range.invalid_code),
+            range_digest: range.map(|range| range.file),
+            instances_digest: instances,
+            focal_px: intrinsics.map(|camera| camera.focal_px),
+            cx: intrinsics.map(|camera| camera.cx),
+            cy: intrinsics.map(|camera| camera.cy),
             created_at: rfc3339(row.created_ms),
         }
     }

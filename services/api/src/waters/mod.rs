@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use catalogue::{Catalogue, CatalogueError, WaterRow};
-use optics::preset::{self, Preset};
+use optics::preset::{self, Preset, parse_own};
 use serde_json::{Map, Value};
 use spec::OwnWater;
 use tokio::sync::Mutex;
@@ -31,9 +31,9 @@ pub(crate) struct Own {
 }
 
 impl Own {
-    pub(crate) fn new(water: OwnWater, created_ms: u64) -> Self {
+    pub(crate) fn new((water, preset): (OwnWater, Preset), created_ms: u64) -> Self {
         Self {
-            preset: water.preset.clone(),
+            preset,
             created_ms,
             water,
         }
@@ -45,7 +45,7 @@ impl Waters {
     pub(crate) async fn open(catalogue: &Catalogue) -> Result<Self, CatalogueError> {
         let mut own: Vec<Own> = Vec::new();
         for row in catalogue.waters().await? {
-            match OwnWater::parse(row.description.as_bytes(), &[]) {
+            match parse_own(row.description.as_bytes(), &[]) {
                 Ok(water) if preset::find(&row.name).is_none() => own.push(Own::new(water, row.created_ms)),
                 Ok(_) => tracing::warn!(
                     water = row.name,
@@ -64,7 +64,7 @@ impl Waters {
     pub(crate) fn words(&self) -> BTreeMap<String, Map<String, Value>> {
         let all = self.own.read().unwrap_or_else(PoisonError::into_inner);
         all.iter()
-            .map(|own| (own.preset.name.clone(), own.water.optics.clone()))
+            .map(|own| (own.preset.name.clone(), own.water.optics()))
             .collect()
     }
 
@@ -91,8 +91,8 @@ pub(crate) async fn create(app: &Shared, body: Vec<u8>) -> Result<Own, Problem> 
     let task = tokio::spawn(async move {
         let _turn = app.waters.turn.lock().await;
         let others: Vec<Preset> = app.waters.all().into_iter().map(|own| own.preset).collect();
-        let water = OwnWater::parse(&body, &others)?;
-        let name = water.preset.name.clone();
+        let (water, preset) = parse_own(&body, &others)?;
+        let name = water.name.clone();
         let taken = || Problem::new(Slug::NameTaken, format!("there is a water `{name}` already"));
         if preset::find(&name).is_some() {
             return Err(taken());
@@ -100,13 +100,13 @@ pub(crate) async fn create(app: &Shared, body: Vec<u8>) -> Result<Own, Problem> 
         let created_ms = app.clock.unix_ms();
         let row = WaterRow {
             name: name.clone(),
-            description: water.description.clone(),
+            description: water.description(),
             created_ms,
         };
         if !app.catalogue.insert_water(row).await? {
             return Err(taken());
         }
-        let own = Own::new(water, created_ms);
+        let own = Own::new((water, preset), created_ms);
         app.waters.add(own.clone());
         tracing::info!(water = name, "water stored");
         Ok(own)

@@ -10,10 +10,9 @@ use std::time::{Duration, Instant};
 use imaging::codec::{encode_npy_plane, encode_png};
 use imaging::{Plane, Raster, Rgb8};
 use renderer::worker::{self, Limits, WorkerOptions};
-use renderer::{Engine, RangeUpload, SceneSource, Slot, UploadedScene};
-use scenes::uploaded::RangeKind;
+use renderer::{Engine, SceneSource, Slot};
 use serde_json::{Value, json};
-use spec::Job;
+use spec::{Job, RangeFile, RangeKind, SceneFiles};
 use style::Library;
 
 use crate::fake_service::FakeService;
@@ -109,13 +108,13 @@ fn service(frames: u64) -> (FakeService, Job) {
 fn expected(job: &Job) -> BTreeMap<u64, String> {
     let (rgb, range) = files();
     let kind = RangeKind::Range;
-    let range = Some(RangeUpload {
-        bytes: range,
+    let range = Some(RangeFile {
+        file: range,
         kind,
         unit_m: Some(1.0),
         invalid_code: None,
     });
-    let source = SceneSource::Uploaded(Arc::new(UploadedScene {
+    let source = SceneSource::Uploaded(Arc::new(SceneFiles {
         rgb,
         range,
         intrinsics: None,

@@ -13,8 +13,9 @@ use fidelity::chart::{
 use fidelity::plot::{self, Figure};
 use imaging::Raster;
 use imaging::geometry::Intrinsics;
-use scenes::uploaded::{RangeBytes, RangeKind, Upload, decode};
+use scenes::uploaded::decode;
 use serde_json::json;
+use spec::{RangeFile, RangeKind, SceneFiles};
 
 use crate::exit::Failure;
 use crate::progress::Progress;
@@ -144,10 +145,10 @@ fn standard(width: usize) -> Result<Vec<ChartScene>, Failure> {
 /// A picture and its range.
 fn own(picture: &Path, range: &Path) -> Result<ChartScene, Failure> {
     let (rgb, metres) = (files::read(picture)?, files::read(range)?);
-    let upload = Upload {
-        rgb: &rgb,
-        range: Some(RangeBytes {
-            bytes: &metres,
+    let upload = SceneFiles {
+        rgb,
+        range: Some(RangeFile {
+            file: metres,
             kind: RangeKind::Range,
             unit_m: None,
             invalid_code: None,

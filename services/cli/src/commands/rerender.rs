@@ -5,11 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context;
-use imaging::geometry::Intrinsics;
-use renderer::{Engine, RangeUpload, SceneSource, Slot, UploadedScene};
-use scenes::uploaded::RangeKind;
+use renderer::{Engine, SceneBytes, SceneSource, Slot};
 use serde::Deserialize;
-use spec::Job;
+use spec::{Job, SceneFiles};
 
 use super::StyleArguments;
 use crate::exit::Failure;
@@ -32,20 +30,7 @@ pub(crate) struct Arguments {
 struct Request {
     spec: String,
     frame: u64,
-    scene: Option<SceneFiles>,
-}
-
-/// What is known of an uploaded scene, whose files are `rgb`, `range` and `instances`.
-#[derive(Deserialize)]
-struct SceneFiles {
-    range: bool,
-    instances: bool,
-    z_depth: bool,
-    unit_m: Option<f64>,
-    invalid_code: Option<u16>,
-    focal_px: Option<f64>,
-    cx: Option<f64>,
-    cy: Option<f64>,
+    scene: Option<SceneFiles<String>>,
 }
 
 /// Runs the command.
@@ -72,28 +57,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     write(folder, "record.json", &record)
 }
 
-fn uploaded(folder: &Path, scene: &SceneFiles) -> Result<UploadedScene, Failure> {
-    let range = || -> Result<RangeUpload, Failure> {
-        Ok(RangeUpload {
-            bytes: read(folder, "range")?,
-            kind: match scene.z_depth {
-                true => RangeKind::ZDepth,
-                false => RangeKind::Range,
-            },
-            unit_m: scene.unit_m,
-            invalid_code: scene.invalid_code,
-        })
-    };
-    let intrinsics = match (scene.focal_px, scene.cx, scene.cy) {
-        (Some(focal_px), Some(cx), Some(cy)) => Some(Intrinsics { focal_px, cx, cy }),
-        _ => None,
-    };
-    Ok(UploadedScene {
-        rgb: read(folder, "rgb")?,
-        range: scene.range.then(range).transpose()?,
-        intrinsics,
-        instances: scene.instances.then(|| read(folder, "instances")).transpose()?,
-    })
+/// The files of a scene, which lie in the folder under their names.
+fn uploaded(folder: &Path, scene: &SceneFiles<String>) -> Result<SceneBytes, Failure> {
+    let mut names = scene.named().map(|(name, _)| name);
+    scene.try_map(|_| read(folder, names.next().unwrap_or_default()))
 }
 
 fn read(folder: &Path, name: &str) -> Result<Vec<u8>, Failure> {

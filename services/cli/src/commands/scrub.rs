@@ -172,13 +172,7 @@ async fn scenes(data: &Data, findings: &mut Findings) -> Result<(), Failure> {
             .await
             .map_err(anyhow::Error::from)?;
         for scene in page.items {
-            let files = [
-                ("rgb", Some(&scene.rgb_digest)),
-                ("range", scene.range_digest.as_ref()),
-                ("instances", scene.instances_digest.as_ref()),
-            ];
-            for (name, digest) in files {
-                let Some(digest) = digest else { continue };
+            for (name, digest) in scene.files.named() {
                 let state = data.store.scrub(digest).await.map_err(anyhow::Error::from)?;
                 findings.blobs += 1;
                 if state != Scrubbed::Good {

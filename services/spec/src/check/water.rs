@@ -1,16 +1,16 @@
-//! What must fit together within the water: the optics' own rules, asked for waters that the laws can yield.
+//! What must fit together within the water: the rules of waters, asked for those that the laws can yield.
 
 use std::collections::BTreeSet;
 
-use optics::water::Water as OpticalWater;
 use serde::Deserialize;
 
 use super::Checker;
 use super::across::{has_lamps, places};
 use crate::draw::{Drawn, LawNode};
-use crate::frame::Water;
 use crate::invalid::FieldError;
 use crate::node::Node;
+use crate::rules::Sight;
+use crate::water::Water;
 
 /// This many frames from the first on are tried as they are.
 const FRAMES_TRIED: u64 = 64;
@@ -62,7 +62,7 @@ impl Checker<'_> {
         };
         let mut found = BTreeSet::new();
         for extremes in extremes(water) {
-            self.try_water(water, &sight, &|law: &LawNode| extremes.of(law), &mut found);
+            self.try_water(water, sight, &|law: &LawNode| extremes.of(law), &mut found);
         }
         let tried = if water.laws().is_empty() {
             0
@@ -70,7 +70,7 @@ impl Checker<'_> {
             frames.min(FRAMES_TRIED)
         };
         for frame in 0..tried {
-            self.try_water(water, &sight, &|law: &LawNode| law.at(frame), &mut found);
+            self.try_water(water, sight, &|law: &LawNode| law.at(frame), &mut found);
         }
     }
 
@@ -78,52 +78,26 @@ impl Checker<'_> {
     fn try_water(
         &mut self,
         water: &Node,
-        sight: &Sight,
+        sight: Sight,
         draw: &impl Fn(&LawNode) -> Drawn,
         found: &mut BTreeSet<(String, &'static str)>,
     ) {
         let Ok(values) = Water::deserialize(water.value(draw)) else {
             return;
         };
-        let mut wrong = Vec::new();
-        if let Some(request) = crate::water::request(&values, sight.lamps) {
-            let errors = OpticalWater::validate(&request);
-            wrong.extend(
-                errors
-                    .into_iter()
-                    .map(|error| (path(error.field()), error.field(), error.to_string())),
-            );
-        }
-        if let Some(snow) = values.snow.map(crate::suspended::Snow::optics) {
-            let mut errors = snow.validate();
-            if let (true, Some(solid)) = (errors.is_empty(), sight.solid) {
-                errors.extend(snow.check_count(solid).err());
-            }
-            wrong.extend(
-                errors
-                    .into_iter()
-                    .map(|error| (vec!["snow", error.field], error.field, error.to_string())),
-            );
-        }
-        for (path, field, error) in wrong {
-            let pointer = water.locate("/water", &path, draw);
+        for fault in (self.vocabulary.rules.faults)(&values, sight) {
+            let pointer = water.locate("/water", &fault.path, draw);
+            let field = fault.path.last().copied().unwrap_or_default();
             if found.insert((pointer.clone(), field)) {
                 let varied = if water.laws().is_empty() {
                     ""
                 } else {
                     "a water that the laws can yield: "
                 };
-                self.refuse(|| FieldError::new(&pointer, format!("{varied}{error}")));
+                self.refuse(|| FieldError::new(&pointer, format!("{varied}{}", fault.message)));
             }
         }
     }
-}
-
-/// What a water is looked at with.
-struct Sight {
-    lamps: bool,
-    /// The largest cross-section of the view at 1 m, m²; none if every scene brings its own camera.
-    solid: Option<f64>,
 }
 
 /// `W H / f²` of the widest and highest camera that the laws can yield.
@@ -137,17 +111,6 @@ fn widest(document: &Node) -> Option<f64> {
     cameras
         .reduce(f64::max)
         .filter(|_| places(document, "scene").iter().any(own))
-}
-
-/// Where the optics' field stands below `water`.
-fn path(field: &'static str) -> Vec<&'static str> {
-    match field {
-        "range_scale" | "depth_m" | "ambient" | "holes" => vec![field],
-        "model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source" => {
-            vec!["optics", "forward_scatter", field]
-        }
-        _ => vec!["optics", field],
-    }
 }
 
 /// Combinations of the laws' extremes; one if there is no law.

@@ -15,7 +15,13 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
     };
     Vocabulary {
         families: names(&["structure"]),
-        presets: names(&["jerlov-1C", "jerlov-3C", "uuv-simulator", "clear-kd"]),
+        presets: names(&[
+            "jerlov-1C/williamson2022",
+            "jerlov-3C/williamson2022",
+            "uuv-simulator",
+            "clear-kd",
+        ]),
+        rules: optics::water::RULES,
         unrenderable_presets: vec![("clear-kd".to_owned(), "it has no beam attenuation".to_owned())],
         waters: [("quay".to_owned(), water)].into(),
         styles: names(&["atlantic", "mediterranean", "muddy"]),

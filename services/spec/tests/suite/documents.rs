@@ -1,7 +1,7 @@
 //! Valid descriptions: defaults, canonical form, frames.
 
 use serde_json::{Value, json};
-use spec::{ArtifactKind, Camera, Fidelity, Format, HazeBlend, HoleRule, Job, Scene};
+use spec::{ArtifactKind, Camera, Encode, Fidelity, HazeBlend, HoleRule, Job, RangeKind, Scene};
 
 use crate::common::{job, job_with, parameters, vocabulary, with};
 
@@ -105,18 +105,15 @@ fn a_frame_has_the_values_of_its_parameters() {
     assert_eq!(frame.parameters["alpha"].as_f64(), Some(frame.alpha));
     assert_eq!(frame.water.holes, HoleRule::RangeM(20.0));
     assert_eq!(frame.water.depth_m, Some(4.0));
-    let light = &frame.lights[0];
+    let light = frame.haze()[0];
     assert_eq!(
         (light.y, light.blend, light.color),
         (1.0, HazeBlend::Add, [1.0, 1.0, 1.0])
     );
-    assert_eq!(job.resolve(0).unwrap().lights[0].color, [1.0, 1.0, 0.5]);
+    assert_eq!(job.resolve(0).unwrap().haze()[0].color, [1.0, 1.0, 0.5]);
     assert_eq!(frame.fidelity, Fidelity::Terms(6));
     assert_eq!(frame.artifacts[2], ArtifactKind::Enhanced("hscm".to_owned()));
-    assert_eq!(
-        (frame.encode.format, frame.encode.quality),
-        (Format::Jpeg, Some(80))
-    );
+    assert_eq!(frame.encode, Encode::Jpeg { quality: 80 });
     assert_eq!(frame.labels["run"], json!("exp-41"));
     assert_eq!(frame.labels["n"], json!(2));
     assert_eq!(frame.labels["choice"], json!(true));
@@ -148,10 +145,9 @@ fn a_jpeg_has_a_quality_and_no_other_format_has() {
             .resolve(0)
             .unwrap()
             .encode
-            .quality
     };
-    assert_eq!(encode("jpeg"), Some(95));
-    assert_eq!(encode("webp"), None);
+    assert_eq!(encode("jpeg"), Encode::Jpeg { quality: 95 });
+    assert_eq!(encode("webp"), Encode::Webp);
 }
 
 #[test]
@@ -172,16 +168,11 @@ fn files_are_read_only_where_the_vocabulary_says_local() {
         .unwrap()
         .resolve(0)
         .unwrap();
-    let Scene::Files {
-        rgb,
-        range: Some(range),
-    } = frame.scene
-    else {
-        panic!("{:?}", frame.scene)
-    };
+    let files = frame.scene.files().unwrap();
+    let range = files.range.unwrap();
     assert_eq!(
-        (rgb.as_str(), range.z_depth.as_deref(), range.range),
-        ("a.png", Some("d.png"), None)
+        (files.rgb, range.file, range.kind),
+        ("a.png", "d.png", RangeKind::ZDepth)
     );
     assert_eq!((range.unit_m, range.invalid_code), (Some(0.001), Some(0)));
 
@@ -190,13 +181,8 @@ fn files_are_read_only_where_the_vocabulary_says_local() {
         .unwrap()
         .resolve(0)
         .unwrap();
-    assert_eq!(
-        frame.scene,
-        Scene::Files {
-            rgb: "a.png".to_owned(),
-            range: None
-        }
-    );
+    let files = frame.scene.files().unwrap();
+    assert_eq!((files.rgb, files.range), ("a.png", None));
 }
 
 #[test]

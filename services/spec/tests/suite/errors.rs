@@ -168,7 +168,7 @@ fn unknown_names_suggest_the_nearest() {
         (
             json!({"water": {"optics": "jerlov-3c"}}),
             "/water/optics",
-            Some("jerlov-3C"),
+            Some("jerlov-3C/williamson2022"),
         ),
         (
             json!({"water": {"optics": {"g_per_m": 1}}}),

@@ -144,7 +144,7 @@ fn try_frames(job: &Job) {
         assert!((1..=16_384).contains(&frame.camera.width) && (1.0..=170.0).contains(&frame.camera.hfov_deg));
         assert!(
             frame
-                .lights
+                .haze()
                 .iter()
                 .all(|light| (0.0..=1.0).contains(&light.intensity))
         );

@@ -1,7 +1,10 @@
 //! Waters: what must fit together, and what the optics are asked for.
 
+use optics::preset::parse_own;
 use serde_json::{Value, json};
-use spec::{OwnWater, haze_lights, haze_space, water_request};
+use spec::{
+    Ambient, ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel, ScatterSource, Water,
+};
 
 use crate::common::{errors, job_with, only_error, vocabulary, with};
 
@@ -10,15 +13,7 @@ fn optics(optics: Value) -> Value {
 }
 
 #[test]
-fn without_optics_nothing_is_asked_for() {
-    assert_eq!(
-        water_request(&job_with(json!({"water": {"range_scale": 2}})).resolve(0).unwrap()),
-        None
-    );
-}
-
-#[test]
-fn every_field_reaches_the_optics() {
+fn every_field_reaches_the_frame() {
     let job = job_with(
         json!({"water": {"range_scale": 2, "depth_m": 3, "ambient": "absolute", "holes": "reject",
         "optics": {"absorption_per_m": [0.1, 0.2, 0.3], "scattering_per_m": [0.4, 0.5, 0.6],
@@ -27,28 +22,31 @@ fn every_field_reaches_the_optics() {
             "forward_scatter": {"model": "jaffe", "g_per_m": [0.11, 0.12, 0.13], "spread_px_per_m": [4, 5, 6],
                 "spread_offset_px": [7, 8, 9], "source": "direct"}}}}),
     );
-    let request = water_request(&job.resolve(0).unwrap()).unwrap();
-    assert_eq!(request.preset, None);
-    assert_eq!(request.absorption, Some([0.1, 0.2, 0.3]));
-    assert_eq!(request.scattering, Some([0.4, 0.5, 0.6]));
-    assert_eq!(request.beam_attenuation, Some([0.5, 0.7, 0.9]));
-    assert_eq!(request.backscatter_attenuation, Some([1.0, 2.0, 3.0]));
-    assert_eq!(request.diffuse_attenuation, Some([0.01, 0.02, 0.03]));
-    assert_eq!(
-        (request.veiling_light, request.veil_gain),
-        (Some([0.7, 0.8, 0.9]), Some(0.4))
-    );
-    assert_eq!((request.range_scale, request.depth_m), (2.0, Some(3.0)));
-    assert_eq!(request.ambient, optics::water::Ambient::Absolute);
-    assert_eq!(request.holes, optics::range::HoleRule::Reject);
-    let scatter = request.scatter.unwrap();
-    assert_eq!(scatter.model, optics::water::ScatterModel::Jaffe);
-    assert_eq!(scatter.source, optics::water::ScatterSource::Direct);
-    assert_eq!(scatter.g, Some([0.11, 0.12, 0.13]));
-    assert_eq!(
-        (scatter.spread_px_per_m, scatter.spread_offset_px),
-        (Some([4.0, 5.0, 6.0]), Some([7.0, 8.0, 9.0]))
-    );
+    let expected = Water {
+        range_scale: 2.0,
+        depth_m: Some(3.0),
+        ambient: Ambient::Absolute,
+        holes: HoleRule::Reject,
+        ..Optics {
+            absorption_per_m: Some([0.1, 0.2, 0.3]),
+            scattering_per_m: Some([0.4, 0.5, 0.6]),
+            beam_attenuation_per_m: Some([0.5, 0.7, 0.9]),
+            backscatter_attenuation_per_m: Some([1.0, 2.0, 3.0]),
+            diffuse_attenuation_per_m: Some([0.01, 0.02, 0.03]),
+            veiling_light: Some([0.7, 0.8, 0.9]),
+            veil_gain: Some(0.4),
+            forward_scatter: Some(ForwardScatter {
+                model: ScatterModel::Jaffe,
+                g_per_m: Some([0.11, 0.12, 0.13]),
+                spread_px_per_m: Some([4.0, 5.0, 6.0]),
+                spread_offset_px: Some([7.0, 8.0, 9.0]),
+                source: ScatterSource::Direct,
+            }),
+            ..Optics::default()
+        }
+        .into()
+    };
+    assert_eq!(job.resolve(0).unwrap().water, expected);
 }
 
 #[test]
@@ -145,31 +143,33 @@ fn laws_of_fields_that_must_agree_are_refused() {
 }
 
 #[test]
-fn lights_reach_the_optics_in_their_order_and_space() {
+fn lights_stand_in_a_frame_in_their_order() {
     let job = job_with(json!({"lights": [
         {"kind": "haze", "x": 0.1, "y": 0.2, "size": 0.3, "intensity": 0.4, "color": [1, 2, 3], "blend": "add",
             "space": "display"},
+        {"kind": "point", "position_m": [0, 0, 1], "intensity": [1, 1, 1]},
         {"kind": "haze", "x": 1, "y": 1, "space": "display"}]}));
     let frame = job.resolve(0).unwrap();
-    let lights = haze_lights(&frame);
-    let first = optics::HazeLight {
+    let first = Haze {
         x: 0.1,
         y: 0.2,
         size: 0.3,
         intensity: 0.4,
         color: [1.0, 2.0, 3.0],
-        blend: optics::HazeBlend::Add,
+        blend: HazeBlend::Add,
+        space: HazeSpace::Display,
     };
-    assert_eq!(lights[0], first);
-    assert_eq!(
-        (lights[1].size, lights[1].intensity, lights[1].blend),
-        (0.2, 1.0, optics::HazeBlend::Over)
-    );
-    assert_eq!(haze_space(&frame), optics::HazeSpace::Display);
-    assert_eq!(
-        haze_space(&job_with(json!({})).resolve(0).unwrap()),
-        optics::HazeSpace::Linear
-    );
+    let second = Haze {
+        x: 1.0,
+        y: 1.0,
+        size: 0.2,
+        intensity: 1.0,
+        color: [1.0; 3],
+        blend: HazeBlend::Over,
+        ..first
+    };
+    assert_eq!(frame.haze(), [first, second]);
+    assert_eq!((frame.lights.len(), frame.lamp_count()), (3, 1));
 }
 
 #[test]
@@ -204,9 +204,9 @@ fn a_water_of_the_users_own_is_written_out_in_numbers() {
         again.resolve(0).unwrap().water.optics.unwrap().name.as_deref(),
         Some("quay")
     );
-    let request = water_request(&short.resolve(0).unwrap()).unwrap();
+    let optics = short.resolve(0).unwrap().water.optics.unwrap();
     assert_eq!(
-        (request.preset, request.scattering),
+        (optics.preset, optics.scattering_per_m),
         (None, Some([1.0, 1.1, 1.3]))
     );
 }
@@ -253,20 +253,21 @@ fn quay() -> Value {
 
 #[test]
 fn a_good_water_is_read_and_its_canonical_form_reads_the_same() {
-    let water = OwnWater::parse(quay().to_string().as_bytes(), &[]).unwrap();
-    assert_eq!(water.preset.name, "quay-2");
+    let (water, preset) = parse_own(quay().to_string().as_bytes(), &[]).unwrap();
+    assert_eq!(preset.name, "quay-2");
     assert!(
-        !water.optics.contains_key("beam_attenuation_per_m"),
+        !water.optics().contains_key("beam_attenuation_per_m"),
         "a and b stand for it"
     );
-    assert_eq!(OwnWater::parse(water.description.as_bytes(), &[]).unwrap(), water);
+    let again = parse_own(water.description().as_bytes(), &[]).unwrap();
+    assert_eq!(again, (water, preset));
 }
 
 #[test]
 fn all_errors_of_a_water_are_listed_with_their_places() {
     let wrong = json!({"name": "a/b", "wavelength_nm": [450, 550, 650], "colour": "green",
         "absorption_per_m": [-1, 0.2, 0.5], "scattering_per_m": [1.0, "x", 1.3], "backscatter_fraction": 3});
-    let errors = OwnWater::parse(wrong.to_string().as_bytes(), &[]).unwrap_err().0;
+    let errors = parse_own(wrong.to_string().as_bytes(), &[]).unwrap_err().0;
     let pointers: Vec<_> = errors.iter().map(|error| error.pointer.as_str()).collect();
     let expected = [
         "/colour",
@@ -280,9 +281,7 @@ fn all_errors_of_a_water_are_listed_with_their_places() {
     assert_eq!(pointers, expected, "{errors:#?}");
     let mut missing = quay();
     missing.as_object_mut().unwrap().remove("scattering_per_m");
-    let errors = OwnWater::parse(missing.to_string().as_bytes(), &[])
-        .unwrap_err()
-        .0;
+    let errors = parse_own(missing.to_string().as_bytes(), &[]).unwrap_err().0;
     assert_eq!(errors[0].pointer, "/beam_attenuation_per_m", "{errors:?}");
     for bytes in [
         &b"[]"[..],
@@ -291,7 +290,7 @@ fn all_errors_of_a_water_are_listed_with_their_places() {
         b"null",
         b"{\"name\": \"a\", \"name\": \"b\"}",
     ] {
-        assert!(OwnWater::parse(bytes, &[]).is_err());
+        assert!(parse_own(bytes, &[]).is_err());
     }
 }
 
@@ -300,7 +299,7 @@ fn a_water_that_fails_a_self_test_is_refused_with_the_test() {
     let mut thick = quay();
     thick["jerlov_type"] = json!("I");
     thick["absorption_per_m"] = json!([0.3, 0.96, 0.98]);
-    let errors = OwnWater::parse(thick.to_string().as_bytes(), &[]).unwrap_err().0;
+    let errors = parse_own(thick.to_string().as_bytes(), &[]).unwrap_err().0;
     assert!(
         errors
             .iter()

@@ -3,8 +3,8 @@
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use optics::preset::presets;
-use optics::range::HoleRule;
-use optics::water::{ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
+use optics::water::Water;
+use spec::{ForwardScatter, HoleRule, Optics, ScatterModel, ScatterSource};
 
 /// A frame to try.
 #[derive(Debug, Clone)]
@@ -173,9 +173,7 @@ fn water(unit: &impl Fn(u64) -> f64) -> (Water, String) {
         let three =
             |least: f64, ratio: f64, from: u64| Some([0, 1, 2].map(|c| least * ratio.powf(unit(from + c))));
         let free_spread = unit(2) < 0.6;
-        let scatter = ScatterRequest {
-            model,
-            g: None,
+        let scatter = ForwardScatter {
             spread_px_per_m: if free_spread { three(0.01, 300.0, 3) } else { None },
             spread_offset_px: if free_spread && unit(6) < 0.5 {
                 three(0.02, 100.0, 7)
@@ -183,23 +181,27 @@ fn water(unit: &impl Fn(u64) -> f64) -> (Water, String) {
                 None
             },
             source,
+            ..model.into()
         };
         let holes = if unit(10) < 0.3 {
-            HoleRule::Range(1.0 + 30.0 * unit(11))
+            HoleRule::RangeM(1.0 + 30.0 * unit(11))
         } else {
             HoleRule::Background
         };
         let preset = presets().get((unit(12) * presets().len() as f64) as usize);
         let free = unit(13) < 0.4;
-        let request = WaterRequest {
-            preset: preset.filter(|_| !free).map(|preset| preset.name.to_owned()),
-            absorption: if free { three(0.01, 100.0, 14) } else { None },
-            scattering: if free { three(0.01, 200.0, 17) } else { None },
-            veiling_light: if free { three(0.02, 20.0, 20) } else { None },
+        let request = spec::Water {
             range_scale: 0.1 * 30f64.powf(unit(23)),
             holes,
-            scatter: Some(scatter),
-            ..WaterRequest::default()
+            ..Optics {
+                preset: preset.filter(|_| !free).map(|preset| preset.name.to_owned()),
+                absorption_per_m: if free { three(0.01, 100.0, 14) } else { None },
+                scattering_per_m: if free { three(0.01, 200.0, 17) } else { None },
+                veiling_light: if free { three(0.02, 20.0, 20) } else { None },
+                forward_scatter: Some(scatter),
+                ..Optics::default()
+            }
+            .into()
         };
         let focal_px = 60.0 * 15f64.powf(unit(24));
         if let Ok(water) = Water::resolve(&request, focal_px) {

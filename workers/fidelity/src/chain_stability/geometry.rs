@@ -5,8 +5,7 @@ use std::f64::consts::FRAC_2_PI;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use optics::forward_scatter::{KernelCache, Nodes, gather, scatter, widest_px};
-use optics::plan::Fidelity;
-use optics::water::ScatterModel;
+use spec::{Fidelity, ScatterModel};
 
 use super::trial::{PLENTY, TOLERANCE, Trial, noise, water};
 use super::{Figure, Finding, pictures};

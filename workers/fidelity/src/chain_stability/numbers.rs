@@ -2,8 +2,8 @@
 
 use imaging::Plane;
 use optics::attenuation::scattered_share;
-use optics::plan::{Fidelity, ScatterStep};
-use optics::water::ScatterModel;
+use optics::plan::ScatterStep;
+use spec::{Fidelity, ScatterModel};
 
 use super::trial::{PLENTY, ROUNDING, TOLERANCE, Trial, from, noise, slope, water};
 use super::{Figure, Finding, pictures};

@@ -3,9 +3,8 @@
 use imaging::{Plane, Rgb};
 use optics::chain::check_radiance;
 use optics::forward_scatter::KernelCache;
-use optics::plan::Fidelity;
-use optics::range::HoleRule;
-use optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
+use optics::water::Water;
+use spec::{Fidelity, ForwardScatter, HoleRule, Optics, ScatterModel};
 
 use super::trial::{TOLERANCE, Trial, noise, slope, water};
 use super::{Figure, Finding, pictures};
@@ -62,18 +61,19 @@ pub fn prime_sizes() -> Finding {
 }
 
 fn with_holes(rule: HoleRule) -> Water {
-    let request = WaterRequest {
-        beam_attenuation: Some([0.37, 0.12, 0.09]),
-        veiling_light: Some([0.03, 0.12, 0.18]),
+    let request = spec::Water {
         holes: rule,
-        scatter: Some(ScatterRequest {
-            model: ScatterModel::Jaffe,
-            g: Some([0.13, 0.042, 0.0315]),
-            spread_px_per_m: Some([1.0; 3]),
-            spread_offset_px: None,
-            source: Default::default(),
-        }),
-        ..WaterRequest::default()
+        ..Optics {
+            beam_attenuation_per_m: Some([0.37, 0.12, 0.09]),
+            veiling_light: Some([0.03, 0.12, 0.18]),
+            forward_scatter: Some(ForwardScatter {
+                spread_px_per_m: Some([1.0; 3]),
+                g_per_m: Some([0.13, 0.042, 0.0315]),
+                ..ScatterModel::Jaffe.into()
+            }),
+            ..Optics::default()
+        }
+        .into()
     };
     Water::resolve(&request, 500.0).expect("a consistent water")
 }
@@ -120,8 +120,8 @@ pub fn holes_of_every_kind() -> Finding {
         ..trial(size, HoleRule::Background, 0.0)
     };
     let errors =
-        [HoleRule::Background, HoleRule::Range(8.0)].map(|rule| trial(size, rule, f32::NAN).error(ASKED));
-    let shown = [HoleRule::Background, HoleRule::Range(3.0)].map(|rule| {
+        [HoleRule::Background, HoleRule::RangeM(8.0)].map(|rule| trial(size, rule, f32::NAN).error(ASKED));
+    let shown = [HoleRule::Background, HoleRule::RangeM(3.0)].map(|rule| {
         let size = (240, 160);
         let radiance = Rgb::from_fn(size.0, size.1, |x, y| {
             [if (x / 8 + y / 8) % 2 == 0 { 0.9 } else { 0.3 }; 3]

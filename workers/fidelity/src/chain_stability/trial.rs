@@ -4,8 +4,9 @@ use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Fidelity, Plan, SceneStats};
-use optics::water::{ScatterModel, ScatterRequest, Water, WaterRequest};
+use optics::plan::{Plan, SceneStats};
+use optics::water::Water;
+use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
 
 /// What a job gets that asks for nothing else.
 pub(super) const TOLERANCE: f64 = 3e-4;
@@ -28,19 +29,17 @@ pub(super) fn water(model: ScatterModel, spread: f64) -> Water {
 
 /// The same with other G.
 pub(super) fn from(g: [f64; 3], model: ScatterModel, spread: [f64; 3]) -> Water {
-    let scatter = ScatterRequest {
-        model,
-        g: Some(g),
+    let scatter = ForwardScatter {
         spread_px_per_m: Some(spread),
-        spread_offset_px: None,
-        source: Default::default(),
+        g_per_m: Some(g),
+        ..model.into()
     };
-    let request = WaterRequest {
-        beam_attenuation: Some([0.37, 0.12, 0.09]),
+    let request = spec::Water::from(Optics {
+        beam_attenuation_per_m: Some([0.37, 0.12, 0.09]),
         veiling_light: Some([0.03, 0.12, 0.18]),
-        scatter: Some(scatter),
-        ..WaterRequest::default()
-    };
+        forward_scatter: Some(scatter),
+        ..Optics::default()
+    });
     Water::resolve(&request, 500.0).expect("a consistent water")
 }
 

@@ -2,10 +2,10 @@
 
 use optics::chain;
 use optics::forward_scatter::KernelCache;
+use optics::haze;
 use optics::lamp::airlight;
-use optics::plan::{Fidelity, Plan, SceneStats};
-use optics::water::ScatterModel;
-use optics::{HazeSpace, haze};
+use optics::plan::{Plan, SceneStats};
+use spec::{Fidelity, ScatterModel};
 
 use super::forward_scatter::{DEFAULT_TOLERANCE, coastal};
 use super::lamps::lighting;
@@ -62,7 +62,7 @@ pub fn cost(runs: usize, most_megapixels: f64) -> Vec<Point> {
             let mut image = Some(scene.radiance.clone());
             let (times, ()) = time(runs, || {
                 let taken = image.take().unwrap_or_else(|| scene.radiance.clone());
-                image = Some(haze(taken, &lights, HazeSpace::Linear));
+                image = Some(haze(taken, &lights));
             });
             points.push(Point::new(
                 "cost",

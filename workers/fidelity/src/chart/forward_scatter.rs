@@ -4,9 +4,10 @@ use imaging::{Plane, Rgb};
 use optics::attenuation::scattered_share;
 use optics::chain;
 use optics::forward_scatter::{KernelCache, Nodes, scatter, scatter_reference, widest_px};
-use optics::plan::{AttenuationStep, Fidelity, Plan, ScatterStep, SceneStats};
+use optics::plan::{AttenuationStep, Plan, ScatterStep, SceneStats};
 use optics::range::is_hole;
-use optics::water::{Scatter, ScatterModel, ScatterRequest, Water, WaterRequest};
+use optics::water::{Scatter, Water};
+use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
 
 use super::difference::difference;
 use super::spatial::{truncated, windows};
@@ -24,18 +25,12 @@ const SAME_HALF: f32 = 1.471;
 
 /// A coastal water seen by a camera of 80° across.
 pub(super) fn coastal(width: usize, model: ScatterModel) -> Option<Water> {
-    let scatter = ScatterRequest {
-        model,
-        g: None,
-        spread_px_per_m: None,
-        spread_offset_px: None,
-        source: Default::default(),
-    };
-    let request = WaterRequest {
+    let scatter = ForwardScatter::from(model);
+    let request = spec::Water::from(Optics {
         preset: Some(WATER.to_owned()),
-        scatter: Some(scatter),
-        ..WaterRequest::default()
-    };
+        forward_scatter: Some(scatter),
+        ..Optics::default()
+    });
     let focal_px = width as f64 / (2.0 * 40f64.to_radians().tan());
     Water::resolve(&request, focal_px).ok()
 }

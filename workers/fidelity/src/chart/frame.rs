@@ -1,11 +1,11 @@
 //! The whole frame as it is planned, tolerance by tolerance: statistics, plan, water, haze of four lights, 8-bit codes.
 
 use imaging::{Rgb, transfer};
-use optics::HazeSpace;
 use optics::chain;
 use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
-use optics::plan::{Fidelity, Plan, SceneStats};
-use optics::water::{ScatterModel, Water};
+use optics::plan::{Plan, SceneStats};
+use optics::water::Water;
+use spec::{Fidelity, ScatterModel};
 
 use super::difference::difference;
 use super::forward_scatter::{DEFAULT_TOLERANCE, coastal};
@@ -40,7 +40,7 @@ pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
                 let plan = planned(scene, &water, fidelity);
                 let layers = chain::water(&scene.radiance, &scene.range, &water, &plan, &mut cache);
                 let image = layers.map(|layers| {
-                    let hazed = optics::haze(layers.scattered.clone(), &lights, HazeSpace::Linear);
+                    let hazed = optics::haze(layers.scattered.clone(), &lights);
                     cache.recycle(layers);
                     (transfer::encode_rgb8(&hazed), hazed).1
                 });

@@ -5,7 +5,7 @@ use imaging::geometry::Intrinsics;
 use optics::lamp::{
     LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight, airlight_reference, asymmetry_of,
 };
-use optics::water::ScatterModel;
+use spec::ScatterModel;
 
 use super::difference::difference;
 use super::forward_scatter::{DEFAULT_TOLERANCE, coastal};

@@ -4,21 +4,22 @@ use enhance::Variant;
 use enhance::hscm::homomorphic::homomorphic as filter;
 use enhance::hscm::{Luma, Options, Settings};
 use imaging::{Plane, Raster, Rgb, transfer};
-use optics::{HazeBlend, HazeLight, HazeSpace};
+use spec::{Haze, HazeBlend, HazeSpace};
 
 use super::difference::{Difference, difference};
 use super::stopwatch::time;
 use super::{ChartScene, Point};
 
 /// Four lights along the lower edge.
-pub(super) fn lights(count: usize) -> Vec<HazeLight> {
-    let light = |index: usize| HazeLight {
+pub(super) fn lights(count: usize) -> Vec<Haze> {
+    let light = |index: usize| Haze {
         x: (index as f64 + 0.5) / count as f64,
         y: 1.0,
         size: 0.2,
         intensity: 0.8,
         color: [1.0, 0.9, 0.7],
         blend: HazeBlend::Over,
+        space: HazeSpace::Linear,
     };
     (0..count).map(light).collect()
 }
@@ -46,7 +47,7 @@ pub fn haze(scene: &ChartScene, runs: usize) -> Vec<Point> {
         add("cut at sigmas", Some(sigmas as usize), &mut || cut());
     }
     add("separable", None, &mut || {
-        optics::haze(scene.radiance.clone(), &lights, HazeSpace::Linear)
+        optics::haze(scene.radiance.clone(), &lights)
     });
     add("pixel by pixel", None, &mut || {
         overlay(&scene.radiance, &lights, f64::INFINITY)
@@ -60,7 +61,7 @@ pub fn haze(scene: &ChartScene, runs: usize) -> Vec<Point> {
 /// `I ← I (1 − α) + colour α`, pixel by pixel, nothing beyond `sigmas`.
 pub(super) fn overlay<T: Into<f64> + std::marker::Copy + FromDouble>(
     image: &Rgb<T>,
-    lights: &[HazeLight],
+    lights: &[Haze],
     sigmas: f64,
 ) -> Rgb<T> {
     let (width, height) = image.size();

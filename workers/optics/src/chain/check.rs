@@ -2,9 +2,10 @@
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
+use spec::HoleRule;
 
 use crate::forward_scatter::MAX_REFERENCE_PIXELS;
-use crate::range::{HoleRule, is_hole};
+use crate::range::is_hole;
 
 /// A frame that cannot go through the chain.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -2,12 +2,13 @@
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
+use spec::ScatterSource;
 
 use super::Band;
 use crate::attenuation::{self, Channel, masked};
 use crate::forward_scatter::{self, KernelCache, gather_channels, scatter_channels, widest_px};
 use crate::plan::ScatterStep;
-use crate::water::{Scatter, ScatterSource, Spread, Water};
+use crate::water::{Scatter, Spread, Water};
 
 /// What all channels of a frame share.
 pub(super) struct Frame<'a> {

@@ -1,11 +1,12 @@
 //! The chain in f64 with every pixel's own kernel. It shares nothing with the fast form but the definitions.
 
 use imaging::{Plane, Rgb};
+use spec::ScatterSource;
 
 use super::{Band, ChainError, Layers, check, filled, layers};
 use crate::forward_scatter::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference, widest_px};
 use crate::range::is_hole;
-use crate::water::{Scatter, ScatterSource, Spread, Water};
+use crate::water::{Scatter, Spread, Water};
 
 /// Takes a scene under water exactly: [`water`](super::water) in f64, without any plan.
 ///

@@ -1,9 +1,11 @@
 //! Forward scatter of one channel: the cheapest form whose error stays within what it is given.
 
+use spec::ScatterSource;
+
 use super::{Fidelity, ScatterStep, SceneStats};
 use crate::forward_scatter::{Bound, Nodes, ScaleLight, place, scale_at, widest_px};
 use crate::kernel;
-use crate::water::{Scatter, ScatterSource, Spread, Water};
+use crate::water::{Scatter, Spread, Water};
 
 /// A form and the error that it may make, where it was chosen by one.
 pub(super) type Chosen = (ScatterStep, Option<f64>);
@@ -29,7 +31,7 @@ pub(super) fn choose(
     fidelity: Fidelity,
     share: f64,
 ) -> Chosen {
-    if fidelity == Fidelity::Reference && water.scatter != Scatter::None {
+    if fidelity == Fidelity::REFERENCE && water.scatter != Scatter::None {
         return (ScatterStep::Reference, None);
     }
     let Some(light) = SpreadLight::of(stats, water, channel) else {

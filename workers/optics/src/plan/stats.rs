@@ -2,12 +2,13 @@
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
+use spec::{HoleRule, ScatterSource};
 
 use super::bins;
 use crate::attenuation::OPAQUE;
 use crate::forward_scatter::widest_px;
-use crate::range::{HoleRule, bounds, is_hole};
-use crate::water::{Scatter, ScatterSource, Water};
+use crate::range::{bounds, is_hole};
+use crate::water::{Scatter, Water};
 
 /// Distinct ranges are counted up to here: with more, interpolation takes fewer kernels than there are ranges.
 const MOST_DISTINCT: usize = 32;
@@ -47,7 +48,7 @@ impl SceneStats {
     #[must_use]
     pub fn measure(radiance: &Rgb<f32>, range: &Plane<f32>, water: &Water) -> Self {
         let stand_in = match water.holes {
-            HoleRule::Range(metres) if range.data().iter().any(|&z| is_hole(z)) => Some(metres as f32),
+            HoleRule::RangeM(metres) if range.data().iter().any(|&z| is_hole(z)) => Some(metres as f32),
             _ => None,
         };
         // Which of the filled holes are lit is not worth a second look.
@@ -150,15 +151,19 @@ fn distinct(range: &[f32], stand_in: Option<f32>) -> Option<Vec<f32>> {
 
 #[cfg(test)]
 mod tests {
+    use spec::Optics;
+
     use super::*;
-    use crate::water::WaterRequest;
 
     fn clear(holes: HoleRule) -> Water {
-        let request = WaterRequest {
-            beam_attenuation: Some([0.1; 3]),
-            veiling_light: Some([0.2; 3]),
+        let request = spec::Water {
             holes,
-            ..WaterRequest::default()
+            ..Optics {
+                beam_attenuation_per_m: Some([0.1; 3]),
+                veiling_light: Some([0.2; 3]),
+                ..Optics::default()
+            }
+            .into()
         };
         Water::resolve(&request, 500.0).unwrap()
     }
@@ -176,7 +181,7 @@ mod tests {
         assert_eq!(lit[0], ((2.0, 2.25), [0.5, 1.0, 0.0]));
         assert_eq!(lit[2], ((9.0, 10.0), [0.0, 1.0, 0.0]));
         assert!(lit.len() == 3 && stats.holes);
-        let filled = SceneStats::measure(&radiance, &range, &clear(HoleRule::Range(20.0)));
+        let filled = SceneStats::measure(&radiance, &range, &clear(HoleRule::RangeM(20.0)));
         assert_eq!(
             (filled.range_m, filled.lit_m[0]),
             (Some((2.0, 20.0)), Some((2.0, 20.0)))

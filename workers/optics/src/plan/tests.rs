@@ -1,10 +1,9 @@
 //! Plans are compared, not run.
 
 use imaging::{Plane, Rgb};
+use spec::{ForwardScatter, HazeBlend, HazeSpace, Optics, ScatterModel};
 
 use super::*;
-use crate::haze::HazeBlend;
-use crate::water::{ScatterModel, ScatterRequest, WaterRequest};
 
 fn wall(range_m: &[f32]) -> (Rgb<f32>, Plane<f32>) {
     let radiance = Rgb::from_fn(range_m.len(), 1, |_, _| [0.5f32; 3]);
@@ -12,19 +11,17 @@ fn wall(range_m: &[f32]) -> (Rgb<f32>, Plane<f32>) {
 }
 
 fn water(model: ScatterModel, g: f64, spread_px_per_m: f64) -> Water {
-    let scatter = ScatterRequest {
-        model,
-        g: Some([g; 3]),
+    let scatter = ForwardScatter {
         spread_px_per_m: Some([spread_px_per_m; 3]),
-        spread_offset_px: None,
-        source: Default::default(),
+        g_per_m: Some([g; 3]),
+        ..model.into()
     };
-    let request = WaterRequest {
-        beam_attenuation: Some([0.4; 3]),
+    let request = spec::Water::from(Optics {
+        beam_attenuation_per_m: Some([0.4; 3]),
         veiling_light: Some([0.1; 3]),
-        scatter: Some(scatter),
-        ..WaterRequest::default()
-    };
+        forward_scatter: Some(scatter),
+        ..Optics::default()
+    });
     Water::resolve(&request, 500.0).unwrap()
 }
 
@@ -128,13 +125,14 @@ fn the_widest_kernel_is_four_frame_sides() {
 
 #[test]
 fn the_description_says_what_is_skipped() {
-    let light = HazeLight {
+    let light = Haze {
         x: 0.5,
         y: 0.5,
         size: 0.0,
         intensity: 1.0,
         color: [1.0; 3],
         blend: HazeBlend::Over,
+        space: HazeSpace::Linear,
     };
     let notes = Plan::without_water(Some(0.0), &[light]).describe();
     assert!(notes.iter().all(|note| note.variant == "skip"), "{notes:?}");
@@ -157,20 +155,18 @@ fn the_bound_of_a_plan_stays_within_its_tolerance_and_says_what_is_used() {
 #[test]
 fn one_code_of_a_bright_picture_allows_more_than_one_of_a_dark_one() {
     let terms = |veil: f64| {
-        let request = WaterRequest {
-            beam_attenuation: Some([0.4; 3]),
+        let request = spec::Water::from(Optics {
+            beam_attenuation_per_m: Some([0.4; 3]),
             veiling_light: Some([veil; 3]),
-            scatter: Some(ScatterRequest {
-                model: ScatterModel::Jaffe,
-                g: Some([0.1; 3]),
+            forward_scatter: Some(ForwardScatter {
                 spread_px_per_m: Some([1.0; 3]),
-                spread_offset_px: None,
-                source: Default::default(),
+                g_per_m: Some([0.1; 3]),
+                ..ScatterModel::Jaffe.into()
             }),
-            ..WaterRequest::default()
-        };
+            ..Optics::default()
+        });
         let water = Water::resolve(&request, 500.0).unwrap();
-        plan(&SLOPE, &water, Fidelity::Display).describe()[1]
+        plan(&SLOPE, &water, Fidelity::DISPLAY).describe()[1]
             .terms
             .unwrap()
     };
@@ -179,17 +175,13 @@ fn one_code_of_a_bright_picture_allows_more_than_one_of_a_dark_one() {
 
 #[test]
 fn attenuation_that_nobody_sees_is_left_out() {
-    let request = |c: f64| WaterRequest {
-        beam_attenuation: Some([c; 3]),
-        veiling_light: Some([0.1; 3]),
-        scatter: Some(ScatterRequest {
-            model: ScatterModel::None,
-            g: None,
-            spread_px_per_m: None,
-            spread_offset_px: None,
-            source: Default::default(),
-        }),
-        ..WaterRequest::default()
+    let request = |c: f64| {
+        spec::Water::from(Optics {
+            beam_attenuation_per_m: Some([c; 3]),
+            veiling_light: Some([0.1; 3]),
+            forward_scatter: Some(ForwardScatter::from(ScatterModel::None)),
+            ..Optics::default()
+        })
     };
     let step = |c: f64, range: &[f32]| {
         let water = Water::resolve(&request(c), 500.0).unwrap();

@@ -3,16 +3,17 @@
 
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
+use spec::{ForwardScatter, Optics, ScatterModel};
 
 use super::{Preset, all_known};
 use crate::chain;
-use crate::water::{ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
+use crate::water::Water;
 
 /// What is tried: so that a test can try something broken.
 #[derive(Clone, Copy)]
 pub(super) struct Machine {
     /// The colour of one pixel: request, radiance, range in metres.
-    pub(super) pixel: fn(&WaterRequest, [f64; 3], f64) -> Option<[f64; 3]>,
+    pub(super) pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]>,
     /// A random value of a seed.
     pub(super) draw: fn(u64) -> u64,
 }
@@ -27,7 +28,7 @@ const NEAR_M: f64 = 1e-3;
 const RANGES_M: [f64; 7] = [NEAR_M, 0.1, 1.0, 3.0, 10.0, 100.0, FAR_M];
 const SLACK: f64 = 1e-12;
 
-fn pixel(request: &WaterRequest, radiance: [f64; 3], range_m: f64) -> Option<[f64; 3]> {
+fn pixel(request: &spec::Water, radiance: [f64; 3], range_m: f64) -> Option<[f64; 3]> {
     let water = Water::resolve(request, 1.0).ok()?;
     let scene = Rgb::from_fn(1, 1, |_, _| radiance);
     let layers = chain::water_reference(&scene, &Plane::from_fn(1, 1, |_, _| range_m), &water).ok()?;
@@ -89,19 +90,13 @@ pub(super) fn test(preset: &Preset, machine: Machine) -> Vec<String> {
     defects
 }
 
-fn request(c: [f64; 3], veil: [f64; 3]) -> WaterRequest {
-    WaterRequest {
-        beam_attenuation: Some(c),
+fn request(c: [f64; 3], veil: [f64; 3]) -> spec::Water {
+    spec::Water::from(Optics {
+        beam_attenuation_per_m: Some(c),
         veiling_light: Some(veil),
-        scatter: Some(ScatterRequest {
-            model: ScatterModel::None,
-            g: None,
-            spread_px_per_m: None,
-            spread_offset_px: None,
-            source: ScatterSource::Radiance,
-        }),
-        ..WaterRequest::default()
-    }
+        forward_scatter: Some(ForwardScatter::from(ScatterModel::None)),
+        ..Optics::default()
+    })
 }
 
 #[cfg(test)]
@@ -133,23 +128,21 @@ mod tests {
 
     #[test]
     fn a_swap_of_red_and_blue_is_found() {
-        let pixel: fn(&WaterRequest, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
-            let swapped = request.beam_attenuation.map(|[r, g, b]| [b, g, r]);
-            super::pixel(
-                &WaterRequest {
-                    beam_attenuation: swapped,
-                    ..request.clone()
-                },
-                radiance,
-                range_m,
-            )
+        let pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+            let mut swapped = request.clone();
+            let beam = swapped
+                .optics
+                .as_mut()
+                .and_then(|optics| optics.beam_attenuation_per_m.as_mut());
+            beam.expect("it is given").reverse();
+            super::pixel(&swapped, radiance, range_m)
         };
         all_find(Machine { pixel, ..OURS }, "does not change red alone");
     }
 
     #[test]
     fn a_zero_that_means_near_is_found() {
-        let pixel: fn(&WaterRequest, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             if range_m == 0.0 {
                 Some(radiance)
             } else {
@@ -161,7 +154,7 @@ mod tests {
 
     #[test]
     fn an_infinity_that_is_a_distance_of_its_own_is_found() {
-        let pixel: fn(&WaterRequest, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             super::pixel(request, radiance, if range_m.is_nan() { 2.0 } else { range_m })
         };
         all_find(Machine { pixel, ..OURS }, "do not mean the same");
@@ -169,11 +162,11 @@ mod tests {
 
     #[test]
     fn a_veil_that_is_missing_and_a_scene_that_is_dimmed_are_found() {
-        let dark: fn(&WaterRequest, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let dark: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             super::pixel(request, radiance, range_m.min(50.0)).map(|v| v.map(|v| 0.8 * v))
         };
         all_find(Machine { pixel: dark, ..OURS }, "close by it is not the scene");
-        let blind: fn(&WaterRequest, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let blind: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             super::pixel(request, radiance, range_m).map(|v| v.map(|v| v + 1e-6 * range_m.clamp(0.0, 1e6)))
         };
         all_find(Machine { pixel: blind, ..OURS }, "far away it is not the veil");
@@ -181,7 +174,7 @@ mod tests {
 
     #[test]
     fn light_below_black_is_found() {
-        let pixel: fn(&WaterRequest, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             super::pixel(request, radiance, range_m).map(|v| v.map(|v| v - 1e-9))
         };
         all_find(Machine { pixel, ..OURS }, "below black");

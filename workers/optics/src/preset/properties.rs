@@ -1,8 +1,10 @@
 //! A preset with all that follows from it, and which of that is derived.
 
+use spec::Optics;
+
 use super::{Channels, Preset};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
-use crate::water::{Scatter, Water, WaterRequest};
+use crate::water::{Scatter, Water};
 
 /// What a frame of a preset runs with, where the camera and the job say nothing else.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +38,7 @@ pub fn properties(preset: &Preset) -> Properties {
         return own;
     }
     // A focal length of one pixel: a radian is a pixel.
-    let Ok(water) = Water::resolve(&preset.request(), 1.0) else {
+    let Ok(water) = Water::resolve(&preset.description(), 1.0) else {
         return own;
     };
     let mut derived = own.derived;
@@ -64,18 +66,19 @@ pub fn properties(preset: &Preset) -> Properties {
 }
 
 impl Preset {
-    /// The request for this water by its numbers.
+    /// The description of this water by its numbers.
     #[must_use]
-    pub fn request(&self) -> WaterRequest {
+    pub fn description(&self) -> spec::Water {
         let parts = super::all_known(self.absorption).zip(super::all_known(self.scattering));
-        WaterRequest {
-            absorption: super::all_known(self.absorption),
-            scattering: super::all_known(self.scattering),
-            beam_attenuation: super::all_known(self.beam_attenuation).filter(|_| parts.is_none()),
-            diffuse_attenuation: super::all_known(self.diffuse_attenuation),
+        let optics = Optics {
+            absorption_per_m: super::all_known(self.absorption),
+            scattering_per_m: super::all_known(self.scattering),
+            beam_attenuation_per_m: super::all_known(self.beam_attenuation).filter(|_| parts.is_none()),
+            diffuse_attenuation_per_m: super::all_known(self.diffuse_attenuation),
             veiling_light: self.veiling_light,
             backscatter_fraction: self.backscatter_fraction,
-            ..WaterRequest::default()
-        }
+            ..Optics::default()
+        };
+        optics.into()
     }
 }

@@ -1,8 +1,9 @@
 //! Which particles a camera meets.
 
 use imaging::random::Stream;
+use spec::Snow;
 
-use super::{Snow, TAIL, World};
+use super::{TAIL, World, largest_m};
 use crate::eye::Eye;
 
 /// Cells hold this many particles on average, unless they would be wider than [`WIDEST_CELL_M`].
@@ -102,7 +103,7 @@ impl<'a> Cells<'a> {
                 (pixels as f64 - 1.0 + beyond - middle) / camera.focal_px,
             )
         });
-        let margin = REACH * snow.largest_m();
+        let margin = REACH * largest_m(snow);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for depth in [snow.near_m, snow.far_m] {
             for across in [slopes[0].0 * depth - margin, slopes[0].1 * depth + margin] {

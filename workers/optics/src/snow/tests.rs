@@ -50,7 +50,7 @@ fn the_number_of_particles_follows_the_density() {
             all.iter().filter(inside).count() as f64
         });
         let mean = seen.sum::<f64>() / frames;
-        let expected = snow.expected(solid(&eye.camera, SIZE));
+        let expected = expected(&snow, solid(&eye.camera, SIZE));
         // Poisson: four standard deviations.
         assert!(
             (mean - expected).abs() < 4.0 * (expected / frames).sqrt(),
@@ -117,21 +117,24 @@ fn the_expected_cover_is_what_the_masks_have_on_average() {
             mask.data().iter().map(|&v| f64::from(v)).sum::<f64>() / mask.data().len() as f64
         });
         let mean = covered.sum::<f64>() / 12.0;
-        let expected = SNOW.cover(attenuation);
+        let expected = cover(&SNOW, attenuation);
         // Discs overlap, ranges exceed depths, and a few large ones make most of the cover.
         assert!((0.6..1.15).contains(&(mean / expected)), "{mean} for {expected}");
         let pixels = SIZE.0 * SIZE.1;
         let tolerance = expected * pixels as f64 * 0.75;
-        assert!(SNOW.is_needless(pixels, attenuation, 0.75, tolerance * 1.001));
-        assert!(!SNOW.is_needless(pixels, attenuation, 0.75, tolerance * 0.999));
+        assert!(is_needless(&SNOW, pixels, attenuation, 0.75, tolerance * 1.001));
+        assert!(!is_needless(&SNOW, pixels, attenuation, 0.75, tolerance * 0.999));
     }
-    assert!(
-        Snow {
+    assert!(is_needless(
+        &Snow {
             density_per_m3: 0.0,
             ..SNOW
-        }
-        .is_needless(1, 0.0, 1.0, 0.0)
-    );
+        },
+        1,
+        0.0,
+        1.0,
+        0.0
+    ));
     assert!(
         flakes(
             &eye(),
@@ -188,7 +191,7 @@ fn everything_wrong_is_said_at_once() {
         radius_spread: 2.0,
         albedo: [1.5, 0.5, -0.1],
     };
-    let errors = snow.validate();
+    let errors = validate(&snow);
     let fields: Vec<_> = errors.iter().map(|error| error.field).collect();
     assert_eq!(
         fields,
@@ -207,16 +210,16 @@ fn everything_wrong_is_said_at_once() {
         near_m: 5.0,
         ..SNOW
     };
-    let errors = thick.validate();
+    let errors = validate(&thick);
     let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
     assert_eq!(texts, ["near_m is 5 but must be below `far_m`, 3"]);
     let dense = Snow {
         density_per_m3: 1e5,
         ..SNOW
     };
-    assert!(dense.validate()[0].to_string().contains("cover the whole frame"));
-    assert!(SNOW.validate().is_empty() && SNOW.check_count(2.0).is_ok());
-    let error = SNOW.check_count(1e3).unwrap_err();
+    assert!(validate(&dense)[0].to_string().contains("cover the whole frame"));
+    assert!(validate(&SNOW).is_empty() && check_count(&SNOW, 2.0).is_ok());
+    let error = check_count(&SNOW, 1e3).unwrap_err();
     assert_eq!(
         error.to_string(),
         "density_per_m3 is 400 but must be at most 4.446e1 in this view, which then holds 400000 particles"

@@ -3,11 +3,12 @@
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use imaging::simd::vectorised;
+use spec::HoleRule;
 
 use super::{Field, PAIRS};
 use crate::attenuation::masked;
 use crate::eye::Eye;
-use crate::range::{HoleRule, SHORTEST_M};
+use crate::range::SHORTEST_M;
 
 /// Pixels that are computed together.
 pub(crate) const RUN: usize = 64;
@@ -19,7 +20,7 @@ const FARTHEST_M: f32 = 1e5;
 #[must_use]
 pub fn optical_path(range: &Plane<f32>, field: &Field, eye: &Eye, holes: HoleRule) -> Plane<f32> {
     let stand_in = match holes {
-        HoleRule::Range(metres) => Some(metres as f32),
+        HoleRule::RangeM(metres) => Some(metres as f32),
         HoleRule::Background | HoleRule::Reject => None,
     };
     let rays = Rays::new(&field.seen_from(eye), &eye.camera);

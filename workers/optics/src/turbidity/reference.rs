@@ -1,11 +1,12 @@
 //! Paths through the field in f64 by quadrature. It shares nothing with the fast form but the field.
 
 use imaging::Plane;
+use spec::{HoleRule, Turbidity};
 
-use super::{Field, Turbidity};
+use super::Field;
 use crate::eye::Eye;
 use crate::lamp::gauss_legendre;
-use crate::range::{HoleRule, SHORTEST_M, is_hole};
+use crate::range::{SHORTEST_M, is_hole};
 
 /// Panels of the quadrature are this share of the scale at most.
 pub const REFERENCE_STEP: f64 = 0.5;
@@ -27,7 +28,7 @@ pub fn optical_path_reference(
     let rule = gauss_legendre(NODES);
     Plane::from_fn(range.width(), range.height(), |x, y| {
         let z = match holes {
-            HoleRule::Range(metres) if is_hole(range.at(x, y)) => metres,
+            HoleRule::RangeM(metres) if is_hole(range.at(x, y)) => metres,
             _ => range.at(x, y),
         };
         if is_hole(z) {

@@ -13,7 +13,7 @@ fn the_field_has_mean_one_the_stated_spread_and_correlation_and_is_never_negativ
     let (mut sum, mut square, mut product) = (0.0, 0.0, 0.0);
     let n = 40_000;
     for index in 0..n {
-        let field = PATCHY.field(World { seed: 3, index });
+        let field = Field::new(&PATCHY, World { seed: 3, index });
         let (here, there) = (field.at([1.0, -2.0, 5.0]), field.at([1.0, -1.3, 5.0]));
         assert!((1.0 - PATCHY.contrast..=1.0 + PATCHY.contrast * 4.0 + 1e-9).contains(&here));
         sum += here;
@@ -34,7 +34,7 @@ fn the_field_has_mean_one_the_stated_spread_and_correlation_and_is_never_negativ
 
 #[test]
 fn a_moving_camera_sees_the_same_field() {
-    let field = PATCHY.field(World { seed: 3, index: 0 });
+    let field = Field::new(&PATCHY, World { seed: 3, index: 0 });
     let eye = Eye {
         camera: Intrinsics::centred(80.0, 32, 24),
         world_from_camera: [
@@ -48,17 +48,16 @@ fn a_moving_camera_sees_the_same_field() {
     for point in [[0.0; 3], [0.3, -0.2, 2.0], [-4.0, 1.0, 30.0]] {
         assert!((seen.at(point) - field.at(eye.to_world(point))).abs() < 1e-12);
     }
-    assert_ne!(field, PATCHY.field(World { seed: 3, index: 1 }));
-    assert_ne!(field, PATCHY.field(World { seed: 4, index: 0 }));
+    assert_ne!(field, Field::new(&PATCHY, World { seed: 3, index: 1 }));
+    assert_ne!(field, Field::new(&PATCHY, World { seed: 4, index: 0 }));
 }
 
 #[test]
 fn everything_wrong_is_said_at_once() {
-    let errors = Turbidity {
+    let errors = validate(&Turbidity {
         contrast: f64::NAN,
         scale_m: 0.0,
-    }
-    .validate();
+    });
     let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
     assert_eq!(
         texts,
@@ -67,5 +66,5 @@ fn everything_wrong_is_said_at_once() {
             "scale_m is 0 but must be within 0.05..=1000"
         ]
     );
-    assert!(PATCHY.validate().is_empty());
+    assert!(validate(&PATCHY).is_empty());
 }

@@ -4,10 +4,11 @@
 //! waters up to b Z of about 6. A derived veiling light has the colour of daylight at the depth, exp(−K_d h), and by
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
-use super::{Ambient, Scatter, ScatterModel, ScatterRequest, Spread, Water, WaterError, WaterRequest};
+use spec::{Ambient, ForwardScatter, HoleRule, Optics, ScatterModel};
+
+use super::{Scatter, Spread, Water, WaterError};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::preset::{self, all_known};
-use crate::range::HoleRule;
 
 const G_SHARE_OF_SCATTERING: f64 = 0.05;
 const SPREAD_OFFSET_RAD: f64 = 0.009;
@@ -25,10 +26,19 @@ const MOST_RANGE_SCALE: f64 = 1000.0;
 const SUM_SLACK_PER_M: f64 = 0.002;
 const CHANNELS: [char; 3] = ['R', 'G', 'B'];
 
-pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Vec<WaterError>> {
+/// What is asked for.
+#[derive(Clone, Copy)]
+pub(super) struct Request<'a> {
+    pub(super) water: &'a spec::Water,
+    pub(super) optics: &'a Optics,
+    /// Whether lamps light the water, which takes scattering.
+    pub(super) lamps: bool,
+}
+
+pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec<WaterError>> {
     let mut checks = Checks::default();
     checks.ranges(request);
-    let preset = request.preset.as_deref().and_then(|name| {
+    let preset = request.optics.preset.as_deref().and_then(|name| {
         let found = preset::find(name);
         if found.is_none() {
             checks.errors.push(WaterError::UnknownPreset {
@@ -38,15 +48,17 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
         found
     });
     // A given beam attenuation replaces the preset's whole decomposition: a and b of another water would contradict it.
-    let decomposition = preset.filter(|_| request.beam_attenuation.is_none());
+    let decomposition = preset.filter(|_| request.optics.beam_attenuation_per_m.is_none());
     let absorption = request
-        .absorption
+        .optics
+        .absorption_per_m
         .or(decomposition.and_then(|p| all_known(p.absorption)));
     let scattering = request
-        .scattering
+        .optics
+        .scattering_per_m
         .or(decomposition.and_then(|p| all_known(p.scattering)));
     let sum = absorption.zip(scattering).map(|(a, b)| each(|i| a[i] + b[i]));
-    if let (Some(c), Some(sum)) = (request.beam_attenuation, sum) {
+    if let (Some(c), Some(sum)) = (request.optics.beam_attenuation_per_m, sum) {
         for i in (0..3).filter(|&i| (c[i] - sum[i]).abs() > SUM_SLACK_PER_M) {
             checks.errors.push(WaterError::Inconsistent {
                 channel: CHANNELS[i],
@@ -56,14 +68,23 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
         }
     }
     if sum.is_none() {
-        checks.within_attenuation("absorption_per_m", absorption, request.beam_attenuation);
-        checks.within_attenuation("scattering_per_m", scattering, request.beam_attenuation);
+        checks.within_attenuation(
+            "absorption_per_m",
+            absorption,
+            request.optics.beam_attenuation_per_m,
+        );
+        checks.within_attenuation(
+            "scattering_per_m",
+            scattering,
+            request.optics.beam_attenuation_per_m,
+        );
     }
     let attenuation = request
-        .beam_attenuation
+        .optics
+        .beam_attenuation_per_m
         .or(sum)
         .or(decomposition.and_then(|p| all_known(p.beam_attenuation)));
-    if attenuation.is_none() && (preset.is_some() || request.preset.is_none()) {
+    if attenuation.is_none() && (preset.is_some() || request.optics.preset.is_none()) {
         let reason = "give it, or both absorption_per_m and scattering_per_m";
         checks.errors.push(WaterError::Missing {
             field: "beam_attenuation_per_m",
@@ -71,16 +92,25 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
         });
     }
     let diffuse_attenuation = request
-        .diffuse_attenuation
+        .optics
+        .diffuse_attenuation_per_m
         .or(preset.and_then(|p| all_known(p.diffuse_attenuation)));
     let decay = checks.decay(request, diffuse_attenuation);
-    let given_veil = request.veiling_light.or(preset.and_then(|p| p.veiling_light));
+    let given_veil = request
+        .optics
+        .veiling_light
+        .or(preset.and_then(|p| p.veiling_light));
     let veiling_light = match given_veil {
-        Some(veil) if request.ambient == Ambient::Absolute => decay.map(|decay| each(|i| veil[i] * decay[i])),
+        Some(veil) if request.water.ambient == Ambient::Absolute => {
+            decay.map(|decay| each(|i| veil[i] * decay[i]))
+        }
         Some(veil) => Some(veil),
         None => checks.daylight_veil(request, diffuse_attenuation),
     };
-    if veiling_light.is_none() && given_veil.is_none() && (preset.is_some() || request.preset.is_none()) {
+    if veiling_light.is_none()
+        && given_veil.is_none()
+        && (preset.is_some() || request.optics.preset.is_none())
+    {
         let reason = "give it, or diffuse_attenuation_per_m to derive its colour from";
         checks.errors.push(WaterError::Missing {
             field: "veiling_light",
@@ -93,7 +123,7 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
         attenuation,
         focal_px,
     };
-    let scatter = checks.scatter(request.scatter.as_ref(), &medium);
+    let scatter = checks.scatter(request.optics.forward_scatter.as_ref(), &medium);
     checks.lamps(request, scattering);
     if !checks.errors.is_empty() {
         return Err(checks.errors);
@@ -101,23 +131,29 @@ pub(super) fn resolve(request: &WaterRequest, focal_px: f64) -> Result<Water, Ve
     let (Some(attenuation), Some(veiling_light)) = (attenuation, veiling_light) else {
         unreachable!("their absence is an error above");
     };
-    let scale = request.range_scale;
+    let scale = request.water.range_scale;
     let scaled = |values: [f64; 3]| values.map(|v| v * scale);
     Ok(Water {
         preset: preset.map(|p| p.name.as_str()),
         absorption: absorption.map(scaled),
         scattering: scattering.map(scaled),
         direct_attenuation: scaled(attenuation),
-        backscatter_attenuation: scaled(request.backscatter_attenuation.unwrap_or(attenuation)),
+        backscatter_attenuation: scaled(
+            request
+                .optics
+                .backscatter_attenuation_per_m
+                .unwrap_or(attenuation),
+        ),
         diffuse_attenuation,
         veiling_light,
-        radiance_gain: radiance_gain(request.ambient, decay),
+        radiance_gain: radiance_gain(request.water.ambient, decay),
         scatter: scaled_scatter(scatter, scale),
         backscatter_fraction: request
+            .optics
             .backscatter_fraction
             .or(preset.and_then(|p| p.backscatter_fraction))
             .unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
-        holes: request.holes,
+        holes: request.water.holes,
         derived: checks.derived,
     })
 }
@@ -156,8 +192,9 @@ fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
     }
 }
 
-fn preset_known(request: &WaterRequest) -> bool {
+fn preset_known(request: &Request<'_>) -> bool {
     request
+        .optics
         .preset
         .as_deref()
         .is_some_and(|name| preset::find(name).is_some())
@@ -178,24 +215,28 @@ struct Checks {
 }
 
 impl Checks {
-    fn ranges(&mut self, request: &WaterRequest) {
-        let scatter = request.scatter.as_ref();
+    fn ranges(&mut self, request: &Request<'_>) {
+        let scatter = request.optics.forward_scatter.as_ref();
         let triples = [
-            ("beam_attenuation_per_m", request.beam_attenuation, MOST_PER_M),
-            ("absorption_per_m", request.absorption, MOST_PER_M),
-            ("scattering_per_m", request.scattering, MOST_PER_M),
+            (
+                "beam_attenuation_per_m",
+                request.optics.beam_attenuation_per_m,
+                MOST_PER_M,
+            ),
+            ("absorption_per_m", request.optics.absorption_per_m, MOST_PER_M),
+            ("scattering_per_m", request.optics.scattering_per_m, MOST_PER_M),
             (
                 "backscatter_attenuation_per_m",
-                request.backscatter_attenuation,
+                request.optics.backscatter_attenuation_per_m,
                 MOST_PER_M,
             ),
             (
                 "diffuse_attenuation_per_m",
-                request.diffuse_attenuation,
+                request.optics.diffuse_attenuation_per_m,
                 MOST_PER_M,
             ),
-            ("veiling_light", request.veiling_light, MOST_LIGHT),
-            ("g_per_m", scatter.and_then(|s| s.g), MOST_PER_M),
+            ("veiling_light", request.optics.veiling_light, MOST_LIGHT),
+            ("g_per_m", scatter.and_then(|s| s.g_per_m), MOST_PER_M),
             (
                 "spread_px_per_m",
                 scatter.and_then(|s| s.spread_px_per_m),
@@ -213,18 +254,23 @@ impl Checks {
             }
         }
         let singles = [
-            ("veil_gain", request.veil_gain, 0.0, MOST_LIGHT),
-            ("depth_m", request.depth_m, 0.0, MOST_DEPTH_M),
-            ("backscatter_fraction", request.backscatter_fraction, 0.002, 0.5),
+            ("veil_gain", request.optics.veil_gain, 0.0, MOST_LIGHT),
+            ("depth_m", request.water.depth_m, 0.0, MOST_DEPTH_M),
+            (
+                "backscatter_fraction",
+                request.optics.backscatter_fraction,
+                0.002,
+                0.5,
+            ),
             (
                 "range_scale",
-                Some(request.range_scale),
+                Some(request.water.range_scale),
                 f64::MIN_POSITIVE,
                 MOST_RANGE_SCALE,
             ),
             (
                 "holes",
-                if let HoleRule::Range(metres) = request.holes {
+                if let HoleRule::RangeM(metres) = request.water.holes {
                     Some(metres)
                 } else {
                     None
@@ -241,14 +287,14 @@ impl Checks {
     }
 
     /// What the glow of lamps needs.
-    fn lamps(&mut self, request: &WaterRequest, scattering: Option<[f64; 3]>) {
+    fn lamps(&mut self, request: &Request<'_>, scattering: Option<[f64; 3]>) {
         if !request.lamps {
             return;
         }
-        if request.backscatter_fraction.is_none() {
+        if request.optics.backscatter_fraction.is_none() {
             self.derived.push("backscatter_fraction");
         }
-        if scattering.is_none() && (request.preset.is_none() || preset_known(request)) {
+        if scattering.is_none() && (request.optics.preset.is_none() || preset_known(request)) {
             self.errors.push(WaterError::Missing {
                 field: "scattering_per_m",
                 reason: "the glow of the water before the lamps comes from it",
@@ -257,13 +303,14 @@ impl Checks {
     }
 
     /// exp(−K_d h) where depth and K_d are known; an error where ambient light asks for it and they are not.
-    fn decay(&mut self, request: &WaterRequest, diffuse_attenuation: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    fn decay(&mut self, request: &Request<'_>, diffuse_attenuation: Option<[f64; 3]>) -> Option<[f64; 3]> {
         let decay = request
+            .water
             .depth_m
             .zip(diffuse_attenuation)
             .map(|(h, kd)| kd.map(|k| (-k * h).exp()));
-        if request.ambient != Ambient::None && decay.is_none() {
-            let field = if request.depth_m.is_none() {
+        if request.water.ambient != Ambient::None && decay.is_none() {
+            let field = if request.water.depth_m.is_none() {
                 "depth_m"
             } else {
                 "diffuse_attenuation_per_m"
@@ -279,14 +326,14 @@ impl Checks {
     /// The veil that daylight at the depth colours, where K_d is known.
     fn daylight_veil(
         &mut self,
-        request: &WaterRequest,
+        request: &Request<'_>,
         diffuse_attenuation: Option<[f64; 3]>,
     ) -> Option<[f64; 3]> {
-        let depth_m = request.depth_m.unwrap_or(VEIL_DEPTH_M);
+        let depth_m = request.water.depth_m.unwrap_or(VEIL_DEPTH_M);
         let daylight = diffuse_attenuation?.map(|k| (-k * depth_m).exp());
         self.derived.push("veiling_light");
         let brightest = daylight.into_iter().fold(f64::MIN_POSITIVE, f64::max);
-        Some(daylight.map(|e| request.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
+        Some(daylight.map(|e| request.optics.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
     }
 
     /// No part of the beam attenuation exceeds it in any channel.
@@ -317,19 +364,13 @@ impl Checks {
         }
     }
 
-    fn scatter(&mut self, request: Option<&ScatterRequest>, medium: &Medium) -> Scatter {
+    fn scatter(&mut self, request: Option<&ForwardScatter>, medium: &Medium) -> Scatter {
         let known = medium.absorption.is_some() && medium.scattering.is_some();
-        let usual = ScatterRequest {
-            model: if known {
-                ScatterModel::Jaffe
-            } else {
-                ScatterModel::None
-            },
-            g: None,
-            spread_px_per_m: None,
-            spread_offset_px: None,
-            source: Default::default(),
-        };
+        let usual = ForwardScatter::from(if known {
+            ScatterModel::Jaffe
+        } else {
+            ScatterModel::None
+        });
         let request = request.unwrap_or(&usual);
         match request.model {
             ScatterModel::None => Scatter::None,
@@ -348,8 +389,8 @@ impl Checks {
         }
     }
 
-    fn g(&mut self, request: &ScatterRequest, medium: &Medium) -> Option<[f64; 3]> {
-        if request.g.is_none() {
+    fn g(&mut self, request: &ForwardScatter, medium: &Medium) -> Option<[f64; 3]> {
+        if request.g_per_m.is_none() {
             let Some((a, b)) = medium.absorption.zip(medium.scattering) else {
                 let reason = "give it, or both absorption_per_m and scattering_per_m";
                 self.errors.push(WaterError::Missing {
@@ -363,11 +404,11 @@ impl Checks {
             let limit = medium.attenuation.unwrap_or([f64::INFINITY; 3]);
             return Some(each(|i| (a[i] + G_SHARE_OF_SCATTERING * b[i]).min(limit[i])));
         }
-        self.within_attenuation("g_per_m", request.g, medium.attenuation);
-        request.g
+        self.within_attenuation("g_per_m", request.g_per_m, medium.attenuation);
+        request.g_per_m
     }
 
-    fn spread(&mut self, request: &ScatterRequest, medium: &Medium) -> Option<Spread> {
+    fn spread(&mut self, request: &ForwardScatter, medium: &Medium) -> Option<Spread> {
         if let Some(per_m) = request.spread_px_per_m {
             return Some(Spread {
                 offset_px: request.spread_offset_px.unwrap_or([0.0; 3]),

@@ -6,11 +6,14 @@ use optics::chain::{self, ChainError, Layers};
 use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
 use optics::kernel::{Transfer, pixel};
 use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
-use optics::plan::{Fidelity, Plan, SceneStats};
-use optics::range::HoleRule;
-use optics::water::{Ambient, ScatterModel, ScatterRequest, ScatterSource, Water, WaterRequest};
-use optics::{HazeBlend, HazeLight, HazeSpace, haze as lay_haze, style_blend};
+use optics::plan::{Plan, SceneStats};
+use optics::water::Water;
+use optics::{haze as lay_haze, style_blend};
 use serde_json::Value;
+use spec::{
+    Ambient, Fidelity, ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel,
+    ScatterSource,
+};
 
 use crate::case::Case;
 
@@ -56,14 +59,7 @@ fn water(case: &Case) -> Water {
     case.expect_text("scatter_source", &["radiance", "direct"]);
     case.expect_text("hole_range", &["largest valid range in the frame"]);
     let direct = case.text("scatter_source") == "direct";
-    let request = WaterRequest {
-        beam_attenuation: case.triple("attenuation_per_m"),
-        backscatter_attenuation: case.triple("backscatter_per_m"),
-        diffuse_attenuation: case.triple("kd_per_m"),
-        veiling_light: case
-            .triple("background")
-            .or(case.triple("background_surface"))
-            .or(Some([0.0; 3])),
+    let request = spec::Water {
         depth_m: case.number("depth_m"),
         ambient: if case.get("kd_per_m").is_some() {
             Ambient::Absolute
@@ -71,18 +67,28 @@ fn water(case: &Case) -> Water {
             Ambient::None
         },
         holes: hole_rule(&case.text("hole_rule")),
-        scatter: Some(ScatterRequest {
-            model,
-            g: case.triple("G_per_m"),
-            spread_px_per_m: Some(case.triple("spread_px_per_m").unwrap_or([0.0; 3])),
-            spread_offset_px: case.triple("spread_offset_px"),
-            source: if direct {
-                ScatterSource::Direct
-            } else {
-                ScatterSource::Radiance
-            },
-        }),
-        ..WaterRequest::default()
+        ..Optics {
+            beam_attenuation_per_m: case.triple("attenuation_per_m"),
+            backscatter_attenuation_per_m: case.triple("backscatter_per_m"),
+            diffuse_attenuation_per_m: case.triple("kd_per_m"),
+            veiling_light: case
+                .triple("background")
+                .or(case.triple("background_surface"))
+                .or(Some([0.0; 3])),
+            forward_scatter: Some(ForwardScatter {
+                spread_px_per_m: Some(case.triple("spread_px_per_m").unwrap_or([0.0; 3])),
+                spread_offset_px: case.triple("spread_offset_px"),
+                source: if direct {
+                    ScatterSource::Direct
+                } else {
+                    ScatterSource::Radiance
+                },
+                g_per_m: case.triple("G_per_m"),
+                ..model.into()
+            }),
+            ..Optics::default()
+        }
+        .into()
     };
     Water::resolve(&request, 1.0).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
@@ -90,7 +96,7 @@ fn water(case: &Case) -> Water {
 /// `range=<m>` replaces holes; any other text describes the default.
 fn hole_rule(text: &str) -> HoleRule {
     match text.strip_prefix("range=") {
-        Some(metres) => HoleRule::Range(metres.parse().expect("metres")),
+        Some(metres) => HoleRule::RangeM(metres.parse().expect("metres")),
         None => HoleRule::Background,
     }
 }
@@ -197,7 +203,7 @@ fn attenuated<T: Copy + std::ops::Add<Output = T>>(layers: &Layers<T>) -> Rgb<T>
     })
 }
 
-fn lights(case: &Case) -> Vec<HazeLight> {
+fn lights(case: &Case) -> Vec<Haze> {
     let list = case
         .get("lights")
         .and_then(Value::as_array)
@@ -212,7 +218,7 @@ fn lights(case: &Case) -> Vec<HazeLight> {
             );
         }
         let number = |value: &Value| value.as_f64().expect("a number");
-        HazeLight {
+        Haze {
             x: number(&light["position"][0]),
             y: number(&light["position"][1]),
             size: number(&light["size"]),
@@ -223,6 +229,7 @@ fn lights(case: &Case) -> Vec<HazeLight> {
                 Some("add") => HazeBlend::Add,
                 Some(other) => panic!("blend `{other}` is not known"),
             },
+            space: haze_space(case),
         }
     };
     list.iter().map(light).collect()
@@ -238,10 +245,15 @@ fn haze_space(case: &Case) -> HazeSpace {
 
 pub(crate) fn haze(case: &Case) {
     let (lights, radiance) = (lights(case), case.radiance().map(|&j| j as f32));
-    let hazed = lay_haze(radiance.clone(), &lights, haze_space(case));
+    let hazed = lay_haze(radiance.clone(), &lights);
     case.compare("output_linear", &hazed, FLOAT, "haze");
     case.compare_codes("output_srgb", &hazed, CODES_EXACT, "haze");
-    let display = lay_haze(radiance, &lights, HazeSpace::Display);
+    let in_display_space = |light: Haze| Haze {
+        space: HazeSpace::Display,
+        ..light
+    };
+    let lights: Vec<_> = lights.into_iter().map(in_display_space).collect();
+    let display = lay_haze(radiance, &lights);
     case.compare("output_display_space", &display, FLOAT, "haze");
 }
 
@@ -249,7 +261,7 @@ pub(crate) fn chain(case: &Case) {
     case.expect_text("blend_space", &["srgb-encoded"]);
     let alpha = case.number("alpha").unwrap_or(1.0);
     let variants = [
-        (Fidelity::Reference, FLOAT, CODES_EXACT, "reference"),
+        (Fidelity::REFERENCE, FLOAT, CODES_EXACT, "reference"),
         (Fidelity::Terms(16), FLOAT, CODES_SCATTER, "16 terms"),
         (
             Fidelity::Tolerance(ONE_CODE),
@@ -261,7 +273,7 @@ pub(crate) fn chain(case: &Case) {
     for (fidelity, tolerance, share, what) in variants {
         // A scene without range stays in air.
         let in_water = match case.array("range_m") {
-            Some(range) if fidelity == Fidelity::Reference && range.values.len() > MAX_REFERENCE_PIXELS => {
+            Some(range) if fidelity == Fidelity::REFERENCE && range.values.len() > MAX_REFERENCE_PIXELS => {
                 continue;
             }
             Some(_) => layers(case, fidelity).scattered,
@@ -276,7 +288,7 @@ pub(crate) fn chain(case: &Case) {
             None => in_water,
         };
         case.compare("after_blend", &blended, tolerance, what);
-        let hazed = lay_haze(blended, &lights(case), haze_space(case));
+        let hazed = lay_haze(blended, &lights(case));
         case.compare("output_linear", &hazed, tolerance, what);
         case.compare_codes("output_srgb", &hazed, share, what);
     }

@@ -4,7 +4,8 @@ use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, gauss_legendre, henyey_greenstein};
 use optics::snow::World;
-use optics::turbidity::{Field, Turbidity};
+use optics::turbidity::Field;
+use spec::Turbidity;
 
 use crate::errors::{peak, worst};
 
@@ -50,7 +51,7 @@ fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), patches: Option<F
 }
 
 fn field(contrast: f64, scale_m: f64, index: u64) -> Field {
-    Turbidity { contrast, scale_m }.field(World { seed: 5, index })
+    Field::new(&Turbidity { contrast, scale_m }, World { seed: 5, index })
 }
 
 /// From 1 to 6 m, with a hole.

@@ -4,7 +4,7 @@ use enhance::Enhanced;
 use imaging::codec::{self, EncodeError};
 use imaging::{Raster, Rgb, Rgb8, transfer};
 use optics::chain::Layers;
-use spec::{ArtifactKind, Encode, Format, Frame, SceneRecord};
+use spec::{ArtifactKind, Encode, Frame, SceneRecord};
 
 use serde_json::json;
 
@@ -17,8 +17,6 @@ use crate::record::File;
 
 /// Longer side of a thumbnail.
 const PREVIEW_PX: usize = 256;
-/// Quality of a JPEG file that does not say one.
-const JPEG_QUALITY: u8 = 95;
 
 const PNG: &str = "image/png";
 const NPY: &str = "application/x-npy";
@@ -142,13 +140,10 @@ fn bytes(
 
 /// A picture in the format that the frame asks for.
 fn picture(picture: &Rgb8, encode: Encode) -> Result<Encoded, EncodeError> {
-    Ok(match encode.format {
-        Format::Png => (PNG, codec::encode_png(&Raster::from(picture.clone()))?),
-        Format::Webp => ("image/webp", codec::encode_webp_lossless(picture)?),
-        Format::Jpeg => {
-            let quality = encode.quality.unwrap_or(JPEG_QUALITY);
-            ("image/jpeg", codec::encode_jpeg(picture, quality)?)
-        }
+    Ok(match encode {
+        Encode::Png => (PNG, codec::encode_png(&Raster::from(picture.clone()))?),
+        Encode::Webp => ("image/webp", codec::encode_webp_lossless(picture)?),
+        Encode::Jpeg { quality } => ("image/jpeg", codec::encode_jpeg(picture, quality)?),
     })
 }
 

@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::{Visibility, visibility};
 use scenes::labels::Instance;
-use spec::{InstanceRecord, IntrinsicsRecord, SceneRecord};
+use spec::{InstanceRecord, SceneRecord};
 
 use super::scene::Prepared;
 use super::water::Chosen;
@@ -37,11 +37,7 @@ pub(crate) fn describe(prepared: &Prepared, chosen: &Chosen, layers: &Layers) ->
     let count = scores().count();
     Some(SceneRecord {
         world_from_camera: pose.world_from_camera(),
-        intrinsics: IntrinsicsRecord {
-            focal_px: camera.focal_px,
-            cx: camera.cx,
-            cy: camera.cy,
-        },
+        intrinsics: camera,
         visible: instances
             .as_ref()
             .map(|all| all.iter().filter(|instance| instance.visible).count() as u64),

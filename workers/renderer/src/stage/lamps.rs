@@ -3,7 +3,7 @@
 use imaging::Rgb;
 use imaging::geometry::Intrinsics;
 use optics::chain::Layers;
-use optics::lamp::{self, LAMP_RADIUS_M, Lighting, REFERENCE_NODES};
+use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
 use optics::water::Water;
 use spec::{Fidelity, Frame};
 
@@ -18,7 +18,7 @@ pub(crate) fn lighting(
     water: Option<&Water>,
     patches: Option<&Patches>,
 ) -> Result<Option<Lighting>, RenderError> {
-    let lamps = spec::lamps(frame).map_err(RenderError::Lamps)?;
+    let lamps = Lamp::among(&frame.lights).map_err(RenderError::Lamps)?;
     let Some(range) = prepared.scene.range.as_ref().filter(|_| !lamps.is_empty()) else {
         return Ok(None);
     };
@@ -62,7 +62,7 @@ pub(crate) fn glow(
         return false;
     };
     let glow = match frame.fidelity {
-        Fidelity::Reference => {
+        Fidelity::REFERENCE => {
             lamp::airlight_reference(&range.map(|&z| f64::from(z)), lighting, REFERENCE_NODES)
                 .map(|&v| v as f32)
         }

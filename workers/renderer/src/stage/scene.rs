@@ -1,18 +1,19 @@
 //! The scene of a frame: rendered from a seed, uploaded, or made of files of this machine.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
 use optics::range::is_hole;
-use scenes::path::{Sway, Waypoint};
-use scenes::uploaded::{self, RangeBytes, RangeKind, Upload};
+use scenes::path::Sway;
+use scenes::uploaded;
 use scenes::{CameraPath, CameraPose, Labels, SceneError, World};
 use sha2::{Digest, Sha256};
-use spec::{Frame, Scene as SceneOf};
+use spec::{Frame, RangeKind, Scene as SceneOf, SceneFiles};
 
 use crate::error::RenderError;
-use crate::source::{RangeUpload, SceneSource, UploadedScene};
+use crate::source::{SceneBytes, SceneSource};
 
 /// A scene that is fit for the chain.
 pub(crate) struct Prepared {
@@ -55,7 +56,7 @@ pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, R
         }
         (SceneOf::Uploaded { .. }, SceneSource::Uploaded(files)) => from_files(frame, files),
         (SceneOf::Uploaded { id }, SceneSource::Local) => Err(RenderError::NotHere { id: id.clone() }),
-        (SceneOf::Files { rgb, range }, _) => from_files(frame, &read(rgb, range.as_ref())?),
+        (SceneOf::Files { .. }, _) => from_files(frame, &read(&frame.scene)?),
     }
 }
 
@@ -75,42 +76,32 @@ fn pose(frame: &Frame, world: &World) -> Result<CameraPose, RenderError> {
         period_frames: path.sway_frames,
         seed: frame.seed,
     };
-    let waypoint = |point: spec::Waypoint| Waypoint {
-        position_m: point.position_m,
-        target_m: point.target_m,
-    };
     let path_of = match path.start.zip(path.end) {
         None => world.path(path.frames, sway),
-        Some((start, end)) => CameraPath::new(waypoint(start), waypoint(end), path.frames, sway),
+        Some((start, end)) => CameraPath::new(start, end, path.frames, sway),
     };
     let places = path_of.map_err(RenderError::Path)?;
     world.check(&places)?;
     Ok(places.pose(path.frame))
 }
 
-fn from_files(frame: &Frame, files: &UploadedScene) -> Result<Prepared, RenderError> {
-    let range = files.range.as_ref().map(|range| RangeBytes {
-        bytes: &range.bytes,
-        kind: range.kind,
-        unit_m: range.unit_m,
-        invalid_code: range.invalid_code,
-    });
-    let z_depth = files
+fn from_files(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError> {
+    let digests = files
+        .named()
+        .map(|(name, bytes)| (format!("scene.{name}"), spec::hex(&Sha256::digest(bytes))))
+        .collect();
+    let is_z_depth = files
         .range
         .as_ref()
-        .is_some_and(|range| matches!(range.kind, RangeKind::ZDepth));
-    let intrinsics = match files.intrinsics {
-        // Only z-depth is converted with the camera; to know the camera, the size must be known first.
-        None if z_depth => Some(camera_of(frame, &files.rgb)?),
-        given => given,
-    };
-    let upload = Upload {
-        rgb: &files.rgb,
-        range,
-        intrinsics,
-        instances: files.instances.as_deref(),
-    };
-    checked(frame, uploaded::decode(&upload)?, digests(files))
+        .is_some_and(|range| range.kind == RangeKind::ZDepth);
+    if files.intrinsics.is_some() || !is_z_depth {
+        return checked(frame, uploaded::decode(files)?, digests);
+    }
+    // Only z-depth is converted with the camera; to know the camera, the size must be known first.
+    let intrinsics = Some(camera_of(frame, &files.rgb)?);
+    let Ok(files) = files.try_map(|bytes| Ok::<_, Infallible>(bytes.as_slice()));
+    let files = SceneFiles { intrinsics, ..files };
+    checked(frame, uploaded::decode(&files)?, digests)
 }
 
 fn checked(
@@ -150,49 +141,14 @@ fn camera_of(frame: &Frame, rgb: &[u8]) -> Result<Intrinsics, RenderError> {
     Ok(Intrinsics::centred(frame.camera.focal_px(width), width, height))
 }
 
-fn read(rgb: &str, range: Option<&spec::RangeFile>) -> Result<UploadedScene, RenderError> {
-    let file = |path: &str| {
+fn read(scene: &SceneOf) -> Result<SceneBytes, RenderError> {
+    let paths = scene
+        .files()
+        .ok_or_else(|| RenderError::NotHere { id: String::new() })?;
+    paths.try_map(|path| {
         std::fs::read(path).map_err(|source| RenderError::File {
-            path: path.to_owned(),
+            path: (*path).to_owned(),
             source,
         })
-    };
-    let range = match range {
-        None => None,
-        Some(range) => {
-            let (path, kind) = match (&range.range, &range.z_depth) {
-                (Some(path), _) => (path, RangeKind::Range),
-                (None, Some(path)) => (path, RangeKind::ZDepth),
-                (None, None) => return read(rgb, None),
-            };
-            let (unit_m, invalid_code) = (range.unit_m, range.invalid_code);
-            Some(RangeUpload {
-                bytes: file(path)?,
-                kind,
-                unit_m,
-                invalid_code,
-            })
-        }
-    };
-    Ok(UploadedScene {
-        rgb: file(rgb)?,
-        range,
-        intrinsics: None,
-        instances: None,
     })
-}
-
-fn digests(files: &UploadedScene) -> BTreeMap<String, String> {
-    let parts = [
-        ("scene.rgb", Some(files.rgb.as_slice())),
-        (
-            "scene.range",
-            files.range.as_ref().map(|range| range.bytes.as_slice()),
-        ),
-        ("scene.instances", files.instances.as_deref()),
-    ];
-    let present = parts.into_iter().filter_map(|(name, bytes)| Some((name, bytes?)));
-    present
-        .map(|(name, bytes)| (name.to_owned(), spec::hex(&Sha256::digest(bytes))))
-        .collect()
 }

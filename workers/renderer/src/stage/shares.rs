@@ -2,10 +2,10 @@
 
 use imaging::Rgb;
 use optics::lamp::SURFACE_ROUNDING;
-use optics::plan::{Fidelity, SceneStats, display_tolerance};
+use optics::plan::{SceneStats, display_tolerance};
 use optics::turbidity::path_rounding;
 use optics::water::Water;
-use spec::Frame;
+use spec::{Fidelity, Frame};
 
 /// The tolerance of a frame that gives none.
 const TOLERANCE: f64 = 3e-4;
@@ -37,7 +37,7 @@ impl Shares {
     /// The shares of a frame without water.
     pub(crate) fn without_water(frame: &Frame) -> Self {
         let tolerance = match frame.fidelity {
-            spec::Fidelity::Tolerance(tolerance) => tolerance,
+            Fidelity::Tolerance(tolerance) => tolerance,
             _ => TOLERANCE,
         };
         Self {
@@ -50,16 +50,16 @@ impl Shares {
 
     /// The shares of a frame in this water, whose scene is lit as the picture and the statistics say.
     pub(crate) fn of(frame: &Frame, stats: &SceneStats, water: &Water, lit: Option<&Rgb<f32>>) -> Self {
-        let later = !frame.lamps.is_empty() || frame.water.snow.is_some();
+        let later = frame.has_lamps() || frame.water.snow.is_some();
         let tolerance = match frame.fidelity {
-            spec::Fidelity::Tolerance(tolerance) => Some(tolerance),
+            Fidelity::Tolerance(tolerance) => Some(tolerance),
             // Snow may be darker than anything in the water, and a glow takes darkness where the slope of the curve is another.
-            spec::Fidelity::Display if later => Some(DARK),
-            spec::Fidelity::Display => Some(display_tolerance(stats, water)),
-            spec::Fidelity::Terms(_) | spec::Fidelity::Reference => None,
+            Fidelity::DISPLAY if later => Some(DARK),
+            Fidelity::DISPLAY => Some(display_tolerance(stats, water)),
+            Fidelity::Terms(_) | Fidelity::REFERENCE => None,
         };
         let whole = tolerance.unwrap_or(TOLERANCE);
-        let lamps = if frame.lamps.is_empty() { 0.0 } else { LAMPS };
+        let lamps = if frame.has_lamps() { LAMPS } else { 0.0 };
         let snow = if frame.water.snow.is_some() { SNOW } else { 0.0 };
         let gain = water.radiance_gain();
         let brightest = [0, 1, 2].map(|i| f64::from(stats.brightest[i]) * gain[i]);
@@ -73,7 +73,7 @@ impl Shares {
         };
         let surfaces = lit.map_or(0.0, |_| SURFACE_ROUNDING * brightest);
         let rounding = match frame.fidelity {
-            spec::Fidelity::Reference => 0.0,
+            Fidelity::REFERENCE => 0.0,
             _ => PILED_UP * (path + surfaces),
         };
         Self {
@@ -86,12 +86,6 @@ impl Shares {
 
     /// What the plan of the water is made for.
     pub(crate) fn fidelity(&self, frame: &Frame) -> Fidelity {
-        match (self.water, &frame.fidelity) {
-            (Some(share), _) => Fidelity::Tolerance(share),
-            (None, spec::Fidelity::Terms(terms)) => Fidelity::Terms(*terms),
-            (None, spec::Fidelity::Tolerance(tolerance)) => Fidelity::Tolerance(*tolerance),
-            (None, spec::Fidelity::Display) => Fidelity::Display,
-            (None, spec::Fidelity::Reference) => Fidelity::Reference,
-        }
+        self.water.map_or(frame.fidelity, Fidelity::Tolerance)
     }
 }

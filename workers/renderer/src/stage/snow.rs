@@ -5,10 +5,10 @@ use optics::chain::Layers;
 use optics::lamp::{self, Lighting};
 use optics::snow::{self, Surround};
 use serde_json::{Value, json};
-use spec::{Fidelity, Frame};
+use spec::{Fidelity, Frame, Snow};
 
 use super::scene::Prepared;
-use super::turbidity::eye;
+use super::turbidity::{eye, world};
 use super::water::Chosen;
 use crate::error::RenderError;
 
@@ -41,19 +41,19 @@ pub(crate) fn run(
     lighting: Option<&Lighting>,
     layers: &mut Layers,
 ) -> Result<Option<Fallen>, RenderError> {
-    let (Some(law), Some(range)) = (spec::snow(frame), &prepared.scene.range) else {
+    let (Some(law), Some(range)) = (frame.water.snow, &prepared.scene.range) else {
         return Ok(None);
     };
     let (eye, size) = (eye(prepared), range.size());
-    let mut errors = law.validate();
-    errors.extend(law.check_count(snow::solid(&eye.camera, size)).err());
+    let mut errors = snow::validate(&law);
+    errors.extend(snow::check_count(&law, snow::solid(&eye.camera, size)).err());
     if !errors.is_empty() {
         return Err(RenderError::Snow(errors));
     }
     let water = chosen.water.as_ref();
     let attenuation = water.map_or([0.0; 3], optics::water::Water::direct_attenuation);
     let gain = water.map_or([1.0; 3], optics::water::Water::radiance_gain);
-    let reference = frame.fidelity == Fidelity::Reference;
+    let reference = frame.fidelity == Fidelity::REFERENCE;
     if !reference
         && needless(
             frame,
@@ -89,7 +89,7 @@ pub(crate) fn run(
         path: &path,
         light: &light,
     };
-    let found = snow::flakes(&eye, &law, spec::water_world(frame), size);
+    let found = snow::flakes(&eye, &law, world(frame), size);
     let picture = &mut layers.scattered;
     let mask = if reference {
         let exact = snow::snow_reference(&picture.map(|&v| f64::from(v)), &found, law.albedo, &surround);
@@ -110,7 +110,7 @@ fn needless(
     frame: &Frame,
     chosen: &Chosen,
     lighting: Option<&Lighting>,
-    law: &snow::Snow,
+    law: &Snow,
     attenuation: [f64; 3],
     gain: [f64; 3],
     picture: &Rgb<f32>,
@@ -123,7 +123,7 @@ fn needless(
     let behind = snow::brightest(picture).into_iter().fold(0.0, f32::max);
     let contrast = colors.into_iter().fold(f64::from(behind), f64::max);
     let pixels = picture.width() * picture.height();
-    law.is_needless(pixels, least, contrast, chosen.shares.snow)
+    snow::is_needless(law, pixels, least, contrast, chosen.shares.snow)
 }
 
 /// The mask as codes: 255 is opaque; a frame where nothing was drawn has a mask of 0.

@@ -4,6 +4,7 @@ use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use optics::eye::Eye;
 use optics::range::is_hole;
+use optics::snow::World;
 use optics::turbidity::{self, Field};
 use optics::water::Water;
 use spec::{Fidelity, Frame};
@@ -49,24 +50,32 @@ pub(crate) fn eye(prepared: &Prepared) -> Eye {
     }
 }
 
+/// Where the particles and patches of a frame come from.
+pub(crate) fn world(frame: &Frame) -> World {
+    World {
+        seed: frame.seed,
+        index: frame.world_index(),
+    }
+}
+
 /// The patches of a frame; none in even water, without water or without range.
 pub(crate) fn patches(
     frame: &Frame,
     prepared: &Prepared,
     water: Option<&Water>,
 ) -> Result<Option<Patches>, RenderError> {
-    let given = spec::turbidity(frame).filter(|patches| patches.contrast > 0.0);
+    let given = frame.water.turbidity.filter(|patches| patches.contrast > 0.0);
     let (Some(patches), Some(water), Some(range)) = (given, water, &prepared.scene.range) else {
         return Ok(None);
     };
-    let errors = patches.validate();
+    let errors = turbidity::validate(&patches);
     if !errors.is_empty() {
         return Err(RenderError::Turbidity(errors));
     }
     let eye = eye(prepared);
-    let field = patches.field(spec::water_world(frame));
+    let field = Field::new(&patches, world(frame));
     let path = match frame.fidelity {
-        Fidelity::Reference => {
+        Fidelity::REFERENCE => {
             let range = range.map(|&z| f64::from(z));
             turbidity::optical_path_reference(&range, &patches, &field, &eye, water.holes())
                 .map(|&t| t as f32)

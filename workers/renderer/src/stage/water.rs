@@ -1,12 +1,11 @@
 //! The water stage, or the picture as it is where there is no water or no range (Algorithm 1's else branch).
 
 use imaging::{Plane, Rgb};
-use optics::HazeLight;
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Plan, SceneStats};
-use optics::water::Water;
-use spec::Frame;
+use optics::water::{RULES, Water};
+use spec::{Frame, Haze};
 
 use super::scene::Prepared;
 use super::shares::Shares;
@@ -37,11 +36,15 @@ impl Chosen {
 
 /// The water of a frame with all its numbers; `None` without optics or without range.
 pub(crate) fn resolve(frame: &Frame, prepared: &Prepared) -> Result<Option<Water>, RenderError> {
-    let Some(request) = spec::water_request(frame).filter(|_| prepared.scene.range.is_some()) else {
+    if frame.water.optics.is_none() || prepared.scene.range.is_none() {
         return Ok(None);
+    }
+    let water = if frame.has_lamps() {
+        Water::resolve_lit(&frame.water, prepared.focal_px)
+    } else {
+        Water::resolve(&frame.water, prepared.focal_px)
     };
-    let water = Water::resolve(&request, prepared.focal_px).map_err(RenderError::Water)?;
-    Ok(Some(water))
+    Ok(Some(water.map_err(RenderError::Water)?))
 }
 
 /// Plans the frame for the light that its scene has.
@@ -50,7 +53,7 @@ pub(crate) fn choose(
     prepared: &Prepared,
     lit: Option<&Rgb<f32>>,
     (water, patches): (Option<Water>, Option<Patches>),
-    lights: &[HazeLight],
+    lights: &[Haze],
 ) -> Chosen {
     let style_weight = frame.water.style.as_ref().map(|_| frame.alpha);
     let (Some(water), Some(range)) = (water, &prepared.scene.range) else {
@@ -81,8 +84,7 @@ pub(crate) fn choose(
 
 /// A warning where the beam attenuation of a frame is a K_d.
 pub(crate) fn diffuse_in_disguise(frame: &Frame) -> Option<String> {
-    let optics = frame.water.optics.as_ref()?;
-    spec::diffuse_warning(optics.beam_attenuation_per_m?, optics.diffuse_attenuation_per_m)
+    (RULES.warning)(frame.water.optics.as_ref()?)
 }
 
 /// Takes the scene under water.

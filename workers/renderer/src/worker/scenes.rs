@@ -3,31 +3,24 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::client::ClientError;
-use imaging::geometry::Intrinsics;
-use proto::message::{RangeFile, RangeKind};
 use sha2::{Digest, Sha256};
 
 use super::Shared;
 use super::held::Hold;
 use super::patience::persist;
 use crate::error::RenderError;
-use crate::source::{RangeUpload, UploadedScene};
+use crate::source::SceneBytes;
 
 /// Scenes are kept up to this size together; a typical one has 2 MiB.
 const MOST_BYTES: usize = 256 << 20;
 
 /// The scenes that were used last, the newest at the end. An upload never changes, so its id names its content.
 #[derive(Default)]
-pub(crate) struct Scenes(Mutex<Vec<(String, Arc<UploadedScene>)>>);
+pub(crate) struct Scenes(Mutex<Vec<(String, Arc<SceneBytes>)>>);
 
 impl Scenes {
     /// The files of an uploaded scene.
-    pub(crate) fn get(
-        &self,
-        shared: &Shared,
-        hold: &Hold,
-        id: &str,
-    ) -> Result<Arc<UploadedScene>, RenderError> {
+    pub(crate) fn get(&self, shared: &Shared, hold: &Hold, id: &str) -> Result<Arc<SceneBytes>, RenderError> {
         if let Some(scene) = self.kept(id) {
             return Ok(scene);
         }
@@ -37,7 +30,7 @@ impl Scenes {
         Ok(scene)
     }
 
-    fn kept(&self, id: &str) -> Option<Arc<UploadedScene>> {
+    fn kept(&self, id: &str) -> Option<Arc<SceneBytes>> {
         let mut scenes = self.scenes();
         let position = scenes.iter().position(|(kept, _)| kept == id)?;
         let entry = scenes.remove(position);
@@ -46,21 +39,26 @@ impl Scenes {
         Some(scene)
     }
 
-    fn keep(&self, id: &str, scene: &Arc<UploadedScene>) {
+    fn keep(&self, id: &str, scene: &Arc<SceneBytes>) {
         let mut scenes = self.scenes();
         scenes.retain(|(kept, _)| kept != id);
         scenes.push((id.to_owned(), Arc::clone(scene)));
-        while scenes.len() > 1 && scenes.iter().map(|(_, scene)| scene.size()).sum::<usize>() > MOST_BYTES {
+        while scenes.len() > 1 && scenes.iter().map(|(_, scene)| size(scene)).sum::<usize>() > MOST_BYTES {
             scenes.remove(0);
         }
     }
 
-    fn scenes(&self) -> MutexGuard<'_, Vec<(String, Arc<UploadedScene>)>> {
+    fn scenes(&self) -> MutexGuard<'_, Vec<(String, Arc<SceneBytes>)>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn fetch(shared: &Shared, hold: &Hold, id: &str) -> Result<UploadedScene, RenderError> {
+/// Bytes in memory.
+fn size(scene: &SceneBytes) -> usize {
+    scene.named().map(|(_, bytes)| bytes.len()).sum()
+}
+
+fn fetch(shared: &Shared, hold: &Hold, id: &str) -> Result<SceneBytes, RenderError> {
     let wanted = || !hold.is_lost();
     let failed = |error: ClientError| RenderError::Fetch {
         id: id.to_owned(),
@@ -84,25 +82,5 @@ fn fetch(shared: &Shared, hold: &Hold, id: &str) -> Result<UploadedScene, Render
     let files = persist(&shared.stop, wanted, || shared.service.scene(id))
         .result
         .map_err(failed)?;
-    let range = |range: &RangeFile| {
-        Ok::<_, RenderError>(RangeUpload {
-            bytes: blob(&range.digest)?,
-            kind: match range.kind {
-                RangeKind::Range => scenes::uploaded::RangeKind::Range,
-                RangeKind::ZDepth => scenes::uploaded::RangeKind::ZDepth,
-            },
-            unit_m: range.unit_m,
-            invalid_code: range.invalid_code,
-        })
-    };
-    Ok(UploadedScene {
-        rgb: blob(&files.rgb_digest)?,
-        range: files.range.as_ref().map(range).transpose()?,
-        intrinsics: files.intrinsics.map(|it| Intrinsics {
-            focal_px: it.focal_px,
-            cx: it.cx,
-            cy: it.cy,
-        }),
-        instances: files.instances_digest.as_deref().map(blob).transpose()?,
-    })
+    files.try_map(|digest| blob(digest))
 }

@@ -6,8 +6,9 @@ use std::thread;
 use std::time::Duration;
 
 use super::client::{Client, ClientError};
-use proto::message::{Beat, BeatOf, Lease, Register, Registered, Release, SceneFiles, Style, WantLease};
+use proto::message::{Beat, BeatOf, Lease, Register, Registered, Release, Style, WantLease};
 use proto::wire;
+use spec::SceneFiles;
 
 use super::patience::pause_after;
 
@@ -121,7 +122,7 @@ impl Service {
     }
 
     /// What an uploaded scene is made of.
-    pub(crate) fn scene(&self, id: &str) -> Answer<SceneFiles> {
+    pub(crate) fn scene(&self, id: &str) -> Answer<SceneFiles<String>> {
         checked(SceneFiles::try_from(self.client.scene(id)?))
     }
 

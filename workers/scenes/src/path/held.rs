@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::{Waypoint, turned};
+use spec::Waypoint;
+
+use super::turned;
 use crate::CameraPose;
 use crate::pose::{cross, dot, length, scale, sub, unit};
 

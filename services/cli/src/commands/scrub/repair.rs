@@ -1,13 +1,12 @@
 //! Rendering a frame again to get its bytes back.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use api::Data;
 use catalogue::NamedDigest;
-use imaging::geometry::Intrinsics;
-use renderer::{Engine, RangeUpload, SceneSource, Slot, UploadedScene};
-use scenes::uploaded::RangeKind;
+use renderer::{Engine, SceneBytes, SceneSource, Slot};
 use spec::{Job, Scene, Vocabulary};
 use store::Blob;
 use style::Library;
@@ -76,42 +75,19 @@ impl Repair {
 }
 
 /// The files of an uploaded scene.
-async fn uploaded(data: &Data, id: &str) -> Result<UploadedScene, String> {
+async fn uploaded(data: &Data, id: &str) -> Result<SceneBytes, String> {
     let row = data
         .catalogue
         .scene(id)
         .await
         .map_err(|error| error.to_string())?;
     let row = row.ok_or_else(|| format!("scene {id} is not stored"))?;
-    let blob = async |digest: &str| -> Result<Vec<u8>, String> {
+    let mut files = BTreeMap::new();
+    for (_, digest) in row.files.named() {
         let bytes = data.store.get(digest).await.map_err(|error| error.to_string())?;
-        bytes.ok_or_else(|| format!("a file of scene {id} is gone"))
-    };
-    let range = match &row.range_digest {
-        Some(digest) => Some(RangeUpload {
-            bytes: blob(digest).await?,
-            kind: if row.range_kind.as_deref() == Some("z_depth") {
-                RangeKind::ZDepth
-            } else {
-                RangeKind::Range
-            },
-            unit_m: row.unit_m,
-            invalid_code: row.invalid_code,
-        }),
-        None => None,
-    };
-    let intrinsics = match (row.focal_px, row.cx, row.cy) {
-        (Some(focal_px), Some(cx), Some(cy)) => Some(Intrinsics { focal_px, cx, cy }),
-        _ => None,
-    };
-    let instances = match &row.instances_digest {
-        Some(digest) => Some(blob(digest).await?),
-        None => None,
-    };
-    Ok(UploadedScene {
-        rgb: blob(&row.rgb_digest).await?,
-        range,
-        intrinsics,
-        instances,
-    })
+        files.extend(bytes.map(|bytes| (digest, bytes)));
+    }
+    let missing = || format!("a file of scene {id} is gone");
+    row.files
+        .try_map(|digest| files.get(digest).cloned().ok_or_else(missing))
 }

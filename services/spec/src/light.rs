@@ -1,0 +1,86 @@
+//! The lights of a frame: lamps in the water, and the paper's haze.
+
+use serde::Deserialize;
+
+/// A light.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Light {
+    /// An overlay, no physics.
+    Haze(Haze),
+    /// A lamp that shines in all directions.
+    Point(PointLamp),
+    /// A lamp that shines about an axis.
+    Spot(SpotLamp),
+}
+
+/// A Gaussian laid over the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Haze {
+    /// position in image widths
+    pub x: f64,
+    /// position in image heights
+    pub y: f64,
+    /// sigma in image heights; 0 or less: skipped
+    pub size: f64,
+    /// weight at the centre
+    pub intensity: f64,
+    /// colour in the space of the haze
+    pub color: [f64; 3],
+    /// how it is laid over the picture
+    pub blend: HazeBlend,
+    /// the same for all haze
+    pub space: HazeSpace,
+}
+
+impl Haze {
+    /// Whether it does anything at all.
+    #[must_use]
+    pub fn shines(&self) -> bool {
+        self.size > 0.0 && self.size.is_finite() && self.intensity > 0.0
+    }
+}
+
+/// How haze is laid over the picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HazeBlend {
+    /// Covers what is below: I (1 − α) + color α.
+    #[default]
+    Over,
+    /// Adds to what is below: I + color α.
+    Add,
+}
+
+/// The space haze is laid in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HazeSpace {
+    /// Linear light.
+    #[default]
+    Linear,
+    /// sRGB-encoded values, clamped to 0..=1, for likeness to the published pictures.
+    Display,
+}
+
+/// A lamp that shines in all directions. The camera looks along z; x is right and y is down.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct PointLamp {
+    /// metres right, down and ahead of the camera
+    pub position_m: [f64; 3],
+    /// linear radiance times m², per steradian
+    pub intensity: [f64; 3],
+}
+
+/// A lamp that shines about an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct SpotLamp {
+    /// metres right, down and ahead of the camera
+    pub position_m: [f64; 3],
+    /// along the axis: linear radiance times m², per steradian
+    pub intensity: [f64; 3],
+    /// axis, of any length but 0
+    pub direction: [f64; 3],
+    /// angle from the axis at which no light is left
+    pub cone_deg: f64,
+}

@@ -1,0 +1,93 @@
+//! The files of a scene that is not procedural: a picture with its range, mask and camera.
+
+use imaging::geometry::Intrinsics;
+use serde::{Deserialize, Serialize};
+
+/// The files of a scene. `T` is what stands for a file: its path, its digest or its bytes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SceneFiles<T> {
+    /// The picture: PNG, JPEG, WebP, or NPY floats of shape [height, width, 3].
+    pub rgb: T,
+    /// Range or z-depth.
+    pub range: Option<RangeFile<T>>,
+    /// Instance of each pixel, 0 = background: 8- or 16-bit gray PNG, or NPY uint8 or uint16.
+    pub instances: Option<T>,
+    /// The camera, if it is known.
+    pub intrinsics: Option<Intrinsics>,
+}
+
+/// A map of distances: 8- or 16-bit gray PNG, or NPY float32, float64, uint8 or uint16.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RangeFile<T> {
+    /// The file.
+    pub file: T,
+    /// What its values are.
+    pub kind: RangeKind,
+    /// Metres of one unit of the file. Floats are metres if it is not given; integer codes need it.
+    pub unit_m: Option<f64>,
+    /// The value that stands for a hole. Integer codes need it; in a file of floats it is a hole beside what is not
+    /// finite.
+    pub invalid_code: Option<u16>,
+}
+
+/// Which distance a map holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RangeKind {
+    /// Along the line of sight.
+    Range,
+    /// Along the optical axis, as depth cameras give it.
+    ZDepth,
+}
+
+impl RangeKind {
+    /// Its name, which is also that of the field the file comes in.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Range => "range",
+            Self::ZDepth => "z_depth",
+        }
+    }
+
+    /// The kind of this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        [Self::Range, Self::ZDepth]
+            .into_iter()
+            .find(|kind| kind.name() == name)
+    }
+}
+
+impl<T> SceneFiles<T> {
+    /// The same with something else in place of each file, in the order picture, range, mask.
+    ///
+    /// # Errors
+    /// The first that `change` returns.
+    pub fn try_map<'a, U, E>(
+        &'a self,
+        mut change: impl FnMut(&'a T) -> Result<U, E>,
+    ) -> Result<SceneFiles<U>, E> {
+        Ok(SceneFiles {
+            rgb: change(&self.rgb)?,
+            range: match &self.range {
+                None => None,
+                Some(range) => Some(RangeFile {
+                    file: change(&range.file)?,
+                    kind: range.kind,
+                    unit_m: range.unit_m,
+                    invalid_code: range.invalid_code,
+                }),
+            },
+            instances: self.instances.as_ref().map(change).transpose()?,
+            intrinsics: self.intrinsics,
+        })
+    }
+
+    /// The files with their names: `rgb`, `range` (of either kind), `instances`.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, &T)> {
+        let range = self.range.as_ref().map(|range| ("range", &range.file));
+        let instances = self.instances.as_ref().map(|file| ("instances", file));
+        [Some(("rgb", &self.rgb)), range, instances].into_iter().flatten()
+    }
+}

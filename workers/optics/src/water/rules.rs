@@ -1,0 +1,63 @@
+//! The rules of waters as a description's check asks for them.
+
+use spec::{Fault, Optics, Sight, WaterRules};
+
+use super::{Water, WaterError};
+use crate::preset::diffuse_in_disguise;
+use crate::snow;
+
+/// What must fit together within the water of a description.
+pub const RULES: WaterRules = WaterRules { faults, warning };
+
+fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if water.optics.is_some() {
+        faults.extend(Water::validate(water, sight.lamps).iter().map(fault));
+    }
+    if let Some(snow) = &water.snow {
+        let mut errors = snow::validate(snow);
+        if let (true, Some(solid)) = (errors.is_empty(), sight.solid) {
+            errors.extend(snow::check_count(snow, solid).err());
+        }
+        faults.extend(errors.iter().map(|error| Fault {
+            path: vec!["snow", error.field],
+            message: error.to_string(),
+            missing: false,
+        }));
+    }
+    faults
+}
+
+/// The error with the place of its field below `water`.
+fn fault(error: &WaterError) -> Fault {
+    let path = match error.field() {
+        field @ ("range_scale" | "depth_m" | "ambient" | "holes") => vec![field],
+        field @ ("model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source") => {
+            vec!["optics", "forward_scatter", field]
+        }
+        field => vec!["optics", field],
+    };
+    Fault {
+        path,
+        message: error.to_string(),
+        missing: matches!(error, WaterError::Missing { .. }),
+    }
+}
+
+fn warning(optics: &Optics) -> Option<String> {
+    diffuse_warning(optics.beam_attenuation_per_m?, optics.diffuse_attenuation_per_m)
+}
+
+/// What to say of a beam attenuation that is a K_d, which attenuates daylight and no camera ray: the K_d beside it, or
+/// that of a known water.
+fn diffuse_warning(beam: [f64; 3], diffuse: Option<[f64; 3]>) -> Option<String> {
+    let whose = if diffuse == Some(beam) {
+        "the `diffuse_attenuation_per_m` beside it".to_owned()
+    } else {
+        format!("the K_d of {}", diffuse_in_disguise(beam)?)
+    };
+    Some(format!(
+        "`water.optics.beam_attenuation_per_m` is {whose}: K_d is the decay of daylight with depth, and as beam attenuation \
+         it makes the water too clear"
+    ))
+}
