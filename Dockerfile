@@ -5,6 +5,7 @@ WORKDIR /src
 COPY Cargo.toml Cargo.lock clippy.toml rustfmt.toml ./
 COPY .cargo .cargo
 COPY examples examples
+COPY lab lab
 COPY migrations migrations
 COPY models models
 COPY proto proto

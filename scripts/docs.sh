@@ -2,8 +2,9 @@
 # Makes the measured pages and pictures of docs/ again. Times in them are of the machine it runs on: keep it quiet.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cargo build --release --locked --bin fathom
+cargo build --release --locked --bin fathom --bin fathom-lab
 fathom=target/release/fathom
+lab=target/release/fathom-lab
 work=target/docs
 rm -rf "$work" && mkdir -p "$work/frames" docs/table1 docs/stability
 
@@ -14,7 +15,7 @@ cp "$work/demo/contact-sheet.png" docs/pictures/tour.png
 for frame in "$work"/table1/*/; do
     cp "$frame/rgb.png" "$work/frames/$(basename "$frame").png"
 done
-"$fathom" table1 "$work/frames" --out docs/table1
+"$lab" table1 "$work/frames" --out docs/table1
 
-"$fathom" stability --enhance --scenes 8 --out "$work/stability"
+"$lab" stability --enhance --scenes 8 --out "$work/stability"
 cp "$work"/stability/*.png "$work"/stability/stability.{md,csv} docs/stability/

@@ -4,17 +4,17 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 target=${CARGO_TARGET_DIR:-target}
-cargo build --release --locked --bin fathom
-fathom=$target/release/fathom
+cargo build --release --locked --bin fathom-lab
+lab=$target/release/fathom-lab
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$fathom" bench render --out docs
-"$fathom" chart --runs 9 --out "$work/charts"
-"$fathom" campaign --scenes 10000 --out docs/campaign
-"$fathom" stability --chain --out docs
+"$lab" bench render --out docs
+"$lab" chart --runs 9 --out "$work/charts"
+"$lab" campaign --scenes 10000 --out docs/campaign
+"$lab" stability --chain --out docs
 for water in jerlov-IB jerlov-1C jerlov-3C; do
-    "$fathom" ladder --water "$water" --out "docs/ladder/$water.png"
+    "$lab" ladder --water "$water" --out "docs/ladder/$water.png"
 done
 
 # Every drawing of the structure, and of the other scenes those of forward scatter and of the frame.

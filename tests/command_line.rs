@@ -1,6 +1,6 @@
 //! Commands that need no service, and what the exit status says.
 
-use fathom_tests::{root, run};
+use fathom_tests::{root, run, run_lab};
 use serde_json::{Value, json};
 
 fn temporary() -> tempfile::TempDir {
@@ -158,7 +158,7 @@ fn the_waters_carry_their_source_and_the_styles_their_digest() {
 #[test]
 fn the_figures_of_the_paper_are_drawn() {
     let folder = temporary();
-    let output = run(&[
+    let output = run_lab(&[
         "figure",
         "structure:3",
         "--out",

@@ -1,9 +1,9 @@
-//! `fathom waters`: what it says about every water, and the plots that it draws.
+//! `fathom waters`: what it says about every water; `fathom-lab waters`: the plots of them.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
 
-use fathom_tests::run;
+use fathom_tests::{run, run_lab};
 use imaging::codec::decode_picture;
 use serde_json::Value;
 
@@ -126,7 +126,7 @@ fn size_of(drawing: &str) -> (usize, usize) {
 fn the_plots_are_drawn_as_text_and_as_pictures_of_one_size() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("plots");
-    let output = run(&["waters", "--plot", "--no-scenes", "--out", out.to_str().unwrap()]);
+    let output = run_lab(&["waters", "--no-scenes", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{output:?}");
     let read =
         |name: String| std::fs::read(Path::new(&out).join(&name)).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -144,8 +144,7 @@ fn the_plots_are_drawn_as_text_and_as_pictures_of_one_size() {
 }
 
 #[test]
-fn plots_need_a_folder_and_nothing_is_left_out_of_nothing() {
-    for arguments in [&["waters", "--plot"][..], &["waters", "--no-scenes"]] {
-        assert_eq!(run(arguments).status.code(), Some(2), "{arguments:?}");
-    }
+fn plots_need_a_folder_and_belong_to_the_laboratory() {
+    assert_eq!(run_lab(&["waters", "--no-scenes"]).status.code(), Some(2));
+    assert_eq!(run(&["waters", "--plot"]).status.code(), Some(2));
 }

@@ -27,18 +27,22 @@ pub fn root() -> PathBuf {
         .to_owned()
 }
 
-/// The binary, built beside the test executables.
+/// The product's binary, built beside the test executables.
 ///
 /// # Panics
 /// When it was not built: tests of a binary must not pass without it.
 #[must_use]
 pub fn fathom() -> PathBuf {
+    program("fathom")
+}
+
+fn program(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test knows its own file");
     let binary = test
         .parent()
         .and_then(Path::parent)
         .expect("tests lie in deps/")
-        .join("fathom");
+        .join(name);
     assert!(
         binary.is_file(),
         "{} is missing: build the workspace first",
@@ -47,13 +51,26 @@ pub fn fathom() -> PathBuf {
     binary
 }
 
-/// Runs a command to its end.
+/// Runs a command of `fathom` to its end.
 ///
 /// # Panics
 /// When the binary cannot be started.
 #[must_use]
 pub fn run(arguments: &[&str]) -> Output {
-    Command::new(fathom())
+    run_program("fathom", arguments)
+}
+
+/// Runs a command of `fathom-lab` to its end.
+///
+/// # Panics
+/// When the binary cannot be started.
+#[must_use]
+pub fn run_lab(arguments: &[&str]) -> Output {
+    run_program("fathom-lab", arguments)
+}
+
+fn run_program(name: &str, arguments: &[&str]) -> Output {
+    Command::new(program(name))
         .args(arguments)
         .env_remove("FATHOM_TOKEN")
         .current_dir(root())

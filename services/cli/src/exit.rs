@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 /// Why a command failed. The exit statuses are part of the interface: scripts branch on them.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum Failure {
+pub enum Failure {
     /// The command ran to its end, but not every frame has an image.
     #[error("{failed} of {frames} frames failed{hint}")]
     SomeFrames {
@@ -30,13 +30,29 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
+    /// What the user gave cannot be used, for this reason.
+    pub fn input(reason: impl std::fmt::Display) -> Self {
+        Self::BadInput(reason.to_string())
+    }
+
     /// Exit status: 1 some frames failed (and anything unforeseen), 2 bad input, 3 no server, 4 runtime missing.
-    pub(crate) fn code(&self) -> ExitCode {
+    pub fn code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::SomeFrames { .. } | Self::Other(_) => 1,
             Self::BadInput(_) => 2,
             Self::NoServer(_) => 3,
             Self::RuntimeMissing(_) => 4,
         })
+    }
+}
+
+/// Ends a program with the status of what it did; a failure is said on standard error.
+pub fn end(program: &str, result: Result<(), Failure>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{program}: {failure}");
+            failure.code()
+        }
     }
 }

@@ -10,18 +10,18 @@ use imaging::codec;
 use crate::exit::Failure;
 
 /// Reads a file that the user named.
-pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     fs::read(path).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
 /// Reads and decodes a picture that the user named.
-pub(crate) fn read_picture(path: &Path) -> Result<Raster, Failure> {
+pub fn read_picture(path: &Path) -> Result<Raster, Failure> {
     codec::decode_picture(&read(path)?)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
 /// The pictures of a folder by name, folders below it left aside.
-pub(crate) fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+pub fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let unreadable = |error| Failure::BadInput(format!("{}: {error}", folder.display()));
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
@@ -40,13 +40,13 @@ pub(crate) fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// Writes a file under a temporary name beside it and renames it into place.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_all(&[(path.to_owned(), bytes)])
 }
 
 /// Writes files that belong together: none gets its name before all are written, and nothing stays behind if one cannot
 /// be.
-pub(crate) fn write_all(files: &[(PathBuf, &[u8])]) -> Result<(), Failure> {
+pub fn write_all(files: &[(PathBuf, &[u8])]) -> Result<(), Failure> {
     let temporary = |path: &Path| {
         let mut name = path.as_os_str().to_owned();
         name.push(format!(".part-{}", std::process::id()));
@@ -73,7 +73,7 @@ pub(crate) fn write_all(files: &[(PathBuf, &[u8])]) -> Result<(), Failure> {
 }
 
 /// Writes a picture; the format follows the file's extension: `.png` (default), `.jpg`, `.webp`.
-pub(crate) fn write_picture(path: &Path, picture: &Raster) -> Result<(), Failure> {
+pub fn write_picture(path: &Path, picture: &Raster) -> Result<(), Failure> {
     let extension = path
         .extension()
         .and_then(|e| e.to_str())

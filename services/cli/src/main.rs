@@ -1,18 +1,11 @@
 //! The `fathom` command: one binary for the service, its workers and everything a person does with them.
 
 mod commands;
-mod exit;
-mod files;
-mod machine;
-mod progress;
-mod remote;
-mod sheet;
-mod table;
 
 use std::process::ExitCode;
 
 use clap::Parser;
-use exit::Failure;
+use cli::exit::{self, Failure};
 
 /// Underwater image datasets on demand.
 #[derive(Parser)]
@@ -24,16 +17,6 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let run = || {
-        faults::check()
-            .map_err(Failure::BadInput)
-            .and_then(|()| arguments.command.run())
-    };
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("fathom: {failure}");
-            failure.code()
-        }
-    }
+    let ready = faults::check().map_err(Failure::BadInput);
+    exit::end("fathom", ready.and_then(|()| arguments.command.run()))
 }

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
 
 /// Progress of a known number of frames.
-pub(crate) struct Progress {
+pub struct Progress {
     bar: ProgressBar,
     plain: bool,
     what: String,
@@ -19,7 +19,7 @@ pub(crate) struct Progress {
 
 impl Progress {
     /// Starts at 0 of `frames`.
-    pub(crate) fn new(what: &str, frames: u64) -> Self {
+    pub fn new(what: &str, frames: u64) -> Self {
         let plain = !std::io::stderr().is_terminal();
         let bar = if plain {
             ProgressBar::hidden()
@@ -41,7 +41,7 @@ impl Progress {
     }
 
     /// Shows that `finished` frames are done or have failed.
-    pub(crate) fn set(&mut self, finished: u64) {
+    pub fn set(&mut self, finished: u64) {
         self.bar.set_position(finished);
         if !self.plain {
             return;
@@ -56,7 +56,7 @@ impl Progress {
     }
 
     /// Takes the bar away.
-    pub(crate) fn finish(self) {
+    pub fn finish(self) {
         self.bar.finish_and_clear();
     }
 }

@@ -12,13 +12,13 @@ use crate::exit::Failure;
 
 /// Which service to speak to.
 #[derive(Debug, Clone, clap::Args)]
-pub(crate) struct ServerArguments {
+pub struct ServerArguments {
     /// Base URL of the service.
     #[arg(long, env = "FATHOM_SERVER", default_value = "http://127.0.0.1:7311")]
-    pub(crate) server: String,
+    pub server: String,
     /// Bearer token, if the service wants one.
     #[arg(long, env = "FATHOM_TOKEN", hide_env_values = true)]
-    pub(crate) token: Option<String>,
+    pub token: Option<String>,
 }
 
 /// The longest answer that is read into memory: an artifact of the largest picture that the service accepts.
@@ -30,32 +30,32 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(90);
 const PATIENT_TIMEOUT: Duration = Duration::from_secs(3700);
 
 /// A connection to the service.
-pub(crate) struct Remote {
+pub struct Remote {
     agent: Agent,
     base: String,
     token: Option<String>,
 }
 
 /// An answer whose status says that the request succeeded.
-pub(crate) struct Answer {
-    pub(crate) status: u16,
-    pub(crate) bytes: Vec<u8>,
+pub struct Answer {
+    pub status: u16,
+    pub bytes: Vec<u8>,
 }
 
 impl Answer {
     /// The body as JSON.
-    pub(crate) fn json(&self) -> Result<Value, Failure> {
+    pub fn json(&self) -> Result<Value, Failure> {
         Ok(serde_json::from_slice(&self.bytes).context("the service's answer is not JSON")?)
     }
 }
 
 impl Remote {
-    pub(crate) fn new(arguments: &ServerArguments) -> Self {
+    pub fn new(arguments: &ServerArguments) -> Self {
         Self::waiting(arguments, ANSWER_TIMEOUT)
     }
 
     /// For a request that may take as long as the service works on it.
-    pub(crate) fn with_patience(arguments: &ServerArguments) -> Self {
+    pub fn with_patience(arguments: &ServerArguments) -> Self {
         Self::waiting(arguments, PATIENT_TIMEOUT)
     }
 
@@ -73,7 +73,7 @@ impl Remote {
         }
     }
 
-    pub(crate) fn get(&self, path: &str) -> Result<Answer, Failure> {
+    pub fn get(&self, path: &str) -> Result<Answer, Failure> {
         let mut request = self.agent.get(format!("{}{path}", self.base));
         if let Some(token) = &self.token {
             request = request.header("authorization", format!("Bearer {token}"));
@@ -81,12 +81,7 @@ impl Remote {
         self.answer(request.call())
     }
 
-    pub(crate) fn post_json(
-        &self,
-        path: &str,
-        headers: &[(&str, &str)],
-        body: &[u8],
-    ) -> Result<Answer, Failure> {
+    pub fn post_json(&self, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Result<Answer, Failure> {
         let mut request = self
             .agent
             .post(format!("{}{path}", self.base))
@@ -100,7 +95,7 @@ impl Remote {
         self.answer(request.send(body))
     }
 
-    pub(crate) fn post_form(&self, path: &str, form: Form<'_>) -> Result<Answer, Failure> {
+    pub fn post_form(&self, path: &str, form: Form<'_>) -> Result<Answer, Failure> {
         let mut request = self.agent.post(format!("{}{path}", self.base));
         if let Some(token) = &self.token {
             request = request.header("authorization", format!("Bearer {token}"));
@@ -158,7 +153,7 @@ fn failure(status: u16, problem: &Value) -> Failure {
 }
 
 /// Percent-encodes a query value (RFC 3986: everything but the unreserved characters).
-pub(crate) fn query_value(text: &str) -> String {
+pub fn query_value(text: &str) -> String {
     text.bytes()
         .map(|byte| match byte {
             b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => {

@@ -4,9 +4,9 @@ use imaging::{Rgb8, codec};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 /// A picture and the lines under it.
-pub(crate) struct Tile {
-    pub(crate) picture: Rgb8,
-    pub(crate) caption: Vec<String>,
+pub struct Tile {
+    pub picture: Rgb8,
+    pub caption: Vec<String>,
 }
 
 const GAP_PX: usize = 8;
@@ -15,7 +15,7 @@ const PAPER: [u8; 3] = [22, 26, 30];
 const INK: [u8; 3] = [222, 226, 230];
 
 /// Lays tiles out row by row, each picture reduced to `tile_width` columns at most, and captions below.
-pub(crate) fn sheet(tiles: &[Tile], columns: usize, tile_width: usize) -> Rgb8 {
+pub fn sheet(tiles: &[Tile], columns: usize, tile_width: usize) -> Rgb8 {
     let columns = columns.clamp(1, tiles.len().max(1));
     let thumbnails: Vec<Rgb8> = tiles
         .iter()

@@ -1,9 +1,8 @@
 //! `fathom backup`: a copy of everything that a running service has stored.
 
+use cli::exit::Failure;
+use cli::remote::{Remote, ServerArguments};
 use serde_json::Value;
-
-use crate::exit::Failure;
-use crate::remote::{Remote, ServerArguments};
 
 /// Options of `fathom backup`.
 #[derive(clap::Args)]

@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::styles::StyleArguments;
 use style::{Runtime, StyleModel, Unfit};
-
-use super::StyleArguments;
-use crate::exit::Failure;
 
 /// Options of `fathom check-style`.
 #[derive(clap::Args)]

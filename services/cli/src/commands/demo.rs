@@ -7,13 +7,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::images::Question;
+use cli::remote::{Remote, ServerArguments};
+use cli::styles::StyleArguments;
+use cli::table::{cell, table};
 use serde_json::Value;
 
-use super::query::{Question, rows_table};
-use super::{StyleArguments, serve, sheet, submit};
-use crate::exit::Failure;
-use crate::remote::{Remote, ServerArguments};
-use crate::table::{cell, table};
+use super::query::rows_table;
+use super::{serve, sheet, submit};
 
 /// Options of `fathom demo`.
 #[derive(clap::Args)]
@@ -53,9 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         style_trial_s: 60,
         style: arguments.style.clone(),
     })?;
-    let service = runtime
-        .block_on(api::start(config))
-        .map_err(|error| Failure::BadInput(error.to_string()))?;
+    let service = runtime.block_on(api::start(config)).map_err(Failure::input)?;
     let remote = Remote::new(&ServerArguments {
         server: format!("http://{}", service.address()),
         token: None,
@@ -115,7 +115,7 @@ fn by_style(remote: &Remote, dataset: &str, filter: &str) -> Result<String, Fail
     let path = format!(
         "/v1/datasets/{dataset}/stats?metrics={}&group_by=water.style&filter={}",
         GROUP_METRICS.join(","),
-        crate::remote::query_value(filter)
+        cli::remote::query_value(filter)
     );
     let stats = remote.get(&path)?.json()?;
     let groups = stats

@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
+use cli::exit::Failure;
+use cli::files;
 use enhance::Method;
-
-use crate::exit::Failure;
-use crate::files;
 
 /// Options of `fathom enhance`.
 #[derive(clap::Args)]

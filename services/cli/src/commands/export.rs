@@ -12,14 +12,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::files;
+use cli::images::Question;
+use cli::progress::Progress;
+use cli::remote::{Remote, ServerArguments, query_value};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
-
-use super::query::Question;
-use crate::exit::Failure;
-use crate::files;
-use crate::progress::Progress;
-use crate::remote::{Remote, ServerArguments, query_value};
 
 /// Options of `fathom export`.
 #[derive(clap::Args)]

@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
+use cli::exit::Failure;
+use cli::files;
+use cli::table::{decimal, table};
 use quality::{MetricId, Profile};
 use serde_json::{Map, Value, json};
-
-use crate::exit::Failure;
-use crate::files;
-use crate::table::{decimal, table};
 
 /// Options of `fathom measure`.
 #[derive(clap::Args)]

@@ -1,15 +1,10 @@
 //! One file for each command.
 
 mod backup;
-mod bench;
-mod campaign;
-mod chart;
 mod check_style;
 mod demo;
 mod enhance;
 mod export;
-mod figure;
-mod ladder;
 mod measure;
 mod plan;
 mod query;
@@ -18,19 +13,15 @@ mod rerender;
 mod scrub;
 mod serve;
 mod sheet;
-mod stability;
 mod style_photo;
 mod styles;
 mod submit;
-mod table1;
 mod train;
 mod upload;
 mod waters;
 mod worker;
 
-use std::path::PathBuf;
-
-use crate::exit::Failure;
+use cli::exit::Failure;
 
 /// What `fathom` can do.
 #[derive(clap::Subcommand)]
@@ -61,16 +52,6 @@ pub(crate) enum Command {
     Enhance(enhance::Arguments),
     /// Measure the quality of pictures
     Measure(measure::Arguments),
-    /// Compare the enhancement methods over a folder of pictures or a dataset
-    Table1(table1::Arguments),
-    /// Map where methods fail
-    Stability(stability::Arguments),
-    /// Show what each effect of the chain buys in a water
-    Ladder(ladder::Arguments),
-    /// Try random frames against the promise of the plan
-    Campaign(campaign::Arguments),
-    /// Draw error against time of the variants of each stage
-    Chart(chart::Arguments),
     /// List the optical water presets
     Waters(waters::Arguments),
     /// List the style waters
@@ -79,10 +60,6 @@ pub(crate) enum Command {
     Train(train::Arguments),
     /// Render a style photo of a water
     StylePhoto(style_photo::Arguments),
-    /// Draw the steps of the chain and the style waters for one scene
-    Figure(figure::Arguments),
-    /// Measure how fast a service is on this machine
-    Bench(bench::Arguments),
     /// Start a service, render a small dataset with it and show the result
     Demo(demo::Arguments),
     /// Render a stored frame once more, for the service that asks for it
@@ -111,29 +88,11 @@ impl Command {
             Self::Sheet(arguments) => sheet::run(&arguments),
             Self::Enhance(arguments) => enhance::run(&arguments),
             Self::Measure(arguments) => measure::run(&arguments),
-            Self::Table1(arguments) => table1::run(&arguments),
-            Self::Stability(arguments) => stability::run(&arguments),
-            Self::Ladder(arguments) => ladder::run(&arguments),
-            Self::Campaign(arguments) => campaign::run(&arguments),
-            Self::Chart(arguments) => chart::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),
             Self::Train(arguments) => train::run(&arguments),
             Self::StylePhoto(arguments) => style_photo::run(&arguments),
-            Self::Figure(arguments) => figure::run(&arguments),
-            Self::Bench(arguments) => bench::run(&arguments),
             Self::Demo(arguments) => demo::run(&arguments),
         }
     }
-}
-
-/// Where style networks and their runtime are found.
-#[derive(Debug, Clone, clap::Args)]
-pub(crate) struct StyleArguments {
-    /// Folder with more style models: NAME.onnx and, if there is one, NAME.card.json
-    #[arg(long, env = "FATHOM_STYLES", value_name = "DIR")]
-    pub(crate) styles: Option<PathBuf>,
-    /// The ONNX Runtime library, if it is not where scripts/get-onnxruntime.sh puts it
-    #[arg(long, env = "FATHOM_ONNXRUNTIME", value_name = "FILE")]
-    pub(crate) onnxruntime: Option<PathBuf>,
 }

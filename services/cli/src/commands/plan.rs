@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use cli::exit::Failure;
+use cli::job;
+use cli::styles::StyleArguments;
+use cli::table::{cell, table};
 use renderer::{Engine, SceneSource, Slot};
 use serde_json::Value;
-
-use super::StyleArguments;
-use super::render::{bad_spec, read_job};
-use crate::exit::Failure;
-use crate::table::{cell, table};
 
 /// Options of `fathom plan`.
 #[derive(clap::Args)]
@@ -28,8 +27,8 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let library = super::styles::library(&arguments.style)?;
-    let job = read_job(&arguments.spec, &library)?;
+    let library = arguments.style.library()?;
+    let job = job::read(&arguments.spec, &library)?;
     if arguments.frame >= job.frames() {
         let message = format!(
             "--frame {} is beyond the job's {} frames, 0 to {}",
@@ -41,14 +40,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let frame = job
         .resolve(arguments.frame)
-        .map_err(|invalid| bad_spec(&arguments.spec, &invalid))?;
+        .map_err(|invalid| job::refused(&arguments.spec, &invalid))?;
     let mut slot = Slot::new(&Arc::new(Engine::new(
         library,
         arguments.style.onnxruntime.as_deref(),
     )));
-    let plan = slot
-        .plan(&frame, &SceneSource::Local)
-        .map_err(|error| Failure::BadInput(error.to_string()))?;
+    let plan = slot.plan(&frame, &SceneSource::Local).map_err(Failure::input)?;
     if arguments.json {
         println!("{plan}");
         return Ok(());

@@ -1,16 +1,13 @@
 //! `fathom render`: a job without a service; the same frames, byte for byte.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use cli::exit::Failure;
+use cli::job;
+use cli::progress::Progress;
+use cli::styles::StyleArguments;
 use renderer::Engine;
-use spec::Job;
-use style::Library;
-
-use super::StyleArguments;
-use crate::exit::Failure;
-use crate::files;
-use crate::progress::Progress;
 
 /// Options of `fathom render`.
 #[derive(clap::Args)]
@@ -29,8 +26,8 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let library = super::styles::library(&arguments.style)?;
-    let job = read_job(&arguments.spec, &library)?;
+    let library = arguments.style.library()?;
+    let job = job::read(&arguments.spec, &library)?;
     for warning in job.warnings() {
         eprintln!("warning: {warning}");
     }
@@ -47,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         progress.set(finished)
     });
     progress.finish();
-    let summary = summary.map_err(|error| Failure::BadInput(error.to_string()))?;
+    let summary = summary.map_err(Failure::input)?;
     println!(
         "{} frames in {:.1} s ({:.2} frames/s) in {}",
         summary.frames,
@@ -67,25 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Reads a job that may name files of this machine.
-pub(crate) fn read_job(path: &Path, library: &Library) -> Result<Job, Failure> {
-    let text = files::read(path)?;
-    Job::parse(&text, &renderer::vocabulary(library, true)).map_err(|invalid| bad_spec(path, &invalid))
-}
-
 /// The machine's cores.
 pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
-}
-
-/// Every error of a job description, one per line.
-pub(crate) fn bad_spec(path: &Path, invalid: &spec::Invalid) -> Failure {
-    let mut message = format!("{}: {} errors", path.display(), invalid.0.len());
-    for error in &invalid.0 {
-        message.push_str(&format!("\n  {} {}", error.pointer, error.message));
-        if let Some(near) = &error.did_you_mean {
-            message.push_str(&format!(" (did you mean `{near}`?)"));
-        }
-    }
-    Failure::BadInput(message)
 }

@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::styles::StyleArguments;
 use renderer::{Engine, SceneBytes, SceneSource, Slot};
 use serde::Deserialize;
 use spec::{Job, SceneFiles};
-
-use super::StyleArguments;
-use crate::exit::Failure;
 
 /// Options of `fathom rerender`.
 #[derive(clap::Args)]
@@ -38,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = &arguments.folder;
     let request: Request =
         serde_json::from_slice(&read(folder, "request.json")?).context("request.json cannot be read")?;
-    let library = super::styles::of_service(&arguments.style, &arguments.data)?;
+    let library = arguments.style.library_of_service(&arguments.data)?;
     let vocabulary = renderer::vocabulary(&library, false);
     let refused = |error: &dyn std::fmt::Display| Failure::BadInput(error.to_string());
     let job = Job::from_canonical(&request.spec, &vocabulary).map_err(|error| refused(&error))?;

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 use api::Data;
 use catalogue::NamedDigest;
+use cli::exit::Failure;
+use cli::progress::Progress;
+use cli::styles::StyleArguments;
 use serde_json::{Value, json};
 use store::Scrubbed;
 
-use super::StyleArguments;
-use crate::exit::Failure;
-use crate::progress::Progress;
 use repair::Repair;
 
 /// Options of `fathom scrub`.
@@ -140,10 +140,10 @@ fn state(state: Scrubbed) -> &'static str {
 }
 
 async fn scrub(arguments: &Arguments) -> Result<Findings, Failure> {
-    let library = super::styles::of_service(&arguments.style, &arguments.data)?;
+    let library = arguments.style.library_of_service(&arguments.data)?;
     let vocabulary = renderer::vocabulary(&library, false);
     let opened = Data::open(&arguments.data, &vocabulary.metrics).await;
-    let data = opened.map_err(|error| Failure::BadInput(error.to_string()))?;
+    let data = opened.map_err(Failure::input)?;
     let mut findings = Findings {
         catalogue: data
             .catalogue

@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::styles::StyleArguments;
 use tracing_subscriber::EnvFilter;
-
-use super::StyleArguments;
-use crate::exit::Failure;
 
 /// Options of `fathom serve`.
 #[derive(clap::Args)]
@@ -46,9 +45,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let config = config(arguments)?;
     let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
     runtime.block_on(async {
-        let service = api::start(config)
-            .await
-            .map_err(|error| Failure::BadInput(error.to_string()))?;
+        let service = api::start(config).await.map_err(Failure::input)?;
         eprintln!("fathom listens on http://{}", service.address());
         stop_signal().await?;
         service.stop().await.map_err(|error| Failure::Other(error.into()))
@@ -62,7 +59,7 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
     let slots = arguments
         .slots
         .map_or_else(|| cores.div_ceil(workers.max(1)), usize::from);
-    let library = super::styles::library(&arguments.style)?;
+    let library = arguments.style.library()?;
     Ok(api::Config {
         data: arguments.data,
         listen: arguments.listen,

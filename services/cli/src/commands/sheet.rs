@@ -2,15 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use cli::exit::Failure;
+use cli::files;
+use cli::images::Question;
+use cli::remote::{Remote, ServerArguments};
+use cli::sheet::{Tile, sheet};
+use cli::table::cell;
 use imaging::codec;
 use serde_json::Value;
-
-use super::query::Question;
-use crate::exit::Failure;
-use crate::files;
-use crate::remote::{Remote, ServerArguments};
-use crate::sheet::{Tile, sheet};
-use crate::table::cell;
 
 /// Options of `fathom sheet`.
 #[derive(clap::Args)]

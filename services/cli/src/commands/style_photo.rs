@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
+use cli::exit::Failure;
+use cli::files;
 use training::waters::{LOOKS, WaterLook};
-
-use crate::exit::Failure;
-use crate::files;
 
 /// Options of `fathom style-photo`.
 #[derive(clap::Args)]

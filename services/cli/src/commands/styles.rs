@@ -1,12 +1,9 @@
 //! `fathom styles`: the style waters, and whether their runtime is here.
 
-use std::path::Path;
-
-use style::{Library, Runtime};
-
-use super::StyleArguments;
-use crate::exit::Failure;
-use crate::table::table;
+use cli::exit::Failure;
+use cli::styles::StyleArguments;
+use cli::table::table;
+use style::Runtime;
 
 /// Options of `fathom styles`.
 #[derive(clap::Args)]
@@ -18,26 +15,9 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// The shipped library with the user's folder, if there is one.
-pub(crate) fn library(arguments: &StyleArguments) -> Result<Library, Failure> {
-    let embedded = Library::embedded().map_err(anyhow::Error::from)?;
-    match &arguments.styles {
-        Some(folder) => embedded
-            .with_dir(folder)
-            .map_err(|error| Failure::BadInput(error.to_string())),
-        None => Ok(embedded),
-    }
-}
-
-/// The same with the styles that were added to a service.
-pub(crate) fn of_service(arguments: &StyleArguments, data: &Path) -> Result<Library, Failure> {
-    let library = library(arguments)?;
-    api::added_styles(data, library).map_err(|error| Failure::BadInput(error.to_string()))
-}
-
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let library = library(&arguments.style)?;
+    let library = arguments.style.library()?;
     let models: Vec<_> = library
         .names()
         .into_iter()

@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
+use cli::exit::Failure;
+use cli::files;
+use cli::progress::Progress;
+use cli::remote::{Remote, ServerArguments};
 use serde_json::Value;
-
-use crate::exit::Failure;
-use crate::files;
-use crate::progress::Progress;
-use crate::remote::{Remote, ServerArguments};
 
 /// Options of `fathom submit`.
 #[derive(clap::Args)]

@@ -11,12 +11,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::files;
 use imaging::Rgb8;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use training::{Photo, Trainer};
 
-use crate::exit::Failure;
-use crate::files;
 use product::Product;
 use progress::TrainingProgress;
 

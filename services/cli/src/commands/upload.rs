@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use cli::exit::Failure;
+use cli::files;
+use cli::progress::Progress;
+use cli::remote::{Remote, ServerArguments};
 use ureq::unversioned::multipart::{Form, Part};
-
-use crate::exit::Failure;
-use crate::files;
-use crate::progress::Progress;
-use crate::remote::{Remote, ServerArguments};
 
 /// Options of `fathom upload`.
 #[derive(clap::Args)]

@@ -1,16 +1,10 @@
-//! `fathom waters`: the optical waters with their numbers and sources, and what they look like.
-
-mod pictures;
-
-use std::path::PathBuf;
+//! `fathom waters`: the optical waters with their numbers and sources.
 
 use api::WaterView;
+use cli::exit::Failure;
+use cli::table::{decimal, table};
 use optics::preset::{Channels, presets};
 use serde_json::json;
-
-use super::StyleArguments;
-use crate::exit::Failure;
-use crate::table::{decimal, table};
 
 /// Options of `fathom waters`.
 #[derive(clap::Args)]
@@ -18,28 +12,10 @@ pub(crate) struct Arguments {
     /// Print one JSON array, with sources, licences and caveats
     #[arg(long)]
     json: bool,
-    /// Draw the waters instead: transmittance, grey cards, one wall and every scene family in several waters
-    #[arg(long, requires = "out")]
-    plot: bool,
-    /// Folder for the drawings
-    #[arg(long, value_name = "DIR", requires = "plot")]
-    out: Option<PathBuf>,
-    /// Draw the plots alone, without the sheets of scenes, which take most of the time
-    #[arg(long, requires = "plot")]
-    no_scenes: bool,
-    #[command(flatten)]
-    style: StyleArguments,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(out) = arguments.out.as_deref().filter(|_| arguments.plot) {
-        pictures::plots(out)?;
-        return match arguments.no_scenes {
-            true => Ok(()),
-            false => pictures::sheets(out, &arguments.style),
-        };
-    }
     if arguments.json {
         let all: Vec<_> = presets()
             .iter()

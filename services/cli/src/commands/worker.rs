@@ -6,12 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::remote::ServerArguments;
+use cli::styles::StyleArguments;
 use renderer::worker::{self, Limits, WorkerOptions, machine_bytes};
 use signal_hook::consts::{SIGINT, SIGTERM};
-
-use super::StyleArguments;
-use crate::exit::Failure;
-use crate::remote::ServerArguments;
 
 /// Options of `fathom worker`.
 #[derive(clap::Args)]
@@ -52,7 +51,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
             stop.store(true, Ordering::SeqCst);
         });
     }
-    let library = super::styles::library(&arguments.style)?;
+    let library = arguments.style.library()?;
     let options = WorkerOptions {
         server: arguments.server.server,
         token: arguments.server.token,

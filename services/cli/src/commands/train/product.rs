@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::files;
 use imaging::codec;
 use style::net::layer::PARAMETERS;
 use style::net::{Network, onnx};
@@ -11,8 +13,6 @@ use training::loss::Losses;
 use training::{Best, Score};
 
 use super::{Arguments, Given, distance, sheet};
-use crate::exit::Failure;
-use crate::files;
 
 /// A network that does less than this beyond its colour map has learned no texture.
 const LEAST_BRANCH: f64 = 1.0;

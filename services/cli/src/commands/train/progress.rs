@@ -4,12 +4,11 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use cli::exit::Failure;
+use cli::files;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use training::loss::Losses;
-
-use crate::exit::Failure;
-use crate::files;
 
 /// Plain lines come at most this often.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);

@@ -1,12 +1,11 @@
 //! The sheet of a style: the photo, then four scenes before and after, whole and at alpha 0.4.
 
 use anyhow::Context;
+use cli::exit::Failure;
+use cli::sheet::{Tile, sheet};
 use imaging::geometry::Intrinsics;
 use imaging::{Rgb8, transfer};
 use style::net::{Network, Scratch};
-
-use crate::exit::Failure;
-use crate::sheet::{Tile, sheet};
 
 /// Scenes that are shown; none of them is trained on.
 const SEEDS: [u64; 4] = [3, 8, 14, 21];

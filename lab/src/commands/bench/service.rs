@@ -1,0 +1,235 @@
+//! The rates of a service, measured over HTTP as its clients see them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant, SystemTime};
+
+use anyhow::Context;
+use api::{Data, Service};
+use catalogue::{InsertJob, synthetic};
+use cli::exit::Failure;
+use cli::progress::Progress;
+use cli::remote::{Remote, ServerArguments, query_value};
+use proto::wire::{LeaseRequest, RegisterRequest, ReleaseRequest};
+use renderer::worker::client::Client;
+use serde_json::json;
+use style::Library;
+use tokio::runtime::Runtime;
+
+use super::ServiceArguments;
+use crate::machine;
+
+/// Repetitions of what is measured one by one.
+const TIMES: usize = 500;
+const DATASET: &str = "bench";
+/// What the service is built for, on a local solid-state disk.
+const TARGETS: &str = "targets: submit p99 <= 25 ms, claim p99 <= 5 ms, >= 3000 commits/s, page p99 <= 10 ms";
+
+/// Runs the command.
+pub(crate) fn run(arguments: &ServiceArguments) -> Result<(), Failure> {
+    let folder = match &arguments.data {
+        Some(folder) if folder.exists() => {
+            return Err(Failure::BadInput(format!("{} exists already", folder.display())));
+        }
+        Some(folder) => folder.clone(),
+        None => std::env::temp_dir().join(format!("fathom-bench-{}", std::process::id())),
+    };
+    let measured = measure(arguments.rows, &folder);
+    std::fs::remove_dir_all(&folder).with_context(|| format!("cannot remove {}", folder.display()))?;
+    let lines = measured?;
+    println!(
+        "{}, {} rows, {}",
+        machine::describe(),
+        arguments.rows,
+        disk(&folder)
+    );
+    lines.iter().for_each(|line| println!("{line}"));
+    println!("{TARGETS}");
+    Ok(())
+}
+
+fn measure(rows: u64, folder: &Path) -> Result<Vec<String>, Failure> {
+    let runtime = Runtime::new().context("cannot start the asynchronous runtime")?;
+    let mut lines = vec![runtime.block_on(fill(rows, folder))?];
+    let (service, server) = start(&runtime, folder)?;
+    let remote = Remote::new(&ServerArguments {
+        server: server.clone(),
+        token: None,
+    });
+    let asked = || -> Result<Vec<String>, Failure> {
+        Ok(vec![
+            claims(&server)?,
+            submissions(&remote)?,
+            pages(&remote, "default page of 100", "")?,
+            pages(
+                &remote,
+                "page of 100 with two metrics in the filter",
+                "uiqm > 0.5 and uciqe > 0.3",
+            )?,
+            count(&remote)?,
+        ])
+    };
+    let asked = asked();
+    runtime.block_on(service.stop()).map_err(anyhow::Error::from)?;
+    lines.extend(asked?);
+    Ok(lines)
+}
+
+/// A catalogue with as many images as frames that wait; the rate of the commits, by ten thousands.
+async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
+    let data = Data::open(folder, &synthetic::metrics()).await?;
+    let now_ms = SystemTime::UNIX_EPOCH
+        .elapsed()
+        .map_or(0, |now| now.as_millis() as u64);
+    let job = synthetic::job("job_bench", DATASET, 2 * rows, now_ms);
+    anyhow::ensure!(
+        matches!(data.catalogue.insert_job(job).await?, InsertJob::Created),
+        "the folder holds a job already"
+    );
+    let catalogue = Arc::new(data.catalogue);
+    let mut progress = Progress::new("fill", rows);
+    let (mut rates, step) = (Vec::new(), (rows / 100).max(1000));
+    let mut from = 0;
+    while from < rows {
+        let to = rows.min(from + step);
+        let begun = Instant::now();
+        synthetic::fill(&catalogue, "job_bench", from..to, now_ms).await?;
+        rates.push((to - from) as f64 / begun.elapsed().as_secs_f64());
+        from = to;
+        progress.set(from);
+    }
+    progress.finish();
+    catalogue.close().await;
+    data.store.close().await;
+    let (first, last) = (rates[0], rates[rates.len() - 1]);
+    rates.sort_by(f64::total_cmp);
+    let median = rates[rates.len() / 2];
+    Ok(format!(
+        "commits in groups: median {median:.0} a second ({first:.0} at first, {last:.0} at last)"
+    ))
+}
+
+fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure> {
+    let config = api::Config {
+        data: folder.to_owned(),
+        listen: ([127, 0, 0, 1], 0).into(),
+        workers: 0,
+        slots_per_worker: 1,
+        // None is started.
+        worker_program: PathBuf::new(),
+        token: None,
+        styles: None,
+        onnxruntime: None,
+        library: Library::embedded().context("the embedded style models")?,
+        style_trial: Duration::from_secs(60),
+    };
+    let service = runtime
+        .block_on(api::start(config))
+        .map_err(|error| Failure::Other(error.into()))?;
+    let server = format!("http://{}", service.address());
+    Ok((service, server))
+}
+
+/// A frame at a time, as a worker that does not know yet what a frame costs.
+fn claims(server: &str) -> Result<String, Failure> {
+    let client = Client::new(server, None);
+    let about = RegisterRequest {
+        name: "bench".to_owned(),
+        slots: 1,
+        ..RegisterRequest::default()
+    };
+    let worker_id = client.register(&about).map_err(anyhow::Error::from)?.worker_id;
+    let mut times = Vec::new();
+    for _ in 0..TIMES {
+        let want = LeaseRequest {
+            worker_id: worker_id.clone(),
+            ..LeaseRequest::default()
+        };
+        let begun = Instant::now();
+        let answer = client.lease(&want).map_err(anyhow::Error::from)?;
+        times.push(begun.elapsed());
+        let lease = answer.lease.context("a frame waits and is not given")?;
+        let back = ReleaseRequest {
+            token: lease.token,
+            reason: "bench".to_owned(),
+        };
+        client.release(&back).map_err(anyhow::Error::from)?;
+    }
+    Ok(report("claim of a frame", times))
+}
+
+/// One after the other, each on the disk before it is answered.
+fn submissions(remote: &Remote) -> Result<String, Failure> {
+    let job = json!({"dataset": "other", "count": 1000, "seed": 1,
+        "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}}});
+    let job = job.to_string();
+    let mut times = Vec::new();
+    for _ in 0..TIMES {
+        let begun = Instant::now();
+        remote.post_json("/v1/jobs", &[], job.as_bytes())?;
+        times.push(begun.elapsed());
+    }
+    Ok(report("submit a job", times))
+}
+
+fn pages(remote: &Remote, what: &str, filter: &str) -> Result<String, Failure> {
+    let mut base = format!("/v1/images?dataset={DATASET}&limit=100");
+    if !filter.is_empty() {
+        base.push_str(&format!("&filter={}", query_value(filter)));
+    }
+    let (mut times, mut path) = (Vec::new(), base.clone());
+    for _ in 0..TIMES {
+        let begun = Instant::now();
+        let answer = remote.get(&path)?;
+        // What the client makes of the answer is its own time.
+        times.push(begun.elapsed());
+        let page = answer.json()?;
+        let cursor = page.get("next_cursor").and_then(serde_json::Value::as_str);
+        path = cursor.map_or_else(|| base.clone(), |cursor| format!("{base}&cursor={cursor}"));
+    }
+    Ok(report(what, times))
+}
+
+/// Statistics of two metrics over every row.
+fn count(remote: &Remote) -> Result<String, Failure> {
+    let mut times = Vec::new();
+    for _ in 0..3 {
+        let begun = Instant::now();
+        let path = format!(
+            "/v1/datasets/{DATASET}/histogram?column=uiqm&bins=20&filter={}",
+            query_value("uiqm > 0.5 and uciqe > 0.3")
+        );
+        remote.get(&path)?;
+        times.push(begun.elapsed());
+    }
+    Ok(report("count over all rows by two metrics", times))
+}
+
+fn report(name: &str, mut times: Vec<Duration>) -> String {
+    times.sort_unstable();
+    let ms = |share: f64| times[((times.len() - 1) as f64 * share).round() as usize].as_secs_f64() * 1e3;
+    format!(
+        "{name}: p50 {:.2} ms, p99 {:.2} ms, {} times",
+        ms(0.5),
+        ms(0.99),
+        times.len()
+    )
+}
+
+/// The file system under a folder that may be gone.
+fn disk(folder: &Path) -> String {
+    let mounts = std::fs::read_to_string("/proc/mounts").unwrap_or_default();
+    let parent: PathBuf = folder
+        .parent()
+        .unwrap_or(Path::new("/"))
+        .canonicalize()
+        .unwrap_or_default();
+    let under = mounts.lines().filter_map(|line| {
+        let mut words = line.split(' ');
+        let (_, at, kind) = (words.next()?, words.next()?, words.next()?);
+        parent.starts_with(at).then_some((at.len(), kind))
+    });
+    under
+        .max()
+        .map_or_else(|| "unknown file system".to_owned(), |(_, kind)| kind.to_owned())
+}

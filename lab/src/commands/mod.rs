@@ -1,0 +1,64 @@
+//! One file for each command.
+
+mod airlight;
+mod bench;
+mod campaign;
+mod chart;
+mod figure;
+mod ladder;
+mod scene_sheets;
+mod stability;
+mod suspended;
+mod table1;
+mod training_scores;
+mod waters;
+
+use cli::exit::Failure;
+
+/// What `fathom-lab` can do.
+#[derive(clap::Subcommand)]
+pub(crate) enum Command {
+    /// Draw error against time of the variants of each stage
+    Chart(chart::Arguments),
+    /// Try random frames against the promise of the plan
+    Campaign(campaign::Arguments),
+    /// Show what each effect of the chain buys in a water
+    Ladder(ladder::Arguments),
+    /// Map where methods fail
+    Stability(stability::Arguments),
+    /// Compare the enhancement methods over a folder of pictures or a dataset
+    Table1(table1::Arguments),
+    /// Draw the steps of the chain and the style waters for one scene
+    Figure(figure::Arguments),
+    /// Draw the waters: transmittance, grey cards, one wall and every scene family in several waters
+    Waters(waters::Arguments),
+    /// Draw the glow before lamps, with few to many nodes on every ray
+    Airlight(airlight::Arguments),
+    /// Draw frames with snow and turbidity
+    Suspended(suspended::Arguments),
+    /// Draw many seeds of a scene family, or the labels of every family
+    Scenes(scene_sheets::Arguments),
+    /// Score a trained style over several sets of new scenes
+    TrainingScores(training_scores::Arguments),
+    /// Measure how fast rendering and the service are on this machine
+    Bench(bench::Arguments),
+}
+
+impl Command {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        match self {
+            Self::Chart(arguments) => chart::run(&arguments),
+            Self::Campaign(arguments) => campaign::run(&arguments),
+            Self::Ladder(arguments) => ladder::run(&arguments),
+            Self::Stability(arguments) => stability::run(&arguments),
+            Self::Table1(arguments) => table1::run(&arguments),
+            Self::Figure(arguments) => figure::run(&arguments),
+            Self::Waters(arguments) => waters::run(&arguments),
+            Self::Airlight(arguments) => airlight::run(&arguments),
+            Self::Suspended(arguments) => suspended::run(&arguments),
+            Self::Scenes(arguments) => scene_sheets::run(&arguments),
+            Self::TrainingScores(arguments) => training_scores::run(&arguments),
+            Self::Bench(arguments) => bench::run(&arguments),
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! The `fathom-lab` command: measures the product and draws the pages that show it.
+
+mod commands;
+mod drawing;
+mod machine;
+mod studio;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Measures Fathom and draws what its pages show
+#[derive(Parser)]
+#[command(name = "fathom-lab", version, about, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: commands::Command,
+}
+
+fn main() -> ExitCode {
+    cli::exit::end("fathom-lab", Arguments::parse().command.run())
+}

@@ -1,0 +1,60 @@
+//! Frames rendered as any job renders them.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::Context;
+use cli::exit::Failure;
+use imaging::{Raster, codec};
+use renderer::{Engine, Rendered, SceneSource, Slot};
+use serde_json::Value;
+use spec::{Frame, Job};
+use style::Library;
+
+/// One slot, and what it knows.
+pub(crate) struct Studio {
+    pub(crate) library: Library,
+    slot: Slot,
+}
+
+impl Studio {
+    pub(crate) fn new(library: Library, onnxruntime: Option<&Path>) -> Self {
+        let engine = Arc::new(Engine::new(library.clone(), onnxruntime));
+        Self {
+            library,
+            slot: Slot::new(&engine),
+        }
+    }
+
+    /// With the shipped styles.
+    pub(crate) fn with_shipped_styles() -> Result<Self, Failure> {
+        let library = Library::embedded().context("the embedded style models")?;
+        Ok(Self::new(library, None))
+    }
+
+    /// A frame of a job that may name files of this machine.
+    pub(crate) fn frame(&self, description: &Value, index: u64) -> Result<Frame, Failure> {
+        let vocabulary = renderer::vocabulary(&self.library, true);
+        let job = Job::parse(description.to_string().as_bytes(), &vocabulary);
+        let frame = job.and_then(|job| job.resolve(index));
+        frame.map_err(|invalid| cli::job::refused(Path::new("the description"), &invalid))
+    }
+
+    pub(crate) fn render(&mut self, frame: &Frame) -> Result<Rendered, Failure> {
+        self.slot
+            .render(frame, &SceneSource::Local)
+            .map_err(Failure::input)
+    }
+}
+
+/// An artifact that may have been made.
+pub(crate) fn artifact<'a>(rendered: &'a Rendered, kind: &str) -> Option<&'a [u8]> {
+    let file = rendered.files.iter().find(|file| file.kind == kind)?;
+    Some(&file.bytes)
+}
+
+/// The codes of an artifact that was asked for.
+pub(crate) fn raster(rendered: &Rendered, kind: &str) -> Result<Raster, Failure> {
+    let bytes = artifact(rendered, kind).with_context(|| format!("the frame has no artifact `{kind}`"))?;
+    Ok(codec::decode_picture(bytes).map_err(anyhow::Error::from)?)
+}
