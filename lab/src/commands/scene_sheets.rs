@@ -96,7 +96,7 @@ fn label_tiles(arguments: &Arguments) -> Result<Vec<Rgb8>, Failure> {
     let lens = Intrinsics::centred(458.0, SIZE.0, SIZE.1);
     let mut tiles = Vec::new();
     for family in FAMILIES {
-        let world = World::of(family, seed).map_err(Failure::input)?;
+        let world = World::new(family, seed).map_err(Failure::input)?;
         let (scene, labels) = world.render_labelled(&world.pose(), SIZE, &lens);
         let picture = transfer::encode_rgb8(&scene.radiance).0;
         let instances = scene.instances.expect("procedural scenes have instances");

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::plane::Plane;
+use crate::vector::{DVec3, vec3};
 
 /// A pinhole camera with square pixels, in index coordinates: the centre of pixel (0, 0) is (0, 0).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -24,6 +25,12 @@ impl Intrinsics {
             cx: (width as f64 - 1.0) / 2.0,
             cy: (height as f64 - 1.0) / 2.0,
         }
+    }
+
+    /// The ray of a place in the picture in camera axes (right, down, ahead): `((x-cx)/f, (y-cy)/f, 1)`, not normalized.
+    #[must_use]
+    pub fn ray(&self, x: f64, y: f64) -> DVec3 {
+        vec3((x - self.cx) / self.focal_px, (y - self.cy) / self.focal_px, 1.0)
     }
 }
 

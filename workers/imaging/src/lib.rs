@@ -12,6 +12,7 @@ mod raster;
 mod rgb;
 pub mod simd;
 pub mod transfer;
+pub mod vector;
 
 pub use plane::{Plane, SizeError};
 pub use raster::{Channels, Raster, Rgb8, Samples, luma1000};

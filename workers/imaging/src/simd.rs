@@ -2,6 +2,17 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+/// [`vectorised`] for an expression: compiles what is inlined in it for the vector instructions of this CPU.
+#[macro_export]
+macro_rules! vectorized {
+    ($work:expr) => {
+        $crate::simd::vectorised(
+            #[inline(always)]
+            || $work,
+        )
+    };
+}
+
 /// Runs a loop with the widest vector instructions that this CPU has. Put the loop into a function that is
 /// `#[inline(always)]` and takes slices and plain values, and call it from a closure that is `#[inline(always)]` as well:
 /// only what is inlined here is compiled anew, and what a closure merely captures is read again in every step, which keeps a

@@ -54,12 +54,9 @@ impl Eye {
     /// The unit vector along the ray of a place in the picture, in camera axes.
     #[must_use]
     pub(crate) fn ray(&self, column: f64, row: f64) -> [f64; 3] {
-        let (u, v) = (
-            (column - self.camera.cx) / self.camera.focal_px,
-            (row - self.camera.cy) / self.camera.focal_px,
-        );
-        let length = (u * u + v * v + 1.0).sqrt();
-        [u / length, v / length, 1.0 / length]
+        let ray = self.camera.ray(column, row);
+        let length = ray.length();
+        [ray.x / length, ray.y / length, ray.z / length]
     }
 }
 

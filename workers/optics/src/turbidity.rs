@@ -19,6 +19,7 @@ pub(crate) use path::{RUN, Rays};
 pub use reference::{REFERENCE_STEP, optical_path_reference};
 
 use imaging::random::Stream;
+use imaging::vector::dot;
 use spec::Turbidity;
 
 use crate::eye::Eye;
@@ -148,10 +149,6 @@ impl Field {
             .sum();
         metres * (1.0 + self.gain * sum).max(0.0)
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 pub mod categories;
 mod error;
 pub mod labels;
-pub mod path;
+mod path;
 mod pipeline;
 mod pose;
 mod shaft;
@@ -50,6 +50,6 @@ pub fn procedural(
     height: usize,
     intrinsics: Intrinsics,
 ) -> Result<Scene, SceneError> {
-    let world = World::of(family, seed)?;
+    let world = World::new(family, seed)?;
     Ok(world.render(&world.pose(), (width, height), &intrinsics))
 }

@@ -1,13 +1,16 @@
 //! The family `pipeline`: a coated pipe on blocks, saddles, trestles or the bare seabed, with field joints, weld seams, anodes
 //! and damage, as a survey flies along it.
 
+use std::f32::consts::FRAC_PI_2;
+
+use imaging::vector::{Vec3, vec3};
+
 use crate::categories::Category;
 use crate::site::Site;
 use crate::site::builder::{Builder, View};
 use crate::site::chance::Dice;
 use crate::site::finish::{Coat, Material, Pattern};
-use crate::site::solid::{Block, Shape};
-use crate::site::vector::{Pose, UP, Vec3, vec3};
+use crate::site::pose::{UP, horizontal, up};
 
 /// Half the length of pipe, m.
 const HALF_M: f32 = 26.0;
@@ -33,8 +36,13 @@ struct Pipe {
 
 impl Pipe {
     /// A point of the axis.
-    fn at(&self, distance: f32) -> Vec3 {
-        self.along * distance + vec3(0.0, 0.0, self.height)
+    fn axis(&self, distance: f32) -> Vec3 {
+        self.along * distance + up(self.height)
+    }
+
+    /// A tube around it, `thick` meters larger.
+    fn sleeve(&self, builder: &mut Builder, [from, to]: [f32; 2], thick: f32) {
+        builder.tube(self.axis(from), self.axis(to), self.radius + thick);
     }
 
     /// The point of the ground under it.
@@ -45,7 +53,7 @@ impl Pipe {
 
 /// The site of a seed.
 pub(crate) fn site(seed: u64) -> Site {
-    let dice = Dice::about(seed, "pipeline");
+    let dice = Dice::new(seed, "pipeline");
     let mut builder = Builder::new(seed, "pipeline");
     let kind = dice.count(0, 0, 4);
     let radius = dice.between(1, 0.16, 0.5);
@@ -59,8 +67,8 @@ pub(crate) fn site(seed: u64) -> Site {
         radius,
         height: radius + clearance,
         yaw,
-        along: Vec3::horizontal(yaw),
-        across: Vec3::horizontal(yaw + std::f32::consts::FRAC_PI_2),
+        along: horizontal(yaw),
+        across: horizontal(yaw + FRAC_PI_2),
     };
     let joint = dice.between(4, -1.3, 1.3);
     let coat = Coat {
@@ -68,11 +76,11 @@ pub(crate) fn site(seed: u64) -> Site {
         joint: HALF_M + joint,
         pitch: 12.2,
         band: dice.between(5, 0.16, 0.32),
-        band_colour: dice.pick(6, &BANDS),
+        band_color: dice.pick(6, &BANDS),
         seam: dice.between(7, -3.1, 3.1),
     };
     builder.object(Material::Coated(coat), Category::Pipe);
-    builder.tube(pipe.at(-HALF_M), pipe.at(HALF_M), radius);
+    builder.tube(pipe.axis(-HALF_M), pipe.axis(HALF_M), radius);
     match kind {
         0 => blocks(&mut builder, dice, &pipe),
         1 => saddles(&mut builder, dice, &pipe),
@@ -85,14 +93,9 @@ pub(crate) fn site(seed: u64) -> Site {
     builder.debris(dice.count(9, 1, 4), pipe.under(0.0), [3.5, 2.4]);
     for i in 0..dice.count(10, 1, 3) {
         let ground = builder.about("ground").object(i);
+        let place = ground.within(0, [-7.0, 1.5, 0.0], [7.0, 9.0, 0.0]);
         let radius = ground.between(2, 1.2, 4.0);
-        let height = radius * ground.between(3, 0.05, 0.11);
-        builder.mound(
-            ground.between(0, -7.0, 7.0),
-            ground.between(1, 1.5, 9.0),
-            radius,
-            height,
-        );
+        builder.mound(place, radius, radius * ground.between(3, 0.05, 0.11));
     }
     builder.site(&view(dice, &pipe, kind > 2))
 }
@@ -104,17 +107,15 @@ fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
     let least = if buried { 0.9 } else { 0.4 };
     let (eye, target) = if beside {
         let distance = pipe.radius + dice.between(21, 1.1, 2.8);
-        let eye =
-            pipe.at(dice.between(22, -1.2, 1.2)) - pipe.across * distance + UP * dice.between(23, -0.1, 1.3);
-        (eye, pipe.at(dice.between(24, -0.6, 0.6)))
+        let abreast = pipe.axis(dice.between(22, -1.2, 1.2));
+        let eye = abreast - pipe.across * distance + UP * dice.between(23, -0.1, 1.3);
+        (eye, pipe.axis(dice.between(24, -0.6, 0.6)))
     } else {
-        let eye = pipe.at(-dice.between(21, 1.4, 2.6))
-            + pipe.across * dice.between(22, -1.0, 1.0)
-            + UP * (pipe.radius + dice.between(23, 0.6, 1.4));
-        (
-            eye,
-            pipe.at(dice.between(24, 0.4, 2.2)) + UP * dice.between(25, -0.2, 0.3),
-        )
+        let behind = pipe.axis(-dice.between(21, 1.4, 2.6));
+        let over = UP * (pipe.radius + dice.between(23, 0.6, 1.4));
+        let eye = behind + pipe.across * dice.between(22, -1.0, 1.0) + over;
+        let ahead = pipe.axis(dice.between(24, 0.4, 2.2));
+        (eye, ahead + UP * dice.between(25, -0.2, 0.3))
     };
     let eye = vec3(eye.x, eye.y, eye.z.max(least));
     View {
@@ -135,37 +136,26 @@ fn fittings(builder: &mut Builder, dice: Dice, pipe: &Pipe, joint: f32) {
         for side in [-1.0, 1.0] {
             // Two shells with a gap between them.
             let (near, far) = (place + side * 0.012, place + side * half);
-            builder.tube(
-                pipe.at(near.min(far)),
-                pipe.at(near.max(far)),
-                pipe.radius + 0.045,
-            );
+            pipe.sleeve(builder, [near.min(far), near.max(far)], 0.045);
         }
     }
     if dice.chance(32, 0.4) {
-        builder.flange(
-            pipe.at(joint + dice.between(33, 1.2, 2.6)),
-            pipe.along,
-            pipe.radius,
-        );
+        let place = pipe.axis(joint + dice.between(33, 1.2, 2.6));
+        builder.flange(place, pipe.along, pipe.radius);
     }
     if dice.chance(34, 0.4) {
         builder.object(Material::Rubber, Category::Cable);
         let top = UP * (pipe.radius + 0.045);
-        builder.tube(pipe.at(-HALF_M) + top, pipe.at(HALF_M) + top, 0.045);
+        builder.tube(pipe.axis(-HALF_M) + top, pipe.axis(HALF_M) + top, 0.045);
         builder.object(Material::Steel, Category::Fitting);
         for i in -8..8 {
             let place = 1.35 * i as f32 + dice.between(35, 0.0, 1.0);
-            builder.tube(
-                pipe.at(place - 0.025),
-                pipe.at(place + 0.025),
-                pipe.radius + 0.012,
-            );
+            pipe.sleeve(builder, [place - 0.025, place + 0.025], 0.012);
         }
     }
 }
 
-/// Where supports are: some ahead and some behind.
+/// Numbers and positions along the pipe of its supports, some ahead and some behind.
 fn places(dice: Dice, spacing: f32) -> impl Iterator<Item = (u64, f32)> {
     let start = dice.between(40, -0.5, 0.5) * spacing;
     (0..6u64).map(move |i| {
@@ -195,11 +185,11 @@ fn saddles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
         for side in [-1.0, 1.0] {
             let cheek = pipe.across * (side * (pipe.radius + 0.13));
             let half = vec3(0.2, 0.11, pipe.radius * 0.5);
-            let centre = pipe.under(place) + cheek + UP * (pipe.height - pipe.radius * 0.55);
-            builder.block(centre, half, pipe.yaw);
+            let center = pipe.under(place) + cheek + UP * (pipe.height - pipe.radius * 0.55);
+            builder.block(center, half, pipe.yaw);
         }
         builder.object(Material::Steel, Category::Fitting);
-        builder.tube(pipe.at(place - 0.04), pipe.at(place + 0.04), pipe.radius + 0.014);
+        pipe.sleeve(builder, [place - 0.04, place + 0.04], 0.014);
         scour(builder, dice.object(i as usize + 1), pipe.under(place), wide);
     }
 }
@@ -217,11 +207,8 @@ fn trestles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
             builder.tube(foot, foot + UP * 0.05, 0.22);
             scour(builder, dice.object(2 * i as usize + 1), foot, 0.3);
         }
-        let pose = Pose::upright(pipe.under(place) + UP * (top - 0.08), pipe.yaw);
-        let beam = Block {
-            half: vec3(0.09, wide + 0.15, 0.08),
-        };
-        builder.put(Shape::Block(beam), pose);
+        let beam = pipe.under(place) + UP * (top - 0.08);
+        builder.block(beam, vec3(0.09, wide + 0.15, 0.08), pipe.yaw);
     }
 }
 
@@ -241,11 +228,11 @@ fn bags(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
             let wide = (pipe.radius * pipe.radius - aside * aside).max(0.0).sqrt();
             let out = wide + 0.15 + choose.between(0, 0.0, 0.06) + 0.04 * (2.0 - course);
             let step = 0.24 * if bag / 2 % 2 == 0 { -1.0 } else { 1.0 } + 0.12 * course;
-            let centre = pipe.under(place + step + choose.between(1, -0.04, 0.04))
+            let center = pipe.under(place + step + choose.between(1, -0.04, 0.04))
                 + pipe.across * (side * out)
                 + UP * height;
             let radii = vec3(choose.between(2, 0.27, 0.31), 0.2, 0.105);
-            builder.ball(centre, radii, pipe.yaw + choose.between(3, -0.2, 0.2));
+            builder.ball(center, radii, pipe.yaw + choose.between(3, -0.2, 0.2));
         }
     }
 }
@@ -267,7 +254,7 @@ fn bank(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
         let place = pipe.under(-7.0 + 2.6 * i as f32 + choose.between(0, -0.6, 0.6))
             + pipe.across * choose.between(1, -0.5, 0.5);
         let wide = choose.between(2, 0.9, 1.8);
-        builder.mound(place.x, place.y, wide, wide * choose.between(3, 0.05, 0.12));
+        builder.mound(place, wide, wide * choose.between(3, 0.05, 0.12));
     }
 }
 
@@ -275,10 +262,6 @@ fn bank(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
 fn scour(builder: &mut Builder, dice: Dice, place: Vec3, wide: f32) {
     let reach = wide * dice.between(70, 1.2, 1.7) + 0.2;
     let lee = dice.between(71, -0.25, 0.25);
-    builder.mound(
-        place.x + lee,
-        place.y + lee,
-        reach,
-        reach * dice.between(72, 0.06, 0.16),
-    );
+    let height = reach * dice.between(72, 0.06, 0.16);
+    builder.mound(place + vec3(lee, lee, 0.0), reach, height);
 }

@@ -1,13 +1,15 @@
 //! The family `shaft`: flooded shafts and tunnels with a lining of concrete segments, cast rings or masonry, mud on the floor,
 //! and what hangs on the walls: ladders, pipes and cables on brackets.
 
+use imaging::vector::{Vec3, vec3};
+
 use crate::categories::Category;
 use crate::site::Site;
 use crate::site::builder::{Builder, View};
 use crate::site::chance::Dice;
-use crate::site::finish::{Material, Pattern, Unroll};
-use crate::site::solid::{Block, Bore, Ring, Room, Shape};
-use crate::site::vector::{Pose, UP, Vec3, vec3};
+use crate::site::finish::{Courses, Material, Pattern, Unroll};
+use crate::site::pose::{Pose, UP, ZERO, up};
+use crate::site::solid::{Block, Bore, Ring, Room};
 
 /// Length of a tunnel and height of a shaft, m.
 const LENGTH_M: f32 = 64.0;
@@ -24,78 +26,70 @@ struct Wall {
 
 /// The site of a seed.
 pub(crate) fn site(seed: u64) -> Site {
-    let dice = Dice::about(seed, "shaft");
+    let dice = Dice::new(seed, "shaft");
     let mut builder = Builder::new(seed, "shaft");
     let view = match dice.count(0, 0, 2) {
         0 => tunnel(&mut builder, dice),
         1 => {
             let radius = dice.between(1, 1.5, 3.2);
-            let pose = Pose::upright(vec3(0.0, 0.0, -1.0), dice.between(2, 0.0, 6.3));
-            builder.object(lining(dice, Unroll::Round { radius }, radius), Category::Lining);
-            builder.put(
-                Shape::Bore(Bore {
-                    radius,
-                    length: LENGTH_M,
-                }),
-                pose,
-            );
+            let pose = Pose::upright(up(-1.0), dice.between(2, 0.0, 6.3));
+            bore(&mut builder, dice, radius, pose);
             shaft(&mut builder, dice, [radius, radius])
         }
         _ => {
             let half = [dice.between(1, 1.3, 2.6), dice.between(2, 1.3, 2.6)];
             builder.object(lining(dice, Unroll::Walls { half }, 1.6), Category::Lining);
-            let room = Room {
-                half: vec3(half[0], half[1], LENGTH_M / 2.0),
-            };
-            builder.put(
-                Shape::Room(room),
-                Pose::upright(vec3(0.0, 0.0, LENGTH_M / 2.0 - 1.0), 0.0),
-            );
+            let middle = Pose::upright(up(LENGTH_M / 2.0 - 1.0), 0.0);
+            let half_sides = vec3(half[0], half[1], LENGTH_M / 2.0);
+            builder.put(Room { half: half_sides }, middle);
             shaft(&mut builder, dice, half)
         }
     };
     builder.site(&view)
 }
 
+/// The wall of a round tunnel or shaft.
+fn bore(builder: &mut Builder, dice: Dice, radius: f32, pose: Pose) {
+    let wall = Bore {
+        radius,
+        length: LENGTH_M,
+    };
+    builder.object(lining(dice, Unroll::Round { radius }, radius), Category::Lining);
+    builder.put(wall, pose);
+}
+
 /// The lining: segments with bolt pockets, cast rings, or blocks in courses.
 fn lining(dice: Dice, unroll: Unroll, radius: f32) -> Material {
     let around = std::f32::consts::TAU * radius;
-    let (height, length, joint, pockets, variety) = match dice.count(10, 0, 2) {
+    let (height, length, joint, pocket, variety) = match dice.count(10, 0, 2) {
         0 => {
             let pieces = dice.count(11, 5, 8) as f32;
-            (dice.between(12, 1.0, 1.5), around / pieces, 0.011, true, 0.07)
+            (dice.between(12, 1.0, 1.5), around / pieces, 0.011, 1.0, 0.07)
         }
-        1 => (dice.between(12, 1.8, 3.0), around / 2.0, 0.008, false, 0.05),
+        1 => (dice.between(12, 1.8, 3.0), around / 2.0, 0.008, 0.0, 0.05),
         _ => {
             let height = dice.between(12, 0.2, 0.42);
             let pieces = (around / (height * dice.between(13, 1.6, 2.4))).round();
-            (height, around / pieces, 0.009, false, 0.2)
+            (height, around / pieces, 0.009, 0.0, 0.2)
         }
     };
-    Material::Concrete(Pattern::Courses {
+    Material::Concrete(Pattern::Courses(Courses {
         unroll,
         height,
         length,
         joint,
-        pockets,
+        pocket,
         variety,
-    })
+    }))
 }
 
 /// A level tunnel along y, silted up at the bottom.
 fn tunnel(builder: &mut Builder, dice: Dice) -> View {
     let radius = dice.between(1, 1.2, 2.4);
-    let centre = radius * dice.between(2, 0.6, 0.9);
-    builder.object(lining(dice, Unroll::Round { radius }, radius), Category::Lining);
-    let (start, end) = (vec3(0.0, -4.0, centre), vec3(0.0, LENGTH_M - 4.0, centre));
+    let center = radius * dice.between(2, 0.6, 0.9);
+    let (start, end) = (vec3(0.0, -4.0, center), vec3(0.0, LENGTH_M - 4.0, center));
     let pose = Pose::along(start, end, dice.between(3, 0.0, 6.3));
-    builder.put(
-        Shape::Bore(Bore {
-            radius,
-            length: LENGTH_M,
-        }),
-        pose,
-    );
+    bore(builder, dice, radius, pose);
     let along = vec3(0.0, 1.0, 0.0);
     let mut sides = [-1.0, 1.0];
     if dice.chance(4, 0.5) {
@@ -106,39 +100,24 @@ fn tunnel(builder: &mut Builder, dice: Dice) -> View {
         let (sin, cos) = libm::sincosf(lift);
         let outward = vec3(side * cos, 0.0, sin);
         let wall = Wall {
-            foot: vec3(0.0, 0.0, centre) + outward * radius,
+            foot: up(center) + outward * radius,
             along,
             out: -outward,
         };
         run(builder, dice.object(1 + i), &wall, [-1.5, 12.0]);
     }
-    builder.stones(
-        dice.count(6, 2, 8),
-        vec3(0.0, 4.0, 0.0),
-        [0.5 * radius, 3.6],
-        [0.04, 0.22],
-    );
-    builder.debris(dice.count(7, 0, 3), vec3(0.0, 4.0, 0.0), [0.4 * radius, 3.0]);
+    let middle = vec3(0.0, 4.0, 0.0);
+    builder.stones(dice.count(6, 2, 8), middle, [0.5 * radius, 3.6], [0.04, 0.22]);
+    builder.debris(dice.count(7, 0, 3), middle, [0.4 * radius, 3.0]);
     let ground = builder.about("ground");
-    builder.mound(
-        ground.between(0, -0.6, 0.6) * radius,
-        ground.between(1, 2.0, 7.0),
-        1.2,
-        0.13,
-    );
-    let eye = vec3(
-        dice.between(30, -0.3, 0.3) * radius,
-        0.0,
-        (centre + dice.between(31, -0.25, 0.25) * radius).max(0.45),
-    );
-    let target = vec3(
-        dice.between(32, -0.75, 0.75) * radius,
-        dice.between(33, 1.5, 4.5),
-        (centre + dice.between(34, -0.5, 0.5) * radius).max(0.1),
-    );
+    let (x, y) = (ground.between(0, -0.6, 0.6) * radius, ground.between(1, 2.0, 7.0));
+    builder.mound(vec3(x, y, 0.0), 1.2, 0.13);
+    let height = |choice, reach: f32| center + dice.between(choice, -reach, reach) * radius;
+    let eye_x = dice.between(30, -0.3, 0.3) * radius;
+    let (x, y) = (dice.between(32, -0.75, 0.75) * radius, dice.between(33, 1.5, 4.5));
     View {
-        eye,
-        target,
+        eye: vec3(eye_x, 0.0, height(31, 0.25).max(0.45)),
+        target: vec3(x, y, height(34, 0.5).max(0.1)),
         travel: along * 5.0,
         roll: dice.between(35, -0.1, 0.1),
         lamp_m: dice.between(36, 1.9, 3.0),
@@ -151,14 +130,9 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
     let height = dice.between(30, 1.4, 6.0);
     // The far wall in the picture: the camera looks along +y.
     let offset = dice.between(20, -0.3, 0.3) * half[0];
-    let depth = |x: f32| {
-        let round = half[0] == half[1];
-        if round {
-            (half[1] * half[1] - x * x).sqrt()
-        } else {
-            half[1]
-        }
-    };
+    let round = half[0] == half[1];
+    let chord = |x: f32| (half[1] * half[1] - x * x).sqrt();
+    let depth = |x: f32| if round { chord(x) } else { half[1] };
     let wall = |x: f32| Wall {
         foot: vec3(x, depth(x), height),
         along: UP,
@@ -170,8 +144,8 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
         builder.ladder(foot, UP, vec3(0.24, 0.0, 0.0), 42);
         for stay in 0..6 {
             for side in [-0.24, 0.24] {
-                let at = foot + vec3(side, 0.0, 0.9 + 2.1 * stay as f32);
-                builder.tube(at, at - out * 0.3, 0.018);
+                let end = foot + vec3(side, 0.0, 0.9 + 2.1 * stay as f32);
+                builder.tube(end, end - out * 0.3, 0.018);
             }
         }
     }
@@ -180,28 +154,19 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
         let x = side * half[0] * (0.32 + 0.3 * i as f32) + offset * 0.3;
         run(builder, dice.object(1 + i), &wall(x), [-height - 0.3, 9.0]);
     }
-    builder.stones(
-        dice.count(23, 2, 7),
-        vec3(0.0, 0.0, 0.0),
-        half.map(|h| 0.6 * h),
-        [0.05, 0.25],
-    );
+    builder.stones(dice.count(23, 2, 7), ZERO, half.map(|h| 0.6 * h), [0.05, 0.25]);
     builder.debris(dice.count(24, 1, 4), vec3(0.0, 0.2, 0.0), half.map(|h| 0.45 * h));
-    let eye = vec3(
+    let (x, y) = (
         dice.between(31, -0.25, 0.25) * half[0],
         dice.between(32, -0.6, 0.0) * half[1],
-        height,
     );
     // Level at the wall, slanting, or steeply down.
     let drop = dice.pick(33, &[0.0, 0.3, 0.9, 2.4]) + dice.between(34, -0.3, 0.3);
-    let target = vec3(
-        dice.between(35, -0.5, 0.5) * half[0],
-        half[1] * 0.9,
-        height - drop * (half[1] * 0.9 - eye.y),
-    );
+    let far = half[1] * 0.9;
+    let target_x = dice.between(35, -0.5, 0.5) * half[0];
     View {
-        eye,
-        target,
+        eye: vec3(x, y, height),
+        target: vec3(target_x, far, height - drop * (far - y)),
         travel: UP * -(height - 0.8),
         roll: dice.between(36, -0.12, 0.12),
         lamp_m: dice.between(37, 1.7, 2.8),
@@ -214,31 +179,29 @@ fn run(builder: &mut Builder, dice: Dice, wall: &Wall, [from, to]: [f32; 2]) {
     let Wall { foot, along, out } = *wall;
     let across = along.cross(out);
     let gap = dice.between(0, 0.12, 0.22);
-    let at = |distance: f32| foot + along * distance + out * gap;
+    let axes = [across, along.cross(across), along];
+    let axis = |distance: f32| foot + along * distance + out * gap;
     match dice.count(1, 0, 2) {
         0 => {
             let radius = dice.between(2, 0.05, 0.11);
             builder.object(Material::Steel, Category::Pipe);
-            builder.tube(at(from), at(to), radius);
+            builder.tube(axis(from), axis(to), radius);
             builder.object(Material::Steel, Category::Fitting);
             let flange = dice.between(3, 0.4, 3.4);
-            builder.tube(at(flange - 0.03), at(flange + 0.03), radius * 1.7);
+            builder.tube(axis(flange - 0.03), axis(flange + 0.03), radius * 1.7);
         }
         1 => {
             for cable in 0..dice.count(2, 2, 4) {
                 builder.object(Material::Rubber, Category::Cable);
                 let side = across * (0.06 * cable as f32 - 0.09);
-                builder.tube(at(from) + side, at(to) + side, 0.018);
+                builder.tube(axis(from) + side, axis(to) + side, 0.018);
             }
         }
         _ => {
             builder.object(Material::Steel, Category::Beam);
-            let pose = Pose {
-                origin: at((from + to) / 2.0),
-                axes: [across, along.cross(across), along],
-            };
+            let origin = axis((from + to) / 2.0);
             let half = vec3(dice.between(2, 0.1, 0.2), 0.012, (to - from) / 2.0);
-            builder.put(Shape::Block(Block { half }), pose);
+            builder.put(Block { half }, Pose { origin, axes });
         }
     }
     let spacing = dice.between(4, 0.9, 1.6);
@@ -249,39 +212,28 @@ fn run(builder: &mut Builder, dice: Dice, wall: &Wall, [from, to]: [f32; 2]) {
         if dice.chance(40 + i as u64, 0.12) {
             continue;
         }
-        bracket(builder, foot + along * place, wall, across, gap);
+        bracket(builder, foot + along * place, axes, out, gap);
     }
     if dice.chance(5, 0.35) {
         // A cable that has come loose hangs in a bow.
         builder.object(Material::Rubber, Category::Cable);
-        let radius = dice.between(6, 0.25, 0.5);
-        builder.ring(
-            Ring::new(radius, 0.016, 1.7),
-            at(dice.between(7, 0.2, 2.0)) + out * 0.05,
-            across,
-            out + UP * -0.6,
-        );
+        let bow = Ring::new(dice.between(6, 0.25, 0.5), 0.016, 1.7);
+        let center = axis(dice.between(7, 0.2, 2.0)) + out * 0.05;
+        builder.ring(bow, center, across, out + UP * -0.6);
     }
 }
 
 /// A plate on the wall with an arm and two bolts.
-fn bracket(builder: &mut Builder, place: Vec3, wall: &Wall, across: Vec3, gap: f32) {
-    let Wall { along, out, .. } = *wall;
+fn bracket(builder: &mut Builder, place: Vec3, axes: [Vec3; 3], out: Vec3, gap: f32) {
     builder.object(Material::Steel, Category::Bracket);
-    let pose = |origin: Vec3| Pose {
-        origin,
-        axes: [across, along.cross(across), along],
-    };
-    let plate = Block {
-        half: vec3(0.11, 0.02, 0.07),
-    };
-    builder.put(Shape::Block(plate), pose(place + out * 0.01));
-    let arm = Block {
-        half: vec3(0.03, gap / 2.0 + 0.04, 0.012),
-    };
-    builder.put(Shape::Block(arm), pose(place + out * (gap / 2.0)));
+    let plate = (0.01, vec3(0.11, 0.02, 0.07));
+    let arm = (gap / 2.0, vec3(0.03, gap / 2.0 + 0.04, 0.012));
+    for (away, half) in [plate, arm] {
+        let origin = place + out * away;
+        builder.put(Block { half }, Pose { origin, axes });
+    }
     for side in [-0.08, 0.08] {
-        let bolt = place + across * side;
+        let bolt = place + axes[0] * side;
         builder.tube(bolt, bolt + out * 0.055, 0.014);
     }
 }

@@ -1,7 +1,7 @@
 //! Worlds of solids on a seabed, and how a camera with a lamp sees them.
 //!
-//! World: metres, z up, the ground at z = 0. Surfaces are met exactly: range is the distance to the solid itself. Relief
-//! (ripples, rust, pores, growth) turns normals and colours only and never moves a surface, as in a normal map. The picture
+//! World: meters, z up, the ground at z = 0. Surfaces are met exactly: range is the distance to the solid itself. Relief
+//! (ripples, rust, pores, growth) turns normals and colors only and never moves a surface, as in a normal map. The picture
 //! is in air, lit by a lamp at the camera and a soft light from above; it is linear and may exceed 1 close to the lamp.
 //!
 //! A pixel depends on its own ray alone, so rows can be rendered in any bands and on any threads with the same bytes.
@@ -12,15 +12,17 @@ mod camera;
 pub(crate) mod chance;
 mod dots;
 pub(crate) mod finish;
-mod frame;
 mod geometry;
 mod lanes;
 mod light;
 mod noise;
+mod outline;
 mod picture;
+pub(crate) mod pose;
 mod shade;
 pub(crate) mod solid;
-pub(crate) mod vector;
+
+use imaging::vector::DVec3;
 
 use crate::CameraPose;
 use crate::categories::Category;
@@ -43,9 +45,9 @@ pub(crate) struct Site {
     /// Where the camera of a single frame is.
     pub(crate) pose: CameraPose,
     /// What that camera looks at.
-    pub(crate) target: [f64; 3],
+    pub(crate) target: DVec3,
     /// The way along which a camera moves past the site: a vector of the usual length, m.
-    pub(crate) travel: [f64; 3],
+    pub(crate) travel: DVec3,
     /// Distance at which the lamp gives full light, m.
     pub(crate) lamp_m: f32,
     /// Light from above, relative to that.

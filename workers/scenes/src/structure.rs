@@ -3,17 +3,19 @@
 
 mod build;
 
+use imaging::vector::vec3;
+
 use crate::site::Site;
 use crate::site::builder::{Builder, View};
 use crate::site::chance::Dice;
-use crate::site::vector::{UP, ZERO, vec3};
+use crate::site::pose::{UP, ZERO, up};
 
 /// The site of a seed.
 pub(crate) fn site(seed: u64) -> Site {
-    let dice = Dice::about(seed, "structure");
+    let dice = Dice::new(seed, "structure");
     let mut builder = Builder::new(seed, "structure");
     let kind = dice.count(0, 0, 5);
-    let (target, distance) = match kind {
+    let build::Aim { target, distance } = match kind {
         0 => builder.single_pile(),
         1 => builder.pile_row(),
         2 => builder.braced_legs(),
@@ -26,22 +28,22 @@ pub(crate) fn site(seed: u64) -> Site {
     builder.debris(dice.count(10, 1, 5), nearby, [3.0, 2.2]);
     for i in 0..dice.count(11, 1, 4) {
         let ground = builder.about("ground").object(i);
-        let place = vec3(ground.between(0, -6.0, 6.0), ground.between(1, -1.0, 9.0), 0.0);
+        let place = ground.within(0, [-6.0, -1.0, 0.0], [6.0, 9.0, 0.0]);
         let radius = ground.between(2, 1.0, 3.5);
-        builder.mound(place.x, place.y, radius, radius * ground.between(3, 0.06, 0.13));
+        builder.mound(place, radius, radius * ground.between(3, 0.06, 0.13));
     }
     let distance = distance * dice.between(2, 0.8, 1.35);
     let azimuth = dice.between(3, -0.9, 0.9);
     let side = vec3(libm::sinf(azimuth), -libm::cosf(azimuth), 0.0);
     let lift = dice.between(4, -0.12, 0.45) * distance;
-    let eye = target + side * distance + vec3(0.0, 0.0, lift);
+    let eye = target + side * distance + up(lift);
     let eye = vec3(eye.x, eye.y, eye.z.max(0.5));
     let aim = target + vec3(dice.between(5, -0.2, 0.2), 0.0, dice.between(6, -0.15, 0.1)) * distance;
     let aim = if aim == eye { ZERO } else { aim };
     builder.site(&View {
         eye,
         target: aim,
-        travel: (aim - eye).cross(UP).unit() * (0.7 * distance),
+        travel: (aim - eye).cross(UP).normalized() * (0.7 * distance),
         roll: dice.between(7, -0.09, 0.09),
         lamp_m: (aim - eye).length() * dice.between(8, 0.85, 1.25),
         ambient: dice.between(9, 0.08, 0.35),

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use imaging::geometry::Intrinsics;
+use imaging::vector::DVec3;
 use scenes::categories::{CATEGORIES, Category, FINDINGS, Finding};
 use scenes::{FAMILIES, Labels, Scene, World};
 
@@ -9,12 +10,18 @@ const SEEDS: std::ops::Range<u64> = 0..24;
 const SIZE: (usize, usize) = (193, 123);
 
 fn labelled(family: &str, seed: u64, size: (usize, usize)) -> (Scene, Labels) {
-    let world = World::of(family, seed).unwrap();
+    let world = World::new(family, seed).unwrap();
     world.render_labelled(&world.pose(), size, &lens(size))
 }
 
 fn lens((width, height): (usize, usize)) -> Intrinsics {
     Intrinsics::centred(0.6 * width as f64, width, height)
+}
+
+fn normal_at(labels: &Labels, x: usize, y: usize) -> DVec3 {
+    [0, 1, 2]
+        .map(|axis| f64::from(labels.normals[axis].at(x, y)))
+        .into()
 }
 
 fn every_frame(mut check: impl FnMut(&str, u64, &Scene, &Labels)) {
@@ -30,7 +37,7 @@ fn every_frame(mut check: impl FnMut(&str, u64, &Scene, &Labels)) {
 fn labels_do_not_change_the_picture_and_have_its_size() {
     for family in FAMILIES {
         for size in [(1, 1), (7, 3), (97, 61)] {
-            let world = World::of(family, 4).unwrap();
+            let world = World::new(family, 4).unwrap();
             let (scene, labels) = world.render_labelled(&world.pose(), size, &lens(size));
             assert_eq!(scene, world.render(&world.pose(), size, &lens(size)));
             assert!(labels.normals.iter().all(|plane| plane.size() == size));
@@ -49,18 +56,18 @@ fn boxes_are_the_extents_of_their_masks() {
         let shown: Vec<u16> = (1..=most).filter(|number| mask.data().contains(number)).collect();
         assert_eq!(numbers, shown, "{family} {seed}");
         for instance in &labels.instances {
-            let of = |x: usize, y: usize| mask.at(x, y) == instance.number;
+            let shows = |x: usize, y: usize| mask.at(x, y) == instance.number;
             let [left, top, right, bottom] = instance.bounds;
             let inside = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
-            assert_eq!(inside.filter(|&(x, y)| of(x, y)).count(), instance.pixels);
+            assert_eq!(inside.filter(|&(x, y)| shows(x, y)).count(), instance.pixels);
             let all = mask
                 .data()
                 .iter()
                 .filter(|&&number| number == instance.number)
                 .count();
             assert_eq!(all, instance.pixels, "{family} {seed}: pixels outside the box");
-            assert!((top..bottom).any(|y| of(left, y)) && (top..bottom).any(|y| of(right - 1, y)));
-            assert!((left..right).any(|x| of(x, top)) && (left..right).any(|x| of(x, bottom - 1)));
+            assert!((top..bottom).any(|y| shows(left, y)) && (top..bottom).any(|y| shows(right - 1, y)));
+            assert!((left..right).any(|x| shows(x, top)) && (left..right).any(|x| shows(x, bottom - 1)));
         }
     });
 }
@@ -99,8 +106,8 @@ fn normals_are_unit_vectors_that_face_the_camera() {
         let lens = lens(SIZE);
         for y in 0..SIZE.1 {
             for x in 0..SIZE.0 {
-                let n = [0, 1, 2].map(|axis| f64::from(labels.normals[axis].at(x, y)));
-                let length = n.iter().map(|v| v * v).sum::<f64>().sqrt();
+                let n = normal_at(labels, x, y);
+                let length = n.length();
                 if range.at(x, y).is_infinite() {
                     assert_eq!(length, 0.0);
                     continue;
@@ -109,12 +116,7 @@ fn normals_are_unit_vectors_that_face_the_camera() {
                     (length - 1.0).abs() < 1e-4,
                     "{family} {seed} ({x}, {y}): {length}"
                 );
-                let ray = [
-                    (x as f64 - lens.cx) / lens.focal_px,
-                    (y as f64 - lens.cy) / lens.focal_px,
-                    1.0,
-                ];
-                let toward = -(n[0] * ray[0] + n[1] * ray[1] + n[2] * ray[2]);
+                let toward = -n.dot(lens.ray(x as f64, y as f64));
                 assert!(toward > -1e-3, "{family} {seed} ({x}, {y}): {toward}");
             }
         }
@@ -128,26 +130,17 @@ fn normals_agree_with_the_range() {
     every_frame(|_, _, scene, labels| {
         let (range, mask) = (scene.range.as_ref().unwrap(), scene.instances.as_ref().unwrap());
         let lens = lens(SIZE);
-        let point = |x: usize, y: usize| {
-            let ray = [
-                (x as f64 - lens.cx) / lens.focal_px,
-                (y as f64 - lens.cy) / lens.focal_px,
-                1.0,
-            ];
-            let length = (ray[0] * ray[0] + ray[1] * ray[1] + 1.0).sqrt();
-            ray.map(|v| v / length * f64::from(range.at(x, y)))
-        };
+        let point =
+            |x: usize, y: usize| lens.ray(x as f64, y as f64).normalized() * f64::from(range.at(x, y));
         for y in (1..SIZE.1 - 1).step_by(3) {
             for x in (1..SIZE.0 - 1).step_by(3) {
                 let neighbours = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
                 if mask.at(x, y) == 0 || neighbours.iter().any(|&(a, b)| mask.at(a, b) != mask.at(x, y)) {
                     continue;
                 }
-                let along = sub(point(x + 1, y), point(x - 1, y));
-                let down = sub(point(x, y + 1), point(x, y - 1));
-                let normal = unit(cross(down, along));
-                let n = [0, 1, 2].map(|axis| f64::from(labels.normals[axis].at(x, y)));
-                let alike = normal[0] * n[0] + normal[1] * n[1] + normal[2] * n[2];
+                let along = point(x + 1, y) - point(x - 1, y);
+                let down = point(x, y + 1) - point(x, y - 1);
+                let alike = down.cross(along).normalized().dot(normal_at(labels, x, y));
                 all += 1;
                 good += usize::from(alike > 0.95);
             }
@@ -163,15 +156,9 @@ fn depth_is_range_times_the_cosine_to_the_axis() {
         let lens = lens(SIZE);
         for y in (0..SIZE.1).step_by(5) {
             for x in (0..SIZE.0).step_by(5) {
-                let (u, v) = (
-                    (x as f64 - lens.cx) / lens.focal_px,
-                    (y as f64 - lens.cy) / lens.focal_px,
-                );
-                let (depth, range) = (
-                    f64::from(labels.z_depth.at(x, y)),
-                    f64::from(scene.range.as_ref().unwrap().at(x, y)),
-                );
-                let wanted = range / (1.0 + u * u + v * v).sqrt();
+                let depth = f64::from(labels.z_depth.at(x, y));
+                let range = f64::from(scene.range.as_ref().unwrap().at(x, y));
+                let wanted = range / lens.ray(x as f64, y as f64).length();
                 assert!(depth == wanted || (depth - wanted).abs() < 1e-5 * wanted);
             }
         }
@@ -198,21 +185,4 @@ fn findings_lie_on_objects_that_can_have_them_and_every_one_occurs() {
         println!("{name}: {} pixels", seen[*finding as usize]);
         assert!(seen[*finding as usize] > 500, "{name} hardly occurs");
     }
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
-    a.map(|v| v / length)
 }

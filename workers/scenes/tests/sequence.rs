@@ -2,16 +2,20 @@
 #![allow(clippy::unwrap_used)]
 
 use imaging::geometry::Intrinsics;
+use imaging::vector::vec3;
 use scenes::categories::Finding;
-use scenes::path::Sway;
 use scenes::{CameraPose, FAMILIES, Labels, Scene, World};
+use spec::Path;
 
 const SIZE: (usize, usize) = (160, 102);
-const SWAY: Sway = Sway {
-    position_m: 0.03,
-    angle_rad: 0.02,
-    period_frames: 25.0,
-    seed: 11,
+const PATH: Path = Path {
+    frames: 40,
+    frame: 0,
+    start: None,
+    end: None,
+    sway_m: 0.03,
+    sway_deg: 1.1,
+    sway_frames: 25.0,
 };
 
 fn lens() -> Intrinsics {
@@ -22,21 +26,13 @@ fn frame(world: &World, pose: &CameraPose) -> (Scene, Labels) {
     world.render_labelled(pose, SIZE, &lens())
 }
 
-/// The ray of a pixel in camera axes, of length 1.
-fn ray(x: f64, y: f64) -> [f64; 3] {
-    let lens = lens();
-    let ray = [(x - lens.cx) / lens.focal_px, (y - lens.cy) / lens.focal_px, 1.0];
-    let length = (ray[0] * ray[0] + ray[1] * ray[1] + 1.0).sqrt();
-    ray.map(|v| v / length)
-}
-
 /// Every point that a frame shows is where the next frame shows it, with the same category and, mostly, the same findings.
 #[test]
 fn points_stay_where_they_are_from_frame_to_frame() {
     for family in FAMILIES {
         for seed in 0..8 {
-            let world = World::of(family, seed).unwrap();
-            let path = world.path(40, SWAY).unwrap();
+            let world = World::new(family, seed).unwrap();
+            let path = world.path(&PATH, 11).unwrap();
             let (one, other) = (path.pose(18), path.pose(21));
             assert_ne!(one, other);
             let ((before, labels), (after, later)) = (frame(&world, &one), frame(&world, &other));
@@ -47,10 +43,10 @@ fn points_stay_where_they_are_from_frame_to_frame() {
                     if range >= 12.0 {
                         continue;
                     }
-                    let r = ray(x as f64, y as f64).map(|v| v * range);
-                    let m = one.world_from_camera();
-                    let point = [0, 1, 2].map(|i| m[i][0] * r[0] + m[i][1] * r[1] + m[i][2] * r[2] + m[i][3]);
-                    let [u, v, z] = other.to_camera(point);
+                    let ray = lens().ray(x as f64, y as f64).normalized() * range;
+                    let aside = one.right * ray.x + one.down * ray.y;
+                    let point = one.position_m + aside + one.ahead * ray.z;
+                    let [u, v, z]: [f64; 3] = other.to_camera(point).into();
                     let (u, v) = (
                         (lens().cx + lens().focal_px * u / z).round(),
                         (lens().cy + lens().focal_px * v / z).round(),
@@ -60,10 +56,7 @@ fn points_stay_where_they_are_from_frame_to_frame() {
                         continue;
                     }
                     let (u, v) = (u as usize, v as usize);
-                    let expected = {
-                        let away = other.to_camera(point);
-                        (away[0] * away[0] + away[1] * away[1] + away[2] * away[2]).sqrt()
-                    };
+                    let expected = other.to_camera(point).length();
                     let found = f64::from(after.range.as_ref().unwrap().at(u, v));
                     // Hidden by something nearer, or beside an edge.
                     if (found - expected).abs() > 0.03 * expected {
@@ -93,7 +86,7 @@ fn points_stay_where_they_are_from_frame_to_frame() {
 
 #[test]
 fn odd_cameras_still_give_finite_frames() {
-    let world = World::of("structure", 2).unwrap();
+    let world = World::new("structure", 2).unwrap();
     let lenses = [
         Intrinsics {
             focal_px: 0.5,
@@ -110,12 +103,12 @@ fn odd_cameras_still_give_finite_frames() {
     let poses = [
         world.pose(),
         // In the middle of what it looks at, under the ground, straight down from far above.
-        CameraPose::looking(target, [target[0] + 1.0, target[1], target[2]], 0.0),
-        CameraPose::looking([0.0, -2.0, -3.0], target, 1.0),
-        CameraPose::looking([0.0, 0.0, 500.0], [0.0, 0.0, 0.0], 0.0),
+        CameraPose::looking(target, target + vec3(1.0, 0.0, 0.0), 0.0),
+        CameraPose::looking(vec3(0.0, -2.0, -3.0), target, 1.0),
+        CameraPose::looking(vec3(0.0, 0.0, 500.0), vec3(0.0, 0.0, 0.0), 0.0),
     ];
     for family in FAMILIES {
-        let world = World::of(family, 2).unwrap();
+        let world = World::new(family, 2).unwrap();
         for lens in lenses {
             for pose in &poses {
                 let (scene, labels) = world.render_labelled(pose, (31, 17), &lens);
@@ -133,7 +126,7 @@ fn odd_cameras_still_give_finite_frames() {
 
 #[test]
 fn a_frame_without_pixels_is_empty() {
-    let world = World::of("shaft", 1).unwrap();
+    let world = World::new("shaft", 1).unwrap();
     for size in [(0, 0), (0, 5), (5, 0)] {
         let (scene, labels) = world.render_labelled(&world.pose(), size, &lens());
         assert_eq!(scene.radiance.size(), size);

@@ -1,6 +1,7 @@
 //! Lamps in f64 with many nodes. It shares nothing with the fast form but the definitions.
 
 use imaging::geometry::Intrinsics;
+use imaging::vector::dot;
 use imaging::{Plane, Rgb};
 
 use super::legendre::gauss_legendre;
@@ -103,15 +104,7 @@ fn profile(cos: f64, cos_cone: f64) -> f64 {
 
 /// The unit vector along the ray of a pixel.
 fn direction(camera: &Intrinsics, x: usize, y: usize) -> [f64; 3] {
-    let ray = [
-        (x as f64 - camera.cx) / camera.focal_px,
-        (y as f64 - camera.cy) / camera.focal_px,
-        1.0,
-    ];
+    let ray: [f64; 3] = camera.ray(x as f64, y as f64).into();
     let length = dot(ray, ray).sqrt();
     ray.map(|v| v / length)
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -6,9 +6,8 @@ use std::convert::Infallible;
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
 use optics::range::is_hole;
-use scenes::path::Sway;
 use scenes::uploaded;
-use scenes::{CameraPath, CameraPose, Labels, SceneError, World};
+use scenes::{CameraPose, Labels, SceneError, World};
 use sha2::{Digest, Sha256};
 use spec::{Frame, RangeKind, Scene as SceneOf, SceneFiles};
 
@@ -39,7 +38,7 @@ pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, R
         (SceneOf::Procedural { family, seed }, _) => {
             let (width, height) = (frame.camera.width, frame.camera.height);
             let camera = Intrinsics::centred(frame.camera.focal_px(width), width, height);
-            let world = World::of(family, *seed)?;
+            let world = World::new(family, *seed)?;
             let pose = pose(frame, &world)?;
             let (scene, labels) = if needs_labels(frame) {
                 let (scene, labels) = world.render_labelled(&pose, (width, height), &camera);
@@ -70,17 +69,7 @@ fn pose(frame: &Frame, world: &World) -> Result<CameraPose, RenderError> {
     let Some(path) = frame.camera.path else {
         return Ok(world.pose());
     };
-    let sway = Sway {
-        position_m: path.sway_m,
-        angle_rad: path.sway_deg.to_radians(),
-        period_frames: path.sway_frames,
-        seed: frame.seed,
-    };
-    let path_of = match path.start.zip(path.end) {
-        None => world.path(path.frames, sway),
-        Some((start, end)) => CameraPath::new(start, end, path.frames, sway),
-    };
-    let places = path_of.map_err(RenderError::Path)?;
+    let places = world.path(&path, frame.seed).map_err(RenderError::Path)?;
     world.check(&places)?;
     Ok(places.pose(path.frame))
 }

@@ -1,63 +1,96 @@
-//! Boxes along the axes of the world: lowest and highest corner, in metres.
+//! Boxes along the axes of a frame.
+
+use imaging::vector::{Vec3, vec3};
 
 use super::lanes::{LANES, Lane3, larger, smaller};
 use super::solid::Solid;
-use super::vector::{Vec3, vec3};
 
-/// A box around a solid in the world; around a hollow's wall, everything.
-pub(super) fn around(solid: &Solid) -> [Vec3; 2] {
-    if solid.is_hollow() {
-        return [vec3(-1e9, -1e9, -1e9), vec3(1e9, 1e9, 1e9)];
-    }
-    let corners = solid.corners();
-    corners.iter().fold([corners[0]; 2], |[low, high], corner| {
-        [lowest(low, *corner), highest(high, *corner)]
-    })
+/// A box between its lowest and its highest corner, in meters.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    pub(crate) low: Vec3,
+    pub(crate) high: Vec3,
 }
 
-/// Whether two boxes come within `reach` metres of each other along every axis.
-pub(super) fn touch(a: &[Vec3; 2], b: &[Vec3; 2], reach: f32) -> bool {
-    let reach = vec3(reach, reach, reach);
-    overlap(&[a[0] - reach, a[1] + reach], b)
-}
+/// Farther than anything.
+const EVERYWHERE_M: f32 = 1e9;
 
-fn overlap(a: &[Vec3; 2], b: &[Vec3; 2]) -> bool {
-    let along = |low: f32, high: f32, other_low: f32, other_high: f32| low <= other_high && other_low <= high;
-    along(a[0].x, a[1].x, b[0].x, b[1].x)
-        && along(a[0].y, a[1].y, b[0].y, b[1].y)
-        && along(a[0].z, a[1].z, b[0].z, b[1].z)
-}
-
-#[inline(always)]
-fn lowest(a: Vec3, b: Vec3) -> Vec3 {
-    vec3(smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z))
-}
-
-#[inline(always)]
-fn highest(a: Vec3, b: Vec3) -> Vec3 {
-    vec3(larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z))
-}
-
-/// Lowest and highest coordinates of a group.
-#[inline(always)]
-pub(super) fn extent(points: &Lane3) -> [Vec3; 2] {
-    const WIDE: usize = 8;
-    let (mut low, mut high) = ([[0.0; WIDE]; 3], [[0.0; WIDE]; 3]);
-    for axis in 0..3 {
-        low[axis].copy_from_slice(&points[axis][..WIDE]);
-        high[axis].copy_from_slice(&points[axis][..WIDE]);
-        for chunk in 1..LANES / WIDE {
-            for i in 0..WIDE {
-                let p = points[axis][chunk * WIDE + i];
-                low[axis][i] = smaller(p, low[axis][i]);
-                high[axis][i] = larger(p, high[axis][i]);
-            }
+impl Bounds {
+    /// A box about the origin with the given half sides.
+    pub(crate) fn about_origin(half: Vec3) -> Self {
+        Self {
+            low: -half,
+            high: half,
         }
     }
-    let least = low.map(|lane| lane.into_iter().fold(f32::INFINITY, smaller));
-    let most = high.map(|lane| lane.into_iter().fold(f32::NEG_INFINITY, larger));
-    [
-        vec3(least[0], least[1], least[2]),
-        vec3(most[0], most[1], most[2]),
-    ]
+
+    /// A box about the z axis, from 0 to `length`.
+    pub(crate) fn along_z(half: f32, length: f32) -> Self {
+        Self {
+            low: vec3(-half, -half, 0.0),
+            high: vec3(half, half, length),
+        }
+    }
+
+    /// Everything below the given height.
+    pub(super) fn below(height: f32) -> Self {
+        Self {
+            low: vec3(-EVERYWHERE_M, -EVERYWHERE_M, -EVERYWHERE_M),
+            high: vec3(EVERYWHERE_M, EVERYWHERE_M, height),
+        }
+    }
+
+    /// A box around a solid in the world; around a hollow's wall, everything.
+    pub(super) fn around(solid: &Solid) -> Self {
+        if solid.is_hollow() {
+            return Self::below(EVERYWHERE_M);
+        }
+        let corners = solid.corners();
+        let bound = |pick: fn(f32, f32) -> f32| {
+            let pick = |a: Vec3, b: Vec3| vec3(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z));
+            corners.into_iter().fold(corners[0], pick)
+        };
+        Self {
+            low: bound(smaller),
+            high: bound(larger),
+        }
+    }
+
+    /// The box around a group of points.
+    #[inline(always)]
+    pub(super) fn of_points(points: &Lane3) -> Self {
+        const WIDE: usize = 8;
+        let (mut low, mut high) = ([[0.0; WIDE]; 3], [[0.0; WIDE]; 3]);
+        for axis in 0..3 {
+            low[axis].copy_from_slice(&points[axis][..WIDE]);
+            high[axis].copy_from_slice(&points[axis][..WIDE]);
+            for chunk in 1..LANES / WIDE {
+                for i in 0..WIDE {
+                    let p = points[axis][chunk * WIDE + i];
+                    low[axis][i] = smaller(p, low[axis][i]);
+                    high[axis][i] = larger(p, high[axis][i]);
+                }
+            }
+        }
+        Self {
+            low: low
+                .map(|lane| lane.into_iter().fold(f32::INFINITY, smaller))
+                .into(),
+            high: high
+                .map(|lane| lane.into_iter().fold(f32::NEG_INFINITY, larger))
+                .into(),
+        }
+    }
+
+    /// Whether two boxes come within `reach` meters of each other along every axis.
+    pub(super) fn touches(&self, other: &Self, reach: f32) -> bool {
+        let reach = vec3(reach, reach, reach);
+        let (low, high) = (self.low - reach, self.high + reach);
+        low.x <= other.high.x
+            && other.low.x <= high.x
+            && low.y <= other.high.y
+            && other.low.y <= high.y
+            && low.z <= other.high.z
+            && other.low.z <= high.z
+    }
 }

@@ -1,9 +1,11 @@
 //! Puts the solids of a site together.
 
+use imaging::vector::{Vec3, vec3};
+
 use super::chance::Dice;
-use super::finish::{Finish, Material};
+use super::finish::{Finish, Material, Pattern};
+use super::pose::{Pose, UP, horizontal, up};
 use super::solid::{Ball, Block, Ring, Shape, Solid, Stone, Tube};
-use super::vector::{Pose, Vec3, vec3};
 use super::{Object, Site};
 use crate::CameraPose;
 use crate::categories::Category;
@@ -35,9 +37,9 @@ pub(crate) struct View {
 impl Builder {
     /// An empty site on a seabed.
     pub(crate) fn new(seed: u64, family: &'static str) -> Self {
-        let dice = Dice::about(seed, &format!("{family}/site"));
+        let dice = Dice::new(seed, &format!("{family}/site"));
         let ground = Object {
-            finish: Finish::of(Material::Sand, Dice::about(seed, family).object(1)),
+            finish: Finish::new(Material::Sand, Dice::new(seed, family).object(1)),
             category: Category::Seabed,
         };
         Self {
@@ -52,26 +54,25 @@ impl Builder {
 
     /// Choices about a topic of this site.
     pub(crate) fn about(&self, topic: &str) -> Dice {
-        Dice::about(self.seed, &format!("{}/{topic}", self.family))
+        Dice::new(self.seed, &format!("{}/{topic}", self.family))
     }
 
     pub(crate) fn site(self, view: &View) -> Site {
-        let wide = |v: Vec3| [f64::from(v.x), f64::from(v.y), f64::from(v.z)];
-        let (eye, target) = (wide(self.clear(view)), wide(view.target));
+        let (eye, target) = (self.clear_eye(view).as_f64(), view.target.as_f64());
         Site {
             solids: self.solids,
             objects: self.objects,
             pose: CameraPose::looking(eye, target, f64::from(view.roll)),
             target,
-            travel: wide(view.travel),
+            travel: view.travel.as_f64(),
             lamp_m: view.lamp_m,
             ambient: view.ambient,
         }
     }
 
     /// The eye of a view, drawn back until nothing is close to it.
-    fn clear(&self, view: &View) -> Vec3 {
-        let back = (view.eye - view.target).unit();
+    fn clear_eye(&self, view: &View) -> Vec3 {
+        let back = (view.eye - view.target).normalized();
         let mut eye = view.eye;
         for _ in 0..24 {
             let nearest = self.solids.iter().map(|solid| solid.distance(eye));
@@ -103,15 +104,15 @@ impl Builder {
     pub(crate) fn object(&mut self, material: Material, category: Category) {
         let dice = self.about("finish").object(self.objects.len());
         self.objects.push(Object {
-            finish: Finish::of(material, dice),
+            finish: Finish::new(material, dice),
             category,
         });
         self.current = self.objects.len() as u16 - 1;
     }
 
-    pub(crate) fn put(&mut self, shape: Shape, pose: Pose) {
+    pub(crate) fn put(&mut self, form: impl Into<Shape>, pose: Pose) {
         self.solids.push(Solid {
-            shape,
+            shape: form.into(),
             pose,
             object: self.current,
         });
@@ -119,30 +120,30 @@ impl Builder {
 
     pub(crate) fn tube(&mut self, a: Vec3, b: Vec3, radius: f32) {
         let length = (b - a).length();
-        self.put(Shape::Tube(Tube { radius, length }), Pose::along(a, b, 0.0));
+        self.put(Tube { radius, length }, Pose::along(a, b, 0.0));
     }
 
-    pub(crate) fn block(&mut self, centre: Vec3, half: Vec3, yaw: f32) {
-        self.put(Shape::Block(Block { half }), Pose::upright(centre, yaw));
+    pub(crate) fn block(&mut self, center: Vec3, half: Vec3, yaw: f32) {
+        self.put(Block { half }, Pose::upright(center, yaw));
     }
 
-    pub(crate) fn ball(&mut self, centre: Vec3, radii: Vec3, yaw: f32) {
-        self.put(Shape::Ball(Ball { radii }), Pose::upright(centre, yaw));
+    pub(crate) fn ball(&mut self, center: Vec3, radii: Vec3, yaw: f32) {
+        self.put(Ball { radii }, Pose::upright(center, yaw));
     }
 
-    /// A part of a torus about `axis` from the centre, the middle of the bend towards `toward`.
-    pub(crate) fn ring(&mut self, ring: Ring, centre: Vec3, axis: Vec3, toward: Vec3) {
-        let z = axis.unit();
-        let y = (toward - z * toward.dot(z)).unit();
+    /// A part of a torus about `axis` through the center, the middle of the bend towards `toward`.
+    pub(crate) fn ring(&mut self, ring: Ring, center: Vec3, axis: Vec3, toward: Vec3) {
+        let z = axis.normalized();
+        let y = (toward - z * toward.dot(z)).normalized();
         let axes = [y.cross(z), y, z];
-        self.put(Shape::Ring(ring), Pose { origin: centre, axes });
+        self.put(ring, Pose { origin: center, axes });
     }
 
-    /// A heap of the ground itself: `height` metres high, and `radius` wide where it meets the ground.
-    pub(crate) fn mound(&mut self, x: f32, y: f32, radius: f32, height: f32) {
+    /// A heap of the ground itself: `height` meters high, and `radius` wide where it meets the ground under `place`.
+    pub(crate) fn mound(&mut self, place: Vec3, radius: f32, height: f32) {
         let object = std::mem::replace(&mut self.current, 0);
         let ball = (radius * radius + height * height) / (2.0 * height);
-        self.ball(vec3(x, y, height - ball), vec3(ball, ball, ball), 0.0);
+        self.ball(vec3(place.x, place.y, height - ball), vec3(ball, ball, ball), 0.0);
         self.current = object;
     }
 
@@ -159,7 +160,7 @@ impl Builder {
         }
     }
 
-    /// Stones scattered within `reach` metres along x and y of a place.
+    /// Stones scattered within `reach` meters along x and y of a place.
     pub(crate) fn stones(&mut self, count: usize, place: Vec3, reach: [f32; 2], sizes: [f32; 2]) {
         let first = self.objects.len();
         for i in 0..count {
@@ -168,100 +169,70 @@ impl Builder {
             // Most are small.
             let share = dice.between(0, 0.0, 1.0);
             let size = sizes[0] + (sizes[1] - sizes[0]) * share * share;
-            let half = vec3(
-                size * dice.between(1, 0.8, 1.4),
-                size,
-                size * dice.between(2, 0.5, 0.9),
-            );
-            let centre = place
-                + vec3(
-                    dice.between(3, -reach[0], reach[0]),
-                    dice.between(4, -reach[1], reach[1]),
-                    half.z * dice.between(7, 0.1, 0.5),
-                );
-            let pose = Pose::upright(centre, dice.between(5, 0.0, 6.3));
-            self.put(Shape::Stone(Stone::broken(half, dice)), pose);
+            let (length, height) = (size * dice.between(1, 0.8, 1.4), size * dice.between(2, 0.5, 0.9));
+            let half = vec3(length, size, height);
+            let center = place + (dice.shift(3, reach) + up(half.z * dice.between(7, 0.1, 0.5)));
+            let pose = Pose::upright(center, dice.between(5, 0.0, 6.3));
+            self.put(Stone::broken(half, dice), pose);
         }
     }
 
-    /// Things that were lost or broke off: rods, boards, broken blocks, tyres, half sunk in.
+    /// Things that were lost or broke off: rods, broken blocks, tires, cables, half sunk in.
     pub(crate) fn debris(&mut self, count: usize, place: Vec3, reach: [f32; 2]) {
         for i in 0..count {
             let dice = self.about("debris").object(i);
-            let centre = place
-                + vec3(
-                    dice.between(0, -reach[0], reach[0]),
-                    dice.between(1, -reach[1], reach[1]),
-                    0.0,
-                );
-            let yaw = dice.between(2, 0.0, 6.3);
-            let along = Vec3::horizontal(yaw);
+            let center = place + dice.shift(0, reach);
+            let along = horizontal(dice.between(2, 0.0, 6.3));
             match dice.count(3, 0, 3) {
                 0 => {
                     self.object(Material::Steel, Category::Debris);
                     let half = along * dice.between(4, 0.25, 0.9);
-                    let tilt = vec3(0.0, 0.0, dice.between(5, 0.0, 0.12));
+                    let tilt = up(dice.between(5, 0.0, 0.12));
                     let radius = dice.between(6, 0.015, 0.06);
-                    self.tube(centre - half - tilt, centre + half + tilt, radius);
+                    self.tube(center - half - tilt, center + half + tilt, radius);
                 }
                 1 => {
-                    self.object(
-                        Material::Concrete(super::finish::Pattern::Boards),
-                        Category::Debris,
-                    );
-                    let half = vec3(
-                        dice.between(4, 0.12, 0.4),
-                        dice.between(5, 0.08, 0.2),
-                        dice.between(6, 0.04, 0.1),
-                    );
-                    let tilt = vec3(0.0, 0.0, dice.between(7, -0.4, 0.4));
-                    let x = (along + tilt).unit();
-                    let y = vec3(0.0, 0.0, 1.0).cross(x).unit();
+                    self.object(Material::Concrete(Pattern::Boards), Category::Debris);
+                    let half = dice.within(4, [0.12, 0.08, 0.04], [0.4, 0.2, 0.1]);
+                    let x = (along + up(dice.between(7, -0.4, 0.4))).normalized();
+                    let y = UP.cross(x).normalized();
                     let pose = Pose {
-                        origin: centre + vec3(0.0, 0.0, 0.5 * half.z),
+                        origin: center + up(0.5 * half.z),
                         axes: [x, y, x.cross(y)],
                     };
-                    self.put(Shape::Block(Block { half }), pose);
+                    self.put(Block { half }, pose);
                 }
                 2 => {
                     self.object(Material::Rubber, Category::Debris);
                     let thick = dice.between(4, 0.06, 0.1);
-                    let lean = vec3(dice.between(5, -0.5, 0.5), dice.between(6, -0.5, 0.5), 1.0);
-                    self.ring(
-                        Ring::new(2.6 * thick, thick, std::f32::consts::PI),
-                        centre + vec3(0.0, 0.0, 0.3 * thick),
-                        lean,
-                        along,
-                    );
+                    let tire = Ring::new(2.6 * thick, thick, std::f32::consts::PI);
+                    let lean = dice.shift(5, [0.5, 0.5]) + UP;
+                    self.ring(tire, center + up(0.3 * thick), lean, along);
                 }
                 _ => {
                     self.object(Material::Rubber, Category::Cable);
-                    self.cable(dice, centre, along);
+                    self.cable(dice, center, along);
                 }
             }
         }
     }
 
     /// A cable in two bends, one to each side.
-    fn cable(&mut self, dice: Dice, centre: Vec3, along: Vec3) {
+    fn cable(&mut self, dice: Dice, center: Vec3, along: Vec3) {
         const THICK_M: f32 = 0.02;
-        let axis = vec3(dice.between(5, -0.04, 0.04), 0.0, 1.0).unit();
+        let axis = vec3(dice.between(5, -0.04, 0.04), 0.0, 1.0).normalized();
         let turned = |v: Vec3, angle: f32| {
             let (sin, cos) = libm::sincosf(angle);
             v * cos + axis.cross(v) * sin
         };
-        let toward = (along - axis * along.dot(axis)).unit();
+        let toward = (along - axis * along.dot(axis)).normalized();
         let (first, second) = (dice.between(4, 0.3, 0.9), dice.between(8, 0.3, 0.9));
         let (half, other) = (dice.between(6, 0.6, 1.4), dice.between(7, 0.5, 1.3));
-        self.ring(Ring::new(first, THICK_M, half), centre, axis, toward);
+        self.ring(Ring::new(first, THICK_M, half), center, axis, toward);
         // Where the first bend ends, the second goes on the other way round.
         let end = turned(toward, half);
-        let pivot = centre + end * (first + second);
-        self.ring(
-            Ring::new(second, THICK_M, other),
-            pivot,
-            axis,
-            turned(-end, -other),
-        );
+        let pivot = center + end * (first + second);
+        let bend = Ring::new(second, THICK_M, other);
+        self.ring(bend, pivot, axis, turned(-end, -other));
     }
 }

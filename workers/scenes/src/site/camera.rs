@@ -1,11 +1,11 @@
-//! The pinhole camera of a scene: which way the ray of a pixel leaves, and where a point of the scene appears.
+//! The pinhole camera in single precision: the ray of a pixel, and the projection of a point.
 
 use imaging::geometry::Intrinsics;
+use imaging::vector::{Vec3, vec3};
 
-use super::vector::{Vec3, vec3};
 use crate::CameraPose;
 
-/// A camera in the scene. Rays are not normalised: a ray advances one metre along the optical axis for each
+/// A camera in the scene. Rays are not normalized: a ray advances one meter along the optical axis for each
 /// unit of its parameter, so a parameter is a z-depth, and `parameter * |ray|` a range.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Camera {
@@ -13,7 +13,8 @@ pub(crate) struct Camera {
     pub(crate) ahead: Vec3,
     pub(crate) right: Vec3,
     pub(crate) down: Vec3,
-    inverse_focal: f32,
+    /// Also the angle that a pixel spans at the principal point, in radians.
+    pub(crate) inverse_focal: f32,
     cx: f32,
     cy: f32,
     pub(crate) width: usize,
@@ -21,14 +22,12 @@ pub(crate) struct Camera {
 }
 
 impl Camera {
-    /// A camera with a frame of the given sides.
     pub(crate) fn new(pose: &CameraPose, (width, height): (usize, usize), lens: &Intrinsics) -> Self {
-        let vector = |v: [f64; 3]| vec3(v[0] as f32, v[1] as f32, v[2] as f32);
         Self {
-            eye: vector(pose.position_m),
-            ahead: vector(pose.ahead),
-            right: vector(pose.right),
-            down: vector(pose.down),
+            eye: pose.position_m.as_f32(),
+            ahead: pose.ahead.as_f32(),
+            right: pose.right.as_f32(),
+            down: pose.down.as_f32(),
             inverse_focal: (1.0 / lens.focal_px) as f32,
             cx: lens.cx as f32,
             cy: lens.cy as f32,
@@ -50,12 +49,7 @@ impl Camera {
         self.right * self.inverse_focal
     }
 
-    /// The angle that a pixel spans at the principal point, in radians.
-    pub(crate) fn pixel_angle(&self) -> f32 {
-        self.inverse_focal
-    }
-
-    /// A point in camera axes: right, down, ahead, in metres.
+    /// A point in camera axes: right, down, ahead, in meters.
     #[inline(always)]
     pub(crate) fn axes_of(&self, point: Vec3) -> Vec3 {
         let away = point - self.eye;
@@ -82,7 +76,7 @@ mod tests {
             cy: 12.0,
         };
         let camera = Camera::new(
-            &CameraPose::looking([1.0, 2.0, 3.0], [4.0, 6.0, 2.0], 0.2),
+            &CameraPose::looking(vec3(1.0, 2.0, 3.0), vec3(4.0, 6.0, 2.0), 0.2),
             (64, 48),
             &lens,
         );
@@ -96,7 +90,7 @@ mod tests {
     fn a_level_camera_sees_up_at_the_top() {
         let lens = Intrinsics::centred(50.0, 3, 3);
         let camera = Camera::new(
-            &CameraPose::looking([0.0, 0.0, 1.0], [1.0, 0.0, 1.0], 0.0),
+            &CameraPose::looking(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 1.0), 0.0),
             (3, 3),
             &lens,
         );

@@ -1,8 +1,9 @@
 //! Seeded choices, addressed and never drawn in order: (seed, topic, object number, choice number).
 
 use imaging::random::Stream;
+use imaging::vector::Vec3;
 
-/// The choices about one object of a topic.
+/// The choices about an object of a topic.
 #[derive(Clone, Copy)]
 pub(crate) struct Dice {
     stream: Stream,
@@ -11,7 +12,7 @@ pub(crate) struct Dice {
 
 impl Dice {
     /// The choices about object 0 of a topic.
-    pub(crate) fn about(seed: u64, topic: &str) -> Self {
+    pub(crate) fn new(seed: u64, topic: &str) -> Self {
         Self {
             stream: Stream::stage(seed, topic),
             object: 0,
@@ -36,12 +37,23 @@ impl Dice {
         low + (self.stream.unit(self.object, choice) * (high - low + 1) as f64) as usize
     }
 
+    /// A point of a box, from three successive choices.
+    pub(crate) fn within(self, choice: u64, low: [f32; 3], high: [f32; 3]) -> Vec3 {
+        let component = |axis: usize| self.between(choice + axis as u64, low[axis], high[axis]);
+        [0, 1, 2].map(component).into()
+    }
+
+    /// A horizontal shift of at most `reach` along x and y, from two successive choices.
+    pub(crate) fn shift(self, choice: u64, [x, y]: [f32; 2]) -> Vec3 {
+        self.within(choice, [-x, -y, 0.0], [x, y, 0.0])
+    }
+
     /// True with the given probability.
     pub(crate) fn chance(self, choice: u64, probability: f32) -> bool {
         self.between(choice, 0.0, 1.0) < probability
     }
 
-    /// One of the options, which are not none.
+    /// One of the options, of which there must be some.
     pub(crate) fn pick<T: Copy>(self, choice: u64, options: &[T]) -> T {
         options[self.count(choice, 0, options.len() - 1)]
     }

@@ -1,7 +1,7 @@
 //! Scattered dots: round bumps, at most one in each cell of a lattice.
 
 use super::lanes::{LANES, Lane, Lane3, clamp01, floor};
-use super::noise::{GRADIENT_UNIT, Noise, PRIMES, gradient, hash, lattice};
+use super::noise::{GRADIENT_UNIT, Noise, gradient, hash, lattice};
 
 /// The lattice of dots stands askew, so that no surface shows its rows.
 const ASKEW: [[f32; 3]; 3] = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]];
@@ -11,7 +11,7 @@ pub(super) fn put_dots(
     dots: &mut Noise,
     position: &Lane3,
     footprint: &Lane,
-    per_metre: f32,
+    per_meter: f32,
     radius: f32,
     share: f32,
     key: u32,
@@ -19,22 +19,14 @@ pub(super) fn put_dots(
     let [a, b, c] = ASKEW;
     let growth = 0.55 / share;
     for i in 0..LANES {
-        let (x, y, z) = (
-            position[0][i] * per_metre,
-            position[1][i] * per_metre,
-            position[2][i] * per_metre,
-        );
+        let [x, y, z] = [0, 1, 2].map(|axis| position[axis][i] * per_meter);
         let u = a[0] * x + a[1] * y + a[2] * z;
         let v = b[0] * x + b[1] * y + b[2] * z;
         let w = c[0] * x + c[1] * y + c[2] * z;
         let (cell_u, cell_v, cell_w) = (floor(u), floor(v), floor(w));
-        let mixed = (
-            lattice(cell_u).wrapping_mul(PRIMES[0]) ^ key,
-            lattice(cell_v).wrapping_mul(PRIMES[1]),
-            lattice(cell_w).wrapping_mul(PRIMES[2]),
-        );
-        let jitter = gradient(mixed.0, mixed.1, mixed.2);
-        let kind = (hash(mixed.0, mixed.1, mixed.2) >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
+        let mixed = lattice([cell_u, cell_v, cell_w], key);
+        let jitter = gradient(mixed);
+        let kind = (hash(mixed) >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
         let size = radius * (0.45 + growth * kind);
         let room = (0.5 - radius) * GRADIENT_UNIT;
         let away_u = u - cell_u - 0.5 - room * jitter[0];
@@ -43,9 +35,9 @@ pub(super) fn put_dots(
         let inverse = 1.0 / (size * size);
         let near = (away_u * away_u + away_v * away_v + away_w * away_w) * inverse;
         let inside = clamp01(1.0 - near);
-        let there = if kind < share { 1.0 } else { 0.0 };
-        let seen = clamp01(2.0 - 4.0 * per_metre * footprint[i]) * there;
-        let steep = -4.0 * near * per_metre * inverse;
+        let present = if kind < share { 1.0 } else { 0.0 };
+        let seen = clamp01(2.0 - 4.0 * per_meter * footprint[i]) * present;
+        let steep = -4.0 * near * per_meter * inverse;
         let steep = if near < 1.0 { seen * steep } else { 0.0 };
         dots.value[i] = seen * inside * (2.0 - inside);
         dots.slope[0][i] = steep * (a[0] * away_u + b[0] * away_v + c[0] * away_w);
@@ -61,7 +53,7 @@ mod tests {
 
     #[test]
     fn dots_slope_as_they_rise() {
-        let at = |x: f32| {
+        let dot_at = |x: f32| {
             let position = [[x; LANES], [0.4; LANES], [0.7; LANES]];
             let place = Place {
                 position: &position,
@@ -74,7 +66,7 @@ mod tests {
         let mut steepest = 0.0f32;
         for i in 0..400 {
             let x = i as f32 * 0.01;
-            let (before, here, after) = (at(x - 1e-3), at(x), at(x + 1e-3));
+            let (before, here, after) = (dot_at(x - 1e-3), dot_at(x), dot_at(x + 1e-3));
             let difference = (after.0 - before.0) / 2e-3;
             // The rim of a dot is a kink, and there the slopes on both sides differ.
             let kink = (after.1 - before.1).abs();

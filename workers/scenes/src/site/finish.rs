@@ -1,4 +1,5 @@
-//! Surfaces: colour, relief and defects from seeded noise in the solid's own frame, so that nothing slides over a moving camera.
+//! Surfaces: color, relief and defects from seeded noise in the solid's own frame, so that the texture stays on the surface while
+//! the camera moves.
 //!
 //! Albedos are linear and lie between 0.02 and 0.8, as those of real wet and dry materials do.
 
@@ -10,7 +11,7 @@ mod plain;
 mod sand;
 mod steel;
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use super::chance::Dice;
 use super::lanes::{LANES, Lane, Lane3, ZEROS, clamp01, mix, ramp};
@@ -18,7 +19,7 @@ use super::noise::{Noise, Octaves, Place};
 use crate::categories::FINDINGS;
 
 pub(crate) use coat::Coat;
-pub(crate) use pattern::{Pattern, Unroll};
+pub(crate) use pattern::{Courses, Pattern, Unroll};
 
 /// What a surface is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +60,7 @@ pub(crate) struct Finish {
     silt: f32,
 }
 
-/// A group of points on one solid.
+/// A group of points on a solid.
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
     /// In the solid's frame, moved to the object's own part of the noise.
@@ -73,10 +74,20 @@ pub(crate) struct Points<'a> {
     pub(crate) rise: &'a Lane,
 }
 
-/// Colour and relief of a group of points.
+/// A group of points with the noise that every material is made of.
+#[derive(Clone, Copy)]
+struct Grain<'a> {
+    points: &'a Points<'a>,
+    /// Changes over about a meter; its slope is 0 where a material does not need it.
+    broad: &'a Noise,
+    /// Changes over about a hand's breadth.
+    fine: &'a Noise,
+}
+
+/// Color and relief of a group of points.
 pub(crate) struct Surface {
     pub(crate) albedo: Lane3,
-    /// Slope of the relief in the solid's frame, metres per metre.
+    /// Slope of the relief in the solid's frame, meters per meter.
     pub(crate) slope: Lane3,
     pub(crate) gloss: Lane,
     /// Strength of each finding, 0..1, in the order of [`FINDINGS`].
@@ -95,8 +106,8 @@ const PAINTS: [[f32; 3]; 7] = [
 const SILT: [f32; 3] = [0.22, 0.195, 0.15];
 
 impl Finish {
-    /// The surface of an object.
-    pub(crate) fn of(material: Material, dice: Dice) -> Self {
+    /// A material with its share of what the dice decide.
+    pub(crate) fn new(material: Material, dice: Dice) -> Self {
         let light = dice.between(7, 0.8, 1.15);
         let tint =
             |base: [f32; 3]| [0, 1, 2].map(|c| base[c] * light * dice.between(8 + c as u64, 0.93, 1.07));
@@ -130,7 +141,6 @@ impl Finish {
         }
     }
 
-    /// Colour and relief of some points.
     pub(crate) fn surface(&self, points: &Points<'_>) -> Surface {
         let mut surface = Surface {
             albedo: [ZEROS; 3],
@@ -149,22 +159,23 @@ impl Finish {
         };
         let octaves = if self.material == Material::Sand { 3 } else { 2 };
         let fine = place.noise(Octaves::even(23.0, octaves, self.key ^ 0x51));
+        let grain = &Grain {
+            points,
+            broad: &broad,
+            fine: &fine,
+        };
         match self.material {
-            Material::Steel => self.steel(points, &broad.value, &fine, &mut surface),
-            Material::Coated(coat) => self.coated(&coat, points, &broad.value, &fine, &mut surface),
-            Material::Concrete(pattern) => self.concrete(&pattern, points, &broad.value, &fine, &mut surface),
-            Material::Sand => self.sand(points, &broad, &fine, &mut surface),
-            _ => self.plain(&broad, &fine, &mut surface),
+            Material::Steel => self.steel(grain, &mut surface),
+            Material::Coated(coat) => vectorized!(self.coated(&coat, grain, &mut surface)),
+            Material::Concrete(pattern) => self.concrete(&pattern, grain, &mut surface),
+            Material::Sand => self.sand(grain, &mut surface),
+            _ => self.plain(grain, &mut surface),
         }
         if self.growth > -0.9 {
-            self.overgrow(points, &broad.value, &fine, &mut surface);
+            self.overgrow(grain, &mut surface);
         }
         if self.material != Material::Sand {
-            let silt = self.silt;
-            vectorised(
-                #[inline(always)]
-                || settle(&mut surface, silt, points.rise, &broad.value),
-            );
+            vectorized!(settle(&mut surface, self.silt, points.rise, &broad.value));
         }
         surface
     }

@@ -1,10 +1,12 @@
-//! Where the points of a group are, and how the camera sees them.
+//! Positions of a group of surface points, and how the camera sees them.
+
+use imaging::vector::Vec3;
 
 use super::camera::Camera;
-use super::lanes::{LANES, Lane, Lane3, ZEROS, larger};
-use super::vector::{Pose, Vec3, vec3};
+use super::lanes::{LANES, Lane, Lane3, ZEROS, larger, load, store};
+use super::pose::Pose;
 
-/// Where the points of a group are.
+/// Positions and viewing geometry of a group.
 pub(super) struct Geometry {
     pub(super) world: Lane3,
     pub(super) local: Lane3,
@@ -42,10 +44,10 @@ impl Geometry {
             let length = ray.length();
             let point = camera.eye + ray * parameter[i];
             let local = pose.point_in(point);
-            set(&mut self.world, i, point);
-            set(&mut self.local, i, local);
-            set(&mut self.grain, i, local + origin);
-            set(&mut self.view, i, pose.direction_in(ray * (-1.0 / length)));
+            store(&mut self.world, i, point);
+            store(&mut self.local, i, local);
+            store(&mut self.grain, i, local + origin);
+            store(&mut self.view, i, pose.direction_in(ray * (-1.0 / length)));
             self.range[i] = parameter[i] * length;
         }
     }
@@ -53,22 +55,10 @@ impl Geometry {
     #[inline(always)]
     pub(super) fn look(&mut self, normal: &Lane3, up: Vec3, pixel_angle: f32) {
         for i in 0..LANES {
-            let n = at(normal, i);
-            let facing = larger(n.dot(at(&self.view, i)), 0.04).sqrt();
+            let n = load(normal, i);
+            let facing = larger(n.dot(load(&self.view, i)), 0.04).sqrt();
             self.footprint[i] = self.range[i] * pixel_angle / facing;
             self.rise[i] = n.dot(up);
         }
     }
-}
-
-#[inline(always)]
-pub(super) fn set(lanes: &mut Lane3, i: usize, v: Vec3) {
-    lanes[0][i] = v.x;
-    lanes[1][i] = v.y;
-    lanes[2][i] = v.z;
-}
-
-#[inline(always)]
-pub(super) fn at(lanes: &Lane3, i: usize) -> Vec3 {
-    vec3(lanes[0][i], lanes[1][i], lanes[2][i])
 }

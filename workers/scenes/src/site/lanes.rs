@@ -1,6 +1,8 @@
 //! Groups of surface points that are shaded together, one array per quantity, so that every loop over them
 //! turns into vector instructions.
 
+use imaging::vector::{Vec3, vec3};
+
 /// Points in a group.
 pub(crate) const LANES: usize = 32;
 
@@ -11,6 +13,20 @@ pub(crate) const ZEROS: Lane = [0.0; LANES];
 
 /// A vector quantity of all points.
 pub(crate) type Lane3 = [Lane; 3];
+
+/// A vector quantity of point `i`.
+#[inline(always)]
+pub(crate) fn load(lanes: &Lane3, i: usize) -> Vec3 {
+    vec3(lanes[0][i], lanes[1][i], lanes[2][i])
+}
+
+/// Sets a vector quantity of point `i`.
+#[inline(always)]
+pub(crate) fn store(lanes: &mut Lane3, i: usize, v: Vec3) {
+    lanes[0][i] = v.x;
+    lanes[1][i] = v.y;
+    lanes[2][i] = v.z;
+}
 
 /// 0 below `low`, 1 above `high`, smooth between.
 #[inline(always)]

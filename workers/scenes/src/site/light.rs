@@ -1,10 +1,11 @@
 //! Light: a lamp at the camera with inverse-square falloff, a soft light from above, and open water behind everything.
 
+use imaging::vector::Vec3;
+
 use super::Site;
 use super::camera::Camera;
 use super::finish::Surface;
-use super::lanes::{LANES, Lane, Lane3, larger, mix, ramp};
-use super::vector::{Vec3, vec3};
+use super::lanes::{LANES, Lane, Lane3, larger, load, mix, ramp, smaller, store};
 
 /// Softens the lamp near the camera: a real lamp is no point. In parts of the full-light distance, squared.
 const SOFTNESS: f32 = 0.22;
@@ -30,7 +31,7 @@ pub(super) struct Light {
 }
 
 impl Light {
-    pub(super) fn of(site: &Site) -> Self {
+    pub(super) fn new(site: &Site) -> Self {
         Self {
             full: site.lamp_m * site.lamp_m,
             ambient: site.ambient,
@@ -41,7 +42,7 @@ impl Light {
     #[inline(always)]
     fn water(&self, rise: f32) -> [f32; 3] {
         let bright = (self.ambient + DARKNESS) * (0.35 + 1.9 * ramp(rise, -0.35, 1.0));
-        [bright * WATER[0], bright * WATER[1], bright * WATER[2]]
+        WATER.map(|band| bright * band)
     }
 }
 
@@ -62,10 +63,7 @@ pub(super) fn background(bands: &mut Lane3, camera: &Camera, light: &Light, x: &
     let (camera, light) = (*camera, *light);
     for i in 0..LANES {
         let ray = camera.ray(x[i], y[i]);
-        let water = light.water(ray.z / ray.length());
-        for c in 0..3 {
-            bands[c][i] = water[c];
-        }
+        store(bands, i, light.water(ray.z / ray.length()).into());
     }
 }
 
@@ -76,8 +74,8 @@ pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, li
     let (up, ahead) = (lit.up, lit.ahead);
     let far = if lit.ground { 1.0 } else { 0.0 };
     for i in 0..LANES {
-        let (n, v) = (at(lit.normal, i), at(lit.view, i));
-        let slope = at(&surface.slope, i);
+        let (n, v) = (load(lit.normal, i), load(lit.view, i));
+        let slope = load(&surface.slope, i);
         let bumped = n - (slope - n * n.dot(slope));
         let bumped = bumped * (1.0 / larger(bumped.length(), 1e-6));
         let facing = larger(bumped.dot(v), LEAST_FACING);
@@ -97,14 +95,8 @@ pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, li
         let fade = far * ramp(range, FADE_M[0], FADE_M[1]);
         for c in 0..3 {
             let albedo = surface.albedo[c][i];
-            let albedo = if albedo > 0.02 { albedo } else { 0.02 };
-            let albedo = if albedo < 0.8 { albedo } else { 0.8 };
+            let albedo = smaller(larger(albedo, 0.02), 0.8);
             bands[c][i] = mix(albedo * (lamp + sky * SKY[c]) + gleam, water[c], fade);
         }
     }
-}
-
-#[inline(always)]
-fn at(lanes: &Lane3, i: usize) -> Vec3 {
-    vec3(lanes[0][i], lanes[1][i], lanes[2][i])
 }

@@ -1,16 +1,16 @@
-//! Row by row: which surface each ray meets first, then its light.
+//! Rendering row by row: the surface that each ray meets first, then its light.
 
 use std::ops::Range;
 
 use imaging::geometry::Intrinsics;
-use imaging::simd::vectorised;
+use imaging::vector::Vec3;
+use imaging::vectorized;
 
 use super::Site;
 use super::camera::Camera;
-use super::frame::Frame;
+use super::outline::Outline;
 use super::shade::Shader;
 use super::solid::{Nearest, Rays};
-use super::vector::Vec3;
 use crate::CameraPose;
 
 /// The ground ends here: beyond it nothing comes back to a lamp at the camera.
@@ -20,7 +20,7 @@ pub(super) const FAR_M: f32 = 60.0;
 pub(crate) struct Picture {
     /// Linear radiance: red, green, blue.
     pub(crate) bands: [Vec<f32>; 3],
-    /// Range in metres, infinite where nothing is met.
+    /// Range in meters, infinite where nothing is met.
     pub(crate) range: Vec<f32>,
     /// Number of the object plus 1; 0 where nothing is met.
     pub(crate) objects: Vec<u16>,
@@ -29,7 +29,7 @@ pub(crate) struct Picture {
 
 /// What labels need to know about surfaces.
 pub(crate) struct Surfaces {
-    /// Depth along the optical axis in metres, infinite where nothing is met.
+    /// Depth along the optical axis in meters, infinite where nothing is met.
     pub(crate) z_depth: Vec<f32>,
     /// Unit normals without relief, in camera axes; zero where nothing is met.
     pub(crate) normals: [Vec<f32>; 3],
@@ -47,11 +47,8 @@ pub(crate) fn render(
     labels: bool,
 ) -> Picture {
     let camera = Camera::new(pose, (width, height), lens);
-    let frames: Vec<Frame> = site
-        .solids
-        .iter()
-        .map(|solid| Frame::of(solid, &camera))
-        .collect();
+    let outline = |solid| Outline::new(solid, &camera);
+    let outlines: Vec<Outline> = site.solids.iter().map(outline).collect();
     let pixels = width * rows.len();
     let blank = || vec![0.0; pixels];
     let mut picture = Picture {
@@ -65,26 +62,17 @@ pub(crate) fn render(
         }),
     };
     let mut shader = Shader::new(site, &camera);
-    let shown: Vec<u16> = site
-        .solids
-        .iter()
-        .map(|solid| solid.object + 1)
-        .chain([1, 0])
-        .collect();
+    let shown = site.solids.iter().map(|solid| solid.object + 1);
+    let shown: Vec<u16> = shown.chain([1, 0]).collect();
     let (mut parameter, mut owner) = (vec![0.0f32; width], vec![0u16; width]);
     for (row, y) in rows.enumerate() {
-        trace(site, &camera, &frames, y, &mut parameter, &mut owner);
+        trace(site, &camera, &outlines, y, &mut parameter, &mut owner);
         let first = row * width;
         let range = &mut picture.range[first..first + width];
-        let start = camera.ray(0.0, y as f32);
-        let step = camera.across();
-        vectorised(
-            #[inline(always)]
-            || ranges(range, &parameter, start, step),
-        );
-        picture
-            .objects
-            .extend(owner.iter().map(|&owner| shown[usize::from(owner)]));
+        let (start, step) = (camera.ray(0.0, y as f32), camera.across());
+        vectorized!(fill_ranges(range, &parameter, start, step));
+        let objects = owner.iter().map(|&owner| shown[usize::from(owner)]);
+        picture.objects.extend(objects);
         if let Some(labels) = &mut picture.labels {
             labels.z_depth.extend(&parameter);
         }
@@ -95,7 +83,7 @@ pub(crate) fn render(
 }
 
 #[inline(always)]
-fn ranges(range: &mut [f32], parameter: &[f32], start: Vec3, step: Vec3) {
+fn fill_ranges(range: &mut [f32], parameter: &[f32], start: Vec3, step: Vec3) {
     for (i, (range, parameter)) in range.iter_mut().zip(parameter).enumerate() {
         *range = *parameter * (start + step * (i as i32 as f32)).length();
     }
@@ -103,15 +91,19 @@ fn ranges(range: &mut [f32], parameter: &[f32], start: Vec3, step: Vec3) {
 
 /// The nearest surface for every ray of a row: its parameter along the ray (infinite: none) and whose it is, the index of a
 /// solid, or after all solids the ground and then nothing.
-fn trace(site: &Site, camera: &Camera, frames: &[Frame], y: usize, parameter: &mut [f32], owner: &mut [u16]) {
+fn trace(
+    site: &Site,
+    camera: &Camera,
+    outlines: &[Outline],
+    y: usize,
+    parameter: &mut [f32],
+    owner: &mut [u16],
+) {
     let ground = site.solids.len() as u16;
     let (start, step, height) = (camera.ray(0.0, y as f32), camera.across(), camera.eye.z);
-    vectorised(
-        #[inline(always)]
-        || fall(parameter, owner, (start, step), height, ground),
-    );
-    for (index, (solid, frame)) in site.solids.iter().zip(frames).enumerate() {
-        let columns = frame.columns(y);
+    vectorized!(meet_ground(parameter, owner, (start, step), height, ground));
+    for (index, (solid, outline)) in site.solids.iter().zip(outlines).enumerate() {
+        let columns = outline.columns(y);
         if columns.is_empty() {
             continue;
         }
@@ -128,9 +120,15 @@ fn trace(site: &Site, camera: &Camera, frames: &[Frame], y: usize, parameter: &m
     }
 }
 
-/// Where rays from `height` metres above the ground meet it.
+/// Where rays from `height` meters above the ground meet it.
 #[inline(always)]
-fn fall(parameter: &mut [f32], owner: &mut [u16], (start, step): (Vec3, Vec3), height: f32, ground: u16) {
+fn meet_ground(
+    parameter: &mut [f32],
+    owner: &mut [u16],
+    (start, step): (Vec3, Vec3),
+    height: f32,
+    ground: u16,
+) {
     for (i, (parameter, owner)) in parameter.iter_mut().zip(owner).enumerate() {
         let ray = start + step * (i as i32 as f32);
         let at = -height / ray.z;

@@ -1,17 +1,19 @@
 //! Gathers the pixels of each solid into groups, wherever they are in the picture, and shades a group at a time.
 
-use imaging::simd::vectorised;
+use imaging::vector::{Vec3, vec3};
+use imaging::vectorized;
 
 use super::Site;
-use super::bounds::{around, extent, touch};
+use super::bounds::Bounds;
 use super::camera::Camera;
 use super::finish::Points;
-use super::geometry::{Geometry, at, set};
-use super::lanes::{LANES, Lane, Lane3, ZEROS, mix, ramp};
+use super::geometry::Geometry;
+use super::lanes::{LANES, Lane, Lane3, ZEROS, load, mix, ramp, store};
 use super::light::{Light, Lit, background, illuminate};
 use super::noise::Place;
 use super::picture::Picture;
-use super::vector::{Pose, UP, Vec3, ZERO, vec3};
+use super::pose::{Pose, UP, ZERO};
+use super::solid::Solid;
 
 /// Reach of the shadow where two surfaces meet, m.
 const CONTACT_M: f32 = 0.45;
@@ -39,7 +41,7 @@ pub(super) struct Shader<'a> {
     site: &'a Site,
     camera: &'a Camera,
     light: Light,
-    boxes: Vec<[Vec3; 2]>,
+    boxes: Vec<Bounds>,
     /// For each solid and the ground, the solids that come near it.
     near: Vec<Vec<u16>>,
     queues: Vec<Queue>,
@@ -47,15 +49,15 @@ pub(super) struct Shader<'a> {
 
 impl<'a> Shader<'a> {
     pub(super) fn new(site: &'a Site, camera: &'a Camera) -> Self {
-        let boxes: Vec<[Vec3; 2]> = site.solids.iter().map(around).collect();
-        let ground = [vec3(-1e9, -1e9, -1e9), vec3(1e9, 1e9, 0.0)];
+        let boxes: Vec<Bounds> = site.solids.iter().map(Bounds::around).collect();
+        let ground = Bounds::below(0.0);
         let near = boxes.iter().chain([&ground]).enumerate();
-        let near = near.map(|(own, one)| {
-            let others = boxes.iter().enumerate();
-            let others = others.filter(|(other, its)| *other != own && touch(one, its, NEAR_M));
+        let near = near.map(|(own, bounds)| {
             // Mounds are a part of the ground and cast no shadow on it.
-            let others = others.filter(|(other, _)| site.solids[*other].object != 0);
-            others.map(|(other, _)| other as u16).collect()
+            let casts = |&other: &usize| other != own && site.solids[other].object != 0;
+            let others = (0..boxes.len()).filter(casts);
+            let others = others.filter(|&other| bounds.touches(&boxes[other], NEAR_M));
+            others.map(|other| other as u16).collect()
         });
         let empty = Queue {
             len: 0,
@@ -67,7 +69,7 @@ impl<'a> Shader<'a> {
         Self {
             site,
             camera,
-            light: Light::of(site),
+            light: Light::new(site),
             near: near.collect(),
             queues: vec![empty; boxes.len() + 2],
             boxes,
@@ -87,18 +89,15 @@ impl<'a> Shader<'a> {
         while start < owner.len() {
             let whose = usize::from(owner[start]);
             let room = LANES - self.queues[whose].len;
-            let same = owner[start..]
-                .iter()
-                .take(room)
-                .take_while(|&&other| other == owner[start])
-                .count();
+            let run = owner[start..].iter().take(room);
+            let same = run.take_while(|&&other| other == owner[start]).count();
             let queue = &mut self.queues[whose];
             for i in 0..same {
-                let (at, x) = (queue.len + i, start + i);
-                queue.x[at] = x as f32;
-                queue.y[at] = y as f32;
-                queue.parameter[at] = parameter[x];
-                queue.pixel[at] = (first + x) as u32;
+                let (place, x) = (queue.len + i, start + i);
+                queue.x[place] = x as f32;
+                queue.y[place] = y as f32;
+                queue.parameter[place] = parameter[x];
+                queue.pixel[place] = (first + x) as u32;
             }
             queue.len += same;
             if same == room {
@@ -131,10 +130,7 @@ impl<'a> Shader<'a> {
         let light = if whose > self.site.solids.len() {
             let (camera, site) = (self.camera, &self.light);
             let mut light = [ZEROS; 3];
-            vectorised(
-                #[inline(always)]
-                || background(&mut light, camera, site, &queue.x, &queue.y),
-            );
+            vectorized!(background(&mut light, camera, site, &queue.x, &queue.y));
             light
         } else {
             self.group(whose, queue, len, picture)
@@ -159,28 +155,18 @@ impl<'a> Shader<'a> {
         };
         let mut geometry = Geometry::BLANK;
         let camera = self.camera;
-        vectorised(
-            #[inline(always)]
-            || geometry.place(camera, &pose, origin, (&queue.x, &queue.y, &queue.parameter)),
-        );
+        vectorized!(geometry.place(camera, &pose, origin, (&queue.x, &queue.y, &queue.parameter)));
         let mut normal = [ZEROS, ZEROS, [1.0; LANES]];
         let mut edge = ZEROS;
         if let Some(solid) = solid {
             solid.normals(&geometry.local, BEVEL_M, &mut normal, &mut edge);
             if object == 0 {
                 let world = &geometry.world;
-                vectorised(
-                    #[inline(always)]
-                    || run_out(&mut normal, &world[2]),
-                );
+                vectorized!(run_out(&mut normal, &world[2]));
             }
         }
-        let up = pose.direction_in(UP);
-        let angle = camera.pixel_angle();
-        vectorised(
-            #[inline(always)]
-            || geometry.look(&normal, up, angle),
-        );
+        let (up, pixel_angle) = (pose.direction_in(UP), camera.inverse_focal);
+        vectorized!(geometry.look(&normal, up, pixel_angle));
         let finest = geometry.footprint.iter().copied().fold(f32::INFINITY, f32::min);
         let surface = self.site.objects[object].finish.surface(&Points {
             place: Place {
@@ -195,7 +181,7 @@ impl<'a> Shader<'a> {
         });
         let open = self.openness(whose, object != 0, &geometry.world);
         if picture.labels.is_some() {
-            self.label(whose, queue, len, &geometry, &surface.findings, picture);
+            self.label((solid, &pose), queue, len, &geometry, &surface.findings, picture);
         }
         let lit = Lit {
             normal: &normal,
@@ -207,39 +193,29 @@ impl<'a> Shader<'a> {
             ground: object == 0,
         };
         let (mut bands, light) = ([ZEROS; 3], &self.light);
-        vectorised(
-            #[inline(always)]
-            || illuminate(&mut bands, light, &surface, &lit),
-        );
+        vectorized!(illuminate(&mut bands, light, &surface, &lit));
         bands
     }
 
     /// How open each point is to the light from above: less where another solid or the ground is near.
     fn openness(&self, whose: usize, above_ground: bool, world: &Lane3) -> Lane {
-        let mut group = [ZERO; 2];
-        vectorised(
-            #[inline(always)]
-            || group = extent(world),
-        );
+        let group = vectorized!(Bounds::of_points(world));
         let mut distance = [CONTACT_M; LANES];
         for &other in &self.near[whose] {
             let other = usize::from(other);
-            if touch(&group, &self.boxes[other], NEAR_M) {
+            if group.touches(&self.boxes[other], NEAR_M) {
                 self.site.solids[other].approach(world, &mut distance);
             }
         }
         let mut open = ZEROS;
         let height = &world[2];
-        vectorised(
-            #[inline(always)]
-            || shadow(&mut open, &distance, height, above_ground),
-        );
+        vectorized!(shadow(&mut open, &distance, height, above_ground));
         open
     }
 
     fn label(
         &self,
-        whose: usize,
+        (solid, pose): (Option<&Solid>, &Pose),
         queue: &Queue,
         len: usize,
         geometry: &Geometry,
@@ -248,22 +224,14 @@ impl<'a> Shader<'a> {
     ) {
         let Some(labels) = &mut picture.labels else { return };
         let (mut normal, mut edge) = ([ZEROS, ZEROS, [1.0; LANES]], ZEROS);
-        let solid = self.site.solids.get(whose);
-        let pose = solid.map_or(Pose::upright(ZERO, 0.0), |solid| solid.pose);
         if let Some(solid) = solid {
             solid.normals(&geometry.local, LABEL_BEVEL_M, &mut normal, &mut edge);
         }
         let camera = self.camera;
         let axes = [camera.right, camera.down, camera.ahead].map(|axis| pose.direction_in(axis));
         let (mut shown, mut mask) = ([ZEROS; 3], [0u32; LANES]);
-        vectorised(
-            #[inline(always)]
-            || outward(&mut shown, &normal, &geometry.view, &axes),
-        );
-        vectorised(
-            #[inline(always)]
-            || bits(&mut mask, findings),
-        );
+        vectorized!(face_camera(&mut shown, &normal, &geometry.view, &axes));
+        vectorized!(set_bits(&mut mask, findings));
         for i in 0..len {
             let pixel = queue.pixel[i] as usize;
             for (plane, value) in labels.normals.iter_mut().zip(&shown) {
@@ -276,21 +244,21 @@ impl<'a> Shader<'a> {
 
 /// Unit normals in camera axes; one that an edge has turned away from the camera is brought back to the edge of what it sees.
 #[inline(always)]
-fn outward(shown: &mut Lane3, normal: &Lane3, view: &Lane3, axes: &[Vec3; 3]) {
+fn face_camera(shown: &mut Lane3, normal: &Lane3, view: &Lane3, axes: &[Vec3; 3]) {
     let axes = *axes;
     for i in 0..LANES {
-        let (n, toward) = (at(normal, i), at(view, i));
+        let (n, toward) = (load(normal, i), load(view, i));
         let facing = n.dot(toward);
         let away = if facing < 0.0 { facing * 1.001 } else { 0.0 };
         let n = n - toward * away;
-        let n = n * (1.0 / n.length());
-        set(shown, i, vec3(axes[0].dot(n), axes[1].dot(n), axes[2].dot(n)));
+        let n = n.normalized();
+        store(shown, i, axes.map(|axis| axis.dot(n)).into());
     }
 }
 
 /// One bit for each finding that covers more than half of the pixel.
 #[inline(always)]
-fn bits(mask: &mut [u32; LANES], findings: &[Lane]) {
+fn set_bits(mask: &mut [u32; LANES], findings: &[Lane]) {
     for (bit, strength) in findings.iter().enumerate() {
         for i in 0..LANES {
             mask[i] |= if strength[i] > 0.5 { 1 << bit } else { 0 };
@@ -311,11 +279,8 @@ fn shadow(open: &mut Lane, distance: &Lane, height: &Lane, above_ground: bool) {
 fn run_out(normal: &mut Lane3, height: &Lane) {
     for i in 0..LANES {
         let share = ramp(height[i], 0.0, RUN_OUT_M);
-        let n = vec3(
-            normal[0][i] * share,
-            normal[1][i] * share,
-            mix(1.0, normal[2][i], share),
-        );
-        set(normal, i, n * (1.0 / n.length()));
+        let n = load(normal, i);
+        let n = vec3(n.x * share, n.y * share, mix(1.0, n.z, share));
+        store(normal, i, n.normalized());
     }
 }

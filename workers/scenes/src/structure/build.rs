@@ -1,302 +1,242 @@
 //! The six kinds of site.
 
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use imaging::vector::{Vec3, vec3};
+
 use crate::categories::Category;
 use crate::site::builder::Builder;
 use crate::site::finish::{Material, Pattern};
-use crate::site::solid::{Ball, Ring, Shape};
-use crate::site::vector::{Pose, Vec3, vec3};
+use crate::site::pose::{Pose, UP, ZERO, horizontal, up};
+use crate::site::solid::Ring;
 
-/// Where to look, and from how far away, in metres.
-type View = (Vec3, f32);
+/// What the camera looks at, and from how far away, in meters.
+pub(super) struct Aim {
+    pub(super) target: Vec3,
+    pub(super) distance: f32,
+}
+
+impl Aim {
+    fn new(target: Vec3, distance: f32) -> Self {
+        Self { target, distance }
+    }
+}
+
+const BOARDS: Material = Material::Concrete(Pattern::Boards);
 
 impl Builder {
     fn metal_or_concrete(&self, choice: u64) -> Material {
-        self.dice.pick(
-            choice,
-            &[
-                Material::Steel,
-                Material::Steel,
-                Material::Concrete(Pattern::Boards),
-            ],
-        )
+        let options = [Material::Steel, Material::Steel, BOARDS];
+        self.dice.pick(choice, &options)
     }
 
     /// An upright pile with collars.
     fn pile(&mut self, foot: Vec3, radius: f32, material: Material, collars: usize) {
         self.object(material, Category::Pile);
-        self.tube(foot - vec3(0.0, 0.0, 0.5), foot + vec3(0.0, 0.0, 14.0), radius);
+        self.tube(foot - up(0.5), foot + up(14.0), radius);
         self.bank(foot, radius);
         for collar in 0..collars {
             let z = 0.7 + 1.6 * collar as f32 + self.dice.between(900 + collar as u64, 0.0, 0.8);
-            self.tube(
-                foot + vec3(0.0, 0.0, z),
-                foot + vec3(0.0, 0.0, z + 0.12),
-                radius * 1.13,
-            );
+            self.tube(foot + up(z), foot + up(z + 0.12), radius * 1.13);
         }
     }
 
     /// Sand that the current has heaped against a foot, more on one side.
     fn bank(&mut self, foot: Vec3, radius: f32) {
-        let dice = self.about("bank").object((foot.x * 64.0) as i32 as usize);
-        let lee =
-            Vec3::horizontal(self.about("bank").between(9, 0.0, 6.3)) * (radius * dice.between(0, 0.2, 0.7));
+        let bank = self.about("bank");
+        let dice = bank.object((foot.x * 64.0) as i32 as usize);
+        let lee = horizontal(bank.between(9, 0.0, 6.3)) * (radius * dice.between(0, 0.2, 0.7));
         let wide = radius * dice.between(1, 1.9, 2.6) + 0.2;
-        self.mound(
-            foot.x + lee.x,
-            foot.y + lee.y,
-            wide,
-            wide * dice.between(2, 0.1, 0.24),
-        );
+        self.mound(foot + lee, wide, wide * dice.between(2, 0.1, 0.24));
     }
 
     /// A clamp with a sacrificial anode on a pile.
     fn anode(&mut self, foot: Vec3, radius: f32, azimuth: f32, z: f32) {
         self.object(Material::Anode, Category::Anode);
-        let out = Vec3::horizontal(azimuth);
-        let centre = foot + out * (radius + 0.11) + vec3(0.0, 0.0, z);
-        self.block(centre, vec3(0.07, 0.09, 0.38), azimuth);
+        let out = horizontal(azimuth);
+        let center = foot + out * (radius + 0.11) + up(z);
+        self.block(center, vec3(0.07, 0.09, 0.38), azimuth);
         for end in [-0.3, 0.3] {
-            self.tube(
-                foot + out * (radius * 0.6) + vec3(0.0, 0.0, z + end),
-                centre + vec3(0.0, 0.0, end),
-                0.022,
-            );
+            let clamp = foot + out * (radius * 0.6) + up(z + end);
+            self.tube(clamp, center + up(end), 0.022);
         }
     }
 
-    pub(super) fn single_pile(&mut self) -> View {
-        let radius = self.dice.between(0, 0.35, 0.75);
+    pub(super) fn single_pile(&mut self) -> Aim {
+        let dice = self.dice;
+        let radius = dice.between(0, 0.35, 0.75);
         let material = self.metal_or_concrete(1);
-        self.pile(vec3(0.0, 0.0, 0.0), radius, material, self.dice.count(2, 0, 3));
-        for i in 0..self.dice.count(3, 1, 3) {
-            let azimuth = -1.6 + self.dice.between(10 + i as u64, -0.9, 0.9);
-            self.anode(vec3(0.0, 0.0, 0.0), radius, azimuth, 0.9 + 1.1 * i as f32);
+        self.pile(ZERO, radius, material, dice.count(2, 0, 3));
+        for i in 0..dice.count(3, 1, 3) {
+            let azimuth = -1.6 + dice.between(10 + i as u64, -0.9, 0.9);
+            self.anode(ZERO, radius, azimuth, 0.9 + 1.1 * i as f32);
         }
-        if self.dice.chance(4, 0.6) {
-            self.object(Material::Concrete(Pattern::Boards), Category::Support);
-            let half = vec3(radius * 2.2, radius * 2.2, self.dice.between(5, 0.15, 0.4));
-            self.block(vec3(0.0, 0.0, half.z), half, self.dice.between(6, 0.0, 1.5));
+        if dice.chance(4, 0.6) {
+            self.object(BOARDS, Category::Support);
+            let half = vec3(radius * 2.2, radius * 2.2, dice.between(5, 0.15, 0.4));
+            self.block(up(half.z), half, dice.between(6, 0.0, 1.5));
         }
-        (vec3(0.0, 0.0, self.dice.between(7, 1.2, 2.2)), radius * 3.0 + 1.4)
+        Aim::new(up(dice.between(7, 1.2, 2.2)), radius * 3.0 + 1.4)
     }
 
-    pub(super) fn pile_row(&mut self) -> View {
-        let radius = self.dice.between(0, 0.22, 0.45);
-        let spacing = self.dice.between(1, 1.6, 2.8);
+    pub(super) fn pile_row(&mut self) -> Aim {
+        let dice = self.dice;
+        let radius = dice.between(0, 0.22, 0.45);
+        let spacing = dice.between(1, 1.6, 2.8);
         let material = self.metal_or_concrete(2);
-        let count = self.dice.count(3, 4, 7);
-        let slant = self.dice.between(4, -0.5, 0.9);
+        let count = dice.count(3, 4, 7);
+        let slant = dice.between(4, -0.5, 0.9);
         let direction = vec3(libm::cosf(slant), libm::sinf(slant), 0.0);
         let foot = |i: usize| direction * ((i as f32 - 1.2) * spacing);
         for i in 0..count {
-            self.pile(foot(i), radius, material, self.dice.count(20 + i as u64, 0, 1));
+            self.pile(foot(i), radius, material, dice.count(20 + i as u64, 0, 1));
         }
         self.object(self.metal_or_concrete(5), Category::Beam);
-        let height = self.dice.between(6, 1.6, 3.0);
-        let middle = (foot(0) + foot(count - 1)) * 0.5 + vec3(0.0, -radius, height);
-        let half = vec3(
-            (foot(count - 1) - foot(0)).length() / 2.0 + 0.5,
-            0.16,
-            self.dice.between(7, 0.16, 0.32),
-        );
-        self.block(middle, half, slant);
-        if self.dice.chance(8, 0.6) {
+        let height = dice.between(6, 1.6, 3.0);
+        let (first, last) = (foot(0), foot(count - 1));
+        let middle = (first + last) * 0.5 + vec3(0.0, -radius, height);
+        let length = (last - first).length() / 2.0 + 0.5;
+        self.block(middle, vec3(length, 0.16, dice.between(7, 0.16, 0.32)), slant);
+        if dice.chance(8, 0.6) {
             self.object(Material::Steel, Category::Brace);
-            self.tube(
-                foot(0) + vec3(0.0, 0.0, 0.4),
-                foot(1) + vec3(0.0, 0.0, height - 0.2),
-                0.09,
-            );
+            self.tube(first + up(0.4), foot(1) + up(height - 0.2), 0.09);
         }
-        (vec3(0.0, 0.0, 1.4), 3.4)
+        Aim::new(up(1.4), 3.4)
     }
 
-    pub(super) fn braced_legs(&mut self) -> View {
-        let half = self.dice.between(0, 1.1, 1.8);
-        let leg = self.dice.between(1, 0.16, 0.28);
+    pub(super) fn braced_legs(&mut self) -> Aim {
+        let dice = self.dice;
+        let half = dice.between(0, 1.1, 1.8);
+        let leg = dice.between(1, 0.16, 0.28);
         let height = 9.0;
         let corner = |i: usize, z: f32| {
             let (x, y) = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)][i % 4];
             let reach = half * (1.0 - 0.035 * z);
             vec3(x * reach, y * reach, z)
         };
-        let material = if self.dice.chance(2, 0.8) {
-            Material::Steel
-        } else {
-            Material::Growth
-        };
+        let steel = dice.chance(2, 0.8);
+        let material = if steel { Material::Steel } else { Material::Growth };
         for i in 0..4 {
             self.object(material, Category::Pile);
             self.tube(corner(i, -0.4), corner(i, height), leg);
             self.tube(corner(i, 0.0), corner(i, 0.35), leg * 1.8);
             self.bank(corner(i, 0.0), leg * 1.8);
         }
-        let level = self.dice.between(3, 1.9, 2.6);
+        let level = dice.between(3, 1.9, 2.6);
         self.object(material, Category::Brace);
+        let knot = vec3(1.0, 1.0, 1.0) * (leg * 1.25);
         for storey in 0..3 {
             let (low, high) = (0.5 + level * storey as f32, 0.5 + level * (storey + 1) as f32);
             for i in 0..4 {
                 self.tube(corner(i, high), corner(i + 1, high), leg * 0.6);
-                let (a, b) = if (i + storey) % 2 == 0 {
-                    (i, i + 1)
-                } else {
-                    (i + 1, i)
-                };
+                let even = (i + storey) % 2 == 0;
+                let (a, b) = if even { (i, i + 1) } else { (i + 1, i) };
                 self.tube(corner(a, low), corner(b, high), leg * 0.5);
-                self.put(
-                    Shape::Ball(Ball {
-                        radii: vec3(1.0, 1.0, 1.0) * (leg * 1.25),
-                    }),
-                    Pose::upright(corner(i, high), 0.0),
-                );
+                self.ball(corner(i, high), knot, 0.0);
             }
         }
-        let z = self.dice.between(4, 0.9, 2.0);
+        let z = dice.between(4, 0.9, 2.0);
         self.anode(corner(0, 0.0), leg, -1.4, z);
-        (vec3(-0.5, -half, self.dice.between(5, 1.2, 2.2)), 2.6)
+        Aim::new(vec3(-0.5, -half, dice.between(5, 1.2, 2.2)), 2.6)
     }
 
-    pub(super) fn pipeline(&mut self) -> View {
-        let radius = self.dice.between(0, 0.2, 0.46);
-        let height = radius + self.dice.between(1, 0.12, 0.5);
-        let material = self.dice.pick(
-            2,
-            &[
-                Material::Steel,
-                Material::Concrete(Pattern::Boards),
-                Material::Steel,
-            ],
-        );
-        let yaw = self.dice.between(3, -0.45, 0.45);
-        let along = Vec3::horizontal(yaw);
-        let at = |t: f32| along * t + vec3(0.0, 0.0, height);
+    pub(super) fn pipeline(&mut self) -> Aim {
+        let dice = self.dice;
+        let radius = dice.between(0, 0.2, 0.46);
+        let height = radius + dice.between(1, 0.12, 0.5);
+        let material = dice.pick(2, &[Material::Steel, BOARDS, Material::Steel]);
+        let yaw = dice.between(3, -0.45, 0.45);
+        let along = horizontal(yaw);
+        let axis = |t: f32| along * t + up(height);
         self.object(material, Category::Pipe);
-        self.tube(at(-9.0), at(9.0), radius);
-        let flange = self.dice.between(4, -0.8, 0.8);
-        self.flange(at(flange), along, radius);
+        self.tube(axis(-9.0), axis(9.0), radius);
+        let flange = dice.between(4, -0.8, 0.8);
+        self.flange(axis(flange), along, radius);
         for i in 0..4 {
-            self.object(Material::Concrete(Pattern::Boards), Category::Support);
-            let place = along * (-4.2 + 2.7 * i as f32 + self.dice.between(20 + i, -0.3, 0.3));
+            self.object(BOARDS, Category::Support);
+            let place = along * (-4.2 + 2.7 * i as f32 + dice.between(20 + i, -0.3, 0.3));
             let half = vec3(0.2, radius * 2.1, (height - radius) / 2.0 + 0.06);
-            self.block(place + vec3(0.0, 0.0, half.z), half, yaw);
+            self.block(place + up(half.z), half, yaw);
         }
-        if self.dice.chance(5, 0.6) {
+        if dice.chance(5, 0.6) {
             self.object(Material::Steel, Category::Fitting);
-            let foot = at(self.dice.between(6, 0.9, 1.8));
-            self.tube(foot, foot + vec3(0.0, 0.0, 2.6), radius * 0.45);
-            self.tube(
-                foot + vec3(0.0, 0.0, 0.9),
-                foot + vec3(0.0, 0.0, 1.05),
-                radius * 0.75,
-            );
-            let wheel = Pose::along(
-                foot + vec3(0.0, -radius * 0.9, 0.98),
-                foot + vec3(0.0, -2.0, 0.98),
-                0.0,
-            );
-            self.put(Shape::Ring(Ring::new(0.2, 0.025, std::f32::consts::PI)), wheel);
+            let foot = axis(dice.between(6, 0.9, 1.8));
+            self.tube(foot, foot + up(2.6), radius * 0.45);
+            self.tube(foot + up(0.9), foot + up(1.05), radius * 0.75);
+            let hub = foot + vec3(0.0, -radius * 0.9, 0.98);
+            let wheel = Pose::along(hub, foot + vec3(0.0, -2.0, 0.98), 0.0);
+            self.put(Ring::new(0.2, 0.025, PI), wheel);
         }
-        (vec3(0.0, 0.0, height * 0.9), radius * 3.0 + 1.3)
+        Aim::new(up(height * 0.9), radius * 3.0 + 1.3)
     }
 
-    pub(super) fn plate_wall(&mut self) -> View {
-        let wide = self.dice.between(0, 0.32, 0.6);
-        let yaw = self.dice.between(1, -0.35, 0.35);
-        let (along, out) = (
-            Vec3::horizontal(yaw),
-            Vec3::horizontal(yaw - std::f32::consts::FRAC_PI_2),
-        );
-        let material = if self.dice.chance(2, 0.7) {
-            Material::Steel
-        } else {
-            Material::Concrete(Pattern::Boards)
-        };
-        self.object(material, Category::Plate);
+    pub(super) fn plate_wall(&mut self) -> Aim {
+        let dice = self.dice;
+        let wide = dice.between(0, 0.32, 0.6);
+        let yaw = dice.between(1, -0.35, 0.35);
+        let (along, out) = (horizontal(yaw), horizontal(yaw - FRAC_PI_2));
+        let steel = dice.chance(2, 0.7);
+        self.object(if steel { Material::Steel } else { BOARDS }, Category::Plate);
         for i in 0..24 {
             let depth = if i % 2 == 0 { 0.0 } else { wide * 0.55 };
-            let centre = along * ((i as f32 - 11.5) * wide * 1.02) + out * depth + vec3(0.0, 0.0, 3.5);
-            self.block(centre, vec3(wide / 2.0, 0.09, 4.0), yaw);
+            let center = along * ((i as f32 - 11.5) * wide * 1.02) + out * depth + up(3.5);
+            self.block(center, vec3(wide / 2.0, 0.09, 4.0), yaw);
         }
         self.object(Material::Steel, Category::Beam);
-        let z = self.dice.between(3, 1.2, 2.2);
+        let z = dice.between(3, 1.2, 2.2);
         let front = out * (wide * 0.55 + 0.25);
-        self.block(front + vec3(0.0, 0.0, z), vec3(13.0, 0.13, 0.16), yaw);
-        if self.dice.chance(4, 0.7) {
-            let foot = front + along * self.dice.between(5, -1.2, 1.2) + out * 0.25;
-            self.ladder(foot, vec3(0.0, 0.0, 1.0), along * 0.24, 20);
+        self.block(front + up(z), vec3(13.0, 0.13, 0.16), yaw);
+        if dice.chance(4, 0.7) {
+            let foot = front + along * dice.between(5, -1.2, 1.2) + out * 0.25;
+            self.ladder(foot, UP, along * 0.24, 20);
         }
         self.object(Material::Steel, Category::Plate);
-        let plate = front + along * self.dice.between(6, -1.8, 1.8) + vec3(0.0, 0.0, z + 0.75);
+        let plate = front + along * dice.between(6, -1.8, 1.8) + up(z + 0.75);
         self.block(plate, vec3(0.42, 0.04, 0.32), yaw);
-        for (u, v) in [
-            (-0.34, -0.24),
-            (0.34, -0.24),
-            (-0.34, 0.24),
-            (0.34, 0.24),
-            (0.0, 0.24),
-            (0.0, -0.24),
-        ] {
-            let at = plate + along * u + vec3(0.0, 0.0, v);
-            self.tube(at, at + out * 0.085, 0.032);
+        let (left, middle, right, bottom, top) = (-0.34, 0.0, 0.34, -0.24, 0.24);
+        let corners = [(left, bottom), (right, bottom), (left, top), (right, top)];
+        for (u, v) in corners.into_iter().chain([(middle, top), (middle, bottom)]) {
+            let bolt = plate + along * u + up(v);
+            self.tube(bolt, bolt + out * 0.085, 0.032);
         }
-        (front + vec3(0.0, 0.0, self.dice.between(7, 0.9, 1.8)), 2.4)
+        Aim::new(front + up(dice.between(7, 0.9, 1.8)), 2.4)
     }
 
-    pub(super) fn frame_of_beams(&mut self) -> View {
-        let yaw = self.dice.between(0, -0.8, 0.8);
-        let along = Vec3::horizontal(yaw);
-        let across = Vec3::horizontal(yaw + std::f32::consts::FRAC_PI_2);
-        let span = self.dice.between(1, 1.5, 2.2);
-        for (i, side) in [-1.0f32, 1.0].into_iter().enumerate() {
-            for (j, depth) in [-0.7f32, 0.9].into_iter().enumerate() {
-                self.object(Material::Steel, Category::Beam);
-                let foot = along * (side * span) + across * depth;
-                self.upright_beam(
-                    foot,
-                    0.17,
-                    self.dice.between(10 + 2 * i as u64 + j as u64, 3.0, 5.0),
-                    yaw,
-                );
-            }
+    pub(super) fn frame_of_beams(&mut self) -> Aim {
+        let dice = self.dice;
+        let yaw = dice.between(0, -0.8, 0.8);
+        let (along, across) = (horizontal(yaw), horizontal(yaw + FRAC_PI_2));
+        let span = dice.between(1, 1.5, 2.2);
+        let feet = [(-1.0, -0.7), (-1.0, 0.9), (1.0, -0.7), (1.0, 0.9)];
+        for (i, (side, depth)) in feet.into_iter().enumerate() {
+            self.object(Material::Steel, Category::Beam);
+            let foot = along * (side * span) + across * depth;
+            self.upright_beam(foot, 0.17, dice.between(10 + i as u64, 3.0, 5.0), yaw);
         }
-        let z = self.dice.between(2, 1.5, 2.3);
+        let z = dice.between(2, 1.5, 2.3);
         for depth in [-0.7, 0.9] {
             self.object(self.metal_or_concrete(3), Category::Beam);
-            self.block(
-                across * depth + vec3(0.0, 0.0, z),
-                vec3(span + 0.4, 0.12, 0.15),
-                yaw,
-            );
+            self.block(across * depth + up(z), vec3(span + 0.4, 0.12, 0.15), yaw);
         }
         self.object(Material::Steel, Category::Pipe);
-        self.tube(
-            along * -3.5 + across * -1.1 + vec3(0.0, 0.0, 0.5),
-            along * 3.5 + across * -1.0 + vec3(0.0, 0.0, 0.75),
-            0.13,
-        );
+        let start = along * -3.5 + across * -1.1 + up(0.5);
+        self.tube(start, along * 3.5 + across * -1.0 + up(0.75), 0.13);
         self.object(Material::Steel, Category::Plate);
-        self.block(
-            across * -0.86 + vec3(0.0, 0.0, z - 0.55),
-            vec3(0.5, 0.03, 0.4),
-            yaw,
-        );
+        self.block(across * -0.86 + up(z - 0.55), vec3(0.5, 0.03, 0.4), yaw);
         self.object(Material::Growth, Category::Pile);
-        self.tube(
-            along * 0.6 + across * 0.2 - vec3(0.0, 0.0, 0.3),
-            along * 0.9 + across * 0.3 + vec3(0.0, 0.0, 6.0),
-            self.dice.between(4, 0.18, 0.34),
-        );
-        (vec3(0.0, -0.5, z * 0.7), 2.8)
+        let foot = along * 0.6 + across * 0.2 - up(0.3);
+        let head = along * 0.9 + across * 0.3 + up(6.0);
+        self.tube(foot, head, dice.between(4, 0.18, 0.34));
+        Aim::new(vec3(0.0, -0.5, z * 0.7), 2.8)
     }
 
     /// An I-beam on end: two flanges and a web.
     fn upright_beam(&mut self, foot: Vec3, half: f32, height: f32, yaw: f32) {
-        let centre = foot + vec3(0.0, 0.0, height / 2.0 - 0.2);
-        let out = Vec3::horizontal(yaw + std::f32::consts::FRAC_PI_2);
+        let center = foot + up(height / 2.0 - 0.2);
+        let out = horizontal(yaw + FRAC_PI_2);
         for side in [-half, half] {
-            self.block(centre + out * side, vec3(half * 0.85, 0.022, height / 2.0), yaw);
+            self.block(center + out * side, vec3(half * 0.85, 0.022, height / 2.0), yaw);
         }
-        self.block(centre, vec3(0.02, half, height / 2.0), yaw);
+        self.block(center, vec3(0.02, half, height / 2.0), yaw);
     }
 }

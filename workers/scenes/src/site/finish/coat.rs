@@ -1,13 +1,10 @@
 //! A coated steel pipe: field joints, weld seams under the coat, and damage that bares steel.
 
-use imaging::simd::vectorised;
-
-use super::{Finish, Points, Surface, line, steel};
+use super::{Finish, Grain, Surface, line, steel};
 use crate::categories::Finding;
-use crate::site::lanes::{LANES, Lane, Lane3, angle, clamp01, floor, mix, ramp};
-use crate::site::noise::Noise;
+use crate::site::lanes::{LANES, angle, clamp01, floor, mix, ramp};
 
-/// Black, green, blue, grey and brown coats.
+/// Black, green, blue, gray and brown coats.
 pub(super) const COATS: [[f32; 3]; 5] = [
     [0.045, 0.047, 0.05],
     [0.07, 0.13, 0.09],
@@ -20,7 +17,7 @@ const STEEL: [f32; 3] = [0.30, 0.29, 0.28];
 const WELD_M: f32 = 0.011;
 const SEAM_M: f32 = 0.008;
 
-/// The choices of one pipe. Its axis is z, its radius and positions in metres.
+/// The choices of one pipe. Its axis is z, its radius and positions in meters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Coat {
     pub(crate) radius: f32,
@@ -29,90 +26,70 @@ pub(crate) struct Coat {
     pub(crate) pitch: f32,
     /// Half the length of the band that covers a joint.
     pub(crate) band: f32,
-    pub(crate) band_colour: [f32; 3],
+    pub(crate) band_color: [f32; 3],
     /// Angle of the seam along the pipe, radians.
     pub(crate) seam: f32,
 }
 
 impl Finish {
-    pub(super) fn coated(
-        &self,
-        coat: &Coat,
-        points: &Points<'_>,
-        broad: &Lane,
-        fine: &Noise,
-        surface: &mut Surface,
-    ) {
-        let (coat, base, wear) = (*coat, self.base, self.wear);
+    /// The loop over the points; compile it by `vectorized!`.
+    #[inline(always)]
+    pub(super) fn coated(&self, coat: &Coat, grain: &Grain<'_>, surface: &mut Surface) {
+        let Finish { base, wear, .. } = *self;
+        let Grain { points, broad, fine } = *grain;
         let (local, footprint) = (points.local, points.place.footprint);
-        vectorised(
-            #[inline(always)]
-            || wrap(&coat, base, wear, (local, footprint), broad, fine, surface),
-        );
-    }
-}
+        let Coat {
+            radius,
+            joint,
+            pitch,
+            band,
+            band_color,
+            seam,
+        } = *coat;
+        for i in 0..LANES {
+            let (x, y) = (local[0][i], local[1][i]);
+            let (speck, broad) = (fine.value[i], broad.value[i]);
+            let place = (local[2][i] - joint) / pitch;
+            let from_joint = (place - floor(place + 0.5)) * pitch;
+            let away = from_joint.abs();
+            let footprint = footprint[i];
+            let sleeve = clamp01(0.5 + (band - away) / footprint);
+            // The sleeve stands proud: its ends slope over a centimetre.
+            let end = (away - band).abs();
+            let step = (1.0 - ramp(end, 0.003, 0.012)) * if from_joint < 0.0 { -0.8 } else { 0.8 };
+            let weld = line(away, WELD_M, footprint);
+            let turned = angle(y, x) - seam;
+            let arc = (turned - std::f32::consts::TAU * floor(turned / std::f32::consts::TAU + 0.5)) * radius;
+            let outside = 1.0 - sleeve;
+            let ridge = line(arc.abs(), SEAM_M, footprint) * outside;
 
-#[inline(always)]
-fn wrap(
-    coat: &Coat,
-    base: [f32; 3],
-    wear: f32,
-    (local, footprint): (&Lane3, &Lane),
-    broad: &Lane,
-    fine: &Noise,
-    surface: &mut Surface,
-) {
-    let Coat {
-        radius,
-        joint,
-        pitch,
-        band,
-        band_colour,
-        seam,
-    } = *coat;
-    for i in 0..LANES {
-        let (x, y) = (local[0][i], local[1][i]);
-        let (speck, broad) = (fine.value[i], broad[i]);
-        let place = (local[2][i] - joint) / pitch;
-        let from_joint = (place - floor(place + 0.5)) * pitch;
-        let away = from_joint.abs();
-        let footprint = footprint[i];
-        let sleeve = clamp01(0.5 + (band - away) / footprint);
-        // The sleeve stands proud: its ends slope over a centimetre.
-        let end = (away - band).abs();
-        let step = (1.0 - ramp(end, 0.003, 0.012)) * if from_joint < 0.0 { -0.8 } else { 0.8 };
-        let weld = line(away, WELD_M, footprint);
-        let turned = angle(y, x) - seam;
-        let arc = (turned - std::f32::consts::TAU * floor(turned / std::f32::consts::TAU + 0.5)) * radius;
-        let outside = 1.0 - sleeve;
-        let ridge = line(arc.abs(), SEAM_M, footprint) * outside;
-
-        let attack = 0.85 * broad + 0.5 * speck + wear - 0.1 * sleeve;
-        let damage = ramp(attack, 0.28, 0.36);
-        let rust = ramp(attack + 0.25 * speck, 0.34, 0.6);
-        let lifted = ramp(attack, 0.16, 0.3) * (1.0 - damage);
-        let age = clamp01(0.5 + 0.6 * speck + 0.3 * broad);
-        for c in 0..3 {
-            let skin = mix(base[c], band_colour[c], sleeve) * (1.0 + 0.15 * broad + 0.06 * speck);
-            let metal = mix(STEEL[c] * (1.0 + 0.3 * speck), steel::rust(c, age), rust);
-            let skin = mix(skin, 0.5 * skin + 0.16, 0.6 * lifted + 0.25 * ridge);
-            surface.albedo[c][i] = mix(skin, metal * (1.0 + 0.2 * weld), damage);
+            let attack = 0.85 * broad + 0.5 * speck + wear - 0.1 * sleeve;
+            let damage = ramp(attack, 0.28, 0.36);
+            let rust = ramp(attack + 0.25 * speck, 0.34, 0.6);
+            let lifted = ramp(attack, 0.16, 0.3) * (1.0 - damage);
+            let age = clamp01(0.5 + 0.6 * speck + 0.3 * broad);
+            for c in 0..3 {
+                let skin = mix(base[c], band_color[c], sleeve) * (1.0 + 0.15 * broad + 0.06 * speck);
+                let metal = mix(STEEL[c] * (1.0 + 0.3 * speck), steel::rust_albedo(c, age), rust);
+                let skin = mix(skin, 0.5 * skin + 0.16, 0.6 * lifted + 0.25 * ridge);
+                surface.albedo[c][i] = mix(skin, metal * (1.0 + 0.2 * weld), damage);
+            }
+            // Beads rise to their middle: the slope changes sign there.
+            let bead = |signed: f32, half: f32, part: f32| -0.8 * part * signed / (half + 0.5 * footprint);
+            let around = bead(arc, SEAM_M, ridge);
+            let along = bead(from_joint, WELD_M, weld * (1.0 - 0.6 * sleeve)) - step * 0.8;
+            let rough = 0.0008 + 0.004 * damage;
+            let rim = 3.2 * damage * (1.0 - damage);
+            let slope = [-y / radius * around, x / radius * around, along];
+            for axis in 0..3 {
+                surface.slope[axis][i] = slope[axis] + (rough + 0.01 * rim) * fine.slope[axis][i];
+            }
+            surface.gloss[i] = 0.3 * (1.0 - damage);
+            let findings = &mut surface.findings;
+            findings[Finding::CoatingDamage as usize][i] = damage;
+            findings[Finding::Corrosion as usize][i] = damage * rust;
+            let jointed = (away < band) | (ridge > 0.3);
+            findings[Finding::Joint as usize][i] = if jointed { 1.0 } else { 0.0 };
         }
-        // Beads rise to their middle: the slope changes sign there.
-        let bead = |signed: f32, half: f32, part: f32| -0.8 * part * signed / (half + 0.5 * footprint);
-        let around = bead(arc, SEAM_M, ridge);
-        let along = bead(from_joint, WELD_M, weld * (1.0 - 0.6 * sleeve)) - step * 0.8;
-        let rough = 0.0008 + 0.004 * damage;
-        let rim = 3.2 * damage * (1.0 - damage);
-        let slope = [-y / radius * around, x / radius * around, along];
-        for axis in 0..3 {
-            surface.slope[axis][i] = slope[axis] + (rough + 0.01 * rim) * fine.slope[axis][i];
-        }
-        surface.gloss[i] = 0.3 * (1.0 - damage);
-        let findings = &mut surface.findings;
-        findings[Finding::CoatingDamage as usize][i] = damage;
-        findings[Finding::Corrosion as usize][i] = damage * rust;
-        let jointed = (away < band) | (ridge > 0.3);
-        findings[Finding::Joint as usize][i] = if jointed { 1.0 } else { 0.0 };
     }
 }

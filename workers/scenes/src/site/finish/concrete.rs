@@ -1,15 +1,15 @@
 //! Concrete and masonry: joints, pores, stains, cracks along the level lines of a noise, and spalls that bare rusting bars.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
-use super::pattern::{Courses, Joints, boards, courses, unrolled};
-use super::{Finish, Pattern, Points, Surface, Unroll, line, steel};
+use super::pattern::{Joints, boards, courses};
+use super::{Finish, Grain, Pattern, Surface, Unroll, line, steel};
 use crate::categories::Finding;
-use crate::site::lanes::{LANES, Lane, Lane3, floor, larger, mix, ramp};
+use crate::site::lanes::{LANES, floor, larger, load, mix, ramp};
 use crate::site::noise::{Noise, Octaves};
 
 const DIRT: [f32; 3] = [0.62, 0.55, 0.42];
-/// Fresh break: paler, with the colours of the aggregate.
+/// Fresh break: paler, with the colors of the aggregate.
 const BROKEN: [f32; 3] = [0.30, 0.275, 0.235];
 /// Half the width of the widest crack, m.
 const CRACK_M: f32 = 0.0038;
@@ -17,127 +17,51 @@ const CRACK_M: f32 = 0.0038;
 const BAR_PITCH_M: f32 = 0.16;
 const BAR_M: f32 = 0.009;
 
-/// The choices that the loop needs.
-#[derive(Clone, Copy)]
-struct Mix {
-    base: [f32; 3],
-    wear: f32,
-    /// Added to the noise where it is tested for a spall.
-    spalling: f32,
-    phase: f32,
-}
-
 impl Finish {
-    pub(super) fn concrete(
-        &self,
-        pattern: &Pattern,
-        points: &Points<'_>,
-        broad: &Lane,
-        fine: &Noise,
-        surface: &mut Surface,
-    ) {
-        let place = &points.place;
+    pub(super) fn concrete(&self, pattern: &Pattern, grain: &Grain<'_>, surface: &mut Surface) {
         let mut joints = Joints::NONE;
-        let (local, footprint) = (points.local, place.footprint);
-        match *pattern {
-            Pattern::Boards => {
-                let phase = self.direction;
-                vectorised(
-                    #[inline(always)]
-                    || boards(&mut joints, local, footprint, broad, phase),
-                );
-            }
-            Pattern::Courses {
-                unroll,
-                height,
-                length,
-                joint,
-                pockets,
-                variety,
-            } => {
-                let around = match unroll {
-                    Unroll::Round { radius } => (std::f32::consts::TAU * radius / length).round(),
+        match pattern {
+            Pattern::Boards => vectorized!(boards(&mut joints, grain, self.direction)),
+            Pattern::Courses(pieces) => {
+                let around = match pieces.unroll {
+                    Unroll::Round { radius } => (std::f32::consts::TAU * radius / pieces.length).round(),
                     Unroll::Walls { .. } => 1e6,
                 };
-                let measures = Courses {
-                    height,
-                    length,
-                    joint,
-                    pocket: if pockets { 1.0 } else { 0.0 },
-                    variety,
-                    around,
-                    key: self.key,
-                };
-                vectorised(
-                    #[inline(always)]
-                    || {
-                        courses(
-                            &mut joints,
-                            &measures,
-                            &unrolled(unroll, local),
-                            &local[2],
-                            footprint,
-                        )
-                    },
-                );
+                vectorized!(courses(&mut joints, pieces, around, self.key, grain.points));
             }
         }
+        let place = &grain.points.place;
         let pores = place.dots(24.0, 0.22, 0.5, self.key ^ 0x77);
         let cracks = place.noise(Octaves::even(0.9, 2, self.key ^ 0x3d));
-        let mix = Mix {
-            base: self.base,
-            wear: self.wear,
-            spalling: 0.55 * self.wear - 0.14,
-            phase: self.direction,
-        };
-        let edge = points.edge;
-        vectorised(
-            #[inline(always)]
-            || {
-                cast(
-                    &mix,
-                    &joints,
-                    &pores,
-                    &cracks,
-                    broad,
-                    fine,
-                    (local, footprint, edge),
-                    surface,
-                )
-            },
-        );
+        vectorized!(cast(self, &joints, &pores, &cracks, grain, surface));
     }
 }
 
 #[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a loop vectorises over plain arguments only"
-)]
 fn cast(
-    choices: &Mix,
+    finish: &Finish,
     joints: &Joints,
     pores: &Noise,
     cracks: &Noise,
-    broad: &Lane,
-    fine: &Noise,
-    (local, footprint, edge): (&Lane3, &Lane, &Lane),
+    grain: &Grain<'_>,
     surface: &mut Surface,
 ) {
-    let Mix {
+    let Finish {
         base,
         wear,
-        spalling,
-        phase,
-    } = *choices;
+        direction: phase,
+        ..
+    } = *finish;
+    let Grain { points, broad, fine } = *grain;
+    let (local, footprint, edge) = (points.local, points.place.footprint, points.edge);
+    // Added to the noise where it is tested for a spall.
+    let spalling = 0.55 * wear - 0.14;
     for i in 0..LANES {
-        let (speck, broad) = (fine.value[i], broad[i]);
+        let (speck, broad) = (fine.value[i], broad.value[i]);
         let field = cracks.value[i];
-        let steep = [cracks.slope[0][i], cracks.slope[1][i], cracks.slope[2][i]];
-        let climb = larger(
-            (steep[0] * steep[0] + steep[1] * steep[1] + steep[2] * steep[2]).sqrt(),
-            0.2,
-        );
+        let steep = load(&cracks.slope, i);
+        let climb = larger(steep.length(), 0.2);
+        let steep: [f32; 3] = steep.into();
         // A crack follows a level line, as far as the broad noise lets it run.
         let open = ramp(0.8 * broad + wear, -0.05, 0.25);
         let width = CRACK_M * (0.35 + 0.65 * open) * if open > 0.0 { 1.0 } else { 0.0 };
@@ -161,7 +85,7 @@ fn cast(
         for c in 0..3 {
             let face = base[c] * larger(shade, 0.12) * mix(1.0, DIRT[c], larger(stain, weep));
             let stone = BROKEN[c] * (0.8 + 0.7 * speck + 0.25 * broad);
-            let bared = mix(stone, steel::rust(c, 0.5 + 0.5 * speck), bar);
+            let bared = mix(stone, steel::rust_albedo(c, 0.5 + 0.5 * speck), bar);
             surface.albedo[c][i] = mix(face, bared, spall) * (1.0 - 0.85 * crack);
         }
         let (grain, pit) = (0.003 + 0.009 * spall, 0.006 * (1.0 - spall));

@@ -1,10 +1,10 @@
 //! Biofouling: a thin film that grows into clumps of weed and mussels with ragged borders.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
-use super::{Finish, Points, Surface};
+use super::{Finish, Grain, Surface};
 use crate::categories::Finding;
-use crate::site::lanes::{LANES, Lane, clamp01, mix, ramp};
+use crate::site::lanes::{LANES, Lane, ZEROS, clamp01, mix, ramp};
 use crate::site::noise::{Noise, Octaves};
 
 pub(super) const WEED: [[f32; 3]; 4] = [
@@ -19,49 +19,46 @@ const SHELL: [f32; 3] = [0.42, 0.39, 0.34];
 const BARE: f32 = -0.3;
 const DENSE: f32 = 0.8;
 
-/// The colours and the amount of one object's growth.
-#[derive(Clone, Copy)]
-struct Cover {
-    growth: f32,
-    young: [f32; 3],
-    old: [f32; 3],
-}
-
 impl Finish {
-    pub(super) fn overgrow(&self, points: &Points<'_>, broad: &Lane, fine: &Noise, surface: &mut Surface) {
-        let cover = Cover {
-            growth: self.growth,
-            young: WEED[(self.key % 4) as usize],
-            old: WEED[(self.key / 4 % 4) as usize],
-        };
-        let patch = points.place.noise(Octaves::even(2.6, 2, self.key ^ 0x33));
-        let mut density = [0.0; LANES];
-        vectorised(
-            #[inline(always)]
-            || thrive(&mut density, cover.growth, &patch.value, broad, points.rise),
-        );
+    pub(super) fn overgrow(&self, grain: &Grain<'_>, surface: &mut Surface) {
+        let place = &grain.points.place;
+        let patch = place.noise(Octaves::even(2.6, 2, self.key ^ 0x33));
+        let mut density = ZEROS;
+        vectorized!(thrive(&mut density, self.growth, &patch.value, grain));
         if density.iter().all(|&density| density <= BARE) {
             return;
         }
-        let shells = points.place.dots(17.0, 0.3, 0.75, self.key ^ 0x99);
-        vectorised(
-            #[inline(always)]
-            || settle(&cover, &density, &patch, fine, &shells, surface),
-        );
+        let shells = place.dots(17.0, 0.3, 0.75, self.key ^ 0x99);
+        let [young, old] = [self.key, self.key / 4].map(|choice| WEED[(choice % 4) as usize]);
+        vectorized!(settle(
+            [young, old],
+            &density,
+            &patch,
+            grain.fine,
+            &shells,
+            surface
+        ));
     }
 }
 
 /// More grows where the noise says so, and on what faces up.
 #[inline(always)]
-fn thrive(density: &mut Lane, growth: f32, patch: &Lane, broad: &Lane, rise: &Lane) {
+fn thrive(density: &mut Lane, growth: f32, patch: &Lane, grain: &Grain<'_>) {
+    let (broad, rise) = (&grain.broad.value, grain.points.rise);
     for i in 0..LANES {
         density[i] = 0.9 * patch[i] + 0.35 * broad[i] + 0.12 * rise[i] + growth;
     }
 }
 
 #[inline(always)]
-fn settle(cover: &Cover, density: &Lane, patch: &Noise, fine: &Noise, shells: &Noise, surface: &mut Surface) {
-    let Cover { young, old, .. } = *cover;
+fn settle(
+    [young, old]: [[f32; 3]; 2],
+    density: &Lane,
+    patch: &Noise,
+    fine: &Noise,
+    shells: &Noise,
+    surface: &mut Surface,
+) {
     for i in 0..LANES {
         let speck = fine.value[i];
         // Fine noise tears the border of a clump into tufts; near the middle it is closed.

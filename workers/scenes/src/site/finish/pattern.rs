@@ -1,13 +1,13 @@
 //! The joints of concrete and masonry: formwork boards, tunnel segments, blocks in courses.
 
-use super::line;
+use super::{Grain, Points, line};
 use crate::site::lanes::{LANES, Lane, Lane3, ZEROS, angle, floor, ramp, smaller};
-use crate::site::noise::{PRIMES, hash, lattice};
+use crate::site::noise::{hash, lattice};
 
 /// How a surface is laid out flat: along a direction u across its axis and v = z along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Unroll {
-    /// A cylinder about z: u is the arc in metres.
+    /// A cylinder about z: u is the arc in meters.
     Round { radius: f32 },
     /// The walls of a rectangular shaft with these half sides.
     Walls { half: [f32; 2] },
@@ -18,18 +18,24 @@ pub(crate) enum Unroll {
 pub(crate) enum Pattern {
     /// Seams that boards have left, along z.
     Boards,
-    /// Courses of `height` metres along v, of pieces `length` long along u; every other course is moved by half a piece.
-    Courses {
-        unroll: Unroll,
-        height: f32,
-        length: f32,
-        /// Half the width of a joint, m.
-        joint: f32,
-        /// Pieces have two pockets for bolts.
-        pockets: bool,
-        /// How much pieces differ in brightness.
-        variety: f32,
-    },
+    /// Courses of pieces, every other course moved by half a piece.
+    Courses(Courses),
+}
+
+/// Measures of courses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Courses {
+    pub(crate) unroll: Unroll,
+    /// Height of a course along v, m.
+    pub(crate) height: f32,
+    /// Length of a piece along u, m.
+    pub(crate) length: f32,
+    /// Half the width of a joint, m.
+    pub(crate) joint: f32,
+    /// Depth of shade in the two pockets of a piece for bolts, 0..1.
+    pub(crate) pocket: f32,
+    /// How much pieces differ in brightness.
+    pub(crate) variety: f32,
 }
 
 /// What a pattern does to a group of points.
@@ -55,72 +61,56 @@ impl Joints {
 
 /// Boards of 0.45 m, their seams wavering with the noise.
 #[inline(always)]
-pub(super) fn boards(joints: &mut Joints, local: &Lane3, footprint: &Lane, broad: &Lane, phase: f32) {
+pub(super) fn boards(joints: &mut Joints, grain: &Grain<'_>, phase: f32) {
     const BOARD_PER_M: f32 = 2.2;
+    let Grain { points, broad, .. } = *grain;
+    let (local, footprint) = (points.local, points.place.footprint);
     for i in 0..LANES {
-        let place = local[2][i] * BOARD_PER_M + phase + 0.02 * broad[i];
+        let place = local[2][i] * BOARD_PER_M + phase + 0.02 * broad.value[i];
         let away = (place - floor(place + 0.5)).abs() / BOARD_PER_M;
         let visible = 1.0 - ramp(footprint[i], 0.01, 0.04);
         joints.joint[i] = visible * (1.0 - ramp(away, 0.004, 0.016));
     }
 }
 
-/// Measures of [`Pattern::Courses`].
-#[derive(Clone, Copy)]
-pub(super) struct Courses {
-    pub(super) height: f32,
-    pub(super) length: f32,
-    pub(super) joint: f32,
-    pub(super) pocket: f32,
-    pub(super) variety: f32,
-    /// Pieces around, for a cylinder; pieces with numbers that differ by it are the same.
-    pub(super) around: f32,
-    pub(super) key: u32,
-}
-
 /// u of each point, and the direction in which it grows.
 #[inline(always)]
-pub(super) fn unrolled(unroll: Unroll, local: &Lane3) -> (Lane, [Lane; 2]) {
+fn unrolled(unroll: Unroll, local: &Lane3) -> (Lane, [Lane; 2]) {
     let (mut u, mut toward) = (ZEROS, [ZEROS; 2]);
+    let mut lay = |i: usize, arc: f32, [x, y]: [f32; 2]| (u[i], toward[0][i], toward[1][i]) = (arc, x, y);
+    let [xs, ys, _] = local;
     match unroll {
         Unroll::Round { radius } => {
             for i in 0..LANES {
-                let (x, y) = (local[0][i], local[1][i]);
-                u[i] = radius * angle(y, x);
-                toward[0][i] = -y / radius;
-                toward[1][i] = x / radius;
+                let (x, y) = (xs[i], ys[i]);
+                lay(i, radius * angle(y, x), [-y / radius, x / radius]);
             }
         }
         Unroll::Walls { half } => {
             for i in 0..LANES {
-                let (x, y) = (local[0][i], local[1][i]);
+                let (x, y) = (xs[i], ys[i]);
                 let on_x = half[0] - x.abs() < half[1] - y.abs();
-                u[i] = if on_x { y } else { x };
-                toward[0][i] = if on_x { 0.0 } else { 1.0 };
-                toward[1][i] = if on_x { 1.0 } else { 0.0 };
+                let [across, along] = if on_x { [0.0, 1.0] } else { [1.0, 0.0] };
+                lay(i, if on_x { y } else { x }, [across, along]);
             }
         }
     }
     (u, toward)
 }
 
+/// `around`: number of pieces around a cylinder; pieces whose numbers differ by it are the same.
 #[inline(always)]
-pub(super) fn courses(
-    joints: &mut Joints,
-    courses: &Courses,
-    (u, toward): &(Lane, [Lane; 2]),
-    z: &Lane,
-    footprint: &Lane,
-) {
+pub(super) fn courses(joints: &mut Joints, courses: &Courses, around: f32, key: u32, points: &Points<'_>) {
     let Courses {
+        unroll,
         height,
         length,
         joint,
         pocket,
         variety,
-        around,
-        key,
     } = *courses;
+    let (z, footprint) = (&points.local[2], points.place.footprint);
+    let (u, toward) = unrolled(unroll, points.local);
     for i in 0..LANES {
         let v = z[i] / height;
         let course = floor(v);
@@ -151,11 +141,8 @@ pub(super) fn courses(
         let bolt_v = av - 0.17;
         let round = bolt_u * bolt_u * 160.0 + bolt_v * bolt_v * 320.0;
         joints.pocket[i] = pocket * (1.0 - ramp(round, 0.6, 1.0));
-        let drawn = hash(
-            lattice(piece).wrapping_mul(PRIMES[0]) ^ key,
-            lattice(course).wrapping_mul(PRIMES[1]),
-            0,
-        );
+        let [x, y, _] = lattice([piece, course, 0.0], key);
+        let drawn = hash([x, y, 0]);
         joints.tint[i] = 1.0 + variety * ((drawn >> 8) as i32 as f32 * (2.0 / 16_777_216.0) - 1.0);
         joints.slope[0][i] = slope_u * toward[0][i];
         joints.slope[1][i] = slope_u * toward[1][i];

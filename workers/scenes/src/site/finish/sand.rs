@@ -2,10 +2,10 @@
 
 use std::f32::consts::TAU;
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
-use super::{Finish, Points, Surface};
-use crate::site::lanes::{LANES, Lane, Lane3, clamp01, cos_turns, mix, ramp, sin_turns};
+use super::{Finish, Grain, Surface};
+use crate::site::lanes::{LANES, Lane, clamp01, cos_turns, mix, ramp, sin_turns};
 use crate::site::noise::{Noise, Octaves};
 
 const RIPPLES_PER_M: f32 = 5.5;
@@ -13,42 +13,26 @@ const HEIGHT_M: f32 = 0.009;
 const GRAVEL: [f32; 3] = [0.30, 0.285, 0.26];
 
 impl Finish {
-    pub(super) fn sand(&self, points: &Points<'_>, broad: &Noise, fine: &Noise, surface: &mut Surface) {
-        let place = &points.place;
-        // Ripples give out in places, and the colour changes over metres.
+    pub(super) fn sand(&self, grain: &Grain<'_>, surface: &mut Surface) {
+        let place = &grain.points.place;
+        // Ripples give out in places, and the color changes over meters.
         let region = place.values(Octaves::even(0.37, 2, self.key ^ 0x17));
         let gravel = place.dots(16.0, 0.3, 0.8, self.key ^ 0x29);
-        let (base, wear) = (self.base, self.wear);
-        let along = (cos_turns(self.direction), sin_turns(self.direction));
-        let (position, footprint) = (place.position, place.footprint);
-        vectorised(
-            #[inline(always)]
-            || {
-                rippled(
-                    base, wear, along, position, footprint, broad, fine, &region, &gravel, surface,
-                )
-            },
-        );
+        vectorized!(ripple(self, grain, &region, &gravel, surface));
     }
 }
 
 #[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a loop vectorises over plain arguments only"
-)]
-fn rippled(
-    base: [f32; 3],
-    wear: f32,
-    (across, along): (f32, f32),
-    position: &Lane3,
-    footprint: &Lane,
-    broad: &Noise,
-    fine: &Noise,
-    region: &Lane,
-    gravel: &Noise,
-    surface: &mut Surface,
-) {
+fn ripple(finish: &Finish, grain: &Grain<'_>, region: &Lane, gravel: &Noise, surface: &mut Surface) {
+    let Finish {
+        base,
+        wear,
+        direction,
+        ..
+    } = *finish;
+    let Grain { points, broad, fine } = *grain;
+    let (position, footprint) = (points.place.position, points.place.footprint);
+    let (across, along) = (cos_turns(direction), sin_turns(direction));
     for i in 0..LANES {
         let (x, y) = (position[0][i], position[1][i]);
         let phase = RIPPLES_PER_M * (across * x + along * y) + 0.9 * broad.value[i] + 1.6 * region[i];
@@ -57,12 +41,8 @@ fn rippled(
         let crest = strength * sin_turns(phase);
         let steep = strength * HEIGHT_M * TAU * RIPPLES_PER_M * cos_turns(phase);
         // Gravel and shell lie in the troughs, and where there are no ripples.
-        let scattered = ramp(
-            0.7 * broad.value[i] - 0.9 * region[i] - 0.5 * crest + wear,
-            0.05,
-            0.6,
-        );
-        let pebble = gravel.value[i] * scattered;
+        let scattered = 0.7 * broad.value[i] - 0.9 * region[i] - 0.5 * crest + wear;
+        let pebble = gravel.value[i] * ramp(scattered, 0.05, 0.6);
         let light = 1.0 + 0.2 * broad.value[i] + 0.38 * fine.value[i] + 0.1 * crest;
         let damp = clamp01(0.5 + 0.7 * region[i]);
         for c in 0..3 {

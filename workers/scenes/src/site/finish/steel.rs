@@ -1,48 +1,39 @@
 //! Painted steel: chips that rust, stain around them, and streaks where rust has run down.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
-use super::{Finish, Points, Surface};
+use super::{Finish, Grain, Surface};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, Lane, clamp01, mix, ramp};
-use crate::site::noise::{Noise, Octaves, Place};
+use crate::site::noise::{Octaves, Place};
 
 const RUST_DARK: [f32; 3] = [0.085, 0.042, 0.026];
 const RUST_BRIGHT: [f32; 3] = [0.235, 0.098, 0.038];
-/// What rust that has run leaves of the light of the paint.
+/// Share of the paint's albedo that is left where rust has run down.
 const STAIN: [f32; 3] = [0.78, 0.58, 0.42];
 
 impl Finish {
-    pub(super) fn steel(&self, points: &Points<'_>, broad: &Lane, fine: &Noise, surface: &mut Surface) {
+    pub(super) fn steel(&self, grain: &Grain<'_>, surface: &mut Surface) {
         let run = Place {
-            position: points.world,
-            ..points.place
+            position: grain.points.world,
+            ..grain.points.place
         };
         let run = run.values(Octaves {
-            per_metre: [7.0, 7.0, 0.5],
+            per_meter: [7.0, 7.0, 0.5],
             count: 1,
             key: self.key ^ 0x6b,
         });
-        let (base, wear, edge) = (self.base, self.wear, points.edge);
-        vectorised(
-            #[inline(always)]
-            || painted(base, wear, edge, broad, fine, &run, surface),
-        );
+        vectorized!(paint(self, grain, &run, surface));
     }
 }
 
 #[inline(always)]
-fn painted(
-    base: [f32; 3],
-    wear: f32,
-    edge: &Lane,
-    broad: &Lane,
-    fine: &Noise,
-    run: &Lane,
-    surface: &mut Surface,
-) {
+fn paint(finish: &Finish, grain: &Grain<'_>, run: &Lane, surface: &mut Surface) {
+    let Finish { base, wear, .. } = *finish;
+    let Grain { points, broad, fine } = *grain;
+    let edge = points.edge;
     for i in 0..LANES {
-        let (broad, speck, run) = (broad[i], fine.value[i], run[i]);
+        let (broad, speck, run) = (broad.value[i], fine.value[i], run[i]);
         let attack = 0.85 * broad + 0.4 * speck + 0.5 * edge[i] + 0.3 * run + wear;
         let rust = ramp(attack, 0.12, 0.4);
         let stain = 0.75 * ramp(attack + 0.35 * run, -0.35, 0.35);
@@ -50,7 +41,7 @@ fn painted(
         let faded = 1.0 + 0.13 * broad + 0.08 * run;
         for c in 0..3 {
             let paint = base[c] * faded * mix(1.0, STAIN[c], stain);
-            surface.albedo[c][i] = mix(paint, mix(RUST_DARK[c], RUST_BRIGHT[c], age), rust);
+            surface.albedo[c][i] = mix(paint, rust_albedo(c, age), rust);
         }
         // Paint is smooth and rust is scale.
         let rough = 0.0009 + 0.006 * rust;
@@ -62,8 +53,8 @@ fn painted(
     }
 }
 
-/// The colour of rust, from fresh to old.
+/// Albedo of rust in a band, from fresh to old.
 #[inline(always)]
-pub(super) fn rust(c: usize, age: f32) -> f32 {
+pub(super) fn rust_albedo(c: usize, age: f32) -> f32 {
     mix(RUST_DARK[c], RUST_BRIGHT[c], age)
 }

@@ -1,10 +1,12 @@
 //! An ellipsoid.
 
-use super::beyond_box;
-use crate::site::lanes::{larger, smaller};
-use crate::site::vector::{Vec3, vec3};
+use imaging::vector::{Vec3, vec3};
 
-/// An ellipsoid about the origin, radii in metres.
+use super::{Form, beyond_box};
+use crate::site::bounds::Bounds;
+use crate::site::lanes::{larger, smaller};
+
+/// An ellipsoid about the origin, radii in meters.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ball {
     pub(crate) radii: Vec3,
@@ -15,9 +17,11 @@ impl Ball {
     fn scaled(&self, v: Vec3) -> Vec3 {
         vec3(v.x / self.radii.x, v.y / self.radii.y, v.z / self.radii.z)
     }
+}
 
+impl Form for Ball {
     #[inline(always)]
-    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let (o, d) = (self.scaled(o), self.scaled(d));
         let square = d.dot(d);
         let cross = o.cross(d);
@@ -31,15 +35,19 @@ impl Ball {
     }
 
     #[inline(always)]
-    pub(crate) fn distance(&self, p: Vec3) -> f32 {
+    fn distance(&self, p: Vec3) -> f32 {
         let least = smaller(smaller(self.radii.x, self.radii.y), self.radii.z);
         larger((self.scaled(p).length() - 1.0) * least, beyond_box(p, self.radii))
     }
 
     #[inline(always)]
-    pub(crate) fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
+    fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
         let outward = self.scaled(self.scaled(p));
         (outward * (1.0 / larger(outward.length(), 1e-9)), 0.0)
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds::about_origin(self.radii)
     }
 }
 

@@ -1,9 +1,12 @@
 //! A box.
 
-use crate::site::lanes::{larger, smaller};
-use crate::site::vector::{Vec3, vec3};
+use imaging::vector::{Vec3, vec3};
 
-/// A box about the origin, half sides in metres.
+use super::Form;
+use crate::site::bounds::Bounds;
+use crate::site::lanes::{larger, smaller};
+
+/// A box about the origin, half sides in meters.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Block {
     pub(crate) half: Vec3,
@@ -15,9 +18,9 @@ fn inverse(d: f32) -> f32 {
     1.0 / if d.abs() < 1e-12 { 1e-12 } else { d }
 }
 
-impl Block {
+impl Form for Block {
     #[inline(always)]
-    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let slab = |o: f32, d: f32, half: f32| {
             let inverse = inverse(d);
             let (middle, reach) = (-o * inverse, half * inverse.abs());
@@ -38,7 +41,7 @@ impl Block {
     }
 
     #[inline(always)]
-    pub(crate) fn distance(&self, p: Vec3) -> f32 {
+    fn distance(&self, p: Vec3) -> f32 {
         let (x, y, z) = (
             p.x.abs() - self.half.x,
             p.y.abs() - self.half.y,
@@ -49,7 +52,7 @@ impl Block {
     }
 
     #[inline(always)]
-    pub(crate) fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
+    fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
         let bevel = smaller(
             bevel,
             0.4 * smaller(smaller(self.half.x, self.half.y), self.half.z),
@@ -67,6 +70,10 @@ impl Block {
             vec3(signed(x, p.x), signed(y, p.y), signed(z, p.z)),
             smaller(edge, 1.0),
         )
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds::about_origin(self.half)
     }
 }
 

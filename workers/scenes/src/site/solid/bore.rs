@@ -1,19 +1,22 @@
 //! The wall around a straight circular bore: a tunnel or a shaft, seen from inside.
 
-use crate::site::lanes::{larger, smaller};
-use crate::site::vector::{Vec3, vec3};
+use imaging::vector::{Vec3, vec3};
 
-/// The wall of a bore about the z axis from 0 to `length`, in metres. Its ends are open.
+use super::Form;
+use crate::site::bounds::Bounds;
+use crate::site::lanes::{larger, smaller};
+
+/// The wall of a bore about the z axis from 0 to `length`, in meters. Its ends are open.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bore {
     pub(crate) radius: f32,
     pub(crate) length: f32,
 }
 
-impl Bore {
+impl Form for Bore {
     /// Where a ray from inside reaches the wall.
     #[inline(always)]
-    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let square = larger(d.x * d.x + d.y * d.y, 1e-12);
         let along = d.x * o.x + d.y * o.y;
         let aside = d.x * o.y - d.y * o.x;
@@ -28,21 +31,20 @@ impl Bore {
     }
 
     #[inline(always)]
-    pub(crate) fn distance(&self, p: Vec3) -> f32 {
+    fn distance(&self, p: Vec3) -> f32 {
         self.radius - (p.x * p.x + p.y * p.y).sqrt()
     }
 
     #[inline(always)]
-    pub(crate) fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
+    fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
         let inward = -1.0 / larger((p.x * p.x + p.y * p.y).sqrt(), 1e-6);
         let from_end = smaller(p.z, self.length - p.z);
         let edge = larger(1.0 - from_end * 20.0, 0.0);
         (vec3(p.x * inward, p.y * inward, 0.0), edge)
     }
 
-    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
-        let r = self.radius;
-        (vec3(-r, -r, 0.0), vec3(r, r, self.length))
+    fn bounds(&self) -> Bounds {
+        Bounds::along_z(self.radius, self.length)
     }
 }
 

@@ -1,9 +1,12 @@
-//! A torus or a bend of a pipe: the part of a torus about one side of its centre.
+//! A torus or a bend of a pipe: the part of a torus about one side of its center.
 
+use imaging::vector::{Vec3, vec3};
+
+use super::Form;
+use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smaller};
-use crate::site::vector::{Vec3, vec3};
 
-/// The part of a torus about the z axis within `half_angle` of the +y direction, with rounded ends; metres.
+/// The part of a torus about the z axis within `half_angle` of the +y direction, with rounded ends; meters.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ring {
     pub(super) bend_radius: f32,
@@ -13,9 +16,9 @@ pub(crate) struct Ring {
 
 /// Steps of the march; a ray that grazes the surface for longer misses it.
 const STEPS: usize = 28;
-/// How near to the surface a march must come, in metres.
+/// How near to the surface a march must come, in meters.
 const CONTACT_M: f32 = 2e-4;
-/// A march ends this near to the surface, in metres.
+/// A march ends this near to the surface, in meters.
 const TOUCH_M: f32 = 2e-5;
 /// Rays that march side by side.
 pub(super) const WIDE: usize = 8;
@@ -31,9 +34,9 @@ impl Ring {
         }
     }
 
-    /// The nearest point of the centre line.
+    /// The nearest point of the center line.
     #[inline(always)]
-    fn centre_line(&self, p: Vec3) -> Vec3 {
+    fn center_line(&self, p: Vec3) -> Vec3 {
         let [sin, cos] = self.half_angle;
         // On the axis every point of the ring is nearest: take the middle of the bend.
         let p = if p.x.abs() + p.y.abs() < 1e-6 {
@@ -52,14 +55,9 @@ impl Ring {
         vec3(if p.x < 0.0 { -x } else { x }, y, 0.0)
     }
 
-    #[inline(always)]
-    pub(crate) fn distance(&self, p: Vec3) -> f32 {
-        (p - self.centre_line(p)).length() - self.tube_radius
-    }
-
     /// Where rays from one eye enter: every ray marches until it touches the surface or has passed the ring, eight side by side.
     #[inline(always)]
-    pub(crate) fn enter(&self, o: Vec3, d: [Vec3; WIDE]) -> [f32; WIDE] {
+    pub(super) fn enter_abreast(&self, o: Vec3, d: [Vec3; WIDE]) -> [f32; WIDE] {
         let reach = 1.05 * (self.bend_radius + self.tube_radius);
         let (mut at, mut end, mut pace, mut away) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
         for i in 0..WIDE {
@@ -87,14 +85,26 @@ impl Ring {
         }
         at
     }
+}
+
+impl Form for Ring {
+    #[inline(always)]
+    fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+        self.enter_abreast(o, [d; WIDE])[0]
+    }
 
     #[inline(always)]
-    pub(crate) fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
-        let outward = p - self.centre_line(p);
+    fn distance(&self, p: Vec3) -> f32 {
+        (p - self.center_line(p)).length() - self.tube_radius
+    }
+
+    #[inline(always)]
+    fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
+        let outward = p - self.center_line(p);
         (outward * (1.0 / larger(outward.length(), 1e-9)), 0.0)
     }
 
-    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+    fn bounds(&self) -> Bounds {
         let (reach, tube) = (self.bend_radius + self.tube_radius, self.tube_radius);
         let [sin, cos] = self.half_angle;
         let x = if cos > 0.0 {
@@ -107,7 +117,10 @@ impl Ring {
         } else {
             -reach
         };
-        (vec3(-x, y, -tube), vec3(x, reach, tube))
+        Bounds {
+            low: vec3(-x, y, -tube),
+            high: vec3(x, reach, tube),
+        }
     }
 }
 
@@ -115,27 +128,23 @@ impl Ring {
 mod tests {
     use super::*;
 
-    fn enter(ring: &Ring, o: Vec3, d: Vec3) -> f32 {
-        ring.enter(o, [d; WIDE])[0]
-    }
-
     #[test]
     fn a_ray_through_the_hole_passes_and_one_through_the_tube_enters() {
         let ring = Ring::new(1.0, 0.2, std::f32::consts::PI);
         assert_eq!(
-            enter(&ring, vec3(0.0, 0.0, 3.0), vec3(0.0, 0.0, -1.0)),
+            ring.enter(vec3(0.0, 0.0, 3.0), vec3(0.0, 0.0, -1.0)),
             f32::INFINITY
         );
-        assert!((enter(&ring, vec3(1.0, 0.0, 3.0), vec3(0.0, 0.0, -1.0)) - 2.8).abs() < 1e-4);
-        assert!((enter(&ring, vec3(-4.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0)) - 2.8).abs() < 1e-4);
+        assert!((ring.enter(vec3(1.0, 0.0, 3.0), vec3(0.0, 0.0, -1.0)) - 2.8).abs() < 1e-4);
+        assert!((ring.enter(vec3(-4.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0)) - 2.8).abs() < 1e-4);
     }
 
     #[test]
     fn a_quarter_bend_has_only_its_quarter() {
         let bend = Ring::new(1.0, 0.2, std::f32::consts::FRAC_PI_4);
-        assert!((enter(&bend, vec3(0.0, 1.0, 3.0), vec3(0.0, 0.0, -1.0)) - 2.8).abs() < 1e-4);
+        assert!((bend.enter(vec3(0.0, 1.0, 3.0), vec3(0.0, 0.0, -1.0)) - 2.8).abs() < 1e-4);
         assert_eq!(
-            enter(&bend, vec3(0.0, -1.0, 3.0), vec3(0.0, 0.0, -1.0)),
+            bend.enter(vec3(0.0, -1.0, 3.0), vec3(0.0, 0.0, -1.0)),
             f32::INFINITY
         );
     }

@@ -1,18 +1,21 @@
 //! The four walls around a rectangular shaft, seen from inside.
 
-use crate::site::lanes::{larger, smaller};
-use crate::site::vector::{Vec3, vec3};
+use imaging::vector::{Vec3, vec3};
 
-/// The walls of a box about the origin, half sides in metres; it is open at its ends in z.
+use super::Form;
+use crate::site::bounds::Bounds;
+use crate::site::lanes::{larger, smaller};
+
+/// The walls of a box about the origin, half sides in meters; it is open at its ends in z.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Room {
     pub(crate) half: Vec3,
 }
 
-impl Room {
+impl Form for Room {
     /// Where a ray from inside reaches a wall.
     #[inline(always)]
-    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let leave = |o: f32, d: f32, half: f32| {
             let inverse = 1.0 / if d.abs() < 1e-12 { 1e-12 } else { d };
             half * inverse.abs() - o * inverse
@@ -27,12 +30,12 @@ impl Room {
     }
 
     #[inline(always)]
-    pub(crate) fn distance(&self, p: Vec3) -> f32 {
+    fn distance(&self, p: Vec3) -> f32 {
         smaller(self.half.x - p.x.abs(), self.half.y - p.y.abs())
     }
 
     #[inline(always)]
-    pub(crate) fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
+    fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
         let (x, y) = (self.half.x - p.x.abs(), self.half.y - p.y.abs());
         let sign = |p: f32| if p < 0.0 { 1.0 } else { -1.0 };
         let normal = if x < y {
@@ -41,6 +44,10 @@ impl Room {
             vec3(0.0, sign(p.y), 0.0)
         };
         (normal, larger(1.0 - larger(x, y) * 20.0, 0.0))
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds::about_origin(self.half)
     }
 }
 

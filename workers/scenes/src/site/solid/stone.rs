@@ -1,13 +1,15 @@
 //! A broken stone: the body that a dozen planes cut out of space.
 
-use super::beyond_box;
+use imaging::vector::{Vec3, vec3};
+
+use super::{Form, beyond_box};
+use crate::site::bounds::Bounds;
 use crate::site::chance::Dice;
 use crate::site::lanes::{larger, smaller};
-use crate::site::vector::{Vec3, vec3};
 
 const PLANES: usize = 14;
 
-/// Inside of every plane: `normal · p <= offset`, in metres.
+/// Inside of every plane: `normal · p <= offset`, in meters.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stone {
     pub(super) planes: [(Vec3, f32); PLANES],
@@ -34,9 +36,11 @@ impl Stone {
             reach: half * 1.7,
         }
     }
+}
 
+impl Form for Stone {
     #[inline(always)]
-    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let (mut enter, mut leave) = (0.0, f32::INFINITY);
         for (normal, offset) in &self.planes {
             let (toward, above) = (normal.dot(d), normal.dot(o) - offset);
@@ -52,7 +56,7 @@ impl Stone {
     }
 
     #[inline(always)]
-    pub(crate) fn distance(&self, p: Vec3) -> f32 {
+    fn distance(&self, p: Vec3) -> f32 {
         let mut farthest = -1e9;
         for (normal, offset) in &self.planes {
             farthest = larger(farthest, normal.dot(p) - offset);
@@ -61,7 +65,7 @@ impl Stone {
     }
 
     #[inline(always)]
-    pub(crate) fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
+    fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
         let bevel = bevel * (1.0 + 5.0 * self.reach.z);
         let (mut sum, mut most) = (vec3(0.0, 0.0, 1e-12), 0.0);
         for (normal, offset) in &self.planes {
@@ -76,8 +80,8 @@ impl Stone {
         )
     }
 
-    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
-        (-self.reach, self.reach)
+    fn bounds(&self) -> Bounds {
+        Bounds::about_origin(self.reach)
     }
 }
 
@@ -88,8 +92,8 @@ mod tests {
     #[test]
     fn a_stone_is_closed_and_stays_in_its_box() {
         for seed in 0..20 {
-            let stone = Stone::broken(vec3(1.0, 0.7, 0.5), Dice::about(seed, "structure.test"));
-            let (low, high) = stone.bounds();
+            let stone = Stone::broken(vec3(1.0, 0.7, 0.5), Dice::new(seed, "structure.test"));
+            let Bounds { low, high } = stone.bounds();
             for turn in 0..64 {
                 let (sin, cos) = libm::sincosf(turn as f32 * 0.1);
                 let eye = vec3(10.0 * cos, 10.0 * sin, 4.0);

@@ -1,18 +1,21 @@
 //! A straight circular cylinder with flat ends.
 
-use crate::site::lanes::{larger, smaller};
-use crate::site::vector::{Vec3, vec3};
+use imaging::vector::{Vec3, vec3};
 
-/// A cylinder about the z axis from 0 to `length`, in metres.
+use super::Form;
+use crate::site::bounds::Bounds;
+use crate::site::lanes::{larger, smaller};
+
+/// A cylinder about the z axis from 0 to `length`, in meters.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tube {
     pub(crate) radius: f32,
     pub(crate) length: f32,
 }
 
-impl Tube {
+impl Form for Tube {
     #[inline(always)]
-    pub(crate) fn enter(&self, o: Vec3, d: Vec3) -> f32 {
+    fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let square = d.x * d.x + d.y * d.y;
         let along = d.x * o.x + d.y * o.y;
         // The cross product keeps the discriminant accurate for a thin cylinder far away.
@@ -30,7 +33,7 @@ impl Tube {
     }
 
     #[inline(always)]
-    pub(crate) fn distance(&self, p: Vec3) -> f32 {
+    fn distance(&self, p: Vec3) -> f32 {
         let beside = (p.x * p.x + p.y * p.y).sqrt() - self.radius;
         let half = 0.5 * self.length;
         let beyond = (p.z - half).abs() - half;
@@ -39,7 +42,7 @@ impl Tube {
     }
 
     #[inline(always)]
-    pub(crate) fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
+    fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
         let around = larger((p.x * p.x + p.y * p.y).sqrt(), 1e-6);
         let half = 0.5 * self.length;
         let bevel = smaller(bevel, 0.4 * smaller(self.radius, half));
@@ -55,9 +58,8 @@ impl Tube {
         )
     }
 
-    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
-        let r = self.radius;
-        (vec3(-r, -r, 0.0), vec3(r, r, self.length))
+    fn bounds(&self) -> Bounds {
+        Bounds::along_z(self.radius, self.length)
     }
 }
 

@@ -1,10 +1,11 @@
-//! Where a solid can appear in the picture.
+//! The part of the picture in which a solid can appear.
 
 use std::ops::Range;
 
+use imaging::vector::Vec3;
+
 use super::camera::Camera;
 use super::solid::Solid;
-use super::vector::Vec3;
 
 /// Solids are cut off this far before the camera when their outline is found, m.
 const NEAR_M: f32 = 0.02;
@@ -12,16 +13,15 @@ const NEAR_M: f32 = 0.02;
 const MARGIN_PX: f32 = 1.0;
 
 /// The convex outline of a solid's box in the picture.
-pub(crate) struct Frame {
+pub(crate) struct Outline {
     rows: Range<usize>,
     /// Lines whose hull is the outline.
     lines: Vec<[(f32, f32); 2]>,
     width: usize,
 }
 
-impl Frame {
-    /// Nowhere: rows are empty.
-    pub(crate) fn of(solid: &Solid, camera: &Camera) -> Self {
+impl Outline {
+    pub(crate) fn new(solid: &Solid, camera: &Camera) -> Self {
         let corners = solid.corners().map(|corner| camera.axes_of(corner));
         let mut points: Vec<Vec3> = corners
             .iter()
@@ -69,8 +69,11 @@ impl Frame {
                 continue;
             }
             let slope = (b.0 - a.0) / (b.1 - a.1);
-            let at = |y: f32| if b.1 > a.1 { a.0 + (y - a.1) * slope } else { a.0 };
-            let (first, last) = (at(top.max(a.1)), if b.1 > bottom { at(bottom) } else { b.0 });
+            let column = |y: f32| if b.1 > a.1 { a.0 + (y - a.1) * slope } else { a.0 };
+            let (first, last) = (
+                column(top.max(a.1)),
+                if b.1 > bottom { column(bottom) } else { b.0 },
+            );
             low = low.min(first.min(last));
             high = high.max(first.max(last));
         }
@@ -89,17 +92,18 @@ fn within(low: f32, high: f32, side: usize) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use imaging::geometry::Intrinsics;
+    use imaging::vector::vec3;
 
     use super::*;
     use crate::CameraPose;
-    use crate::site::solid::{Nearest, Rays, Shape, Tube};
-    use crate::site::vector::{Pose, vec3};
+    use crate::site::pose::Pose;
+    use crate::site::solid::{Nearest, Rays, Tube};
 
     /// Tubes in every direction, some of them past the camera.
     #[test]
     fn no_ray_outside_the_outline_meets_the_solid() {
         let lens = Intrinsics::centred(40.0, 64, 48);
-        let pose = CameraPose::looking([0.0, -3.0, 0.3], [0.2, 0.0, 0.1], 0.1);
+        let pose = CameraPose::looking(vec3(0.0, -3.0, 0.3), vec3(0.2, 0.0, 0.1), 0.1);
         let camera = Camera::new(&pose, (64, 48), &lens);
         let mut met = 0;
         for turn in 0..60 {
@@ -109,16 +113,16 @@ mod tests {
                 vec3(-2.0 * cos, -2.0 * sin, -0.2 * lift),
                 vec3(4.0 * cos, 4.0 * sin, lift),
             );
-            let shape = Shape::Tube(Tube {
+            let tube = Tube {
                 radius: 0.2,
                 length: (b - a).length(),
-            });
+            };
             let solid = Solid {
-                shape,
+                shape: tube.into(),
                 pose: Pose::along(a, b, 0.0),
                 object: 1,
             };
-            let frame = Frame::of(&solid, &camera);
+            let outline = Outline::new(&solid, &camera);
             for y in 0..48 {
                 let (mut parameter, mut owner) = ([f32::INFINITY; 64], [1; 64]);
                 let rays = Rays {
@@ -131,7 +135,7 @@ mod tests {
                     owner: &mut owner,
                 };
                 solid.meet(&rays, nearest, 0);
-                let columns = frame.columns(y);
+                let columns = outline.columns(y);
                 for x in (0..64).filter(|&x| owner[x] == 0) {
                     assert!(columns.contains(&x), "tube {turn} at ({x}, {y}): {columns:?}");
                     met += 1;
