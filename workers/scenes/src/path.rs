@@ -11,7 +11,7 @@ use spec::{Path, Waypoint};
 use crate::{CameraPose, SceneError};
 
 /// A camera must look at something at least this far away, and a path of several frames be at least this long, in meters.
-pub const SHORTEST_M: f64 = 1e-3;
+const SHORTEST_M: f64 = 1e-3;
 
 /// A straight path from a start to an end at constant speed. Frame 0 is at the start, the last frame at the end; a path of one
 /// frame stays at the start. A pose is a pure function of the path and the frame.
