@@ -1,56 +1,29 @@
 //! A disk that is full: the call says so, what is there can be read, and writing goes on when there is space.
 //!
-//! The disk is a small file system in memory, mounted in a name space of its own: [`child`] runs in it. Where the system
-//! does not allow that, the test says so and shows nothing.
+//! The disk is a small file system in memory: [`on_a_small_disk`] runs on it. Where none can be mounted the test fails.
 
 use std::path::Path;
-use std::process::Command;
 
 use store::{Blob, Store, StoreError};
 
 use crate::fixture::{digests, holds_all, numbered};
 
-const MOUNTED: &str = "STORE_ON_A_SMALL_DISK";
+#[path = "../../../../tests/src/small_disk.rs"]
+mod small_disk;
+
 const DISK: &str = "size=40m";
 const BALLAST_BYTES: usize = 6 << 20;
 const PACK_BYTES: u64 = 4_000_000;
 
 #[test]
 fn a_full_disk_stops_writing_and_nothing_else() {
-    let folder = tempfile::tempdir().unwrap();
-    let script = "mount -t tmpfs -o $1 none $2 && exec \"$3\" full::child --exact --nocapture";
-    let mut command = Command::new("unshare");
-    command
-        .args([
-            "--user",
-            "--map-root-user",
-            "--mount",
-            "sh",
-            "-c",
-            script,
-            "sh",
-            DISK,
-        ])
-        .arg(folder.path())
-        .arg(std::env::current_exe().unwrap())
-        .env(MOUNTED, folder.path());
-    let Ok(output) = command.output() else {
-        return eprintln!("no `unshare` here");
-    };
-    let text =
-        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    if text.contains("running 1 test") {
-        assert!(output.status.success(), "{text}");
-    } else {
-        eprintln!("no file system can be mounted here: {text}");
-    }
+    small_disk::run("full::on_a_small_disk", DISK);
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn child() {
-    let Some(folder) = std::env::var_os(MOUNTED) else {
-        return;
-    };
+#[ignore = "run by the test above, on a small disk"]
+async fn on_a_small_disk() {
+    let folder = std::env::var_os(small_disk::FOLDER).expect("started by the test above");
     let folder = Path::new(&folder);
     for name in ["one", "two"] {
         std::fs::write(folder.join(name), vec![7; BALLAST_BYTES]).unwrap();

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Everything that can be checked without building the project: formatting, spelling, unused dependencies, licenses and
+# sources of dependencies, titles of commits. The tools are installed below target/tools the first time.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+tools=${CARGO_TARGET_DIR:-$PWD/target}/tools
+# Titles of commits after this one have at most 72 characters.
+titles_since=242d1e6
+
+# Installs a tool of cargo unless this version is there.
+tool() {
+    if ! grep -qsF "\"$1 $2 " "$tools/.crates2.json"; then
+        cargo install "$1" --version "$2" --locked --quiet --root "$tools"
+    fi
+}
+
+cargo fmt --all --check
+
+typos=$tools/typos-1.52.0
+if [ ! -x "$typos/bin/typos" ]; then
+    python3 -m venv "$typos"
+    "$typos/bin/pip" install --quiet --disable-pip-version-check 'typos==1.52.0'
+fi
+"$typos/bin/typos"
+
+tool cargo-machete 0.9.2
+"$tools/bin/cargo-machete" --skip-target-dir
+
+tool cargo-deny 0.20.2
+"$tools/bin/cargo-deny" --offline check --hide-inclusion-graph licenses bans sources
+
+if git merge-base --is-ancestor "$titles_since" HEAD 2>/dev/null; then
+    git log --format=%s "$titles_since..HEAD" | awk 'length($0) > 72 { print "the title is too long: " $0; bad = 1 } END { exit bad }'
+else
+    echo "SKIPPED: titles of commits: $titles_since is not in this history"
+fi
