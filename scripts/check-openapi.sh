@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Compares a fresh service with its own OpenAPI document: schemathesis makes requests from the document, right and wrong
-# ones, and looks for answers that it does not describe. Takes at most three minutes after the build.
+# ones, and looks for responses that it does not describe. Takes at most three minutes after the build.
 #
 #   scripts/check-openapi.sh [requests per operation, default 10] [further options of `schemathesis run`]
 set -euo pipefail
@@ -47,10 +47,10 @@ start() {
 start 1
 jobs=
 for number in 1 2 3 4 5 6 7 8; do
-    answer=$(curl -sS "$url/v1/jobs" -H 'Authorization: Bearer check' -H 'Content-Type: application/json' -d "{
+    response=$(curl -sS "$url/v1/jobs" -H 'Authorization: Bearer check' -H 'Content-Type: application/json' -d "{
         \"dataset\": \"set-$number\", \"count\": 2, \"camera\": {\"width\": 32, \"height\": 24, \"hfov_deg\": 80},
         \"scene\": {\"kind\": \"procedural\", \"family\": \"structure\", \"seed\": $number}}")
-    job=$(printf %s "$answer" | python3 -c 'import json, sys; print(json.load(sys.stdin)["id"])')
+    job=$(printf %s "$response" | python3 -c 'import json, sys; print(json.load(sys.stdin)["id"])')
     curl -sS -o /dev/null "$url/v1/jobs/$job?wait=30" -H 'Authorization: Bearer check'
     jobs="$jobs\"$job\", "
 done

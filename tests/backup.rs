@@ -1,4 +1,4 @@
-//! A copy of a running service can be started again, and goes on from the moment of the copy.
+//! A copy of a running service can be started again, and continues from the moment of the copy.
 
 use std::path::PathBuf;
 

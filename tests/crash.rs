@@ -154,8 +154,8 @@ fn a_worker_that_slept_past_its_lease_cannot_write() {
     let id = service.submit(&job);
     // Stopped while it holds a lease.
     loop {
-        let (_, answer) = service.get("/v1/workers");
-        let holds = answer["items"]
+        let (_, body) = service.get("/v1/workers");
+        let holds = body["items"]
             .as_array()
             .is_some_and(|all| all.iter().any(|w| w["leased_frames"] != 0));
         let (_, state) = service.get(&format!("/v1/jobs/{id}"));

@@ -34,7 +34,7 @@ fn under_way(service: &Service, id: &str, frames: u64) -> Value {
     }
 }
 
-/// A frame that somebody failed at, or gave up, is told here.
+/// Collects reports of frames that failed or were given up.
 fn no_errors(service: &Service, id: &str) {
     assert_eq!(
         service.get_bytes(&format!("/v1/jobs/{id}/errors")),
@@ -42,11 +42,11 @@ fn no_errors(service: &Service, id: &str) {
     );
 }
 
-/// Failure: an exit status other than 0, an end after the limit, a waiting request that is cut instead of answered, an
+/// Failure: an exit status other than 0, an end after the limit, a waiting request that is cut off without a response, an
 /// accepted job that is not there after the next start, a frame that counts the stop as its own fault, another digest
 /// than without the stop.
 #[test]
-fn a_service_that_is_told_to_stop_answers_whoever_waits_and_loses_nothing() {
+fn a_service_told_to_stop_responds_to_waiting_clients_and_loses_nothing() {
     let data = tempfile::tempdir().unwrap();
     let workers = ["--workers", "2", "--slots", "2"];
     let mut service = Service::start(data.path(), &workers);
@@ -59,7 +59,7 @@ fn a_service_that_is_told_to_stop_answers_whoever_waits_and_loses_nothing() {
     let accepted = Arc::new(Mutex::new(Vec::new()));
     let go_on = AtomicBool::new(true);
     let (ended, waited) = std::thread::scope(|scope| {
-        // Submits until nobody answers any more.
+        // Submits until the service no longer responds.
         scope.spawn(|| {
             for number in 0.. {
                 match service.try_submit(&job(1), &format!("key-{number}")) {

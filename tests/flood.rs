@@ -42,7 +42,7 @@ fn submit(service: &Service, body: &str) -> u16 {
         "POST /v1/jobs HTTP/1.1\r\nhost: x\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
         body.len()
     );
-    // A shed request is answered without its body being read, which may break the connection behind the answer.
+    // A shed request gets its response before its body is read, which may break the connection afterwards.
     let _ = stream.write_all(head.as_bytes());
     let _ = stream.write_all(body.as_bytes());
     let mut answer = Vec::new();
@@ -98,7 +98,7 @@ fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
                         match submit(service, &job(number * SUBMISSIONS + at)) {
                             202 => accepted.fetch_add(1, Ordering::SeqCst),
                             503 => shed.fetch_add(1, Ordering::SeqCst),
-                            status => panic!("a submission was answered {status}"),
+                            status => panic!("a submission gave {status}"),
                         };
                     }
                 })
@@ -108,16 +108,16 @@ fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
         over.store(true, Ordering::SeqCst);
         assert!(
             ended.iter().all(Result::is_ok),
-            "every submission has one of two answers"
+            "every submission has one of two outcomes"
         );
     });
     (accepted.into_inner(), shed.into_inner())
 }
 
-/// Failure: a submission that is answered otherwise than 202 or 503; an accepted job that is not there; a service that does
-/// not answer meanwhile; memory that goes on growing from round to round.
+/// Failure: a submission that gives anything but 202 or 503; an accepted job that is missing; a service that does
+/// not respond meanwhile; memory that keeps growing from round to round.
 #[test]
-fn ten_thousand_submissions_among_bad_readers_are_answered_and_the_memory_stays_bounded() {
+fn ten_thousand_submissions_beside_bad_readers_succeed_in_bounded_memory() {
     let data = tempfile::tempdir().unwrap();
     let service = Service::start(data.path(), &["--workers", "0"]);
     let id = service.submit(&serde_json::from_str(&job(0)).unwrap());

@@ -14,7 +14,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// A range map as NumPy writes it: float32, metres, one hole.
+/// A range map as NumPy writes it: float32, meters, one hole.
 fn range_map(width: usize, height: usize) -> Vec<u8> {
     let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
     while (10 + header.len() + 1) % 64 != 0 {
@@ -25,12 +25,12 @@ fn range_map(width: usize, height: usize) -> Vec<u8> {
     file.extend(u16::try_from(header.len()).expect("a short header").to_le_bytes());
     file.extend(header.as_bytes());
     for pixel in 0..width * height {
-        let metres = if pixel == 5 {
+        let meters = if pixel == 5 {
             f32::NAN
         } else {
             1.0 + pixel as f32 * 1e-4
         };
-        file.extend(metres.to_le_bytes());
+        file.extend(meters.to_le_bytes());
     }
     file
 }

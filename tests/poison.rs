@@ -12,10 +12,10 @@ fn job(frames: u64) -> Value {
     })
 }
 
-/// Failure: the job does not end, a neighbour has no image, a poisoned frame is tried for ever or given up without saying
+/// Failure: the job does not end, a neighbor has no image, a poisoned frame is retried forever or given up without saying
 /// why, or the service itself falls.
 #[test]
-fn poisoned_frames_are_given_up_with_their_reason_and_their_neighbours_finish() {
+fn poisoned_frames_are_given_up_with_their_reason_and_their_neighbors_finish() {
     let data = tempfile::tempdir().expect("a temporary folder");
     let poison = "frame=panic#3,frame=abort#11,frame=hang#17,frame=memory#23,scene.nan=flag#29";
     let environment = [
@@ -90,8 +90,8 @@ fn what_failed_can_be_tried_again_after_the_cause_is_gone() {
         id
     };
     let service = Service::start(data.path(), &["--workers", "1", "--slots", "2"]);
-    let (status, answer) = service.post(&format!("/v1/jobs/{id}/retry-failed"), &json!({}));
-    assert_eq!(status, 200, "{answer}");
+    let (status, body) = service.post(&format!("/v1/jobs/{id}/retry-failed"), &json!({}));
+    assert_eq!(status, 200, "{body}");
     let done = service.finished(&id);
     assert_eq!(
         (done["state"].as_str(), done["failed"].as_u64()),

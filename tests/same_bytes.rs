@@ -86,8 +86,8 @@ fn one_slot_three_slots_two_workers_with_a_kill_and_no_service_agree() {
 fn wait_until_half_done(service: &Service, id: &str) {
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_secs(120) {
-        let (_, answer) = service.get(&format!("/v1/jobs/{id}"));
-        let done = answer["done"].as_u64().unwrap_or_default();
+        let (_, body) = service.get(&format!("/v1/jobs/{id}"));
+        let done = body["done"].as_u64().unwrap_or_default();
         assert!(
             done < FRAMES,
             "the job ended before a worker could be killed in its middle"

@@ -53,7 +53,7 @@ fn sha256(bytes: &[u8]) -> String {
         .collect()
 }
 
-/// Damages a thousand pictures: a bit turned over, bytes lost as by a torn write, or bytes of the neighbour in their place.
+/// Damages a thousand pictures: a flipped bit, bytes lost as by a torn write, or the bytes of the neighbor in their place.
 /// Every picture has at least 57 bytes after its signature: a header and the end mark.
 fn damage(pack: &mut [u8], pictures: &[usize]) {
     for (number, &at) in pictures.iter().take(DAMAGES).enumerate() {
@@ -67,13 +67,13 @@ fn damage(pack: &mut [u8], pictures: &[usize]) {
             }
         }
         if pack[at + 8..at + 57] == before[..] {
-            // The neighbour is the same here.
+            // The neighbor is the same here.
             pack[at + 40] ^= 0x10;
         }
     }
 }
 
-/// Failure: damage that scrub does not name or names where there is none, an answer of the service with bytes of another
+/// Failure: damage that scrub does not name or names where there is none, a response of the service with bytes of another
 /// digest, an artifact that does not come back, or a digest of the job that changes.
 #[test]
 fn a_thousand_damaged_pictures_are_found_never_served_and_rendered_again() {

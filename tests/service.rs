@@ -102,14 +102,14 @@ fn ten_million_frames_are_accepted_at_once_and_cancelled() {
         "accepting took {:?}",
         begun.elapsed()
     );
-    let (status, answer) = service.get(&format!("/v1/jobs/{id}"));
+    let (status, body) = service.get(&format!("/v1/jobs/{id}"));
     assert_eq!(
-        (status, answer["frames"].as_u64()),
+        (status, body["frames"].as_u64()),
         (200, Some(10_000_000)),
-        "{answer}"
+        "{body}"
     );
-    let (status, answer) = service.post(&format!("/v1/jobs/{id}/cancel"), &json!({}));
-    assert_eq!(status, 200, "{answer}");
+    let (status, body) = service.post(&format!("/v1/jobs/{id}/cancel"), &json!({}));
+    assert_eq!(status, 200, "{body}");
     assert_eq!(service.finished(&id)["state"], "cancelled");
 }
 

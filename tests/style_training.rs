@@ -233,7 +233,7 @@ fn a_disk_that_fills_while_training_ends_the_training_alone() {
     assert_eq!(
         ended(&service, &again["id"])["state"],
         "done",
-        "the service goes on"
+        "the service keeps running"
     );
 }
 

@@ -21,7 +21,7 @@ fn start(data: &Path) -> Service {
     Service::start_with(data, &["--slots", "2", "--onnxruntime", &runtime], TRIAL)
 }
 
-/// Soft colours: any picture in, a finite one out.
+/// Soft colors: any picture in, a finite one out.
 fn good() -> Vec<u8> {
     from_image(&[node("Sigmoid", &["image"], &["styled"])], &[])
 }
@@ -132,7 +132,7 @@ fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         let add = node("Add", &["image", "weights"], &["styled"]);
         from_image(&[add], &[elsewhere("weights", file)])
     };
-    // 29 GB of answer.
+    // An output of 29 GB.
     let greedy = constant("shape", &[1, 3, 50_000, 50_000], true);
     let again = graph(
         &[

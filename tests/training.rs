@@ -168,7 +168,7 @@ fn gray_deep_and_huge_photos_are_taken() {
     }
 }
 
-/// The colour transfer is written before the first step; an interrupt keeps the best so far.
+/// The color transfer is written before the first step; an interrupt keeps the best so far.
 #[test]
 fn an_interrupted_training_leaves_whole_files_and_says_so_on_the_card() {
     let folder = temporary();

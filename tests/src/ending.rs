@@ -1,4 +1,4 @@
-//! Ending processes in order, and how long that takes.
+//! Orderly ends of processes, and how long they take.
 
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ pub struct Ended {
 }
 
 impl Service {
-    /// SIGTERM; the service goes on in the background until it ends.
+    /// SIGTERM; the service keeps running in the background until it ends.
     ///
     /// # Panics
     /// When the process cannot be signalled.

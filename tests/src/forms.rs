@@ -8,7 +8,7 @@ impl Service {
     /// POST of a form with these fields.
     ///
     /// # Panics
-    /// When the service does not answer.
+    /// When the service does not respond.
     #[must_use]
     pub fn form(&self, path: &str, fields: &[(&str, &[u8])]) -> (u16, Value) {
         const BOUNDARY: &str = "----fathom-test-boundary";
@@ -25,8 +25,8 @@ impl Service {
                 format!("multipart/form-data; boundary={BOUNDARY}"),
             )
             .send(&form)
-            .expect("the service answers");
-        let bytes = response.body_mut().read_to_vec().expect("a whole answer");
+            .expect("the service responds");
+        let bytes = response.body_mut().read_to_vec().expect("a complete response");
         (
             response.status().as_u16(),
             serde_json::from_slice(&bytes).unwrap_or_default(),

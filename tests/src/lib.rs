@@ -180,7 +180,7 @@ impl Service {
         matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// Submits a job under an idempotency key; answers its id if the service said so before it died.
+    /// Submits a job under an idempotency key; returns its id if the service responded before it died.
     #[must_use]
     pub fn try_submit(&self, job: &Value, key: &str) -> Option<String> {
         let mut response = agent()
@@ -189,8 +189,8 @@ impl Service {
             .header("idempotency-key", key)
             .send(job.to_string())
             .ok()?;
-        let answer: Value = serde_json::from_slice(&response.body_mut().read_to_vec().ok()?).ok()?;
-        (response.status() == 202).then(|| answer["id"].as_str().map(str::to_owned))?
+        let body: Value = serde_json::from_slice(&response.body_mut().read_to_vec().ok()?).ok()?;
+        (response.status() == 202).then(|| body["id"].as_str().map(str::to_owned))?
     }
 
     /// GET, as JSON with its status.
@@ -203,34 +203,34 @@ impl Service {
     /// GET, as bytes with the status.
     ///
     /// # Panics
-    /// When the service does not answer.
+    /// When the service does not respond.
     #[must_use]
     pub fn get_bytes(&self, path: &str) -> (u16, Vec<u8>) {
         let mut response = agent()
             .get(format!("{}{path}", self.url))
             .call()
-            .expect("the service answers");
+            .expect("the service responds");
         let bytes = response
             .body_mut()
             .with_config()
             .limit(1 << 30)
             .read_to_vec()
-            .expect("a whole answer");
+            .expect("a complete response");
         (response.status().as_u16(), bytes)
     }
 
     /// POST of JSON.
     ///
     /// # Panics
-    /// When the service does not answer.
+    /// When the service does not respond.
     #[must_use]
     pub fn post(&self, path: &str, body: &Value) -> (u16, Value) {
         let mut response = agent()
             .post(format!("{}{path}", self.url))
             .header("content-type", "application/json")
             .send(body.to_string())
-            .expect("the service answers");
-        let bytes = response.body_mut().read_to_vec().expect("a whole answer");
+            .expect("the service responds");
+        let bytes = response.body_mut().read_to_vec().expect("a complete response");
         (
             response.status().as_u16(),
             serde_json::from_slice(&bytes).unwrap_or_default(),
@@ -240,14 +240,14 @@ impl Service {
     /// DELETE, as JSON with its status.
     ///
     /// # Panics
-    /// When the service does not answer.
+    /// When the service does not respond.
     #[must_use]
     pub fn delete(&self, path: &str) -> (u16, Value) {
         let mut response = agent()
             .delete(format!("{}{path}", self.url))
             .call()
-            .expect("the service answers");
-        let bytes = response.body_mut().read_to_vec().expect("a whole answer");
+            .expect("the service responds");
+        let bytes = response.body_mut().read_to_vec().expect("a complete response");
         (
             response.status().as_u16(),
             serde_json::from_slice(&bytes).unwrap_or_default(),
@@ -260,12 +260,12 @@ impl Service {
     /// When it is not.
     #[must_use]
     pub fn submit(&self, job: &Value) -> String {
-        let (status, answer) = self.post("/v1/jobs", job);
-        assert_eq!(status, 202, "{answer}");
-        answer["id"].as_str().expect("a job has an id").to_owned()
+        let (status, body) = self.post("/v1/jobs", job);
+        assert_eq!(status, 202, "{body}");
+        body["id"].as_str().expect("a job has an id").to_owned()
     }
 
-    /// Waits for the end of a job and answers it.
+    /// Waits for a job to end and returns it.
     ///
     /// # Panics
     /// When it does not end in time.
@@ -274,14 +274,14 @@ impl Service {
         let begun = Instant::now();
         let mut since = 0;
         while begun.elapsed() < JOB_LIMIT {
-            let (status, answer) = self.get(&format!("/v1/jobs/{job}?wait=10&since={since}"));
-            assert_eq!(status, 200, "{answer}");
-            since = answer["version"].as_u64().unwrap_or_default();
+            let (status, body) = self.get(&format!("/v1/jobs/{job}?wait=10&since={since}"));
+            assert_eq!(status, 200, "{body}");
+            since = body["version"].as_u64().unwrap_or_default();
             if matches!(
-                answer["state"].as_str(),
+                body["state"].as_str(),
                 Some("done" | "done_with_failures" | "cancelled")
             ) {
-                return answer;
+                return body;
             }
         }
         panic!("job {job} did not end within {JOB_LIMIT:?}");
