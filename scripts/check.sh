@@ -27,7 +27,7 @@ tool cargo-machete 0.9.2
 "$tools/bin/cargo-machete" --skip-target-dir
 
 tool cargo-deny 0.20.2
-"$tools/bin/cargo-deny" --offline check --hide-inclusion-graph licenses bans sources
+"$tools/bin/cargo-deny" check --hide-inclusion-graph licenses bans sources
 
 if git merge-base --is-ancestor "$titles_since" HEAD 2>/dev/null; then
     git log --format=%s "$titles_since..HEAD" | awk 'length($0) > 72 { print "the title is too long: " $0; bad = 1 } END { exit bad }'

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::common::bytes::{noise_png, png};
@@ -10,6 +9,9 @@ use crate::common::worker::Fake;
 use crate::common::{Running, Setup, job, start, start_in_folder};
 use api::Limits;
 use serde_json::json;
+
+#[path = "../../../../tests/src/small_disk.rs"]
+mod small_disk;
 
 /// Bytes of all files below a folder.
 fn on_disk(folder: &Path) -> u64 {
@@ -70,40 +72,25 @@ fn the_space_of_deleted_images_comes_back_and_shared_bytes_stay() {
     render(&service, &worker, "again", 2, 600);
 }
 
-/// A small file system of its own; removed when dropped.
-struct Small(PathBuf);
-
-impl Small {
-    /// None where this user may not mount one.
-    fn mount(folder: &Path, size: &str) -> Option<Self> {
-        let options = format!("size={size}");
-        let mounted = Command::new("mount")
-            .args(["-t", "tmpfs", "-o", &options, "fathom-test"])
-            .arg(folder)
-            .output();
-        mounted
-            .is_ok_and(|run| run.status.success())
-            .then(|| Self(folder.to_owned()))
-    }
-}
-
-impl Drop for Small {
-    fn drop(&mut self) {
-        let _ = Command::new("umount").arg(&self.0).output();
-    }
+/// The folder of the small disk.
+fn small_disk() -> PathBuf {
+    let folder = std::env::var_os(small_disk::FOLDER);
+    PathBuf::from(folder.expect("started by the test above"))
 }
 
 #[test]
 fn a_full_disk_is_told_reading_goes_on_and_writing_goes_on_when_there_is_space_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let Some(small) = Small::mount(folder.path(), "24m") else {
-        eprintln!("this user may not mount a file system: nothing was tested");
-        return;
-    };
-    let service = start_in_folder(folder.path(), Setup::default());
+    small_disk::run("space::writing_on_a_full_disk", "size=24m");
+}
+
+#[test]
+#[ignore = "run by the test above, on a small disk"]
+fn writing_on_a_full_disk() {
+    let folder = small_disk();
+    let service = start_in_folder(&folder, Setup::default());
     let worker = Fake::register(&service);
     let before = render(&service, &worker, "tests", 1, 300);
-    let ballast = folder.path().join("ballast");
+    let ballast = folder.join("ballast");
     std::fs::write(&ballast, vec![7; 12 << 20]).unwrap();
 
     // A frame that does not fit: its worker is told to wait, nothing of it is visible.
@@ -133,7 +120,6 @@ fn a_full_disk_is_told_reading_goes_on_and_writing_goes_on_when_there_is_space_a
     );
     assert_eq!(service.upload(&[("rgb", &png(8, 6))]).status, 201);
     drop(service.stop());
-    drop(small);
 }
 
 /// Takes the last byte of the disk.
@@ -146,17 +132,19 @@ fn fill_up(ballast: &Path) {
 
 #[test]
 fn a_job_can_be_deleted_on_a_disk_without_a_free_byte_and_its_space_is_used_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let Some(small) = Small::mount(folder.path(), "32m") else {
-        eprintln!("this user may not mount a file system: nothing was tested");
-        return;
-    };
+    small_disk::run("space::deleting_on_a_full_disk", "size=32m");
+}
+
+#[test]
+#[ignore = "run by the test above, on a small disk"]
+fn deleting_on_a_full_disk() {
+    let folder = small_disk();
     let limits = Limits {
         reserve_bytes: 4 << 20,
         ..Limits::default()
     };
     let service = start_in_folder(
-        folder.path(),
+        &folder,
         Setup {
             limits,
             ..Setup::default()
@@ -166,7 +154,7 @@ fn a_job_can_be_deleted_on_a_disk_without_a_free_byte_and_its_space_is_used_agai
     let jobs: Vec<String> = (0..6)
         .map(|seed| render(&service, &worker, "gone", seed, 1000))
         .collect();
-    fill_up(&folder.path().join("ballast"));
+    fill_up(&folder.join("ballast"));
     service
         .upload(&[("rgb", &noise_png(300, 99))])
         .problem(507, "storage-full");
@@ -177,10 +165,7 @@ fn a_job_can_be_deleted_on_a_disk_without_a_free_byte_and_its_space_is_used_agai
     }
     eventually("readiness", || service.get("/readyz").status == 200);
     assert_eq!(service.upload(&[("rgb", &noise_png(300, 99))]).status, 201);
-    let kept = std::fs::metadata(folder.path().join("space.reserve"))
-        .unwrap()
-        .len();
+    let kept = std::fs::metadata(folder.join("space.reserve")).unwrap().len();
     assert_eq!(kept, limits.reserve_bytes, "laid aside for the next time");
     drop(service.stop());
-    drop(small);
 }
