@@ -32,7 +32,7 @@ pub(super) fn lighting(width: usize, height: usize, count: usize) -> Option<Ligh
     Some(Lighting {
         lamps: (0..count).filter_map(lamp).collect(),
         radius_m: LAMP_RADIUS_M,
-        camera: Intrinsics::centred(focal_px, width, height),
+        camera: Intrinsics::centered(focal_px, width, height),
         attenuation: water.direct_attenuation(),
         scattering: water.scattering()?,
         asymmetry: asymmetry_of(water.backscatter_fraction()),

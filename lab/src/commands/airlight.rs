@@ -118,7 +118,7 @@ fn lighting(lamps: &[Lamp], (width, height): (usize, usize)) -> Lighting {
     Lighting {
         lamps: lamps.to_vec(),
         radius_m: LAMP_RADIUS_M,
-        camera: Intrinsics::centred(458.0 * width as f64 / FRAME.0 as f64, width, height),
+        camera: Intrinsics::centered(458.0 * width as f64 / FRAME.0 as f64, width, height),
         attenuation: [0.778, 0.546, 0.594],
         scattering: [0.412, 0.447, 0.435],
         asymmetry: 0.919,

@@ -126,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn standard(width: usize) -> Result<Vec<ChartScene>, Failure> {
     let height = (width * 492 / 768).max(1);
     let mut all = standard_scenes(width, height);
-    let camera = Intrinsics::centred(width as f64 / (2.0 * 40f64.to_radians().tan()), width, height);
+    let camera = Intrinsics::centered(width as f64 / (2.0 * 40f64.to_radians().tan()), width, height);
     let scene = scenes::procedural("structure", 7, width, height, camera).context("a known family")?;
     let range = scene.range.context("procedural scenes have range")?;
     all.push(ChartScene::new("structure", scene.radiance, &range));

@@ -61,7 +61,7 @@ fn family_tiles(family: &str, arguments: &Arguments) -> Result<Vec<Rgb8>, Failur
         [] => (0..24).collect(),
         seeds => seeds.to_vec(),
     };
-    let lens = Intrinsics::centred(458.0, SIZE.0, SIZE.1);
+    let lens = Intrinsics::centered(458.0, SIZE.0, SIZE.1);
     let draw = |seed| procedural(family, seed, SIZE.0, SIZE.1, lens).map_err(Failure::input);
     let mut tiles = Vec::new();
     let mut times = Vec::new();
@@ -93,7 +93,7 @@ fn family_tiles(family: &str, arguments: &Arguments) -> Result<Vec<Rgb8>, Failur
 
 fn label_tiles(arguments: &Arguments) -> Result<Vec<Rgb8>, Failure> {
     let seed = arguments.seeds.first().copied().unwrap_or(2);
-    let lens = Intrinsics::centred(458.0, SIZE.0, SIZE.1);
+    let lens = Intrinsics::centered(458.0, SIZE.0, SIZE.1);
     let mut tiles = Vec::new();
     for family in FAMILIES {
         let world = World::new(family, seed).map_err(Failure::input)?;

@@ -7,7 +7,6 @@ use axum::middleware::{from_fn, from_fn_with_state};
 use axum::routing::{get, post};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
-use utoipa_swagger_ui::SwaggerUi;
 
 use crate::app::Shared;
 use crate::bytes::space;
@@ -16,7 +15,9 @@ use crate::http::layers::{Budget, Group, observe};
 use crate::http::problem;
 use crate::http::problem::Problem;
 use crate::limits::{self, Limits};
-use crate::{bytes, datasets, images, jobs, leases, openapi, operations, pictures, scenes, styles, waters};
+use crate::{
+    bytes, datasets, http, images, jobs, leases, openapi, operations, pictures, scenes, styles, waters,
+};
 
 /// The whole application.
 pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Router {
@@ -51,11 +52,10 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
     let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
     openapi::complete(&mut document);
-    let pages = SwaggerUi::new("/docs").url("/openapi.json", document);
     let space = Arc::clone(&app.space);
     public
         .with_state(app)
-        .merge(pages)
+        .merge(http::docs::router(&document))
         .route("/problems/{slug}", get(problem::describe))
         .fallback(|| async { Problem::not_found("no such route; see /docs") })
         .layer(from_fn_with_state(space, space::note))

@@ -18,6 +18,7 @@ mod insert;
 mod jobs;
 mod joins;
 mod metadata;
+mod migrations;
 mod open;
 mod page;
 mod recovery;

@@ -11,6 +11,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Executor};
 use crate::catalogue::Catalogue;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
+use crate::migrations::migrator;
 use crate::writer::Writer;
 
 /// Earlier versions can damage the write-ahead log when it is reset.
@@ -58,7 +59,7 @@ impl Catalogue {
                 least: LEAST_SQLITE,
             });
         }
-        sqlx::migrate!("../../migrations")
+        migrator()
             .run(&mut connection)
             .await
             .map_err(|error| match error {

@@ -9,17 +9,15 @@ use crate::error::StoreError;
 pub(crate) struct Digest(pub(crate) [u8; 32]);
 
 impl Digest {
+    /// Upper case is refused: a digest has one spelling, since it is also an ETag.
     pub(crate) fn parse(text: &str) -> Result<Self, StoreError> {
-        let digits = text.as_bytes();
+        let refused = || StoreError::NotADigest {
+            text: text.chars().take(80).collect(),
+        };
         let mut bytes = [0; 32];
-        if digits.len() != 64 {
-            return Err(refuse(text));
-        }
-        for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
-            let (Some(high), Some(low)) = (nibble(pair[0]), nibble(pair[1])) else {
-                return Err(refuse(text));
-            };
-            *byte = high << 4 | low;
+        hex::decode_to_slice(text, &mut bytes).map_err(|_| refused())?;
+        if text.bytes().any(|digit| digit.is_ascii_uppercase()) {
+            return Err(refused());
         }
         Ok(Self(bytes))
     }
@@ -35,22 +33,7 @@ impl Digest {
 
 impl std::fmt::Display for Digest {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
-}
-
-/// Upper case is refused: a digest has one spelling, since it is also an ETag.
-fn nibble(digit: u8) -> Option<u8> {
-    match digit {
-        b'0'..=b'9' => Some(digit - b'0'),
-        b'a'..=b'f' => Some(digit - b'a' + 10),
-        _ => None,
-    }
-}
-
-fn refuse(text: &str) -> StoreError {
-    StoreError::NotADigest {
-        text: text.chars().take(80).collect(),
+        f.write_str(&hex::encode(self.0))
     }
 }
 

@@ -11,7 +11,7 @@ use imaging::{Raster, Rgb8};
 const WIDTH: usize = 869;
 const HEIGHT: usize = 565;
 
-/// Soft light, edges and grain: about as many distinct colours as a photograph.
+/// Soft light, edges and grain: about as many distinct colors as a photograph.
 fn picture() -> Rgb8 {
     Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {
         let (u, v) = (x as f64 / WIDTH as f64, y as f64 / HEIGHT as f64);
@@ -25,14 +25,14 @@ fn picture() -> Rgb8 {
 }
 
 fn stages(criterion: &mut Criterion) {
-    let colours = picture();
-    let raster = Raster::from(colours.clone());
+    let colors = picture();
+    let raster = Raster::from(colors.clone());
     let options = Options::default();
     let settings = options.settings();
     let luma = Luma::of(&raster);
     let filtered = homomorphic::homomorphic(&luma, &options, Variant::Fast);
     let smoothed = median::median(&filtered, settings.median, Variant::Fast);
-    let equalised = clahe::clahe(&smoothed, settings.grid, settings.clip_limit);
+    let equalized = clahe::clahe(&smoothed, settings.grid, settings.clip_limit);
 
     let mut group = criterion.benchmark_group("hscm");
     group
@@ -61,7 +61,7 @@ fn stages(criterion: &mut Criterion) {
         b.iter(|| clahe::clahe(black_box(&smoothed), settings.grid, settings.clip_limit));
     });
     group.bench_function("merge", |b| {
-        b.iter(|| merge::merge(black_box(colours.data()), equalised.data()))
+        b.iter(|| merge::merge(black_box(colors.data()), equalized.data()))
     });
     group.bench_function("circle", |b| {
         b.iter(|| circle::plane(WIDTH, HEIGHT, black_box(&hscm::Circle::default())));

@@ -11,7 +11,7 @@ use imaging::{Plane, Raster, Rgb8};
 const WIDTH: usize = 869;
 const HEIGHT: usize = 565;
 
-/// Soft light, edges and grain: about as many distinct colours as a photograph.
+/// Soft light, edges and grain: about as many distinct colors as a photograph.
 fn picture() -> Rgb8 {
     Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {
         let (u, v) = (x as f64 / WIDTH as f64, y as f64 / HEIGHT as f64);
@@ -25,8 +25,8 @@ fn picture() -> Rgb8 {
 }
 
 fn methods(criterion: &mut Criterion) {
-    let colours = picture();
-    let raster = Raster::from(colours.clone());
+    let colors = picture();
+    let raster = Raster::from(colors.clone());
     let mut group = criterion.benchmark_group("method");
     group
         .sample_size(20)
@@ -43,9 +43,9 @@ fn methods(criterion: &mut Criterion) {
         .sample_size(20)
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(1));
-    let guide = Guide::of(&colours);
-    let plane = Plane::from_fn(WIDTH, HEIGHT, |x, y| f64::from(colours.at(x, y)[0]) / 255.0);
-    group.bench_function("guide", |b| b.iter(|| Guide::of(black_box(&colours))));
+    let guide = Guide::of(&colors);
+    let plane = Plane::from_fn(WIDTH, HEIGHT, |x, y| f64::from(colors.at(x, y)[0]) / 255.0);
+    group.bench_function("guide", |b| b.iter(|| Guide::of(black_box(&colors))));
     group.bench_function("guided", |b| {
         b.iter(|| guided(&guide, black_box(&plane), Variant::Fast))
     });

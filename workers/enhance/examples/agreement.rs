@@ -50,8 +50,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let (logs, codes) = homomorphic_filter();
     println!(
-        "\nHSCM's filtered logarithm differs by at most {logs:.1e}, its codes before the equalisation by at most {codes}. On a \
-         picture of nearly one grey value the equalisation makes several codes of one."
+        "\nHSCM's filtered logarithm differs by at most {logs:.1e}, its codes before the equalization by at most {codes}. On a \
+         picture of nearly one gray value the equalization makes several codes of one."
     );
     Ok(())
 }

@@ -9,12 +9,12 @@ use crate::{baseline, hscm, ibla, rd, rghs, suir, ulap};
 /// An enhancement method with its options.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// Homomorphic filter, median, CLAHE, colour merge, circular mask.
+    /// Homomorphic filter, median, CLAHE, color merge, circular mask.
     Hscm(hscm::Options),
     /// CLAHE of the luma alone.
     Clahe,
     /// Channel means made equal.
-    GreyWorld,
+    GrayWorld,
     /// Restoration by the light attenuation prior.
     Ulap,
     /// Restoration by blue-green dehazing and red correction.
@@ -50,7 +50,7 @@ impl Method {
         match self {
             Self::Hscm(_) => "hscm",
             Self::Clahe => "clahe",
-            Self::GreyWorld => "grey_world",
+            Self::GrayWorld => "grey_world",
             Self::Ulap => "ulap",
             Self::Suir => "suir",
             Self::Ibla => "ibla",
@@ -103,7 +103,7 @@ pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Resul
     match method {
         Method::Hscm(options) => hscm::enhance(picture, options, variant),
         Method::Clahe => Ok(baseline::clahe::enhance(picture)),
-        Method::GreyWorld => Ok(baseline::grey_world::enhance(picture)),
+        Method::GrayWorld => Ok(baseline::grey_world::enhance(picture)),
         Method::Rghs => Ok(rghs::enhance(picture, variant)),
         Method::Rd => Ok(rd::enhance(picture, variant)),
         Method::Ibla => Ok(ibla::enhance(picture, variant)),

@@ -38,7 +38,7 @@ const fn names() -> [&'static str; REGISTRY.len()] {
     names
 }
 
-/// Most pixels for the methods with a colour guided filter, which hold several planes in double precision.
+/// Most pixels for the methods with a color guided filter, which hold several planes in double precision.
 pub const GUIDED_PIXELS_MAX: usize = 16_000_000;
 
 /// Options of the guided filter, for the methods that use it.
@@ -67,7 +67,7 @@ const REGISTRY: &[MethodInfo] = &[
         source: "Buchsbaum 1980",
         options: "none",
         pixels_max: None,
-        default: || Method::GreyWorld,
+        default: || Method::GrayWorld,
     },
     MethodInfo {
         name: "ulap",

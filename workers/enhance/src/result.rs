@@ -48,22 +48,22 @@ pub enum EnhanceError {
 /// What a method makes of a gray picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum OfGray {
-    /// The gray codes of the coloured result.
+    /// The gray codes of the colored result.
     Gray,
-    /// The coloured result: a restoration colours a gray picture by nature.
-    Colour,
+    /// The colored result: a restoration colors a gray picture by nature.
+    Color,
 }
 
 impl Enhanced {
-    /// The result of a method without a mask, from its colours.
-    pub(crate) fn unmasked(source: &Raster, colours: Rgb8, of_gray: OfGray, warnings: Vec<Warning>) -> Self {
+    /// The result of a method without a mask, from its colors.
+    pub(crate) fn unmasked(source: &Raster, colors: Rgb8, of_gray: OfGray, warnings: Vec<Warning>) -> Self {
         let alpha = source.alpha().map(|alpha| Samples::U8(alpha.to_u8()));
         let gray = source.channels() == Channels::Gray && of_gray == OfGray::Gray;
-        let (width, height) = (colours.width(), colours.height());
+        let (width, height) = (colors.width(), colors.height());
         let (channels, codes) = if gray {
-            (Channels::Gray, colours.to_gray8().into_data())
+            (Channels::Gray, colors.to_gray8().into_data())
         } else {
-            (Channels::Rgb, colours.data().to_vec())
+            (Channels::Rgb, colors.data().to_vec())
         };
         let picture = Raster::new(width, height, channels, Samples::U8(codes), alpha)
             .expect("a method keeps the size of its picture");

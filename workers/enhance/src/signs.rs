@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn one_colour_few_pixels_and_darkness_are_seen() {
+    fn one_color_few_pixels_and_darkness_are_seen() {
         let common = |picture: &Rgb8| Signs::of(picture).common(&histograms(picture));
         assert_eq!(common(&flat([9, 80, 90])), [Warning::Constant]);
         assert_eq!(common(&flat([15; 3])), [Warning::Constant, Warning::Dark]);

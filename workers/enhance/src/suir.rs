@@ -1,7 +1,7 @@
 //! SUIR: single underwater image restoration by blue-green dehazing and red correction (Li, Cong, Pang and Wang 2016).
 //!
-//! 1. `c = norm` over all three channels together (one colour value: unchanged).
-//! 2. Background light: the colour of the pixel with the smallest `lmax(R) - lmax(max(G, B))` in 9 × 9, the first of
+//! 1. `c = norm` over all three channels together (one color value: unchanged).
+//! 2. Background light: the color of the pixel with the smallest `lmax(R) - lmax(max(G, B))` in 9 × 9, the first of
 //!    equals; B_c at least 1/255.
 //! 3. For k in G, B: `t_k = guided(1 - lmin(k / B_k))` in 9 × 9, cut to 0.1..=0.9; `J_k = (k - B_k) / t_k + B_k`.
 //! 4. `norm` over (R, J_G, J_B) together (one value: unchanged); of its red nothing is used.
@@ -10,9 +10,9 @@
 //! 6. With the lumas Y_i of step 1 and Y_j of (R', J_G, J_B), both cut to 0.01..=1, the result is multiplied by the guided
 //!    `s = (Y_j Y_i + 0.3 Y_i²) / (Y_j² + 0.3 Y_i²)` and cut to 0..=1.
 //!
-//! The guide is the picture of step 1. Where it fails: one colour is not one value, and (60, 120, 140) becomes a saturated
+//! The guide is the picture of step 1. Where it fails: one color is not one value, and (60, 120, 140) becomes a saturated
 //! blue; a little red is multiplied into noise; haze removed where there is none leaves a few values far out, the joint
-//! stretch squeezes the rest, and red takes over; a gray picture loses haze and becomes coloured.
+//! stretch squeezes the rest, and red takes over; a gray picture loses haze and becomes colored.
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Raster, Rgb8};
@@ -38,12 +38,12 @@ const LUMA_MIN: f64 = 0.01;
 const INPUT_WEIGHT: f64 = 0.3;
 const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
 
-/// Restores a picture of at least one pixel. The result is coloured; 16 bit is reduced to 8.
+/// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    let colours = picture.to_rgb8();
-    let stretch = Stretch::of(&colours);
-    let guide = Guide::of(&colours).scaled(stretch.scale);
+    let colors = picture.to_rgb8();
+    let stretch = Stretch::of(&colors);
+    let guide = Guide::of(&colors).scaled(stretch.scale);
     let light = background(&guide, variant).map(|code| stretch.at(code).max(1.0 / 255.0));
     let input = guide
         .channels()
@@ -51,20 +51,20 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         .map(|channel| channel.map(|&code| stretch.at(code)));
     let green = dehazed(&guide, &stretch, 1, light[1], variant);
     let blue = dehazed(&guide, &stretch, 2, light[2], variant);
-    let [green, blue] = normalised_together(&input[0], [green, blue]);
+    let [green, blue] = normalized_together(&input[0], [green, blue]);
     let gain = red_gain(&input[0], &green, &blue);
     let red = input[0].map(|value| gain.map_or(*value, |gain| (value * gain).clamp(0.0, 1.0)));
     let exposure = exposure(&input, [&red, &green, &blue]);
     let exposure = guided(&guide, &exposure, variant);
 
-    let mut result = colours.clone();
+    let mut result = colors.clone();
     for (channel, plane) in [&red, &green, &blue].into_iter().enumerate() {
         let values = plane.data().iter().zip(exposure.data());
         for (pixel, (value, exposure)) in result.data_mut().chunks_exact_mut(3).zip(values) {
             pixel[channel] = (255.0 * (value * exposure).clamp(0.0, 1.0) + 0.5) as u8;
         }
     }
-    let signs = Signs::of(&colours);
+    let signs = Signs::of(&colors);
     let after = histograms(&result);
     let mut warnings = signs.of_restoration(&after);
     if signs.red_cast(&after) {
@@ -76,7 +76,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     if gain.is_some_and(|gain| gain > LARGE_GAIN) {
         warnings.push(Warning::RedAmplified);
     }
-    Enhanced::unmasked(picture, result, OfGray::Colour, warnings)
+    Enhanced::unmasked(picture, result, OfGray::Color, warnings)
 }
 
 /// The joint stretch of step 1.
@@ -143,7 +143,7 @@ fn dehazed(guide: &Guide, stretch: &Stretch, channel: usize, light: f64, variant
 }
 
 /// Step 4.
-fn normalised_together(red: &Plane<f64>, planes: [Plane<f64>; 2]) -> [Plane<f64>; 2] {
+fn normalized_together(red: &Plane<f64>, planes: [Plane<f64>; 2]) -> [Plane<f64>; 2] {
     let ranges = [range(red), range(&planes[0]), range(&planes[1])];
     let low = ranges.iter().fold(f64::MAX, |low, range| low.min(range.0));
     let high = ranges.iter().fold(f64::MIN, |high, range| high.max(range.1));
@@ -201,14 +201,14 @@ fn weighted(luma: &mut [f64], [r, g, b]: [&[f64]; 3]) {
 mod tests {
     use super::*;
 
-    fn suir(colours: &Rgb8) -> Rgb8 {
-        enhance(&Raster::from(colours.clone()), Variant::Fast)
+    fn suir(colors: &Rgb8) -> Rgb8 {
+        enhance(&Raster::from(colors.clone()), Variant::Fast)
             .picture
             .to_rgb8()
     }
 
     #[test]
-    fn one_value_comes_back_and_one_colour_becomes_saturated() {
+    fn one_value_comes_back_and_one_color_becomes_saturated() {
         let gray = Rgb8::from_fn(20, 20, |_, _| [90; 3]);
         assert_eq!(suir(&gray), gray);
         let blue = suir(&Rgb8::from_fn(20, 20, |_, _| [60, 120, 140])).at(10, 10);

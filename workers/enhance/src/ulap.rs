@@ -2,7 +2,7 @@
 //!
 //! 1. `d = 0.53214829 + 0.51309827 max(G, B) - 0.91066194 R`, refined by the guided filter: water takes red first, so the
 //!    difference grows with distance.
-//! 2. Background light `B_c`: the colour with the largest R² + G² + B² among the thousandth of the pixels that are
+//! 2. Background light `B_c`: the color with the largest R² + G² + B² among the thousandth of the pixels that are
 //!    farthest.
 //! 3. `D = 10 (norm(d) + d0)`, d0 from [`distance_offset`]; `t_c = N_c^D` with N = (0.83, 0.95, 0.97), cut to 0.1..=0.9.
 //! 4. `J_c = (c - B_c) / t_c + B_c`.
@@ -10,7 +10,7 @@
 //! Symbols: `c` a channel in 0..=1; `d` relative distance; `N_c` residual energy of a channel per unit of distance.
 //!
 //! Where it fails: a small `t_R` multiplies what red is left and makes the picture red; in a gray picture d is a function
-//! of brightness alone, so bright is taken for far. One colour comes back as it was.
+//! of brightness alone, so bright is taken for far. One color comes back as it was.
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Raster};
@@ -29,32 +29,32 @@ const DEPTH: f64 = 10.0;
 /// Least and greatest transmittance.
 const TRANSMITTANCE: (f64, f64) = (0.1, 0.9);
 
-/// Restores a picture of at least one pixel. The result is coloured; 16 bit is reduced to 8.
+/// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    let colours = picture.to_rgb8();
-    let mut prior = Plane::filled(colours.width(), colours.height(), 0.0);
+    let colors = picture.to_rgb8();
+    let mut prior = Plane::filled(colors.width(), colors.height(), 0.0);
     vectorised(
         #[inline(always)]
-        || attenuation_prior(colours.data(), prior.data_mut()),
+        || attenuation_prior(colors.data(), prior.data_mut()),
     );
-    let distance = guided(&Guide::of(&colours), &prior, variant);
+    let distance = guided(&Guide::of(&colors), &prior, variant);
     drop(prior);
-    let light = brightest_of(&colours, &distance, variant).map(|code| f64::from(code) / 255.0);
-    let nearest = distance_offset(&colours, light);
+    let light = brightest_of(&colors, &distance, variant).map(|code| f64::from(code) / 255.0);
+    let nearest = distance_offset(&colors, light);
     let distance = distance_of(distance, nearest, DEPTH);
     let veil = Veil {
         light,
         attenuation: RESIDUAL.map(|residual| -residual.ln()),
         transmittance: TRANSMITTANCE,
     };
-    let restored = restore(&colours, &distance, &veil, variant);
-    let (signs, after) = (Signs::of(&colours), histograms(&restored));
+    let restored = restore(&colors, &distance, &veil, variant);
+    let (signs, after) = (Signs::of(&colors), histograms(&restored));
     let mut warnings = signs.of_restoration(&after);
     if signs.red_cast(&after) {
         warnings.push(Warning::RedCast);
     }
-    Enhanced::unmasked(picture, restored, OfGray::Colour, warnings)
+    Enhanced::unmasked(picture, restored, OfGray::Color, warnings)
 }
 
 /// `d` of step 1.
@@ -72,12 +72,12 @@ mod tests {
 
     use super::*;
 
-    fn ulap(colours: Rgb8, variant: Variant) -> Rgb8 {
-        enhance(&Raster::from(colours), variant).picture.to_rgb8()
+    fn ulap(colors: Rgb8, variant: Variant) -> Rgb8 {
+        enhance(&Raster::from(colors), variant).picture.to_rgb8()
     }
 
     #[test]
-    fn one_colour_and_black_come_back() {
+    fn one_color_and_black_come_back() {
         for pixel in [[0; 3], [60, 120, 140], [255; 3]] {
             let picture = Rgb8::from_fn(40, 30, |_, _| pixel);
             for variant in [Variant::Fast, Variant::Reference] {
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn contrast_lost_on_the_way_comes_back() {
-        // Dark spots far away, veiled nearly to the colour of the water.
+        // Dark spots far away, veiled nearly to the color of the water.
         let picture = Rgb8::from_fn(120, 80, |x, y| match (x > 60, (x / 4 + y / 4) % 2) {
             (true, 0) => [30, 110, 120],
             (true, _) => [25, 95, 104],

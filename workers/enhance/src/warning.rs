@@ -5,7 +5,7 @@ use std::fmt;
 /// A known failure that a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Warning {
-    /// Every pixel has the same colour.
+    /// Every pixel has the same color.
     Constant,
     /// Fewer pixels than the method's statistics rest on.
     FewPixels,

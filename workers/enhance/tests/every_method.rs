@@ -14,18 +14,18 @@ fn methods() -> impl Iterator<Item = Method> {
 /// What the codes of a picture look like.
 const KINDS: usize = 7;
 
-/// Any decodable picture: gray or colour, 8 or 16 bit, with or without alpha, of one of several natures.
+/// Any decodable picture: gray or color, 8 or 16 bit, with or without alpha, of one of several natures.
 fn picture(
     width: usize,
     height: usize,
     kind: usize,
-    colour: bool,
+    color: bool,
     wide: bool,
     alpha: bool,
     seed: u64,
 ) -> Raster {
     let stream = Stream::stage(seed, "picture");
-    let channels = if colour { Channels::Rgb } else { Channels::Gray };
+    let channels = if color { Channels::Rgb } else { Channels::Gray };
     let count = channels.count();
     let code = |i: usize| {
         let (pixel, channel) = (i / count, i % count);
@@ -58,10 +58,10 @@ proptest! {
 
     #[test]
     fn every_method_takes_every_picture_and_keeps_its_size_and_alpha(
-        width in 1usize..70, height in 1usize..70, kind in 0..KINDS, colour in any::<bool>(),
+        width in 1usize..70, height in 1usize..70, kind in 0..KINDS, color in any::<bool>(),
         wide in any::<bool>(), alpha in any::<bool>(), seed in any::<u64>(),
     ) {
-        let picture = picture(width, height, kind, colour, wide, alpha, seed);
+        let picture = picture(width, height, kind, color, wide, alpha, seed);
         for method in methods() {
             let enhanced = run(&method, &picture).unwrap();
             for result in [&enhanced.picture, &enhanced.unmasked] {
@@ -77,8 +77,8 @@ proptest! {
 fn every_method_takes_the_smallest_pictures_of_every_nature() {
     for (width, height) in [(1, 1), (1, 2), (2, 1), (1, 300), (300, 1), (3, 3)] {
         for kind in 0..KINDS {
-            for colour in [false, true] {
-                let picture = picture(width, height, kind, colour, false, false, 5);
+            for color in [false, true] {
+                let picture = picture(width, height, kind, color, false, false, 5);
                 for method in methods() {
                     assert!(
                         run(&method, &picture).is_ok(),

@@ -92,7 +92,7 @@ fn golden_homomorphic_codes() {
         let luma = Luma::of(&case.picture("input"));
         for variant in VARIANTS {
             let actual = homomorphic::homomorphic(&luma, &Options::default(), variant);
-            // A picture of one luma has one code; where that lies on a tie either neighbour will do.
+            // A picture of one luma has one code; where that lies on a tie either neighbor will do.
             let share = if is_flat(&expected) && is_flat(&actual) {
                 1.0
             } else {

@@ -148,7 +148,7 @@ fn a_very_large_gain_drives_codes_to_the_ends_without_overflow() {
 
 #[test]
 fn an_odd_side_is_filtered_without_a_shift() {
-    // A mirror image must give the mirrored result: a filter half a bin off centre would not.
+    // A mirror image must give the mirrored result: a filter half a bin off center would not.
     let picture = textured(45, 27);
     let mirrored = Rgb8::from_fn(45, 27, |x, y| picture.at(44 - x, y));
     for variant in VARIANTS {
@@ -191,8 +191,8 @@ fn values_above_white_saturate() {
 #[test]
 fn a_circle_outside_the_picture_leaves_black_and_an_empty_mask() {
     let outside = Circle {
-        centre_x: -3.0,
-        centre_y: 9.0,
+        center_x: -3.0,
+        center_y: 9.0,
         radius: 0.4,
     };
     let settings = Settings {
@@ -214,26 +214,26 @@ fn a_picture_without_pixels_is_an_error_that_gives_its_size() {
 }
 
 #[test]
-fn gray_stays_gray_and_equals_the_colour_result_of_a_gray_picture() {
+fn gray_stays_gray_and_equals_the_color_result_of_a_gray_picture() {
     let plane = Plane::from_fn(40, 30, |x, y| (x * y) as u8);
     let gray = Raster::from(plane);
-    let colour = Raster::from(gray.to_rgb8());
+    let color = Raster::from(gray.to_rgb8());
     let from_gray = enhance(&gray, &Options::default(), Variant::Fast).unwrap();
-    let from_colour = enhance(&colour, &Options::default(), Variant::Fast).unwrap();
+    let from_color = enhance(&color, &Options::default(), Variant::Fast).unwrap();
     assert_eq!(from_gray.picture.channels(), Channels::Gray);
-    assert_eq!(from_gray.picture.to_rgb8(), from_colour.picture.to_rgb8());
+    assert_eq!(from_gray.picture.to_rgb8(), from_color.picture.to_rgb8());
 }
 
 #[test]
 fn alpha_comes_back_and_changes_nothing() {
-    let colours = textured(12, 9);
+    let colors = textured(12, 9);
     let alpha = Samples::U8((0..108).collect());
-    let opaque = Raster::from(colours.clone());
+    let opaque = Raster::from(colors.clone());
     let clear = Raster::new(
         12,
         9,
         Channels::Rgb,
-        Samples::U8(colours.data().to_vec()),
+        Samples::U8(colors.data().to_vec()),
         Some(alpha.clone()),
     )
     .unwrap();
@@ -262,7 +262,7 @@ fn table_1_truncates_and_lets_a_bright_band_in_from_the_padding() {
 }
 
 #[test]
-fn gray_output_of_a_colour_picture_is_its_luma_alone() {
+fn gray_output_of_a_color_picture_is_its_luma_alone() {
     let settings = Settings {
         output: Output::Gray,
         mask: None,

@@ -65,7 +65,7 @@ fn ulap_and_suir_say_when_they_made_the_picture_red_and_only_then() {
 }
 
 #[test]
-fn one_colour_darkness_gray_and_small_pictures_are_named() {
+fn one_color_darkness_gray_and_small_pictures_are_named() {
     let flat = Rgb8::from_fn(80, 70, |_, _| [60, 120, 140]);
     let dark = Rgb8::from_fn(80, 70, |x, y| [grain(x, y); 3].map(|code| code + (x / 20) as u8));
     let gray = Rgb8::from_fn(80, 70, |x, y| [(x + y) as u8 + 20; 3]);

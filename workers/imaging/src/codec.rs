@@ -7,11 +7,12 @@ mod decode;
 mod encode;
 mod jpeg;
 mod npy;
+mod picture;
 mod scale;
 
 pub use decode::{FilePlane, Radiance, decode_picture, decode_plane, decode_radiance};
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_webp_lossless};
-pub use npy::{encode_npy_plane, encode_npy_rgb};
+pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_plane, encode_npy_rgb};
 pub use scale::downscale;
 
 /// Longest side of a picture: beyond it a frame no longer fits the buffers of one worker slot.
@@ -19,7 +20,7 @@ pub const MAX_SIDE_PX: usize = 16_384;
 /// Most pixels of a picture: about twelve planes of f32 at this size fill 3 GiB.
 pub const MAX_PIXELS: usize = 64_000_000;
 /// Most memory a decoder may take beside its output.
-pub const MAX_DECODER_BYTES: u64 = 256 << 20;
+pub const MAX_DECODER_BYTES: usize = 256 << 20;
 
 /// Bytes that are no picture or plane that can be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! The two-dimensional cosine transform of any size.
 //!
-//! Forward, type II, not normalised: `X[q][p] = Σ_y Σ_x x[y][x] cos(π p (x+½)/W) cos(π q (y+½)/H)`. The inverse undoes it
+//! Forward, type II, not normalized: `X[q][p] = Σ_y Σ_x x[y][x] cos(π p (x+½)/W) cos(π q (y+½)/H)`. The inverse undoes it
 //! exactly. A plane under this transform is a mirror box: half-sample symmetric on all sides, so that a convolution with
 //! an even kernel becomes a product, without wrap-around and without padding.
 //!

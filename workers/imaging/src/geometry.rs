@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::plane::Plane;
 use crate::vector::{DVec3, vec3};
 
-/// A pinhole camera with square pixels, in index coordinates: the centre of pixel (0, 0) is (0, 0).
+/// A pinhole camera with square pixels, in index coordinates: the center of pixel (0, 0) is (0, 0).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Intrinsics {
     /// Focal length in pixels, above 0.
@@ -17,9 +17,9 @@ pub struct Intrinsics {
 }
 
 impl Intrinsics {
-    /// A camera whose principal point is the centre of the frame: `((W-1)/2, (H-1)/2)`.
+    /// A camera whose principal point is the center of the frame: `((W-1)/2, (H-1)/2)`.
     #[must_use]
-    pub fn centred(focal_px: f64, width: usize, height: usize) -> Self {
+    pub fn centered(focal_px: f64, width: usize, height: usize) -> Self {
         Self {
             focal_px,
             cx: (width as f64 - 1.0) / 2.0,
@@ -34,7 +34,7 @@ impl Intrinsics {
     }
 }
 
-/// Range in metres along the ray, `Z = d sqrt(1 + ((x-cx)/f)² + ((y-cy)/f)²)`, from z-depth `d` in metres.
+/// Range in meters along the ray, `Z = d sqrt(1 + ((x-cx)/f)² + ((y-cy)/f)²)`, from z-depth `d` in meters.
 /// What is not a distance (NaN, infinity, 0, negative) stays as it is.
 #[must_use]
 pub fn range_from_z_depth(z_depth: &Plane<f32>, camera: &Intrinsics) -> Plane<f32> {

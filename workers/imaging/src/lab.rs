@@ -75,7 +75,7 @@ pub fn of_linear(light: [f64; 3]) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Linear light of L, a, b; colours outside sRGB leave 0..=1.
+/// Linear light of L, a, b; colors outside sRGB leave 0..=1.
 #[inline(always)]
 #[must_use]
 pub fn to_linear([l, a, b]: [f64; 3], from_xyz: &[[f64; 3]; 3]) -> [f64; 3] {
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_come_back() {
+    fn colors_come_back() {
         for r in [0.0, 0.001, 0.2, 1.0] {
             for g in [0.0, 0.01, 0.5, 1.0] {
                 for b in [0.0, 0.003, 0.7, 1.0] {

@@ -1,4 +1,4 @@
-//! Planes, rasters, colour transfer, transforms, codecs and the counter-based random stream.
+//! Planes, rasters, color transfer, transforms, codecs and the counter-based random stream.
 //!
 //! Everything here is a pure function of its arguments: no file, clock, environment or global state.
 

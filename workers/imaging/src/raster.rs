@@ -1,4 +1,4 @@
-//! What a picture file holds: interleaved integer samples, 8 or 16 bit, gray or colour, with or without alpha.
+//! What a picture file holds: interleaved integer samples, 8 or 16 bit, gray or color, with or without alpha.
 
 use crate::plane::{Plane, SizeError};
 
@@ -40,10 +40,10 @@ impl Samples {
     }
 }
 
-/// Colour channels of a raster, alpha not counted.
+/// Color channels of a raster, alpha not counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channels {
-    /// One luminance channel; as colour it stands for R = G = B.
+    /// One luminance channel; as color it stands for R = G = B.
     Gray,
     /// Red, green, blue, interleaved in this order.
     Rgb,
@@ -123,7 +123,7 @@ impl Raster {
         self.height
     }
 
-    /// Gray or colour.
+    /// Gray or color.
     #[must_use]
     pub fn channels(&self) -> Channels {
         self.channels
@@ -141,7 +141,7 @@ impl Raster {
         self.alpha.as_ref()
     }
 
-    /// 8-bit colour: 16 bit reduced (see [`Samples::to_u8`]), gray repeated, alpha dropped.
+    /// 8-bit color: 16 bit reduced (see [`Samples::to_u8`]), gray repeated, alpha dropped.
     #[must_use]
     pub fn to_rgb8(&self) -> Rgb8 {
         let codes = self.samples.to_u8();
@@ -196,7 +196,7 @@ impl From<Plane<u16>> for Raster {
     }
 }
 
-/// An 8-bit colour picture, interleaved R, G, B: what metrics, enhancers and codecs work on.
+/// An 8-bit color picture, interleaved R, G, B: what metrics, enhancers and codecs work on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rgb8 {
     width: usize,
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn gray_as_colour_repeats_its_channel() {
+    fn gray_as_color_repeats_its_channel() {
         let raster = Raster::from(Plane::new(2, 1, vec![7u8, 9]).unwrap());
         assert_eq!(raster.to_rgb8().data(), &[7, 7, 7, 9, 9, 9]);
     }

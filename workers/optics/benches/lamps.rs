@@ -17,7 +17,7 @@ fn lighting(lamps: Vec<Lamp>) -> Lighting {
     Lighting {
         lamps,
         radius_m: LAMP_RADIUS_M,
-        camera: Intrinsics::centred(458.0, WIDTH, HEIGHT),
+        camera: Intrinsics::centered(458.0, WIDTH, HEIGHT),
         attenuation: [0.778, 0.546, 0.594],
         scattering: [0.412, 0.447, 0.435],
         asymmetry: 0.919,
@@ -96,7 +96,7 @@ fn lamps(bench: &mut Criterion) {
             b.iter(|| lamp::irradiance(black_box(&range), &normals, &lighting));
         });
     }
-    let camera = Intrinsics::centred(458.0, WIDTH, HEIGHT);
+    let camera = Intrinsics::centered(458.0, WIDTH, HEIGHT);
     bench.bench_function("normals", |b| {
         b.iter(|| lamp::normals_of(black_box(&range), &camera))
     });

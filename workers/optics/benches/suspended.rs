@@ -14,7 +14,7 @@ const SIZE: (usize, usize) = (768, 492);
 const WORLD: World = World { seed: 1, index: 0 };
 
 fn suspended(bench: &mut Criterion) {
-    let eye = Eye::at_origin(Intrinsics::centred(458.0, SIZE.0, SIZE.1));
+    let eye = Eye::at_origin(Intrinsics::centered(458.0, SIZE.0, SIZE.1));
     let range = Plane::from_fn(SIZE.0, SIZE.1, |x, y| {
         let slope = 1.0 + 14.0 * (y as f32 + x as f32 / SIZE.0 as f32) / SIZE.1 as f32;
         if (300..340).contains(&x) { 1.5 } else { slope }

@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn there_and_back_is_the_same_point() {
         let eye = Eye {
-            camera: Intrinsics::centred(100.0, 9, 7),
+            camera: Intrinsics::centered(100.0, 9, 7),
             world_from_camera: [
                 [0.0, -0.6, 0.8, 4.0],
                 [1.0, 0.0, 0.0, -2.0],

@@ -63,7 +63,7 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
     let mut drawn = 0;
     for size in SIZES {
         let range = range(size.0, size.1);
-        let eye = Eye::at_origin(Intrinsics::centred(
+        let eye = Eye::at_origin(Intrinsics::centered(
             0.7 * size.0.max(size.1) as f64,
             size.0,
             size.1,

@@ -17,7 +17,7 @@ const SIZES: [(usize, usize); 6] = [(1, 1), (1, 9), (7, 1), (13, 17), (31, 8), (
 
 fn eye(size: (usize, usize)) -> Eye {
     Eye {
-        camera: Intrinsics::centred(0.7 * size.0 as f64, size.0, size.1),
+        camera: Intrinsics::centered(0.7 * size.0 as f64, size.0, size.1),
         world_from_camera: [
             [0.0, -0.6, 0.8, 400.0],
             [1.0, 0.0, 0.0, -200.0],

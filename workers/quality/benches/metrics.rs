@@ -11,7 +11,7 @@ const WIDTH: usize = 869;
 const HEIGHT: usize = 565;
 const DEFAULTS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
 
-/// Soft light, edges and grain: about as many distinct colours as a photograph.
+/// Soft light, edges and grain: about as many distinct colors as a photograph.
 fn picture() -> Rgb8 {
     Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {
         let (u, v) = (x as f64 / WIDTH as f64, y as f64 / HEIGHT as f64);

@@ -1,10 +1,10 @@
-//! CIEDE2000 to the clean picture: the mean colour difference of corresponding pixels (CIE 142-2001; Sharma, Wu and Dalal
+//! CIEDE2000 to the clean picture: the mean color difference of corresponding pixels (CIE 142-2001; Sharma, Wu and Dalal
 //! 2005, "The CIEDE2000 color-difference formula: implementation notes", eq. 2-22), with k_L = k_C = k_H = 1.
 //!
-//! `ΔE00 = sqrt((ΔL'/S_L)² + (ΔC'/S_C)² + (ΔH'/S_H)² + R_T (ΔC'/S_C)(ΔH'/S_H))` of two colours in CIE Lab. 1 is about the
+//! `ΔE00 = sqrt((ΔL'/S_L)² + (ΔC'/S_C)² + (ΔH'/S_H)² + R_T (ΔC'/S_C)(ΔH'/S_H))` of two colors in CIE Lab. 1 is about the
 //! smallest difference that is seen, black to white is 100; 0 for equal pictures.
 //!
-//! The fast form needs no trigonometric function: sines and cosines of hues come from the colours themselves, those of
+//! The fast form needs no trigonometric function: sines and cosines of hues come from the colors themselves, those of
 //! multiples from sums of angles, and the mean hue is the direction half-way between the two. The one angle in the
 //! formula is a polynomial. Exactly opposite hues have no mean; 0 is taken.
 
@@ -39,8 +39,8 @@ fn total(codes: &[u8], clean: &[u8]) -> f64 {
     for (codes, clean) in codes.chunks(3 * BLOCK).zip(clean.chunks(3 * BLOCK)) {
         let (one, other) = (lab(linear, codes), lab(linear, clean));
         for x in 0..BLOCK {
-            let colour = |lab: &[[f64; BLOCK]; 3]| [lab[0][x], lab[1][x], lab[2][x]];
-            sums[x] += difference(colour(&one), colour(&other));
+            let color = |lab: &[[f64; BLOCK]; 3]| [lab[0][x], lab[1][x], lab[2][x]];
+            sums[x] += difference(color(&one), color(&other));
         }
     }
     sums.iter().sum()
@@ -67,7 +67,7 @@ fn lab(linear: &[f64; 256], codes: &[u8]) -> [[f64; BLOCK]; 3] {
 
 const POW_25_7: f64 = 6_103_515_625.0;
 
-/// ΔE00 of two colours.
+/// ΔE00 of two colors.
 #[inline(always)]
 fn difference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
     let mean_chroma = 0.5 * ((a1 * a1 + b1 * b1).sqrt() + (a2 * a2 + b2 * b2).sqrt());
@@ -173,7 +173,7 @@ fn exp_nonpositive(x: f64) -> f64 {
     power
 }
 
-/// ΔE00 of two colours (L, a, b) by the published formulas, angle by angle: what the fast form is compared with.
+/// ΔE00 of two colors (L, a, b) by the published formulas, angle by angle: what the fast form is compared with.
 #[must_use]
 pub fn ciede2000_reference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
     let seventh = |c: f64| (c.powi(7) / (c.powi(7) + 25f64.powi(7))).sqrt();
@@ -251,13 +251,13 @@ mod tests {
 
     #[test]
     fn the_fast_form_agrees_with_the_formulas() {
-        let colour = |i: usize| {
+        let color = |i: usize| {
             let code = |shift: usize| (i.wrapping_mul(0x9e37_79b9) >> shift) as u8;
             let light = [3, 11, 19].map(|shift| LINEAR[usize::from(code(shift))]);
             lab::of_linear(light)
         };
         for i in 0..200_000 {
-            let (one, other) = (colour(i), colour(7 * i + 3));
+            let (one, other) = (color(i), color(7 * i + 3));
             let (fast, exact) = (difference(one, other), ciede2000_reference(one, other));
             assert!(
                 (fast - exact).abs() < AGREEMENT,

@@ -81,16 +81,16 @@ fn corners(gray: &Plane<u8>) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Marks what is above 0 and not below any neighbour.
+/// Marks what is above 0 and not below any neighbor.
 #[inline(always)]
 fn mark_highest([above, here, below]: [&[f64]; 3], highest: &mut [bool]) {
     let inner = here.len() - 2;
-    let neighbours = |row: &'_ [f64], x: usize| larger(larger(row[x], row[x + 1]), row[x + 2]);
+    let neighbors = |row: &'_ [f64], x: usize| larger(larger(row[x], row[x + 1]), row[x + 2]);
     let [above, here, below] = [&above[..inner + 2], &here[..inner + 2], &below[..inner + 2]];
     for (x, highest) in highest[1..=inner].iter_mut().enumerate() {
         let most = larger(
-            larger(neighbours(above, x), neighbours(below, x)),
-            neighbours(here, x),
+            larger(neighbors(above, x), neighbors(below, x)),
+            neighbors(here, x),
         );
         *highest = (here[x + 1] > 0.0) & (here[x + 1] >= most);
     }
@@ -101,7 +101,7 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// Not below any neighbour, and above those that come first: a plateau has one peak.
+/// Not below any neighbor, and above those that come first: a plateau has one peak.
 fn is_peak(rows: [&[f64]; 3], x: usize) -> bool {
     let own = rows[1][x];
     let [above, here, below] = rows.map(|row| &row[x - 1..=x + 1]);

@@ -22,15 +22,15 @@ pub(crate) fn blue(work: &Work) -> f64 {
     of_codes(work.channels()[2].data().iter().copied())
 }
 
-/// Entropy over distinct colours, 0..=24 and never above `log2` of the number of pixels.
+/// Entropy over distinct colors, 0..=24 and never above `log2` of the number of pixels.
 pub(crate) fn joint(work: &Work) -> f64 {
-    let colours = work.colours();
-    of_counts(colours.counts.iter().copied(), colours.pixels)
+    let colors = work.colors();
+    of_counts(colors.counts.iter().copied(), colors.pixels)
 }
 
-/// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighbourhood rounded down), 0..=16. The centre counts
-/// to its neighbourhood and the border is replicated.
-pub(crate) fn with_neighbourhood(work: &Work) -> f64 {
+/// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighborhood rounded down), 0..=16. The center counts
+/// to its neighborhood and the border is replicated.
+pub(crate) fn with_neighborhood(work: &Work) -> f64 {
     let gray = work.gray();
     let (width, height) = gray.size();
     let mut counts = vec![0u32; 1 << 16];

@@ -12,7 +12,7 @@
 
 mod blocks;
 mod ciede2000;
-mod colours;
+mod colors;
 mod corners;
 mod entropy;
 mod error;

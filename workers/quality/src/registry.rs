@@ -186,12 +186,7 @@ static REGISTRY: &[MetricInfo] = &[
     row("entropy_rgb_g", "bit", within(0.0, 8.0), entropy::green),
     row("entropy_rgb_b", "bit", within(0.0, 8.0), entropy::blue),
     row("entropy_joint_rgb", "bit", within(0.0, 24.0), entropy::joint),
-    row(
-        "entropy_2d",
-        "bit",
-        within(0.0, 16.0),
-        entropy::with_neighbourhood,
-    ),
+    row("entropy_2d", "bit", within(0.0, 16.0), entropy::with_neighborhood),
     profiled("uicm", Panetta, within(-7.7, 58.0), uicm::panetta),
     profiled("uicm", Funie, within(-7.7, 58.0), uicm::funie),
     profiled("uicm", Table1, within(-7.7, 58.0), uicm::table1),

@@ -35,7 +35,7 @@ impl<'a> Sobel<'a> {
     #[inline(always)]
     pub(crate) fn row(&mut self, y: usize, gx: &mut [i16], gy: &mut [i16]) {
         let (width, height) = self.channel.size();
-        let (before, after) = self.neighbours(y, height);
+        let (before, after) = self.neighbors(y, height);
         let rows = self
             .channel
             .row(before)
@@ -47,8 +47,8 @@ impl<'a> Sobel<'a> {
             *smoothed = i16::from(above) + 2 * i16::from(here) + i16::from(below);
             *difference = i16::from(below) - i16::from(above);
         }
-        let (first, _) = self.neighbours(0, width);
-        let (_, last) = self.neighbours(width - 1, width);
+        let (first, _) = self.neighbors(0, width);
+        let (_, last) = self.neighbors(width - 1, width);
         for line in [&mut self.smoothed, &mut self.differences] {
             line[0] = line[first + 1];
             line[width + 1] = line[last + 1];
@@ -70,7 +70,7 @@ impl<'a> Sobel<'a> {
 
     /// Which of `n` samples stand before and after sample `i`.
     #[inline(always)]
-    fn neighbours(&self, i: usize, n: usize) -> (usize, usize) {
+    fn neighbors(&self, i: usize, n: usize) -> (usize, usize) {
         let (beyond_first, beyond_last) = match self.border {
             Border::Replicate => (0, n - 1),
             Border::Reflect => (1.min(n - 1), n.saturating_sub(2)),

@@ -8,29 +8,29 @@
 use imaging::lab::{self, TO_XYZ};
 use pulp::{Simd, WithSimd};
 
-use crate::colours::Colours;
+use crate::colors::Colors;
 use crate::linear::LINEAR;
 use crate::work::Work;
 
 /// UCIQE itself.
 pub(crate) fn uciqe(work: &Work) -> f64 {
-    let Terms { sigma_c, con_l, mu_s } = work.colourfulness();
+    let Terms { sigma_c, con_l, mu_s } = work.colorfulness();
     0.4680 * sigma_c + 0.2745 * con_l + 0.2576 * mu_s
 }
 
 /// Standard deviation of chroma.
 pub(crate) fn sigma_c(work: &Work) -> f64 {
-    work.colourfulness().sigma_c
+    work.colorfulness().sigma_c
 }
 
 /// Contrast of lightness.
 pub(crate) fn con_l(work: &Work) -> f64 {
-    work.colourfulness().con_l
+    work.colorfulness().con_l
 }
 
 /// Mean saturation.
 pub(crate) fn mu_s(work: &Work) -> f64 {
-    work.colourfulness().mu_s
+    work.colorfulness().mu_s
 }
 
 /// The three terms of a picture.
@@ -41,18 +41,18 @@ pub(crate) struct Terms {
 }
 
 impl Terms {
-    pub(crate) fn of(colours: &Colours) -> Self {
-        pulp::Arch::new().dispatch(Measure { colours })
+    pub(crate) fn of(colors: &Colors) -> Self {
+        pulp::Arch::new().dispatch(Measure { colors })
     }
 }
 
-/// Colours converted together.
+/// Colors converted together.
 const BATCH: usize = 64;
 /// Independent partial sums, added up in this order whatever the vector unit.
 const LANES: usize = 8;
 
 struct Measure<'a> {
-    colours: &'a Colours,
+    colors: &'a Colors,
 }
 
 impl WithSimd for Measure<'_> {
@@ -61,13 +61,13 @@ impl WithSimd for Measure<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Terms {
         let linear: &[f64; 256] = &LINEAR;
-        let Colours {
+        let Colors {
             codes,
             counts,
             pixels,
-        } = self.colours;
+        } = self.colors;
         let mut lightness = vec![0.0f64; counts.len()];
-        // Chroma is taken relative to the first colour's, so that its variance does not cancel.
+        // Chroma is taken relative to the first color's, so that its variance does not cancel.
         let origin = chroma_of(linear, &codes[..3]);
         let [mut chroma_sums, mut square_sums, mut saturation_sums] = [[0.0f64; LANES]; 3];
         let weighted = lightness.chunks_mut(BATCH).zip(counts.chunks(BATCH));
@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn gray_has_no_chroma() {
         let gray = Rgb8::from_fn(16, 16, |x, y| [(16 * y + x) as u8; 3]);
-        let terms = Terms::of(&Colours::of(&gray));
+        let terms = Terms::of(&Colors::of(&gray));
         assert_eq!((terms.sigma_c, terms.mu_s), (0.0, 0.0));
         // Black and white, three of 256 at either end.
         assert!(terms.con_l > 0.98 && terms.con_l < 1.0);

@@ -1,4 +1,4 @@
-//! UICM, colourfulness: spread of the opponent colours `RG = R - G` and `YB = (R + G) / 2 - B`, less their shift from
+//! UICM, colorfulness: spread of the opponent colors `RG = R - G` and `YB = (R + G) / 2 - B`, less their shift from
 //! gray (Panetta, Gao and Agaian 2016, eq. 1-4).
 //!
 //! `UICM = -0.0268 sqrt(μ_RG² + μ_YB²) + 0.1586 sqrt(σ²_RG + σ²_YB)`, where μ leaves out the lowest tenth of the sorted
@@ -33,7 +33,7 @@ fn uicm(rg: Moments, yb: Moments) -> f64 {
     -0.0268 * (rg.mean * rg.mean + yb.mean * yb.mean).sqrt() + 0.1586 * (rg.variance + yb.variance).sqrt()
 }
 
-/// Histograms of the opponent colours of a picture.
+/// Histograms of the opponent colors of a picture.
 pub(crate) struct Opponents {
     rg: Histogram,
     yb: Histogram,

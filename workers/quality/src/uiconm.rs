@@ -4,7 +4,7 @@
 //! `q = [γ (M - m) / (γ - m)] / [M + m - M m / γ]` with γ = 1026: a difference over a sum of the parameterised
 //! logarithmic image model. `UIConM = -1 / (k1 k2) Σ q ln q`, 0 where M = m.
 //!
-//! `funie` takes M and m over the three channels together and the ordinary `q = (M - m) / (M + m)`, so a plain colour
+//! `funie` takes M and m over the three channels together and the ordinary `q = (M - m) / (M + m)`, so a plain color
 //! has contrast. `table1` takes whole thirds of the channels and blocks of 4 × 4; with
 //! `t = γ (m - M) / m / (γ - M m / γ)` and `φ(z) = -γ ln(1 - z / γ)` it is the mean of
 //! `γ (1 - exp(-φ(t) φ(ln |t|) / γ))` over blocks with 0 < m < M. It falls without a bound worth naming where one dark

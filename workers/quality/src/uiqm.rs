@@ -26,6 +26,6 @@ fn weighted(work: &Work, profile: &str, weights: [f64; 3]) -> f64 {
             MetricId::parse(&format!("{name}@{profile}")).expect("the parts of UIQM are in the registry");
         work.value(metric)
     };
-    let [colour, sharpness, contrast] = weights;
-    colour * part("uicm") + sharpness * part("uism") + contrast * part("uiconm")
+    let [color, sharpness, contrast] = weights;
+    color * part("uicm") + sharpness * part("uism") + contrast * part("uiconm")
 }

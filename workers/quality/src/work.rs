@@ -5,7 +5,7 @@ use std::cell::{Cell, OnceCell};
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb8, luma1000};
 
-use crate::colours::Colours;
+use crate::colors::Colors;
 use crate::error::QualityError;
 use crate::registry::{MetricId, registry};
 use crate::{uciqe, uicm, uism};
@@ -15,11 +15,11 @@ pub(crate) struct Work<'a> {
     picture: &'a Rgb8,
     clean: Option<&'a Rgb8>,
     gray: OnceCell<Plane<u8>>,
-    colours: OnceCell<Colours>,
+    colors: OnceCell<Colors>,
     opponents: OnceCell<uicm::Opponents>,
     channels: OnceCell<[Plane<u8>; 3]>,
     sharpness: OnceCell<[f64; 3]>,
-    colourfulness: OnceCell<uciqe::Terms>,
+    colorfulness: OnceCell<uciqe::Terms>,
     values: Vec<Cell<Option<f64>>>,
 }
 
@@ -29,11 +29,11 @@ impl<'a> Work<'a> {
             picture,
             clean,
             gray: OnceCell::new(),
-            colours: OnceCell::new(),
+            colors: OnceCell::new(),
             opponents: OnceCell::new(),
             channels: OnceCell::new(),
             sharpness: OnceCell::new(),
-            colourfulness: OnceCell::new(),
+            colorfulness: OnceCell::new(),
             values: vec![Cell::new(None); registry().len()],
         }
     }
@@ -58,8 +58,8 @@ impl<'a> Work<'a> {
         self.gray.get_or_init(|| gray(self.picture))
     }
 
-    pub(crate) fn colours(&self) -> &Colours {
-        self.colours.get_or_init(|| Colours::of(self.picture))
+    pub(crate) fn colors(&self) -> &Colors {
+        self.colors.get_or_init(|| Colors::of(self.picture))
     }
 
     pub(crate) fn opponents(&self) -> &uicm::Opponents {
@@ -85,9 +85,8 @@ impl<'a> Work<'a> {
         self.sharpness.get_or_init(|| uism::sharpness(self.channels()))
     }
 
-    pub(crate) fn colourfulness(&self) -> &uciqe::Terms {
-        self.colourfulness
-            .get_or_init(|| uciqe::Terms::of(self.colours()))
+    pub(crate) fn colorfulness(&self) -> &uciqe::Terms {
+        self.colorfulness.get_or_init(|| uciqe::Terms::of(self.colors()))
     }
 
     /// A metric's value, computed once; other metrics may be made of it.

@@ -45,14 +45,14 @@ fn a_constant_picture_has_no_entropy_no_edges_and_no_contrast() {
 }
 
 #[test]
-fn a_colour_cast_without_spread_has_a_negative_colourfulness() {
+fn a_color_cast_without_spread_has_a_negative_colorfulness() {
     // RG = -60, YB = -50: the norm is sqrt(6100).
     let expected = -0.0268 * 6100f64.sqrt();
     assert!((metric(&constant([60, 120, 140]), "uicm") - expected).abs() < 1e-12);
 }
 
 #[test]
-fn a_gray_picture_has_no_colourfulness_and_every_other_metric() {
+fn a_gray_picture_has_no_colorfulness_and_every_other_metric() {
     let gray = Raster::from(Plane::from_fn(40, 30, |x, y| (x * y) as u8)).to_rgb8();
     for profile in PROFILES {
         assert_eq!(metric(&gray, &format!("uicm@{profile}")), 0.0);
@@ -85,7 +85,7 @@ fn a_black_pixel_takes_its_block_out_of_the_sharpness() {
 }
 
 #[test]
-fn opponent_colours_are_subtracted_in_wide_numbers() {
+fn opponent_colors_are_subtracted_in_wide_numbers() {
     // Half red, half cyan: RG = ±255, YB = ±127.5; the trimmed mean of ten is over 4 and 4.
     let picture = Rgb8::from_fn(10, 1, |x, _| if x < 5 { [255, 0, 0] } else { [0, 255, 255] });
     let expected = 0.1586 * (255f64.powi(2) + 127.5f64.powi(2)).sqrt();
@@ -122,7 +122,7 @@ fn a_few_outliers_stay_within_the_bounds() {
 }
 
 #[test]
-fn a_swap_of_red_and_blue_changes_colourfulness() {
+fn a_swap_of_red_and_blue_changes_colorfulness() {
     let picture = textured(40, 30);
     let swapped = Rgb8::from_fn(40, 30, |x, y| {
         let [r, g, b] = picture.at(x, y);

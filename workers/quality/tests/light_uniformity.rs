@@ -18,7 +18,7 @@ fn grain(x: usize, y: usize) -> f64 {
     f64::from(hash >> 24) / 255.0
 }
 
-/// A stony floor under even light and a lamp: its centre in parts of the width and its strength beside the even light.
+/// A stony floor under even light and a lamp: its center in parts of the width and its strength beside the even light.
 fn floor(lamp: (f64, f64), strength: f64, exposure: f64) -> Rgb8 {
     Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {
         let (u, v) = (x as f64 / WIDTH as f64 - lamp.0, y as f64 / WIDTH as f64 - lamp.1);
@@ -82,11 +82,11 @@ fn exposure_does_not_matter() {
 #[test]
 fn a_lamp_moved_within_the_view_changes_it_little_beside_taking_it_away() {
     let at = |u: f64, v: f64| uniformity(&floor((u, v), 1.0, 1.0));
-    let (centre, beside) = (at(0.5, 0.375), at(0.6, 0.3));
+    let (center, beside) = (at(0.5, 0.375), at(0.6, 0.3));
     let without = uniformity(&floor((0.5, 0.375), 0.0, 1.0));
     assert!(
-        (centre - beside).abs() < 0.2 * (without - centre),
-        "{centre} {beside} {without}"
+        (center - beside).abs() < 0.2 * (without - center),
+        "{center} {beside} {without}"
     );
 }
 
@@ -108,7 +108,7 @@ fn texture_smaller_than_a_cell_does_not_matter() {
 }
 
 #[test]
-fn one_colour_black_and_one_pixel_are_even() {
+fn one_color_black_and_one_pixel_are_even() {
     for (width, height) in [(1, 1), (3, 2), (50, 40)] {
         for pixel in [[0; 3], [255; 3], [60, 120, 140]] {
             assert_eq!(uniformity(&Rgb8::from_fn(width, height, |_, _| pixel)), 1.0);

@@ -8,7 +8,7 @@ const SIZE: (usize, usize) = (768, 492);
 const SEEDS: u64 = 24;
 
 fn frames(c: &mut Criterion) {
-    let lens = Intrinsics::centred(458.0, SIZE.0, SIZE.1);
+    let lens = Intrinsics::centered(458.0, SIZE.0, SIZE.1);
     for family in FAMILIES {
         let mut seed = 0;
         c.bench_function(&format!("{family} 768x492"), |b| {

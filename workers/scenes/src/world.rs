@@ -193,7 +193,7 @@ mod tests {
 
     fn frame(family: &str, seed: u64, width: usize, height: usize) -> (World, CameraPose, Intrinsics, Scene) {
         let world = World::new(family, seed).unwrap();
-        let lens = Intrinsics::centred(0.6 * width as f64, width, height);
+        let lens = Intrinsics::centered(0.6 * width as f64, width, height);
         let pose = world.pose();
         let scene = world.render(&pose, (width, height), &lens);
         (world, pose, lens, scene)

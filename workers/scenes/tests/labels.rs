@@ -15,7 +15,7 @@ fn labelled(family: &str, seed: u64, size: (usize, usize)) -> (Scene, Labels) {
 }
 
 fn lens((width, height): (usize, usize)) -> Intrinsics {
-    Intrinsics::centred(0.6 * width as f64, width, height)
+    Intrinsics::centered(0.6 * width as f64, width, height)
 }
 
 fn normal_at(labels: &Labels, x: usize, y: usize) -> DVec3 {

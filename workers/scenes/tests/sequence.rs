@@ -19,7 +19,7 @@ const PATH: Path = Path {
 };
 
 fn lens() -> Intrinsics {
-    Intrinsics::centred(95.0, SIZE.0, SIZE.1)
+    Intrinsics::centered(95.0, SIZE.0, SIZE.1)
 }
 
 fn frame(world: &World, pose: &CameraPose) -> (Scene, Labels) {

@@ -11,7 +11,7 @@ const MOST_ALIKE: f64 = 0.8;
 #[test]
 fn no_two_of_twenty_four_seeds_look_alike() {
     let (width, height) = (192, 123);
-    let lens = Intrinsics::centred(114.5, width, height);
+    let lens = Intrinsics::centered(114.5, width, height);
     let ssim = MetricId::parse("ssim").unwrap();
     for family in FAMILIES {
         let frame = |seed| {
@@ -41,7 +41,7 @@ fn no_two_of_twenty_four_seeds_look_alike() {
 
 #[test]
 fn an_unknown_family_is_named() {
-    let lens = Intrinsics::centred(10.0, 4, 4);
+    let lens = Intrinsics::centered(10.0, 4, 4);
     let error = procedural("castle", 1, 4, 4, lens).unwrap_err();
     assert!(
         error.to_string().contains("castle") && error.to_string().contains("structure"),

@@ -72,7 +72,7 @@ impl Contents {
 
     fn scene(&self, chance: &Chance) -> Air {
         let seed = self.stream.bits(chance.index, 1) ^ self.seed;
-        let lens = Intrinsics::centred(SIDE as f64 * chance.between("focal", 0, 0.5, 1.1), SIDE, SIDE);
+        let lens = Intrinsics::centered(SIDE as f64 * chance.between("focal", 0, 0.5, 1.1), SIDE, SIDE);
         let scene = scenes::procedural("structure", seed, SIDE, SIDE, lens).expect("a family that is there");
         let mut light = Tensor::zeros(3, SIDE, SIDE);
         for (channel, plane) in scene.radiance.planes().iter().enumerate() {

@@ -144,7 +144,7 @@ impl WaterLook {
 
     /// The scene in air, without green or blue paint and on this water's floor, and its range.
     fn in_air(&self, seed: u64) -> (Tensor<f32>, Vec<f32>) {
-        let lens = Intrinsics::centred(0.6 * WIDTH as f64, WIDTH, HEIGHT);
+        let lens = Intrinsics::centered(0.6 * WIDTH as f64, WIDTH, HEIGHT);
         let scene =
             scenes::procedural("structure", seed, WIDTH, HEIGHT, lens).expect("a family that is there");
         let range = scene.range.map(Plane::into_data).unwrap_or_default();

@@ -1,6 +1,7 @@
 //! What every topic needs of HTTP: extractors, problems, layers, the accept loop.
 
 pub(crate) mod auth;
+pub(crate) mod docs;
 pub(crate) mod extract;
 pub(crate) mod failure;
 mod held;

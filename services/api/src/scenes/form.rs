@@ -155,7 +155,7 @@ impl Form {
     /// The camera, for a picture of this size. A principal point that is not given lies in the middle.
     pub(crate) fn camera(&self, width: usize, height: usize) -> Option<Intrinsics> {
         let from_angle = |degrees: f64| width as f64 / 2.0 / (degrees.to_radians() / 2.0).tan();
-        let centred = Intrinsics::centred(
+        let centred = Intrinsics::centered(
             self.focal_px.or_else(|| self.hfov_deg.map(from_angle))?,
             width,
             height,

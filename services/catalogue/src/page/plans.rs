@@ -6,6 +6,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Row};
 use super::{Question, bound};
 use crate::columns::Columns;
 use crate::cursor;
+use crate::migrations::migrator;
 use crate::open::add_columns;
 use crate::types::ImageQuery;
 
@@ -19,10 +20,7 @@ async fn empty() -> SqliteConnection {
         .connect()
         .await
         .unwrap();
-    sqlx::migrate!("../../migrations")
-        .run(&mut connection)
-        .await
-        .unwrap();
+    migrator().run(&mut connection).await.unwrap();
     add_columns(&mut connection, &columns()).await.unwrap();
     connection
 }

@@ -7,7 +7,9 @@ use std::time::Duration;
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::styles::StyleArguments;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 /// Options of `fathom serve`.
 #[derive(clap::Args)]
@@ -76,14 +78,17 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
 
 /// Log lines to standard error; `FATHOM_LOG` chooses the level instead of the usual one, `FATHOM_LOG_FORMAT=json` the form.
 pub(crate) fn start_log(usual: &str) {
-    let filter = EnvFilter::try_from_env("FATHOM_LOG").unwrap_or_else(|_| EnvFilter::new(usual));
+    let wanted = std::env::var("FATHOM_LOG")
+        .ok()
+        .and_then(|text| text.parse().ok());
+    let filter: Targets = wanted.unwrap_or_else(|| usual.parse().expect("the usual levels are well formed"));
     let builder = tracing_subscriber::fmt()
-        .with_env_filter(filter)
+        .with_max_level(LevelFilter::TRACE)
         .with_writer(std::io::stderr);
     if std::env::var("FATHOM_LOG_FORMAT").is_ok_and(|format| format == "json") {
-        builder.json().init();
+        builder.json().finish().with(filter).init();
     } else {
-        builder.init();
+        builder.finish().with(filter).init();
     }
 }
 

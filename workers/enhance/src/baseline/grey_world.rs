@@ -1,5 +1,5 @@
-//! Grey world: the mean of a scene is taken to be gray, so each channel is scaled to the mean of all (Buchsbaum 1980,
-//! "A spatial processor model for object colour perception").
+//! Gray world: the mean of a scene is taken to be gray, so each channel is scaled to the mean of all (Buchsbaum 1980,
+//! "A spatial processor model for object color perception").
 //!
 //! `c' = c · m / m_c`, with `m_c` the mean of channel c and `m` the mean of the three. A channel without light stays black.
 
@@ -13,21 +13,21 @@ use crate::warning::Warning;
 /// Balances a picture of at least one pixel.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster) -> Enhanced {
-    let mut colours = picture.to_rgb8();
-    let signs = Signs::of(&colours);
+    let mut colors = picture.to_rgb8();
+    let signs = Signs::of(&colors);
     let sums = signs.histograms.each_ref().map(histogram::sum);
     let total: u64 = sums.iter().sum();
     let curves = sums.map(|sum| curve(total, sum));
-    for pixel in colours.data_mut().chunks_exact_mut(3) {
+    for pixel in colors.data_mut().chunks_exact_mut(3) {
         for (code, curve) in pixel.iter_mut().zip(&curves) {
             *code = curve[usize::from(*code)];
         }
     }
-    let mut warnings = signs.common(&histogram::histograms(&colours));
+    let mut warnings = signs.common(&histogram::histograms(&colors));
     if signs.channel_without_light() {
         warnings.push(Warning::ChannelWithoutLight);
     }
-    Enhanced::unmasked(picture, colours, OfGray::Gray, warnings)
+    Enhanced::unmasked(picture, colors, OfGray::Gray, warnings)
 }
 
 /// Every code times `total / (3 sum)`, rounded.

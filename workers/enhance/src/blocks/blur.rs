@@ -20,7 +20,7 @@ pub fn gaussian(plane: &Plane<f64>, radius: usize, sigma_px: f64, variant: Varia
     }
 }
 
-/// Half of the weights along one axis, the centre first.
+/// Half of the weights along one axis, the center first.
 fn weights(radius: usize, sigma_px: f64) -> Vec<f64> {
     let weight = |i: usize| (-0.5 * (i as f64 / sigma_px).powi(2)).exp();
     let sum = 1.0 + 2.0 * (1..=radius).map(weight).sum::<f64>();

@@ -7,7 +7,7 @@ pub(crate) type Histogram = [u64; 256];
 
 /// The histograms of red, green and blue.
 pub(crate) fn histograms(picture: &Rgb8) -> [Histogram; 3] {
-    // Two sets, so that equal neighbours do not wait for each other.
+    // Two sets, so that equal neighbors do not wait for each other.
     let mut counts = [[[0u32; 256]; 3]; 2];
     for (i, pixel) in picture.data().chunks_exact(3).enumerate() {
         let set = &mut counts[i % 2];

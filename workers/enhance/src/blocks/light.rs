@@ -1,4 +1,4 @@
-//! Background light: the colour of the water far away, taken from the pixels that look farthest.
+//! Background light: the color of the water far away, taken from the pixels that look farthest.
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb8};
@@ -14,23 +14,23 @@ pub(crate) fn top_count(pixels: usize) -> usize {
     (pixels as f64 * TOP_SHARE).ceil() as usize
 }
 
-/// Among the pixels of the top share of `distance`, the colour with the largest R² + G² + B², as codes; the farther one
+/// Among the pixels of the top share of `distance`, the color with the largest R² + G² + B², as codes; the farther one
 /// of equals.
 #[must_use]
 pub fn brightest_of(picture: &Rgb8, distance: &Plane<f64>, variant: Variant) -> [u8; 3] {
     let mut best = (0, [0; 3]);
     for position in largest(distance, top_count(distance.data().len()), variant) {
-        let colour: [u8; 3] = std::array::from_fn(|channel| picture.data()[3 * position + channel]);
-        let power = colour.iter().map(|&code| u32::from(code).pow(2)).sum::<u32>();
+        let color: [u8; 3] = std::array::from_fn(|channel| picture.data()[3 * position + channel]);
+        let power = color.iter().map(|&code| u32::from(code).pow(2)).sum::<u32>();
         if power > best.0 {
-            best = (power, colour);
+            best = (power, color);
         }
     }
     best.1
 }
 
 /// The distance of the nearest pixel, `d0 = 1 - max |B_c - c| / max(B_c, 1 - B_c)` over all pixels and channels
-/// (Peng and Cosman 2017, eq. 12): 1 when every pixel has the colour of the light, 0 when one is as far from it as a colour can be.
+/// (Peng and Cosman 2017, eq. 12): 1 when every pixel has the color of the light, 0 when one is as far from it as a color can be.
 #[must_use]
 pub fn distance_offset(picture: &Rgb8, light: [f64; 3]) -> f64 {
     let (low, high) = extremes(picture);

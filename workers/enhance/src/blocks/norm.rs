@@ -31,7 +31,7 @@ pub(super) fn range_of(values: &[f64]) -> (f64, f64) {
 
 /// `(z - min) / (max - min)`, 0 everywhere when `max - min` is at most [`FLAT`]. The plane must hold a value.
 #[must_use]
-pub fn normalised(mut plane: Plane<f64>) -> Plane<f64> {
+pub fn normalized(mut plane: Plane<f64>) -> Plane<f64> {
     let (low, high) = range(&plane);
     let scale = if high - low > FLAT {
         1.0 / (high - low)
@@ -47,7 +47,7 @@ pub fn normalised(mut plane: Plane<f64>) -> Plane<f64> {
 /// `reach (norm(d) + d0)` of a relative distance d: the distance in units of attenuation.
 #[must_use]
 pub(crate) fn distance_of(relative: Plane<f64>, nearest: f64, reach: f64) -> Plane<f64> {
-    let mut distance = normalised(relative);
+    let mut distance = normalized(relative);
     for value in distance.data_mut() {
         *value = reach * (*value + nearest);
     }
@@ -62,13 +62,13 @@ mod tests {
     fn the_ends_become_zero_and_one() {
         let plane = Plane::from_fn(5, 3, |x, y| (3 * x + y) as f64 - 4.0);
         assert_eq!(range(&plane), (-4.0, 10.0));
-        let normalised = normalised(plane);
-        assert_eq!((normalised.at(0, 0), normalised.at(4, 2)), (0.0, 1.0));
+        let normalized = normalized(plane);
+        assert_eq!((normalized.at(0, 0), normalized.at(4, 2)), (0.0, 1.0));
     }
 
     #[test]
     fn a_flat_plane_becomes_zero() {
         let plane = Plane::new(2, 1, vec![0.3, 0.3 + 1e-7]).unwrap();
-        assert_eq!(normalised(plane).data(), &[0.0, 0.0]);
+        assert_eq!(normalized(plane).data(), &[0.0, 0.0]);
     }
 }

@@ -59,9 +59,9 @@ impl Region {
         ])
     }
 
-    /// The mean colour, 0..=1.
+    /// The mean color, 0..=1.
     #[must_use]
-    pub fn mean_colour(&self, picture: &Rgb8) -> [f64; 3] {
+    pub fn mean_color(&self, picture: &Rgb8) -> [f64; 3] {
         let mut sums = [0u64; 3];
         for row in self.slices(picture.data(), 3 * picture.width(), 3) {
             for pixel in row.chunks_exact(3) {
@@ -151,7 +151,7 @@ mod tests {
             }
         );
         // 129, 127, 127 and 128.
-        assert_eq!(region.mean_colour(&picture), [511.0 / (255.0 * 4.0); 3]);
+        assert_eq!(region.mean_color(&picture), [511.0 / (255.0 * 4.0); 3]);
     }
 
     #[test]

@@ -99,7 +99,7 @@ mod tests {
     };
 
     #[test]
-    fn the_colour_of_the_light_stays_what_it_is() {
+    fn the_color_of_the_light_stays_what_it_is() {
         let picture = Rgb8::from_fn(3, 1, |_, _| [51, 102, 153]);
         let distance = Plane::new(3, 1, vec![0.0, 5.0, 100.0]).unwrap();
         for variant in [Variant::Fast, Variant::Reference] {

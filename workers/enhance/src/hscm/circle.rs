@@ -8,8 +8,8 @@ use super::options::Circle;
 
 /// 255 inside the circle and 0 outside.
 ///
-/// Centre `(trunc(x W), trunc(y H))` and radius `trunc(r W)` in pixels; a pixel is inside when its squared distance
-/// is not above the squared radius. With radius 0 the centre alone is inside; the circle may lie outside the picture.
+/// Center `(trunc(x W), trunc(y H))` and radius `trunc(r W)` in pixels; a pixel is inside when its squared distance
+/// is not above the squared radius. With radius 0 the center alone is inside; the circle may lie outside the picture.
 #[must_use]
 pub fn plane(width: usize, height: usize, circle: &Circle) -> Plane<u8> {
     let mut mask = Plane::filled(width, height, 0u8);
@@ -34,17 +34,17 @@ pub fn black_out(codes: &mut [u8], channels: usize, size: (usize, usize), circle
 
 /// The columns of row `y` that lie inside the circle.
 fn inside(circle: &Circle, (width, height): (usize, usize), y: usize) -> Range<usize> {
-    let centre_x = (circle.centre_x * width as f64).trunc() as i64;
-    let centre_y = (circle.centre_y * height as f64).trunc() as i64;
+    let center_x = (circle.center_x * width as f64).trunc() as i64;
+    let center_y = (circle.center_y * height as f64).trunc() as i64;
     let radius = (circle.radius * width as f64).trunc() as i64;
-    let dy = y as i64 - centre_y;
+    let dy = y as i64 - center_y;
     let room = radius * radius - dy * dy;
     if room < 0 {
         return 0..0;
     }
     let reach = room.isqrt();
     let column = |x: i64| x.clamp(0, width as i64) as usize;
-    column(centre_x - reach)..column(centre_x + reach + 1)
+    column(center_x - reach)..column(center_x + reach + 1)
 }
 
 #[cfg(test)]
@@ -57,8 +57,8 @@ mod tests {
             5,
             5,
             &Circle {
-                centre_x: 0.4,
-                centre_y: 0.4,
+                center_x: 0.4,
+                center_y: 0.4,
                 radius: 0.4,
             },
         );
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn radius_zero_keeps_the_centre() {
+    fn radius_zero_keeps_the_center() {
         let mask = plane(2, 2, &Circle::default());
         assert_eq!(mask.data(), &[255, 0, 0, 0]);
     }
@@ -80,8 +80,8 @@ mod tests {
             8,
             8,
             &Circle {
-                centre_x: -100.0,
-                centre_y: 50.0,
+                center_x: -100.0,
+                center_y: 50.0,
                 radius: 1.0,
             },
         );
@@ -96,8 +96,8 @@ mod tests {
             3,
             (2, 1),
             &Circle {
-                centre_x: 0.0,
-                centre_y: 0.0,
+                center_x: 0.0,
+                center_y: 0.0,
                 radius: 0.0,
             },
         );

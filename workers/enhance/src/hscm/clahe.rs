@@ -1,8 +1,8 @@
-//! Contrast-limited adaptive histogram equalisation (Zuiderveld 1994), in the form that OpenCV made common.
+//! Contrast-limited adaptive histogram equalization (Zuiderveld 1994), in the form that OpenCV made common.
 //!
 //! The picture is covered by a grid of tiles. Each tile's histogram is clipped at a multiple of its mean bin, what
 //! was cut is spread over all bins, and the cumulative histogram becomes the tile's table. A pixel takes the tables
-//! of the four nearest tile centres, weighted bilinearly.
+//! of the four nearest tile centers, weighted bilinearly.
 
 use imaging::Plane;
 use pulp::{Simd, WithSimd};
@@ -11,7 +11,7 @@ use crate::reflect::reflected;
 
 type Table = [u8; 256];
 
-/// Equalises a plane of at least one pixel. `grid` is the number of tiles across and down, at least one each;
+/// Equalizes a plane of at least one pixel. `grid` is the number of tiles across and down, at least one each;
 /// `clip_limit` is in mean bins, and 0 does not clip.
 ///
 /// When either side is not a multiple of its number of tiles, both are extended by reflection for the histograms:
@@ -21,20 +21,20 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
     let tiles = Tiles::new(picture.size(), across, down);
     let tables = tiles.tables(picture, clip_limit);
     let (width, height) = picture.size();
-    let columns: Vec<Neighbours> = (0..width)
-        .map(|x| Neighbours::of(x, tiles.width_px, across))
+    let columns: Vec<Neighbors> = (0..width)
+        .map(|x| Neighbors::of(x, tiles.width_px, across))
         .collect();
-    let mut equalised = Plane::filled(width, height, 0u8);
+    let mut equalized = Plane::filled(width, height, 0u8);
     let mut blends = Vec::new();
     let mut blended_rows = None;
     for y in 0..height {
-        let row = Neighbours::of(y, tiles.height_px, down);
+        let row = Neighbors::of(y, tiles.height_px, down);
         if blended_rows != Some((row.first, row.second)) {
             let (upper, lower) = (&tables[row.first * across..], &tables[row.second * across..]);
             blends = blend_tables(&upper[..across], &lower[..across]);
             blended_rows = Some((row.first, row.second));
         }
-        let (from, to) = (picture.row(y), equalised.row_mut(y));
+        let (from, to) = (picture.row(y), equalized.row_mut(y));
         pulp::Arch::new().dispatch(Row {
             from,
             to,
@@ -43,7 +43,7 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
             weight: row.weight,
         });
     }
-    equalised
+    equalized
 }
 
 /// The grid over the extended picture.
@@ -131,31 +131,31 @@ fn clip(histogram: &mut [u32; 256], limit: u32) {
     }
 }
 
-/// The two tiles along one axis whose centres enclose a pixel, and the share of the second.
+/// The two tiles along one axis whose centers enclose a pixel, and the share of the second.
 #[derive(Clone, Copy)]
-struct Neighbours {
+struct Neighbors {
     first: usize,
     second: usize,
     weight: f64,
-    /// `first` before it was clamped to the grid, plus one: which gap between tile centres the pixel lies in.
+    /// `first` before it was clamped to the grid, plus one: which gap between tile centers the pixel lies in.
     gap: usize,
 }
 
-impl Neighbours {
+impl Neighbors {
     fn of(position: usize, tile_px: usize, tiles: usize) -> Self {
-        let centred = position as f64 / tile_px as f64 - 0.5;
-        let floor = centred.floor();
+        let centered = position as f64 / tile_px as f64 - 0.5;
+        let floor = centered.floor();
         let gap = (floor + 1.0) as usize;
         Self {
             first: gap.saturating_sub(1),
             second: gap.min(tiles - 1),
-            weight: centred - floor,
+            weight: centered - floor,
             gap,
         }
     }
 }
 
-/// For each gap between tile centres and each code: the four table entries in one word, low byte first in the order
+/// For each gap between tile centers and each code: the four table entries in one word, low byte first in the order
 /// upper left, upper right, lower left, lower right. One look-up a pixel instead of four.
 fn blend_tables(upper: &[Table], lower: &[Table]) -> Vec<[u32; 256]> {
     let last = upper.len() - 1;
@@ -177,7 +177,7 @@ fn blend_tables(upper: &[Table], lower: &[Table]) -> Vec<[u32; 256]> {
 struct Row<'a> {
     from: &'a [u8],
     to: &'a mut [u8],
-    columns: &'a [Neighbours],
+    columns: &'a [Neighbors],
     blends: &'a [[u32; 256]],
     weight: f64,
 }
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn one_tile_without_clipping_is_plain_equalisation() {
+    fn one_tile_without_clipping_is_plain_equalization() {
         let picture = Plane::new(4, 1, vec![10u8, 20, 30, 40]).unwrap();
         // Cumulative counts 1..4 of 4, in steps of 63.75.
         assert_eq!(clahe(&picture, (1, 1), 0.0).data(), &[64, 128, 191, 255]);

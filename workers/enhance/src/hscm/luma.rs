@@ -46,7 +46,7 @@ impl Luma {
                     Samples::U8(samples) => weigh(samples, picture.channels(), codes.data_mut()),
                     Samples::U16(samples) => weigh(samples, picture.channels(), codes.data_mut()),
                 }
-                summary = summarise(codes.data(), dark_below(white));
+                summary = summarize(codes.data(), dark_below(white));
             },
         );
         Self {
@@ -100,7 +100,7 @@ fn weigh<T: Copy + Into<u32>>(samples: &[T], channels: Channels, codes: &mut [u3
 }
 
 #[inline(always)]
-fn summarise(codes: &[u32], dark_below: u32) -> Summary {
+fn summarize(codes: &[u32], dark_below: u32) -> Summary {
     let (mut low, mut high, mut dark) = (u32::MAX, 0, 0u32);
     for &code in codes {
         low = low.min(code);

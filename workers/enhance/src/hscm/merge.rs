@@ -4,13 +4,13 @@ use imaging::luma1000;
 use pulp::{Simd, WithSimd};
 
 /// `C' = clip(round(C + Y' - Y))` for every channel C, with `Y = (299 R + 587 G + 114 B) / 1000` and the half rounded
-/// up, in exact integers. `colours` is interleaved R, G, B and `luma` holds one code for each pixel.
+/// up, in exact integers. `colors` is interleaved R, G, B and `luma` holds one code for each pixel.
 #[must_use]
-pub fn merge(colours: &[u8], luma: &[u8]) -> Vec<u8> {
-    debug_assert_eq!(colours.len(), 3 * luma.len());
-    let mut merged = vec![0; colours.len()];
+pub fn merge(colors: &[u8], luma: &[u8]) -> Vec<u8> {
+    debug_assert_eq!(colors.len(), 3 * luma.len());
+    let mut merged = vec![0; colors.len()];
     pulp::Arch::new().dispatch(Merge {
-        colours,
+        colors,
         luma,
         merged: &mut merged,
     });
@@ -18,7 +18,7 @@ pub fn merge(colours: &[u8], luma: &[u8]) -> Vec<u8> {
 }
 
 struct Merge<'a> {
-    colours: &'a [u8],
+    colors: &'a [u8],
     luma: &'a [u8],
     merged: &'a mut [u8],
 }
@@ -29,7 +29,7 @@ impl WithSimd for Merge<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let pixels = self
-            .colours
+            .colors
             .chunks_exact(3)
             .zip(self.merged.chunks_exact_mut(3))
             .zip(self.luma);

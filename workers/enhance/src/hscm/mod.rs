@@ -1,7 +1,7 @@
 //! HSCM: homomorphic filter, spatial median, CLAHE and circular mask.
 //!
 //! The chain is plain calls in this order: [`Luma`] → [`homomorphic`] → [`median`] → [`clahe`] → [`merge`] →
-//! [`circle`]. The first stages work on luma alone; colours come back in the merge, which keeps the chroma of the
+//! [`circle`]. The first stages work on luma alone; colors come back in the merge, which keeps the chroma of the
 //! input. Every stage is public, so that each can be compared with a reference given the stage before it.
 
 pub mod circle;
@@ -45,14 +45,14 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
     drop(luma);
     let smoothed = median::median(&filtered, settings.median, variant);
     drop(filtered);
-    let equalised = clahe::clahe(&smoothed, settings.grid, settings.clip_limit);
+    let equalized = clahe::clahe(&smoothed, settings.grid, settings.clip_limit);
     drop(smoothed);
 
     let alpha = picture.alpha().map(|alpha| Samples::U8(alpha.to_u8()));
     let (channels, unmasked) = if picture.channels() == Channels::Gray || settings.output == Output::Gray {
-        (Channels::Gray, equalised.into_data())
+        (Channels::Gray, equalized.into_data())
     } else {
-        (Channels::Rgb, merged(picture, equalised))
+        (Channels::Rgb, merged(picture, equalized))
     };
     let raster = |codes| {
         Raster::new(width, height, channels, Samples::U8(codes), alpha.clone())
@@ -78,7 +78,7 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
     })
 }
 
-/// What the equalisation of tiles and the gain of dark parts should say.
+/// What the equalization of tiles and the gain of dark parts should say.
 pub(crate) fn warnings(luma: &Luma, (across, down): (usize, usize)) -> Vec<Warning> {
     let pixels = luma.codes().data().len();
     let (low, high) = luma.extremes();

@@ -9,7 +9,7 @@ pub const MEDIAN_MAX: usize = 31;
 pub const MAGNITUDE_MAX: f64 = 1e6;
 /// Smallest of the values that must be above 0, for the same reason.
 pub const MAGNITUDE_MIN: f64 = 1e-12;
-/// Largest centre (either sign) and radius of the circle, in parts of the picture.
+/// Largest center (either sign) and radius of the circle, in parts of the picture.
 pub const CIRCLE_MAX: f64 = 100.0;
 
 /// What is computed: the method as specified, or as the published table was made.
@@ -23,7 +23,7 @@ pub enum Profile {
     Table1,
 }
 
-/// Whether the luma is merged back into the colours.
+/// Whether the luma is merged back into the colors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Output {
     /// Chroma of the input, luma of the result. A gray picture stays gray.
@@ -36,10 +36,10 @@ pub enum Output {
 /// The circle that is kept, in parts of the picture; it may lie outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circle {
-    /// Centre column as part of the width, -100..=100.
-    pub centre_x: f64,
-    /// Centre row as part of the height, -100..=100.
-    pub centre_y: f64,
+    /// Center column as part of the width, -100..=100.
+    pub center_x: f64,
+    /// Center row as part of the height, -100..=100.
+    pub center_y: f64,
     /// Radius as part of the width, 0..=100.
     pub radius: f64,
 }
@@ -47,8 +47,8 @@ pub struct Circle {
 impl Default for Circle {
     fn default() -> Self {
         Self {
-            centre_x: 0.45,
-            centre_y: 0.33,
+            center_x: 0.45,
+            center_y: 0.33,
             radius: 0.44,
         }
     }
@@ -69,13 +69,13 @@ pub struct Settings {
     pub eps: f64,
     /// Side of the median window in pixels, odd, 1..=31; 1 turns it off; 5.
     pub median: usize,
-    /// Contrast limit of CLAHE as a multiple of the mean bin, not negative; 0 is plain adaptive equalisation; 2.
+    /// Contrast limit of CLAHE as a multiple of the mean bin, not negative; 0 is plain adaptive equalization; 2.
     pub clip_limit: f64,
     /// Number of tiles across and down, 1..=256 each; 8 and 8.
     pub grid: (usize, usize),
     /// The circle that is kept; `None` keeps everything.
     pub mask: Option<Circle>,
-    /// Colour or gray.
+    /// Color or gray.
     pub output: Output,
     /// Standard or table 1.
     pub profile: Profile,
@@ -159,8 +159,8 @@ impl Options {
         real("eps", eps, MAGNITUDE_MIN, MAGNITUDE_MAX);
         real("clip_limit", clip_limit, 0.0, MAGNITUDE_MAX);
         if let Some(circle) = mask {
-            real("mask.centre_x", circle.centre_x, -CIRCLE_MAX, CIRCLE_MAX);
-            real("mask.centre_y", circle.centre_y, -CIRCLE_MAX, CIRCLE_MAX);
+            real("mask.centre_x", circle.center_x, -CIRCLE_MAX, CIRCLE_MAX);
+            real("mask.centre_y", circle.center_y, -CIRCLE_MAX, CIRCLE_MAX);
             real("mask.radius", circle.radius, 0.0, CIRCLE_MAX);
         }
         if r_low > r_high {
@@ -251,8 +251,8 @@ mod tests {
             clip_limit: -0.5,
             grid: (0, 300),
             mask: Some(Circle {
-                centre_x: f64::INFINITY,
-                centre_y: 0.3,
+                center_x: f64::INFINITY,
+                center_y: 0.3,
                 radius: -0.1,
             }),
             ..Settings::default()

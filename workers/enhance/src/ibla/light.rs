@@ -27,8 +27,8 @@ pub(super) fn is_bright(picture: &Rgb8) -> bool {
 pub(super) fn background(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> [f64; 3] {
     let candidates = [
         mean_of_largest(picture, blurriness, variant),
-        calmest(picture).mean_colour(picture),
-        highest(blurriness).mean_colour(picture),
+        calmest(picture).mean_color(picture),
+        highest(blurriness).mean_color(picture),
     ];
     let bright = bright_parts(picture);
     std::array::from_fn(|channel| {
@@ -42,7 +42,7 @@ pub(super) fn background(picture: &Rgb8, blurriness: &Plane<f64>, variant: Varia
     })
 }
 
-/// The mean colour of the thousandth of the pixels with the largest blurriness.
+/// The mean color of the thousandth of the pixels with the largest blurriness.
 fn mean_of_largest(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> [f64; 3] {
     let positions = largest(blurriness, top_count(blurriness.data().len()), variant);
     let sum = |channel: usize| -> u64 {

@@ -2,7 +2,7 @@
 //!
 //! 1. Blurriness: `P = 1/4 Σ |g - Gauss_i(g)|`, g the luma, i = 1..4, windows of `2^i · 4 + 1` pixels a side and σ as
 //!    large; its largest value in 7 × 7; guided filter: `P_b`.
-//! 2. Background light from three candidates: the mean colour of the thousandth of the pixels with the largest `P_b`, of
+//! 2. Background light from three candidates: the mean color of the thousandth of the pixels with the largest `P_b`, of
 //!    the quadtree region with the lowest variance of luma, and of the one with the largest mean `P_b`. For each channel
 //!    `BL_c = s · max + (1 - s) · min` of the three, `s = sig(part of pixels with c > 0.5, 0.2)`.
 //! 3. Distance: `d_R = 1 - norm(lmax(R))`, `d_D = 1 - norm(lmax(R) - lmax(max(G, B)))`, `d_B = 1 - norm(P_b)`, lmax in
@@ -14,7 +14,7 @@
 //! `sig(a, b) = 1 / (1 + exp(-32 (a - b)))`; d0 is [`distance_offset`]; channels lie in 0..=1.
 //!
 //! Where it fails, by design: with a lamp in view more than a fifth of a channel is bright, the lamp is taken for the
-//! background light, and most of the picture turns black. One colour comes back as it was.
+//! background light, and most of the picture turns black. One color comes back as it was.
 
 mod light;
 
@@ -23,7 +23,7 @@ use imaging::{Plane, Raster, Rgb8, luma1000};
 
 use crate::blocks::histogram::histograms;
 use crate::blocks::{
-    Guide, Veil, distance_of, distance_offset, gaussian, guided, normalised, restore, window_max,
+    Guide, Veil, distance_of, distance_offset, gaussian, guided, normalized, restore, window_max,
 };
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
@@ -41,28 +41,28 @@ const WAVELENGTH_NM: [f64; 3] = [620.0, 540.0, 450.0];
 /// Least and greatest transmittance.
 const TRANSMITTANCE: (f64, f64) = (0.1, 1.0);
 
-/// Restores a picture of at least one pixel. The result is coloured; 16 bit is reduced to 8.
+/// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    let colours = picture.to_rgb8();
-    let guide = Guide::of(&colours);
-    let blurriness = blurriness(&colours, &guide, variant);
-    let light = light::background(&colours, &blurriness, variant);
+    let colors = picture.to_rgb8();
+    let guide = Guide::of(&colors);
+    let blurriness = blurriness(&colors, &guide, variant);
+    let light = light::background(&colors, &blurriness, variant);
     let distance = distance(&guide, blurriness, light, variant);
     let distance = guided(&guide, &distance, variant);
-    let nearest = distance_offset(&colours, light);
+    let nearest = distance_offset(&colors, light);
     let distance = distance_of(distance, nearest, DEPTH);
     let veil = Veil {
         light,
         attenuation: attenuation(light),
         transmittance: TRANSMITTANCE,
     };
-    let restored = restore(&colours, &distance, &veil, variant);
-    let mut warnings = Signs::of(&colours).of_restoration(&histograms(&restored));
-    if warnings.contains(&Warning::Blackened) && light::is_bright(&colours) {
+    let restored = restore(&colors, &distance, &veil, variant);
+    let mut warnings = Signs::of(&colors).of_restoration(&histograms(&restored));
+    if warnings.contains(&Warning::Blackened) && light::is_bright(&colors) {
         warnings.push(Warning::LampAsBackground);
     }
-    Enhanced::unmasked(picture, restored, OfGray::Colour, warnings)
+    Enhanced::unmasked(picture, restored, OfGray::Color, warnings)
 }
 
 /// `P_b` of step 1.
@@ -103,13 +103,13 @@ fn distance(guide: &Guide, blurriness: Plane<f64>, light: [f64; 3], variant: Var
     let tb = sigmoid(red_mean, 0.1);
     let ta = sigmoid(light.iter().sum::<f64>() / 3.0, 0.5);
 
-    let by_red = normalised(red_max.map(|&code| f64::from(code) / 255.0));
+    let by_red = normalized(red_max.map(|&code| f64::from(code) / 255.0));
     let codes = red_max.data().iter().zip(brighter_max.data());
     let lost = codes
         .map(|(&r, &other)| (f64::from(r) - f64::from(other)) / 255.0)
         .collect();
-    let by_loss = normalised(Plane::new(width, height, lost).expect("a value for each pixel"));
-    let by_blur = normalised(blurriness);
+    let by_loss = normalized(Plane::new(width, height, lost).expect("a value for each pixel"));
+    let by_blur = normalized(blurriness);
     let mut distance = by_red;
     vectorised(
         #[inline(always)]
@@ -139,12 +139,12 @@ fn attenuation(light: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    fn ibla(colours: &Rgb8, variant: Variant) -> Rgb8 {
-        enhance(&Raster::from(colours.clone()), variant).picture.to_rgb8()
+    fn ibla(colors: &Rgb8, variant: Variant) -> Rgb8 {
+        enhance(&Raster::from(colors.clone()), variant).picture.to_rgb8()
     }
 
     #[test]
-    fn one_colour_and_black_come_back() {
+    fn one_color_and_black_come_back() {
         for pixel in [[0; 3], [60, 120, 140], [255; 3]] {
             let picture = Rgb8::from_fn(40, 30, |_, _| pixel);
             for variant in [Variant::Fast, Variant::Reference] {

@@ -11,7 +11,7 @@
 //! 5. HSV: saturation and value are stretched between their 1 % tails to 0..=1; what lies outside keeps its value.
 //!
 //! Where it fails: a channel without light takes no part; in a picture of few values the two sets are pushed to the ends;
-//! saturation beyond its tails is not changed, which puts unlike colours side by side.
+//! saturation beyond its tails is not changed, which puts unlike colors side by side.
 
 mod curve;
 mod saturation;
@@ -27,10 +27,10 @@ use crate::warning::Warning;
 /// Stretches a picture of at least one pixel. Gray stays gray; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    let colours = picture.to_rgb8();
-    let curves = curve::curves(&colours, variant);
-    let stretched = saturation::stretched(&colours, &curves, variant);
-    let signs = Signs::of(&colours);
+    let colors = picture.to_rgb8();
+    let curves = curve::curves(&colors, variant);
+    let stretched = saturation::stretched(&colors, &curves, variant);
+    let signs = Signs::of(&colors);
     let mut warnings = signs.common(&histograms(&stretched));
     if signs.channel_without_light() {
         warnings.push(Warning::ChannelWithoutLight);
@@ -44,8 +44,8 @@ mod tests {
 
     use super::*;
 
-    fn rd(colours: &Rgb8) -> Rgb8 {
-        enhance(&Raster::from(colours.clone()), Variant::Fast)
+    fn rd(colors: &Rgb8) -> Rgb8 {
+        enhance(&Raster::from(colors.clone()), Variant::Fast)
             .picture
             .to_rgb8()
     }

@@ -41,13 +41,13 @@ pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rg
 
 fn hsv_reference(picture: &Rgb8, curves: &Curves, saturation: &mut [f64], value: &mut [f64]) {
     for (pixel, (saturation, value)) in picture.pixels().zip(saturation.iter_mut().zip(value)) {
-        let (s, v) = saturation_and_value(colour(curves, pixel));
+        let (s, v) = saturation_and_value(color(curves, pixel));
         (*saturation, *value) = (s, v);
     }
 }
 
-/// The colour of a pixel after the curves, 0..=1.
-fn colour(curves: &Curves, pixel: [u8; 3]) -> [f64; 3] {
+/// The color of a pixel after the curves, 0..=1.
+fn color(curves: &Curves, pixel: [u8; 3]) -> [f64; 3] {
     [0, 1, 2].map(|c| curves[c][usize::from(pixel[c])] / 255.0)
 }
 
@@ -59,7 +59,7 @@ fn saturation_and_value([r, g, b]: [f64; 3]) -> (f64, f64) {
 /// Pixels converted at once.
 const BLOCK: usize = 32;
 
-/// The colours of a block of pixels, channel by channel, 0..=1.
+/// The colors of a block of pixels, channel by channel, 0..=1.
 #[inline(always)]
 fn load(codes: &[u8], curves: &Curves) -> [[f64; BLOCK]; 3] {
     let mut block = [[0.0f64; BLOCK]; 3];
@@ -118,11 +118,11 @@ fn between(z: f64, (a, b): (f64, f64)) -> f64 {
 impl Stretch {
     fn apply_reference(&self, curves: &Curves, picture: &mut Rgb8) {
         for pixel in picture.data_mut().chunks_exact_mut(3) {
-            let colour = colour(curves, [pixel[0], pixel[1], pixel[2]]);
-            let (s, v) = saturation_and_value(colour);
+            let color = color(curves, [pixel[0], pixel[1], pixel[2]]);
+            let (s, v) = saturation_and_value(color);
             let (new_s, new_v) = (between(s, self.saturation), between(v, self.value));
             let spread = s * v;
-            for (code, c) in pixel.iter_mut().zip(colour) {
+            for (code, c) in pixel.iter_mut().zip(color) {
                 let share = if spread > 0.0 { (v - c) / spread } else { 0.0 };
                 *code = (255.0 * new_v * (1.0 - new_s * share) + 0.5)
                     .floor()
@@ -135,7 +135,7 @@ impl Stretch {
     fn apply(&self, curves: &Curves, (saturation, value): (&[f64], &[f64]), codes: &mut [u8]) {
         let planes = saturation.chunks(BLOCK).zip(value.chunks(BLOCK));
         for (codes, (saturation, value)) in codes.chunks_mut(3 * BLOCK).zip(planes) {
-            let colours = load(codes, curves);
+            let colors = load(codes, curves);
             let (mut s, mut v) = ([0.0f64; BLOCK], [0.0f64; BLOCK]);
             s[..saturation.len()].copy_from_slice(saturation);
             v[..value.len()].copy_from_slice(value);
@@ -147,10 +147,10 @@ impl Stretch {
                 top[x] = light;
                 slope[x] = light * share;
             }
-            for (channel, colour) in colours.iter().enumerate() {
+            for (channel, color) in colors.iter().enumerate() {
                 let mut block = [0u8; BLOCK];
                 for x in 0..BLOCK {
-                    let value = top[x] - slope[x] * (v[x] - colour[x]) + 0.5;
+                    let value = top[x] - slope[x] * (v[x] - color[x]) + 0.5;
                     block[x] = smaller(larger(value, 0.0), 255.0) as i32 as u8;
                 }
                 for (pixel, &code) in codes.chunks_exact_mut(3).zip(&block) {
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn one_colour_keeps_everything() {
+    fn one_color_keeps_everything() {
         let picture = Rgb8::from_fn(3, 3, |_, _| [200, 150, 100]);
         for variant in [Variant::Fast, Variant::Reference] {
             assert_eq!(stretched(&picture, &identity(), variant), picture);

@@ -15,22 +15,22 @@ const TAIL: f64 = 0.005;
 /// The curves of red, green and blue.
 pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
     let counts = histograms(picture);
-    let one_colour = counts.iter().map(histogram::ends).all(|(low, high)| low == high);
+    let one_color = counts.iter().map(histogram::ends).all(|(low, high)| low == high);
     std::array::from_fn(|channel| {
-        if one_colour {
+        if one_color {
             return std::array::from_fn(|code| code as f64);
         }
         let gain = match histogram::mean(&counts[channel]) {
             mean if channel > 0 && mean > 0.0 => 127.5 / mean,
             _ => 1.0,
         };
-        let equalised: [u8; 256] = std::array::from_fn(|code| (code as f64 * gain + 0.5).min(255.0) as u8);
+        let equalized: [u8; 256] = std::array::from_fn(|code| (code as f64 * gain + 0.5).min(255.0) as u8);
         let ends = match variant {
-            Variant::Fast => ends(&counts[channel], &equalised),
-            Variant::Reference => ends_of_sorted(picture, channel, &equalised),
+            Variant::Fast => ends(&counts[channel], &equalized),
+            Variant::Reference => ends_of_sorted(picture, channel, &equalized),
         };
         let line = Line::of(&ends, channel);
-        equalised.map(|code| line.at(f64::from(code)))
+        equalized.map(|code| line.at(f64::from(code)))
     })
 }
 
@@ -41,9 +41,9 @@ struct Ends {
     high: u8,
 }
 
-fn ends(counts: &Histogram, equalised: &[u8; 256]) -> Ends {
+fn ends(counts: &Histogram, equalized: &[u8; 256]) -> Ends {
     let mut moved: Histogram = [0; 256];
-    for (&code, count) in equalised.iter().zip(counts) {
+    for (&code, count) in equalized.iter().zip(counts) {
         moved[usize::from(code)] += count;
     }
     let mode = (0..256).rev().max_by_key(|&code| moved[code]).unwrap_or(0);
@@ -62,10 +62,10 @@ fn ends(counts: &Histogram, equalised: &[u8; 256]) -> Ends {
     }
 }
 
-fn ends_of_sorted(picture: &Rgb8, channel: usize, equalised: &[u8; 256]) -> Ends {
+fn ends_of_sorted(picture: &Rgb8, channel: usize, equalized: &[u8; 256]) -> Ends {
     let mut sorted: Vec<u8> = picture
         .pixels()
-        .map(|pixel| equalised[usize::from(pixel[channel])])
+        .map(|pixel| equalized[usize::from(pixel[channel])])
         .collect();
     sorted.sort_unstable();
     // Of runs of equal length the first, which holds the smallest code.

@@ -1,4 +1,4 @@
-//! Step 3: lightness stretched and colours strengthened in CIE Lab.
+//! Step 3: lightness stretched and colors strengthened in CIE Lab.
 
 use imaging::simd::vectorised;
 use imaging::{Plane, Rgb, Rgb8, lab, transfer};

@@ -8,8 +8,8 @@
 //!    and 0.9 for green and blue: the exponent and k are this project's reading, since the sources leave them open.
 //! 3. CIE Lab: L stretched between its 1 % tails to 0..=100; a and b become `p · 1.3^(1 - |p| / 128)`.
 //!
-//! A picture of one colour skips steps 1 and 2. Where it fails: a mode of 0 (much black) leaves nothing to stretch
-//! relative to; a few colours are pushed apart; a picture of one colour only gets more colourful.
+//! A picture of one color skips steps 1 and 2. Where it fails: a mode of 0 (much black) leaves nothing to stretch
+//! relative to; a few colors are pushed apart; a picture of one color only gets more colorful.
 
 mod curve;
 mod lightness;
@@ -25,10 +25,10 @@ use crate::warning::Warning;
 /// Stretches a picture of at least one pixel. Gray stays gray; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    let colours = picture.to_rgb8();
-    let curves = curve::curves(&colours, variant);
-    let stretched = lightness::stretched(&colours, &curves, variant);
-    let signs = Signs::of(&colours);
+    let colors = picture.to_rgb8();
+    let curves = curve::curves(&colors, variant);
+    let stretched = lightness::stretched(&colors, &curves, variant);
+    let signs = Signs::of(&colors);
     let mut warnings = signs.common(&histograms(&stretched));
     if signs.black_mode() {
         warnings.push(Warning::BlackMode);
@@ -50,8 +50,8 @@ mod tests {
 
     use super::*;
 
-    fn rghs(colours: &Rgb8) -> Rgb8 {
-        enhance(&Raster::from(colours.clone()), Variant::Fast)
+    fn rghs(colors: &Rgb8) -> Rgb8 {
+        enhance(&Raster::from(colors.clone()), Variant::Fast)
             .picture
             .to_rgb8()
     }

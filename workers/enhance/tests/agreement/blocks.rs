@@ -11,7 +11,7 @@ use crate::{SIZES, noise, pictures};
 /// Running sums in double precision against sums made anew: a few thousand roundings of 1e-16.
 const BOX_AGREEMENT: f64 = 1e-12;
 /// Largest difference of the filtered plane, whose values lie within 0..=1. The inverse multiplies the rounding of the
-/// covariances by at most the largest variance over the regularisation, 0.25 / 1e-3.
+/// covariances by at most the largest variance over the regularization, 0.25 / 1e-3.
 const GUIDED_AGREEMENT: f64 = 1e-10;
 const RADII: [usize; 4] = [0, 1, 7, 50];
 
@@ -52,10 +52,10 @@ fn guided_filters() {
             for plane in planes(&picture) {
                 // The reference takes a time that grows with the radius: the largest size sees the small one.
                 let radii = [(3, 1e-3), (50, 1e-3)].into_iter();
-                for (radius, regularisation) in
+                for (radius, regularization) in
                     radii.filter(|(radius, _)| width * height * radius < 2_000_000)
                 {
-                    let guide = Guide::of(&picture).window(radius, regularisation);
+                    let guide = Guide::of(&picture).window(radius, regularization);
                     let what = format!("{width}×{height} {content}, radius {radius}");
                     let [fast, exact] = [Fast, Reference].map(|variant| guided(&guide, &plane, variant));
                     assert_close(&fast, &exact, GUIDED_AGREEMENT, &what);

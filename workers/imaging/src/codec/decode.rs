@@ -1,11 +1,8 @@
 //! Decoding of pictures, range files and float radiance.
 
-use std::io::Cursor;
-
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-
-use super::npy::{self, Array};
-use super::{DecodeError, MAX_DECODER_BYTES, MAX_SIDE_PX, check_size, jpeg};
+use super::DecodeError;
+use super::npy::{self, NpyValues, Sheet};
+use super::picture::Format;
 use crate::{Channels, Plane, Raster, Rgb, Samples};
 
 const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP"];
@@ -21,7 +18,7 @@ pub enum FilePlane {
     Floats(Plane<f32>),
 }
 
-/// A colour picture as a file holds it.
+/// A color picture as a file holds it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Radiance {
     /// Integer codes, sRGB unless said otherwise.
@@ -30,8 +27,8 @@ pub enum Radiance {
     Linear(Rgb<f32>),
 }
 
-/// Decodes a PNG, JPEG or WebP picture: 8 or 16 bit, gray or colour, palettes and fewer bits expanded, alpha apart.
-/// Of an animation the first picture. Colour profiles and orientation tags are not applied.
+/// Decodes a PNG, JPEG or WebP picture: 8 or 16 bit, gray or color, palettes and fewer bits expanded, alpha apart.
+/// Of an animation the first picture. Color profiles and orientation tags are not applied.
 ///
 /// # Errors
 /// [`DecodeError`]: unknown format, sides beyond the limits (told from the header alone), damaged data, a file that was
@@ -42,104 +39,19 @@ pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
 
 /// Decodes a picture; of bytes in no picture format the error says what else would have done.
 fn decode_or(bytes: &[u8], expected: &'static [&'static str]) -> Result<Raster, DecodeError> {
-    let format = picture_format(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
-    let name = match format {
-        ImageFormat::Png => "PNG",
-        ImageFormat::Jpeg => "JPEG",
-        _ => "WebP",
-    };
-    let damaged = |error: image::ImageError| DecodeError::Damaged {
-        format: name,
-        reason: error.to_string(),
-    };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    // Of the sides nothing yet: they are checked below, so that the error tells them.
-    let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(MAX_DECODER_BYTES);
-    reader.limits(limits.clone());
-    let mut decoder = reader.into_decoder().map_err(damaged)?;
-    let (width, height) = decoder.dimensions();
-    check_size(width as usize, height as usize)?;
-    if format == ImageFormat::Jpeg && !jpeg::is_whole(bytes) {
-        return Err(DecodeError::Damaged {
-            format: name,
-            reason: "it has no end".to_owned(),
-        });
-    }
-    limits.max_image_width = Some(MAX_SIDE_PX as u32);
-    limits.max_image_height = Some(MAX_SIDE_PX as u32);
-    limits.max_alloc = Some(MAX_DECODER_BYTES + decoder.total_bytes());
-    decoder.set_limits(limits).map_err(damaged)?;
-    raster(DynamicImage::from_decoder(decoder).map_err(damaged)?)
-}
-
-fn picture_format(bytes: &[u8]) -> Option<ImageFormat> {
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => Some(ImageFormat::Png),
-        [0xff, 0xd8, 0xff, ..] => Some(ImageFormat::Jpeg),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(ImageFormat::WebP),
-        _ => None,
-    }
-}
-
-fn raster(picture: DynamicImage) -> Result<Raster, DecodeError> {
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    let (channels, samples, alpha) = match picture {
-        DynamicImage::ImageLuma8(p) => (Channels::Gray, Samples::U8(p.into_raw()), None),
-        DynamicImage::ImageRgb8(p) => (Channels::Rgb, Samples::U8(p.into_raw()), None),
-        DynamicImage::ImageLuma16(p) => (Channels::Gray, Samples::U16(p.into_raw()), None),
-        DynamicImage::ImageRgb16(p) => (Channels::Rgb, Samples::U16(p.into_raw()), None),
-        DynamicImage::ImageLumaA8(p) => apart(Channels::Gray, p.into_raw(), Samples::U8),
-        DynamicImage::ImageRgba8(p) => apart(Channels::Rgb, p.into_raw(), Samples::U8),
-        DynamicImage::ImageLumaA16(p) => apart(Channels::Gray, p.into_raw(), Samples::U16),
-        DynamicImage::ImageRgba16(p) => apart(Channels::Rgb, p.into_raw(), Samples::U16),
-        other => {
-            return Err(unsuitable(
-                other.color(),
-                "an 8- or 16-bit gray or colour picture",
-            ));
-        }
-    };
-    Raster::new(width, height, channels, samples, alpha).map_err(|error| DecodeError::Damaged {
-        format: "picture",
-        reason: error.to_string(),
-    })
-}
-
-fn unsuitable(found: ColorType, wanted: &'static str) -> DecodeError {
-    DecodeError::Unsuitable {
-        found: format!("{found:?} samples"),
-        wanted,
-    }
-}
-
-/// Splits interleaved samples into colour and alpha.
-fn apart<T: Copy>(
-    channels: Channels,
-    samples: Vec<T>,
-    wrap: fn(Vec<T>) -> Samples,
-) -> (Channels, Samples, Option<Samples>) {
-    let stride = channels.count() + 1;
-    let alpha = samples
-        .chunks_exact(stride)
-        .map(|pixel| pixel[stride - 1])
-        .collect();
-    let colour = samples
-        .chunks_exact(stride)
-        .flat_map(|pixel| pixel[..stride - 1].iter().copied())
-        .collect();
-    (channels, wrap(colour), Some(wrap(alpha)))
+    let format = Format::of(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
+    format.decode(bytes)
 }
 
 /// Decodes a range file: an 8- or 16-bit gray PNG gives codes, a two-dimensional NPY array codes or floats.
 ///
 /// # Errors
-/// [`DecodeError`]: also when the file is a picture with colour, alpha or fewer bits, or an array of another shape.
+/// [`DecodeError`]: also when the file is a picture with color, alpha or fewer bits, or an array of another shape.
 pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     if npy::is_npy(bytes) {
-        return array_plane(npy::decode(bytes)?);
+        return array_plane(npy::decode_sheet(bytes)?);
     }
-    if picture_format(bytes) != Some(ImageFormat::Png) {
+    if Format::of(bytes) != Some(Format::Png) {
         return Err(DecodeError::UnknownFormat {
             expected: PLANE_FORMATS,
         });
@@ -159,7 +71,7 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
         });
     }
     let codes = match raster.samples() {
-        Samples::U8(codes) => codes.iter().map(|&code| u16::from(code)).collect(),
+        Samples::U8(codes) => widened(codes),
         Samples::U16(codes) => codes.clone(),
     };
     Ok(FilePlane::Codes(plane(raster.width(), raster.height(), codes)?))
@@ -171,8 +83,8 @@ fn png_depth(bytes: &[u8]) -> Option<u8> {
     bytes.get(PLACE).copied()
 }
 
-fn array_plane(array: Array) -> Result<FilePlane, DecodeError> {
-    let Array {
+fn array_plane(array: Sheet) -> Result<FilePlane, DecodeError> {
+    let Sheet {
         width,
         height,
         channels,
@@ -184,13 +96,23 @@ fn array_plane(array: Array) -> Result<FilePlane, DecodeError> {
             wanted: "one of shape [height, width]",
         });
     }
-    match values {
-        npy::Values::Floats(data) => Ok(FilePlane::Floats(plane(width, height, data)?)),
-        npy::Values::Codes(data) => Ok(FilePlane::Codes(plane(width, height, data)?)),
-    }
+    Ok(match values {
+        NpyValues::F32(data) => FilePlane::Floats(plane(width, height, data)?),
+        NpyValues::F64(data) => FilePlane::Floats(plane(width, height, narrowed(&data))?),
+        NpyValues::U8(data) => FilePlane::Codes(plane(width, height, widened(&data))?),
+        NpyValues::U16(data) => FilePlane::Codes(plane(width, height, data)?),
+    })
 }
 
-/// Decodes a colour picture: PNG, JPEG or WebP as codes, an NPY float array of shape [height, width, 3] as linear
+fn narrowed(values: &[f64]) -> Vec<f32> {
+    values.iter().map(|&value| value as f32).collect()
+}
+
+fn widened(codes: &[u8]) -> Vec<u16> {
+    codes.iter().copied().map(u16::from).collect()
+}
+
+/// Decodes a color picture: PNG, JPEG or WebP as codes, an NPY float array of shape [height, width, 3] as linear
 /// light.
 ///
 /// # Errors
@@ -200,19 +122,22 @@ pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
         let picture = decode_or(bytes, RADIANCE_FORMATS)?;
         return Ok(Radiance::Encoded(picture));
     }
-    let Array {
+    let Sheet {
         width,
         height,
         channels,
         values,
-    } = npy::decode(bytes)?;
+    } = npy::decode_sheet(bytes)?;
     let unsuitable = |found: String| DecodeError::Unsuitable {
         found,
         wanted: "an array of floats of shape [height, width, 3]",
     };
     let data = match (channels, values) {
-        (Some(3), npy::Values::Floats(data)) => data,
-        (Some(3), npy::Values::Codes(_)) => return Err(unsuitable("an array of integers".to_owned())),
+        (Some(3), NpyValues::F32(data)) => data,
+        (Some(3), NpyValues::F64(data)) => narrowed(&data),
+        (Some(3), NpyValues::U8(_) | NpyValues::U16(_)) => {
+            return Err(unsuitable("an array of integers".to_owned()));
+        }
         (Some(n), _) => return Err(unsuitable(format!("an array of shape [{height}, {width}, {n}]"))),
         (None, _) => return Err(unsuitable(format!("an array of shape [{height}, {width}]"))),
     };

@@ -1,23 +1,28 @@
-//! NumPy's array files (NPY 1.0 to 3.0) of two or three dimensions, C order.
-
-use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, TypeStr};
+//! NumPy's array files (NPY 1.0 to 3.0) of plain numbers in C order.
 
 use super::{DecodeError, check_size};
 use crate::{Plane, Rgb};
 
 /// An array as it stands in the file.
-pub(super) struct Array {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    /// Length of the third dimension, if there is one.
-    pub(super) channels: Option<usize>,
-    pub(super) values: Values,
+#[derive(Debug, Clone, PartialEq)]
+pub struct NpyArray {
+    /// Lengths of the dimensions, the slowest first.
+    pub shape: Vec<usize>,
+    /// The numbers, the last dimension fastest.
+    pub values: NpyValues,
 }
 
-/// Values of an array.
-pub(super) enum Values {
-    Floats(Vec<f32>),
-    Codes(Vec<u16>),
+/// Numbers of an array, in the type of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NpyValues {
+    /// float32
+    F32(Vec<f32>),
+    /// float64
+    F64(Vec<f64>),
+    /// uint8
+    U8(Vec<u8>),
+    /// uint16
+    U16(Vec<u16>),
 }
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -43,90 +48,147 @@ fn unsuitable(found: impl Into<String>, wanted: &'static str) -> DecodeError {
 }
 
 /// Decodes an array of f32, f64, u8 or u16, either byte order.
-pub(super) fn decode(bytes: &[u8]) -> Result<Array, DecodeError> {
-    let data_from = checked_header(bytes)?;
-    let header = NpyHeader::from_reader(bytes).map_err(damaged)?;
-    let (height, width, channels) = match *header.shape() {
+///
+/// # Errors
+/// [`DecodeError`]: a damaged header, another type or order, less data than announced.
+pub fn decode_npy(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
+    Header::read(bytes)?.decode()
+}
+
+/// An array of two or three dimensions, its sides within the limits of pictures.
+pub(super) struct Sheet {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    /// Length of the third dimension, if there is one.
+    pub(super) channels: Option<usize>,
+    pub(super) values: NpyValues,
+}
+
+pub(super) fn decode_sheet(bytes: &[u8]) -> Result<Sheet, DecodeError> {
+    let header = Header::read(bytes)?;
+    let (height, width, channels) = match header.shape[..] {
         [height, width] => (height, width, None),
-        [height, width, channels @ 1..=4] => (height, width, Some(channels as usize)),
+        [height, width, channels @ 1..=4] => (height, width, Some(channels)),
         _ => {
-            let found = format!("an array of shape {:?}", header.shape());
+            let found = format!("an array of shape {:?}", header.shape);
             return Err(unsuitable(found, "shape [height, width] or [height, width, 3]"));
         }
     };
-    let side = |length: u64| usize::try_from(length).unwrap_or(usize::MAX);
-    let (width, height) = (side(width), side(height));
     check_size(width, height)?;
-    if header.order() != Order::C {
-        return Err(unsuitable("an array in Fortran order", "C order"));
-    }
-    let DType::Plain(kind) = header.dtype() else {
-        return Err(unsuitable("a structured array", "plain numbers"));
-    };
-    let count = width * height * channels.unwrap_or(1);
-    let values = values(bytes, &kind, count, bytes.len() - data_from)?;
-    Ok(Array {
+    Ok(Sheet {
         width,
         height,
         channels,
-        values,
+        values: header.decode()?.values,
     })
 }
 
-/// Checks the header as far as its parser has to be kept from harm, and answers where the data begins.
-fn checked_header(bytes: &[u8]) -> Result<usize, DecodeError> {
-    let (prefix_bytes, header_bytes) = match bytes {
-        [_, _, _, _, _, _, 1, _, low, high, ..] => (10, usize::from(u16::from_le_bytes([*low, *high]))),
-        [_, _, _, _, _, _, 2 | 3, _, a, b, c, d, ..] => (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize),
-        _ => return Err(damaged("it has no header")),
-    };
-    if header_bytes > MAX_HEADER_BYTES {
-        let found = format!("a header of {header_bytes} bytes");
-        return Err(unsuitable(found, "one of at most 4096"));
+/// What the header says, and the data behind it.
+struct Header<'a> {
+    kind: &'a str,
+    is_fortran: bool,
+    shape: Vec<usize>,
+    data: &'a [u8],
+}
+
+impl<'a> Header<'a> {
+    fn read(bytes: &'a [u8]) -> Result<Self, DecodeError> {
+        let (prefix_bytes, header_bytes) = match bytes {
+            [_, _, _, _, _, _, 1, _, low, high, ..] => (10, usize::from(u16::from_le_bytes([*low, *high]))),
+            [_, _, _, _, _, _, 2 | 3, _, a, b, c, d, ..] => {
+                (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize)
+            }
+            _ => return Err(damaged("it has no header")),
+        };
+        if header_bytes > MAX_HEADER_BYTES {
+            let found = format!("a header of {header_bytes} bytes");
+            return Err(unsuitable(found, "one of at most 4096"));
+        }
+        let header = bytes[prefix_bytes..].get(..header_bytes);
+        let header = header.ok_or_else(|| damaged("its header is cut off"))?;
+        let text = str::from_utf8(header).map_err(|_| damaged("its header is no text"))?;
+        // A dictionary with one tuple in it is all that an array of plain numbers needs.
+        if text.contains('[') || text.matches('(').count() > 1 || text.matches('{').count() > 1 {
+            return Err(unsuitable("a structured array", "plain numbers"));
+        }
+        Self::parse(text, &bytes[prefix_bytes + header_bytes..])
+            .ok_or_else(|| damaged("its header has no `descr`, `fortran_order` and `shape`"))
     }
-    let data_from = prefix_bytes + header_bytes;
-    match bytes.get(prefix_bytes..data_from) {
-        None => Err(damaged("its header is cut off")),
-        Some(header) if is_nested(header) => Err(unsuitable("a structured array", "plain numbers")),
-        Some(_) => Ok(data_from),
+
+    fn parse(text: &'a str, data: &'a [u8]) -> Option<Self> {
+        let kind = entry(text, "descr")?;
+        let quote = kind.chars().next().filter(|c| ['\'', '"'].contains(c))?;
+        let (kind, _) = kind[1..].split_once(quote)?;
+        let order = entry(text, "fortran_order")?;
+        let (shape, _) = entry(text, "shape")?.strip_prefix('(')?.split_once(')')?;
+        let shape = shape.trim().trim_end_matches(',');
+        let lengths = shape.split(',').map(|length| length.trim().parse().ok());
+        Some(Self {
+            kind,
+            is_fortran: order.starts_with("True"),
+            shape: if shape.is_empty() {
+                Vec::new()
+            } else {
+                lengths.collect::<Option<_>>()?
+            },
+            data,
+        })
+    }
+
+    fn decode(self) -> Result<NpyArray, DecodeError> {
+        if self.is_fortran {
+            return Err(unsuitable("an array in Fortran order", "C order"));
+        }
+        let swapped = self.kind.starts_with('>');
+        let values = match self.kind.trim_start_matches(['<', '>', '|', '=']) {
+            "f4" => NpyValues::F32(self.numbers(if swapped {
+                f32::from_be_bytes
+            } else {
+                f32::from_le_bytes
+            })?),
+            "f8" => NpyValues::F64(self.numbers(if swapped {
+                f64::from_be_bytes
+            } else {
+                f64::from_le_bytes
+            })?),
+            "u2" => NpyValues::U16(self.numbers(if swapped {
+                u16::from_be_bytes
+            } else {
+                u16::from_le_bytes
+            })?),
+            "u1" => NpyValues::U8(self.numbers(u8::from_le_bytes)?),
+            _ => {
+                let found = format!("values of type {}", self.kind);
+                return Err(unsuitable(found, "float32, float64, uint8 or uint16"));
+            }
+        };
+        Ok(NpyArray {
+            shape: self.shape,
+            values,
+        })
+    }
+
+    fn numbers<T, const BYTES: usize>(&self, number: fn([u8; BYTES]) -> T) -> Result<Vec<T>, DecodeError> {
+        let count = self
+            .shape
+            .iter()
+            .try_fold(1usize, |count, &side| count.checked_mul(side));
+        let numbers = self.data.as_chunks::<BYTES>().0;
+        let numbers = count.and_then(|count| numbers.get(..count)).ok_or_else(|| {
+            let present = self.data.len();
+            damaged(format!(
+                "it has {present} bytes of data, less than its header announces"
+            ))
+        })?;
+        Ok(numbers.iter().copied().map(number).collect())
     }
 }
 
-/// Whether a header holds more than one dictionary with one tuple in it, which is all that an array of numbers needs.
-/// The parser behind `npyz` tries every nested bracket twice: twenty levels take it seconds, two hundred for ever.
-fn is_nested(header: &[u8]) -> bool {
-    let count = |bracket: u8| header.iter().filter(|&&byte| byte == bracket).count();
-    count(b'[') > 0 || count(b'(') > 1 || count(b'{') > 1
-}
-
-fn values(bytes: &[u8], kind: &TypeStr, count: usize, present: usize) -> Result<Values, DecodeError> {
-    let value_bytes = match (kind.type_char(), kind.size_field()) {
-        (TypeChar::Float, size @ (4 | 8)) | (TypeChar::Uint, size @ (1 | 2)) => size as usize,
-        _ => {
-            let found = format!("values of type {kind}");
-            return Err(unsuitable(found, "float32, float64, uint8 or uint16"));
-        }
-    };
-    let expected = count * value_bytes;
-    if present < expected {
-        return Err(damaged(format!(
-            "it has {present} bytes of data where its header announces {expected}"
-        )));
-    }
-    let file = NpyFile::new(bytes).map_err(damaged)?;
-    let values = match (kind.type_char(), value_bytes) {
-        (TypeChar::Float, 4) => file.into_vec().map(Values::Floats),
-        (TypeChar::Float, _) => {
-            let narrow = |data: Vec<f64>| data.into_iter().map(|value| value as f32).collect();
-            file.into_vec().map(|data| Values::Floats(narrow(data)))
-        }
-        (_, 1) => {
-            let wide = |data: Vec<u8>| data.into_iter().map(u16::from).collect();
-            file.into_vec().map(|data| Values::Codes(wide(data)))
-        }
-        (_, _) => file.into_vec().map(Values::Codes),
-    };
-    values.map_err(damaged)
+/// What stands behind a key of the header's dictionary.
+fn entry<'a>(text: &'a str, key: &str) -> Option<&'a str> {
+    let (_, rest) = text.split_once(key)?;
+    let rest = rest.strip_prefix(['\'', '"'])?.trim_start();
+    Some(rest.strip_prefix(':')?.trim_start())
 }
 
 /// An NPY file of shape [height, width, 3], f32, little endian.

@@ -3,7 +3,7 @@
 //!
 //! Below 2^-13 every value has the code 0 (the threshold of code 1 is about 1.5e-4 > 2^-13 = 1.2e-4). From there on the
 //! upper 16 bits of the float number the buckets: at most 1/128 of an octave each, narrower than the distance of two
-//! neighbouring thresholds. So a bucket holds its lowest code and the one value from which the next code begins.
+//! neighboring thresholds. So a bucket holds its lowest code and the one value from which the next code begins.
 
 const LOWEST: f32 = 1.0 / 8192.0;
 const SHIFT: u32 = 16;
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn codes_equal_the_reference_at_every_threshold_and_its_neighbours() {
+    fn codes_equal_the_reference_at_every_threshold_and_its_neighbors() {
         let encoder = Encoder::new();
         for code in 1..=255u8 {
             let at = threshold(code).to_bits();

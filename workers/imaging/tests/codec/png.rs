@@ -5,20 +5,13 @@
 use imaging::codec::{self, FilePlane};
 use imaging::{Plane, Raster, Samples};
 
-/// Colour types of PNG.
+/// Color types of PNG.
 const GRAY: u8 = 0;
 const PALETTE: u8 = 3;
 const GRAY_ALPHA: u8 = 4;
 
 /// A file with a right header, these chunks and these rows, each with its filter byte; not compressed.
-fn file(
-    width: u32,
-    height: u32,
-    depth: u8,
-    colour: u8,
-    chunks: &[(&[u8; 4], &[u8])],
-    rows: &[u8],
-) -> Vec<u8> {
+fn file(width: u32, height: u32, depth: u8, color: u8, chunks: &[(&[u8; 4], &[u8])], rows: &[u8]) -> Vec<u8> {
     let length = (rows.len() as u16).to_le_bytes();
     let complement = (!(rows.len() as u16)).to_le_bytes();
     let stored = [
@@ -29,7 +22,7 @@ fn file(
         &adler32(rows).to_be_bytes(),
     ]
     .concat();
-    let mut file = header(width, height, depth, colour);
+    let mut file = header(width, height, depth, color);
     for (kind, data) in chunks
         .iter()
         .copied()
@@ -41,11 +34,11 @@ fn file(
 }
 
 /// The signature and the header chunk.
-pub(crate) fn header(width: u32, height: u32, depth: u8, colour: u8) -> Vec<u8> {
+pub(crate) fn header(width: u32, height: u32, depth: u8, color: u8) -> Vec<u8> {
     let fields = [
         &width.to_be_bytes()[..],
         &height.to_be_bytes(),
-        &[depth, colour, 0, 0, 0],
+        &[depth, color, 0, 0, 0],
     ]
     .concat();
     [&b"\x89PNG\r\n\x1a\n"[..], &chunk(b"IHDR", &fields)].concat()
@@ -81,7 +74,7 @@ fn adler32(data: &[u8]) -> u32 {
 }
 
 #[test]
-fn a_palette_is_expanded_to_its_colours() {
+fn a_palette_is_expanded_to_its_colors() {
     let palette: &[u8] = &[10, 20, 30, 200, 100, 50];
     let bytes = file(3, 1, 8, PALETTE, &[(b"PLTE", palette)], &[0, 1, 0, 1]);
     let picture = codec::decode_picture(&bytes).unwrap();
@@ -115,9 +108,9 @@ fn sixteen_bit_codes_are_kept_in_their_order() {
 fn a_range_file_has_one_gray_channel_of_whole_bytes_and_no_alpha() {
     let refused = |bytes: &[u8]| codec::decode_plane(bytes).unwrap_err().to_string();
     let wanted = "one gray channel of 8 or 16 bits is needed";
-    let colour = codec::encode_png(&Raster::from(super::ramp(3, 3))).unwrap();
+    let color = codec::encode_png(&Raster::from(super::ramp(3, 3))).unwrap();
     assert_eq!(
-        refused(&colour),
+        refused(&color),
         format!("the file holds a colour picture but {wanted}")
     );
     let palette = file(1, 1, 8, PALETTE, &[(b"PLTE", &[1, 2, 3])], &[0, 0]);

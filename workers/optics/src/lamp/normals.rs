@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn the_normals_of_a_slanted_wall_are_its_own() {
-        let camera = Intrinsics::centred(40.0, 33, 21);
+        let camera = Intrinsics::centered(40.0, 33, 21);
         let normal = [0.48, -0.36, -0.8];
         let normals = normals_of(&wall(normal, &camera), &camera);
         for (plane, expected) in normals.iter().zip(normal) {
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn an_edge_takes_the_surface_that_the_pixel_is_on_and_a_hole_faces_the_camera() {
-        let camera = Intrinsics::centred(40.0, 33, 21);
+        let camera = Intrinsics::centered(40.0, 33, 21);
         let flat = wall([0.0, 0.0, -1.0], &camera);
         let step = Plane::from_fn(33, 21, |x, y| {
             if x < 16 {
@@ -160,7 +160,7 @@ mod tests {
                     .all(|plane| plane.data().iter().all(|v| v.is_finite()))
             );
         }
-        let alone = normals_of(&Plane::filled(1, 1, 2.0), &Intrinsics::centred(1.0, 1, 1));
+        let alone = normals_of(&Plane::filled(1, 1, 2.0), &Intrinsics::centered(1.0, 1, 1));
         assert_eq!([0, 1, 2].map(|i| alone[i].at(0, 0)), [0.0, 0.0, -1.0]);
     }
 }

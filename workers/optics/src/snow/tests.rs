@@ -14,7 +14,7 @@ const WORLD: World = World { seed: 7, index: 0 };
 const SIZE: (usize, usize) = (96, 64);
 
 fn eye() -> Eye {
-    Eye::at_origin(Intrinsics::centred(60.0, SIZE.0, SIZE.1))
+    Eye::at_origin(Intrinsics::centered(60.0, SIZE.0, SIZE.1))
 }
 
 /// A grey picture with a wall at this range under snow, and the mask.

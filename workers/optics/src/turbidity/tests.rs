@@ -36,7 +36,7 @@ fn the_field_has_mean_one_the_stated_spread_and_correlation_and_is_never_negativ
 fn a_moving_camera_sees_the_same_field() {
     let field = Field::new(&PATCHY, World { seed: 3, index: 0 });
     let eye = Eye {
-        camera: Intrinsics::centred(80.0, 32, 24),
+        camera: Intrinsics::centered(80.0, 32, 24),
         world_from_camera: [
             [0.0, -0.6, 0.8, 4.0],
             [1.0, 0.0, 0.0, -2.0],

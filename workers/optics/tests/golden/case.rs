@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use imaging::codec::{self, NpyValues};
 use imaging::{Plane, Rgb};
 use serde_json::{Map, Value};
 
@@ -126,18 +127,15 @@ impl Case {
             return None;
         }
         let bytes = std::fs::read(&path).expect("a readable array");
-        let file = npyz::NpyFile::new(&bytes[..]).expect("an NPY file");
-        let shape = file.shape().iter().map(|&side| side as usize).collect();
-        let kind = file.dtype().descr();
-        let (values, top_code) = match kind.trim_matches(|c: char| !c.is_ascii_alphanumeric()) {
-            "f8" => (file.into_vec::<f64>().expect("f64"), None),
-            "f4" => (widened(file.into_vec::<f32>().expect("f32")), None),
-            "u1" => (widened(file.into_vec::<u8>().expect("u8")), Some(255.0)),
-            "u2" => (widened(file.into_vec::<u16>().expect("u16")), Some(65535.0)),
-            _ => panic!("{}: type {kind} is not known", path.display()),
+        let array = codec::decode_npy(&bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let (values, top_code) = match array.values {
+            NpyValues::F64(values) => (values, None),
+            NpyValues::F32(values) => (widened(values), None),
+            NpyValues::U8(codes) => (widened(codes), Some(255.0)),
+            NpyValues::U16(codes) => (widened(codes), Some(65535.0)),
         };
         Some(Array {
-            shape,
+            shape: array.shape,
             values,
             top_code,
         })

@@ -355,7 +355,7 @@ fn lamp(light: &Value) -> Lamp {
 pub(crate) fn airlight(case: &Case) {
     let range = case.range();
     let focal_px = case.number("focal_px").expect("a focal length");
-    let centred = Intrinsics::centred(focal_px, range.width(), range.height());
+    let centred = Intrinsics::centered(focal_px, range.width(), range.height());
     let centre = case.get("principal_point");
     let coordinate = |i: usize, usual| centre.map_or(usual, |p| p[i].as_f64().expect("a number"));
     let scattering = case.triple("scattering_per_m").expect("scattering");

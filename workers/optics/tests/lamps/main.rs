@@ -40,7 +40,7 @@ fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), asymmetry: f64) -
     Lighting {
         lamps,
         radius_m: LAMP_RADIUS_M,
-        camera: Intrinsics::centred(0.7 * width as f64, width, height),
+        camera: Intrinsics::centered(0.7 * width as f64, width, height),
         attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
         scattering,
         asymmetry,

@@ -42,7 +42,7 @@ fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), patches: Option<F
     Lighting {
         lamps,
         radius_m: LAMP_RADIUS_M,
-        camera: Intrinsics::centred(0.6 * width as f64, width, height),
+        camera: Intrinsics::centered(0.6 * width as f64, width, height),
         attenuation: ATTENUATION,
         scattering: SCATTERING,
         asymmetry: ASYMMETRY,

@@ -23,7 +23,7 @@ pub(crate) fn lighting(
         return Ok(None);
     };
     let (width, height) = range.size();
-    let camera = Intrinsics::centred(prepared.focal_px, width, height);
+    let camera = Intrinsics::centered(prepared.focal_px, width, height);
     Ok(Some(Lighting {
         lamps,
         radius_m: LAMP_RADIUS_M,

@@ -37,7 +37,7 @@ pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, R
     match (&frame.scene, source) {
         (SceneOf::Procedural { family, seed }, _) => {
             let (width, height) = (frame.camera.width, frame.camera.height);
-            let camera = Intrinsics::centred(frame.camera.focal_px(width), width, height);
+            let camera = Intrinsics::centered(frame.camera.focal_px(width), width, height);
             let world = World::new(family, *seed)?;
             let pose = pose(frame, &world)?;
             let (scene, labels) = if needs_labels(frame) {
@@ -127,7 +127,7 @@ fn camera_of(frame: &Frame, rgb: &[u8]) -> Result<Intrinsics, RenderError> {
         Radiance::Encoded(raster) => (raster.width(), raster.height()),
         Radiance::Linear(radiance) => radiance.size(),
     };
-    Ok(Intrinsics::centred(frame.camera.focal_px(width), width, height))
+    Ok(Intrinsics::centered(frame.camera.focal_px(width), width, height))
 }
 
 fn read(scene: &SceneOf) -> Result<SceneBytes, RenderError> {

@@ -39,7 +39,7 @@ impl Patches {
 /// The camera of a frame at its place; of a scene without a place, at the origin.
 pub(crate) fn eye(prepared: &Prepared) -> Eye {
     let (width, height) = prepared.scene.radiance.size();
-    let centred = || Intrinsics::centred(prepared.focal_px, width, height);
+    let centred = || Intrinsics::centered(prepared.focal_px, width, height);
     let still = Eye::at_origin(prepared.scene.intrinsics.unwrap_or_else(centred));
     match prepared.pose {
         None => still,

@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_level_camera_sees_up_at_the_top() {
-        let lens = Intrinsics::centred(50.0, 3, 3);
+        let lens = Intrinsics::centered(50.0, 3, 3);
         let camera = Camera::new(
             &CameraPose::looking(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 1.0), 0.0),
             (3, 3),

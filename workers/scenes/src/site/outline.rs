@@ -102,7 +102,7 @@ mod tests {
     /// Tubes in every direction, some of them past the camera.
     #[test]
     fn no_ray_outside_the_outline_meets_the_solid() {
-        let lens = Intrinsics::centred(40.0, 64, 48);
+        let lens = Intrinsics::centered(40.0, 64, 48);
         let pose = CameraPose::looking(vec3(0.0, -3.0, 0.3), vec3(0.2, 0.0, 0.1), 0.1);
         let camera = Camera::new(&pose, (64, 48), &lens);
         let mut met = 0;

@@ -24,7 +24,7 @@ pub(super) fn draw(photos: &[&Rgb8], network: &Network) -> Result<Rgb8, Failure>
     let (mut before, mut whole, mut part) = (Vec::new(), Vec::new(), Vec::new());
     let mut scratch = Scratch::default();
     for seed in SEEDS {
-        let lens = Intrinsics::centred(0.6 * WIDTH as f64, WIDTH, HEIGHT);
+        let lens = Intrinsics::centered(0.6 * WIDTH as f64, WIDTH, HEIGHT);
         let scene =
             scenes::procedural("structure", seed, WIDTH, HEIGHT, lens).context("cannot render a scene")?;
         let styled = network.apply(&transfer::encode_unit(&scene.radiance), &mut scratch);

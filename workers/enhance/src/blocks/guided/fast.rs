@@ -36,7 +36,7 @@ fn sweep(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let (width, height) = plane.size();
     let radius = guide.radius_px;
     let (across, down) = (inverse_counts(width, radius), inverse_counts(height, radius));
-    let regularisation = guide.regularisation / (guide.scale * guide.scale);
+    let regularization = guide.regularization / (guide.scale * guide.scale);
     let (no_codes, no_plane) = (vec![0u8; width], vec![0.0; width]);
     let none = Row {
         codes: [&no_codes; 3],
@@ -66,7 +66,7 @@ fn sweep(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
             let leaves = if y > radius { row(y - radius - 1) } else { none };
             slide(&mut moments.columns, enters, leaves);
             moments.total();
-            coefficient_row(&moments, (&across, down[y]), regularisation, &mut found);
+            coefficient_row(&moments, (&across, down[y]), regularization, &mut found);
         } else {
             found.iter_mut().for_each(|row| row.fill(0.0));
         }
@@ -125,7 +125,7 @@ fn slide(columns: &mut [Vec<f64>; MOMENTS], enters: Row, leaves: Row) {
 fn coefficient_row(
     moments: &WindowSums<MOMENTS>,
     (across, down): (&[f64], f64),
-    regularisation: f64,
+    regularization: f64,
     found: &mut [Vec<f64>; COEFFICIENTS],
 ) {
     let width = across.len();
@@ -136,12 +136,12 @@ fn coefficient_row(
         for x in 0..BLOCK {
             let [r, g, b, rr, rg, rb, gg, gb, bb, p, rp, gp, bp] = means.each_ref().map(|means| means[x]);
             let matrix = [
-                rr - r * r + regularisation,
+                rr - r * r + regularization,
                 rg - r * g,
                 rb - r * b,
-                gg - g * g + regularisation,
+                gg - g * g + regularization,
                 gb - g * b,
-                bb - b * b + regularisation,
+                bb - b * b + regularization,
             ];
             let slope = solve(matrix, [rp - r * p, gp - g * p, bp - b * p]);
             block[0][x] = slope[0];
@@ -167,17 +167,17 @@ fn apply_row(
     for start in (0..width).step_by(BLOCK) {
         let end = (start + BLOCK).min(width);
         let means = block_means(coefficients, across, down, start, end);
-        let mut colour = [[0.0f64; BLOCK]; 3];
-        for (colour, codes) in colour.iter_mut().zip(codes) {
-            for (value, &code) in colour.iter_mut().zip(&codes[start..end]) {
+        let mut color = [[0.0f64; BLOCK]; 3];
+        for (color, codes) in color.iter_mut().zip(codes) {
+            for (value, &code) in color.iter_mut().zip(&codes[start..end]) {
                 *value = f64::from(code);
             }
         }
         let mut block = [0.0f64; BLOCK];
         for x in 0..BLOCK {
-            block[x] = means[0][x] * colour[0][x]
-                + means[1][x] * colour[1][x]
-                + means[2][x] * colour[2][x]
+            block[x] = means[0][x] * color[0][x]
+                + means[1][x] * color[1][x]
+                + means[2][x] * color[2][x]
                 + means[3][x];
         }
         filtered[start..end].copy_from_slice(&block[..end - start]);

@@ -1,8 +1,8 @@
-//! The guided filter with a colour guide (He, Sun and Tang 2013, "Guided image filtering", eq. 14 and 19-21).
+//! The guided filter with a color guide (He, Sun and Tang 2013, "Guided image filtering", eq. 14 and 19-21).
 //!
 //! In each window the output is an affine function of the guide, `q = a · I + b`, with
 //! `a = (Σ + ε E)⁻¹ cov(I, p)` and `b = mean(p) - a · mean(I)`; every pixel takes the mean of a and of b over the
-//! windows that hold it. `I` is the guide, a colour in 0..=1; `p` the plane to filter; `Σ` the 3 × 3 covariance of the
+//! windows that hold it. `I` is the guide, a color in 0..=1; `p` the plane to filter; `Σ` the 3 × 3 covariance of the
 //! guide in the window; means are [`box_mean`](super::box_mean) with windows clipped to the picture. `Σ + ε E` is
 //! positive definite, so its determinant is never 0.
 //!
@@ -19,18 +19,18 @@ use crate::method::Variant;
 /// Radius of the methods' windows, pixels.
 pub const RADIUS_PX: usize = 50;
 /// ε of the methods, in squares of the guide's 0..=1.
-pub const REGULARISATION: f64 = 1e-3;
+pub const REGULARIZATION: f64 = 1e-3;
 /// Largest radius: the fast form keeps a row of coefficients for each row of a window.
 pub const RADIUS_MAX: usize = 255;
 
-/// A guide: codes, and how they become the colour in 0..=1.
+/// A guide: codes, and how they become the color in 0..=1.
 #[derive(Debug, Clone)]
 pub struct Guide {
     channels: [Plane<u8>; 3],
     /// `I = scale · code + offset`; the offset does not matter.
     scale: f64,
     radius_px: usize,
-    regularisation: f64,
+    regularization: f64,
 }
 
 impl Guide {
@@ -46,7 +46,7 @@ impl Guide {
             channels,
             scale: 1.0 / 255.0,
             radius_px: RADIUS_PX,
-            regularisation: REGULARISATION,
+            regularization: REGULARIZATION,
         }
     }
 
@@ -58,10 +58,10 @@ impl Guide {
 
     /// The same with another radius, 0..=[`RADIUS_MAX`] (more is cut), and another ε, above 0.
     #[must_use]
-    pub fn window(self, radius_px: usize, regularisation: f64) -> Self {
+    pub fn window(self, radius_px: usize, regularization: f64) -> Self {
         Self {
             radius_px: radius_px.min(RADIUS_MAX),
-            regularisation,
+            regularization,
             ..self
         }
     }
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn an_affine_function_of_the_guide_comes_back_when_nothing_is_regularised() {
+    fn an_affine_function_of_the_guide_comes_back_when_nothing_is_regularized() {
         let picture = textured(40, 30);
         let plane = Plane::from_fn(40, 30, |x, y| {
             let [r, g, b] = picture.at(x, y).map(f64::from);

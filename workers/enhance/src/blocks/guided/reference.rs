@@ -11,11 +11,11 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let mean = |plane: &Plane<f64>| box_mean(plane, guide.radius_px, Variant::Reference);
     let product =
         |a: &Plane<f64>, b: &Plane<f64>| Plane::from_fn(width, height, |x, y| a.at(x, y) * b.at(x, y));
-    let colours = guide
+    let colors = guide
         .channels
         .each_ref()
         .map(|codes| codes.map(|&code| guide.scale * f64::from(code)));
-    let means = colours.each_ref().map(mean);
+    let means = colors.each_ref().map(mean);
     let plane_mean = mean(plane);
 
     let covariance = |a: (&Plane<f64>, &Plane<f64>), b: (&Plane<f64>, &Plane<f64>)| {
@@ -24,7 +24,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
             products.at(x, y) - a.1.at(x, y) * b.1.at(x, y)
         })
     };
-    let channel = |i: usize| (&colours[i], &means[i]);
+    let channel = |i: usize| (&colors[i], &means[i]);
     let pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
     let spread = pairs.map(|(i, j)| covariance(channel(i), channel(j)));
     let with_plane = [0, 1, 2].map(|i| covariance(channel(i), (plane, &plane_mean)));
@@ -32,7 +32,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let slopes = Plane::from_fn(width, height, |x, y| {
         let mut matrix = spread.each_ref().map(|plane| plane.at(x, y));
         for diagonal in [0, 3, 5] {
-            matrix[diagonal] += guide.regularisation;
+            matrix[diagonal] += guide.regularization;
         }
         solve(matrix, with_plane.each_ref().map(|plane| plane.at(x, y)))
     });
@@ -44,7 +44,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let offset = mean(&offset);
     Plane::from_fn(width, height, |x, y| {
         (0..3)
-            .map(|i| slopes[i].at(x, y) * colours[i].at(x, y))
+            .map(|i| slopes[i].at(x, y) * colors[i].at(x, y))
             .sum::<f64>()
             + offset.at(x, y)
     })

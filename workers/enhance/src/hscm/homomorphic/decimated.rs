@@ -112,7 +112,7 @@ struct Narrowing<'a> {
     /// Which column of the picture stands beyond it on the padded circle; `None` where the padding is 0.
     beyond: Vec<Option<usize>>,
     line: Vec<f32>,
-    /// Even and odd samples apart, each with its neighbours on the circle.
+    /// Even and odd samples apart, each with its neighbors on the circle.
     even: Vec<f32>,
     odd: Vec<f32>,
     /// Samples of a narrow row.
@@ -173,12 +173,12 @@ fn blur_row(rows: [&[f32]; 7], kernel: &[f32], line: &mut [f32], half: usize, sm
     }
 }
 
-/// Blurred down the columns around row `centre` of the ring, and filled in again along the row.
+/// Blurred down the columns around row `center` of the ring, and filled in again along the row.
 #[inline(always)]
-fn widen_row(small: &Ring, centre: usize, kernel: &[f32], line: &mut [f32], half: usize, wide: &mut [f32]) {
+fn widen_row(small: &Ring, center: usize, kernel: &[f32], line: &mut [f32], half: usize, wide: &mut [f32]) {
     for block in (0..half).step_by(BLOCK) {
         let sums = weighted_sum(kernel, |offset| {
-            &small.row(centre.wrapping_add_signed(offset))[block..]
+            &small.row(center.wrapping_add_signed(offset))[block..]
         });
         let end = (block + BLOCK).min(half);
         line[REACH + block..REACH + end].copy_from_slice(&sums[..end - block]);
@@ -237,7 +237,7 @@ fn binomial_of_rows(rows: [&[f32]; 7], out: &mut [f32]) {
     }
 }
 
-/// The sample at a kept position, from that one (1) and its neighbours.
+/// The sample at a kept position, from that one (1) and its neighbors.
 #[inline(always)]
 fn even_sample(samples: [f32; 4]) -> f32 {
     (20.0 * samples[1] + 6.0 * (samples[0] + samples[2])) / 32.0

@@ -27,7 +27,7 @@ pub const RADII_MAX: usize = 300;
 /// the worst frequency. The method's tolerance is 2e-3; in pictures of scenes a few 1e-6 remain.
 pub const ALIASING_MAX: f64 = 1.5e-3;
 
-/// Half kernels of the two passes, centre first.
+/// Half kernels of the two passes, center first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kernels {
     /// Weights along a row.
@@ -105,7 +105,7 @@ impl Recipe {
 }
 
 /// The circular convolution kernel on every `step`-th (1 or 2) of `n` samples whose transform is `exp(-k² / (2 delta²))`,
-/// over the response of leaving samples out where some are, from its centre outward until less than [`KERNEL_TAIL`] or
+/// over the response of leaving samples out where some are, from its center outward until less than [`KERNEL_TAIL`] or
 /// [`KERNEL_TAIL_DECIMATED`] remains; `None` when more than half the side would be needed.
 fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
     let n = side / step;
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cutoff_beyond_all_bins_needs_no_neighbours() {
+    fn a_cutoff_beyond_all_bins_needs_no_neighbors() {
         assert_eq!(half_kernel(64, 1e6, 1).unwrap(), [1.0]);
         assert_eq!(half_kernel(1, 1.0, 1).unwrap(), [1.0]);
     }

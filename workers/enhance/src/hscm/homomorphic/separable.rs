@@ -60,13 +60,13 @@ impl<F: FnMut(usize, &[f32])> WithSimd for Sweep<'_, F> {
             let Some(y) = position.checked_sub(2 * radius) else {
                 continue;
             };
-            let centre = y + radius;
+            let center = y + radius;
             let blocks = filtered
                 .chunks_exact_mut(BLOCK)
-                .zip(logs.row(centre).chunks_exact(BLOCK));
+                .zip(logs.row(center).chunks_exact(BLOCK));
             for (block, (x, log)) in blocks.enumerate() {
                 let sums = weighted_sum(&self.kernels.y, |offset| {
-                    &blurred.row(centre.wrapping_add_signed(offset))[block * BLOCK..]
+                    &blurred.row(center.wrapping_add_signed(offset))[block * BLOCK..]
                 });
                 for i in 0..BLOCK {
                     x[i] = gain * log[i] - drop * sums[i];
@@ -164,13 +164,13 @@ impl<'a> RowPass<'a> {
     }
 }
 
-/// `k_0 s(0) + Σ k_t (s(-t) + s(t))` for `BLOCK` neighbouring columns; `samples(t)` starts at the block, shifted by t.
+/// `k_0 s(0) + Σ k_t (s(-t) + s(t))` for `BLOCK` neighboring columns; `samples(t)` starts at the block, shifted by t.
 #[inline(always)]
 pub(super) fn weighted_sum<'a>(kernel: &[f32], samples: impl Fn(isize) -> &'a [f32]) -> [f32; BLOCK] {
     let mut sums = [0.0f32; BLOCK];
-    let centre = &samples(0)[..BLOCK];
+    let center = &samples(0)[..BLOCK];
     for i in 0..BLOCK {
-        sums[i] = kernel[0] * centre[i];
+        sums[i] = kernel[0] * center[i];
     }
     for (t, &weight) in kernel.iter().enumerate().skip(1) {
         let before = &samples(-(t as isize))[..BLOCK];

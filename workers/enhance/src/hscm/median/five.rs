@@ -50,7 +50,7 @@ macro_rules! order {
     )*};
 }
 
-/// Five neighbours of each rank.
+/// Five neighbors of each rank.
 macro_rules! across {
     ($x:ident: $($rank:ident)*) => {
         [$([$rank[$x], $rank[$x + 1], $rank[$x + 2], $rank[$x + 3], $rank[$x + 4]]),*]
@@ -79,7 +79,7 @@ fn sort_columns(rows: [&[u8]; 5], columns: &mut [Vec<u8>; 5]) {
     }
 }
 
-/// The medians of `BLOCK` windows; `columns[rank]` starts two columns to the left of the first centre.
+/// The medians of `BLOCK` windows; `columns[rank]` starts two columns to the left of the first center.
 #[inline(always)]
 fn window_medians(columns: [&[u8]; 5]) -> [u8; BLOCK] {
     let [a, b, c, d, e] = columns.map(|rank| &rank[..BLOCK + 2 * RADIUS]);

@@ -17,7 +17,7 @@ fn range_is_that_of_the_analytic_intersection_in_f64() {
         let (mut worst, mut grazing, mut met) = (0.0f64, 0, 0);
         for seed in 0..24 {
             let world = World::new(family, seed).unwrap();
-            let (pose, lens) = (world.pose(), Intrinsics::centred(0.6 * 41.0, 41, 27));
+            let (pose, lens) = (world.pose(), Intrinsics::centered(0.6 * 41.0, 41, 27));
             let range = world.render(&pose, (41, 27), &lens).range.unwrap();
             for y in 0..27 {
                 for x in 0..41 {

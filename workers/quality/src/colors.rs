@@ -1,17 +1,17 @@
-//! The distinct colours of a picture: most pictures have far fewer of them than pixels.
+//! The distinct colors of a picture: most pictures have far fewer of them than pixels.
 
 use imaging::Rgb8;
 
-/// Every colour that occurs, in the order of R, then G, then B, and how often.
-pub(crate) struct Colours {
-    /// Codes of one colour after the other.
+/// Every color that occurs, in the order of R, then G, then B, and how often.
+pub(crate) struct Colors {
+    /// Codes of one color after the other.
     pub(crate) codes: Vec<u8>,
     pub(crate) counts: Vec<u32>,
     /// Pixels of the picture.
     pub(crate) pixels: usize,
 }
 
-impl Colours {
+impl Colors {
     pub(crate) fn of(picture: &Rgb8) -> Self {
         let pixels = picture.data().len() / 3;
         // Sorted by red and green in one pass over their pairs; the blues of a pair are few.
@@ -54,12 +54,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_colours_are_counted_together_in_order() {
+    fn equal_colors_are_counted_together_in_order() {
         let picture = Rgb8::from_fn(5, 1, |x, _| {
             [[9, 0, 5], [0, 255, 3], [9, 0, 2], [0, 255, 3], [9, 0, 5]][x]
         });
-        let colours = Colours::of(&picture);
-        assert_eq!(colours.codes, [0, 255, 3, 9, 0, 2, 9, 0, 5]);
-        assert_eq!((colours.counts, colours.pixels), (vec![2, 1, 2], 5));
+        let colors = Colors::of(&picture);
+        assert_eq!(colors.codes, [0, 255, 3, 9, 0, 2, 9, 0, 5]);
+        assert_eq!((colors.counts, colors.pixels), (vec![2, 1, 2], 5));
     }
 }

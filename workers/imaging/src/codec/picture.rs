@@ -1,0 +1,170 @@
+//! The decoders of picture files, each kept within the limits, and their samples as a raster.
+
+use std::io::Cursor;
+
+use zune_core::bytestream::ZCursor;
+use zune_core::colorspace::ColorSpace;
+use zune_core::options::DecoderOptions;
+
+use super::{DecodeError, MAX_DECODER_BYTES, check_size, jpeg};
+use crate::{Channels, Raster, Samples};
+
+/// Formats of pictures, told apart by their first bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Format {
+    Png,
+    Jpeg,
+    WebP,
+}
+
+/// Pixels as a decoder hands them out, alpha last.
+struct Pixels {
+    width: usize,
+    height: usize,
+    channels: Channels,
+    has_alpha: bool,
+    samples: Samples,
+}
+
+impl Format {
+    pub(super) fn of(bytes: &[u8]) -> Option<Self> {
+        match bytes {
+            [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
+            [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(Self::WebP),
+            _ => None,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::WebP => "WebP",
+        }
+    }
+
+    fn damaged(self, reason: impl ToString) -> DecodeError {
+        DecodeError::Damaged {
+            format: self.name(),
+            reason: reason.to_string(),
+        }
+    }
+
+    pub(super) fn decode(self, bytes: &[u8]) -> Result<Raster, DecodeError> {
+        let pixels = match self {
+            Self::Png => decode_png(bytes),
+            Self::Jpeg => decode_jpeg(bytes),
+            Self::WebP => decode_webp(bytes),
+        }?;
+        pixels.into_raster().map_err(|error| self.damaged(error))
+    }
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Pixels, DecodeError> {
+    use png::{BitDepth, ColorType};
+    let damaged = |error: png::DecodingError| Format::Png.damaged(error);
+    let limits = png::Limits {
+        bytes: MAX_DECODER_BYTES,
+    };
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let header = decoder.read_header_info().map_err(damaged)?;
+    let (width, height) = (header.width as usize, header.height as usize);
+    check_size(width, height)?;
+    let mut reader = decoder.read_info().map_err(damaged)?;
+    let (color, depth) = reader.output_color_type();
+    let mut data = vec![0; reader.output_buffer_size().unwrap_or(0)];
+    reader.next_frame(&mut data).map_err(damaged)?;
+    let (channels, has_alpha) = match color {
+        ColorType::Grayscale => (Channels::Gray, false),
+        ColorType::GrayscaleAlpha => (Channels::Gray, true),
+        ColorType::Rgb => (Channels::Rgb, false),
+        ColorType::Rgba => (Channels::Rgb, true),
+        ColorType::Indexed => return Err(Format::Png.damaged("it has no palette")),
+    };
+    let samples = match depth {
+        BitDepth::Sixteen => {
+            let codes = data.as_chunks::<2>().0;
+            Samples::U16(codes.iter().copied().map(u16::from_be_bytes).collect())
+        }
+        _ => Samples::U8(data),
+    };
+    Ok(Pixels {
+        width,
+        height,
+        channels,
+        has_alpha,
+        samples,
+    })
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Pixels, DecodeError> {
+    let damaged = |error: zune_jpeg::errors::DecodeErrors| Format::Jpeg.damaged(error);
+    // Of the sides nothing yet: they are checked below, so that the error tells them.
+    let options = DecoderOptions::default()
+        .set_strict_mode(false)
+        .set_max_width(usize::MAX)
+        .set_max_height(usize::MAX);
+    let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(damaged)?;
+    let (width, height) = decoder.dimensions().unwrap_or_default();
+    check_size(width, height)?;
+    if !jpeg::is_whole(bytes) {
+        return Err(Format::Jpeg.damaged("it has no end"));
+    }
+    let (channels, color) = match decoder.input_colorspace() {
+        Some(ColorSpace::Luma) => (Channels::Gray, ColorSpace::Luma),
+        _ => (Channels::Rgb, ColorSpace::RGB),
+    };
+    decoder.set_options(options.jpeg_set_out_colorspace(color));
+    let data = decoder.decode().map_err(damaged)?;
+    Ok(Pixels {
+        width,
+        height,
+        channels,
+        has_alpha: false,
+        samples: Samples::U8(data),
+    })
+}
+
+fn decode_webp(bytes: &[u8]) -> Result<Pixels, DecodeError> {
+    let damaged = |error: image_webp::DecodingError| Format::WebP.damaged(error);
+    let mut decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    let (width, height) = (width as usize, height as usize);
+    check_size(width, height)?;
+    let mut data = vec![0; decoder.output_buffer_size().unwrap_or(0)];
+    decoder.read_image(&mut data).map_err(damaged)?;
+    Ok(Pixels {
+        width,
+        height,
+        channels: Channels::Rgb,
+        has_alpha: decoder.has_alpha(),
+        samples: Samples::U8(data),
+    })
+}
+
+impl Pixels {
+    fn into_raster(self) -> Result<Raster, crate::SizeError> {
+        let (samples, alpha) = match (self.has_alpha, self.samples) {
+            (false, samples) => (samples, None),
+            (true, Samples::U8(codes)) => split_alpha(self.channels, &codes, Samples::U8),
+            (true, Samples::U16(codes)) => split_alpha(self.channels, &codes, Samples::U16),
+        };
+        Raster::new(self.width, self.height, self.channels, samples, alpha)
+    }
+}
+
+fn split_alpha<T: Copy>(
+    channels: Channels,
+    samples: &[T],
+    wrap: fn(Vec<T>) -> Samples,
+) -> (Samples, Option<Samples>) {
+    let pixels = samples.chunks_exact(channels.count() + 1);
+    let alpha = pixels.clone().map(|pixel| pixel[channels.count()]).collect();
+    let color = pixels
+        .flat_map(|pixel| pixel[..channels.count()].iter().copied())
+        .collect();
+    (wrap(color), Some(wrap(alpha)))
+}
