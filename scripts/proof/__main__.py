@@ -148,7 +148,10 @@ def check_words(binary, work, report):
     tell(report, "outputs", old["outputs"], new["outputs"])
     tell(report, "refusals", *({name: refusals.pointers(lines) for name, lines in each["refusals"].items()} for each in (old, new)))
     laboratory = pathlib.Path(binary).with_name("fathom-lab")
-    also = refusals.options(str(laboratory)) if laboratory.is_file() else {}
+    if not laboratory.is_file():
+        print("SKIPPED: options: fathom-lab is not built beside this binary")
+        return report.leave_out("options")
+    also = refusals.options(str(laboratory))
     known = {command: sorted({*new["options"].get(command, []), *also.get(command, [])}) for command in new["options"].keys() | also.keys()}
     tell(report, "options", old["options"], {command: known[command] for command in known if command in old["options"]})
 

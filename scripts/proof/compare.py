@@ -55,8 +55,12 @@ class Report:
 
     def keep_areas(self, parts):
         """Leaves out what is expected of parts that are not compared."""
-        kept = [line for line in self.expected if PART_OF[line[0]] in parts]
-        self.expected, self.used = kept, [0] * len(kept)
+        for area in PART_OF.keys() - {area for area, part in PART_OF.items() if part in parts}:
+            self.leave_out(area)
+
+    def leave_out(self, area):
+        kept = [(line, used) for line, used in zip(self.expected, self.used) if line[0] != area]
+        self.expected, self.used = [line for line, _ in kept], [used for _, used in kept]
 
     def add(self, area, place, what, text):
         """One difference: `area` and `place` say where, `what` says which column or kind of change."""
