@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use serde_json::Value;
+use spec_derive::Described;
 
 use crate::artifact::ArtifactKind;
 use crate::camera::Camera;
+use crate::fields::EXACT;
 use crate::light::{Haze, Light};
 use crate::scene_files::{RangeFile, RangeKind, SceneFiles};
 use crate::water::Water;
@@ -15,36 +17,48 @@ use crate::water::Water;
 ///
 /// `parameters` is the same description as canonical JSON (sorted keys, defaults filled in): it is what the record
 /// stores and what the digest of a job covers.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Described)]
 pub struct Frame {
     /// Position in the job, `0..frames`.
     #[serde(skip)]
     pub index: u64,
     /// the collection the images join
+    #[field(fixed, names = Dataset, default = "default")]
     pub dataset: String,
     /// seed of all laws and of stage randomness
+    #[field(fixed, within(0, u64::MAX), default = 0)]
     pub seed: u64,
     /// what the camera would see in air
     pub scene: Scene,
     /// pinhole camera, principal point in the middle
+    #[field(default = {})]
     pub camera: Camera,
     /// the water and its style
+    #[field(default = {})]
     pub water: Water,
     /// share of the styled image
+    #[field(within(0.0, 1.0), default = 1)]
     pub alpha: f64,
     /// lamps in the water, and haze in drawing order
+    #[field(max = 64, default = [])]
     pub lights: Vec<Light>,
     /// enhancement methods to run on the result
+    #[field(names = Enhancement, max = 64, distinct, default = [])]
     pub enhance: Vec<String>,
     /// metrics to measure
+    #[field(names = Metric, max = 64, distinct, default = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"])]
     pub metrics: Vec<String>,
     /// how exact the water must be
+    #[field(default = {"tolerance": 3e-4})]
     pub fidelity: Fidelity,
     /// what to store
+    #[field(names = Artifact, max = 64, distinct, default = ["rgb"])]
     pub artifacts: Vec<ArtifactKind>,
     /// file format of RGB-like artifacts
+    #[field(default = {})]
     pub encode: Encode,
     /// the user's own scalars, queryable as `labels.<name>`
+    #[field(fixed, default = {})]
     pub labels: BTreeMap<String, Value>,
     /// The canonical JSON of all of the above, without `index`.
     #[serde(skip)]
@@ -100,32 +114,40 @@ impl Frame {
 }
 
 /// Where radiance and range come from.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Described)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Scene {
     /// Rendered from a seed.
     Procedural {
         /// family of scenes
+        #[field(names = Family)]
         family: String,
         /// seed of the scene, apart from the job's seed
+        #[field(within(0, EXACT), default = 0)]
         seed: u64,
     },
     /// Uploaded before through the API.
     Uploaded {
         /// an uploaded scene, which brings its own size
+        #[field(names = SceneId)]
         id: String,
     },
     /// Files of this machine; only for rendering without a service.
     Files {
         /// PNG, JPEG, WebP or NPY picture
+        #[field(names = Path)]
         rgb: String,
         /// distances along the line of sight
+        #[field(names = Path)]
         range: Option<String>,
         /// distances along the optical axis, instead of `range`
+        #[field(names = Path)]
         z_depth: Option<String>,
         /// metres of one unit of that file
+        #[field(above(0.0, 1e6), unit = "m")]
         unit_m: Option<f64>,
         /// code that means no return in that file
+        #[field(within(0, 65_535))]
         invalid_code: Option<u16>,
     },
 }
@@ -164,19 +186,22 @@ impl Scene {
 }
 
 /// How exact the water must be.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {
     /// largest error in linear light
+    #[field(within(1e-7, 1.0))]
     Tolerance(f64),
     /// kernels of the fast forward scatter
+    #[field(within(1, 64))]
     Terms(usize),
     /// `reference`, the slow f64 form, or `display`, within one code of the 8-bit picture
+    #[field(fixed)]
     Variant(Variant),
 }
 
 /// A fidelity with a name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum Variant {
     /// The slow f64 form.
@@ -193,8 +218,9 @@ impl Fidelity {
 }
 
 /// How RGB-like artifacts are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
 #[serde(tag = "format", rename_all = "snake_case")]
+#[described(default = "png")]
 pub enum Encode {
     /// PNG, lossless.
     Png,
@@ -203,6 +229,7 @@ pub enum Encode {
     /// JPEG.
     Jpeg {
         /// JPEG quality
+        #[field(within(1, 100), default = 95)]
         quality: u8,
     },
 }

@@ -7,7 +7,6 @@ mod artifact;
 mod camera;
 mod check;
 mod draw;
-#[rustfmt::skip]
 pub mod fields;
 mod frame;
 mod invalid;

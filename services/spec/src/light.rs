@@ -1,9 +1,10 @@
 //! The lights of a frame: lamps in the water, and the paper's haze.
 
 use serde::Deserialize;
+use spec_derive::Described;
 
 /// A light.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Light {
     /// An overlay, no physics.
@@ -15,21 +16,28 @@ pub enum Light {
 }
 
 /// A Gaussian laid over the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 pub struct Haze {
     /// position in image widths
+    #[field(within(-100.0, 100.0))]
     pub x: f64,
     /// position in image heights
+    #[field(within(-100.0, 100.0))]
     pub y: f64,
     /// sigma in image heights; 0 or less: skipped
+    #[field(finite, default = 0.2)]
     pub size: f64,
     /// weight at the centre
+    #[field(within(0.0, 1.0), default = 1)]
     pub intensity: f64,
     /// colour in the space of the haze
+    #[field(within(0.0, 1000.0), default = [1, 1, 1])]
     pub color: [f64; 3],
     /// how it is laid over the picture
+    #[field(default = "over")]
     pub blend: HazeBlend,
     /// the same for all haze
+    #[field(fixed, default = "linear")]
     pub space: HazeSpace,
 }
 
@@ -42,7 +50,7 @@ impl Haze {
 }
 
 /// How haze is laid over the picture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum HazeBlend {
     /// Covers what is below: I (1 − α) + color α.
@@ -53,7 +61,7 @@ pub enum HazeBlend {
 }
 
 /// The space haze is laid in.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum HazeSpace {
     /// Linear light.
@@ -64,23 +72,29 @@ pub enum HazeSpace {
 }
 
 /// A lamp that shines in all directions. The camera looks along z; x is right and y is down.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 pub struct PointLamp {
     /// metres right, down and ahead of the camera
+    #[field(vector, within(-1000.0, 1000.0), unit = "m")]
     pub position_m: [f64; 3],
     /// linear radiance times m², per steradian
+    #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
 }
 
 /// A lamp that shines about an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 pub struct SpotLamp {
     /// metres right, down and ahead of the camera
+    #[field(vector, within(-1000.0, 1000.0), unit = "m")]
     pub position_m: [f64; 3],
     /// along the axis: linear radiance times m², per steradian
+    #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
     /// axis, of any length but 0
+    #[field(vector, within(-1000.0, 1000.0), default = [0, 0, 1])]
     pub direction: [f64; 3],
     /// angle from the axis at which no light is left
+    #[field(within(0.5, 90.0), default = 30, unit = "degree")]
     pub cone_deg: f64,
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
+use spec_derive::Described;
 
 use crate::check::{Checker, Place};
 use crate::fields::OWN_WATER;
@@ -17,38 +18,50 @@ pub const JERLOV_TYPES: [&str; 15] = [
 ];
 
 /// A water of a user's own. Arrays are R, G, B; absent is unknown.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(default)]
 pub struct OwnWater {
     /// what jobs call it
+    #[field(fixed, names = WaterName)]
     pub name: String,
     /// where the numbers come from
+    #[field(fixed, names = Words)]
     pub source: String,
     /// under what terms they may be used
+    #[field(fixed, names = Words, default = "unknown")]
     pub licence: String,
     /// what others should know
+    #[field(fixed, names = Words, max = 16, distinct, default = [])]
     pub caveats: Vec<String>,
     /// its type, held against its neighbours of the same source
+    #[field(fixed, words = JERLOV_TYPES)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jerlov_type: Option<String>,
     /// what stands for red, green and blue, falling
+    #[field(fixed, within(300.0, 1000.0), unit = "nm")]
     pub wavelength_nm: [f64; 3],
     /// a
+    #[field(fixed, within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorption_per_m: Option<[f64; 3]>,
     /// b
+    #[field(fixed, within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scattering_per_m: Option<[f64; 3]>,
     /// c; absent: a + b
+    #[field(fixed, within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beam_attenuation_per_m: Option<[f64; 3]>,
     /// K_d, the decay of daylight with depth
+    #[field(fixed, within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diffuse_attenuation_per_m: Option<[f64; 3]>,
     /// b_b/b, for the glow of lamps
+    #[field(fixed, within(0.002, 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_fraction: Option<f64>,
     /// backscatter radiance at infinite range, linear; absent: derived from K_d
+    #[field(fixed, within(0.0, 1000.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veiling_light: Option<[f64; 3]>,
 }

@@ -1,4 +1,4 @@
-//! How the accepted fields are described: the vocabulary of the table in `fields`.
+//! How the accepted fields are described. `#[derive(Described)]` writes these values from a declaration.
 
 /// Most labels: each becomes a queryable column.
 pub const MAX_LABELS: usize = 32;
@@ -8,6 +8,80 @@ pub const MAX_LABEL_KEY: usize = 64;
 
 /// Longest string of a label, in characters.
 pub const MAX_LABEL_TEXT: usize = 256;
+
+/// A type of the description.
+pub trait Described {
+    /// What may stand for a value of this type.
+    const SHAPE: Shape;
+
+    /// Hands every number and triple of numbers that is there to `found`, with its field; not those of objects inside.
+    fn numbers(&self, found: &mut dyn FnMut(&'static Field, &[f64])) {
+        let _ = found;
+    }
+}
+
+/// The numbers of a field: one, three, or none where it is absent.
+pub(crate) trait Floats {
+    fn floats(&self) -> &[f64];
+}
+
+impl Floats for f64 {
+    fn floats(&self) -> &[f64] {
+        std::slice::from_ref(self)
+    }
+}
+
+impl Floats for [f64; 3] {
+    fn floats(&self) -> &[f64] {
+        self
+    }
+}
+
+impl<T: Floats> Floats for Option<T> {
+    fn floats(&self) -> &[f64] {
+        self.as_ref().map_or(&[], T::floats)
+    }
+}
+
+/// The numbers of a field.
+pub(crate) fn floats<T: Floats>(value: &T) -> &[f64] {
+    value.floats()
+}
+
+/// A number beyond the limits of its field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beyond {
+    /// The field.
+    pub field: &'static str,
+    /// Which of three numbers; none of a single one.
+    pub position: Option<usize>,
+    /// The number.
+    pub value: f64,
+    /// The limits.
+    pub range: Range,
+}
+
+/// Every number of this value that lies beyond the limits of its field; not those of objects inside.
+#[must_use]
+pub fn beyond(value: &impl Described) -> Vec<Beyond> {
+    let mut all = Vec::new();
+    value.numbers(&mut |field, numbers| {
+        let (Shape::Number(range) | Shape::Rgb(range) | Shape::Vector(range)) = field.shape else {
+            return;
+        };
+        let wrong = numbers
+            .iter()
+            .enumerate()
+            .filter(|(_, number)| !range.holds(**number));
+        all.extend(wrong.map(|(position, number)| Beyond {
+            field: field.name,
+            position: (numbers.len() > 1).then_some(position),
+            value: *number,
+            range,
+        }));
+    });
+    all
+}
 
 /// One field of an object.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +94,8 @@ pub struct Field {
     pub presence: Presence,
     /// Whether a law may stand in its place.
     pub laws: bool,
+    /// Unit of its numbers.
+    pub unit: Option<&'static str>,
     /// What it means.
     pub doc: &'static str,
 }

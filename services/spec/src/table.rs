@@ -10,6 +10,8 @@ pub struct Row {
     pub path: String,
     /// What may stand there.
     pub kind: &'static str,
+    /// Unit of its numbers.
+    pub unit: Option<&'static str>,
     /// Its limits.
     pub limit: String,
     /// What an absent field means.
@@ -32,10 +34,12 @@ pub fn rows() -> Vec<Row> {
 #[must_use]
 pub fn markdown() -> String {
     let mut text =
-        "| field | kind | limits | default | law | meaning |\n|---|---|---|---|---|---|\n".to_owned();
+        "| field | kind | unit | limits | default | law | meaning |\n|---|---|---|---|---|---|---|\n"
+            .to_owned();
     for Row {
         path,
         kind,
+        unit,
         limit,
         presence,
         laws,
@@ -47,8 +51,9 @@ pub fn markdown() -> String {
             Presence::Optional => "–".to_owned(),
             Presence::Default(value) => format!("`{value}`"),
         };
+        let unit = unit.unwrap_or("–");
         let law = if laws { "yes" } else { "no" };
-        text += &format!("| `{path}` | {kind} | {limit} | {default} | {law} | {doc} |\n");
+        text += &format!("| `{path}` | {kind} | {unit} | {limit} | {default} | {law} | {doc} |\n");
     }
     text
 }
@@ -66,6 +71,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
             rows.push(Row {
                 path: format!("{path}.{tag}"),
                 kind: "a string",
+                unit: None,
                 limit: options
                     .iter()
                     .map(|option| format!("`{}`", option.name))
@@ -98,6 +104,7 @@ fn lay_out_fields(path: &str, fields: &[Field], rows: &mut Vec<Row>) {
         rows.push(Row {
             path: path.clone(),
             kind: field.shape.describe(),
+            unit: field.unit,
             limit: field.shape.limit(),
             presence: field.presence,
             laws: field.laws,

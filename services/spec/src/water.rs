@@ -2,23 +2,29 @@
 //! are the business of `optics`.
 
 use serde::{Deserialize, Serialize};
+use spec_derive::Described;
 
 use crate::suspended::{Snow, Turbidity};
 
 /// The water and its style.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Described)]
 pub struct Water {
     /// a preset or coefficients; absent: no water
     pub optics: Option<Optics>,
     /// multiplies every per-metre quantity
+    #[field(above(0.0, 1000.0), default = 1)]
     pub range_scale: f64,
     /// depth of the camera below the surface
+    #[field(within(0.0, 12_000.0), unit = "m")]
     pub depth_m: Option<f64>,
     /// what daylight's decay with depth does to the scene
+    #[field(default = "none")]
     pub ambient: Ambient,
     /// what a pixel without a valid range means
+    #[field(default = "background")]
     pub holes: HoleRule,
     /// style model
+    #[field(names = Style)]
     pub style: Option<String>,
     /// marine snow; absent: none
     pub snow: Option<Snow>,
@@ -55,37 +61,48 @@ impl From<Optics> for Water {
 }
 
 /// A preset, coefficients, or a preset with fields replaced; absent is unknown. Arrays are R, G, B, coefficients in 1/m.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields, default)]
+#[described(short = "preset")]
 pub struct Optics {
     /// the preset whose fields the others replace
+    #[field(names = Preset)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
     /// what these coefficients are called; a water of the user's own brings its name
+    #[field(fixed, names = WaterName)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// c = a + b
+    #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beam_attenuation_per_m: Option<[f64; 3]>,
     /// a
+    #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorption_per_m: Option<[f64; 3]>,
     /// b
+    #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scattering_per_m: Option<[f64; 3]>,
     /// of the revised model; absent: as c
+    #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_attenuation_per_m: Option<[f64; 3]>,
     /// K_d, the decay of daylight with depth
+    #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diffuse_attenuation_per_m: Option<[f64; 3]>,
     /// backscatter radiance at infinite range, linear
+    #[field(within(0.0, 1000.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veiling_light: Option<[f64; 3]>,
     /// brightness of a derived veiling light
+    #[field(within(0.0, 1000.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veil_gain: Option<f64>,
     /// b_b/b, for the glow of lamps; absent: 0.0183
+    #[field(within(0.002, 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_fraction: Option<f64>,
     /// absent: `jaffe` if a and b are known, else none
@@ -94,21 +111,26 @@ pub struct Optics {
 }
 
 /// Forward scatter of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct ForwardScatter {
     /// the form
+    #[field(default = "jaffe")]
     pub model: ScatterModel,
     /// G, at most c; absent: derived
+    #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub g_per_m: Option<[f64; 3]>,
     /// growth of the kernel with range; absent: derived
+    #[field(within(0.0, 100_000.0), unit = "px/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spread_px_per_m: Option<[f64; 3]>,
     /// kernel at range 0; absent: 0, or derived with the growth
+    #[field(within(0.0, 100_000.0), unit = "px")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spread_offset_px: Option<[f64; 3]>,
     /// the light `jaffe` spreads
+    #[field(default = "radiance")]
     pub source: ScatterSource,
 }
 
@@ -126,7 +148,7 @@ impl From<ScatterModel> for ForwardScatter {
 }
 
 /// The two published forms of forward scatter, or none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum ScatterModel {
     /// Jaffe–McGlamery: each point of the scene spreads with its own range (Eq. 3-6 as meant).
@@ -138,7 +160,7 @@ pub enum ScatterModel {
 }
 
 /// What light the `jaffe` form spreads.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum ScatterSource {
     /// U = J w, so that no more than e^{−GZ} of the light arrives.
@@ -149,7 +171,7 @@ pub enum ScatterSource {
 }
 
 /// What daylight's decay with depth does to the scene.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum Ambient {
     /// The picture is what the camera would see in air, already lit.
@@ -162,7 +184,7 @@ pub enum Ambient {
 }
 
 /// What a pixel without a valid range means.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum HoleRule {
     /// The ray meets only water: nothing of the scene arrives where the water attenuates at all.
@@ -171,11 +193,12 @@ pub enum HoleRule {
     /// The frame is refused.
     Reject,
     /// range that takes the place of a hole's
+    #[field(within(0.001, 100_000.0), unit = "m")]
     RangeM(f64),
 }
 
 /// What of a style model is run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum StyleTier {
     /// The network.

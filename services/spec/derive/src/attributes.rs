@@ -1,0 +1,174 @@
+//! Reading the attributes.
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use quote::quote;
+use syn::meta::ParseNestedMeta;
+use syn::punctuated::Punctuated;
+use syn::{Attribute, Expr, Ident, LitInt, LitStr, Token, parenthesized};
+
+/// What stands on a type.
+#[derive(Default)]
+pub(crate) struct Container {
+    /// The field that a string is short for.
+    pub(crate) short: Option<LitStr>,
+    /// The tag of an object that has none.
+    pub(crate) default: Option<LitStr>,
+    /// The field that decides which others there are, from serde.
+    pub(crate) tag: Option<LitStr>,
+}
+
+impl Container {
+    pub(crate) fn read(attributes: &[Attribute]) -> syn::Result<Self> {
+        let mut container = Self::default();
+        for attribute in attributes.iter().filter(|it| it.path().is_ident("described")) {
+            attribute.parse_nested_meta(|meta| {
+                let value = Some(meta.value()?.parse()?);
+                match () {
+                    () if meta.path.is_ident("short") => container.short = value,
+                    () if meta.path.is_ident("default") => container.default = value,
+                    () => return Err(meta.error("`short` or `default` was expected")),
+                }
+                Ok(())
+            })?;
+        }
+        for attribute in attributes.iter().filter(|it| it.path().is_ident("serde")) {
+            attribute.parse_nested_meta(|meta| {
+                let value: Option<LitStr> = match meta.value() {
+                    Ok(value) => Some(value.parse()?),
+                    Err(_) => None,
+                };
+                if meta.path.is_ident("tag") {
+                    container.tag = value;
+                }
+                Ok(())
+            })?;
+        }
+        Ok(container)
+    }
+}
+
+/// What stands on a field, or on a variant that is one.
+#[derive(Default)]
+pub(crate) struct FieldAttributes {
+    /// Its doc comment as one line.
+    pub(crate) doc: String,
+    /// Whether it is no part of the description.
+    pub(crate) skipped: bool,
+    pub(crate) limits: Option<Limits>,
+    pub(crate) default: Option<String>,
+    pub(crate) optional: bool,
+    pub(crate) unit: Option<LitStr>,
+    pub(crate) fixed: bool,
+    pub(crate) vector: bool,
+    /// What strings may stand there, as `Names`.
+    pub(crate) names: Option<TokenStream>,
+    pub(crate) max: Option<LitInt>,
+    pub(crate) distinct: bool,
+}
+
+/// The limits of a number.
+pub(crate) enum Limits {
+    Within(Expr, Expr),
+    Above(Expr, Expr),
+    Finite,
+}
+
+impl FieldAttributes {
+    pub(crate) fn read(attributes: &[Attribute]) -> syn::Result<Self> {
+        let mut field = Self {
+            doc: doc(attributes),
+            ..Self::default()
+        };
+        for attribute in attributes {
+            if attribute.path().is_ident("field") {
+                attribute.parse_nested_meta(|meta| field.take(&meta))?;
+            } else if attribute.path().is_ident("serde") {
+                attribute.parse_nested_meta(|meta| {
+                    field.skipped |= meta.path.is_ident("skip");
+                    if let Ok(value) = meta.value() {
+                        value.parse::<Expr>()?;
+                    }
+                    Ok(())
+                })?;
+            }
+        }
+        Ok(field)
+    }
+
+    fn take(&mut self, meta: &ParseNestedMeta<'_>) -> syn::Result<()> {
+        let word = meta.path.require_ident()?.to_string();
+        match word.as_str() {
+            "within" => {
+                let (low, high) = pair(meta)?;
+                self.limits = Some(Limits::Within(low, high));
+            }
+            "above" => {
+                let (low, high) = pair(meta)?;
+                self.limits = Some(Limits::Above(low, high));
+            }
+            "finite" => self.limits = Some(Limits::Finite),
+            "default" => self.default = Some(json(meta.value()?.parse()?)),
+            "optional" => self.optional = true,
+            "unit" => self.unit = Some(meta.value()?.parse()?),
+            "fixed" => self.fixed = true,
+            "vector" => self.vector = true,
+            "names" => {
+                let name: Ident = meta.value()?.parse()?;
+                self.names = Some(quote!(crate::schema::Names::#name));
+            }
+            "words" => {
+                let list: Expr = meta.value()?.parse()?;
+                self.names = Some(quote!(crate::schema::Names::Fixed(&#list)));
+            }
+            "max" => self.max = Some(meta.value()?.parse()?),
+            "distinct" => self.distinct = true,
+            _ => return Err(meta.error("no attribute of a field")),
+        }
+        Ok(())
+    }
+}
+
+fn pair(meta: &ParseNestedMeta<'_>) -> syn::Result<(Expr, Expr)> {
+    let content;
+    parenthesized!(content in meta.input);
+    let ends = Punctuated::<Expr, Token![,]>::parse_terminated(&content)?;
+    let mut ends = ends.into_iter();
+    match (ends.next(), ends.next(), ends.next()) {
+        (Some(low), Some(high), None) => Ok((low, high)),
+        _ => Err(meta.error("two ends were expected")),
+    }
+}
+
+/// The tokens of a JSON value as JSON text.
+fn json(value: TokenTree) -> String {
+    let TokenTree::Group(group) = value else {
+        return value.to_string();
+    };
+    let inner: String = group
+        .stream()
+        .into_iter()
+        .map(|token| match &token {
+            TokenTree::Punct(sign) if matches!(sign.as_char(), ',' | ':') => format!("{sign} "),
+            _ => json(token),
+        })
+        .collect();
+    match group.delimiter() {
+        Delimiter::Brace => format!("{{{inner}}}"),
+        _ => format!("[{inner}]"),
+    }
+}
+
+/// The doc comment as one line.
+fn doc(attributes: &[Attribute]) -> String {
+    let lines = attributes.iter().filter_map(|attribute| {
+        let value = &attribute.meta.require_name_value().ok()?.value;
+        match value {
+            Expr::Lit(syn::ExprLit {
+                lit: syn::Lit::Str(text),
+                ..
+            }) if attribute.path().is_ident("doc") => Some(text.value().trim().to_owned()),
+            _ => None,
+        }
+    });
+    lines.collect::<Vec<_>>().join(" ")
+}

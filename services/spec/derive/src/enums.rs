@@ -1,0 +1,133 @@
+//! Enums: words, objects with a tag, objects of one field.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+use syn::{DataEnum, DeriveInput, Fields, Type, Variant};
+
+use crate::attributes::{Container, FieldAttributes};
+use crate::field::{Member, Members};
+
+pub(crate) fn derive(
+    input: &DeriveInput,
+    container: &Container,
+    data: &DataEnum,
+) -> syn::Result<TokenStream> {
+    if let Some(tag) = &container.tag {
+        return tagged(input, container, &tag.value(), data);
+    }
+    let is_word = |variant: &&Variant| matches!(variant.fields, Fields::Unit);
+    let words: Vec<_> = data.variants.iter().filter(is_word).map(name_of).collect();
+    let (mut fields, mut numbers) = (Vec::new(), Vec::new());
+    for variant in data.variants.iter().filter(|variant| !is_word(variant)) {
+        let member = Member::new(
+            format_ident!("{}", name_of(variant)),
+            value_of(variant)?,
+            FieldAttributes::read(&variant.attrs)?,
+        );
+        if member.is_float() {
+            let (name, position) = (&variant.ident, fields.len());
+            numbers.push(
+                quote!(Self::#name(number) => found(&Self::FIELDS[#position], crate::schema::floats(number)),),
+            );
+        }
+        fields.push(member.field());
+    }
+    let name = &input.ident;
+    let shape = match (words.is_empty(), fields.is_empty()) {
+        (false, true) => quote!(crate::schema::Shape::Text(crate::schema::Names::Fixed(
+            Self::WORDS
+        ))),
+        (true, false) => quote!(crate::schema::Shape::OneOf(Self::FIELDS)),
+        _ => quote! {
+            crate::schema::Shape::Either(
+                crate::schema::Names::Fixed(Self::WORDS),
+                &crate::schema::Shape::OneOf(Self::FIELDS),
+            )
+        },
+    };
+    let words = (!words.is_empty()).then(|| {
+        quote! {
+            /// The names of the variants that are words.
+            pub const WORDS: &'static [&'static str] = &[#(#words),*];
+        }
+    });
+    let fields = (!fields.is_empty()).then(|| {
+        quote! {
+            /// The variants that hold a value, as fields of which an object has one.
+            pub const FIELDS: &'static [crate::schema::Field] = &[#(#fields),*];
+        }
+    });
+    Ok(quote! {
+        impl #name { #words #fields }
+
+        impl crate::schema::Described for #name {
+            const SHAPE: crate::schema::Shape = #shape;
+
+            fn numbers(&self, found: &mut dyn FnMut(&'static crate::schema::Field, &[f64])) {
+                match self { #(#numbers)* _ => {} }
+                let _ = found;
+            }
+        }
+    })
+}
+
+fn tagged(
+    input: &DeriveInput,
+    container: &Container,
+    tag: &str,
+    data: &DataEnum,
+) -> syn::Result<TokenStream> {
+    let presence = match &container.default {
+        Some(word) => {
+            let json = format!("\"{}\"", word.value());
+            quote!(crate::schema::Presence::Default(#json))
+        }
+        None => quote!(crate::schema::Presence::Required),
+    };
+    let mut options = Vec::new();
+    for variant in &data.variants {
+        let name = name_of(variant);
+        let fields = match &variant.fields {
+            Fields::Unnamed(_) => {
+                let inside = value_of(variant)?;
+                quote!(#inside::FIELDS)
+            }
+            fields => {
+                let fields = Members::read(fields)?.fields();
+                quote!(&[#(#fields),*])
+            }
+        };
+        options.push(quote!(crate::schema::Variant { name: #name, fields: #fields }));
+    }
+    let name = &input.ident;
+    Ok(quote! {
+        impl crate::schema::Described for #name {
+            const SHAPE: crate::schema::Shape = crate::schema::Shape::Tagged {
+                tag: #tag,
+                presence: #presence,
+                options: &[#(#options),*],
+            };
+        }
+    })
+}
+
+/// The type of the one value of a variant.
+fn value_of(variant: &Variant) -> syn::Result<&Type> {
+    let mut fields = variant.fields.iter();
+    match (fields.next(), fields.next()) {
+        (Some(field), None) => Ok(&field.ty),
+        _ => Err(syn::Error::new_spanned(variant, "one value was expected")),
+    }
+}
+
+/// `ZDepth` as a description writes it: `z_depth`.
+fn name_of(variant: &Variant) -> String {
+    let mut name = String::new();
+    for letter in variant.ident.to_string().chars() {
+        if letter.is_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.extend(letter.to_lowercase());
+    }
+    name
+}

@@ -1,0 +1,161 @@
+//! The fields of a struct or of a variant.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::{Fields, GenericArgument, Ident, PathArguments, Type};
+
+use crate::attributes::{FieldAttributes, Limits};
+
+/// The fields that a description has.
+pub(crate) struct Members(Vec<Member>);
+
+/// One field: its name, what follows from its type, and what its attributes say.
+pub(crate) struct Member {
+    name: Ident,
+    is_option: bool,
+    /// Without the `Option`.
+    ty: Type,
+    attributes: FieldAttributes,
+}
+
+impl Members {
+    pub(crate) fn read(fields: &Fields) -> syn::Result<Self> {
+        let mut members = Vec::new();
+        for field in fields {
+            let attributes = FieldAttributes::read(&field.attrs)?;
+            let Some(name) = field.ident.clone().filter(|_| !attributes.skipped) else {
+                continue;
+            };
+            members.push(Member::new(name, &field.ty, attributes));
+        }
+        Ok(Self(members))
+    }
+
+    /// A `Field` for each.
+    pub(crate) fn fields(&self) -> Vec<TokenStream> {
+        self.0.iter().map(Member::field).collect()
+    }
+
+    /// For each that holds numbers, a statement that hands them out with their field.
+    pub(crate) fn numbers(&self) -> Vec<TokenStream> {
+        let number = |(position, member): (usize, &Member)| {
+            let name = &member.name;
+            member
+                .is_float()
+                .then(|| quote!(found(&Self::FIELDS[#position], crate::schema::floats(&self.#name));))
+        };
+        self.0.iter().enumerate().filter_map(number).collect()
+    }
+}
+
+impl Member {
+    pub(crate) fn new(name: Ident, ty: &Type, attributes: FieldAttributes) -> Self {
+        let inside = generic(ty, "Option");
+        Self {
+            name,
+            is_option: inside.is_some(),
+            ty: inside.unwrap_or(ty).clone(),
+            attributes,
+        }
+    }
+
+    /// A float, or three.
+    pub(crate) fn is_float(&self) -> bool {
+        is_named(&self.ty, "f64") || matches!(self.ty, Type::Array(_))
+    }
+
+    pub(crate) fn field(&self) -> TokenStream {
+        let name = self.name.to_string();
+        let shape = shape(&self.ty, &self.attributes);
+        let presence = match &self.attributes.default {
+            Some(json) => quote!(crate::schema::Presence::Default(#json)),
+            None if self.is_option || self.attributes.optional => quote!(crate::schema::Presence::Optional),
+            None => quote!(crate::schema::Presence::Required),
+        };
+        let laws = !self.attributes.fixed;
+        let unit = match &self.attributes.unit {
+            Some(unit) => quote!(Some(#unit)),
+            None => quote!(None),
+        };
+        let doc = &self.attributes.doc;
+        quote! {
+            crate::schema::Field {
+                name: #name,
+                shape: #shape,
+                presence: #presence,
+                laws: #laws,
+                unit: #unit,
+                doc: #doc,
+            }
+        }
+    }
+}
+
+/// What may stand for a value of this type.
+fn shape(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
+    const INTEGERS: [&str; 5] = ["u8", "u16", "u32", "u64", "usize"];
+    if let Some(element) = generic(ty, "Vec") {
+        let element = shape(element, attributes);
+        let max = attributes
+            .max
+            .as_ref()
+            .map_or(quote!(usize::MAX), |max| quote!(#max));
+        let distinct = attributes.distinct;
+        return quote!(crate::schema::Shape::List { element: &#element, max: #max, distinct: #distinct });
+    }
+    if let Some(names) = &attributes.names {
+        return quote!(crate::schema::Shape::Text(#names));
+    }
+    if is_named(ty, "BTreeMap") {
+        return quote!(crate::schema::Shape::Labels);
+    }
+    if is_named(ty, "f64") {
+        let range = range(attributes.limits.as_ref());
+        return quote!(crate::schema::Shape::Number(#range));
+    }
+    if let Type::Array(_) = ty {
+        let range = range(attributes.limits.as_ref());
+        return if attributes.vector {
+            quote!(crate::schema::Shape::Vector(#range))
+        } else {
+            quote!(crate::schema::Shape::Rgb(#range))
+        };
+    }
+    if INTEGERS.iter().any(|integer| is_named(ty, integer)) {
+        return match &attributes.limits {
+            Some(Limits::Within(low, high)) => {
+                quote!(crate::schema::Shape::Integer(#low as i128, #high as i128))
+            }
+            _ => quote!(compile_error!("a whole number needs `within(a, b)`")),
+        };
+    }
+    quote!(<#ty as crate::schema::Described>::SHAPE)
+}
+
+fn range(limits: Option<&Limits>) -> TokenStream {
+    match limits {
+        Some(Limits::Within(low, high)) => quote!(crate::schema::Range::within(#low, #high)),
+        Some(Limits::Above(low, high)) => quote!(crate::schema::Range::above(#low, #high)),
+        Some(Limits::Finite) => quote!(crate::schema::Range::FINITE),
+        None => quote!(compile_error!(
+            "a number needs limits: `within`, `above` or `finite`"
+        )),
+    }
+}
+
+/// `T` of `wrapper<T>`.
+fn generic<'t>(ty: &'t Type, wrapper: &str) -> Option<&'t Type> {
+    let Type::Path(path) = ty else { return None };
+    let last = path.path.segments.last().filter(|last| last.ident == wrapper)?;
+    let PathArguments::AngleBracketed(arguments) = &last.arguments else {
+        return None;
+    };
+    match arguments.args.first()? {
+        GenericArgument::Type(inside) => Some(inside),
+        _ => None,
+    }
+}
+
+fn is_named(ty: &Type, name: &str) -> bool {
+    matches!(ty, Type::Path(path) if path.path.segments.last().is_some_and(|last| last.ident == name))
+}

@@ -1,0 +1,94 @@
+//! `#[derive(Described)]`: a type of the description tells what may stand for it.
+//!
+//! The declaration of a field is the field itself: its name and type, its doc comment, and `#[field(…)]` for what a type
+//! cannot say:
+//!
+//! ```text
+//! /// Marine snow.
+//! #[derive(Described)]
+//! pub struct Snow {
+//!     /// particles per cubic metre; at most 400 000 in view
+//!     #[field(within(0.0, 1e6), unit = "1/m³")]
+//!     pub density_per_m3: f64,
+//!     /// median radius
+//!     #[field(within(1e-5, 0.02), default = 0.001, unit = "m")]
+//!     pub radius_m: f64,
+//! }
+//! ```
+//!
+//! | attribute | meaning |
+//! |---|---|
+//! | `within(a, b)`, `above(a, b)`, `finite` | limits of each number; `above` excludes a |
+//! | `default = JSON` | what stands for an absent field; without it the field is required, or optional if it is an `Option` |
+//! | `optional` | may be absent although it is no `Option`: filled in before the frame is read |
+//! | `unit = "m"` | unit of its numbers |
+//! | `fixed` | no law may stand there |
+//! | `vector` | its three numbers are x, y, z, not R, G, B |
+//! | `names = Style`, `words = LIST` | what strings may stand there |
+//! | `max = 64`, `distinct` | length of a list, and whether its elements differ |
+//!
+//! An enum of words is one of their names in snake case. An enum with `#[serde(tag = "kind")]` is an object whose field
+//! `kind` names the variant. In any other enum each variant with a value is an object of one field, and those without are
+//! words. `#[described(short = "preset")]` lets a string stand for the object of that one field;
+//! `#[described(default = "png")]` is the tag of an object that has none.
+
+mod attributes;
+mod enums;
+mod field;
+
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::{Data, DeriveInput, parse_macro_input};
+
+use attributes::Container;
+use field::Members;
+
+/// See the documentation of the crate.
+#[proc_macro_derive(Described, attributes(field, described, serde))]
+pub fn described(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
+    let input = parse_macro_input!(input as DeriveInput);
+    derive(&input)
+        .unwrap_or_else(|error| error.to_compile_error())
+        .into()
+}
+
+fn derive(input: &DeriveInput) -> syn::Result<TokenStream> {
+    let container = Container::read(&input.attrs)?;
+    match &input.data {
+        Data::Struct(data) => derive_struct(input, &container, data),
+        Data::Enum(data) => enums::derive(input, &container, data),
+        Data::Union(_) => Err(syn::Error::new_spanned(
+            &input.ident,
+            "a union cannot be described",
+        )),
+    }
+}
+
+fn derive_struct(
+    input: &DeriveInput,
+    container: &Container,
+    data: &syn::DataStruct,
+) -> syn::Result<TokenStream> {
+    let name = &input.ident;
+    let members = Members::read(&data.fields)?;
+    let (fields, numbers) = (members.fields(), members.numbers());
+    let shape = match &container.short {
+        Some(field) => quote!(crate::schema::Shape::Short(#field, Self::FIELDS)),
+        None => quote!(crate::schema::Shape::Object(Self::FIELDS)),
+    };
+    Ok(quote! {
+        impl #name {
+            /// Its fields as a description has them.
+            pub const FIELDS: &'static [crate::schema::Field] = &[#(#fields),*];
+        }
+
+        impl crate::schema::Described for #name {
+            const SHAPE: crate::schema::Shape = #shape;
+
+            fn numbers(&self, found: &mut dyn FnMut(&'static crate::schema::Field, &[f64])) {
+                #(#numbers)*
+                let _ = found;
+            }
+        }
+    })
+}
