@@ -9,8 +9,7 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use lab::plot::{Axis, Form, Lines, Mark, Series};
 use optics::lamp::{
-    LAMP_RADIUS_M, Lamp, LampError, Lighting, REFERENCE_NODES, airlight, airlight_reference,
-    airlight_with_nodes,
+    LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight, airlight_reference, airlight_with_nodes,
 };
 
 use crate::drawing;
@@ -95,11 +94,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Beside the camera as points and as spots, and in view.
-fn cases() -> Result<Vec<(&'static str, Vec<Lamp>)>, Vec<LampError>> {
+fn cases() -> Result<Vec<(&'static str, Vec<Lamp>)>, Vec<spec::Beyond>> {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
-    let all = |lamp: &dyn Fn(f64, f64) -> Result<Lamp, Vec<LampError>>| -> Result<Vec<Lamp>, Vec<LampError>> {
-        corners.iter().map(|[x, y]| lamp(*x, *y)).collect()
-    };
+    let all =
+        |lamp: &dyn Fn(f64, f64) -> Result<Lamp, Vec<spec::Beyond>>| -> Result<Vec<Lamp>, Vec<spec::Beyond>> {
+            corners.iter().map(|[x, y]| lamp(*x, *y)).collect()
+        };
     let beside = |x: f64, y: f64| [0.4 * x, 0.25 * y, 0.0];
     Ok(vec![
         ("points", all(&|x, y| Lamp::point(beside(x, y), [2.0; 3]))?),

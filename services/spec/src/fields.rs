@@ -3,9 +3,10 @@
 //!
 //! Parsing, the field table of the documentation, the service's OpenAPI text and the columns of the catalogue read this.
 
+use crate::described::Described;
 use crate::frame::Frame;
 use crate::own_water::OwnWater;
-use crate::schema::{Described, Field, Presence, Shape};
+use crate::schema::{Field, Presence, Shape};
 
 /// Most frames of a job, and the greatest `count`.
 pub const MAX_FRAMES: u64 = 100_000_000;

@@ -6,6 +6,7 @@
 mod artifact;
 mod camera;
 mod check;
+mod described;
 mod draw;
 pub mod fields;
 mod frame;
@@ -33,6 +34,7 @@ pub use imaging::geometry::Intrinsics;
 
 pub use artifact::ArtifactKind;
 pub use camera::{Camera, Path, Waypoint};
+pub use described::{Beyond, Described, beyond};
 pub use frame::{Encode, Fidelity, Frame, Scene, Variant};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::Job;

@@ -34,18 +34,14 @@ pub use reference::{REFERENCE_NODES, airlight_reference, irradiance_reference};
 pub use surface::{SURFACE_ROUNDING, irradiance, lit};
 
 use imaging::geometry::Intrinsics;
-use spec::Light;
+use spec::{Beyond, Light, PointLamp, SpotLamp};
 
 use crate::turbidity::Field;
 
 /// Radius of a lamp in metres: nothing is nearer to it, or its light had no bound.
 pub const LAMP_RADIUS_M: f64 = 0.02;
-/// Farthest place of a lamp along each axis, m.
-pub const MOST_DISTANCE_M: f64 = 1000.0;
-/// Greatest intensity per steradian, m².
-pub const MOST_INTENSITY: f64 = 1e6;
-/// Narrowest and widest half angle of a spot, degrees.
-pub const CONE_DEG: (f64, f64) = (0.5, 90.0);
+/// A shorter axis has no direction.
+const SHORTEST_AXIS: f64 = 1e-6;
 
 /// A lamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,43 +60,26 @@ enum Beam {
     Spot { axis: [f64; 3], cos_cone: f64 },
 }
 
-/// A lamp that cannot be.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{field} is {value} but must be {limit}")]
-pub struct LampError {
-    /// The field.
-    pub field: &'static str,
-    /// What was given.
-    pub value: String,
-    /// What is allowed.
-    pub limit: String,
-}
-
 impl Lamp {
     /// A lamp that shines in all directions. `position_m` in metres (right, down, ahead of the camera), `intensity` in linear
     /// radiance times m² for red, green and blue.
     ///
     /// # Errors
     /// Every number beyond its limits.
-    pub fn point(position_m: [f64; 3], intensity: [f64; 3]) -> Result<Self, Vec<LampError>> {
-        let mut errors = Vec::new();
-        within(
-            "position_m",
+    pub fn point(position_m: [f64; 3], intensity: [f64; 3]) -> Result<Self, Vec<Beyond>> {
+        let beyond = spec::beyond(&PointLamp {
             position_m,
-            (-MOST_DISTANCE_M, MOST_DISTANCE_M),
-            &mut errors,
-        );
-        within("intensity", intensity, (0.0, MOST_INTENSITY), &mut errors);
+            intensity,
+        });
         let beam = Beam::Point;
-        if errors.is_empty() {
-            Ok(Self {
-                position_m,
-                intensity,
-                beam,
-            })
-        } else {
-            Err(errors)
+        if !beyond.is_empty() {
+            return Err(beyond);
         }
+        Ok(Self {
+            position_m,
+            intensity,
+            beam,
+        })
     }
 
     /// A lamp that shines about `direction`, of any length but 0, within `cone_deg` degrees on each side of it.
@@ -112,42 +91,39 @@ impl Lamp {
         intensity: [f64; 3],
         direction: [f64; 3],
         cone_deg: f64,
-    ) -> Result<Self, Vec<LampError>> {
-        let (lamp, mut errors) = match Self::point(position_m, intensity) {
-            Ok(lamp) => (Some(lamp), Vec::new()),
-            Err(errors) => (None, errors),
-        };
+    ) -> Result<Self, Vec<Beyond>> {
+        let mut beyond = spec::beyond(&SpotLamp {
+            position_m,
+            intensity,
+            direction,
+            cone_deg,
+        });
         let length = direction.iter().map(|v| v * v).sum::<f64>().sqrt();
-        if !(1e-6..=1e6).contains(&length) {
-            errors.push(LampError {
+        if length < SHORTEST_AXIS {
+            beyond.push(Beyond {
                 field: "direction",
-                value: format!("{direction:?}"),
-                limit: "a direction of a length within 1e-6..=1e6".to_owned(),
+                part: None,
+                value: length,
+                limit: format!("a length of at least {SHORTEST_AXIS:e}"),
             });
         }
-        if !(CONE_DEG.0..=CONE_DEG.1).contains(&cone_deg) {
-            errors.push(LampError {
-                field: "cone_deg",
-                value: cone_deg.to_string(),
-                limit: format!("within {}..={} degrees", CONE_DEG.0, CONE_DEG.1),
-            });
+        if !beyond.is_empty() {
+            return Err(beyond);
         }
         let axis = direction.map(|v| v / length);
         let cos_cone = cone_deg.to_radians().cos().max(0.0);
-        match lamp {
-            Some(lamp) if errors.is_empty() => Ok(Self {
-                beam: Beam::Spot { axis, cos_cone },
-                ..lamp
-            }),
-            _ => Err(errors),
-        }
+        Ok(Self {
+            position_m,
+            intensity,
+            beam: Beam::Spot { axis, cos_cone },
+        })
     }
 
     /// The lamps among the lights of a frame, in their order.
     ///
     /// # Errors
     /// Everything that is wrong with them, such as a direction of length 0 that laws have yielded.
-    pub fn among(lights: &[Light]) -> Result<Vec<Self>, Vec<LampError>> {
+    pub fn among(lights: &[Light]) -> Result<Vec<Self>, Vec<Beyond>> {
         let (mut lamps, mut errors) = (Vec::new(), Vec::new());
         for light in lights {
             match light {
@@ -166,16 +142,6 @@ impl Lamp {
     #[must_use]
     pub fn position_m(&self) -> [f64; 3] {
         self.position_m
-    }
-}
-
-fn within(field: &'static str, values: [f64; 3], (least, most): (f64, f64), errors: &mut Vec<LampError>) {
-    if !values.iter().all(|value| (least..=most).contains(value)) {
-        errors.push(LampError {
-            field,
-            value: format!("{values:?}"),
-            limit: format!("three numbers, each within {least}..={most}"),
-        });
     }
 }
 
@@ -206,10 +172,7 @@ mod tests {
     fn everything_wrong_with_a_lamp_is_said_at_once() {
         let errors = Lamp::spot([0.0, f64::NAN, 0.0], [1.0, -1.0, 1.0], [0.0; 3], 120.0).unwrap_err();
         let fields: Vec<_> = errors.iter().map(|error| error.field).collect();
-        assert_eq!(fields, ["position_m", "intensity", "direction", "cone_deg"]);
-        assert_eq!(
-            errors[3].to_string(),
-            "cone_deg is 120 but must be within 0.5..=90 degrees"
-        );
+        assert_eq!(fields, ["position_m", "intensity", "cone_deg", "direction"]);
+        assert_eq!(errors[2].to_string(), "cone_deg is 120, the limit is 0.5..=90");
     }
 }

@@ -18,73 +18,38 @@ pub use reference::snow_reference;
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
-use spec::Snow;
+use spec::{Beyond, Snow};
 
 use crate::eye::Eye;
 
 /// Most particles that a frame may be expected to hold.
 pub const MOST_PARTICLES: f64 = 400_000.0;
-/// Most particles per cubic metre.
-pub const MOST_DENSITY: f64 = 1e6;
-/// Nearest and farthest depth of particles, m.
-pub const DEPTHS_M: (f64, f64) = (0.05, 100.0);
-/// Least and greatest median radius, m.
-pub const RADIUS_M: (f64, f64) = (1e-5, 0.02);
-/// Greatest standard deviation of the logarithm of the radius.
-pub const MOST_SPREAD: f64 = 1.0;
 /// Largest share of the frame that the particles may be expected to cover.
 pub const MOST_COVER: f64 = 1.0;
 /// Logarithms of radii are cut at this many standard deviations.
 const TAIL: f64 = 3.0;
 
-/// Snow that cannot be.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{field} is {value} but must be {limit}")]
-pub struct SnowError {
-    /// The field.
-    pub field: &'static str,
-    /// What was given.
-    pub value: String,
-    /// What is allowed.
-    pub limit: String,
-}
-
 /// Everything wrong with it.
 #[must_use]
-pub fn validate(snow: &Snow) -> Vec<SnowError> {
-    let mut errors = Vec::new();
-    let mut within = |field, value: f64, (least, most): (f64, f64)| {
-        if !(least..=most).contains(&value) {
-            errors.push(SnowError {
-                field,
-                value: value.to_string(),
-                limit: format!("within {least}..={most}"),
-            });
-        }
-    };
-    within("density_per_m3", snow.density_per_m3, (0.0, MOST_DENSITY));
-    within("near_m", snow.near_m, DEPTHS_M);
-    within("far_m", snow.far_m, DEPTHS_M);
-    within("radius_m", snow.radius_m, RADIUS_M);
-    within("radius_spread", snow.radius_spread, (0.0, MOST_SPREAD));
-    for albedo in snow.albedo {
-        within("albedo", albedo, (0.0, 1.0));
-    }
+pub fn validate(snow: &Snow) -> Vec<Beyond> {
+    let mut errors = spec::beyond(snow);
     if !errors.is_empty() {
         return errors;
     }
     if snow.near_m >= snow.far_m {
-        errors.push(SnowError {
+        errors.push(Beyond {
             field: "near_m",
-            value: snow.near_m.to_string(),
+            part: None,
+            value: snow.near_m,
             limit: format!("below `far_m`, {}", snow.far_m),
         });
     }
     let covered = cover(snow, 0.0);
     if covered > MOST_COVER {
-        errors.push(SnowError {
+        errors.push(Beyond {
             field: "density_per_m3",
-            value: snow.density_per_m3.to_string(),
+            part: None,
+            value: snow.density_per_m3,
             limit: format!(
                 "at most {:.3e} with these radii and depths, or the particles cover the whole frame",
                 snow.density_per_m3 / covered * MOST_COVER
@@ -99,14 +64,15 @@ pub fn validate(snow: &Snow) -> Vec<SnowError> {
 ///
 /// # Errors
 /// The density, with the greatest one for this view.
-pub fn check_count(snow: &Snow, solid: f64) -> Result<(), SnowError> {
+pub fn check_count(snow: &Snow, solid: f64) -> Result<(), Beyond> {
     let count = expected(snow, solid);
     if count <= MOST_PARTICLES {
         return Ok(());
     }
-    Err(SnowError {
+    Err(Beyond {
         field: "density_per_m3",
-        value: snow.density_per_m3.to_string(),
+        part: None,
+        value: snow.density_per_m3,
         limit: format!(
             "at most {:.3e} in this view, which then holds {MOST_PARTICLES} particles",
             snow.density_per_m3 / count * MOST_PARTICLES

@@ -25,10 +25,6 @@ use spec::Turbidity;
 use crate::eye::Eye;
 use crate::snow::World;
 
-/// Most contrast: no water is clearer than a twentieth of the mean.
-pub const MOST_CONTRAST: f64 = 0.95;
-/// Finest and widest scale, m.
-pub const SCALE_M: (f64, f64) = (0.05, 1000.0);
 /// Rounding of f32 in a path over less than a hundred scales, as a share of it: the phases of the fastest cosines lose digits.
 const PATH_ROUNDING: f64 = 2e-6;
 
@@ -40,33 +36,6 @@ pub fn path_rounding(farthest_m: f64, scale_m: f64) -> f64 {
 /// K.
 const WAVES: usize = 5;
 const PAIRS: usize = WAVES * (WAVES - 1) / 2;
-
-/// Turbidity that cannot be.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{field} is {value} but must be within {}..={}", limit.0, limit.1)]
-pub struct TurbidityError {
-    /// The field.
-    pub field: &'static str,
-    /// What was given.
-    pub value: f64,
-    /// What is allowed.
-    pub limit: (f64, f64),
-}
-
-/// Everything wrong with it.
-#[must_use]
-pub fn validate(turbidity: &Turbidity) -> Vec<TurbidityError> {
-    let fields = [
-        ("contrast", turbidity.contrast, (0.0, MOST_CONTRAST)),
-        ("scale_m", turbidity.scale_m, SCALE_M),
-    ];
-    let wrong = fields
-        .into_iter()
-        .filter(|(_, value, (least, most))| !(*least..=*most).contains(value));
-    wrong
-        .map(|(field, value, limit)| TurbidityError { field, value, limit })
-        .collect()
-}
 
 /// One cosine of the field.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

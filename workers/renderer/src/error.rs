@@ -3,12 +3,10 @@
 use enhance::EnhanceError;
 use imaging::codec::EncodeError;
 use optics::chain::ChainError;
-use optics::lamp::LampError;
-use optics::snow::SnowError;
-use optics::turbidity::TurbidityError;
 use optics::water::WaterError;
 use quality::QualityError;
 use scenes::SceneError;
+use spec::Beyond;
 use style::StyleError;
 
 /// Why a frame has no image.
@@ -64,15 +62,14 @@ pub enum RenderError {
     /// The camera's path cannot be.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Path(Vec<SceneError>),
-    /// The lamps cannot be.
-    #[error("lights: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Lamps(Vec<LampError>),
-    /// The snow cannot be.
-    #[error("snow: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Snow(Vec<SnowError>),
-    /// The turbidity cannot be.
-    #[error("turbidity: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Turbidity(Vec<TurbidityError>),
+    /// What shines or hangs in the water cannot be.
+    #[error("{what}: {}", beyond.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Beyond {
+        /// The field of the description.
+        what: &'static str,
+        /// Its numbers that are beyond their limits.
+        beyond: Vec<Beyond>,
+    },
     /// The style network failed.
     #[error(transparent)]
     Style(#[from] StyleError),
@@ -113,9 +110,7 @@ impl RenderError {
             | Self::Water(_)
             | Self::Chain(_)
             | Self::Path(_)
-            | Self::Lamps(_)
-            | Self::Snow(_)
-            | Self::Turbidity(_)
+            | Self::Beyond { .. }
             | Self::RuntimeMissing(_)
             | Self::UnknownStyle { .. }
             | Self::Style(_)

@@ -27,7 +27,7 @@ pub(crate) fn derive(
         if member.is_float() {
             let (name, position) = (&variant.ident, fields.len());
             numbers.push(
-                quote!(Self::#name(number) => found(&Self::FIELDS[#position], crate::schema::floats(number)),),
+                quote!(Self::#name(number) => found(&Self::FIELDS[#position], crate::described::Floats::floats(number)),),
             );
         }
         fields.push(member.field());
@@ -60,7 +60,7 @@ pub(crate) fn derive(
     Ok(quote! {
         impl #name { #words #fields }
 
-        impl crate::schema::Described for #name {
+        impl crate::described::Described for #name {
             const SHAPE: crate::schema::Shape = #shape;
 
             fn numbers(&self, found: &mut dyn FnMut(&'static crate::schema::Field, &[f64])) {
@@ -101,7 +101,7 @@ fn tagged(
     }
     let name = &input.ident;
     Ok(quote! {
-        impl crate::schema::Described for #name {
+        impl crate::described::Described for #name {
             const SHAPE: crate::schema::Shape = crate::schema::Shape::Tagged {
                 tag: #tag,
                 presence: #presence,

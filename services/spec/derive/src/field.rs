@@ -40,9 +40,9 @@ impl Members {
     pub(crate) fn numbers(&self) -> Vec<TokenStream> {
         let number = |(position, member): (usize, &Member)| {
             let name = &member.name;
-            member
-                .is_float()
-                .then(|| quote!(found(&Self::FIELDS[#position], crate::schema::floats(&self.#name));))
+            member.is_float().then(
+                || quote!(found(&Self::FIELDS[#position], crate::described::Floats::floats(&self.#name));),
+            )
         };
         self.0.iter().enumerate().filter_map(number).collect()
     }
@@ -129,7 +129,7 @@ fn shape(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
             _ => quote!(compile_error!("a whole number needs `within(a, b)`")),
         };
     }
-    quote!(<#ty as crate::schema::Described>::SHAPE)
+    quote!(<#ty as crate::described::Described>::SHAPE)
 }
 
 fn range(limits: Option<&Limits>) -> TokenStream {

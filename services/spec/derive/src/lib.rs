@@ -82,7 +82,7 @@ fn derive_struct(
             pub const FIELDS: &'static [crate::schema::Field] = &[#(#fields),*];
         }
 
-        impl crate::schema::Described for #name {
+        impl crate::described::Described for #name {
             const SHAPE: crate::schema::Shape = #shape;
 
             fn numbers(&self, found: &mut dyn FnMut(&'static crate::schema::Field, &[f64])) {

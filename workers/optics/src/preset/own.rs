@@ -169,8 +169,8 @@ mod tests {
         let found = errors(&wrong, &[]);
         for words in [
             "must fall in this order",
-            "absorption_per_m is -0.4 in channel R",
-            "absorption_per_m is NaN in channel B",
+            "absorption_per_m is -0.4 in R",
+            "absorption_per_m is NaN in B",
             "beam_attenuation_per_m is missing",
             "veiling_light is missing",
         ] {

@@ -197,10 +197,10 @@ fn everything_wrong_is_said_at_once() {
         fields,
         [
             "density_per_m3",
-            "near_m",
-            "far_m",
             "radius_m",
             "radius_spread",
+            "near_m",
+            "far_m",
             "albedo",
             "albedo"
         ]
@@ -212,7 +212,7 @@ fn everything_wrong_is_said_at_once() {
     };
     let errors = validate(&thick);
     let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
-    assert_eq!(texts, ["near_m is 5 but must be below `far_m`, 3"]);
+    assert_eq!(texts, ["near_m is 5, the limit is below `far_m`, 3"]);
     let dense = Snow {
         density_per_m3: 1e5,
         ..SNOW

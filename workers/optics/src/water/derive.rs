@@ -4,7 +4,7 @@
 //! waters up to b Z of about 6. A derived veiling light has the colour of daylight at the depth, exp(−K_d h), and by
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
-use spec::{Ambient, ForwardScatter, HoleRule, Optics, ScatterModel};
+use spec::{Ambient, ForwardScatter, Optics, ScatterModel};
 
 use super::{Scatter, Spread, Water, WaterError};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
@@ -16,12 +16,6 @@ const SPREAD_PER_SCATTERING_RAD: f64 = 0.009;
 const VEIL_GAIN: f64 = 0.3;
 const VEIL_DEPTH_M: f64 = 5.0;
 
-/// Ink attenuates less: beyond it a coefficient is a slip of units.
-const MOST_PER_M: f64 = 1000.0;
-const MOST_SPREAD_PX: f64 = 1e6;
-const MOST_LIGHT: f64 = 1e4;
-const MOST_DEPTH_M: f64 = 12_000.0;
-const MOST_RANGE_SCALE: f64 = 1000.0;
 /// Printed tables round a, b and c to three decimals each.
 const SUM_SLACK_PER_M: f64 = 0.002;
 const CHANNELS: [char; 3] = ['R', 'G', 'B'];
@@ -37,7 +31,7 @@ pub(super) struct Request<'a> {
 
 pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec<WaterError>> {
     let mut checks = Checks::default();
-    checks.ranges(request);
+    checks.limits(request);
     let preset = request.optics.preset.as_deref().and_then(|name| {
         let found = preset::find(name);
         if found.is_none() {
@@ -215,75 +209,16 @@ struct Checks {
 }
 
 impl Checks {
-    fn ranges(&mut self, request: &Request<'_>) {
+    /// Every number within the limits of its field.
+    fn limits(&mut self, request: &Request<'_>) {
         let scatter = request.optics.forward_scatter.as_ref();
-        let triples = [
-            (
-                "beam_attenuation_per_m",
-                request.optics.beam_attenuation_per_m,
-                MOST_PER_M,
-            ),
-            ("absorption_per_m", request.optics.absorption_per_m, MOST_PER_M),
-            ("scattering_per_m", request.optics.scattering_per_m, MOST_PER_M),
-            (
-                "backscatter_attenuation_per_m",
-                request.optics.backscatter_attenuation_per_m,
-                MOST_PER_M,
-            ),
-            (
-                "diffuse_attenuation_per_m",
-                request.optics.diffuse_attenuation_per_m,
-                MOST_PER_M,
-            ),
-            ("veiling_light", request.optics.veiling_light, MOST_LIGHT),
-            ("g_per_m", scatter.and_then(|s| s.g_per_m), MOST_PER_M),
-            (
-                "spread_px_per_m",
-                scatter.and_then(|s| s.spread_px_per_m),
-                MOST_SPREAD_PX,
-            ),
-            (
-                "spread_offset_px",
-                scatter.and_then(|s| s.spread_offset_px),
-                MOST_SPREAD_PX,
-            ),
+        let beyond = [
+            spec::beyond(request.optics),
+            scatter.map(spec::beyond).unwrap_or_default(),
         ];
-        for (field, values, most) in triples {
-            for (channel, value) in CHANNELS.into_iter().zip(values.into_iter().flatten()) {
-                self.range(field, Some(channel), value, 0.0, most);
-            }
-        }
-        let singles = [
-            ("veil_gain", request.optics.veil_gain, 0.0, MOST_LIGHT),
-            ("depth_m", request.water.depth_m, 0.0, MOST_DEPTH_M),
-            (
-                "backscatter_fraction",
-                request.optics.backscatter_fraction,
-                0.002,
-                0.5,
-            ),
-            (
-                "range_scale",
-                Some(request.water.range_scale),
-                f64::MIN_POSITIVE,
-                MOST_RANGE_SCALE,
-            ),
-            (
-                "holes",
-                if let HoleRule::RangeM(metres) = request.water.holes {
-                    Some(metres)
-                } else {
-                    None
-                },
-                1e-3,
-                1e6,
-            ),
-        ];
-        for (field, value, least, most) in singles {
-            value
-                .into_iter()
-                .for_each(|value| self.range(field, None, value, least, most));
-        }
+        let places = [spec::beyond(request.water), spec::beyond(&request.water.holes)];
+        let all = beyond.into_iter().chain(places).flatten();
+        self.errors.extend(all.map(WaterError::Beyond));
     }
 
     /// What the glow of lamps needs.
@@ -348,18 +283,6 @@ impl Checks {
                 channel,
                 value,
                 limit,
-            });
-        }
-    }
-
-    fn range(&mut self, field: &'static str, channel: Option<char>, value: f64, least: f64, most: f64) {
-        if !(least..=most).contains(&value) {
-            self.errors.push(WaterError::OutOfRange {
-                field,
-                channel,
-                value,
-                least,
-                most,
             });
         }
     }

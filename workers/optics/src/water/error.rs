@@ -1,22 +1,13 @@
-//! What is wrong with a request for a water.
+//! What is wrong with the description of a water.
+
+use spec::Beyond;
 
 /// One contradiction or gap. [`WaterError::field`] names the field as the job description does.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WaterError {
     /// A number lies outside its limits.
-    #[error("{field} is {value}{} but must lie in {least}..={most}", in_channel(.channel))]
-    OutOfRange {
-        /// The field.
-        field: &'static str,
-        /// `R`, `G` or `B`; none of a single number.
-        channel: Option<char>,
-        /// What was given.
-        value: f64,
-        /// Least value.
-        least: f64,
-        /// Largest value.
-        most: f64,
-    },
+    #[error(transparent)]
+    Beyond(#[from] Beyond),
     /// Absorption, scattering or G alone exceeds the beam attenuation.
     #[error("{field} is {value} in channel {channel} but at most the beam attenuation, {limit}")]
     MoreThanAttenuation {
@@ -57,16 +48,12 @@ pub enum WaterError {
     },
 }
 
-fn in_channel(channel: &Option<char>) -> String {
-    channel.map_or_else(String::new, |channel| format!(" in channel {channel}"))
-}
-
 impl WaterError {
     /// The field of the job description that has to change.
     #[must_use]
     pub fn field(&self) -> &'static str {
         match self {
-            Self::OutOfRange { field, .. }
+            Self::Beyond(Beyond { field, .. })
             | Self::MoreThanAttenuation { field, .. }
             | Self::Missing { field, .. } => field,
             Self::Inconsistent { .. } => "beam_attenuation_per_m",

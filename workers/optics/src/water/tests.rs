@@ -164,15 +164,15 @@ fn every_error_is_named_at_once_with_value_and_limit() {
         "absorption_per_m",
         "scattering_per_m",
         "veiling_light",
-        "depth_m",
         "range_scale",
+        "depth_m",
         "g_per_m",
     ];
     assert_eq!(fields[..6], expected[..6]);
     assert!(fields.contains(&"g_per_m"), "{fields:?}");
     let texts = errors(wrong);
-    assert!(texts.contains(&"absorption_per_m is -0.1 in channel R but must lie in 0..=1000".to_owned()));
-    assert!(texts.contains(&"depth_m is -3 but must lie in 0..=12000".to_owned()));
+    assert!(texts.contains(&"absorption_per_m is -0.1 in R, the limit is 0..=1000".to_owned()));
+    assert!(texts.contains(&"depth_m is -3, the limit is 0..=12000".to_owned()));
 }
 
 #[test]

@@ -18,7 +18,10 @@ pub(crate) fn lighting(
     water: Option<&Water>,
     patches: Option<&Patches>,
 ) -> Result<Option<Lighting>, RenderError> {
-    let lamps = Lamp::among(&frame.lights).map_err(RenderError::Lamps)?;
+    let lamps = Lamp::among(&frame.lights).map_err(|beyond| RenderError::Beyond {
+        what: "lights",
+        beyond,
+    })?;
     let Some(range) = prepared.scene.range.as_ref().filter(|_| !lamps.is_empty()) else {
         return Ok(None);
     };

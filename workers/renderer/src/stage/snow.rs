@@ -45,10 +45,10 @@ pub(crate) fn run(
         return Ok(None);
     };
     let (eye, size) = (eye(prepared), range.size());
-    let mut errors = snow::validate(&law);
-    errors.extend(snow::check_count(&law, snow::solid(&eye.camera, size)).err());
-    if !errors.is_empty() {
-        return Err(RenderError::Snow(errors));
+    let mut beyond = snow::validate(&law);
+    beyond.extend(snow::check_count(&law, snow::solid(&eye.camera, size)).err());
+    if !beyond.is_empty() {
+        return Err(RenderError::Beyond { what: "snow", beyond });
     }
     let water = chosen.water.as_ref();
     let attenuation = water.map_or([0.0; 3], optics::water::Water::direct_attenuation);

@@ -68,9 +68,10 @@ pub(crate) fn patches(
     let (Some(patches), Some(water), Some(range)) = (given, water, &prepared.scene.range) else {
         return Ok(None);
     };
-    let errors = turbidity::validate(&patches);
-    if !errors.is_empty() {
-        return Err(RenderError::Turbidity(errors));
+    let beyond = spec::beyond(&patches);
+    if !beyond.is_empty() {
+        let what = "turbidity";
+        return Err(RenderError::Beyond { what, beyond });
     }
     let eye = eye(prepared);
     let field = Field::new(&patches, world(frame));
