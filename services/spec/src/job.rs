@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use imaging::digest::sha256;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 use crate::check::{Checker, Place, places, whole};
 use crate::draw::Law;
@@ -40,48 +40,27 @@ impl Job {
     /// Every error of the description together, at most [`crate::MAX_ERRORS`]; of a text that is not JSON, that one.
     pub fn parse(json: &[u8], vocabulary: &Vocabulary) -> Result<Self, Invalid> {
         let value = json::read(json)?;
-        let seed = value
-            .get("seed")
-            .and_then(whole)
-            .and_then(|seed| u64::try_from(seed).ok())
-            .unwrap_or(0);
         let mut checker = Checker {
             vocabulary,
-            seed,
+            trusting: false,
+            seed: seed(&value),
             errors: Vec::new(),
         };
-        let document = checker.node(&Place::default(), &DOCUMENT, false, &value);
-        let Some(mut document) = document else {
-            return Err(Invalid(checker.errors));
-        };
-        checker.across(&document);
-        let product = lay_out_grids(&mut document);
-        let frames = frames(&document, product, &mut checker);
-        checker.water(&document, frames);
-        let canonical = document.canonical().to_string();
-        if canonical.len() > MAX_BYTES {
+        let mut job = Self::read(&value, &mut checker)?;
+        checker.across(&job.document);
+        checker.water(&job.document, job.frames);
+        if job.canonical.len() > MAX_BYTES {
             let message = format!(
                 "the description with its defaults has {} bytes, the limit is {MAX_BYTES}",
-                canonical.len()
+                job.canonical.len()
             );
             checker.refuse(|| FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")));
         }
         if !checker.errors.is_empty() {
             return Err(Invalid(checker.errors));
         }
-        let dataset = document
-            .get("dataset")
-            .map(|node| node.strings(""))
-            .unwrap_or_default();
-        Ok(Self {
-            dataset: dataset.into_iter().map(|(_, name)| name.to_owned()).collect(),
-            warnings: warnings::of(&document, &value, vocabulary),
-            canonical,
-            frames,
-            cells: product.unwrap_or(1),
-            seed,
-            document,
-        })
+        job.warnings = warnings::of(&job.document, &value, vocabulary);
+        Ok(job)
     }
 
     /// Reads a canonical description again, with the same checks as [`Job::parse`].
@@ -90,6 +69,50 @@ impl Job {
     /// As [`Job::parse`].
     pub fn from_canonical(json: &str, vocabulary: &Vocabulary) -> Result<Self, Invalid> {
         Self::parse(json.as_bytes(), vocabulary)
+    }
+
+    /// Reads the canonical text of a job that was accepted before. Its names and numbers are believed, so that it renders
+    /// what it rendered then, whatever names and limits there are by now.
+    ///
+    /// # Errors
+    /// What is no description by its form: the text is damaged, or of another version of the program.
+    pub fn trusted(canonical: &str) -> Result<Self, Invalid> {
+        let value = json::read(canonical.as_bytes())?;
+        let mut checker = Checker {
+            vocabulary: &Vocabulary::default(),
+            trusting: true,
+            seed: seed(&value),
+            errors: Vec::new(),
+        };
+        let job = Self::read(&value, &mut checker)?;
+        if checker.errors.is_empty() {
+            Ok(job)
+        } else {
+            Err(Invalid(checker.errors))
+        }
+    }
+
+    /// The job of a description that is right field by field, or as far as it is: the checker holds what is wrong.
+    fn read(value: &Value, checker: &mut Checker<'_>) -> Result<Self, Invalid> {
+        let document = checker.node(&Place::default(), &DOCUMENT, false, value);
+        let Some(mut document) = document else {
+            return Err(Invalid(std::mem::take(&mut checker.errors)));
+        };
+        let product = lay_out_grids(&mut document);
+        let frames = frames(&document, product, checker);
+        let dataset = document
+            .get("dataset")
+            .map(|node| node.strings(""))
+            .unwrap_or_default();
+        Ok(Self {
+            dataset: dataset.into_iter().map(|(_, name)| name.to_owned()).collect(),
+            warnings: Vec::new(),
+            canonical: document.canonical().to_string(),
+            frames,
+            cells: product.unwrap_or(1),
+            seed: checker.seed,
+            document,
+        })
     }
 
     /// Canonical JSON text: sorted keys, no spaces, defaults filled in, presets by full name and in object form,
@@ -103,7 +126,7 @@ impl Job {
     /// SHA-256 of the canonical text, lower-case hex.
     #[must_use]
     pub fn digest(&self) -> String {
-        crate::hex(&Sha256::digest(self.canonical.as_bytes()))
+        sha256(self.canonical.as_bytes())
     }
 
     /// Name of the dataset.
@@ -176,6 +199,11 @@ impl Job {
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
+}
+
+fn seed(description: &Value) -> u64 {
+    let written = description.get("seed").and_then(whole);
+    written.and_then(|seed| u64::try_from(seed).ok()).unwrap_or(0)
 }
 
 fn one(error: FieldError) -> Invalid {

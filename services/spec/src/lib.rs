@@ -30,6 +30,7 @@ mod vocabulary;
 mod warnings;
 mod water;
 
+pub use imaging::digest::{hex, sha256};
 pub use imaging::geometry::Intrinsics;
 
 pub use artifact::ArtifactKind;
@@ -42,10 +43,11 @@ pub use json::{MAX_BYTES, MAX_DEPTH};
 pub use light::{Haze, HazeBlend, HazeSpace, Light, PointLamp, SpotLamp};
 pub use normal::normal_quantile;
 pub use own_water::{JERLOV_TYPES, OwnWater};
-pub use record::{ArtifactEntry, Counts, FrameRecord, Provenance, hex, job_digest};
+pub use record::{ArtifactEntry, Counts, FrameRecord, Provenance, job_digest};
 pub use rules::{Fault, Sight, WaterRules};
 pub use scene_files::{RangeFile, RangeKind, SceneFiles};
 pub use scene_record::{InstanceRecord, SceneRecord};
+pub use suggest::nearest;
 pub use suspended::{Snow, Turbidity};
 pub use vocabulary::Vocabulary;
 pub use water::{Ambient, ForwardScatter, HoleRule, Optics, ScatterModel, ScatterSource, StyleTier, Water};

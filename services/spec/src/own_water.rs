@@ -79,6 +79,7 @@ impl OwnWater {
         let vocabulary = Vocabulary::default();
         let mut checker = Checker {
             vocabulary: &vocabulary,
+            trusting: false,
             seed: 0,
             errors: Vec::new(),
         };

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use imaging::digest::hex;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
@@ -110,10 +111,4 @@ pub fn job_digest<'a>(frame_digests: impl IntoIterator<Item = &'a str>) -> Strin
         hash.update(digest.as_bytes());
     }
     hex(&hash.finalize())
-}
-
-/// Lower-case hexadecimal.
-#[must_use]
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -4,6 +4,7 @@
 
 pub mod codec;
 pub mod dct;
+pub mod digest;
 pub mod geometry;
 pub mod lab;
 mod plane;

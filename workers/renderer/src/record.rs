@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
 use spec::{ArtifactEntry, Counts, FrameRecord, Provenance, SceneRecord};
 
 use crate::provenance::{CODE_VERSION, cpu_features};
@@ -35,7 +34,7 @@ pub struct File {
 
 impl File {
     pub(crate) fn new(kind: String, media_type: &'static str, bytes: Vec<u8>) -> Self {
-        let digest = spec::hex(&Sha256::digest(&bytes));
+        let digest = spec::sha256(&bytes);
         Self {
             kind,
             media_type,

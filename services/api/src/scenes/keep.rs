@@ -8,7 +8,6 @@ use imaging::codec::{Radiance, decode_radiance};
 use imaging::geometry::Intrinsics;
 use scenes::SceneError;
 use scenes::uploaded::decode;
-use sha2::{Digest, Sha256};
 use spec::SceneFiles;
 use store::Blob;
 use uuid::Uuid;
@@ -44,7 +43,7 @@ fn checked(form: Form, created_ms: u64) -> Result<(SceneRow, Vec<Blob>), Problem
     let scene = decode(&files).map_err(|error| refusal(&error))?;
     let mut blobs = Vec::new();
     let Ok(files) = files.try_map(|bytes| -> Result<_, Infallible> {
-        let digest = spec::hex(&Sha256::digest(bytes));
+        let digest = spec::sha256(bytes);
         blobs.push(Blob {
             digest: digest.clone(),
             bytes: bytes.to_vec(),
@@ -89,7 +88,7 @@ fn content_digest(files: &SceneFiles<String>) -> String {
         camera.map(|camera| camera.cx),
         camera.map(|camera| camera.cy),
     ]);
-    spec::hex(&Sha256::digest(format!("fathom-scene-v1{content}")))
+    spec::sha256(format!("fathom-scene-v1{content}"))
 }
 
 fn refusal(error: &SceneError) -> Problem {

@@ -18,7 +18,7 @@ use cli::images::Question;
 use cli::progress::Progress;
 use cli::remote::{Remote, ServerArguments, query_value};
 use serde_json::{Map, Value};
-use sha2::{Digest, Sha256};
+use spec::sha256;
 
 /// Options of `fathom export`.
 #[derive(clap::Args)]
@@ -166,13 +166,6 @@ fn extension(media_type: &str) -> &'static str {
         "image/webp" => "webp",
         _ => "npy",
     }
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
 }
 
 /// Works on all items with a few threads; answers in their order, or the first error.

@@ -38,9 +38,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let request: Request =
         serde_json::from_slice(&read(folder, "request.json")?).context("request.json cannot be read")?;
     let library = arguments.style.library_of_service(&arguments.data)?;
-    let vocabulary = renderer::vocabulary(&library, false);
     let refused = |error: &dyn std::fmt::Display| Failure::BadInput(error.to_string());
-    let job = Job::from_canonical(&request.spec, &vocabulary).map_err(|error| refused(&error))?;
+    let job = Job::trusted(&request.spec).map_err(|error| refused(&error))?;
     let frame = job.resolve(request.frame).map_err(|error| refused(&error))?;
     let source = match &request.scene {
         Some(scene) => SceneSource::Uploaded(Arc::new(uploaded(folder, scene)?)),

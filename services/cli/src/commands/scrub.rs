@@ -157,7 +157,7 @@ async fn scrub(arguments: &Arguments) -> Result<Findings, Failure> {
     scenes(&data, &mut findings).await?;
     let mut repair = arguments
         .repair
-        .then(|| Repair::new(library, vocabulary, arguments.style.onnxruntime.as_deref()));
+        .then(|| Repair::new(library, arguments.style.onnxruntime.as_deref()));
     artifacts(&data, repair.as_mut(), &mut findings).await?;
     data.close().await;
     Ok(findings)

@@ -265,7 +265,7 @@ impl Checker<'_> {
                 return None;
             }
         };
-        if fits {
+        if fits || self.trusting {
             return Some(());
         }
         let limit = shape.limit();

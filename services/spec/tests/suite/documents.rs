@@ -207,3 +207,55 @@ fn the_focal_length_follows_from_the_field_of_view() {
     };
     assert!((camera.focal_px(200) - 100.0).abs() < 1e-12);
 }
+
+#[test]
+fn a_stored_job_means_what_it_meant_whatever_names_there_are_by_now() {
+    let accepted = job(&everything());
+    let stored = Job::trusted(accepted.canonical()).unwrap();
+    assert_eq!(stored.canonical(), accepted.canonical());
+    assert_eq!(
+        (stored.frames(), stored.dataset(), stored.seed(), stored.styles()),
+        (
+            accepted.frames(),
+            accepted.dataset(),
+            accepted.seed(),
+            accepted.styles()
+        )
+    );
+    for index in [0, 1, 7, 1999] {
+        assert_eq!(stored.resolve(index).unwrap(), accepted.resolve(index).unwrap());
+    }
+    let of_old = accepted
+        .canonical()
+        .replace("\"muddy\"", "\"a-style-that-is-gone\"")
+        .replace("williamson2022", "a-source-that-is-gone");
+    assert_ne!(of_old, accepted.canonical());
+    assert!(Job::parse(of_old.as_bytes(), &vocabulary(false)).is_err());
+    let old = Job::trusted(&of_old).unwrap();
+    assert_eq!(old.canonical(), of_old);
+    assert!((0..old.frames().min(50)).all(|index| old.resolve(index).is_ok()));
+    let wide = job_with(json!({"alpha": 0.5})).canonical().replace("0.5", "7.5");
+    assert_eq!(
+        Job::trusted(&wide).unwrap().resolve(0).unwrap().alpha,
+        7.5,
+        "a limit of then may have been wider"
+    );
+}
+
+#[test]
+fn a_damaged_job_is_an_error_and_no_panic() {
+    let canonical = job(&everything()).canonical().to_owned();
+    for at in (0..canonical.len())
+        .step_by(3)
+        .filter(|at| canonical.is_char_boundary(*at))
+    {
+        assert!(Job::trusted(&canonical[..at]).is_err());
+        for byte in ["\"", "{", "9", "-", "null"] {
+            let mut damaged = canonical.clone();
+            damaged.replace_range(at..=at, byte);
+            if let Ok(job) = Job::trusted(&damaged) {
+                let _ = job.resolve(0);
+            }
+        }
+    }
+}

@@ -116,6 +116,5 @@ pub(crate) fn io_error(path: &Path, source: io::Error) -> LocalError {
 }
 
 fn digest(text: &str) -> String {
-    use sha2::{Digest, Sha256};
-    spec::hex(&Sha256::digest(text.as_bytes()))
+    spec::sha256(text.as_bytes())
 }

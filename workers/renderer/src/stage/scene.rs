@@ -8,7 +8,6 @@ use imaging::geometry::Intrinsics;
 use optics::range::is_hole;
 use scenes::uploaded;
 use scenes::{CameraPose, Labels, SceneError, World};
-use sha2::{Digest, Sha256};
 use spec::{Frame, RangeKind, Scene as SceneOf, SceneFiles};
 
 use crate::error::RenderError;
@@ -77,7 +76,7 @@ fn pose(frame: &Frame, world: &World) -> Result<CameraPose, RenderError> {
 fn from_files(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError> {
     let digests = files
         .named()
-        .map(|(name, bytes)| (format!("scene.{name}"), spec::hex(&Sha256::digest(bytes))))
+        .map(|(name, bytes)| (format!("scene.{name}"), spec::sha256(bytes)))
         .collect();
     let is_z_depth = files
         .range

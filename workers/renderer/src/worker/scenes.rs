@@ -3,7 +3,6 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::client::ClientError;
-use sha2::{Digest, Sha256};
 
 use super::Shared;
 use super::held::Hold;
@@ -69,7 +68,7 @@ fn fetch(shared: &Shared, hold: &Hold, id: &str) -> Result<SceneBytes, RenderErr
         let bytes = persist(&shared.stop, wanted, || shared.service.blob(digest))
             .result
             .map_err(failed)?;
-        if spec::hex(&Sha256::digest(&bytes)) == digest {
+        if spec::sha256(&bytes) == digest {
             return Ok(bytes);
         }
         let reason = format!("bytes arrived that do not have the digest {digest}");

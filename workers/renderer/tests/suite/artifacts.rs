@@ -3,8 +3,7 @@
 use imaging::codec::{FilePlane, Radiance, decode_picture, decode_plane, decode_radiance};
 use imaging::{Channels, Rgb, Samples};
 use serde_json::json;
-use sha2::{Digest, Sha256};
-use spec::hex;
+use spec::sha256;
 
 use crate::common::{Files, HEIGHT, WIDTH, file, parse, render};
 
@@ -41,7 +40,7 @@ fn every_kind_decodes_at_its_size_with_the_digest_of_the_record() {
     assert_eq!(kinds, EVERYTHING);
     for (file, entry) in rendered.files.iter().zip(&rendered.record.artifacts) {
         assert_eq!((&file.kind, file.bytes.len() as u64), (&entry.kind, entry.bytes));
-        assert_eq!(hex(&Sha256::digest(&file.bytes)), entry.digest);
+        assert_eq!(sha256(&file.bytes), entry.digest);
         if file.media_type == "application/x-npy" {
             assert_eq!(linear(&file.bytes).size(), (WIDTH, HEIGHT), "{}", file.kind);
         } else {

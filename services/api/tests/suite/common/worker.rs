@@ -12,7 +12,6 @@ use proto::wire::BeatResponse;
 use renderer::worker::client::{Client, ClientError};
 use renderer::worker::{Limits, WorkerOptions};
 use serde_json::{Map, json};
-use sha2::{Digest, Sha256};
 use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
 use style::Library;
 
@@ -89,7 +88,7 @@ impl Fake {
     /// The same with this picture.
     pub(crate) fn finish_with(&self, lease: &Lease, picture: Vec<u8>) -> Result<bool, ClientError> {
         let claim = claim(lease);
-        let digest = spec::hex(&Sha256::digest(&picture));
+        let digest = spec::sha256(&picture);
         let record = record(claim.frame, &digest, picture.len() as u64);
         let file = Artifact {
             kind: "rgb".into(),
