@@ -1,167 +1,43 @@
-//! The queryable columns of an image: one table from which the schema, the insert and the filter language all follow.
+//! The queryable columns of an image: the leaves of a record, from which the schema, the insert and the filter language all
+//! follow.
+
+use std::sync::Arc;
 
 use serde_json::Value;
+use spec::{Leaf, LeafKind, Leaves, List};
 
-use crate::filter::{Bind, Column, Kind};
+use crate::filter::{Bind, Column, Kind, OFFSET};
 use crate::joins::Join;
 
-/// The water by name: that of a preset, or of a water of the user's own, whose numbers the record holds.
+/// The water by name is that of a preset, or that of a water of the user's own.
 const WATER: &str = "water.optics";
 const OWN_WATER: &str = "/parameters/water/optics/name";
 
-/// (name in questions, where it stands in the record, kind). An array stands for its length.
-const PARAMETERS: &[(&str, &str, Kind)] = &[
-    ("scene.kind", "/parameters/scene/kind", Kind::Text),
-    ("scene.family", "/parameters/scene/family", Kind::Text),
-    ("scene.seed", "/parameters/scene/seed", Kind::Number),
-    ("scene.id", "/parameters/scene/id", Kind::Text),
-    ("camera.width", "/parameters/camera/width", Kind::Number),
-    ("camera.height", "/parameters/camera/height", Kind::Number),
-    ("camera.hfov_deg", "/parameters/camera/hfov_deg", Kind::Number),
-    (WATER, "/parameters/water/optics/preset", Kind::Text),
-    ("water.range_scale", "/parameters/water/range_scale", Kind::Number),
-    ("water.depth_m", "/parameters/water/depth_m", Kind::Number),
-    ("water.ambient", "/parameters/water/ambient", Kind::Text),
-    ("water.style", "/parameters/water/style", Kind::Text),
-    (
-        "snow.density_per_m3",
-        "/parameters/water/snow/density_per_m3",
-        Kind::Number,
-    ),
-    ("snow.radius_m", "/parameters/water/snow/radius_m", Kind::Number),
-    (
-        "snow.radius_spread",
-        "/parameters/water/snow/radius_spread",
-        Kind::Number,
-    ),
-    ("snow.near_m", "/parameters/water/snow/near_m", Kind::Number),
-    ("snow.far_m", "/parameters/water/snow/far_m", Kind::Number),
-    ("snow.albedo.r", "/parameters/water/snow/albedo/0", Kind::Number),
-    ("snow.albedo.g", "/parameters/water/snow/albedo/1", Kind::Number),
-    ("snow.albedo.b", "/parameters/water/snow/albedo/2", Kind::Number),
-    ("snow.particles", "/optics/snow/particles", Kind::Number),
-    ("snow.cover", "/optics/snow/cover", Kind::Number),
-    (
-        "turbidity.contrast",
-        "/parameters/water/turbidity/contrast",
-        Kind::Number,
-    ),
-    (
-        "turbidity.scale_m",
-        "/parameters/water/turbidity/scale_m",
-        Kind::Number,
-    ),
-    ("turbidity.mean", "/optics/turbidity/mean", Kind::Number),
-    ("turbidity.least", "/optics/turbidity/least", Kind::Number),
-    ("turbidity.most", "/optics/turbidity/most", Kind::Number),
-    ("alpha", "/parameters/alpha", Kind::Number),
-    ("lights.count", "/parameters/lights", Kind::Number),
-    (
-        "fidelity.tolerance",
-        "/parameters/fidelity/tolerance",
-        Kind::Number,
-    ),
-    ("fidelity.terms", "/parameters/fidelity/terms", Kind::Number),
-    ("fidelity.variant", "/parameters/fidelity/variant", Kind::Text),
-    ("seed", "/parameters/seed", Kind::Number),
-    ("absorption_per_m.r", "/optics/absorption_per_m/0", Kind::Number),
-    ("absorption_per_m.g", "/optics/absorption_per_m/1", Kind::Number),
-    ("absorption_per_m.b", "/optics/absorption_per_m/2", Kind::Number),
-    ("scattering_per_m.r", "/optics/scattering_per_m/0", Kind::Number),
-    ("scattering_per_m.g", "/optics/scattering_per_m/1", Kind::Number),
-    ("scattering_per_m.b", "/optics/scattering_per_m/2", Kind::Number),
-    (
-        "beam_attenuation_per_m.r",
-        "/optics/beam_attenuation_per_m/0",
-        Kind::Number,
-    ),
-    (
-        "beam_attenuation_per_m.g",
-        "/optics/beam_attenuation_per_m/1",
-        Kind::Number,
-    ),
-    (
-        "beam_attenuation_per_m.b",
-        "/optics/beam_attenuation_per_m/2",
-        Kind::Number,
-    ),
-    (
-        "backscatter_attenuation_per_m.r",
-        "/optics/backscatter_attenuation_per_m/0",
-        Kind::Number,
-    ),
-    (
-        "backscatter_attenuation_per_m.g",
-        "/optics/backscatter_attenuation_per_m/1",
-        Kind::Number,
-    ),
-    (
-        "backscatter_attenuation_per_m.b",
-        "/optics/backscatter_attenuation_per_m/2",
-        Kind::Number,
-    ),
-    (
-        "diffuse_attenuation_per_m.r",
-        "/optics/diffuse_attenuation_per_m/0",
-        Kind::Number,
-    ),
-    (
-        "diffuse_attenuation_per_m.g",
-        "/optics/diffuse_attenuation_per_m/1",
-        Kind::Number,
-    ),
-    (
-        "diffuse_attenuation_per_m.b",
-        "/optics/diffuse_attenuation_per_m/2",
-        Kind::Number,
-    ),
-    ("veiling_light.r", "/optics/veiling_light/0", Kind::Number),
-    ("veiling_light.g", "/optics/veiling_light/1", Kind::Number),
-    ("veiling_light.b", "/optics/veiling_light/2", Kind::Number),
-    ("g_per_m.r", "/optics/g_per_m/0", Kind::Number),
-    ("g_per_m.g", "/optics/g_per_m/1", Kind::Number),
-    ("g_per_m.b", "/optics/g_per_m/2", Kind::Number),
-    ("spread_px_per_m.r", "/optics/spread_px_per_m/0", Kind::Number),
-    ("spread_px_per_m.g", "/optics/spread_px_per_m/1", Kind::Number),
-    ("spread_px_per_m.b", "/optics/spread_px_per_m/2", Kind::Number),
-    (
-        "backscatter_fraction",
-        "/optics/backscatter_fraction",
-        Kind::Number,
-    ),
-    ("path.frame", "/parameters/camera/path/frame", Kind::Number),
-    ("instances.count", "/scene/instances", Kind::Number),
-    ("instances.visible", "/scene/visible", Kind::Number),
-    (
-        "instances.least_visibility",
-        "/scene/least_visibility",
-        Kind::Number,
-    ),
-    (
-        "instances.mean_visibility",
-        "/scene/mean_visibility",
-        Kind::Number,
-    ),
-    ("holes", "/counts/holes", Kind::Number),
-    ("negative_radiance", "/counts/negative_radiance", Kind::Number),
-    ("clamped", "/counts/clamped", Kind::Number),
-    ("range_saturated", "/counts/range_saturated", Kind::Number),
-    ("total_ms", "/timings_ms/total", Kind::Number),
-    ("code_version", "/provenance/code_version", Kind::Text),
-    ("onnx_runtime", "/provenance/onnx_runtime", Kind::Text),
-    ("cpu_features", "/provenance/cpu_features", Kind::Text),
+/// Names that questions used before every leaf had a column under its own.
+const ALIASES: &[(&str, &str)] = &[
+    ("snow.density_per_m3", "water.snow.density_per_m3"),
+    ("snow.radius_m", "water.snow.radius_m"),
+    ("snow.radius_spread", "water.snow.radius_spread"),
+    ("snow.near_m", "water.snow.near_m"),
+    ("snow.far_m", "water.snow.far_m"),
+    ("snow.albedo.r", "water.snow.albedo.r"),
+    ("snow.albedo.g", "water.snow.albedo.g"),
+    ("snow.albedo.b", "water.snow.albedo.b"),
+    ("turbidity.contrast", "water.turbidity.contrast"),
+    ("turbidity.scale_m", "water.turbidity.scale_m"),
+    ("path.frame", "camera.path.frame"),
 ];
 
-/// Columns that every row has: (name in questions, SQL, kind). Frames that failed have no image, so `failed` is false in
-/// every row; it is there because people ask.
-const OWN: &[(&str, &str, Kind)] = &[
-    ("job", "images.job_id", Kind::Text),
-    ("frame", "images.frame", Kind::Number),
-    ("dataset", "images.dataset", Kind::Text),
-    ("created_ms", "images.created_ms", Kind::Number),
-    ("digest", "images.digest", Kind::Text),
-    ("failed", "0", Kind::Bool),
-    ("warned", "(images.warnings > 0)", Kind::Bool),
+/// Columns that every row has: (name in questions, SQL, kind, unit). Frames that failed have no image, so `failed` is false
+/// in every row; it is there because people ask.
+const OWN: &[(&str, &str, Kind, Option<&str>)] = &[
+    ("job", "images.job_id", Kind::Text, None),
+    ("frame", "images.frame", Kind::Whole, None),
+    ("dataset", "images.dataset", Kind::Text, None),
+    ("created_ms", "images.created_ms", Kind::Whole, Some("ms")),
+    ("digest", "images.digest", Kind::Text, None),
+    ("failed", "0", Kind::Bool, None),
+    ("warned", "(images.warnings > 0)", Kind::Bool, None),
 ];
 
 /// What is measured unless a question says otherwise.
@@ -171,19 +47,28 @@ const MAIN_SUBJECT: &str = "rgb";
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
     metrics: Vec<String>,
+    /// Those of the record, apart from those that every row has.
+    leaves: Arc<[Leaf]>,
+    lists: Arc<[List]>,
 }
 
-/// A column of the schema: (table, name, type).
+/// A column of the schema.
 pub(crate) struct Added {
     pub(crate) table: &'static str,
     pub(crate) name: String,
     pub(crate) kind: &'static str,
+    /// What it was called before.
+    pub(crate) before: Option<&'static str>,
 }
 
 impl Columns {
     pub(crate) fn new(metrics: &[String]) -> Self {
+        let Leaves { mut scalars, lists } = Leaves::of_records();
+        scalars.retain(|leaf| OWN.iter().all(|(own, ..)| *own != leaf.name));
         Self {
             metrics: metrics.to_vec(),
+            leaves: scalars.into(),
+            lists: lists.into(),
         }
     }
 
@@ -193,72 +78,87 @@ impl Columns {
 
     /// The wide columns that the schema needs.
     pub(crate) fn added(&self) -> Vec<Added> {
-        let kind = |kind| if kind == Kind::Text { "TEXT" } else { "REAL" };
-        let parameters = PARAMETERS.iter().map(|&(name, _, k)| Added {
+        let leaves = self.leaves.iter().map(|leaf| Added {
             table: "images",
-            name: name.to_owned(),
-            kind: kind(k),
+            name: stored_name(leaf),
+            kind: match leaf.kind {
+                LeafKind::Number => "REAL",
+                LeafKind::Whole | LeafKind::Large | LeafKind::Length => "INTEGER",
+                LeafKind::Text => "TEXT",
+            },
+            before: ALIASES
+                .iter()
+                .find(|(_, name)| *name == leaf.name)
+                .map(|(before, _)| *before),
         });
         let metrics = self.metrics.iter().map(|name| Added {
             table: "measurements",
             name: name.clone(),
             kind: "REAL",
+            before: None,
         });
-        parameters.chain(metrics).collect()
+        leaves.chain(metrics).collect()
     }
 
-    /// Parameter values of a record in the order of [`Columns::parameter_names`].
-    pub(crate) fn parameter_values(record: &Value) -> Vec<Option<Bind>> {
-        let found = |name: &str, pointer: &str| {
-            let own = || record.pointer(OWN_WATER).filter(|_| name == WATER);
-            record.pointer(pointer).or_else(own)
+    /// The stored names of the record's columns, in their order.
+    pub(crate) fn stored_names(&self) -> impl ExactSizeIterator<Item = String> {
+        self.leaves.iter().map(stored_name)
+    }
+
+    /// What a record has in these columns, in the order of [`Columns::stored_names`].
+    pub(crate) fn stored_values(&self, record: &Value) -> Vec<Option<Bind>> {
+        let own_water = |leaf: &Leaf| record.pointer(OWN_WATER).filter(|_| leaf.name == WATER);
+        let value = |leaf: &Leaf| {
+            let value = record.pointer(&leaf.pointer).or_else(|| own_water(leaf))?;
+            match leaf.kind {
+                LeafKind::Number => value.as_f64().map(Bind::Number),
+                LeafKind::Whole => value.as_i64().map(Bind::Whole),
+                LeafKind::Large => value.as_u64().map(|number| Bind::Whole(lowered(number))),
+                LeafKind::Text => value.as_str().map(|text| Bind::Text(text.to_owned())),
+                LeafKind::Length => value.as_array().map(|items| Bind::Whole(items.len() as i64)),
+            }
         };
-        let value = |name: &str, pointer: &str| match found(name, pointer)? {
-            Value::Number(number) => number.as_f64().map(Bind::Number),
-            Value::String(text) => Some(Bind::Text(text.clone())),
-            Value::Array(items) => Some(Bind::Number(items.len() as f64)),
-            Value::Bool(_) | Value::Null | Value::Object(_) => None,
-        };
-        PARAMETERS
-            .iter()
-            .map(|(name, pointer, _)| value(name, pointer))
-            .collect()
+        self.leaves.iter().map(value).collect()
     }
 
-    pub(crate) fn parameter_names() -> impl Iterator<Item = &'static str> {
-        PARAMETERS.iter().map(|(name, ..)| *name)
-    }
-
-    /// Names that a question may use, apart from the open families `labels.…`, `timings.…`, `lights.N.…`,
-    /// `artifacts.KIND` (its digest) and `SUBJECT.METRIC`.
+    /// Names that a question may use, apart from the open families `labels.…`, `timings.…`, `LIST.N.…` such as
+    /// `lights.0.x`, `artifacts.KIND` (its digest) and `SUBJECT.METRIC`.
     pub(crate) fn names(&self) -> Vec<String> {
         let own = OWN.iter().map(|(name, ..)| (*name).to_owned());
-        own.chain(Self::parameter_names().map(str::to_owned))
+        let aliases = ALIASES.iter().map(|(name, _)| (*name).to_owned());
+        own.chain(self.leaves.iter().map(|leaf| leaf.name.clone()))
+            .chain(aliases)
             .chain(self.metrics.iter().cloned())
             .collect()
     }
 
     /// The column of a name.
     pub(crate) fn get(&self, name: &str) -> Option<Column> {
-        if let Some((_, sql, kind)) = OWN.iter().find(|(own, ..)| *own == name) {
+        if let Some((_, sql, kind, unit)) = OWN.iter().find(|(own, ..)| *own == name) {
             return Some(Column {
                 sql: (*sql).to_owned(),
                 binds: Vec::new(),
                 kind: *kind,
+                unit: *unit,
                 always: true,
                 join: None,
             });
         }
-        if let Some((name, _, kind)) = PARAMETERS.iter().find(|(known, ..)| *known == name) {
+        let alias = ALIASES.iter().find(|(alias, _)| *alias == name);
+        let name = alias.map_or(name, |(_, name)| name);
+        if let Some(leaf) = self.leaves.iter().find(|leaf| leaf.name == name) {
             return Some(Column {
-                sql: format!("images.\"{name}\""),
+                sql: format!("images.\"{}\"", stored_name(leaf)),
                 binds: Vec::new(),
-                kind: *kind,
+                kind: kind(leaf),
+                unit: leaf.unit,
                 always: false,
                 join: None,
             });
         }
-        self.metric(name).or_else(|| open_family(name))
+        self.metric(name)
+            .or_else(|| self.element(name))
+            .or_else(|| open_family(name))
     }
 
     fn metric(&self, name: &str) -> Option<Column> {
@@ -277,35 +177,52 @@ impl Columns {
                 sql: format!("{}.\"{known}\"", join.alias()),
                 binds: Vec::new(),
                 kind: Kind::Number,
+                unit: None,
                 always: false,
                 join: Some(join),
             }
         })
     }
+
+    /// A scalar of an element of a list, such as `lights.0.color.r` or `enhance.1`.
+    fn element(&self, name: &str) -> Option<Column> {
+        let (list, rest) = name.split_once('.')?;
+        let list = self.lists.iter().find(|known| known.name == list)?;
+        let (position, field) = rest.split_once('.').unwrap_or((rest, ""));
+        let position: u16 = position.parse().ok()?;
+        let leaf = list.element.iter().find(|leaf| leaf.name == field)?;
+        let path = json_path(&format!("{}/{position}{}", list.pointer, leaf.pointer));
+        Some(extracted(path, kind(leaf), leaf.unit))
+    }
 }
 
-/// Names that depend on the job: labels and digests of artifacts are compared as text, times in milliseconds and numbers of a light as numbers.
+/// The column of a leaf in the schema. A large number is stored as what its column is called, which an INTEGER holds.
+fn stored_name(leaf: &Leaf) -> String {
+    match leaf.kind {
+        LeafKind::Large => format!("{} - 2^63", leaf.name),
+        _ => leaf.name.clone(),
+    }
+}
+
+/// A number up to 2^64 − 1 less 2^63: in the same order, and within 64 bits with a sign.
+fn lowered(number: u64) -> i64 {
+    (i128::from(number) - OFFSET) as i64
+}
+
+fn kind(leaf: &Leaf) -> Kind {
+    match leaf.kind {
+        LeafKind::Number => Kind::Number,
+        LeafKind::Whole | LeafKind::Length => Kind::Whole,
+        LeafKind::Large => Kind::Large,
+        LeafKind::Text => Kind::Text,
+    }
+}
+
+/// Names that depend on the job: labels and digests of artifacts are compared as text, times in milliseconds as numbers.
 fn open_family(name: &str) -> Option<Column> {
     // What a description admits as a name: anything else is no label, and could not stand in a JSON path (a NUL ends it).
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-');
     let quoted = |key: &str| (!key.is_empty() && key.chars().all(plain)).then(|| format!("\"{key}\""));
-    let extract = |path: String, kind| {
-        let record = Join::Record.alias();
-        // Text is greater than every number in SQLite, and a list is text: the intensity of a lamp is no number.
-        let extracted = match kind {
-            Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
-            Kind::Number | Kind::Bool => format!(
-                "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}.record, ?) AS v))"
-            ),
-        };
-        Some(Column {
-            sql: extracted,
-            binds: vec![Bind::Text(path)],
-            kind,
-            always: false,
-            join: Some(Join::Record),
-        })
-    };
     if let Some(kind) = name.strip_prefix("artifacts.") {
         return Some(Column {
             sql: "(SELECT a.digest FROM artifacts a
@@ -313,32 +230,123 @@ fn open_family(name: &str) -> Option<Column> {
                 .to_owned(),
             binds: vec![Bind::Text(kind.to_owned())],
             kind: Kind::Text,
+            unit: None,
             always: false,
             join: None,
         });
     }
     if let Some(label) = name.strip_prefix("labels.") {
-        return extract(format!("$.parameters.labels.{}", quoted(label)?), Kind::Text);
+        return Some(extracted(
+            format!("$.parameters.labels.{}", quoted(label)?),
+            Kind::Text,
+            None,
+        ));
     }
-    if let Some(stage) = name.strip_prefix("timings.") {
-        return extract(format!("$.timings_ms.{}", quoted(stage)?), Kind::Number);
-    }
-    let (index, field) = name.strip_prefix("lights.")?.split_once('.')?;
-    let index: u16 = index.parse().ok()?;
-    let at = |field: &str| format!("$.parameters.lights[{index}].{field}");
-    let kind = match field {
-        "x" | "y" | "size" | "intensity" | "cone_deg" => Kind::Number,
-        "kind" | "blend" | "space" => Kind::Text,
-        _ => {
-            let (list, part) = field.split_once('.')?;
-            let names = match list {
-                "position_m" | "direction" => ["x", "y", "z"],
-                "intensity" | "color" => ["r", "g", "b"],
-                _ => return None,
-            };
-            let place = names.iter().position(|name| *name == part)?;
-            return extract(at(&format!("{list}[{place}]")), Kind::Number);
-        }
+    let stage = name.strip_prefix("timings.")?;
+    Some(extracted(
+        format!("$.timings_ms.{}", quoted(stage)?),
+        Kind::Number,
+        Some("ms"),
+    ))
+}
+
+/// `/parameters/lights/0/color/2` as `$.parameters.lights[0].color[2]`.
+fn json_path(pointer: &str) -> String {
+    let step = |step: &str| match step.parse::<u16>() {
+        Ok(position) => format!("[{position}]"),
+        Err(_) => format!(".{step}"),
     };
-    extract(at(field), kind)
+    let steps: String = pointer.split('/').skip(1).map(step).collect();
+    format!("${steps}")
+}
+
+/// A value at a place of the record.
+fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
+    let record = Join::Record.alias();
+    // Text is greater than every number in SQLite, and a list is text: the intensity of a lamp is no number.
+    let sql = match kind {
+        Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
+        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool => format!(
+            "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}.record, ?) AS v))"
+        ),
+    };
+    Column {
+        sql,
+        binds: vec![Bind::Text(path)],
+        kind,
+        unit,
+        always: false,
+        join: Some(Join::Record),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns() -> Columns {
+        Columns::new(&["uiqm".to_owned()])
+    }
+
+    #[test]
+    fn every_leaf_of_a_record_is_a_column_under_its_own_name() {
+        let (columns, leaves) = (columns(), Leaves::of_records());
+        let stored: Vec<_> = columns.added().into_iter().map(|added| added.name).collect();
+        for leaf in &leaves.scalars {
+            let column = columns.get(&leaf.name).unwrap_or_else(|| panic!("{}", leaf.name));
+            let own = OWN.iter().any(|(name, ..)| *name == leaf.name);
+            assert!(own || stored.contains(&stored_name(leaf)), "{}", leaf.name);
+            assert!(own || column.unit == leaf.unit, "{}", leaf.name);
+            assert!(columns.names().contains(&leaf.name), "{}", leaf.name);
+        }
+        let wide = stored.len() - columns.metrics.len();
+        let own = leaves.scalars.len() - columns.leaves.len();
+        assert_eq!(
+            (wide, own),
+            (leaves.scalars.len() - 1, 1),
+            "only the dataset is a row's own"
+        );
+        for list in &leaves.lists {
+            for leaf in &list.element {
+                let dot = if leaf.name.is_empty() { "" } else { "." };
+                let name = format!("{}.3{dot}{}", list.name, leaf.name);
+                assert_eq!(
+                    columns.get(&name).map(|column| column.kind),
+                    Some(kind(leaf)),
+                    "{name}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn names_of_before_are_found() {
+        for (alias, name) in ALIASES {
+            assert_eq!(columns().get(alias), columns().get(name), "{alias}");
+            assert!(columns().get(name).is_some(), "{name}");
+        }
+    }
+
+    #[test]
+    fn an_element_of_a_list_is_reached_by_its_place() {
+        let color = columns().get("lights.1.color.b").unwrap();
+        assert_eq!(
+            color.binds,
+            [Bind::Text("$.parameters.lights[1].color[2]".to_owned())]
+        );
+        let method = columns().get("enhance.0").unwrap();
+        assert_eq!(
+            (method.kind, method.binds),
+            (Kind::Text, vec![Bind::Text("$.parameters.enhance[0]".to_owned())])
+        );
+        for name in [
+            "lights.0",
+            "lights.0.colour.b",
+            "lights.x.y",
+            "lights.-1.x",
+            "lights.70000.x",
+        ] {
+            assert_eq!(columns().get(name), None, "{name}");
+        }
+    }
 }

@@ -22,14 +22,29 @@ use crate::joins::Join;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Number,
+    /// A whole number of at most 2^53.
+    Whole,
+    /// A whole number of at most 2^64 − 1, stored less 2^63.
+    Large,
     Text,
     Bool,
+}
+
+/// What a large number is stored less.
+pub(crate) const OFFSET: i128 = 1 << 63;
+
+impl Kind {
+    /// Whether it has an order and a mean.
+    pub(crate) fn is_number(self) -> bool {
+        matches!(self, Self::Number | Self::Whole | Self::Large)
+    }
 }
 
 /// A value that is bound to a place in a statement.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Bind {
     Number(f64),
+    Whole(i64),
     Text(String),
 }
 
@@ -39,10 +54,22 @@ pub(crate) struct Column {
     pub(crate) sql: String,
     pub(crate) binds: Vec<Bind>,
     pub(crate) kind: Kind,
+    pub(crate) unit: Option<&'static str>,
     /// Whether every row has a value.
     pub(crate) always: bool,
     /// The row beside that of the image in which it stands.
     pub(crate) join: Option<Join>,
+}
+
+impl Column {
+    /// The same with its numbers as they are meant, rounded to doubles where they are large.
+    pub(crate) fn as_double(&self) -> Self {
+        let sql = match self.kind {
+            Kind::Large => format!("({} + {OFFSET}.0)", self.sql),
+            _ => self.sql.clone(),
+        };
+        Self { sql, ..self.clone() }
+    }
 }
 
 /// A condition as SQL.
@@ -57,7 +84,7 @@ pub(crate) struct Compiled {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message} (at position {position}){}", did_you_mean.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default())]
 pub struct FilterError {
-    /// Byte offset in the filter.
+    /// Characters of the filter before the place.
     pub position: usize,
     /// What is wrong.
     pub message: String,
@@ -73,30 +100,4 @@ pub(crate) fn refused(message: String) -> CatalogueError {
         did_you_mean: None,
     }
     .into()
-}
-
-/// The nearest of some names, if one is near.
-pub(crate) fn nearest(name: &str, names: &[String]) -> Option<String> {
-    let limit = (name.chars().count() / 3).max(2);
-    let ranked = names.iter().map(|known| (distance(name, known), known));
-    ranked
-        .filter(|(distance, _)| *distance <= limit)
-        .min()
-        .map(|(_, known)| known.clone())
-}
-
-/// Edits that turn one text into the other (Levenshtein 1966).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, left) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, right) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(left != *right);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }

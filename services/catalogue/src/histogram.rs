@@ -8,7 +8,7 @@ use crate::asked::Asked;
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::filter::{Kind, refused};
+use crate::filter::refused;
 use crate::images::bound;
 use crate::page::column;
 use crate::stats::check_dataset;
@@ -57,11 +57,11 @@ async fn values(
 ) -> Result<(Vec<f64>, u64), CatalogueError> {
     check_dataset(connection, dataset).await?;
     let column = column(columns, name)?;
-    if column.kind != Kind::Number {
+    if !column.kind.is_number() {
         return Err(refused(format!("`{name}` is no number")));
     }
     let mut asked = Asked::of_dataset(columns, dataset, filter)?;
-    asked.select(&column);
+    asked.select(&column.as_double());
     let (text, binds) = asked.statement()?;
     let mut statement = sqlx::query(AssertSqlSafe(text));
     for bind in &binds {

@@ -16,6 +16,7 @@ pub(crate) fn bound<'q>(statement: Statement<'q>, value: Option<&Bind>) -> State
     match value {
         None => statement.bind(None::<f64>),
         Some(Bind::Number(number)) => statement.bind(*number),
+        Some(Bind::Whole(number)) => statement.bind(*number),
         Some(Bind::Text(text)) => statement.bind(text.clone()),
     }
 }

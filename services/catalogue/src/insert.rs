@@ -53,7 +53,7 @@ impl NewImage {
             frame: record.frame as i64,
             digest: record.digest(),
             record: json.to_string(),
-            parameters: Columns::parameter_values(&json),
+            parameters: columns.stored_values(&json),
             measurements: measured.collect(),
             artifacts: record.artifacts.clone(),
             warnings: record.warnings.len() as i64,
@@ -122,11 +122,12 @@ async fn insert_rows(
     columns: &Columns,
     new: &[(&NewImage, String, bool)],
 ) -> Result<(), CatalogueError> {
-    let names: String = Columns::parameter_names()
+    let names: String = columns
+        .stored_names()
         .map(|name| format!(", \"{name}\""))
         .collect();
     let head = format!("INSERT INTO images (job_id, frame, dataset, created_ms, digest, warnings{names})");
-    let width = 6 + Columns::parameter_names().count();
+    let width = 6 + columns.stored_names().len();
     insert_all(connection, &head, width, new, |statement, (image, dataset, _)| {
         let fixed = statement
             .bind(&image.job)

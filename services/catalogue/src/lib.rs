@@ -11,6 +11,7 @@ mod cursor;
 mod deletion;
 mod digests;
 mod error;
+mod fill;
 mod filter;
 mod histogram;
 mod images;

@@ -72,56 +72,15 @@ async fn names(
 }
 
 fn info(columns: &Columns, name: String) -> Option<ColumnInfo> {
-    let kind = match columns.get(&name)?.kind {
-        Kind::Number => "number",
+    let column = columns.get(&name)?;
+    let kind = match column.kind {
+        Kind::Number | Kind::Whole | Kind::Large => "number",
         Kind::Text => "text",
         Kind::Bool => "bool",
     };
     Some(ColumnInfo {
-        unit: unit(&name),
+        unit: column.unit,
         name,
         kind,
     })
-}
-
-/// Names say their unit at their end; a letter after it names a band.
-fn unit(name: &str) -> Option<&'static str> {
-    const UNITS: [(&str, &str); 7] = [
-        ("px_per_m", "px/m"),
-        ("per_m", "1/m"),
-        ("_deg", "degree"),
-        ("_ms", "ms"),
-        ("_m", "m"),
-        ("camera.width", "px"),
-        ("camera.height", "px"),
-    ];
-    let quantity = [".r", ".g", ".b"]
-        .iter()
-        .find_map(|band| name.strip_suffix(band))
-        .unwrap_or(name);
-    UNITS
-        .iter()
-        .find(|(end, _)| quantity.ends_with(end))
-        .map(|(_, unit)| *unit)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn units_follow_from_names() {
-        let pairs = [
-            ("absorption_per_m.r", Some("1/m")),
-            ("spread_px_per_m.b", Some("px/m")),
-            ("water.depth_m", Some("m")),
-            ("camera.hfov_deg", Some("degree")),
-            ("total_ms", Some("ms")),
-            ("uiqm", None),
-            ("veiling_light.g", None),
-        ];
-        for (name, expected) in pairs {
-            assert_eq!(unit(name), expected, "{name}");
-        }
-    }
 }

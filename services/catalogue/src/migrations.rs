@@ -5,7 +5,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 5] = [
+const FILES: [(&str, &str); 6] = [
     (
         "catalogue",
         include_str!("../../../migrations/0001_catalogue.sql"),
@@ -14,6 +14,7 @@ const FILES: [(&str, &str); 5] = [
     ("records", include_str!("../../../migrations/0003_records.sql")),
     ("warnings", include_str!("../../../migrations/0004_warnings.sql")),
     ("waters", include_str!("../../../migrations/0005_waters.sql")),
+    ("unfilled", include_str!("../../../migrations/0006_unfilled.sql")),
 ];
 
 /// The migrator that brings any older catalogue up to date.

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use sqlx::ConnectOptions;
 use sqlx::migrate::MigrateError;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
-use sqlx::{AssertSqlSafe, ConnectOptions, Executor};
 
 use crate::catalogue::Catalogue;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
+use crate::fill::{add_columns, fill};
 use crate::migrations::migrator;
 use crate::writer::Writer;
 
@@ -70,6 +71,7 @@ impl Catalogue {
             })?;
         let columns = Columns::new(metrics);
         add_columns(&mut connection, &columns).await?;
+        fill(&mut connection, &columns).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
             .connect_with(options.pragma("query_only", "ON").row_buffer_size(ROWS))
@@ -101,30 +103,6 @@ pub(crate) fn wal_path(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push("-wal");
     name.into()
-}
-
-/// Adds the wide columns that are not there yet. A metric that is gone from the registry keeps its column.
-pub(crate) async fn add_columns(
-    connection: &mut sqlx::SqliteConnection,
-    columns: &Columns,
-) -> Result<(), CatalogueError> {
-    for column in columns.added() {
-        let there: i64 = sqlx::query_scalar("SELECT count(*) FROM pragma_table_info(?) WHERE name = ?")
-            .bind(column.table)
-            .bind(&column.name)
-            .fetch_one(&mut *connection)
-            .await?;
-        if there == 0 {
-            // Names come from the registries of the program, never from a request.
-            let name = column.name.replace('"', "");
-            let statement = format!(
-                "ALTER TABLE {} ADD COLUMN \"{name}\" {}",
-                column.table, column.kind
-            );
-            connection.execute(AssertSqlSafe(statement)).await?;
-        }
-    }
-    Ok(())
 }
 
 fn numbers(version: &str) -> Vec<u32> {

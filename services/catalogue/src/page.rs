@@ -9,7 +9,7 @@ use sqlx::{AssertSqlSafe, Row, TypeInfo, ValueRef};
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::filter::{self, Bind, Column, Compiled, FilterError};
+use crate::filter::{self, Bind, Column, Compiled, FilterError, Kind, OFFSET};
 use crate::images::bound;
 use crate::joins::Joins;
 use crate::types::{ImageQuery, Page};
@@ -20,7 +20,7 @@ const MOST_FIELDS: usize = 1000;
 /// A column by its name, or an error with the nearest one.
 pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueError> {
     columns.get(name).ok_or_else(|| {
-        let did_you_mean = filter::nearest(name, &columns.names());
+        let did_you_mean = spec::nearest(name, &columns.names());
         FilterError {
             position: 0,
             message: format!("unknown column `{name}`"),
@@ -76,8 +76,8 @@ pub(crate) async fn images(
 /// A page as a statement.
 struct Question {
     sql: Builder,
-    /// The fields that are answered.
-    names: Vec<String>,
+    /// The fields of an item, with what they hold.
+    names: Vec<(String, Kind)>,
     order: Order,
     /// What a cursor belongs to.
     identity: String,
@@ -98,6 +98,7 @@ impl Question {
             .iter()
             .map(|name| column(columns, name))
             .collect::<Result<Vec<_>, _>>()?;
+        let kinds: Vec<Kind> = selected.iter().map(|column| column.kind).collect();
         let order = Order::of(columns, query.order_by.as_deref())?;
         // The cursor needs the place of the last row, whatever was asked for.
         selected.extend([column(columns, "job")?, column(columns, "frame")?]);
@@ -138,7 +139,7 @@ impl Question {
         sql.binds.push(Some(Bind::Number(f64::from(query.limit) + 1.0)));
         Ok(Self {
             sql,
-            names,
+            names: names.into_iter().zip(kinds).collect(),
             order,
             identity,
         })
@@ -205,7 +206,10 @@ impl Order {
         sql.push(" AND (");
         let key = match &place[0] {
             Value::Null => None,
-            Value::Number(number) => number.as_f64().map(Bind::Number),
+            Value::Number(number) => number
+                .as_i64()
+                .map(Bind::Whole)
+                .or(number.as_f64().map(Bind::Number)),
             Value::String(text) => Some(Bind::Text(text.clone())),
             _ => return Err(CatalogueError::Cursor),
         };
@@ -237,37 +241,40 @@ impl Order {
     /// Where a row stands: the value of the order column, job, frame.
     fn place(&self, row: &SqliteRow, fields: usize) -> Result<Value, CatalogueError> {
         let key = if self.column.is_some() {
-            value(row, fields + 2)?
+            stored(row, fields + 2)?
         } else {
             Value::Null
         };
-        Ok(json!([key, value(row, fields)?, value(row, fields + 1)?]))
+        Ok(json!([key, stored(row, fields)?, stored(row, fields + 1)?]))
     }
 }
 
 /// A row as an object; what is missing is left out.
-fn item(row: &SqliteRow, names: &[String]) -> Result<Value, CatalogueError> {
+fn item(row: &SqliteRow, names: &[(String, Kind)]) -> Result<Value, CatalogueError> {
     let mut item = Map::new();
-    for (index, name) in names.iter().enumerate() {
-        let value = value(row, index)?;
+    for (index, (name, kind)) in names.iter().enumerate() {
+        let value = value(row, index, *kind)?;
         if !value.is_null() {
-            item.insert(name.clone(), flag(name, value));
+            item.insert(name.clone(), value);
         }
     }
     Ok(Value::Object(item))
 }
 
-/// SQLite has no booleans.
-fn flag(name: &str, value: Value) -> Value {
-    if matches!(name, "failed" | "warned") {
-        json!(value.as_f64() != Some(0.0))
-    } else {
-        value
-    }
+/// A value as it is meant: SQLite has no booleans and no numbers from 2^63 on, and keeps whole numbers of old catalogues
+/// as doubles.
+pub(crate) fn value(row: &SqliteRow, index: usize, kind: Kind) -> Result<Value, CatalogueError> {
+    let stored = stored(row, index)?;
+    Ok(match (kind, stored.as_i64(), stored.as_f64()) {
+        (Kind::Bool, _, Some(number)) => json!(number != 0.0),
+        (Kind::Large, Some(lowered), _) => json!((i128::from(lowered) + OFFSET) as u64),
+        (Kind::Whole, None, Some(number)) => json!(number as i64),
+        _ => stored,
+    })
 }
 
-/// A value of whatever type it has.
-pub(crate) fn value(row: &SqliteRow, index: usize) -> Result<Value, CatalogueError> {
+/// A value as it is stored, of whatever type it has.
+fn stored(row: &SqliteRow, index: usize) -> Result<Value, CatalogueError> {
     let raw = row.try_get_raw(index)?;
     if raw.is_null() {
         return Ok(Value::Null);
@@ -276,7 +283,7 @@ pub(crate) fn value(row: &SqliteRow, index: usize) -> Result<Value, CatalogueErr
         "INTEGER" => Ok(json!(row.try_get_unchecked::<i64, _>(index)?)),
         "REAL" => {
             let number = row.try_get_unchecked::<f64, _>(index)?;
-            // Counts and seeds are kept as REAL beside fractions; whole ones read better as whole numbers.
+            // Whole ones read better as whole numbers, and so they were answered when all numbers were doubles.
             let whole = number.fract() == 0.0 && number.abs() < 9e15;
             Ok(if whole {
                 json!(number as i64)

@@ -10,7 +10,7 @@ use sqlx::{AssertSqlSafe, Row};
 use crate::asked::Asked;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::filter::{Kind, refused};
+use crate::filter::refused;
 use crate::images::bound;
 use crate::page::{column, value};
 use crate::types::GroupStats;
@@ -41,13 +41,14 @@ pub(crate) async fn stats(
     let mut sql = Asked::of_dataset(columns, question.dataset, question.filter)?;
     for metric in question.metrics {
         let measured = column(columns, metric)?;
-        if measured.kind != Kind::Number {
+        if !measured.kind.is_number() {
             return Err(refused(format!("`{metric}` is no number")));
         }
-        sql.select(&measured);
+        sql.select(&measured.as_double());
     }
-    if let Some(name) = question.group_by {
-        sql.select(&column(columns, name)?);
+    let group_by = question.group_by.map(|name| column(columns, name)).transpose()?;
+    if let Some(column) = &group_by {
+        sql.select(column);
     }
     let mut groups = Groups::default();
     let metrics = question.metrics.len();
@@ -58,8 +59,8 @@ pub(crate) async fn stats(
     }
     let mut rows = statement.fetch(connection);
     while let Some(row) = rows.try_next().await? {
-        let group = match question.group_by {
-            Some(_) => value(&row, metrics)?,
+        let group = match &group_by {
+            Some(column) => value(&row, metrics, column.kind)?,
             None => Value::Null,
         };
         let columns = groups.of(group, metrics);

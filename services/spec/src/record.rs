@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
 use crate::scene_record::SceneRecord;
+use crate::schema::{Names, Range, Shape};
 
 /// Everything known about one image apart from its bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -75,6 +76,91 @@ pub struct Provenance {
     pub cpu_features: String,
     /// SHA-256 of every model and uploaded file that went in, by name.
     pub inputs: BTreeMap<String, String>,
+}
+
+/// A result that images can be asked for.
+pub(crate) struct ResultField {
+    /// Its name in questions.
+    pub(crate) name: &'static str,
+    /// Where it stands in a record.
+    pub(crate) pointer: &'static str,
+    pub(crate) shape: Shape,
+    pub(crate) unit: Option<&'static str>,
+}
+
+/// What came out of a frame, beside its metrics: the numbers that its water ran with, what was met, counted and taken.
+pub(crate) const RESULTS: &[ResultField] = &[
+    // The water by name: of a preset, or of a water of the user's own, whose numbers the record holds.
+    result("water.optics", "/parameters/water/optics/preset", TEXT, ""),
+    result("absorption_per_m", "/optics/absorption_per_m", RGB, "1/m"),
+    result("scattering_per_m", "/optics/scattering_per_m", RGB, "1/m"),
+    result(
+        "beam_attenuation_per_m",
+        "/optics/beam_attenuation_per_m",
+        RGB,
+        "1/m",
+    ),
+    result(
+        "backscatter_attenuation_per_m",
+        "/optics/backscatter_attenuation_per_m",
+        RGB,
+        "1/m",
+    ),
+    result(
+        "diffuse_attenuation_per_m",
+        "/optics/diffuse_attenuation_per_m",
+        RGB,
+        "1/m",
+    ),
+    result("veiling_light", "/optics/veiling_light", RGB, ""),
+    result("radiance_gain", "/optics/radiance_gain", RGB, ""),
+    result("g_per_m", "/optics/g_per_m", RGB, "1/m"),
+    result("spread_px_per_m", "/optics/spread_px_per_m", RGB, "px/m"),
+    result("spread_offset_px", "/optics/spread_offset_px", RGB, "px"),
+    result("backscatter_fraction", "/optics/backscatter_fraction", NUMBER, ""),
+    result("snow.particles", "/optics/snow/particles", WHOLE, ""),
+    result("snow.cover", "/optics/snow/cover", NUMBER, ""),
+    result("turbidity.mean", "/optics/turbidity/mean", NUMBER, ""),
+    result("turbidity.least", "/optics/turbidity/least", NUMBER, ""),
+    result("turbidity.most", "/optics/turbidity/most", NUMBER, ""),
+    result("instances", "/scene/instances", LIST, ""),
+    result("instances.visible", "/scene/visible", WHOLE, ""),
+    result(
+        "instances.least_visibility",
+        "/scene/least_visibility",
+        NUMBER,
+        "",
+    ),
+    result("instances.mean_visibility", "/scene/mean_visibility", NUMBER, ""),
+    result("holes", "/counts/holes", WHOLE, ""),
+    result("negative_radiance", "/counts/negative_radiance", WHOLE, ""),
+    result("clamped", "/counts/clamped", WHOLE, ""),
+    result("range_saturated", "/counts/range_saturated", WHOLE, ""),
+    result("total_ms", "/timings_ms/total", NUMBER, "ms"),
+    result("code_version", "/provenance/code_version", TEXT, ""),
+    result("onnx_runtime", "/provenance/onnx_runtime", TEXT, ""),
+    result("cpu_features", "/provenance/cpu_features", TEXT, ""),
+];
+
+const NUMBER: Shape = Shape::Number(Range::FINITE);
+const WHOLE: Shape = Shape::Integer(0, 1 << 53);
+const TEXT: Shape = Shape::Text(Names::Words);
+const RGB: Shape = Shape::Rgb(Range::FINITE);
+/// Its elements are objects of their own, reached through the record.
+const LIST: Shape = Shape::List {
+    element: &Shape::Scalar,
+    max: usize::MAX,
+    distinct: false,
+};
+
+const fn result(name: &'static str, pointer: &'static str, shape: Shape, unit: &'static str) -> ResultField {
+    let unit = if unit.is_empty() { None } else { Some(unit) };
+    ResultField {
+        name,
+        pointer,
+        shape,
+        unit,
+    }
 }
 
 impl FrameRecord {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::lexer::{Token, tokens};
-use super::{Bind, Column, Compiled, FilterError, Kind, nearest};
+use super::lexer::{Number, Token, tokens};
+use super::{Bind, Column, Compiled, FilterError, Kind, OFFSET};
 use crate::joins::Join;
 
 /// Deeper nesting is refused, so that no filter exhausts the stack.
@@ -21,7 +21,7 @@ pub(crate) fn compile(
     let mut parser = Parser {
         tokens,
         next: 0,
-        end: text.len(),
+        end: text.chars().count(),
         lookup,
         names,
         depth: 0,
@@ -94,7 +94,7 @@ impl Parser<'_> {
         let column = (self.lookup)(&name).ok_or_else(|| FilterError {
             position,
             message: format!("unknown column `{name}`"),
-            did_you_mean: nearest(&name, self.names),
+            did_you_mean: spec::nearest(&name, self.names),
         })?;
         self.binds.extend(column.binds.iter().cloned());
         self.joins.extend(column.join.clone());
@@ -121,10 +121,13 @@ impl Parser<'_> {
                 return Err(self.wrong("`and` was expected between the two bounds"));
             }
             let high = self.value(&column)?;
-            if let (Bind::Number(low), Bind::Number(high)) = (&low, &high)
-                && low > high
-            {
-                return Err(self.wrong(&format!("the lower bound {low} is above the upper bound {high}")));
+            let is_empty = match (&low, &high) {
+                (Bind::Number(low), Bind::Number(high)) => low > high,
+                (Bind::Whole(low), Bind::Whole(high)) => low > high,
+                _ => false,
+            };
+            if is_empty {
+                return Err(self.wrong("the lower bound is above the upper bound"));
             }
             self.bind(low)?;
             self.bind(high)?;
@@ -184,7 +187,7 @@ impl Parser<'_> {
     }
 
     fn ordered(&self, column: &Column) -> Result<(), FilterError> {
-        if column.kind == Kind::Number {
+        if column.kind.is_number() {
             Ok(())
         } else {
             Err(self.wrong("only numbers have an order"))
@@ -198,12 +201,19 @@ impl Parser<'_> {
             _ => None,
         };
         let value = match (self.peek(), column.kind) {
-            (Some(Token::Number(number)), Kind::Number) => Bind::Number(*number),
+            (Some(Token::Number(number)), kind) if kind.is_number() => match bound(*number, kind) {
+                Some(value) => value,
+                None => {
+                    return Err(
+                        self.wrong(&format!("`{}` has a fraction, the column has none", number.value))
+                    );
+                }
+            },
             (Some(Token::Text(text)), Kind::Text) => Bind::Text(text.clone()),
             (Some(Token::Word(word)), Kind::Bool) if truth(word).is_some() => {
                 Bind::Number(truth(word).unwrap_or(0.0))
             }
-            (_, Kind::Number) => return Err(self.wrong("a number was expected")),
+            (_, Kind::Number | Kind::Whole | Kind::Large) => return Err(self.wrong("a number was expected")),
             (_, Kind::Text) => return Err(self.wrong("a text in quotes was expected")),
             (_, Kind::Bool) => return Err(self.wrong("`true` or `false` was expected")),
         };
@@ -258,6 +268,20 @@ impl Parser<'_> {
     }
 }
 
+/// A number as it compares with a column; none where a column of large numbers cannot be compared with it.
+fn bound(number: Number, kind: Kind) -> Option<Bind> {
+    let whole = |number: i128| i64::try_from(number).ok().map(Bind::Whole);
+    match (kind, number.whole) {
+        (Kind::Large, None) => None,
+        // Beyond all large numbers on one side.
+        (Kind::Large, Some(exact)) => {
+            whole(exact - OFFSET).or(Some(Bind::Number(f64::INFINITY.copysign(number.value))))
+        }
+        (Kind::Whole, Some(exact)) => whole(exact).or(Some(Bind::Number(number.value))),
+        _ => Some(Bind::Number(number.value)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -266,6 +290,8 @@ mod tests {
     fn lookup(name: &str) -> Option<Column> {
         let kind = match name {
             "uiqm" | "alpha" => Kind::Number,
+            "holes" => Kind::Whole,
+            "seed" => Kind::Large,
             "style" | "labels.run" => Kind::Text,
             "failed" => Kind::Bool,
             _ => return None,
@@ -284,6 +310,7 @@ mod tests {
             sql,
             binds,
             kind,
+            unit: None,
             always: false,
             join: None,
         })
@@ -336,6 +363,35 @@ mod tests {
             (14, Some("uiqm"))
         );
         assert!(error.to_string().contains("unknown column `uiqn`"));
+    }
+
+    #[test]
+    fn places_are_counted_in_characters() {
+        let error = compiled("style = \"Größe\" and uiqn > 1").unwrap_err();
+        assert_eq!(error.position, 20);
+        let error = compiled("style = \"日本\" and alpha > ü").unwrap_err();
+        assert_eq!(error.position, 25);
+        assert_eq!(compiled("style = \"ä\" and").unwrap_err().position, 15);
+        assert_eq!(compiled(&"ä".repeat(3000)).unwrap_err().position, 2048);
+    }
+
+    #[test]
+    fn whole_numbers_are_compared_exactly() {
+        let bind = |text: &str| compiled(text).unwrap().binds.remove(0);
+        assert_eq!(bind("seed = 0"), Bind::Whole(i64::MIN));
+        assert_eq!(bind("seed = 9223372036854775808"), Bind::Whole(0));
+        assert_eq!(bind("seed >= 18446744073709551615"), Bind::Whole(i64::MAX));
+        assert_eq!(
+            bind("seed = 9007199254740993"),
+            Bind::Whole((1_i64 << 53) + 1 - i64::MAX - 1)
+        );
+        assert_eq!(bind("seed < 18446744073709551616"), Bind::Number(f64::INFINITY));
+        assert_eq!(bind("seed > -1"), Bind::Number(f64::NEG_INFINITY));
+        assert_eq!(bind("seed < 1e19"), Bind::Whole(776_627_963_145_224_192));
+        assert_eq!(bind("holes = 3"), Bind::Whole(3));
+        assert_eq!(bind("holes < 3.5"), Bind::Number(3.5));
+        assert!(compiled("seed = 1.5").is_err());
+        assert!(compiled("seed between 18446744073709551615 and 18446744073709551614").is_err());
     }
 
     #[test]

@@ -6,8 +6,8 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Row};
 use super::{Question, bound};
 use crate::columns::Columns;
 use crate::cursor;
+use crate::fill::add_columns;
 use crate::migrations::migrator;
-use crate::open::add_columns;
 use crate::types::ImageQuery;
 
 fn columns() -> Columns {

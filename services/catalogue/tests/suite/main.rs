@@ -10,6 +10,7 @@ mod fixture;
 mod full;
 mod injection;
 mod killed;
+mod leaves;
 mod pages;
 mod questions;
 mod scale;

@@ -66,6 +66,25 @@ async fn rows_of_the_first_version_are_kept_and_found() {
             "only when it is asked for"
         );
     }
+    // Columns that came later are filled from the records, those of before are what they were.
+    let later = ImageQuery {
+        filter: Some(
+            "seed = 42 and encode.format = 'png' and artifacts.count = 2 and camera.width = 768".to_owned(),
+        ),
+        limit: 5,
+        fields: ["seed", "camera.width", "lights.count", "scene.seed"]
+            .map(str::to_owned)
+            .to_vec(),
+        ..ImageQuery::default()
+    };
+    let later = at.catalogue.images(later).await.unwrap().items;
+    assert_eq!(later.len(), 3);
+    assert_eq!(
+        (&later[0]["seed"], &later[0]["camera.width"]),
+        (&Value::from(42), &Value::from(768))
+    );
+    assert_eq!(later[0]["lights.count"], 1);
+    assert!(later[0]["scene.seed"].is_u64());
     let warned = |filter: &str| ImageQuery {
         filter: Some(filter.to_owned()),
         limit: 5,
