@@ -54,9 +54,6 @@ fn stages(criterion: &mut Criterion) {
     group.bench_function("median_5", |b| {
         b.iter(|| median::median(black_box(&filtered), 5, Variant::Fast))
     });
-    group.bench_function("median_9", |b| {
-        b.iter(|| median::median(black_box(&filtered), 9, Variant::Fast))
-    });
     group.bench_function("clahe", |b| {
         b.iter(|| clahe::clahe(black_box(&smoothed), settings.grid, settings.clip_limit));
     });

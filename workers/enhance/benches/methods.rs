@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use enhance::blocks::{Guide, box_mean, guided, largest};
+use enhance::blocks::{Guide, guided, largest};
 use enhance::{METHODS, Method, Variant, run};
 use imaging::{Plane, Raster, Rgb8};
 
@@ -48,9 +48,6 @@ fn methods(criterion: &mut Criterion) {
     group.bench_function("guide", |b| b.iter(|| Guide::of(black_box(&colors))));
     group.bench_function("guided", |b| {
         b.iter(|| guided(&guide, black_box(&plane), Variant::Fast))
-    });
-    group.bench_function("box_mean", |b| {
-        b.iter(|| box_mean(black_box(&plane), 50, Variant::Fast))
     });
     group.bench_function("largest", |b| {
         b.iter(|| largest(black_box(&plane), 491, Variant::Fast))

@@ -1,5 +1,7 @@
 //! The methods that a user chooses from.
 
+use std::mem::discriminant;
+
 use imaging::Raster;
 
 use crate::registry::{MethodInfo, registry};
@@ -31,32 +33,21 @@ impl Method {
     /// The method of this name with its default options; `None` when no method has the name.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
-        registry()
-            .iter()
-            .find(|info| info.name == name)
-            .map(|info| (info.default)())
+        let info = registry().iter().find(|info| info.name == name)?;
+        Some((info.default)())
     }
 
     /// The method's row of the registry.
     #[must_use]
     pub fn info(&self) -> &'static MethodInfo {
-        let own = |info: &&MethodInfo| info.name == self.name();
+        let own = |info: &&MethodInfo| discriminant(&(info.default)()) == discriminant(self);
         registry().iter().find(own).expect("every method has a row")
     }
 
     /// The name that [`Method::parse`] reads.
     #[must_use]
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::Hscm(_) => "hscm",
-            Self::Clahe => "clahe",
-            Self::GrayWorld => "grey_world",
-            Self::Ulap => "ulap",
-            Self::Suir => "suir",
-            Self::Ibla => "ibla",
-            Self::Rd => "rd",
-            Self::Rghs => "rghs",
-        }
+        self.info().name
     }
 }
 
@@ -88,12 +79,12 @@ pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Resul
         return Err(EnhanceError::Empty { width, height });
     }
     let pixels = width.saturating_mul(height);
-    if let Some(limit) = method.info().pixels_max
+    let info = method.info();
+    if let Some(limit) = info.pixels_max
         && pixels > limit
     {
-        let method = method.name();
         return Err(EnhanceError::TooLarge {
-            method,
+            method: info.name,
             width,
             height,
             pixels,

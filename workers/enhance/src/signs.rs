@@ -2,8 +2,8 @@
 
 use imaging::{Rgb8, luma1000};
 
-use crate::blocks::histogram::{Histogram, at, ends, histograms, mean, total};
-use crate::warning::Warning;
+use crate::blocks::histogram::{Histogram, code_at, ends, histograms, mean, total};
+use crate::warning::{Warning, found};
 
 /// Fewer pixels leave less than one in a tail of a thousandth.
 const FEW_PIXELS: usize = 1000;
@@ -53,24 +53,18 @@ impl Signs {
 
     /// What any method that measures the whole picture should say of a result with these codes.
     pub(crate) fn common(&self, after: &Histograms) -> Vec<Warning> {
-        let found = [
+        found([
             (self.constant(), Warning::Constant),
             (self.pixels < FEW_PIXELS, Warning::FewPixels),
             (self.dark, Warning::Dark),
             (self.blackened(after), Warning::Blackened),
-        ];
-        found
-            .into_iter()
-            .filter_map(|(found, warning)| found.then_some(warning))
-            .collect()
+        ])
     }
 
     /// What a restoration should say besides.
     pub(crate) fn of_restoration(&self, after: &Histograms) -> Vec<Warning> {
         let mut warnings = self.common(after);
-        if self.gray && !self.constant() {
-            warnings.push(Warning::Gray);
-        }
+        warnings.extend(found([(self.gray && !self.constant(), Warning::Gray)]));
         warnings
     }
 
@@ -97,7 +91,7 @@ impl Signs {
     pub(crate) fn black_mode(&self) -> bool {
         self.histograms.iter().any(|histogram| {
             let most = histogram.iter().copied().max().unwrap_or(0);
-            histogram[0] == most && at(histogram, total(histogram) - 1) > 0
+            histogram[0] == most && code_at(histogram, total(histogram) - 1) > 0
         })
     }
 }

@@ -14,15 +14,14 @@
 //! blue; a little red is multiplied into noise; haze removed where there is none leaves a few values far out, the joint
 //! stretch squeezes the rest, and red takes over; a gray picture loses haze and becomes colored.
 
-use imaging::simd::vectorised;
-use imaging::{Plane, Raster, Rgb8};
+use imaging::{Plane, Raster, Rgb8, vectorized};
 
 use crate::blocks::histogram::histograms;
 use crate::blocks::{FLAT, Guide, extremes, guided, range, window_max, window_min};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::Signs;
-use crate::warning::Warning;
+use crate::warning::{Warning, found};
 
 /// Radius of the windows of local extremes, pixels.
 const WINDOW_PX: usize = 4;
@@ -45,10 +44,8 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let stretch = Stretch::of(&colors);
     let guide = Guide::of(&colors).scaled(stretch.scale);
     let light = background(&guide, variant).map(|code| stretch.at(code).max(1.0 / 255.0));
-    let input = guide
-        .channels()
-        .each_ref()
-        .map(|channel| channel.map(|&code| stretch.at(code)));
+    let channels = guide.channels().each_ref();
+    let input = channels.map(|channel| channel.map(|&code| stretch.at(code)));
     let green = dehazed(&guide, &stretch, 1, light[1], variant);
     let blue = dehazed(&guide, &stretch, 2, light[2], variant);
     let [green, blue] = normalized_together(&input[0], [green, blue]);
@@ -67,15 +64,11 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let signs = Signs::of(&colors);
     let after = histograms(&result);
     let mut warnings = signs.of_restoration(&after);
-    if signs.red_cast(&after) {
-        warnings.push(Warning::RedCast);
-    }
-    if signs.channel_without_light() {
-        warnings.push(Warning::ChannelWithoutLight);
-    }
-    if gain.is_some_and(|gain| gain > LARGE_GAIN) {
-        warnings.push(Warning::RedAmplified);
-    }
+    warnings.extend(found([
+        (signs.red_cast(&after), Warning::RedCast),
+        (signs.channel_without_light(), Warning::ChannelWithoutLight),
+        (gain.is_some_and(|gain| gain > LARGE_GAIN), Warning::RedAmplified),
+    ]));
     Enhanced::unmasked(picture, result, OfGray::Color, warnings)
 }
 
@@ -90,16 +83,14 @@ impl Stretch {
         let (low, high) = extremes(picture);
         let least = f64::from(low.into_iter().min().unwrap_or(0));
         let greatest = f64::from(high.into_iter().max().unwrap_or(0));
-        if greatest > least {
-            Self {
-                least,
-                scale: 1.0 / (greatest - least),
-            }
+        let (least, greatest) = if greatest > least {
+            (least, greatest)
         } else {
-            Self {
-                least: 0.0,
-                scale: 1.0 / 255.0,
-            }
+            (0.0, 255.0)
+        };
+        Self {
+            least,
+            scale: 1.0 / (greatest - least),
         }
     }
 
@@ -110,23 +101,16 @@ impl Stretch {
 
 /// The codes of the background light. The stretch keeps the order of differences, so codes are compared.
 fn background(guide: &Guide, variant: Variant) -> [u8; 3] {
-    let [red, green, blue] = guide.channels();
-    let mut brighter = green.clone();
-    for (code, &blue) in brighter.data_mut().iter_mut().zip(blue.data()) {
-        *code = (*code).max(blue);
-    }
-    let red_max = window_max(red, WINDOW_PX, variant);
-    let brighter_max = window_max(&brighter, WINDOW_PX, variant);
+    let red_max = window_max(&guide.channels()[0], WINDOW_PX, variant);
+    let brighter_max = window_max(&guide.brighter(), WINDOW_PX, variant);
     let differences = red_max.data().iter().zip(brighter_max.data());
     let farthest = differences
         .map(|(&r, &other)| i16::from(r) - i16::from(other))
         .enumerate()
         .min_by_key(|&(position, difference)| (difference, position));
     let position = farthest.map_or(0, |(position, _)| position);
-    guide
-        .channels()
-        .each_ref()
-        .map(|channel| channel.data()[position])
+    let channels = guide.channels().each_ref();
+    channels.map(|channel| channel.data()[position])
 }
 
 /// `J_k` of step 3.
@@ -152,10 +136,8 @@ fn normalized_together(red: &Plane<f64>, planes: [Plane<f64>; 2]) -> [Plane<f64>
     }
     let scale = 1.0 / (high - low);
     planes.map(|mut plane| {
-        plane
-            .data_mut()
-            .iter_mut()
-            .for_each(|value| *value = (*value - low) * scale);
+        let values = plane.data_mut().iter_mut();
+        values.for_each(|value| *value = (*value - low) * scale);
         plane
     })
 }
@@ -175,10 +157,7 @@ fn red_gain(red: &Plane<f64>, green: &Plane<f64>, blue: &Plane<f64>) -> Option<f
 fn exposure(input: &[Plane<f64>; 3], result: [&Plane<f64>; 3]) -> Plane<f64> {
     let luma = |[r, g, b]: [&Plane<f64>; 3]| {
         let mut luma = r.map(|_| 0.0);
-        vectorised(
-            #[inline(always)]
-            || weighted(luma.data_mut(), [r.data(), g.data(), b.data()]),
-        );
+        vectorized!(weighted(luma.data_mut(), [r.data(), g.data(), b.data()]));
         luma
     };
     let mut exposure = luma(result);

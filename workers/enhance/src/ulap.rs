@@ -12,15 +12,14 @@
 //! Where it fails: a small `t_R` multiplies what red is left and makes the picture red; in a gray picture d is a function
 //! of brightness alone, so bright is taken for far. One color comes back as it was.
 
-use imaging::simd::vectorised;
-use imaging::{Plane, Raster};
+use imaging::{Plane, Raster, vectorized};
 
 use crate::blocks::histogram::histograms;
 use crate::blocks::{Guide, Veil, brightest_of, distance_of, distance_offset, guided, restore};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::Signs;
-use crate::warning::Warning;
+use crate::warning::{Warning, found};
 
 /// Residual energy of red, green and blue after a unit of distance.
 const RESIDUAL: [f64; 3] = [0.83, 0.95, 0.97];
@@ -34,10 +33,7 @@ const TRANSMITTANCE: (f64, f64) = (0.1, 0.9);
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
     let mut prior = Plane::filled(colors.width(), colors.height(), 0.0);
-    vectorised(
-        #[inline(always)]
-        || attenuation_prior(colors.data(), prior.data_mut()),
-    );
+    vectorized!(attenuation_prior(colors.data(), prior.data_mut()));
     let distance = guided(&Guide::of(&colors), &prior, variant);
     drop(prior);
     let light = brightest_of(&colors, &distance, variant).map(|code| f64::from(code) / 255.0);
@@ -51,9 +47,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let restored = restore(&colors, &distance, &veil, variant);
     let (signs, after) = (Signs::of(&colors), histograms(&restored));
     let mut warnings = signs.of_restoration(&after);
-    if signs.red_cast(&after) {
-        warnings.push(Warning::RedCast);
-    }
+    warnings.extend(found([(signs.red_cast(&after), Warning::RedCast)]));
     Enhanced::unmasked(picture, restored, OfGray::Color, warnings)
 }
 

@@ -1,4 +1,4 @@
-//! Where a method is known to fail, found by cheap tests while it runs.
+//! Known failures of the methods, found by cheap tests while they run.
 
 use std::fmt;
 
@@ -30,7 +30,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// Every warning that there is.
+    /// All warnings.
     pub const ALL: [Self; 11] = [
         Self::Constant,
         Self::FewPixels,
@@ -45,7 +45,7 @@ impl Warning {
         Self::Blackened,
     ];
 
-    /// A name that does not change, for filters and tables.
+    /// A stable name, for filters and tables.
     #[must_use]
     pub fn code(self) -> &'static str {
         match self {
@@ -93,6 +93,12 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.code(), self.words())
     }
+}
+
+/// The warnings whose test was positive.
+pub(crate) fn found<const N: usize>(tests: [(bool, Warning); N]) -> Vec<Warning> {
+    let found = tests.into_iter().filter(|(found, _)| *found);
+    found.map(|(_, warning)| warning).collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! A Gaussian window along rows and columns, the border reflected without repeating the edge.
 
-use imaging::Plane;
-use imaging::simd::vectorised;
+use imaging::{Plane, vectorized};
 
 use crate::method::Variant;
 use crate::reflect::reflected;
@@ -12,10 +11,7 @@ use crate::reflect::reflected;
 pub fn gaussian(plane: &Plane<f64>, radius: usize, sigma_px: f64, variant: Variant) -> Plane<f64> {
     let weights = weights(radius, sigma_px);
     match variant {
-        Variant::Fast => vectorised(
-            #[inline(always)]
-            || passes(plane, &weights),
-        ),
+        Variant::Fast => vectorized!(passes(plane, &weights)),
         Variant::Reference => reference(plane, &weights),
     }
 }
@@ -63,18 +59,15 @@ fn passes(plane: &Plane<f64>, weights: &[f64]) -> Plane<f64> {
     // Rows of whole blocks.
     let stride = width.div_ceil(BLOCK) * BLOCK;
     let mut padded = vec![0.0f64; stride * height];
-    for (to, from) in padded
-        .chunks_exact_mut(stride)
-        .zip(plane.data().chunks_exact(width))
-    {
+    let rows = plane.data().chunks_exact(width);
+    for (to, from) in padded.chunks_exact_mut(stride).zip(rows) {
         to[..width].copy_from_slice(from);
     }
     let mut line = vec![0.0f64; stride + 2 * radius];
     let mut blurred = Plane::filled(width, height, 0.0f64);
     for y in 0..height {
-        let rows: Vec<&[f64]> = (0..=2 * radius)
-            .map(|i| &padded[around(y + i, radius, height) * stride..][..stride])
-            .collect();
+        let row = |i: usize| &padded[around(y + i, radius, height) * stride..][..stride];
+        let rows: Vec<&[f64]> = (0..=2 * radius).map(row).collect();
         for start in (0..stride).step_by(BLOCK) {
             let sums = weighted(|i| &rows[i][start..start + BLOCK], weights);
             line[radius + start..][..BLOCK].copy_from_slice(&sums);

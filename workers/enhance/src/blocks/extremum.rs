@@ -1,7 +1,6 @@
 //! The largest and the smallest value in a square window; what lies outside the picture is ignored.
 
-use imaging::Plane;
-use imaging::simd::vectorised;
+use imaging::{Plane, vectorized};
 
 use crate::method::Variant;
 
@@ -38,10 +37,7 @@ fn extremes<T: Copy + PartialOrd>(
         return plane.clone();
     }
     match variant {
-        Variant::Fast => vectorised(
-            #[inline(always)]
-            || doubled(plane, radius, pick),
-        ),
+        Variant::Fast => vectorized!(doubled(plane, radius, pick)),
         Variant::Reference => reference(plane, radius, pick),
     }
 }

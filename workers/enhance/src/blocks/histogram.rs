@@ -42,7 +42,7 @@ pub(crate) fn ends(histogram: &Histogram) -> (usize, usize) {
 }
 
 /// The code at a position of the sorted codes.
-pub(crate) fn at(histogram: &Histogram, position: u64) -> usize {
+pub(crate) fn code_at(histogram: &Histogram, position: u64) -> usize {
     let mut before = 0;
     let found = histogram.iter().position(|&count| {
         before += count;
@@ -60,7 +60,10 @@ mod tests {
         let picture = Rgb8::from_fn(5, 1, |x, _| [[3, 3, 7, 9, 250][x], 0, 255]);
         let [red, green, blue] = histograms(&picture);
         assert_eq!((total(&red), mean(&red), ends(&red)), (5, 54.4, (3, 250)));
-        assert_eq!([0, 1, 2, 4].map(|position| at(&red, position)), [3, 3, 7, 250]);
+        assert_eq!(
+            [0, 1, 2, 4].map(|position| code_at(&red, position)),
+            [3, 3, 7, 250]
+        );
         assert_eq!((ends(&green), ends(&blue)), ((0, 0), (255, 255)));
     }
 }

@@ -1,7 +1,6 @@
 //! Background light: the color of the water far away, taken from the pixels that look farthest.
 
-use imaging::simd::vectorised;
-use imaging::{Plane, Rgb8};
+use imaging::{Plane, Rgb8, vectorized};
 
 use super::rank::largest;
 use crate::method::Variant;
@@ -43,12 +42,7 @@ pub fn distance_offset(picture: &Rgb8, light: [f64; 3]) -> f64 {
 
 /// The least and the greatest code of each channel of a picture with pixels.
 pub(crate) fn extremes(picture: &Rgb8) -> ([u8; 3], [u8; 3]) {
-    let mut found = ([u8::MAX; 3], [0; 3]);
-    vectorised(
-        #[inline(always)]
-        || found = ends(picture.data()),
-    );
-    found
+    vectorized!(ends(picture.data()))
 }
 
 #[inline(always)]
@@ -67,18 +61,17 @@ fn ends(codes: &[u8]) -> ([u8; 3], [u8; 3]) {
         low[i] = low[i].min(code);
         high[i] = high[i].max(code);
     }
-    let of = |lanes: [u8; RUN], channel: usize, pick: fn(u8, u8) -> u8| {
-        lanes
-            .into_iter()
-            .skip(channel)
-            .step_by(3)
-            .reduce(pick)
-            .unwrap_or(0)
+    let channels = |lanes: [u8; RUN], pick: fn(u8, u8) -> u8| {
+        [0, 1, 2].map(|channel| {
+            lanes
+                .into_iter()
+                .skip(channel)
+                .step_by(3)
+                .reduce(pick)
+                .unwrap_or(0)
+        })
     };
-    (
-        [0, 1, 2].map(|channel| of(low, channel, u8::min)),
-        [0, 1, 2].map(|channel| of(high, channel, u8::max)),
-    )
+    (channels(low, u8::min), channels(high, u8::max))
 }
 
 #[cfg(test)]

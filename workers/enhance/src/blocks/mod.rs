@@ -2,7 +2,6 @@
 //! [`Variant`](crate::Variant); the `agreement` tests hold the two together.
 
 mod blur;
-mod box_mean;
 mod extremum;
 mod guided;
 pub(crate) mod histogram;
@@ -15,7 +14,6 @@ mod sums;
 mod tails;
 
 pub use blur::gaussian;
-pub use box_mean::box_mean;
 pub use extremum::{window_max, window_min};
 pub use guided::{Guide, RADIUS_MAX, RADIUS_PX, REGULARIZATION, guided};
 pub use light::{TOP_SHARE, brightest_of, distance_offset};

@@ -21,16 +21,10 @@ pub struct Region {
 
 impl Region {
     /// The region as a slice of every row.
-    fn slices<'a, T>(
-        &'a self,
-        data: &'a [T],
-        stride: usize,
-        samples: usize,
-    ) -> impl Iterator<Item = &'a [T]> {
+    fn slices<'a, T>(&'a self, data: &'a [T], width: usize, samples: usize) -> impl Iterator<Item = &'a [T]> {
         let columns = samples * self.columns.start..samples * self.columns.end;
-        self.rows
-            .clone()
-            .map(move |y| &data[y * stride..][columns.clone()])
+        let rows = self.rows.clone();
+        rows.map(move |y| &data[y * width * samples..][columns.clone()])
     }
 
     fn area(&self) -> usize {
@@ -47,23 +41,18 @@ impl Region {
         let middle = (self.columns.start + half_width, self.rows.start + half_height);
         let (left, right) = (self.columns.start..middle.0, middle.0..self.columns.end);
         let (top, bottom) = (self.rows.start..middle.1, middle.1..self.rows.end);
-        let region = |columns: &Range<usize>, rows: &Range<usize>| Self {
+        let corners = [(&left, &top), (&right, &top), (&left, &bottom), (&right, &bottom)];
+        Some(corners.map(|(columns, rows)| Self {
             columns: columns.clone(),
             rows: rows.clone(),
-        };
-        Some([
-            region(&left, &top),
-            region(&right, &top),
-            region(&left, &bottom),
-            region(&right, &bottom),
-        ])
+        }))
     }
 
     /// The mean color, 0..=1.
     #[must_use]
     pub fn mean_color(&self, picture: &Rgb8) -> [f64; 3] {
         let mut sums = [0u64; 3];
-        for row in self.slices(picture.data(), 3 * picture.width(), 3) {
+        for row in self.slices(picture.data(), picture.width(), 3) {
             for pixel in row.chunks_exact(3) {
                 for (sum, &code) in sums.iter_mut().zip(pixel) {
                     *sum += u64::from(code);
@@ -102,7 +91,7 @@ fn search((width, height): (usize, usize), score: impl Fn(&Region) -> f64) -> Re
 pub fn calmest(picture: &Rgb8) -> Region {
     search((picture.width(), picture.height()), |region| {
         let (mut sum, mut squares) = (0u64, 0u128);
-        for row in region.slices(picture.data(), 3 * picture.width(), 3) {
+        for row in region.slices(picture.data(), picture.width(), 3) {
             let mut row_squares = 0u64;
             for pixel in row.chunks_exact(3) {
                 let luma = u64::from(luma1000([pixel[0], pixel[1], pixel[2]]));

@@ -1,7 +1,6 @@
 //! Inverting the simplified image model: `J_c = (c - B_c) / t_c + B_c` with the transmittance `t_c = exp(-β_c D)`.
 
-use imaging::simd::vectorised;
-use imaging::{Plane, Rgb8};
+use imaging::{Plane, Rgb8, vectorized};
 
 use crate::elementary::exp_nonpositive;
 use crate::method::Variant;
@@ -31,10 +30,7 @@ pub fn restore(picture: &Rgb8, distance: &Plane<f64>, veil: &Veil, variant: Vari
     let mut restored = picture.clone();
     match variant {
         Variant::Reference => reference(restored.data_mut(), distance.data(), veil),
-        Variant::Fast => vectorised(
-            #[inline(always)]
-            || fast(restored.data_mut(), distance.data(), veil),
-        ),
+        Variant::Fast => vectorized!(fast(restored.data_mut(), distance.data(), veil)),
     }
     restored
 }

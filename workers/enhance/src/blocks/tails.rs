@@ -11,8 +11,8 @@ pub fn tails(values: &[f64], share: f64, variant: Variant) -> (f64, f64) {
     let below = ((share * values.len() as f64) as usize).min(last);
     match variant {
         Variant::Fast => {
-            let counts = Counts::of(values);
-            (counts.at(values, below), counts.at(values, last - below))
+            let counts = Counts::new(values);
+            (counts.value(values, below), counts.value(values, last - below))
         }
         Variant::Reference => {
             let mut sorted = values.to_vec();
@@ -32,16 +32,16 @@ struct Counts {
 }
 
 impl Counts {
-    fn of(values: &[f64]) -> Self {
+    fn new(values: &[f64]) -> Self {
         let (low, high) = range_of(values);
-        let scale = if high > low {
-            (BINS - 1) as f64 / (high - low)
-        } else {
-            0.0
-        };
+        let flat = high <= low;
         let mut counts = Self {
             low,
-            scale,
+            scale: if flat {
+                0.0
+            } else {
+                (BINS - 1) as f64 / (high - low)
+            },
             bins: [0; BINS],
         };
         for &value in values {
@@ -56,18 +56,15 @@ impl Counts {
     }
 
     /// The value at a position of the sorted values: only those of its bin are sorted.
-    fn at(&self, values: &[f64], position: usize) -> f64 {
+    fn value(&self, values: &[f64], position: usize) -> f64 {
         let mut before = 0;
         let bin = self.bins.iter().position(|count| {
             before += count;
             before > position
         });
         let bin = bin.unwrap_or(BINS - 1);
-        let mut inside: Vec<f64> = values
-            .iter()
-            .copied()
-            .filter(|&value| self.bin(value) == bin)
-            .collect();
+        let values = values.iter().copied();
+        let mut inside: Vec<f64> = values.filter(|&value| self.bin(value) == bin).collect();
         let position = position - (before - self.bins[bin]);
         *inside.select_nth_unstable_by(position, f64::total_cmp).1
     }

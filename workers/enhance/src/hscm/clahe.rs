@@ -4,8 +4,7 @@
 //! was cut is spread over all bins, and the cumulative histogram becomes the tile's table. A pixel takes the tables
 //! of the four nearest tile centers, weighted bilinearly.
 
-use imaging::Plane;
-use pulp::{Simd, WithSimd};
+use imaging::{Plane, vectorized};
 
 use crate::reflect::reflected;
 
@@ -21,9 +20,8 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
     let tiles = Tiles::new(picture.size(), across, down);
     let tables = tiles.tables(picture, clip_limit);
     let (width, height) = picture.size();
-    let columns: Vec<Neighbors> = (0..width)
-        .map(|x| Neighbors::of(x, tiles.width_px, across))
-        .collect();
+    let neighbors = |x| Neighbors::of(x, tiles.width_px, across);
+    let columns: Vec<Neighbors> = (0..width).map(neighbors).collect();
     let mut equalized = Plane::filled(width, height, 0u8);
     let mut blends = Vec::new();
     let mut blended_rows = None;
@@ -35,13 +33,7 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
             blended_rows = Some((row.first, row.second));
         }
         let (from, to) = (picture.row(y), equalized.row_mut(y));
-        pulp::Arch::new().dispatch(Row {
-            from,
-            to,
-            columns: &columns,
-            blends: &blends,
-            weight: row.weight,
-        });
+        vectorized!(blend_row(from, &columns, &blends, row.weight, to));
     }
     equalized
 }
@@ -93,11 +85,8 @@ impl Tiles {
                     }
                 }
             }
-            tables.extend(
-                histograms
-                    .into_iter()
-                    .map(|histogram| self.table(histogram, clip_limit)),
-            );
+            let histograms = histograms.into_iter();
+            tables.extend(histograms.map(|histogram| self.table(histogram, clip_limit)));
         }
         tables
     }
@@ -159,59 +148,34 @@ impl Neighbors {
 /// upper left, upper right, lower left, lower right. One look-up a pixel instead of four.
 fn blend_tables(upper: &[Table], lower: &[Table]) -> Vec<[u32; 256]> {
     let last = upper.len() - 1;
-    (0..=upper.len())
-        .map(|gap| {
-            let (left, right) = (gap.saturating_sub(1), gap.min(last));
-            std::array::from_fn(|code| {
-                u32::from_le_bytes([
-                    upper[left][code],
-                    upper[right][code],
-                    lower[left][code],
-                    lower[right][code],
-                ])
-            })
-        })
-        .collect()
+    let table = |gap: usize| {
+        let (left, right) = (gap.saturating_sub(1), gap.min(last));
+        let tables = [&upper[left], &upper[right], &lower[left], &lower[right]];
+        std::array::from_fn(|code| u32::from_le_bytes(tables.map(|table| table[code])))
+    };
+    (0..=upper.len()).map(table).collect()
 }
 
-struct Row<'a> {
-    from: &'a [u8],
-    to: &'a mut [u8],
-    columns: &'a [Neighbors],
-    blends: &'a [[u32; 256]],
-    weight: f64,
-}
-
-impl WithSimd for Row<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        const BLOCK: usize = 64;
-        let b = self.weight;
-        let blocks = self
-            .from
-            .chunks(BLOCK)
-            .zip(self.to.chunks_mut(BLOCK))
-            .zip(self.columns.chunks(BLOCK));
-        for ((from, to), columns) in blocks {
-            let mut entries = [0u32; BLOCK];
-            let mut weights = [0f64; BLOCK];
-            for (((entry, weight), &code), column) in
-                entries.iter_mut().zip(&mut weights).zip(from).zip(columns)
-            {
-                *entry = self.blends[column.gap][usize::from(code)];
-                *weight = column.weight;
-            }
-            let mut codes = [0u8; BLOCK];
-            for ((code, &entry), &a) in codes.iter_mut().zip(&entries).zip(&weights) {
-                let entry_at = |byte: u32| ((entry >> (8 * byte)) & 255) as i32 as f64;
-                let upper = (1.0 - a) * entry_at(0) + a * entry_at(1);
-                let lower = (1.0 - a) * entry_at(2) + a * entry_at(3);
-                *code = round_ties_even((1.0 - b) * upper + b * lower);
-            }
-            to.copy_from_slice(&codes[..to.len()]);
+#[inline(always)]
+fn blend_row(from: &[u8], columns: &[Neighbors], blends: &[[u32; 256]], b: f64, to: &mut [u8]) {
+    const BLOCK: usize = 64;
+    let blocks = from.chunks(BLOCK).zip(to.chunks_mut(BLOCK));
+    for ((from, to), columns) in blocks.zip(columns.chunks(BLOCK)) {
+        let mut entries = [0u32; BLOCK];
+        let mut weights = [0f64; BLOCK];
+        let gathered = entries.iter_mut().zip(&mut weights);
+        for (((entry, weight), &code), column) in gathered.zip(from).zip(columns) {
+            *entry = blends[column.gap][usize::from(code)];
+            *weight = column.weight;
         }
+        let mut codes = [0u8; BLOCK];
+        for ((code, &entry), &a) in codes.iter_mut().zip(&entries).zip(&weights) {
+            let entry_at = |byte: u32| ((entry >> (8 * byte)) & 255) as i32 as f64;
+            let upper = (1.0 - a) * entry_at(0) + a * entry_at(1);
+            let lower = (1.0 - a) * entry_at(2) + a * entry_at(3);
+            *code = round_ties_even((1.0 - b) * upper + b * lower);
+        }
+        to.copy_from_slice(&codes[..to.len()]);
     }
 }
 

@@ -1,7 +1,6 @@
 //! Luma of a raster in exact integers.
 
-use imaging::simd::vectorised;
-use imaging::{Channels, Plane, Raster, Samples};
+use imaging::{Channels, Plane, Raster, Samples, vectorized};
 
 use crate::signs::{dark_below, is_dark};
 
@@ -13,12 +12,6 @@ use crate::signs::{dark_below, is_dark};
 pub struct Luma {
     codes: Plane<u32>,
     white: u32,
-    summary: Summary,
-}
-
-/// What one look at every code tells.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Summary {
     low: u32,
     high: u32,
     /// Pixels that are nearly black.
@@ -33,27 +26,32 @@ impl Luma {
             Samples::U8(_) => 255_000,
             Samples::U16(_) => 65_535_000,
         };
-        let mut codes = Plane::filled(picture.width(), picture.height(), 0u32);
-        let mut summary = Summary {
+        let mut luma = Self {
+            codes: Plane::filled(picture.width(), picture.height(), 0u32),
+            white,
             low: u32::MAX,
             high: 0,
             dark: 0,
         };
-        vectorised(
-            #[inline(always)]
-            || {
-                match picture.samples() {
-                    Samples::U8(samples) => weigh(samples, picture.channels(), codes.data_mut()),
-                    Samples::U16(samples) => weigh(samples, picture.channels(), codes.data_mut()),
-                }
-                summary = summarize(codes.data(), dark_below(white));
-            },
-        );
-        Self {
-            codes,
-            white,
-            summary,
+        vectorized!(luma.measure(picture));
+        luma
+    }
+
+    #[inline(always)]
+    fn measure(&mut self, picture: &Raster) {
+        let codes = self.codes.data_mut();
+        match picture.samples() {
+            Samples::U8(samples) => weigh(samples, picture.channels(), codes),
+            Samples::U16(samples) => weigh(samples, picture.channels(), codes),
         }
+        let bound = dark_below(self.white);
+        let (mut low, mut high, mut dark) = (u32::MAX, 0, 0u32);
+        for &code in self.codes.data() {
+            low = low.min(code);
+            high = high.max(code);
+            dark += u32::from(code < bound);
+        }
+        (self.low, self.high, self.dark) = (low, high, dark as usize);
     }
 
     /// The codes: thousandths of the file's own luma steps.
@@ -70,16 +68,13 @@ impl Luma {
 
     /// Whether nearly all pixels are nearly black.
     pub(crate) fn is_dark(&self) -> bool {
-        is_dark(self.summary.dark, self.codes.data().len())
+        is_dark(self.dark, self.codes.data().len())
     }
 
     /// The least and the greatest `y`.
     pub(crate) fn extremes(&self) -> (f64, f64) {
         let white = f64::from(self.white);
-        (
-            f64::from(self.summary.low) / white,
-            f64::from(self.summary.high) / white,
-        )
+        (f64::from(self.low) / white, f64::from(self.high) / white)
     }
 }
 
@@ -96,21 +91,6 @@ fn weigh<T: Copy + Into<u32>>(samples: &[T], channels: Channels, codes: &mut [u3
                 *code = 299 * p[0].into() + 587 * p[1].into() + 114 * p[2].into();
             }
         }
-    }
-}
-
-#[inline(always)]
-fn summarize(codes: &[u32], dark_below: u32) -> Summary {
-    let (mut low, mut high, mut dark) = (u32::MAX, 0, 0u32);
-    for &code in codes {
-        low = low.min(code);
-        high = high.max(code);
-        dark += u32::from(code < dark_below);
-    }
-    Summary {
-        low,
-        high,
-        dark: dark as usize,
     }
 }
 

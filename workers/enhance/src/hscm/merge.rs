@@ -1,7 +1,6 @@
 //! Merge of a new luma with the chroma of the input: U and V of YUV stay, Y is replaced.
 
-use imaging::luma1000;
-use pulp::{Simd, WithSimd};
+use imaging::{luma1000, vectorized};
 
 /// `C' = clip(round(C + Y' - Y))` for every channel C, with `Y = (299 R + 587 G + 114 B) / 1000` and the half rounded
 /// up, in exact integers. `colors` is interleaved R, G, B and `luma` holds one code for each pixel.
@@ -9,37 +8,19 @@ use pulp::{Simd, WithSimd};
 pub fn merge(colors: &[u8], luma: &[u8]) -> Vec<u8> {
     debug_assert_eq!(colors.len(), 3 * luma.len());
     let mut merged = vec![0; colors.len()];
-    pulp::Arch::new().dispatch(Merge {
-        colors,
-        luma,
-        merged: &mut merged,
-    });
+    vectorized!(replace(colors, luma, &mut merged));
     merged
 }
 
-struct Merge<'a> {
-    colors: &'a [u8],
-    luma: &'a [u8],
-    merged: &'a mut [u8],
-}
-
-impl WithSimd for Merge<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let pixels = self
-            .colors
-            .chunks_exact(3)
-            .zip(self.merged.chunks_exact_mut(3))
-            .zip(self.luma);
-        for ((from, to), &luma) in pixels {
-            // C + Y' is an integer, so rounding the sum up at a half is taking off Y rounded down at a half.
-            let old = ((luma1000([from[0], from[1], from[2]]) + 499) / 1000) as i16;
-            let shift = i16::from(luma) - old;
-            for (to, &code) in to.iter_mut().zip(from) {
-                *to = (i16::from(code) + shift).clamp(0, 255) as u8;
-            }
+#[inline(always)]
+fn replace(colors: &[u8], luma: &[u8], merged: &mut [u8]) {
+    let pixels = colors.chunks_exact(3).zip(merged.chunks_exact_mut(3));
+    for ((from, to), &luma) in pixels.zip(luma) {
+        // C + Y' is an integer, so rounding the sum up at a half is taking off Y rounded down at a half.
+        let old = ((luma1000([from[0], from[1], from[2]]) + 499) / 1000) as i16;
+        let shift = i16::from(luma) - old;
+        for (to, &code) in to.iter_mut().zip(from) {
+            *to = (i16::from(code) + shift).clamp(0, 255) as u8;
         }
     }
 }

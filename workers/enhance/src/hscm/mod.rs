@@ -22,7 +22,7 @@ pub use options::{
 
 use crate::method::Variant;
 use crate::result::{EnhanceError, Enhanced};
-use crate::warning::Warning;
+use crate::warning::{Warning, found};
 
 /// Enhances one picture.
 ///
@@ -58,23 +58,15 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
         Raster::new(width, height, channels, Samples::U8(codes), alpha.clone())
             .expect("the stages keep the size")
     };
-    Ok(match settings.mask {
-        None => Enhanced {
-            picture: raster(unmasked.clone()),
-            unmasked: raster(unmasked),
-            mask: None,
-            warnings,
-        },
-        Some(circle) => {
-            let mut masked = unmasked.clone();
-            circle::black_out(&mut masked, channels.count(), (width, height), &circle);
-            Enhanced {
-                picture: raster(masked),
-                unmasked: raster(unmasked),
-                mask: Some(circle::plane(width, height, &circle)),
-                warnings,
-            }
-        }
+    let mut shown = unmasked.clone();
+    if let Some(circle) = &settings.mask {
+        circle::black_out(&mut shown, channels.count(), (width, height), circle);
+    }
+    Ok(Enhanced {
+        picture: raster(shown),
+        unmasked: raster(unmasked),
+        mask: settings.mask.map(|circle| circle::plane(width, height, &circle)),
+        warnings,
     })
 }
 
@@ -82,15 +74,11 @@ pub fn enhance(picture: &Raster, options: &Options, variant: Variant) -> Result<
 pub(crate) fn warnings(luma: &Luma, (across, down): (usize, usize)) -> Vec<Warning> {
     let pixels = luma.codes().data().len();
     let (low, high) = luma.extremes();
-    let found = [
+    found([
         (low == high, Warning::Constant),
         (pixels < across * down * TILE_PIXELS, Warning::SmallTiles),
         (luma.is_dark(), Warning::Dark),
-    ];
-    let found = found
-        .into_iter()
-        .filter_map(|(found, warning)| found.then_some(warning));
-    found.collect()
+    ])
 }
 
 /// Pixels that a tile's histogram should rest on.

@@ -128,66 +128,40 @@ impl Options {
     /// One [`OptionError`] for each option out of range, in the order of [`Settings`].
     pub fn new(settings: Settings) -> Result<Self, Vec<OptionError>> {
         let Settings {
-            r_high,
-            r_low,
-            cutoff,
-            delta,
-            eps,
-            median,
-            clip_limit,
-            grid,
-            mask,
-            ..
+            r_high, r_low, grid, ..
         } = settings;
         let mut errors = Vec::new();
-        let mut real = |field, value: f64, low: f64, high: f64| {
-            if !(low..=high).contains(&value) {
-                let limit = format!("within {low:?}..={high:?}");
-                errors.push(OptionError {
-                    field,
-                    value: format!("{value:?}"),
-                    limit,
-                });
+        let mut check = |field, good: bool, value: String, limit: String| {
+            if !good {
+                errors.push(OptionError { field, value, limit });
             }
         };
-        real("r_high", r_high, MAGNITUDE_MIN, MAGNITUDE_MAX);
-        real("r_low", r_low, MAGNITUDE_MIN, MAGNITUDE_MAX);
-        real("cutoff", cutoff, MAGNITUDE_MIN, MAGNITUDE_MAX);
-        if let Some(delta) = delta {
-            real("delta", delta, MAGNITUDE_MIN, MAGNITUDE_MAX);
+        let circle = |value: fn(Circle) -> f64| settings.mask.map(value);
+        let reals = [
+            ("r_high", Some(r_high), MAGNITUDE_MIN, MAGNITUDE_MAX),
+            ("r_low", Some(r_low), MAGNITUDE_MIN, MAGNITUDE_MAX),
+            ("cutoff", Some(settings.cutoff), MAGNITUDE_MIN, MAGNITUDE_MAX),
+            ("delta", settings.delta, MAGNITUDE_MIN, MAGNITUDE_MAX),
+            ("eps", Some(settings.eps), MAGNITUDE_MIN, MAGNITUDE_MAX),
+            ("clip_limit", Some(settings.clip_limit), 0.0, MAGNITUDE_MAX),
+            ("mask.center_x", circle(|c| c.center_x), -CIRCLE_MAX, CIRCLE_MAX),
+            ("mask.center_y", circle(|c| c.center_y), -CIRCLE_MAX, CIRCLE_MAX),
+            ("mask.radius", circle(|c| c.radius), 0.0, CIRCLE_MAX),
+        ];
+        for (field, value, low, high) in reals {
+            let Some(value) = value else { continue };
+            let limit = format!("within {low:?}..={high:?}");
+            check(field, (low..=high).contains(&value), format!("{value:?}"), limit);
         }
-        real("eps", eps, MAGNITUDE_MIN, MAGNITUDE_MAX);
-        real("clip_limit", clip_limit, 0.0, MAGNITUDE_MAX);
-        if let Some(circle) = mask {
-            real("mask.centre_x", circle.center_x, -CIRCLE_MAX, CIRCLE_MAX);
-            real("mask.centre_y", circle.center_y, -CIRCLE_MAX, CIRCLE_MAX);
-            real("mask.radius", circle.radius, 0.0, CIRCLE_MAX);
-        }
-        if r_low > r_high {
-            let limit = format!("at most r_high = {r_high:?}");
-            errors.push(OptionError {
-                field: "r_low",
-                value: format!("{r_low:?}"),
-                limit,
-            });
-        }
-        if median.is_multiple_of(2) || median > MEDIAN_MAX {
-            let limit = format!("odd and within 1..={MEDIAN_MAX}");
-            errors.push(OptionError {
-                field: "median",
-                value: median.to_string(),
-                limit,
-            });
-        }
+        let limit = format!("at most r_high = {r_high:?}");
+        let above = r_low > r_high;
+        check("r_low", !above, format!("{r_low:?}"), limit);
+        let odd = !settings.median.is_multiple_of(2) && settings.median <= MEDIAN_MAX;
+        let limit = format!("odd and within 1..={MEDIAN_MAX}");
+        check("median", odd, settings.median.to_string(), limit);
         for (field, tiles) in [("grid.across", grid.0), ("grid.down", grid.1)] {
-            if !(1..=GRID_MAX).contains(&tiles) {
-                let limit = format!("within 1..={GRID_MAX}");
-                errors.push(OptionError {
-                    field,
-                    value: tiles.to_string(),
-                    limit,
-                });
-            }
+            let good = (1..=GRID_MAX).contains(&tiles);
+            check(field, good, tiles.to_string(), format!("within 1..={GRID_MAX}"));
         }
         if errors.is_empty() {
             Ok(Self(settings))
@@ -206,32 +180,12 @@ impl Options {
     /// profile takes `floor(W / cutoff)`, which also stays at 1 or above.
     #[must_use]
     pub fn delta_bins(&self, width: usize) -> f64 {
-        let Settings {
-            cutoff,
-            delta,
-            profile,
-            ..
-        } = self.0;
-        let part = width as f64 / cutoff;
-        match (delta, profile) {
+        let part = width as f64 / self.0.cutoff;
+        match (self.0.delta, self.0.profile) {
             (Some(delta), _) => delta,
             (None, Profile::Standard) => part.max(1.0),
             (None, Profile::Table1) => part.floor().max(1.0),
         }
-    }
-}
-
-impl TryFrom<Settings> for Options {
-    type Error = Vec<OptionError>;
-
-    fn try_from(settings: Settings) -> Result<Self, Self::Error> {
-        Self::new(settings)
-    }
-}
-
-impl From<Options> for Settings {
-    fn from(options: Options) -> Self {
-        options.0
     }
 }
 
@@ -266,7 +220,7 @@ mod tests {
             "delta",
             "eps",
             "clip_limit",
-            "mask.centre_x",
+            "mask.center_x",
             "mask.radius",
             "median",
             "grid.across",

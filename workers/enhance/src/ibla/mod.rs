@@ -18,13 +18,11 @@
 
 mod light;
 
-use imaging::simd::vectorised;
-use imaging::{Plane, Raster, Rgb8, luma1000};
+use imaging::{Plane, Raster, Rgb8, luma1000, vectorized};
 
 use crate::blocks::histogram::histograms;
-use crate::blocks::{
-    Guide, Veil, distance_of, distance_offset, gaussian, guided, normalized, restore, window_max,
-};
+use crate::blocks::{Guide, Veil, distance_of, distance_offset, gaussian, guided, normalized};
+use crate::blocks::{restore, window_max};
 use crate::method::Variant;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::Signs;
@@ -90,14 +88,10 @@ fn sigmoid(a: f64, b: f64) -> f64 {
 
 /// `d` of step 3, before the guided filter.
 fn distance(guide: &Guide, blurriness: Plane<f64>, light: [f64; 3], variant: Variant) -> Plane<f64> {
-    let [red, green, blue] = guide.channels();
+    let red = &guide.channels()[0];
     let (width, height) = red.size();
-    let mut brighter = green.clone();
-    for (code, &blue) in brighter.data_mut().iter_mut().zip(blue.data()) {
-        *code = (*code).max(blue);
-    }
     let red_max = window_max(red, MAXIMUM_PX, variant);
-    let brighter_max = window_max(&brighter, MAXIMUM_PX, variant);
+    let brighter_max = window_max(&guide.brighter(), MAXIMUM_PX, variant);
     let red_sum: u64 = red.data().iter().map(|&code| u64::from(code)).sum();
     let red_mean = red_sum as f64 / (255 * red.data().len()) as f64;
     let tb = sigmoid(red_mean, 0.1);
@@ -111,10 +105,7 @@ fn distance(guide: &Guide, blurriness: Plane<f64>, light: [f64; 3], variant: Var
     let by_loss = normalized(Plane::new(width, height, lost).expect("a value for each pixel"));
     let by_blur = normalized(blurriness);
     let mut distance = by_red;
-    vectorised(
-        #[inline(always)]
-        || mix(distance.data_mut(), by_loss.data(), by_blur.data(), ta, tb),
-    );
+    vectorized!(mix(distance.data_mut(), by_loss.data(), by_blur.data(), ta, tb));
     distance
 }
 

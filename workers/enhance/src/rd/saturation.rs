@@ -3,8 +3,7 @@
 //! `V = max`, `S = (max - min) / max`, 0 where max = 0. With the hue kept a channel goes from c to
 //! `V' (1 - S' (max - c) / (max - min))`.
 
-use imaging::Rgb8;
-use imaging::simd::vectorised;
+use imaging::{Rgb8, vectorized};
 
 use super::curve::Curves;
 use crate::blocks::tails;
@@ -18,10 +17,7 @@ pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rg
     let (mut saturation, mut value) = (vec![0.0f64; pixels], vec![0.0f64; pixels]);
     let mut result = picture.clone();
     let measure = |saturation: &mut [f64], value: &mut [f64]| match variant {
-        Variant::Fast => vectorised(
-            #[inline(always)]
-            || hsv(picture.data(), curves, saturation, value),
-        ),
+        Variant::Fast => vectorized!(hsv(picture.data(), curves, saturation, value)),
         Variant::Reference => hsv_reference(picture, curves, saturation, value),
     };
     measure(&mut saturation, &mut value);
@@ -30,10 +26,7 @@ pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rg
         value: tails(&value, TAIL, variant),
     };
     match variant {
-        Variant::Fast => vectorised(
-            #[inline(always)]
-            || stretch.apply(curves, (&saturation, &value), result.data_mut()),
-        ),
+        Variant::Fast => vectorized!(stretch.apply(curves, (&saturation, &value), result.data_mut())),
         Variant::Reference => stretch.apply_reference(curves, &mut result),
     }
     result

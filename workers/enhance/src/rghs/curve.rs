@@ -50,11 +50,11 @@ fn ends(counts: &Histogram, equalized: &[u8; 256]) -> Ends {
     let below: u64 = moved[..mode].iter().sum();
     let others = histogram::total(&moved) - below;
     let low = if below > 0 {
-        histogram::at(&moved, tail(below))
+        histogram::code_at(&moved, tail(below))
     } else {
         mode
     };
-    let high = histogram::at(&moved, below + others - 1 - tail(others));
+    let high = histogram::code_at(&moved, below + others - 1 - tail(others));
     Ends {
         mode: mode as u8,
         low: low as u8,

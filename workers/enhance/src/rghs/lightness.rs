@@ -1,7 +1,6 @@
 //! Step 3: lightness stretched and colors strengthened in CIE Lab.
 
-use imaging::simd::vectorised;
-use imaging::{Plane, Rgb, Rgb8, lab, transfer};
+use imaging::{Plane, Rgb, Rgb8, lab, transfer, vectorized};
 
 use super::{Curves, linear};
 use crate::blocks::tails;
@@ -48,10 +47,7 @@ fn fast(picture: &Rgb8, curves: &Curves) -> Rgb8 {
     let pixels = picture.data().len() / 3;
     let mut lightness = vec![0.0f64; pixels];
     let mut opponents = [0; 2].map(|_| vec![0.0f32; pixels]);
-    vectorised(
-        #[inline(always)]
-        || to_lab(picture.data(), &linear, &mut lightness, &mut opponents),
-    );
+    vectorized!(to_lab(picture.data(), &linear, &mut lightness, &mut opponents));
     let (low, high) = tails(&lightness, TAIL, Variant::Fast);
     // Strip by strip, so that the linear light of the whole picture is never held.
     let width = picture.width();
@@ -59,10 +55,7 @@ fn fast(picture: &Rgb8, curves: &Curves) -> Rgb8 {
     let [a, b] = opponents.each_ref().map(|plane| plane.chunks(STRIP * width));
     for (l, (a, b)) in lightness.chunks(STRIP * width).zip(a.zip(b)) {
         let mut planes = [0; 3].map(|_| vec![0.0f32; l.len()]);
-        vectorised(
-            #[inline(always)]
-            || from_lab(l, [a, b], (low, high), &mut planes),
-        );
+        vectorized!(from_lab(l, [a, b], (low, high), &mut planes));
         let planes = planes.map(|plane| Plane::new(width, l.len() / width, plane).expect("whole rows"));
         let (strip, _) = transfer::encode_rgb8(&Rgb::new(planes).expect("three planes of one size"));
         codes.extend_from_slice(strip.data());

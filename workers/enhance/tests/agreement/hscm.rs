@@ -1,6 +1,6 @@
 //! The stages of HSCM.
 
-use enhance::hscm::{Luma, MEDIAN_MAX, Options, Profile, Settings, homomorphic, median};
+use enhance::hscm::{Luma, Options, Profile, Settings, homomorphic, median};
 use enhance::{Variant, hscm};
 use imaging::{Channels, Plane, Raster, Samples};
 
@@ -81,16 +81,13 @@ fn assert_variants_agree(luma: &Luma, settings: Settings, what: &str) {
 }
 
 #[test]
-fn every_median_window_gives_the_codes_of_the_definition() {
+fn the_network_of_five_gives_the_codes_of_the_definition() {
     for (width, height) in [(1, 1), (1, 9), (70, 1), (5, 5), (64, 3), (65, 7), (131, 20)] {
         let noisy = Plane::from_fn(width, height, noise);
         let few_codes = noisy.map(|code| if code % 3 == 0 { 255 } else { code & 1 });
         for picture in [noisy, few_codes] {
-            for window_px in (1..=MEDIAN_MAX).step_by(2) {
-                let fast = median::median(&picture, window_px, Variant::Fast);
-                let exact = median::median(&picture, window_px, Variant::Reference);
-                assert_eq!(fast, exact, "{width}×{height}, window {window_px}");
-            }
+            let [fast, exact] = [Variant::Fast, Variant::Reference].map(|v| median::median(&picture, 5, v));
+            assert_eq!(fast, exact, "{width}×{height}");
         }
     }
 }

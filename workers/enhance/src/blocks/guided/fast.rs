@@ -2,8 +2,7 @@
 //! means, and a ring of rows remembers what must leave those sums again: nothing of the picture's size is kept but the
 //! result. Everything is in double precision, since the background light is sought among nearly equal distances.
 
-use imaging::Plane;
-use imaging::simd::vectorised;
+use imaging::{Plane, vectorized};
 
 use super::{Guide, solve};
 use crate::blocks::sums::{WindowSums, exchange, inverse_counts};
@@ -18,10 +17,7 @@ const COEFFICIENTS: usize = 4;
 const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
 pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
-    vectorised(
-        #[inline(always)]
-        || sweep(guide, plane),
-    )
+    vectorized!(sweep(guide, plane))
 }
 
 /// One row of the guide and of the plane.

@@ -3,7 +3,7 @@
 //! In each window the output is an affine function of the guide, `q = a · I + b`, with
 //! `a = (Σ + ε E)⁻¹ cov(I, p)` and `b = mean(p) - a · mean(I)`; every pixel takes the mean of a and of b over the
 //! windows that hold it. `I` is the guide, a color in 0..=1; `p` the plane to filter; `Σ` the 3 × 3 covariance of the
-//! guide in the window; means are [`box_mean`](super::box_mean) with windows clipped to the picture. `Σ + ε E` is
+//! guide in the window; means are taken over windows that are clipped to the picture. `Σ + ε E` is
 //! positive definite, so its determinant is never 0.
 //!
 //! The result does not change with an offset of the guide, and a scale of the guide is a scale of ε: the fast form
@@ -64,6 +64,16 @@ impl Guide {
             regularization,
             ..self
         }
+    }
+
+    /// The larger of green and blue.
+    pub(crate) fn brighter(&self) -> Plane<u8> {
+        let [_, green, blue] = &self.channels;
+        let mut brighter = green.clone();
+        for (code, &blue) in brighter.data_mut().iter_mut().zip(blue.data()) {
+            *code = (*code).max(blue);
+        }
+        brighter
     }
 
     /// Red, green and blue apart.
@@ -129,7 +139,7 @@ mod tests {
     fn a_flat_guide_leaves_two_box_means() {
         let flat = Guide::of(&Rgb8::from_fn(30, 20, |_, _| [9, 80, 200])).window(3, 1e-3);
         let plane = Plane::from_fn(30, 20, |x, y| (x * y % 7) as f64);
-        let mean = |plane| super::super::box_mean(plane, 3, Variant::Reference);
+        let mean = |plane| reference::box_mean(plane, 3);
         let expected = mean(&mean(&plane));
         for variant in [Variant::Fast, Variant::Reference] {
             for (got, expected) in guided(&flat, &plane, variant).data().iter().zip(expected.data()) {

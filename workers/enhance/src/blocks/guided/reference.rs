@@ -3,26 +3,22 @@
 use imaging::Plane;
 
 use super::{Guide, solve};
-use crate::blocks::box_mean;
-use crate::method::Variant;
+use crate::blocks::sums::inside;
 
 pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let (width, height) = plane.size();
-    let mean = |plane: &Plane<f64>| box_mean(plane, guide.radius_px, Variant::Reference);
-    let product =
-        |a: &Plane<f64>, b: &Plane<f64>| Plane::from_fn(width, height, |x, y| a.at(x, y) * b.at(x, y));
-    let colors = guide
-        .channels
-        .each_ref()
-        .map(|codes| codes.map(|&code| guide.scale * f64::from(code)));
+    let mean = |plane: &Plane<f64>| box_mean(plane, guide.radius_px);
+    let combined = |a: &Plane<f64>, b: &Plane<f64>, with: fn(f64, f64) -> f64| {
+        Plane::from_fn(width, height, |x, y| with(a.at(x, y), b.at(x, y)))
+    };
+    let channels = guide.channels.each_ref();
+    let colors = channels.map(|codes| codes.map(|&code| guide.scale * f64::from(code)));
     let means = colors.each_ref().map(mean);
     let plane_mean = mean(plane);
 
     let covariance = |a: (&Plane<f64>, &Plane<f64>), b: (&Plane<f64>, &Plane<f64>)| {
-        let products = mean(&product(a.0, b.0));
-        Plane::from_fn(width, height, |x, y| {
-            products.at(x, y) - a.1.at(x, y) * b.1.at(x, y)
-        })
+        let product = |a, b| combined(a, b, |a, b| a * b);
+        combined(&mean(&product(a.0, b.0)), &product(a.1, b.1), |a, b| a - b)
     };
     let channel = |i: usize| (&colors[i], &means[i]);
     let pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
@@ -48,4 +44,30 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
             .sum::<f64>()
             + offset.at(x, y)
     })
+}
+
+/// The mean of the samples within `radius` columns and rows of each sample, divided by the number that lie inside.
+pub(super) fn box_mean(plane: &Plane<f64>, radius: usize) -> Plane<f64> {
+    let (width, height) = plane.size();
+    let along = Plane::from_fn(width, height, |x, y| {
+        inside(x, radius, width).map(|i| plane.at(i, y)).sum::<f64>()
+    });
+    Plane::from_fn(width, height, |x, y| {
+        let rows = inside(y, radius, height);
+        let count = rows.len() * inside(x, radius, width).len();
+        rows.map(|j| along.at(x, j)).sum::<f64>() / count as f64
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_is_clipped_to_the_picture() {
+        let plane = Plane::new(4, 1, vec![1.0, 2.0, 3.0, 6.0]).unwrap();
+        assert_eq!(box_mean(&plane, 1).data(), &[1.5, 2.0, 11.0 / 3.0, 4.5]);
+        assert_eq!(box_mean(&plane, 0), plane);
+        assert_eq!(box_mean(&plane, 9).data(), &[3.0; 4]);
+    }
 }

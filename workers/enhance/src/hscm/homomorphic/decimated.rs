@@ -8,8 +8,6 @@
 //!
 //! One sweep down the picture with rings of rows: memory that is not touched does not have to be found.
 
-use pulp::{Simd, WithSimd};
-
 use super::logarithm::Logarithm;
 use super::padding::{padded_side, source};
 use super::recipe::Kernels;
@@ -31,75 +29,54 @@ pub(super) fn response(k: usize, n: usize) -> f64 {
     (std::f64::consts::PI * k as f64 / n as f64).cos().powi(12)
 }
 
-/// Filters a picture; `finish` takes each finished row of `x`, from the top down.
-pub(super) fn run(luma: &Luma, options: &Options, kernels: &Kernels, finish: impl FnMut(usize, &[f32])) {
-    pulp::Arch::new().dispatch(Decimated {
-        luma,
-        options,
-        kernels,
-        finish,
-    });
-}
-
-struct Decimated<'a, F> {
-    luma: &'a Luma,
-    options: &'a Options,
-    kernels: &'a Kernels,
-    finish: F,
-}
-
-impl<F: FnMut(usize, &[f32])> WithSimd for Decimated<'_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _: S) {
-        let Settings { r_high, r_low, .. } = *self.options.settings();
-        let (gain, drop) = (r_high as f32, (r_high - r_low) as f32);
-        let (width, height) = self.luma.codes().size();
-        let (padded, radius) = (padded_side(height), self.kernels.y.len() - 1);
-        let mut narrowing = Narrowing::new(self.luma, self.options);
-        let half = narrowing.half;
-        let stride = half.next_multiple_of(BLOCK);
-        let mut line = vec![0.0f32; stride + 2 * (self.kernels.x.len() - 1)];
-        // Rings of rows. The first three count rows from `above` rows over the picture, on a circle of `padded` rows.
-        let above = 2 * (radius + 1) + REACH;
-        let mut logs = Ring::new(2 * radius + 8, width);
-        let mut narrow = Ring::new(2 * REACH + 1, half);
-        let mut small = Ring::new(2 * radius + 1, stride);
-        let mut wide = Ring::new(4, width);
-        let mut row = vec![0.0f32; width];
-        let mut ready = 0;
-        for step in 0..height.div_ceil(2) + 2 * radius + 3 {
-            while ready <= 2 * step + 2 * REACH {
-                // Several turns above a picture that is smaller than the window.
-                let position = (ready + padded * above.div_ceil(padded) - above) % padded;
-                narrowing.run(position, logs.row_mut(ready), narrow.row_mut(ready));
-                ready += 1;
+/// Filters a picture; `finish` takes each finished row of `x`, from the top down. Compile it by `vectorized!`.
+#[inline(always)]
+pub(super) fn sweep(
+    luma: &Luma,
+    options: &Options,
+    kernels: &Kernels,
+    finish: &mut impl FnMut(usize, &[f32]),
+) {
+    let Settings { r_high, r_low, .. } = *options.settings();
+    let (gain, drop) = (r_high as f32, (r_high - r_low) as f32);
+    let (width, height) = luma.codes().size();
+    let (padded, radius) = (padded_side(height), kernels.y.len() - 1);
+    let mut narrowing = Narrowing::new(luma, options);
+    let half = narrowing.half;
+    let stride = half.next_multiple_of(BLOCK);
+    let mut line = vec![0.0f32; stride + 2 * (kernels.x.len() - 1)];
+    // Rings of rows. The first three count rows from `above` rows over the picture, on a circle of `padded` rows.
+    let above = 2 * (radius + 1) + REACH;
+    let mut logs = Ring::new(2 * radius + 8, width);
+    let mut narrow = Ring::new(2 * REACH + 1, half);
+    let mut small = Ring::new(2 * radius + 1, stride);
+    let mut wide = Ring::new(4, width);
+    let mut row = vec![0.0f32; width];
+    let mut ready = 0;
+    for step in 0..height.div_ceil(2) + 2 * radius + 3 {
+        while ready <= 2 * step + 2 * REACH {
+            // Several turns above a picture that is smaller than the window.
+            let position = (ready + padded * above.div_ceil(padded) - above) % padded;
+            narrowing.run(position, logs.row_mut(ready), narrow.row_mut(ready));
+            ready += 1;
+        }
+        let rows = std::array::from_fn(|i| narrow.row(2 * step + i));
+        blur_row(rows, &kernels.x, &mut line, half, small.row_mut(step));
+        let Some(filled) = step.checked_sub(2 * radius) else {
+            continue;
+        };
+        let center = filled + radius;
+        widen_row(&small, center, &kernels.y, &mut line, half, wide.row_mut(filled));
+        let Some(pair) = filled.checked_sub(3) else {
+            continue;
+        };
+        for y in (2 * pair..height).take(2) {
+            let rows = std::array::from_fn(|i| wide.row(pair + i));
+            upsampled_row(rows, y % 2, &mut row);
+            for (x, &log) in row.iter_mut().zip(logs.row(y + above)) {
+                *x = gain * log - drop * *x;
             }
-            let rows = std::array::from_fn(|i| narrow.row(2 * step + i));
-            blur_row(rows, &self.kernels.x, &mut line, half, small.row_mut(step));
-            let Some(filled) = step.checked_sub(2 * radius) else {
-                continue;
-            };
-            widen_row(
-                &small,
-                filled + radius,
-                &self.kernels.y,
-                &mut line,
-                half,
-                wide.row_mut(filled),
-            );
-            let Some(pair) = filled.checked_sub(3) else {
-                continue;
-            };
-            for y in (2 * pair..height).take(2) {
-                let rows = std::array::from_fn(|i| wide.row(pair + i));
-                upsampled_row(rows, y % 2, &mut row);
-                for (x, &log) in row.iter_mut().zip(logs.row(y + above)) {
-                    *x = gain * log - drop * *x;
-                }
-                (self.finish)(y, &row);
-            }
+            finish(y, &row);
         }
     }
 }
@@ -209,19 +186,9 @@ fn close(line: &mut [f32], reach: usize) {
 #[inline(always)]
 fn binomial(even: &[f32], odd: &[f32], out: &mut [f32]) {
     let n = out.len();
-    let (before, here, after) = (
-        &even[REACH - 1..][..n],
-        &even[REACH..][..n],
-        &even[REACH + 1..][..n],
-    );
+    let even: [&[f32]; 3] = std::array::from_fn(|i| &even[REACH + i - 1..][..n]);
     let odd: [&[f32]; 4] = std::array::from_fn(|i| &odd[REACH + i - 2..][..n]);
-    for x in 0..n {
-        out[x] = (20.0 * here[x]
-            + 15.0 * (odd[1][x] + odd[2][x])
-            + 6.0 * (before[x] + after[x])
-            + (odd[0][x] + odd[3][x]))
-            / 64.0;
-    }
+    binomial_of_rows([odd[0], even[0], odd[1], even[1], odd[2], even[2], odd[3]], out);
 }
 
 #[inline(always)]

@@ -19,8 +19,7 @@ mod recipe;
 mod reference;
 mod separable;
 
-use imaging::Plane;
-use imaging::simd::vectorised;
+use imaging::{Plane, vectorized};
 
 pub use padding::padded_side;
 pub use recipe::{
@@ -42,29 +41,39 @@ const TABLE1_LUMA_MIN: f64 = 1e-5;
 #[must_use]
 pub fn homomorphic(luma: &Luma, options: &Options, variant: Variant) -> Plane<u8> {
     let recipe = choose(luma, options, variant);
+    if let Some(exact) = exact(&recipe, luma, options) {
+        return exact.map(|&x| reference::code(x, options));
+    }
     let rounding = match options.settings().profile {
         Profile::Standard => 0.5,
         Profile::Table1 => 0.0,
     };
     let (width, height) = luma.codes().size();
     let mut codes = Plane::filled(width, height, 0u8);
-    // Dispatched on its own: a closure that is called in two places is not compiled into either.
-    let finish = |y: usize, row: &[f32]| {
+    // Compiled on its own: a closure that is called in two places is not inlined into either.
+    sweep(&recipe, luma, options, &mut |y: usize, row: &[f32]| {
         let codes = codes.row_mut(y);
-        vectorised(
-            #[inline(always)]
-            || encode(row, rounding, codes),
-        );
-    };
-    match &recipe {
-        Recipe::Flat => return flat(luma, options).map(|&x| reference::code(x, options)),
-        Recipe::Transform => {
-            return reference::filtered_log(luma, options).map(|&x| reference::code(x, options));
-        }
-        Recipe::Separable(kernels) => separable::run(luma, options, kernels, finish),
-        Recipe::Decimated(kernels) => decimated::run(luma, options, kernels, finish),
-    }
+        vectorized!(encode(row, rounding, codes));
+    });
     codes
+}
+
+/// The filtered logarithm in double precision, for recipes that need it.
+fn exact(recipe: &Recipe, luma: &Luma, options: &Options) -> Option<Plane<f64>> {
+    match recipe {
+        Recipe::Flat => Some(flat(luma, options)),
+        Recipe::Transform => Some(reference::filtered_log(luma, options)),
+        Recipe::Separable(_) | Recipe::Decimated(_) => None,
+    }
+}
+
+/// Hands each row of the filtered logarithm to `finish`, for recipes of two passes.
+fn sweep(recipe: &Recipe, luma: &Luma, options: &Options, finish: &mut impl FnMut(usize, &[f32])) {
+    match recipe {
+        Recipe::Flat | Recipe::Transform => {}
+        Recipe::Separable(kernels) => vectorized!(separable::sweep(luma, options, kernels, finish)),
+        Recipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, options, kernels, finish)),
+    }
 }
 
 /// `255 exp(min(x, 0))` along a row.
@@ -94,15 +103,13 @@ pub fn filtered_log(luma: &Luma, options: &Options, variant: Variant) -> Plane<f
 /// The filtered logarithm, computed as this recipe says, which must have been chosen for this picture.
 #[must_use]
 pub fn filtered_by(recipe: &Recipe, luma: &Luma, options: &Options) -> Plane<f32> {
+    if let Some(exact) = exact(recipe, luma, options) {
+        return exact.map(|&x| x as f32);
+    }
     let (width, height) = luma.codes().size();
     let mut logs = Plane::filled(width, height, 0.0f32);
-    let finish = |y: usize, row: &[f32]| logs.row_mut(y).copy_from_slice(row);
-    match recipe {
-        Recipe::Flat => return flat(luma, options).map(|&x| x as f32),
-        Recipe::Transform => return reference::filtered_log(luma, options).map(|&x| x as f32),
-        Recipe::Separable(kernels) => separable::run(luma, options, kernels, finish),
-        Recipe::Decimated(kernels) => decimated::run(luma, options, kernels, finish),
-    }
+    let mut finish = |y: usize, row: &[f32]| logs.row_mut(y).copy_from_slice(row);
+    sweep(recipe, luma, options, &mut finish);
     logs
 }
 

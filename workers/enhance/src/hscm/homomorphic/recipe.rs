@@ -109,22 +109,17 @@ impl Recipe {
 /// [`KERNEL_TAIL_DECIMATED`] remains; `None` when more than half the side would be needed.
 fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
     let n = side / step;
-    let mut bins: Vec<Complex<f64>> = (0..n)
-        .map(|k| {
-            let k = k.min(n - k);
-            let signed = k as f64 / delta;
-            let lost = if step == 1 { 1.0 } else { response(k, side) };
-            Complex::new((-0.5 * signed * signed).exp() / lost / n as f64, 0.0)
-        })
-        .collect();
+    let bin = |k: usize| {
+        let k = k.min(n - k);
+        let signed = k as f64 / delta;
+        let lost = if step == 1 { 1.0 } else { response(k, side) };
+        Complex::new((-0.5 * signed * signed).exp() / lost / n as f64, 0.0)
+    };
+    let mut bins: Vec<Complex<f64>> = (0..n).map(bin).collect();
     FftPlannerScalar::new().plan_fft_inverse(n).process(&mut bins);
     let mut outside: f64 = bins[1..].iter().map(|weight| weight.re.abs()).sum();
     let mut taps = vec![bins[0].re];
-    let tail = if step == 1 {
-        KERNEL_TAIL
-    } else {
-        KERNEL_TAIL_DECIMATED
-    };
+    let tail = [KERNEL_TAIL, KERNEL_TAIL_DECIMATED][step - 1];
     while outside > tail {
         let next = taps.len();
         if 2 * next + 1 > n {

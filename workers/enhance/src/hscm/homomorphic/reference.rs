@@ -29,25 +29,17 @@ pub(super) fn filtered_log(luma: &Luma, options: &Options) -> Plane<f64> {
     });
 
     let mut planner = FftPlannerScalar::new();
-    let (along_x, along_y) = (
-        planner.plan_fft_forward(padded_width),
-        planner.plan_fft_forward(padded_height),
-    );
+    let [along_x, along_y] = [padded_width, padded_height].map(|side| planner.plan_fft_forward(side));
     transform(&mut bins, along_x.as_ref(), along_y.as_ref());
     for v in 0..padded_height {
         for (u, bin) in bins.row_mut(v).iter_mut().enumerate() {
             // Signed bin numbers: the second half of a side counts back from its end.
-            let (u, v) = (
-                u.min(padded_width - u) as f64 / delta,
-                v.min(padded_height - v) as f64 / delta,
-            );
+            let signed = |k: usize, side: usize| k.min(side - k) as f64 / delta;
+            let (u, v) = (signed(u, padded_width), signed(v, padded_height));
             *bin *= (r_high - r_low) * (1.0 - (-0.5 * (u * u + v * v)).exp()) + r_low;
         }
     }
-    let (along_x, along_y) = (
-        planner.plan_fft_inverse(padded_width),
-        planner.plan_fft_inverse(padded_height),
-    );
+    let [along_x, along_y] = [padded_width, padded_height].map(|side| planner.plan_fft_inverse(side));
     transform(&mut bins, along_x.as_ref(), along_y.as_ref());
 
     let scale = 1.0 / (padded_width * padded_height) as f64;

@@ -4,8 +4,6 @@
 //! between the logarithm and the finished row. Padding never exists in memory: each pass asks which sample stands at
 //! a padded position.
 
-use pulp::{Simd, WithSimd};
-
 use super::logarithm::Logarithm;
 use super::padding::{padded_side, source};
 use super::recipe::Kernels;
@@ -15,65 +13,50 @@ use crate::hscm::options::{Options, Settings};
 /// Columns whose sums are held in registers at once: four vectors of eight.
 pub(super) const BLOCK: usize = 32;
 
-/// Filters a picture; `finish` takes each finished row of `x`, from the top down.
-pub(super) fn run(luma: &Luma, options: &Options, kernels: &Kernels, finish: impl FnMut(usize, &[f32])) {
-    pulp::Arch::new().dispatch(Sweep {
-        luma,
-        options,
-        kernels,
-        finish,
-    });
-}
-
-struct Sweep<'a, F> {
-    luma: &'a Luma,
-    options: &'a Options,
-    kernels: &'a Kernels,
-    finish: F,
-}
-
-impl<F: FnMut(usize, &[f32])> WithSimd for Sweep<'_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _: S) {
-        let Settings {
-            r_high,
-            r_low,
-            profile,
-            ..
-        } = *self.options.settings();
-        let (gain, drop) = (r_high as f32, (r_high - r_low) as f32);
-        let (width, height) = self.luma.codes().size();
-        let padded = padded_side(height);
-        let radius = self.kernels.y.len() - 1;
-        let mut rows = RowPass::new(self.luma, self.options, &self.kernels.x);
-        let mut logs = Ring::new(2 * radius + 1, rows.stride);
-        let mut blurred = Ring::new(2 * radius + 1, rows.stride);
-        let mut filtered = vec![0.0f32; rows.stride];
-        // Positions count from `radius` rows above the picture, on a circle of `padded` rows.
-        for position in 0..height + 2 * radius {
-            match source((position + padded - radius) % padded, height, profile) {
-                Some(y) => rows.run(y, logs.row_mut(position), blurred.row_mut(position)),
-                None => blurred.row_mut(position).fill(0.0),
-            }
-            let Some(y) = position.checked_sub(2 * radius) else {
-                continue;
-            };
-            let center = y + radius;
-            let blocks = filtered
-                .chunks_exact_mut(BLOCK)
-                .zip(logs.row(center).chunks_exact(BLOCK));
-            for (block, (x, log)) in blocks.enumerate() {
-                let sums = weighted_sum(&self.kernels.y, |offset| {
-                    &blurred.row(center.wrapping_add_signed(offset))[block * BLOCK..]
-                });
-                for i in 0..BLOCK {
-                    x[i] = gain * log[i] - drop * sums[i];
-                }
-            }
-            (self.finish)(y, &filtered[..width]);
+/// Filters a picture; `finish` takes each finished row of `x`, from the top down. Compile it by `vectorized!`.
+#[inline(always)]
+pub(super) fn sweep(
+    luma: &Luma,
+    options: &Options,
+    kernels: &Kernels,
+    finish: &mut impl FnMut(usize, &[f32]),
+) {
+    let Settings {
+        r_high,
+        r_low,
+        profile,
+        ..
+    } = *options.settings();
+    let (gain, drop) = (r_high as f32, (r_high - r_low) as f32);
+    let (width, height) = luma.codes().size();
+    let padded = padded_side(height);
+    let radius = kernels.y.len() - 1;
+    let mut rows = RowPass::new(luma, options, &kernels.x);
+    let mut logs = Ring::new(2 * radius + 1, rows.stride);
+    let mut blurred = Ring::new(2 * radius + 1, rows.stride);
+    let mut filtered = vec![0.0f32; rows.stride];
+    // Positions count from `radius` rows above the picture, on a circle of `padded` rows.
+    for position in 0..height + 2 * radius {
+        match source((position + padded - radius) % padded, height, profile) {
+            Some(y) => rows.run(y, logs.row_mut(position), blurred.row_mut(position)),
+            None => blurred.row_mut(position).fill(0.0),
         }
+        let Some(y) = position.checked_sub(2 * radius) else {
+            continue;
+        };
+        let center = y + radius;
+        let blocks = filtered
+            .chunks_exact_mut(BLOCK)
+            .zip(logs.row(center).chunks_exact(BLOCK));
+        for (block, (x, log)) in blocks.enumerate() {
+            let sums = weighted_sum(&kernels.y, |offset| {
+                &blurred.row(center.wrapping_add_signed(offset))[block * BLOCK..]
+            });
+            for i in 0..BLOCK {
+                x[i] = gain * log[i] - drop * sums[i];
+            }
+        }
+        finish(y, &filtered[..width]);
     }
 }
 
@@ -125,16 +108,16 @@ impl<'a> RowPass<'a> {
         let padded = padded_side(width);
         let radius = kernel.len() - 1;
         let stride = width.next_multiple_of(BLOCK);
+        let columns = |first: usize| {
+            let positions = (first..first + radius).map(|i| i % padded);
+            positions.map(|i| source(i, width, profile)).collect()
+        };
         Self {
             luma,
             kernel,
             logarithm: Logarithm::new(luma, options),
-            before: (0..radius)
-                .map(|i| source(padded - radius + i, width, profile))
-                .collect(),
-            after: (0..radius)
-                .map(|i| source((width + i) % padded, width, profile))
-                .collect(),
+            before: columns(padded - radius),
+            after: columns(width),
             line: vec![0.0; stride + 2 * radius],
             stride,
         }
@@ -147,11 +130,8 @@ impl<'a> RowPass<'a> {
         let (before, line) = self.line.split_at_mut(self.before.len());
         let (inside, after) = line.split_at_mut(logs.len());
         inside.copy_from_slice(logs);
-        for (sample, column) in before
-            .iter_mut()
-            .zip(&self.before)
-            .chain(after.iter_mut().zip(&self.after))
-        {
+        let beyond = before.iter_mut().zip(&self.before);
+        for (sample, column) in beyond.chain(after.iter_mut().zip(&self.after)) {
             *sample = column.map_or(0.0, |x| logs[x]);
         }
         let radius = self.before.len();
@@ -199,14 +179,8 @@ mod tests {
             panic!("{recipe:?} is not separable");
         };
         let mut plain = Plane::filled(131, 97, 0.0f32);
-        let finish = |y: usize, row: &[f32]| plain.row_mut(y).copy_from_slice(row);
-        let sweep = Sweep {
-            luma: &luma,
-            options: &options,
-            kernels,
-            finish,
-        };
-        sweep.with_simd(pulp::Scalar);
+        let mut finish = |y: usize, row: &[f32]| plain.row_mut(y).copy_from_slice(row);
+        sweep(&luma, &options, kernels, &mut finish);
         let dispatched = super::super::filtered_by(&recipe, &luma, &options);
         assert!(
             plain

@@ -5,42 +5,32 @@
 //! across then has at least `i j - 1` others not above it and `(6 - i)(6 - j) - 1` not below it, which leaves 13
 //! elements that can be the median; of these the least and the greatest are dropped until one is left.
 
-use imaging::Plane;
-use pulp::{Simd, WithSimd};
+use imaging::{Plane, vectorized};
 
 /// Columns in one step: two vectors of 32 codes.
 const BLOCK: usize = 64;
 const RADIUS: usize = 2;
 
 pub(super) fn median(picture: &Plane<u8>) -> Plane<u8> {
-    pulp::Arch::new().dispatch(Median5 { picture })
+    vectorized!(sweep(picture))
 }
 
-struct Median5<'a> {
-    picture: &'a Plane<u8>,
-}
-
-impl WithSimd for Median5<'_> {
-    type Output = Plane<u8>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Plane<u8> {
-        let (width, height) = self.picture.size();
-        let line = width.div_ceil(BLOCK) * BLOCK + 2 * RADIUS;
-        let mut columns = [const { Vec::new() }; 5];
-        columns.fill(vec![0u8; line]);
-        let mut medians = Vec::with_capacity(width * height);
-        for y in 0..height {
-            let rows =
-                [0, 1, 2, 3, 4].map(|row| self.picture.row((y + row).saturating_sub(RADIUS).min(height - 1)));
-            sort_columns(rows, &mut columns);
-            for start in (0..width).step_by(BLOCK) {
-                let block = window_medians(columns.each_ref().map(|rank| &rank[start..]));
-                medians.extend_from_slice(&block[..BLOCK.min(width - start)]);
-            }
+#[inline(always)]
+fn sweep(picture: &Plane<u8>) -> Plane<u8> {
+    let (width, height) = picture.size();
+    let line = width.div_ceil(BLOCK) * BLOCK + 2 * RADIUS;
+    let mut columns = [const { Vec::new() }; 5];
+    columns.fill(vec![0u8; line]);
+    let mut medians = Vec::with_capacity(width * height);
+    for y in 0..height {
+        let row = |row: usize| picture.row((y + row).saturating_sub(RADIUS).min(height - 1));
+        sort_columns([0, 1, 2, 3, 4].map(row), &mut columns);
+        for start in (0..width).step_by(BLOCK) {
+            let block = window_medians(columns.each_ref().map(|rank| &rank[start..]));
+            medians.extend_from_slice(&block[..BLOCK.min(width - start)]);
         }
-        Plane::new(width, height, medians).expect("one median for each pixel")
     }
+    Plane::new(width, height, medians).expect("one median for each pixel")
 }
 
 /// Orders pairs of elements, one after the other.
@@ -94,13 +84,13 @@ fn window_medians(columns: [&[u8]; 5]) -> [u8; BLOCK] {
 #[inline(always)]
 fn select(ranks: [[u8; 5]; 5]) -> u8 {
     let [a, b, c, d, e] = ranks;
-    let (a, b, c, d, e) = (
+    let [a, b, c, d, e] = [
         sort_five(a),
         sort_five(b),
         sort_five(c),
         sort_five(d),
         sort_five(e),
-    );
+    ];
     let mut v = [
         a[3], a[4], b[2], b[3], b[4], c[1], c[2], c[3], d[0], d[1], d[2], e[0], e[1],
     ];

@@ -1,7 +1,6 @@
 //! Median over a square window with the border replicated. Every variant gives the same codes.
 
 mod five;
-mod histogram;
 mod reference;
 
 use imaging::Plane;
@@ -9,16 +8,15 @@ use imaging::Plane;
 use crate::method::Variant;
 
 /// The k × k median: code number `(k² + 1) / 2` of the sorted window. `window_px` is odd and within 1..=31; 1 copies.
-/// A side of 5, the default, has its own implementation; the others keep a histogram that slides along the row.
+/// Only a side of 5, the default, has a fast variant.
 #[must_use]
 pub fn median(picture: &Plane<u8>, window_px: usize, variant: Variant) -> Plane<u8> {
     if window_px == 1 || picture.data().is_empty() {
         return picture.clone();
     }
     match (variant, window_px) {
-        (Variant::Reference, _) => reference::median(picture, window_px),
         (Variant::Fast, 5) => five::median(picture),
-        (Variant::Fast, _) => histogram::median(picture, window_px),
+        _ => reference::median(picture, window_px),
     }
 }
 
