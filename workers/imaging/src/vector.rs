@@ -25,6 +25,28 @@ pub const fn vec3<T: Copy>(x: T, y: T, z: T) -> Vector<T> {
     Vector { x, y, z }
 }
 
+impl<T: Copy> Vector<T> {
+    /// Each component changed by a function.
+    #[must_use]
+    #[inline(always)]
+    pub fn map<U>(self, change: impl Fn(T) -> U) -> Vector<U> {
+        let Self { x, y, z } = self;
+        [change(x), change(y), change(z)].into()
+    }
+
+    /// Each pair of components joined by a function.
+    #[must_use]
+    #[inline(always)]
+    pub fn zip(self, other: Self, join: impl Fn(T, T) -> T) -> Self {
+        [
+            join(self.x, other.x),
+            join(self.y, other.y),
+            join(self.z, other.z),
+        ]
+        .into()
+    }
+}
+
 /// The dot product of two arrays, in the order of [`Vector::dot`].
 #[must_use]
 #[inline(always)]

@@ -1,106 +1,87 @@
-//! What labels can say: the fixed lists of categories and findings. New entries go to the end, so that numbers keep their meaning.
+//! The fixed vocabularies of labels. New entries go to the end, so that numbers keep their meaning.
 
-/// Kind of thing that a pixel of a procedural scene shows; its number is its value in the semantic mask.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[repr(u8)]
-pub enum Category {
+/// Declares an enum with numbers and names, and the list of them in the order of their numbers.
+macro_rules! vocabulary {
+    ($(#[$about:meta])* $Name:ident, $(#[$all:meta])* $LIST:ident: $($(#[$what:meta])* $Entry:ident = $number:literal, $name:literal;)*) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[repr(u8)]
+        pub enum $Name {
+            $($(#[$what])* $Entry = $number),*
+        }
+
+        $(#[$all])*
+        pub const $LIST: &[($Name, &str)] = &[$(($Name::$Entry, $name)),*];
+
+        impl $Name {
+            /// The name that masks and tables use.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                $LIST[self as usize].1
+            }
+        }
+    };
+}
+
+vocabulary! {
+    /// Kind of thing that a pixel of a procedural scene shows; its number is its value in the semantic mask.
+    Category,
+    /// All categories with the names that masks and tables use, in the order of their numbers.
+    CATEGORIES:
     /// Nothing is met: open water.
-    Background = 0,
+    Background = 0, "background";
     /// The seabed, or the mud on the floor of a shaft.
-    Seabed = 1,
+    Seabed = 1, "seabed";
     /// An upright pile, leg or post.
-    Pile = 2,
+    Pile = 2, "pile";
     /// A slanted or level tube between piles.
-    Brace = 3,
+    Brace = 3, "brace";
     /// A beam, girder or waling.
-    Beam = 4,
+    Beam = 4, "beam";
     /// A plate or a wall of sheet piles.
-    Plate = 5,
+    Plate = 5, "plate";
     /// A pipe that carries something.
-    Pipe = 6,
+    Pipe = 6, "pipe";
     /// A flange, valve, collar or clamp.
-    Fitting = 7,
+    Fitting = 7, "fitting";
     /// A sacrificial anode.
-    Anode = 8,
+    Anode = 8, "anode";
     /// What a pipe lies on: blocks, saddles, bags.
-    Support = 9,
+    Support = 9, "support";
     /// A ladder.
-    Ladder = 10,
+    Ladder = 10, "ladder";
     /// A bracket on a wall.
-    Bracket = 11,
+    Bracket = 11, "bracket";
     /// The lining of a shaft or tunnel.
-    Lining = 12,
+    Lining = 12, "lining";
     /// A cable or hose.
-    Cable = 13,
+    Cable = 13, "cable";
     /// A natural stone.
-    Stone = 14,
+    Stone = 14, "stone";
     /// Lost or broken things on the ground.
-    Debris = 15,
+    Debris = 15, "debris";
 }
 
-/// All categories with the names that masks and tables use, in the order of their numbers.
-pub const CATEGORIES: &[(Category, &str)] = &[
-    (Category::Background, "background"),
-    (Category::Seabed, "seabed"),
-    (Category::Pile, "pile"),
-    (Category::Brace, "brace"),
-    (Category::Beam, "beam"),
-    (Category::Plate, "plate"),
-    (Category::Pipe, "pipe"),
-    (Category::Fitting, "fitting"),
-    (Category::Anode, "anode"),
-    (Category::Support, "support"),
-    (Category::Ladder, "ladder"),
-    (Category::Bracket, "bracket"),
-    (Category::Lining, "lining"),
-    (Category::Cable, "cable"),
-    (Category::Stone, "stone"),
-    (Category::Debris, "debris"),
-];
-
-impl Category {
-    /// The name in [`CATEGORIES`].
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        CATEGORIES[self as usize].1
-    }
-}
-
-/// What an inspection looks for. A pixel can show several; bit `1 << number` of the findings mask says whether it shows one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[repr(u8)]
-pub enum Finding {
+vocabulary! {
+    /// What an inspection looks for. A pixel can show several; bit `1 << number` of the findings mask says whether it shows one.
+    Finding,
+    /// All findings with the names that masks and tables use, in the order of their bits.
+    FINDINGS:
     /// A crack in concrete or masonry.
-    Crack = 0,
+    Crack = 0, "crack";
     /// Rust.
-    Corrosion = 1,
+    Corrosion = 1, "corrosion";
     /// Concrete that has broken off.
-    Spalling = 2,
+    Spalling = 2, "spalling";
     /// A joint between segments, blocks or boards, a field joint or a weld seam.
-    Joint = 3,
+    Joint = 3, "joint";
     /// Dense biofouling.
-    Growth = 4,
+    Growth = 4, "growth";
     /// Coating that is gone from a pipe.
-    CoatingDamage = 5,
+    CoatingDamage = 5, "coating_damage";
 }
-
-/// All findings with the names that masks and tables use, in the order of their bits.
-pub const FINDINGS: &[(Finding, &str)] = &[
-    (Finding::Crack, "crack"),
-    (Finding::Corrosion, "corrosion"),
-    (Finding::Spalling, "spalling"),
-    (Finding::Joint, "joint"),
-    (Finding::Growth, "growth"),
-    (Finding::CoatingDamage, "coating_damage"),
-];
 
 impl Finding {
-    /// The name in [`FINDINGS`].
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        FINDINGS[self as usize].1
-    }
-
     /// The bit of this finding in the findings mask.
     #[must_use]
     pub fn bit(self) -> u8 {

@@ -1,8 +1,8 @@
-//! What can be wrong with the description of a scene, or with the files of an uploaded one.
+//! Errors in the description of a scene, or in the files of an uploaded one.
 
 use imaging::codec::DecodeError;
 
-use crate::FAMILIES;
+use crate::{FAMILIES, LEAST_CLEARANCE_M};
 
 /// A scene that cannot be made from what was given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -13,7 +13,7 @@ pub enum SceneError {
         /// The name that was asked for.
         family: String,
     },
-    /// A file is damaged, too large, or holds something else than what the field takes.
+    /// A file is damaged, too large, or of a type that the field does not take.
     #[error("`{field}`: {reason}")]
     File {
         /// The field the file came in.
@@ -22,23 +22,17 @@ pub enum SceneError {
         #[source]
         reason: DecodeError,
     },
-    /// A map has other sides than the picture it belongs to.
-    #[error("{map} is {width}×{height} but the image is {image_width}×{image_height}")]
+    /// A map does not have the size of the picture it belongs to.
+    #[error("{} is {}×{} but the image is {}×{}", map_name(field), size.0, size.1, image.0, image.1)]
     Size {
         /// The field the map came in.
         field: &'static str,
-        /// What the map is called.
-        map: &'static str,
-        /// Columns of the map.
-        width: usize,
-        /// Rows of the map.
-        height: usize,
-        /// Columns of the picture.
-        image_width: usize,
-        /// Rows of the picture.
-        image_height: usize,
+        /// Width and height of the map.
+        size: (usize, usize),
+        /// Width and height of the picture.
+        image: (usize, usize),
     },
-    /// Something that cannot be guessed was not given.
+    /// A value without a safe default is missing.
     #[error("`{field}` is missing: {reason}")]
     Missing {
         /// What is missing.
@@ -56,21 +50,18 @@ pub enum SceneError {
         /// What is allowed.
         limit: &'static str,
     },
-    /// A camera that is in or too close to something.
+    /// A camera inside a solid or too close to one.
     #[error(
-        "`{field}`: frame {frame} is {distance_m:.3} m from a surface but must be at least {limit_m} m away"
+        "`path`: frame {frame} is {distance_m:.3} m from a surface but must be at least {} m away",
+        LEAST_CLEARANCE_M
     )]
     Blocked {
-        /// The field that placed the camera.
-        field: &'static str,
         /// The frame, from 0 on.
         frame: usize,
         /// Distance from the surface, below 0 inside.
         distance_m: f64,
-        /// The least distance.
-        limit_m: f64,
     },
-    /// A radiance that is NaN or infinite. It would spread over the whole frame.
+    /// A radiance that is NaN or infinite, which forward scatter would spread over the whole frame.
     #[error("`rgb`: radiance is {value} at pixel ({x}, {y}) but must be finite")]
     Radiance {
         /// Column of the first such pixel, row by row.
@@ -89,11 +80,19 @@ impl SceneError {
         match self {
             Self::UnknownFamily { .. } => "family",
             Self::Radiance { .. } => "rgb",
+            Self::Blocked { .. } => "path",
             Self::File { field, .. }
             | Self::Size { field, .. }
             | Self::Missing { field, .. }
-            | Self::Blocked { field, .. }
             | Self::Number { field, .. } => field,
         }
+    }
+}
+
+fn map_name(field: &str) -> &'static str {
+    match field {
+        "range" => "range map",
+        "z_depth" => "z-depth map",
+        _ => "instance mask",
     }
 }

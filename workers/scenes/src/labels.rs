@@ -10,10 +10,10 @@ use crate::site::Surfaces;
 /// What is known about every pixel of a frame. All planes have the sides of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labels {
-    /// Depth along the optical axis in metres: range times the cosine of the angle to it; infinite where nothing is met.
+    /// Depth along the optical axis in meters: range times the cosine of the angle to it; infinite where nothing is met.
     pub z_depth: Plane<f32>,
     /// Unit normals of the surfaces, without relief, in camera axes (right, down, ahead); they face the camera. Edges are
-    /// rounded over a millimetre. Zero where nothing is met.
+    /// rounded over a millimeter. Zero where nothing is met.
     pub normals: [Plane<f32>; 3],
     /// [`Category`] of each pixel by its number.
     pub semantics: Plane<u8>,
@@ -52,17 +52,14 @@ impl Labels {
     ) -> Self {
         let (width, height) = numbers.size();
         let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
-        let shown: Vec<u8> = [Category::Background]
-            .iter()
-            .chain(categories)
-            .map(|&c| c as u8)
-            .collect();
-        let semantics = numbers.data().iter().map(|&number| shown[usize::from(number)]);
-        let semantics = Plane::new(width, height, semantics.collect()).expect("one category for each pixel");
+        let category = |&number: &u16| match number {
+            0 => Category::Background as u8,
+            _ => categories[usize::from(number) - 1] as u8,
+        };
         Self {
             z_depth: plane(surfaces.z_depth),
             normals: surfaces.normals.map(plane),
-            semantics,
+            semantics: numbers.map(category),
             findings: Plane::new(width, height, surfaces.findings).expect("one mask for each pixel"),
             instances: instances(numbers, categories),
             pose,
@@ -73,28 +70,21 @@ impl Labels {
 
 fn instances(numbers: &Plane<u16>, categories: &[Category]) -> Vec<Instance> {
     let (width, height) = numbers.size();
-    let mut found: Vec<Instance> = categories
-        .iter()
-        .enumerate()
-        .map(|(i, &category)| Instance {
-            number: i as u16 + 1,
-            category,
-            bounds: [width, height, 0, 0],
-            pixels: 0,
-        })
-        .collect();
+    let unseen = |(number, &category)| Instance {
+        number,
+        category,
+        bounds: [width, height, 0, 0],
+        pixels: 0,
+    };
+    let mut found: Vec<Instance> = (1..).zip(categories).map(unseen).collect();
     for (y, row) in numbers.data().chunks_exact(width.max(1)).enumerate() {
         let mut left = 0;
         for run in row.chunk_by(|a, b| a == b) {
             let right = left + run.len();
             if run[0] != 0 {
                 let Instance { bounds, pixels, .. } = &mut found[usize::from(run[0]) - 1];
-                *bounds = [
-                    bounds[0].min(left),
-                    bounds[1].min(y),
-                    bounds[2].max(right),
-                    bounds[3].max(y + 1),
-                ];
+                let [x0, y0, x1, y1] = *bounds;
+                *bounds = [x0.min(left), y0.min(y), x1.max(right), y1.max(y + 1)];
                 *pixels += run.len();
             }
             left = right;

@@ -28,7 +28,7 @@ use imaging::{Plane, Rgb};
 pub struct Scene {
     /// Linear radiance, white = 1, at least 0; may exceed 1.
     pub radiance: Rgb<f32>,
-    /// Range in metres along the line of sight; not finite or below a millimetre: a hole.
+    /// Range in meters along the line of sight; not finite or below a millimeter: a hole.
     pub range: Option<Plane<f32>>,
     /// Instance of each pixel, 0 = background.
     pub instances: Option<Plane<u16>>,

@@ -156,10 +156,8 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
     }
     builder.stones(dice.count(23, 2, 7), ZERO, half.map(|h| 0.6 * h), [0.05, 0.25]);
     builder.debris(dice.count(24, 1, 4), vec3(0.0, 0.2, 0.0), half.map(|h| 0.45 * h));
-    let (x, y) = (
-        dice.between(31, -0.25, 0.25) * half[0],
-        dice.between(32, -0.6, 0.0) * half[1],
-    );
+    let x = dice.between(31, -0.25, 0.25) * half[0];
+    let y = dice.between(32, -0.6, 0.0) * half[1];
     // Level at the wall, slanting, or steeply down.
     let drop = dice.pick(33, &[0.0, 0.3, 0.9, 2.4]) + dice.between(34, -0.3, 0.3);
     let far = half[1] * 0.9;

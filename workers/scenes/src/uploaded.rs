@@ -23,19 +23,16 @@ pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneErro
     }
     let radiance = decode_radiance(upload.rgb.as_ref())?;
     let size = radiance.size();
-    let range = match &upload.range {
-        Some(file) => Some(decode_range(file, upload.intrinsics.as_ref(), size)?),
-        None => None,
-    };
-    let instances = match &upload.instances {
-        Some(bytes) => Some(decode_instances(bytes.as_ref(), size)?),
-        None => None,
-    };
+    let intrinsics = upload.intrinsics;
+    let range = upload.range.as_ref();
+    let range = range.map(|file| decode_range(file, intrinsics, size));
+    let instances = upload.instances.as_ref();
+    let instances = instances.map(|file| decode_instances(file.as_ref(), size));
     Ok(Scene {
         radiance,
-        range,
-        instances,
-        intrinsics: upload.intrinsics,
+        range: range.transpose()?,
+        instances: instances.transpose()?,
+        intrinsics,
     })
 }
 
@@ -75,64 +72,47 @@ fn decode_radiance(bytes: &[u8]) -> Result<Rgb<f32>, SceneError> {
 
 fn decode_range<T: AsRef<[u8]>>(
     file: &RangeFile<T>,
-    camera: Option<&Intrinsics>,
+    camera: Option<Intrinsics>,
     image: (usize, usize),
 ) -> Result<Plane<f32>, SceneError> {
     let field = file.kind.name();
-    let map = match file.kind {
-        RangeKind::Range => "range map",
-        RangeKind::ZDepth => "z-depth map",
-    };
     if let Some(unit) = file.unit_m
         && !(unit.is_finite() && unit > 0.0)
     {
         return Err(number("unit_m", unit, "finite and above 0"));
     }
-    let camera = match (file.kind, camera) {
-        (RangeKind::Range, _) => None,
-        (RangeKind::ZDepth, Some(camera)) => Some(camera),
-        (RangeKind::ZDepth, None) => {
-            let reason = "z-depth becomes range along the ray by the focal length and the principal point";
-            return Err(SceneError::Missing {
-                field: "intrinsics",
-                reason,
-            });
-        }
-    };
+    let missing = |field, reason| SceneError::Missing { field, reason };
+    if file.kind == RangeKind::ZDepth && camera.is_none() {
+        let reason = "z-depth becomes range along the ray by the focal length and the principal point";
+        return Err(missing("intrinsics", reason));
+    }
     let plane =
         codec::decode_plane(file.file.as_ref()).map_err(|reason| SceneError::File { field, reason })?;
-    let metres = match plane {
+    let meters = match plane {
         FilePlane::Floats(values) => {
-            check_size(values.size(), image, field, map)?;
+            check_size(field, values.size(), image)?;
             let (unit, invalid) = (file.unit_m.unwrap_or(1.0), file.invalid_code.map(f32::from));
-            values.map(|&value| metres_or_hole(f64::from(value), unit, Some(value) == invalid))
+            values.map(|&value| meters_or_hole(f64::from(value), unit, Some(value) == invalid))
         }
         FilePlane::Codes(codes) => {
-            check_size(codes.size(), image, field, map)?;
-            let missing = |field, reason| SceneError::Missing { field, reason };
-            let unit = file
-                .unit_m
-                .ok_or(missing("unit_m", "integer codes have no length of their own"))?;
-            let invalid = file.invalid_code.ok_or(missing(
-                "invalid_code",
-                "one of the integer codes stands for a pixel without a distance",
-            ))?;
-            codes.map(|&code| metres_or_hole(f64::from(code), unit, code == invalid))
+            check_size(field, codes.size(), image)?;
+            let no_unit = missing("unit_m", "integer codes have no length of their own");
+            let unit = file.unit_m.ok_or(no_unit)?;
+            let reason = "one of the integer codes stands for a pixel without a distance";
+            let invalid = file.invalid_code.ok_or(missing("invalid_code", reason))?;
+            codes.map(|&code| meters_or_hole(f64::from(code), unit, code == invalid))
         }
     };
-    Ok(match camera {
-        Some(camera) => range_from_z_depth(&metres, camera),
-        None => metres,
+    Ok(match (file.kind, camera) {
+        (RangeKind::ZDepth, Some(camera)) => range_from_z_depth(&meters, &camera),
+        _ => meters,
     })
 }
 
-fn metres_or_hole(value: f64, unit_m: f64, hole: bool) -> f32 {
-    let metres = (value * unit_m) as f32;
-    if hole || !metres.is_finite() {
-        f32::NAN
-    } else {
-        metres
-    }
+fn meters_or_hole(value: f64, unit_m: f64, hole: bool) -> f32 {
+    let meters = (value * unit_m) as f32;
+    let hole = hole || !meters.is_finite();
+    if hole { f32::NAN } else { meters }
 }
 
 fn decode_instances(bytes: &[u8], image: (usize, usize)) -> Result<Plane<u16>, SceneError> {
@@ -140,7 +120,7 @@ fn decode_instances(bytes: &[u8], image: (usize, usize)) -> Result<Plane<u16>, S
     let file = |reason| SceneError::File { field, reason };
     match codec::decode_plane(bytes).map_err(file)? {
         FilePlane::Codes(codes) => {
-            check_size(codes.size(), image, field, "instance mask")?;
+            check_size(field, codes.size(), image)?;
             Ok(codes)
         }
         FilePlane::Floats(_) => Err(file(codec::DecodeError::Unsuitable {
@@ -150,21 +130,9 @@ fn decode_instances(bytes: &[u8], image: (usize, usize)) -> Result<Plane<u16>, S
     }
 }
 
-fn check_size(
-    (width, height): (usize, usize),
-    (image_width, image_height): (usize, usize),
-    field: &'static str,
-    map: &'static str,
-) -> Result<(), SceneError> {
-    if (width, height) == (image_width, image_height) {
+fn check_size(field: &'static str, size: (usize, usize), image: (usize, usize)) -> Result<(), SceneError> {
+    if size == image {
         return Ok(());
     }
-    Err(SceneError::Size {
-        field,
-        map,
-        width,
-        height,
-        image_width,
-        image_height,
-    })
+    Err(SceneError::Size { field, size, image })
 }

@@ -51,13 +51,13 @@ impl World {
         self.site.pose
     }
 
-    /// The point that the camera of a single frame looks at, in metres.
+    /// The point that the camera of a single frame looks at, in meters.
     #[must_use]
     pub fn target(&self) -> DVec3 {
         self.site.target
     }
 
-    /// Distance in metres of a point from the nearest surface, below 0 inside a solid or under the ground. Near stones and round
+    /// Distance in meters of a point from the nearest surface, below 0 inside a solid or under the ground. Near stones and round
     /// things it may be less than the true distance, never more.
     #[must_use]
     pub fn clearance(&self, point: DVec3) -> f64 {
@@ -106,12 +106,7 @@ impl World {
         for frame in (0..path.frames()).step_by(stride) {
             let distance_m = self.clearance(path.pose(frame).position_m);
             if distance_m < LEAST_CLEARANCE_M {
-                return Err(SceneError::Blocked {
-                    field: "path",
-                    frame,
-                    distance_m,
-                    limit_m: LEAST_CLEARANCE_M,
-                });
+                return Err(SceneError::Blocked { frame, distance_m });
             }
         }
         Ok(())
@@ -135,10 +130,8 @@ impl World {
         let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, true);
         let surfaces = picture.labels.take().expect("labels were asked for");
         let (scene, shown) = scene(picture, size, intrinsics);
-        let categories: Vec<_> = shown
-            .iter()
-            .map(|&object| self.site.objects[usize::from(object)].category)
-            .collect();
+        let category = |&object: &u16| self.site.objects[usize::from(object)].category;
+        let categories: Vec<_> = shown.iter().map(category).collect();
         let instances = scene
             .instances
             .as_ref()
@@ -177,9 +170,8 @@ fn renumber(instances: &mut [u16]) -> Vec<u16> {
         }
     }
     numbers[0] = 0;
-    instances
-        .iter_mut()
-        .for_each(|id| *id = numbers[usize::from(*id)]);
+    let ids = instances.iter_mut();
+    ids.for_each(|id| *id = numbers[usize::from(*id)]);
     shown
 }
 

@@ -46,10 +46,7 @@ impl Bounds {
             return Self::below(EVERYWHERE_M);
         }
         let corners = solid.corners();
-        let bound = |pick: fn(f32, f32) -> f32| {
-            let pick = |a: Vec3, b: Vec3| vec3(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z));
-            corners.into_iter().fold(corners[0], pick)
-        };
+        let bound = |pick: fn(f32, f32) -> f32| corners.into_iter().fold(corners[0], |a, b| a.zip(b, pick));
         Self {
             low: bound(smaller),
             high: bound(larger),

@@ -147,7 +147,7 @@ impl Builder {
         self.current = object;
     }
 
-    /// A ladder of two rails and rungs every third of a metre, from `foot` along `up`; `side` is half its width.
+    /// A ladder of two rails and rungs every third of a meter, from `foot` along `up`; `side` is half its width.
     pub(crate) fn ladder(&mut self, foot: Vec3, up: Vec3, side: Vec3, rungs: usize) {
         self.object(Material::Steel, Category::Ladder);
         let length = 0.33 * rungs as f32 + 0.3;

@@ -11,9 +11,7 @@ pub(super) fn put_dots(
     dots: &mut Noise,
     position: &Lane3,
     footprint: &Lane,
-    per_meter: f32,
-    radius: f32,
-    share: f32,
+    (per_meter, radius, share): (f32, f32, f32),
     key: u32,
 ) {
     let [a, b, c] = ASKEW;

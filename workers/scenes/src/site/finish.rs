@@ -85,6 +85,7 @@ struct Grain<'a> {
 }
 
 /// Color and relief of a group of points.
+#[derive(Default)]
 pub(crate) struct Surface {
     pub(crate) albedo: Lane3,
     /// Slope of the relief in the solid's frame, meters per meter.
@@ -142,12 +143,7 @@ impl Finish {
     }
 
     pub(crate) fn surface(&self, points: &Points<'_>) -> Surface {
-        let mut surface = Surface {
-            albedo: [ZEROS; 3],
-            slope: [ZEROS; 3],
-            gloss: ZEROS,
-            findings: [ZEROS; FINDINGS.len()],
-        };
+        let mut surface = Surface::default();
         let place = &points.place;
         let broad = Octaves::even(1.3, 3, self.key);
         let broad = match self.material {

@@ -3,10 +3,11 @@
 use imaging::vector::Vec3;
 
 use super::camera::Camera;
-use super::lanes::{LANES, Lane, Lane3, ZEROS, larger, load, store};
+use super::lanes::{LANES, Lane, Lane3, larger, load, store};
 use super::pose::Pose;
 
 /// Positions and viewing geometry of a group.
+#[derive(Default)]
 pub(super) struct Geometry {
     pub(super) world: Lane3,
     pub(super) local: Lane3,
@@ -20,16 +21,6 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
-    pub(super) const BLANK: Self = Self {
-        world: [ZEROS; 3],
-        local: [ZEROS; 3],
-        grain: [ZEROS; 3],
-        view: [ZEROS; 3],
-        range: ZEROS,
-        footprint: ZEROS,
-        rise: ZEROS,
-    };
-
     #[inline(always)]
     pub(super) fn place(
         &mut self,

@@ -51,6 +51,18 @@ pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+/// The largest component.
+#[inline(always)]
+pub(crate) fn largest(v: Vec3) -> f32 {
+    larger(larger(v.x, v.y), v.z)
+}
+
+/// The smallest component.
+#[inline(always)]
+pub(crate) fn smallest(v: Vec3) -> f32 {
+    smaller(smaller(v.x, v.y), v.z)
+}
+
 #[inline(always)]
 pub(crate) fn mix(a: f32, b: f32, share: f32) -> f32 {
     a + (b - a) * share

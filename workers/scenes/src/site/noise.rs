@@ -4,19 +4,14 @@
 use imaging::vectorized;
 
 use super::dots::put_dots;
-use super::lanes::{LANES, Lane, Lane3, ZEROS, clamp01, floor, mix};
+use super::lanes::{LANES, Lane, Lane3, clamp01, floor, mix};
 
 /// Noise values, about -1..1 and 0 on average, and their slopes per meter.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Noise {
     pub(crate) value: Lane,
     pub(crate) slope: Lane3,
 }
-
-const STILL: Noise = Noise {
-    value: ZEROS,
-    slope: [ZEROS; 3],
-};
 
 /// Where noise is asked for. A point's noise depends on its own position and footprint only.
 #[derive(Clone, Copy)]
@@ -70,7 +65,7 @@ impl Place<'_> {
     }
 
     fn sum<const SLOPE: bool>(&self, octaves: Octaves) -> Noise {
-        let mut sum = STILL;
+        let mut sum = Noise::default();
         let (position, footprint) = (self.position, self.footprint);
         let (mut weight, mut per_meter) = (1.0, octaves.per_meter);
         for number in 0..octaves.count {
@@ -95,12 +90,11 @@ impl Place<'_> {
 
     /// Dots of up to `radius` (as a share of a cell, below 0.5), at most one per cell and in `share` of the cells.
     pub(crate) fn dots(&self, per_meter: f32, radius: f32, share: f32, key: u32) -> Noise {
-        let mut dots = STILL;
+        let mut dots = Noise::default();
         if per_meter * self.finest < 0.5 {
             let (position, footprint) = (self.position, self.footprint);
-            vectorized!(put_dots(
-                &mut dots, position, footprint, per_meter, radius, share, key
-            ));
+            let shape = (per_meter, radius, share);
+            vectorized!(put_dots(&mut dots, position, footprint, shape, key));
         }
         dots
     }
@@ -149,11 +143,8 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
     // Every octave has a lattice of its own: a flat surface must not lie in a lattice plane, where the noise is poor.
     let shift = [key & 0xff, key >> 8 & 0xff, key >> 16 & 0xff].map(|bits| 0.3 + bits as f32 * (0.4 / 255.0));
     for i in 0..LANES {
-        let p = [
-            position[0][i] * per_meter[0] + shift[0],
-            position[1][i] * per_meter[1] + shift[1],
-            position[2][i] * per_meter[2] + shift[2],
-        ];
+        let on = |axis: usize| position[axis][i] * per_meter[axis] + shift[axis];
+        let p = [on(0), on(1), on(2)];
         let cell = p.map(floor);
         let f = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
         let (low, high) = (lattice(cell, key), lattice(cell.map(|c| c + 1.0), key));
@@ -161,15 +152,12 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
         // Value and gradient at a corner of the cell.
         let corner = |x: u32, y: u32, z: u32, away: [f32; 3]| {
             let g = gradient([x, y, z]);
-            [g[0] * away[0] + g[1] * away[1] + g[2] * away[2], g[0], g[1], g[2]]
+            let value = g[0] * away[0] + g[1] * away[1] + g[2] * away[2];
+            [value, g[0], g[1], g[2]]
         };
         let blend = |a: [f32; 4], b: [f32; 4], t: f32| {
-            [
-                mix(a[0], b[0], t),
-                mix(a[1], b[1], t),
-                mix(a[2], b[2], t),
-                mix(a[3], b[3], t),
-            ]
+            let part = |n: usize| mix(a[n], b[n], t);
+            [part(0), part(1), part(2), part(3)]
         };
         // Value and gradient on an edge of the cell along x, and the difference of the values at its ends.
         let edge = |y: u32, z: u32, from_y: f32, from_z: f32| {
@@ -200,6 +188,7 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::site::lanes::ZEROS;
 
     fn sample(position: [f32; 3], octaves: Octaves) -> (f32, [f32; 3]) {
         let position = position.map(|p| [p; LANES]);

@@ -27,7 +27,7 @@ const LABEL_BEVEL_M: f32 = 1e-3;
 const RUN_OUT_M: f32 = 0.06;
 
 /// Pixels of one solid that wait to be shaded.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 struct Queue {
     len: usize,
     x: Lane,
@@ -59,19 +59,12 @@ impl<'a> Shader<'a> {
             let others = others.filter(|&other| bounds.touches(&boxes[other], NEAR_M));
             others.map(|other| other as u16).collect()
         });
-        let empty = Queue {
-            len: 0,
-            x: ZEROS,
-            y: ZEROS,
-            parameter: ZEROS,
-            pixel: [0; LANES],
-        };
         Self {
             site,
             camera,
             light: Light::new(site),
             near: near.collect(),
-            queues: vec![empty; boxes.len() + 2],
+            queues: vec![Queue::default(); boxes.len() + 2],
             boxes,
         }
     }
@@ -153,7 +146,7 @@ impl<'a> Shader<'a> {
         } else {
             vec3(3.71 * part, 5.13 * part, 0.0)
         };
-        let mut geometry = Geometry::BLANK;
+        let mut geometry = Geometry::default();
         let camera = self.camera;
         vectorized!(geometry.place(camera, &pose, origin, (&queue.x, &queue.y, &queue.parameter)));
         let mut normal = [ZEROS, ZEROS, [1.0; LANES]];

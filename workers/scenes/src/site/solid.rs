@@ -11,7 +11,7 @@ mod stone;
 mod tests;
 mod tube;
 
-use imaging::vector::{Vec3, vec3};
+use imaging::vector::Vec3;
 use imaging::vectorized;
 
 use super::bounds::Bounds;
@@ -105,7 +105,7 @@ impl Solid {
     }
 
     /// Lowers each of `distances` to the distance in meters of its point from the surface; for balls and stones a lower bound
-    /// of about the right size, no less than the distance from [`Solid::bounds`].
+    /// of about the right size, no less than the distance from its box.
     pub(crate) fn approach(&self, points: &Lane3, distances: &mut Lane) {
         let pose = &self.pose;
         for_form!(&self.shape, form => vectorized!(lower(form, pose, points, distances)));
@@ -123,27 +123,18 @@ impl Solid {
         for_form!(&self.shape, form => vectorized!(orient(form, local, bevel, normals, edge)));
     }
 
-    /// A box around the solid in its own frame; of hollow ones, around the hollow.
-    fn bounds(&self) -> Bounds {
-        for_form!(&self.shape, form => form.bounds())
-    }
-
     /// Whether the solid is what lies around a hollow.
     pub(crate) fn is_hollow(&self) -> bool {
         matches!(self.shape, Shape::Bore(_) | Shape::Room(_))
     }
 
-    /// The eight corners of [`Solid::bounds`], in the world; bit k of the number says low or high on axis k.
+    /// The eight corners, in the world, of a box around the solid, or around its hollow; bit k of the number says low or high on axis k.
     pub(crate) fn corners(&self) -> [Vec3; 8] {
-        let Bounds { low, high } = self.bounds();
+        let Bounds { low, high } = for_form!(&self.shape, form => form.bounds());
+        let ends: [[f32; 3]; 2] = [low.into(), high.into()];
         std::array::from_fn(|i| {
-            let side = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
-            let corner = vec3(
-                side(0, low.x, high.x),
-                side(1, low.y, high.y),
-                side(2, low.z, high.z),
-            );
-            self.pose.point_out(corner)
+            let corner = [0, 1, 2].map(|axis| ends[i >> axis & 1][axis]);
+            self.pose.point_out(corner.into())
         })
     }
 }
@@ -151,8 +142,7 @@ impl Solid {
 /// The distance of a point from a box about the origin; negative inside.
 #[inline(always)]
 fn beyond_box(p: Vec3, half: Vec3) -> f32 {
-    let out = |p: f32, half: f32| larger(p.abs() - half, 0.0);
-    let away = vec3(out(p.x, half.x), out(p.y, half.y), out(p.z, half.z)).length();
+    let away = p.zip(half, |p, half| larger(p.abs() - half, 0.0)).length();
     if away > 0.0 { away } else { f32::NEG_INFINITY }
 }
 

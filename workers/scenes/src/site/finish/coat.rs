@@ -54,7 +54,7 @@ impl Finish {
             let away = from_joint.abs();
             let footprint = footprint[i];
             let sleeve = clamp01(0.5 + (band - away) / footprint);
-            // The sleeve stands proud: its ends slope over a centimetre.
+            // The sleeve stands proud: its ends slope over a centimeter.
             let end = (away - band).abs();
             let step = (1.0 - ramp(end, 0.003, 0.012)) * if from_joint < 0.0 { -0.8 } else { 0.8 };
             let weld = line(away, WELD_M, footprint);

@@ -29,15 +29,8 @@ impl Finish {
             return;
         }
         let shells = place.dots(17.0, 0.3, 0.75, self.key ^ 0x99);
-        let [young, old] = [self.key, self.key / 4].map(|choice| WEED[(choice % 4) as usize]);
-        vectorized!(settle(
-            [young, old],
-            &density,
-            &patch,
-            grain.fine,
-            &shells,
-            surface
-        ));
+        let weeds = [self.key, self.key / 4].map(|choice| WEED[(choice % 4) as usize]);
+        vectorized!(settle(weeds, &density, &patch, grain.fine, &shells, surface));
     }
 }
 

@@ -1,10 +1,10 @@
 //! An ellipsoid.
 
-use imaging::vector::{Vec3, vec3};
+use imaging::vector::Vec3;
 
 use super::{Form, beyond_box};
 use crate::site::bounds::Bounds;
-use crate::site::lanes::{larger, smaller};
+use crate::site::lanes::{larger, smallest};
 
 /// An ellipsoid about the origin, radii in meters.
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +15,7 @@ pub(crate) struct Ball {
 impl Ball {
     #[inline(always)]
     fn scaled(&self, v: Vec3) -> Vec3 {
-        vec3(v.x / self.radii.x, v.y / self.radii.y, v.z / self.radii.z)
+        v.zip(self.radii, |v, radius| v / radius)
     }
 }
 
@@ -36,8 +36,8 @@ impl Form for Ball {
 
     #[inline(always)]
     fn distance(&self, p: Vec3) -> f32 {
-        let least = smaller(smaller(self.radii.x, self.radii.y), self.radii.z);
-        larger((self.scaled(p).length() - 1.0) * least, beyond_box(p, self.radii))
+        let near = (self.scaled(p).length() - 1.0) * smallest(self.radii);
+        larger(near, beyond_box(p, self.radii))
     }
 
     #[inline(always)]
@@ -53,6 +53,8 @@ impl Form for Ball {
 
 #[cfg(test)]
 mod tests {
+    use imaging::vector::vec3;
+
     use super::*;
 
     #[test]

@@ -1,10 +1,10 @@
 //! A box.
 
-use imaging::vector::{Vec3, vec3};
+use imaging::vector::Vec3;
 
 use super::Form;
 use crate::site::bounds::Bounds;
-use crate::site::lanes::{larger, smaller};
+use crate::site::lanes::{larger, largest, smaller, smallest};
 
 /// A box about the origin, half sides in meters.
 #[derive(Debug, Clone, Copy)]
@@ -21,18 +21,10 @@ fn inverse(d: f32) -> f32 {
 impl Form for Block {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
-        let slab = |o: f32, d: f32, half: f32| {
-            let inverse = inverse(d);
-            let (middle, reach) = (-o * inverse, half * inverse.abs());
-            (middle - reach, middle + reach)
-        };
-        let (x, y, z) = (
-            slab(o.x, d.x, self.half.x),
-            slab(o.y, d.y, self.half.y),
-            slab(o.z, d.z, self.half.z),
-        );
-        let enter = larger(larger(x.0, y.0), z.0);
-        let leave = smaller(smaller(x.1, y.1), z.1);
+        let inverse = d.map(inverse);
+        let middle = o.zip(inverse, |o, inverse| -o * inverse);
+        let reach = self.half.zip(inverse, |half, inverse| half * inverse.abs());
+        let (enter, leave) = (largest(middle - reach), smallest(middle + reach));
         if (enter < leave) & (enter > 0.0) {
             enter
         } else {
@@ -42,34 +34,18 @@ impl Form for Block {
 
     #[inline(always)]
     fn distance(&self, p: Vec3) -> f32 {
-        let (x, y, z) = (
-            p.x.abs() - self.half.x,
-            p.y.abs() - self.half.y,
-            p.z.abs() - self.half.z,
-        );
-        let (a, b, c) = (larger(x, 0.0), larger(y, 0.0), larger(z, 0.0));
-        smaller(larger(larger(x, y), z), 0.0) + (a * a + b * b + c * c).sqrt()
+        let away = p.zip(self.half, |p, half| p.abs() - half);
+        smaller(largest(away), 0.0) + away.map(|v| larger(v, 0.0)).length()
     }
 
     #[inline(always)]
     fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32) {
-        let bevel = smaller(
-            bevel,
-            0.4 * smaller(smaller(self.half.x, self.half.y), self.half.z),
-        );
-        let part = |p: f32, half: f32| larger(p.abs() - half + bevel, 0.0);
-        let (x, y, z) = (
-            part(p.x, self.half.x),
-            part(p.y, self.half.y),
-            part(p.z, self.half.z),
-        );
-        let scale = 1.0 / larger((x * x + y * y + z * z).sqrt(), 1e-9);
-        let edge = 3.0 * (1.0 - scale * larger(larger(x, y), z));
+        let bevel = smaller(bevel, 0.4 * smallest(self.half));
+        let part = p.zip(self.half, |p, half| larger(p.abs() - half + bevel, 0.0));
+        let scale = 1.0 / larger(part.length(), 1e-9);
+        let edge = 3.0 * (1.0 - scale * largest(part));
         let signed = |part: f32, p: f32| if p < 0.0 { -part * scale } else { part * scale };
-        (
-            vec3(signed(x, p.x), signed(y, p.y), signed(z, p.z)),
-            smaller(edge, 1.0),
-        )
+        (part.zip(p, signed), smaller(edge, 1.0))
     }
 
     fn bounds(&self) -> Bounds {
@@ -79,6 +55,8 @@ impl Form for Block {
 
 #[cfg(test)]
 mod tests {
+    use imaging::vector::vec3;
+
     use super::*;
 
     const BLOCK: Block = Block {

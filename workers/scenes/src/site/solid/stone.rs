@@ -27,7 +27,7 @@ impl Stone {
             let flat = (1.0 - z * z).max(0.0).sqrt();
             let direction = vec3(flat * cos, flat * sin, z);
             // The plane that cuts the unit ball, stretched to the half sides.
-            let normal = vec3(direction.x / half.x, direction.y / half.y, direction.z / half.z);
+            let normal = direction.zip(half, |v, half| v / half);
             let scale = 1.0 / normal.length();
             (normal * scale, scale * dice.between(choice + 2, 0.62, 0.95))
         });
