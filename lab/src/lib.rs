@@ -7,8 +7,11 @@
 pub mod campaign;
 pub mod chain_stability;
 pub mod chart;
+mod johnson;
 pub mod plot;
 pub mod speed;
 pub mod stability;
 pub mod table1;
 pub mod waters;
+
+pub use johnson::johnson;

@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let next = AtomicU64::new(0);
-    let mut progress = Progress::new("campaign", arguments.scenes);
+    let mut progress = Progress::new("campaign", "frames", arguments.scenes);
     let mut outcomes: Vec<Outcome> = std::thread::scope(|scope| {
         let work = || {
             let mut outcomes = Vec::new();

@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .filter(|stage| wanted(stage))
         .collect();
     let library = Library::embedded().context("the embedded style models")?;
-    let mut progress = Progress::new("chart", (scenes.len() * stages.len()) as u64 + 1);
+    let mut progress = Progress::new("chart", "stages", (scenes.len() * stages.len()) as u64 + 1);
     let mut points: Vec<Point> = Vec::new();
     let mut done = 0;
     for scene in &scenes {

@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let methods: Vec<Option<&'static str>> = std::iter::once(None)
         .chain(enhance::METHODS.iter().copied().map(Some))
         .collect();
-    let mut progress = Progress::new("stability", methods.len() as u64);
+    let mut progress = Progress::new("stability", "methods", methods.len() as u64);
     let mut runs = Vec::new();
     for method in methods {
         runs.push(measure(method, &specimens, &jpeg));
@@ -107,7 +107,7 @@ fn of_styles(arguments: &Arguments) -> Result<(), Failure> {
     let library = arguments.style_arguments.library()?;
     let runtime = Runtime::load(arguments.style_arguments.onnxruntime.as_deref())
         .map_err(|missing| Failure::RuntimeMissing(missing.to_string()))?;
-    let control = StyleModel::without_card("johnson", style::net::onnx::johnson(1));
+    let control = StyleModel::without_card("johnson", lab::johnson(1));
     let found =
         styles::measure(&library, &control, &runtime).map_err(|error| Failure::Other(error.into()))?;
     let mut text = styles::markdown(&found);

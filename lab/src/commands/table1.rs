@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pictures = Pictures::find(arguments)?;
-    let mut progress = Progress::new("table1", pictures.len() as u64);
+    let mut progress = Progress::new("table1", "pictures", pictures.len() as u64);
     let mut table = Table::default();
     for index in 0..pictures.len() {
         let (name, picture) = pictures.read(index)?;
@@ -112,8 +112,8 @@ impl Pictures {
             Self::Images { remote, rows } => {
                 let text = |name: &str| rows[index][name].to_string().trim_matches('"').to_owned();
                 let name = format!("{}/{}", text("job"), text("frame"));
-                let answer = remote.get(&format!("/v1/images/{name}/artifacts/rgb"))?;
-                let picture = codec::decode_picture(&answer.bytes);
+                let bytes = remote.get_bytes(&format!("/v1/images/{name}/artifacts/rgb"))?;
+                let picture = codec::decode_picture(&bytes);
                 Ok((name, picture.context("the service sent no picture")?))
             }
         }

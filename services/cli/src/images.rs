@@ -39,12 +39,14 @@ impl Question<'_> {
         let mut cursor: Option<String> = None;
         while left > 0 {
             let path = self.path(left.min(PAGE_ROWS), cursor.as_deref());
-            let mut page = remote.get(&path)?.json()?;
-            let items = page.get_mut("items").and_then(Value::as_array_mut);
-            let rows = items.map(std::mem::take).unwrap_or_default();
+            let mut page = remote.get(&path)?;
+            let rows = page["items"]
+                .as_array_mut()
+                .map(std::mem::take)
+                .unwrap_or_default();
             left = left.saturating_sub(rows.len());
             take(rows)?;
-            cursor = page.get("next_cursor").and_then(Value::as_str).map(str::to_owned);
+            cursor = page["next_cursor"].as_str().map(str::to_owned);
             if cursor.is_none() {
                 break;
             }

@@ -3,59 +3,54 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Plain lines come at most this often, so that a log of a long job stays readable.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
+const STYLE: &str = "{prefix} [{bar:40.cyan/blue}] {pos}/{len} {msg} · {per_sec} · {eta} left";
 
-/// Progress of a known number of frames.
+/// Progress of a known number of things.
 pub struct Progress {
     bar: ProgressBar,
-    plain: bool,
-    what: String,
-    frames: u64,
-    last: Option<(u64, Instant)>,
+    total: u64,
+    /// Where plain lines are written, the last of them: its number and when.
+    plain: Option<Option<(u64, Instant)>>,
 }
 
 impl Progress {
-    /// Starts at 0 of `frames`.
-    pub fn new(what: &str, frames: u64) -> Self {
-        let plain = !std::io::stderr().is_terminal();
-        let bar = if plain {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new(frames)
-        };
-        let style = "{msg} [{bar:40.cyan/blue}] {pos}/{len} frames · {per_sec} · {eta} left";
-        if let Ok(style) = ProgressStyle::with_template(style) {
+    /// Starts at 0 of `total` units, such as frames.
+    pub fn new(what: &str, unit: &str, total: u64) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template(STYLE) {
             bar.set_style(style.progress_chars("━╸ "));
         }
-        bar.set_message(what.to_owned());
-        Self {
-            bar,
-            plain,
-            what: what.to_owned(),
-            frames,
-            last: None,
-        }
+        bar.set_prefix(what.to_owned());
+        bar.set_message(unit.to_owned());
+        let plain = (!std::io::stderr().is_terminal()).then_some(None);
+        Self { bar, total, plain }
     }
 
-    /// Shows that `finished` frames are done or have failed.
-    pub fn set(&mut self, finished: u64) {
-        self.bar.set_position(finished);
-        if !self.plain {
-            return;
-        }
-        let due = self.last.is_none_or(|(shown, at)| {
-            shown != finished && (finished == self.frames || at.elapsed() >= PLAIN_INTERVAL)
+    /// Shows that so many are done or have failed.
+    pub fn set(&mut self, done: u64) {
+        self.bar.set_position(done);
+        let Some(last) = &mut self.plain else { return };
+        let is_due = last.is_none_or(|(shown, at)| {
+            shown != done && (done == self.total || at.elapsed() >= PLAIN_INTERVAL)
         });
-        if due {
-            eprintln!("{}: {finished}/{} frames", self.what, self.frames);
-            self.last = Some((finished, Instant::now()));
+        if is_due {
+            let (what, unit) = (self.bar.prefix(), self.bar.message());
+            eprintln!("{what}: {done}/{} {unit}", self.total);
+            *last = Some((done, Instant::now()));
         }
     }
 
-    /// Takes the bar away.
+    /// The same with more to say than the unit.
+    pub fn set_with(&mut self, done: u64, message: String) {
+        self.bar.set_message(message);
+        self.set(done);
+    }
+
+    /// Removes the bar.
     pub fn finish(self) {
         self.bar.finish_and_clear();
     }

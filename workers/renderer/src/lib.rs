@@ -6,6 +6,7 @@
 mod attempt;
 mod engine;
 mod error;
+pub mod http;
 pub mod local;
 mod provenance;
 mod record;

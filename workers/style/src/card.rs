@@ -165,10 +165,7 @@ fn file_of(name: &str) -> String {
 /// SHA-256 in lower-case hex.
 #[must_use]
 pub fn sha256_of(onnx: &[u8]) -> String {
-    Sha256::digest(onnx)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    spec::hex(&Sha256::digest(onnx))
 }
 
 #[cfg(test)]

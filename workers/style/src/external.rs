@@ -30,7 +30,7 @@ enum Message {
 
 impl Message {
     /// What stands under a field, if it can hold a tensor.
-    fn below(self, field: u64) -> Option<Self> {
+    fn below(self, field: u32) -> Option<Self> {
         Some(match (self, field) {
             (Self::Model, 7) | (Self::Training, 1 | 2) | (Self::Attribute, 6 | 11) => Self::Graph,
             (Self::Model, 20) => Self::Training,
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::net::wire::{bytes, integer};
 
-    fn under(path: &[u64], inner: &[u8]) -> Vec<u8> {
+    fn under(path: &[u32], inner: &[u8]) -> Vec<u8> {
         path.iter().rev().fold(inner.to_vec(), |inner, &field| {
             let mut outer = Vec::new();
             bytes(&mut outer, field, &inner);
@@ -105,7 +105,7 @@ mod tests {
         let mut named = Vec::new();
         bytes(&mut named, 8, b"weights");
         bytes(&mut named, 13, b"location");
-        let places: [&[u64]; 9] = [
+        let places: [&[u32]; 9] = [
             &[7, 5],
             &[7, 1, 5, 5],
             &[7, 1, 5, 10],

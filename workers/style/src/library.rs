@@ -183,6 +183,11 @@ impl Library {
         self.models.keys().map(String::as_str).collect()
     }
 
+    /// The models, in order of their names.
+    pub fn models(&self) -> impl Iterator<Item = &StyleModel> {
+        self.models.values().map(Arc::as_ref)
+    }
+
     /// Whether a model of this name runs on ONNX Runtime only; an unknown one needs nothing.
     #[must_use]
     pub fn needs_runtime(&self, name: &str) -> bool {

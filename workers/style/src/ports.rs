@@ -18,7 +18,7 @@ pub(crate) fn takes_noise(onnx: &[u8]) -> bool {
 }
 
 /// The messages and texts under a field.
-fn under(message: &[u8], number: u64) -> impl Iterator<Item = &[u8]> {
+fn under(message: &[u8], number: u32) -> impl Iterator<Item = &[u8]> {
     fields(message).filter_map(move |field| match field? {
         (found, Value::Bytes(bytes)) if found == number => Some(bytes),
         _ => None,

@@ -1,96 +1,71 @@
-//! The network for one picture, forward with all that the way back needs, and back.
+//! The network of the style waters as training sees it: forward with a trace, and its gradient.
+//!
+//! ```text
+//! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce goes in steps of 2
+//! c = c + mix_b(spread_b(relu(mix_a(spread_a(c)))))                    twice
+//! h = relu(pixel(x) + resize(leave(c), bilinear, to the size of x))
+//! styled = colour(x) + output(h)                                       not clamped
+//! ```
 
-use style::net::layer::{BLOCKS, COLOUR, ENTER, LEAVE, OUTPUT, PIXEL, REDUCE, Weights};
+use style::net::layer::{BLOCKS, COLOUR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PIXEL, REDUCE, Weights};
 
 use crate::layer::{filter, mix, scale};
 use crate::real::Real;
 use crate::tensor::Tensor;
 
-/// What a run has made, kept for the way back. Bordered tensors are what the filters saw.
+/// What a run has made, kept for the way back.
 pub struct Trace<T> {
     /// The result before it is clamped.
     pub styled: Tensor<T>,
-    image: Tensor<T>,
-    image_padded: Tensor<T>,
-    pooled_padded: Tensor<T>,
-    quarter: Tensor<T>,
-    quarter_padded: Tensor<T>,
+    /// What each layer was given, in the order of [`LAYERS`]; bordered for those of side 3.
+    inputs: Vec<Tensor<T>>,
+    /// The context before the blocks.
     context: Tensor<T>,
-    blocks: [BlockTrace<T>; 2],
-    leave_padded: Tensor<T>,
-    features: Tensor<T>,
-    features_padded: Tensor<T>,
 }
 
-struct BlockTrace<T> {
-    input_padded: Tensor<T>,
-    spread_a: Tensor<T>,
-    relu: Tensor<T>,
-    relu_padded: Tensor<T>,
-    spread_b: Tensor<T>,
+impl<T> Trace<T> {
+    fn input(&self, layer: Layer) -> &Tensor<T> {
+        let at = LAYERS.iter().position(|known| *known == layer);
+        &self.inputs[at.expect("a layer of the list")]
+    }
 }
 
 /// Runs the network on a picture of three channels.
 #[must_use]
 pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>) -> Trace<T> {
-    let at = |layer| (weights.weight(layer), weights.bias(layer));
-    let filter = |layer, input: &Tensor<T>, step| {
-        let (weight, bias) = at(layer);
-        filter::forward(input, weight, bias, step)
+    let mut inputs = Vec::with_capacity(LAYERS.len());
+    let mut apply = |layer: Layer, input: &Tensor<T>, step| {
+        let (weight, bias) = (weights.weight(layer), weights.bias(layer));
+        let input = if layer.side == 3 {
+            input.padded()
+        } else {
+            input.clone()
+        };
+        let out = match layer.side {
+            3 => filter::forward(&input, weight, bias, step),
+            _ => mix::forward(&input, weight, bias),
+        };
+        inputs.push(input);
+        out
     };
-    let pooled_padded = scale::pooled(image).padded();
-    let mut quarter = filter(ENTER, &pooled_padded, 1);
-    quarter.relu();
-    let quarter_padded = quarter.padded();
-    let mut context = filter(REDUCE, &quarter_padded, 2);
-    context.relu();
+    let quarter = apply(ENTER, &scale::pooled(image), 1).relu();
+    let context = apply(REDUCE, &quarter, 2).relu();
     let mut now = context.clone();
-    let blocks = BLOCKS.map(|[spread_a, mix_a, spread_b, mix_b]| {
-        let each = |layer, input: &Tensor<T>| {
-            let (weight, bias) = at(layer);
-            filter::forward_each(input, weight, bias)
-        };
-        let mixed = |layer, input: &Tensor<T>| {
-            let (weight, bias) = at(layer);
-            mix::forward(input, weight, bias)
-        };
-        let input_padded = now.padded();
-        let spread_a = each(spread_a, &input_padded);
-        let mut relu = mixed(mix_a, &spread_a);
-        relu.relu();
-        let relu_padded = relu.padded();
-        let spread_b = each(spread_b, &relu_padded);
-        now.add(&mixed(mix_b, &spread_b));
-        BlockTrace {
-            input_padded,
-            spread_a,
-            relu,
-            relu_padded,
-            spread_b,
-        }
-    });
-    let leave_padded = now.padded();
-    let left = filter(LEAVE, &leave_padded, 1);
-    let image_padded = image.padded();
-    let mut features = filter(PIXEL, &image_padded, 1);
+    for [spread_a, mix_a, spread_b, mix_b] in BLOCKS {
+        let spread = apply(spread_a, &now, 1);
+        let mixed = apply(mix_a, &spread, 1).relu();
+        let spread = apply(spread_b, &mixed, 1);
+        now.add(&apply(mix_b, &spread, 1));
+    }
+    let left = apply(LEAVE, &now, 1);
+    let mut features = apply(PIXEL, image, 1);
     features.add(&scale::resized(&left, image.height, image.width));
-    features.relu();
-    let features_padded = features.padded();
-    let mut styled = filter(OUTPUT, &features_padded, 1);
-    let (weight, bias) = at(COLOUR);
-    styled.add(&mix::forward(image, weight, bias));
+    let mut styled = apply(OUTPUT, &features.relu(), 1);
+    styled.add(&apply(COLOUR, image, 1));
     Trace {
         styled,
-        image: image.clone(),
-        image_padded,
-        pooled_padded,
-        quarter,
-        quarter_padded,
+        inputs,
         context,
-        blocks,
-        leave_padded,
-        features,
-        features_padded,
     }
 }
 
@@ -98,46 +73,41 @@ pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>) -> Trace<T> {
 #[must_use]
 pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tensor<T>) -> Weights<T> {
     let mut sums = Weights::zeros();
-    mix::backward_weights(&trace.image, gradient, sums.layer_mut(COLOUR));
-    filter::backward_weights(&trace.features_padded, gradient, 1, sums.layer_mut(OUTPUT));
-    let size = (trace.features_padded.height, trace.features_padded.width);
-    let mut features = filter::backward_input(gradient, weights.weight(OUTPUT), 8, size, 1).unpadded();
-    features.unrelu(&trace.features);
-    filter::backward_weights(&trace.image_padded, &features, 1, sums.layer_mut(PIXEL));
-
-    let (height, width) = (trace.context.height, trace.context.width);
-    let left = scale::unresized(&features, height, width);
-    filter::backward_weights(&trace.leave_padded, &left, 1, sums.layer_mut(LEAVE));
-    let size = (height + 2, width + 2);
-    let mut context = filter::backward_input(&left, weights.weight(LEAVE), 16, size, 1).unpadded();
-    for (block, layers) in trace.blocks.iter().zip(BLOCKS).rev() {
-        let through = backward_block(weights, block, layers, &context, &mut sums);
-        context.add(&through);
+    let mut learn = |layer: Layer, gradient: &Tensor<T>, step| match layer.side {
+        3 => filter::backward_weights(trace.input(layer), gradient, step, sums.layer_mut(layer)),
+        _ => mix::backward_weights(trace.input(layer), gradient, sums.layer_mut(layer)),
+    };
+    // The gradient of what a filter was given; behind a ReLU, where that let nothing through, none.
+    let through = |layer: Layer, gradient: &Tensor<T>, step, behind_relu| {
+        let input = trace.input(layer);
+        let mut back = filter::backward_input(gradient, weights.weight(layer), input, step);
+        if behind_relu {
+            back.unrelu(input);
+        }
+        back.unpadded()
+    };
+    let unmixed = |layer: Layer, gradient: &Tensor<T>| {
+        mix::backward_input(gradient, weights.weight(layer), layer.inputs)
+    };
+    learn(COLOUR, gradient, 1);
+    learn(OUTPUT, gradient, 1);
+    let features = through(OUTPUT, gradient, 1, true);
+    learn(PIXEL, &features, 1);
+    let left = scale::unresized(&features, trace.context.height, trace.context.width);
+    learn(LEAVE, &left, 1);
+    let mut context = through(LEAVE, &left, 1, false);
+    for [spread_a, mix_a, spread_b, mix_b] in BLOCKS.into_iter().rev() {
+        learn(mix_b, &context, 1);
+        let spread = unmixed(mix_b, &context);
+        learn(spread_b, &spread, 1);
+        let mixed = through(spread_b, &spread, 1, true);
+        learn(mix_a, &mixed, 1);
+        let spread = unmixed(mix_a, &mixed);
+        learn(spread_a, &spread, 1);
+        context.add(&through(spread_a, &spread, 1, false));
     }
     context.unrelu(&trace.context);
-    filter::backward_weights(&trace.quarter_padded, &context, 2, sums.layer_mut(REDUCE));
-    let size = (trace.quarter_padded.height, trace.quarter_padded.width);
-    let mut quarter = filter::backward_input(&context, weights.weight(REDUCE), 8, size, 2).unpadded();
-    quarter.unrelu(&trace.quarter);
-    filter::backward_weights(&trace.pooled_padded, &quarter, 1, sums.layer_mut(ENTER));
+    learn(REDUCE, &context, 2);
+    learn(ENTER, &through(REDUCE, &context, 2, true), 1);
     sums
-}
-
-/// The gradient through the branch of a residual block.
-fn backward_block<T: Real>(
-    weights: &Weights<T>,
-    trace: &BlockTrace<T>,
-    [spread_a, mix_a, spread_b, mix_b]: [style::net::layer::Layer; 4],
-    gradient: &Tensor<T>,
-    sums: &mut Weights<T>,
-) -> Tensor<T> {
-    mix::backward_weights(&trace.spread_b, gradient, sums.layer_mut(mix_b));
-    let gradient = mix::backward_input(gradient, weights.weight(mix_b), 16);
-    filter::backward_weights_each(&trace.relu_padded, &gradient, sums.layer_mut(spread_b));
-    let mut gradient = filter::backward_input_each(&gradient, weights.weight(spread_b)).unpadded();
-    gradient.unrelu(&trace.relu);
-    mix::backward_weights(&trace.spread_a, &gradient, sums.layer_mut(mix_a));
-    let gradient = mix::backward_input(&gradient, weights.weight(mix_a), 16);
-    filter::backward_weights_each(&trace.input_padded, &gradient, sums.layer_mut(spread_a));
-    filter::backward_input_each(&gradient, weights.weight(spread_a)).unpadded()
 }

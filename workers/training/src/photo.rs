@@ -1,6 +1,6 @@
 //! The style photo: what is taken, and how it is prepared.
 
-use imaging::{Rgb8, codec};
+use imaging::{Rgb, Rgb8, codec};
 
 use crate::loss::pyramid::Pyramid;
 use crate::tensor::Tensor;
@@ -51,7 +51,9 @@ impl Photo {
         if width < MIN_SIDE_PX || height < MIN_SIDE_PX {
             return Err(PhotoError::TooSmall { width, height });
         }
-        let tensor = tensor(&reduced);
+        let tensor = Tensor::from(&Rgb::from_fn(width, height, |x, y| {
+            reduced.at(x, y).map(|code| f32::from(code) / 255.0)
+        }));
         let spread = 255.0 * Colours::of(std::iter::once(&tensor)).spread();
         if spread < MIN_SPREAD {
             return Err(PhotoError::Flat { spread });
@@ -60,17 +62,6 @@ impl Photo {
             pyramid: Pyramid::new(tensor),
         })
     }
-}
-
-/// Codes as samples in 0..=1.
-fn tensor(picture: &Rgb8) -> Tensor<f32> {
-    let mut tensor = Tensor::zeros(3, picture.height(), picture.width());
-    for channel in 0..3 {
-        for (sample, pixel) in tensor.plane_mut(channel).iter_mut().zip(picture.pixels()) {
-            *sample = f32::from(pixel[channel]) / 255.0;
-        }
-    }
-    tensor
 }
 
 #[cfg(test)]

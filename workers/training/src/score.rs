@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use imaging::Rgb;
 use imaging::random::Stream;
-use imaging::{Plane, Rgb};
 use rayon::prelude::*;
 use style::net::layer::{OUTPUT, Weights};
 use style::net::{Network, Scratch};
@@ -39,7 +39,7 @@ pub struct Score {
 /// Some of the new scenes as pictures, sRGB-encoded.
 #[must_use]
 pub fn new_scenes() -> Vec<Rgb<f32>> {
-    crops(0..SHOWN).iter().map(picture).collect()
+    crops(0..SHOWN).iter().map(Tensor::to_rgb).collect()
 }
 
 fn crops(scenes: Range<u64>) -> Vec<Tensor<f32>> {
@@ -85,16 +85,6 @@ pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws
     }
 }
 
-fn picture(tensor: &Tensor<f32>) -> Rgb<f32> {
-    let plane = |channel| Plane::new(SIDE, SIDE, tensor.plane(channel).to_vec()).expect("a crop");
-    Rgb::new([plane(0), plane(1), plane(2)]).expect("three planes of one crop")
-}
-
 fn repaint(network: &Network, crop: &Tensor<f32>) -> Tensor<f32> {
-    let styled = network.apply(&picture(crop), &mut Scratch::default());
-    let mut out = crop.like();
-    for (channel, plane) in styled.planes().iter().enumerate() {
-        out.plane_mut(channel).copy_from_slice(plane.data());
-    }
-    out
+    Tensor::from(&network.apply(&crop.to_rgb(), &mut Scratch::default()))
 }

@@ -1,5 +1,7 @@
 //! Channels of one size.
 
+use imaging::{Plane, Rgb};
+
 use crate::real::Real;
 
 /// Samples `[channel][row][column]`.
@@ -105,8 +107,9 @@ impl<T: Real> Tensor<T> {
         out
     }
 
-    /// ReLU.
-    pub fn relu(&mut self) {
+    /// With zeros in place of what is below.
+    #[must_use]
+    pub fn relu(mut self) -> Self {
         for value in &mut self.data {
             *value = if *value > T::default() {
                 *value
@@ -114,6 +117,7 @@ impl<T: Real> Tensor<T> {
                 T::default()
             };
         }
+        self
     }
 
     /// The gradient before a ReLU from that after it, given what the ReLU made.
@@ -125,5 +129,27 @@ impl<T: Real> Tensor<T> {
                 T::default()
             };
         }
+    }
+}
+
+impl From<&Rgb<f32>> for Tensor<f32> {
+    fn from(picture: &Rgb<f32>) -> Self {
+        let planes = picture.planes().iter();
+        Self {
+            channels: 3,
+            height: picture.height(),
+            width: picture.width(),
+            data: planes.flat_map(Plane::data).copied().collect(),
+        }
+    }
+}
+
+impl Tensor<f32> {
+    /// Three channels as a picture.
+    #[must_use]
+    pub fn to_rgb(&self) -> Rgb<f32> {
+        let plane = |channel| Plane::new(self.width, self.height, self.plane(channel).to_vec());
+        let planes = [0, 1, 2].map(|channel| plane(channel).expect("a channel of this size"));
+        Rgb::new(planes).expect("three planes of one size")
     }
 }

@@ -12,7 +12,7 @@ use cli::progress::Progress;
 use cli::remote::{Remote, ServerArguments, query_value};
 use proto::wire::{LeaseRequest, RegisterRequest, ReleaseRequest};
 use renderer::worker::client::Client;
-use serde_json::json;
+use serde_json::{Value, json};
 use style::Library;
 use tokio::runtime::Runtime;
 
@@ -87,7 +87,7 @@ async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
         "the folder holds a job already"
     );
     let catalogue = Arc::new(data.catalogue);
-    let mut progress = Progress::new("fill", rows);
+    let mut progress = Progress::new("fill", "rows", rows);
     let (mut rates, step) = (Vec::new(), (rows / 100).max(1000));
     let mut from = 0;
     while from < rows {
@@ -166,7 +166,7 @@ fn submissions(remote: &Remote) -> Result<String, Failure> {
     let mut times = Vec::new();
     for _ in 0..TIMES {
         let begun = Instant::now();
-        remote.post_json("/v1/jobs", &[], job.as_bytes())?;
+        remote.post("/v1/jobs", &[], job.as_bytes())?;
         times.push(begun.elapsed());
     }
     Ok(report("submit a job", times))
@@ -180,11 +180,11 @@ fn pages(remote: &Remote, what: &str, filter: &str) -> Result<String, Failure> {
     let (mut times, mut path) = (Vec::new(), base.clone());
     for _ in 0..TIMES {
         let begun = Instant::now();
-        let answer = remote.get(&path)?;
-        // What the client makes of the answer is its own time.
+        let bytes = remote.get_bytes(&path)?;
+        // What the client makes of the response is its own time.
         times.push(begun.elapsed());
-        let page = answer.json()?;
-        let cursor = page.get("next_cursor").and_then(serde_json::Value::as_str);
+        let page: Value = serde_json::from_slice(&bytes).context("a page is JSON")?;
+        let cursor = page["next_cursor"].as_str();
         path = cursor.map_or_else(|| base.clone(), |cursor| format!("{base}&cursor={cursor}"));
     }
     Ok(report(what, times))

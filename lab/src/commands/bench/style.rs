@@ -55,7 +55,7 @@ fn speed(text: &mut String, library: &Library, arguments: &StyleBench) -> Result
     );
     let model = ours(library)?;
     let runtime = Runtime::load(arguments.style.onnxruntime.as_deref());
-    let control = StyleModel::without_card("johnson", style::net::onnx::johnson(1));
+    let control = StyleModel::without_card("johnson", lab::johnson(1));
     let mut row = |name: &str, session: &dyn Fn() -> Result<Session, Failure>| -> Result<(), Failure> {
         let mut one = session()?;
         let _ = write!(text, "| {name} |");

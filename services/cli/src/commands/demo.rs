@@ -3,6 +3,7 @@
 //! Starts a service with its own workers on a free port, submits a job of 24 frames, waits for it, prints the
 //! dataset's metrics and writes a contact sheet. Everything goes the way it goes in production: HTTP, leases, commits.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -69,7 +70,7 @@ fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
     let begun = Instant::now();
     let job = submit::submit(remote, TOUR.as_bytes(), None)?;
     let job = submit::wait(remote, &job)?;
-    let text = |name: &str| cell(job.get(name).unwrap_or(&Value::Null));
+    let text = |name: &str| cell(&job[name]);
     let (id, dataset) = (text("id"), text("dataset"));
     println!(
         "\njob {id}: {} of {} frames in {:.1} s\n",
@@ -99,15 +100,7 @@ fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
     println!("images         {}", out.join("packs").display());
     println!("digest         {}", text("digest"));
     println!("serve it again fathom serve --data {}", out.display());
-    if text("state") == "done" {
-        return Ok(());
-    }
-    let number = |name: &str| job.get(name).and_then(Value::as_u64).unwrap_or_default();
-    Err(Failure::SomeFrames {
-        failed: number("failed"),
-        frames: number("frames"),
-        hint: String::new(),
-    })
+    submit::all_rendered(&job, String::new())
 }
 
 /// Mean and standard deviation of each metric for each style water.
@@ -117,38 +110,23 @@ fn by_style(remote: &Remote, dataset: &str, filter: &str) -> Result<String, Fail
         GROUP_METRICS.join(","),
         cli::remote::query_value(filter)
     );
-    let stats = remote.get(&path)?.json()?;
-    let groups = stats
-        .get("groups")
-        .and_then(Value::as_array)
-        .cloned()
-        .unwrap_or_default();
-    let mut names: Vec<String> = groups
-        .iter()
-        .map(|row| cell(row.get("group").unwrap_or(&Value::Null)))
-        .collect();
-    names.sort();
-    names.dedup();
-    let rows: Vec<Vec<String>> = names
-        .iter()
-        .map(|name| {
-            let value = |metric: &str| {
-                let row = groups.iter().find(|row| {
-                    cell(row.get("group").unwrap_or(&Value::Null)) == *name
-                        && row.get("metric").and_then(Value::as_str) == Some(metric)
-                });
-                let number = |field| row.and_then(|row| row.get(field)).and_then(Value::as_f64);
-                match (number("mean"), number("sd")) {
-                    (Some(mean), Some(sd)) => format!("{mean:.3} ({sd:.3})"),
-                    (Some(mean), None) => format!("{mean:.3}"),
-                    _ => "–".to_owned(),
-                }
-            };
-            std::iter::once(name.clone())
-                .chain(GROUP_METRICS.map(value))
-                .collect()
-        })
-        .collect();
+    let stats = remote.get(&path)?;
+    let groups = stats["groups"].as_array().cloned().unwrap_or_default();
+    let names: BTreeSet<String> = groups.iter().map(|row| cell(&row["group"])).collect();
+    let value = |name: &str, metric: &str| {
+        let is_it = |row: &&Value| cell(&row["group"]) == name && row["metric"] == metric;
+        let row = groups.iter().find(is_it).unwrap_or(&Value::Null);
+        match (row["mean"].as_f64(), row["sd"].as_f64()) {
+            (Some(mean), Some(sd)) => format!("{mean:.3} ({sd:.3})"),
+            (Some(mean), None) => format!("{mean:.3}"),
+            _ => "–".to_owned(),
+        }
+    };
+    let row = |name: String| {
+        let values = GROUP_METRICS.map(|metric| value(&name, metric));
+        std::iter::once(name).chain(values).collect()
+    };
+    let rows: Vec<Vec<String>> = names.into_iter().map(row).collect();
     let header: Vec<&str> = std::iter::once("style").chain(GROUP_METRICS).collect();
     Ok(table(&header, &rows))
 }

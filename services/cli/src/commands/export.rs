@@ -8,8 +8,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use anyhow::Context;
 use cli::exit::Failure;
@@ -17,6 +15,7 @@ use cli::files;
 use cli::images::Question;
 use cli::progress::Progress;
 use cli::remote::{Remote, ServerArguments, query_value};
+use rayon::prelude::*;
 use serde_json::{Map, Value};
 use spec::sha256;
 
@@ -44,7 +43,7 @@ const DOWNLOADS: usize = 4;
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
-    let mut progress = Progress::new("export", count(&remote, arguments)?);
+    let mut progress = Progress::new("export", "images", count(&remote, arguments)?);
     let question = Question {
         dataset: Some(&arguments.dataset),
         filter: &arguments.filter,
@@ -56,8 +55,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .with_context(|| format!("cannot create {}", arguments.out.display()))?;
     let mut lists = Lists::create(&arguments.out)?;
     let (mut images, mut fetched) = (0, 0);
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(DOWNLOADS).build();
+    let threads = threads.context("cannot start threads")?;
     question.pages(&remote, |rows| {
-        for image in parallel(&rows, |row| image(&remote, arguments, row))? {
+        let fetch = || {
+            rows.par_iter()
+                .map(|row| image(&remote, arguments, row))
+                .collect()
+        };
+        let page: Result<Vec<Image>, Failure> = threads.install(fetch);
+        for image in page? {
             lists.add(&image)?;
             fetched += image.fetched;
             images += 1;
@@ -81,13 +88,9 @@ fn count(remote: &Remote, arguments: &Arguments) -> Result<u64, Failure> {
     if !arguments.filter.trim().is_empty() {
         path.push_str(&format!("&filter={}", query_value(&arguments.filter)));
     }
-    let stats = remote.get(&path)?.json()?;
-    let groups = stats
-        .get("groups")
-        .and_then(Value::as_array)
-        .into_iter()
-        .flatten();
-    Ok(groups.filter_map(|group| group.get("count")?.as_u64()).sum())
+    let stats = remote.get(&path)?;
+    let groups = stats["groups"].as_array().into_iter().flatten();
+    Ok(groups.filter_map(|group| group["count"].as_u64()).sum())
 }
 
 /// An image whose files are in the folder.
@@ -99,36 +102,31 @@ struct Image {
 }
 
 fn image(remote: &Remote, arguments: &Arguments, row: &Value) -> Result<Image, Failure> {
-    let job = row.get("job").and_then(Value::as_str).unwrap_or_default();
-    let frame = row.get("frame").and_then(Value::as_u64).unwrap_or_default();
-    let record = remote.get(&format!("/v1/images/{job}/{frame}"))?.json()?;
+    let job = row["job"].as_str().unwrap_or_default();
+    let frame = row["frame"].as_u64().unwrap_or_default();
+    let record = remote.get(&format!("/v1/images/{job}/{frame}"))?;
     let (mut files, mut fetched) = (Vec::new(), 0);
     let mut names = Map::new();
     for (position, kind) in arguments.kinds.iter().enumerate() {
         let artifact = find(&record, kind).ok_or_else(|| missing(&record, job, frame, kind))?;
-        let (digest, media_type) = artifact;
-        let name = format!("{kind}/{job}-{frame:08}.{}", extension(&media_type));
+        let name = format!("{kind}/{job}-{frame:08}.{}", extension(&artifact["media_type"]));
+        let digest = artifact["digest"].as_str().unwrap_or_default().to_owned();
         let path = arguments.out.join(&name);
         if !std::fs::read(&path).is_ok_and(|bytes| sha256(&bytes) == digest) {
-            let answer = remote.get(&format!(
-                "/v1/images/{job}/{frame}/artifacts/{}",
-                query_value(kind)
-            ))?;
-            if sha256(&answer.bytes) != digest {
-                return Err(anyhow::anyhow!(
-                    "{kind} of {job}/{frame} arrived with another digest than {digest}"
-                )
-                .into());
+            let kind = query_value(kind);
+            let bytes = remote.get_bytes(&format!("/v1/images/{job}/{frame}/artifacts/{kind}"))?;
+            if sha256(&bytes) != digest {
+                let message = format!("{kind} of {job}/{frame} arrived with another digest than {digest}");
+                return Err(anyhow::anyhow!(message).into());
             }
-            files::write(&path, &answer.bytes)?;
+            files::write(&path, &bytes)?;
             fetched += 1;
         }
         let column = if position == 0 { "file_name" } else { kind };
         names.insert(column.to_owned(), name.clone().into());
         files.push((digest, name));
     }
-    let parameters = row.as_object().cloned().unwrap_or_default();
-    names.extend(parameters);
+    names.extend(row.as_object().cloned().unwrap_or_default());
     Ok(Image {
         metadata: Value::Object(names),
         files,
@@ -136,64 +134,31 @@ fn image(remote: &Remote, arguments: &Arguments, row: &Value) -> Result<Image, F
     })
 }
 
-/// Digest and media type of an artifact.
-fn find(record: &Value, kind: &str) -> Option<(String, String)> {
-    let artifacts = record.get("artifacts")?.as_array()?;
-    let artifact = artifacts
-        .iter()
-        .find(|a| a.get("kind").and_then(Value::as_str) == Some(kind))?;
-    let text = |name: &str| artifact.get(name).and_then(Value::as_str).map(str::to_owned);
-    Some((text("digest")?, text("media_type")?))
+fn artifacts(record: &Value) -> impl Iterator<Item = &Value> {
+    record["artifacts"].as_array().into_iter().flatten()
+}
+
+fn find<'a>(record: &'a Value, kind: &str) -> Option<&'a Value> {
+    artifacts(record).find(|artifact| artifact["kind"] == kind)
 }
 
 fn missing(record: &Value, job: &str, frame: u64, kind: &str) -> Failure {
-    let artifacts = record
-        .get("artifacts")
-        .and_then(Value::as_array)
-        .into_iter()
-        .flatten();
-    let kinds: Vec<&str> = artifacts.filter_map(|a| a.get("kind")?.as_str()).collect();
+    let kinds: Vec<&str> = artifacts(record)
+        .filter_map(|artifact| artifact["kind"].as_str())
+        .collect();
     Failure::BadInput(format!(
         "image {job}/{frame} has no artifact `{kind}`; it has: {}",
         kinds.join(", ")
     ))
 }
 
-fn extension(media_type: &str) -> &'static str {
-    match media_type {
-        "image/png" => "png",
-        "image/jpeg" => "jpg",
-        "image/webp" => "webp",
+fn extension(media_type: &Value) -> &'static str {
+    match media_type.as_str() {
+        Some("image/png") => "png",
+        Some("image/jpeg") => "jpg",
+        Some("image/webp") => "webp",
         _ => "npy",
     }
-}
-
-/// Works on all items with a few threads; answers in their order, or the first error.
-fn parallel<T: Sync, R: Send>(
-    items: &[T],
-    work: impl Fn(&T) -> Result<R, Failure> + Sync,
-) -> Result<Vec<R>, Failure> {
-    let next = AtomicUsize::new(0);
-    let results: Vec<Mutex<Option<Result<R, Failure>>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..DOWNLOADS.min(items.len()) {
-            scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(item) = items.get(index) else { break };
-                    let result = work(item);
-                    if result.is_err() {
-                        next.store(items.len(), Ordering::Relaxed);
-                    }
-                    *results[index].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
-                }
-            });
-        }
-    });
-    let done = results
-        .into_iter()
-        .filter_map(|cell| cell.into_inner().unwrap_or_else(PoisonError::into_inner));
-    done.collect()
 }
 
 const METADATA: &str = "metadata.jsonl";

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use cli::exit::Failure;
 use cli::files;
 use cli::table::{decimal, table};
-use quality::{MetricId, Profile};
+use quality::MetricId;
 use serde_json::{Map, Value, json};
 
 /// Options of `fathom measure`.
@@ -18,8 +18,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_parser = ["panetta", "funie", "table1"])]
     profile: Option<String>,
     /// Metrics by name, such as uiqm or uiqm@table1, comma-separated
-    #[arg(long, value_delimiter = ',', conflicts_with = "profile")]
-    metrics: Vec<String>,
+    #[arg(long, value_delimiter = ',', value_parser = metric, conflicts_with = "profile")]
+    metrics: Vec<MetricId>,
     /// The clean picture, for psnr and ssim
     #[arg(long, value_name = "FILE")]
     clean: Option<PathBuf>,
@@ -29,10 +29,12 @@ pub(crate) struct Arguments {
 }
 
 const USUAL: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
+/// Those that need the clean picture.
+const COMPARING: [&str; 2] = ["psnr", "ssim"];
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let metrics = metrics(arguments)?;
+    let metrics = metrics(arguments);
     let clean = arguments
         .clean
         .as_deref()
@@ -67,34 +69,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn metrics(arguments: &Arguments) -> Result<Vec<MetricId>, Failure> {
-    let mut names: Vec<String> = if !arguments.metrics.is_empty() {
-        arguments.metrics.clone()
-    } else if let Some(profile) = &arguments.profile {
-        let profile = match profile.as_str() {
-            "funie" => Profile::Funie,
-            "table1" => Profile::Table1,
-            _ => Profile::Panetta,
-        };
+fn metrics(arguments: &Arguments) -> Vec<MetricId> {
+    if !arguments.metrics.is_empty() {
+        return arguments.metrics.clone();
+    }
+    let known = |name: &&str| MetricId::parse(name);
+    let of_profile = |profile: &String| {
         let belongs = |id: &MetricId| {
             let info = id.info();
-            !info.needs_reference && info.profile.is_none_or(|its| its == profile)
+            !info.needs_reference && info.profile.is_none_or(|its| its.name() == profile)
         };
-        MetricId::all().filter(belongs).map(|id| id.to_string()).collect()
-    } else {
-        USUAL.map(str::to_owned).to_vec()
+        MetricId::all().filter(belongs).collect()
     };
-    if arguments.clean.is_some() && arguments.metrics.is_empty() {
-        names.extend(["psnr".to_owned(), "ssim".to_owned()]);
+    let usual = || USUAL.iter().filter_map(known).collect();
+    let mut metrics: Vec<MetricId> = arguments.profile.as_ref().map_or_else(usual, of_profile);
+    if arguments.clean.is_some() {
+        metrics.extend(COMPARING.iter().filter_map(known));
     }
-    let parse = |name: &String| {
-        MetricId::parse(name).ok_or_else(|| {
-            let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
-            Failure::BadInput(format!(
-                "metric `{name}` does not exist; there is {}",
-                known.join(", ")
-            ))
-        })
-    };
-    names.iter().map(parse).collect()
+    metrics
+}
+
+fn metric(name: &str) -> Result<MetricId, String> {
+    MetricId::parse(name).ok_or_else(|| {
+        let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
+        format!("metric `{name}` does not exist; there is {}", known.join(", "))
+    })
 }

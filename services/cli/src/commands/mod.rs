@@ -21,7 +21,12 @@ mod upload;
 mod waters;
 mod worker;
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context;
 use cli::exit::Failure;
+use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// What `fathom` can do.
 #[derive(clap::Subcommand)]
@@ -95,4 +100,13 @@ impl Command {
             Self::Demo(arguments) => demo::run(&arguments),
         }
     }
+}
+
+/// Turns true when the process is asked to end.
+fn stop_at_signal() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
+    }
+    Ok(stop)
 }

@@ -8,7 +8,6 @@ use cli::job;
 use cli::styles::StyleArguments;
 use cli::table::{cell, table};
 use renderer::{Engine, SceneSource, Slot};
-use serde_json::Value;
 
 /// Options of `fathom plan`.
 #[derive(clap::Args)]
@@ -51,14 +50,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     let columns = ["stage", "variant", "terms", "bound"];
-    let field = |stage: &Value, column: &str| cell(stage.get(column).unwrap_or(&Value::Null));
     let stages = plan.as_array().map(Vec::as_slice).unwrap_or_default();
     let rows: Vec<Vec<String>> = stages
         .iter()
-        .map(|stage| columns.map(|column| field(stage, column)).into())
+        .map(|stage| columns.map(|column| cell(&stage[column])).into())
         .collect();
     println!("{}", table(&columns, &rows));
-    let bounds = stages.iter().filter_map(|stage| stage.get("bound")?.as_f64());
+    let bounds = stages.iter().filter_map(|stage| stage["bound"].as_f64());
     if let Some(largest) = bounds.reduce(f64::max) {
         println!("Every sample is within {largest:.2e} in linear light of the exact chain.");
     }

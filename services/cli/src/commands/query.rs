@@ -74,12 +74,7 @@ pub(crate) fn rows_table(fields: &[String], rows: &[Value]) -> String {
     let header: Vec<&str> = fields.iter().map(String::as_str).collect();
     let cells: Vec<Vec<String>> = rows
         .iter()
-        .map(|row| {
-            fields
-                .iter()
-                .map(|field| cell(row.get(field).unwrap_or(&Value::Null)))
-                .collect()
-        })
+        .map(|row| fields.iter().map(|field| cell(&row[field])).collect())
         .collect();
     table(&header, &cells)
 }

@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::RuntimeMissing(missing.to_string()));
     }
     let slots = arguments.slots.map_or_else(cores, usize::from);
-    let mut progress = Progress::new("render", job.frames());
+    let mut progress = Progress::new("render", "frames", job.frames());
     let summary = renderer::local::render_job(&job, &engine, &arguments.out, slots, |finished| {
         progress.set(finished)
     });

@@ -197,7 +197,7 @@ async fn artifacts(
     mut repair: Option<&mut Repair>,
     findings: &mut Findings,
 ) -> Result<(), Failure> {
-    let mut progress = Progress::new("scrub", data.store.stats().blobs);
+    let mut progress = Progress::new("scrub", "files", data.store.stats().blobs);
     let mut after: Option<String> = None;
     loop {
         let batch = data

@@ -79,10 +79,9 @@ pub(crate) fn draw(remote: &Remote, question: &Question<'_>, kind: &str, out: &P
 }
 
 fn tile(remote: &Remote, row: &Value, kind: &str) -> Result<Tile, Failure> {
-    let field = |name: &str| cell(row.get(name).unwrap_or(&Value::Null));
+    let field = |name: &str| cell(&row[name]);
     let path = format!("/v1/images/{}/{}/artifacts/{kind}", field("job"), field("frame"));
-    let bytes = remote.get(&path)?.bytes;
-    let picture = codec::decode_picture(&bytes)
+    let picture = codec::decode_picture(&remote.get_bytes(&path)?)
         .map_err(anyhow::Error::from)?
         .to_rgb8();
     let short = |name: &str| {
@@ -111,7 +110,7 @@ fn tile(remote: &Remote, row: &Value, kind: &str) -> Result<Tile, Failure> {
 }
 
 fn two(row: &Value, name: &str) -> String {
-    row.get(name)
-        .and_then(Value::as_f64)
+    row[name]
+        .as_f64()
         .map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
 }

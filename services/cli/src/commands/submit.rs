@@ -44,19 +44,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             text(&job, "dataset"),
             text(&job, "state")
         );
-        if let Some(digest) = job.get("digest").and_then(Value::as_str) {
+        if let Some(digest) = job["digest"].as_str() {
             println!("digest {digest}");
         }
     }
-    match (text(&job, "state"), number(&job, "failed")) {
-        ("done_with_failures", failed) => {
-            let hint = format!("; see job {}", text(&job, "id"));
-            Err(Failure::SomeFrames {
-                failed,
-                frames: number(&job, "frames"),
-                hint,
-            })
-        }
+    all_rendered(&job, format!("; see job {}", text(&job, "id")))
+}
+
+/// Fails if a frame of a job did.
+pub(crate) fn all_rendered(job: &Value, hint: String) -> Result<(), Failure> {
+    match (text(job, "state"), number(job, "failed")) {
+        ("done_with_failures", failed) => Err(Failure::SomeFrames {
+            failed,
+            frames: number(job, "frames"),
+            hint,
+        }),
         _ => Ok(()),
     }
 }
@@ -64,13 +66,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Submits a job description and answers the job as the service sees it.
 pub(crate) fn submit(remote: &Remote, spec: &[u8], key: Option<&str>) -> Result<Value, Failure> {
     let headers: Vec<(&str, &str)> = key.map(|key| ("idempotency-key", key)).into_iter().collect();
-    let job = remote.post_json("/v1/jobs", &headers, spec)?.json()?;
-    for warning in job
-        .get("warnings")
-        .and_then(Value::as_array)
-        .into_iter()
-        .flatten()
-    {
+    let job = remote.post("/v1/jobs", &headers, spec)?;
+    for warning in job["warnings"].as_array().into_iter().flatten() {
         eprintln!("warning: {}", warning.as_str().unwrap_or_default());
     }
     Ok(job)
@@ -79,12 +76,10 @@ pub(crate) fn submit(remote: &Remote, spec: &[u8], key: Option<&str>) -> Result<
 /// Follows a job with long-polls until it is finished.
 pub(crate) fn wait(remote: &Remote, job: &Value) -> Result<Value, Failure> {
     let id = text(job, "id").to_owned();
-    let mut progress = Progress::new(text(job, "dataset"), number(job, "frames"));
+    let mut progress = Progress::new(text(job, "dataset"), "frames", number(job, "frames"));
     let mut seen = number(job, "version");
     loop {
-        let job = remote
-            .get(&format!("/v1/jobs/{id}?wait=30&since={seen}"))?
-            .json()?;
+        let job = remote.get(&format!("/v1/jobs/{id}?wait=30&since={seen}"))?;
         seen = number(&job, "version");
         progress.set(number(&job, "done") + number(&job, "failed"));
         if matches!(text(&job, "state"), "done" | "done_with_failures" | "cancelled") {
@@ -95,9 +90,9 @@ pub(crate) fn wait(remote: &Remote, job: &Value) -> Result<Value, Failure> {
 }
 
 fn text<'a>(job: &'a Value, name: &str) -> &'a str {
-    job.get(name).and_then(Value::as_str).unwrap_or_default()
+    job[name].as_str().unwrap_or_default()
 }
 
 fn number(job: &Value, name: &str) -> u64 {
-    job.get(name).and_then(Value::as_u64).unwrap_or_default()
+    job[name].as_u64().unwrap_or_default()
 }

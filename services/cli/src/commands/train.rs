@@ -7,14 +7,12 @@ mod sheet;
 
 use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
 use imaging::Rgb8;
-use signal_hook::consts::{SIGINT, SIGTERM};
 use training::{Photo, Trainer};
 
 use product::Product;
@@ -81,10 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .num_threads(threads)
         .build()
         .context("cannot start threads")?;
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
-    }
+    let stop = super::stop_at_signal()?;
     pool.install(|| train(arguments, &given, &stop))
 }
 
@@ -113,8 +108,7 @@ fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<()
         start,
     };
     product.write(&trainer.best(), start, 0)?;
-    let mut progress = TrainingProgress::new(steps, arguments.progress.clone());
-    progress.tell(0)?;
+    let mut progress = TrainingProgress::new(steps, arguments.progress.clone())?;
     let mut done = 0;
     while !trainer.is_done() && !stop.load(Ordering::Relaxed) {
         let losses = trainer.step();

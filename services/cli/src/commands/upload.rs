@@ -45,54 +45,56 @@ pub(crate) struct Arguments {
     server: ServerArguments,
 }
 
+/// Files that may lie beside a picture, by the part of the form that they become.
+const COMPANIONS: [&str; 3] = ["range", "z_depth", "instances"];
+
+/// The files of one scene.
+struct Files {
+    rgb: PathBuf,
+    companions: Vec<(&'static str, PathBuf)>,
+}
+
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
+    let named = [&arguments.range, &arguments.z_depth, &arguments.instances];
+    let named = COMPANIONS.into_iter().zip(named);
+    let companions: Vec<_> = named
+        .filter_map(|(role, path)| Some((role, path.clone()?)))
+        .collect();
     if arguments.rgb.is_dir() {
+        if !companions.is_empty() {
+            return Err(Failure::input(
+                "a folder's range, depth and instance files are found by their names: NAME.range.png, NAME.z_depth.npy, \
+                 NAME.instances.png beside NAME.png",
+            ));
+        }
         return folder(&remote, arguments);
     }
-    let parts = Parts {
-        rgb: arguments.rgb.clone(),
-        range: arguments.range.clone(),
-        z_depth: arguments.z_depth.clone(),
-        instances: arguments.instances.clone(),
-    };
-    let (id, known) = upload(&remote, arguments, &parts)?;
+    let rgb = arguments.rgb.clone();
+    let (id, is_new) = upload(&remote, arguments, &Files { rgb, companions })?;
     println!("{id}");
-    if known {
+    if !is_new {
         eprintln!("this scene was uploaded before");
     }
     Ok(())
 }
 
-/// The files of one scene.
-struct Parts {
-    rgb: PathBuf,
-    range: Option<PathBuf>,
-    z_depth: Option<PathBuf>,
-    instances: Option<PathBuf>,
-}
-
 /// Uploads every picture of a folder with the files that belong to it. Scenes are found again by their content, so that an
 /// interrupted upload is simply repeated.
 fn folder(remote: &Remote, arguments: &Arguments) -> Result<(), Failure> {
-    if arguments.range.is_some() || arguments.z_depth.is_some() || arguments.instances.is_some() {
-        let message = "a folder's range, depth and instance files are found by their names: NAME.range.png, NAME.z_depth.npy, \
-                       NAME.instances.png beside NAME.png";
-        return Err(Failure::BadInput(message.to_owned()));
-    }
     let scenes = scenes(&arguments.rgb)?;
     if scenes.is_empty() {
         let message = format!("{} holds no PNG, JPEG or WebP", arguments.rgb.display());
         return Err(Failure::BadInput(message));
     }
-    let mut progress = Progress::new("upload", scenes.len() as u64);
+    let mut progress = Progress::new("upload", "scenes", scenes.len() as u64);
     let (mut refused, mut known) = (Vec::new(), 0);
-    for (done, parts) in scenes.iter().enumerate() {
-        let name = parts.rgb.file_name().unwrap_or_default().to_string_lossy();
-        match upload(remote, arguments, parts) {
-            Ok((id, again)) => {
-                known += usize::from(again);
+    for (done, files) in scenes.iter().enumerate() {
+        let name = files.rgb.file_name().unwrap_or_default().to_string_lossy();
+        match upload(remote, arguments, files) {
+            Ok((id, is_new)) => {
+                known += usize::from(!is_new);
                 println!("{id} {name}");
             }
             // The others may be good.
@@ -102,95 +104,66 @@ fn folder(remote: &Remote, arguments: &Arguments) -> Result<(), Failure> {
         progress.set(done as u64 + 1);
     }
     progress.finish();
-    eprintln!(
-        "{} scenes, {known} of them uploaded before",
-        scenes.len() - refused.len()
-    );
-    match refused.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::BadInput(format!(
-            "{} pictures were refused:\n{}",
-            refused.len(),
+    let uploaded = scenes.len() - refused.len();
+    eprintln!("{uploaded} scenes, {known} of them uploaded before");
+    match refused.len() {
+        0 => Ok(()),
+        count => Err(Failure::BadInput(format!(
+            "{count} pictures were refused:\n{}",
             refused.join("\n")
         ))),
     }
 }
 
-const COMPANIONS: [&str; 3] = ["range", "z_depth", "instances"];
-
 /// The pictures of a folder, each with the companions that its name says.
-fn scenes(folder: &Path) -> Result<Vec<Parts>, Failure> {
-    let role = |path: &Path| {
-        let stem = path.file_stem()?.to_str()?;
-        let (_, role) = stem.rsplit_once('.')?;
-        COMPANIONS.iter().copied().find(|known| *known == role)
+fn scenes(folder: &Path) -> Result<Vec<Files>, Failure> {
+    let is_companion = |path: &PathBuf| {
+        let stem = path.file_stem().and_then(|stem| stem.to_str());
+        let role = stem.and_then(|stem| stem.rsplit_once('.'));
+        role.is_some_and(|(_, role)| COMPANIONS.contains(&role))
     };
-    let pictures = files::pictures(folder)?
-        .into_iter()
-        .filter(|path| role(path).is_none());
-    let parts = |rgb: PathBuf| {
-        let companion = |role: &str| {
+    let files_of = |rgb: PathBuf| {
+        let companion = |role: &'static str| {
             let named = ["png", "npy"].map(|extension| rgb.with_extension(format!("{role}.{extension}")));
-            named.into_iter().find(|path| path.is_file())
+            Some((role, named.into_iter().find(|path| path.is_file())?))
         };
-        let [range, z_depth, instances] = COMPANIONS.map(companion);
-        Parts {
-            range,
-            z_depth,
-            instances,
-            rgb,
-        }
+        let companions = COMPANIONS.into_iter().filter_map(companion).collect();
+        Files { rgb, companions }
     };
-    Ok(pictures.map(parts).collect())
+    let pictures = files::pictures(folder)?.into_iter();
+    Ok(pictures
+        .filter(|path| !is_companion(path))
+        .map(files_of)
+        .collect())
 }
 
-/// Uploads one scene; answers its id, and whether it was known.
-fn upload(remote: &Remote, arguments: &Arguments, parts: &Parts) -> Result<(String, bool), Failure> {
-    let files = [
-        ("rgb", Some(&parts.rgb)),
-        ("range", parts.range.as_ref()),
-        ("z_depth", parts.z_depth.as_ref()),
-        ("instances", parts.instances.as_ref()),
-    ];
-    let mut contents = Vec::new();
-    for (name, path) in files {
-        if let Some(path) = path {
-            contents.push((name, files::read(path)?));
-        }
-    }
-    let range_file = parts.range.is_some() || parts.z_depth.is_some();
+/// Uploads one scene; returns its id, and whether it is new to the service.
+fn upload(remote: &Remote, arguments: &Arguments, files: &Files) -> Result<(String, bool), Failure> {
+    let companions = files.companions.iter().map(|(role, path)| (*role, path));
+    let read = |(role, path): (&'static str, &PathBuf)| Ok((role, files::read(path)?));
+    let contents = [("rgb", &files.rgb)].into_iter().chain(companions).map(read);
+    let contents = contents.collect::<Result<Vec<_>, Failure>>()?;
+    // Without a range file the service would refuse what belongs to one.
+    let has_range = files.companions.iter().any(|(role, _)| *role != "instances");
+    let number = |value: Option<f64>| value.map(|value| value.to_string());
     let numbers = [
-        // Without a range file the service would refuse what belongs to one.
-        (
-            "unit_m",
-            arguments.unit_m.filter(|_| range_file).map(|v| v.to_string()),
-        ),
+        ("unit_m", number(arguments.unit_m.filter(|_| has_range))),
         (
             "invalid_code",
-            arguments
-                .invalid_code
-                .filter(|_| range_file)
-                .map(|v| v.to_string()),
+            number(arguments.invalid_code.filter(|_| has_range).map(f64::from)),
         ),
-        ("focal_px", arguments.focal_px.map(|v| v.to_string())),
-        ("hfov_deg", arguments.hfov_deg.map(|v| v.to_string())),
-        ("cx", arguments.cx.map(|v| v.to_string())),
-        ("cy", arguments.cy.map(|v| v.to_string())),
+        ("focal_px", number(arguments.focal_px)),
+        ("hfov_deg", number(arguments.hfov_deg)),
+        ("cx", number(arguments.cx)),
+        ("cy", number(arguments.cy)),
     ];
-    let mut form = Form::new();
-    for (name, value) in &numbers {
-        if let Some(value) = value {
-            form = form.text(name, value);
-        }
-    }
-    for (name, bytes) in &contents {
-        form = form.part(name, Part::bytes(bytes).file_name(name));
-    }
-    let answer = remote.post_form("/v1/scenes", form)?;
-    let scene = answer.json()?;
-    let id = scene
-        .get("id")
-        .and_then(serde_json::Value::as_str)
-        .unwrap_or_default();
-    Ok((id.to_owned(), answer.status == 200))
+    let given = numbers
+        .iter()
+        .filter_map(|(name, value)| Some((*name, value.as_deref()?)));
+    let form = given.fold(Form::new(), |form, (name, value)| form.text(name, value));
+    let form = contents.iter().fold(form, |form, (name, bytes)| {
+        form.part(name, Part::bytes(bytes).file_name(name))
+    });
+    let (scene, is_new) = remote.post_form("/v1/scenes", form)?;
+    Ok((scene["id"].as_str().unwrap_or_default().to_owned(), is_new))
 }

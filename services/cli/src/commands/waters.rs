@@ -3,7 +3,7 @@
 use api::WaterView;
 use cli::exit::Failure;
 use cli::table::{decimal, table};
-use optics::preset::{Channels, presets};
+use optics::preset::{Channels, Preset, presets};
 use serde_json::json;
 
 /// Options of `fathom waters`.
@@ -31,34 +31,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map(|value| value.map_or_else(|| "?".to_owned(), rounded))
             .join(" "),
     };
-    let rows: Vec<Vec<String>> = presets()
-        .iter()
-        .map(|preset| {
-            let renders = if preset.unrenderable().is_none() {
-                "yes"
-            } else {
-                "no"
-            };
-            let notes = preset.warnings.len() + preset.defects.len();
-            vec![
-                preset.name.clone(),
-                triple(preset.wavelength_nm),
-                triple(preset.absorption),
-                triple(preset.scattering),
-                triple(preset.beam_attenuation),
-                triple(preset.diffuse_attenuation),
-                preset
-                    .backscatter_fraction
-                    .map_or_else(|| "–".to_owned(), rounded),
-                renders.to_owned(),
-                if notes == 0 {
-                    String::new()
-                } else {
-                    notes.to_string()
-                },
-            ]
-        })
-        .collect();
+    let row = |preset: &Preset| {
+        let notes = preset.warnings.len() + preset.defects.len();
+        vec![
+            preset.name.clone(),
+            triple(preset.wavelength_nm),
+            triple(preset.absorption),
+            triple(preset.scattering),
+            triple(preset.beam_attenuation),
+            triple(preset.diffuse_attenuation),
+            preset
+                .backscatter_fraction
+                .map_or_else(|| "–".to_owned(), rounded),
+            preset.unrenderable().map_or("yes", |_| "no").to_owned(),
+            Some(notes)
+                .filter(|&notes| notes > 0)
+                .map_or_else(String::new, |notes| notes.to_string()),
+        ]
+    };
+    let rows: Vec<Vec<String>> = presets().iter().map(row).collect();
     let head = [
         "water (R G B)",
         "nm",

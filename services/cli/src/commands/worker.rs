@@ -2,15 +2,13 @@
 
 use std::io::Read;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use anyhow::Context;
 use cli::exit::Failure;
 use cli::remote::ServerArguments;
 use cli::styles::StyleArguments;
 use renderer::worker::{self, Limits, WorkerOptions, machine_bytes};
-use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// Options of `fathom worker`.
 #[derive(clap::Args)]
@@ -39,10 +37,7 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     super::serve::start_log("info");
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
-    }
+    let stop = super::stop_at_signal()?;
     if arguments.stop_with_stdin {
         let stop = Arc::clone(&stop);
         std::thread::spawn(move || {

@@ -9,15 +9,12 @@ use proto::wire::{
     LeaseResponse, PutArtifactsRequest, PutArtifactsResponse, RegisterRequest, RegisterResponse,
     ReleaseRequest, ReleaseResponse, SceneResponse, StylesResponse,
 };
-use serde_json::Value;
-use ureq::http::{Response, StatusCode};
-use ureq::{Agent, Body};
+use ureq::http::StatusCode;
+
+use crate::http::{Http, HttpError};
 
 /// Longer than any long-poll: beyond it the connection is dead.
-const ANSWER_LIMIT: Duration = Duration::from_secs(120);
-const CONNECT_LIMIT: Duration = Duration::from_secs(5);
-/// The largest file that a scene may have.
-const MOST_BYTES: u64 = 1 << 30;
+const RESPONSE_LIMIT: Duration = Duration::from_secs(120);
 
 /// Why a call came to nothing.
 #[derive(Debug, thiserror::Error)]
@@ -44,28 +41,15 @@ pub enum ClientError {
     },
 }
 
-/// A connection to a service; cheap to clone, shared by threads.
+/// The worker's calls to a service; cheap to clone, shared by threads.
 #[derive(Clone)]
-pub struct Client {
-    agent: Agent,
-    base: String,
-    authorization: Option<String>,
-}
+pub struct Client(Http);
 
 impl Client {
     /// A client of the service at this URL, with a bearer token if it wants one.
     #[must_use]
     pub fn new(server: &str, token: Option<&str>) -> Self {
-        let config = Agent::config_builder()
-            .http_status_as_error(false)
-            .timeout_connect(Some(CONNECT_LIMIT))
-            .timeout_global(Some(ANSWER_LIMIT))
-            .build();
-        Self {
-            agent: config.into(),
-            base: format!("{}/v1/worker", server.trim_end_matches('/')),
-            authorization: token.map(|token| format!("Bearer {token}")),
-        }
+        Self(Http::new(server, token, RESPONSE_LIMIT))
     }
 
     /// Introduces the worker.
@@ -161,22 +145,13 @@ impl Client {
         what: &str,
         request: &impl Message,
     ) -> Result<Answer, ClientError> {
-        let mut call = self
-            .agent
-            .post(format!("{}/{what}", self.base))
-            .header("content-type", CONTENT_TYPE);
-        if let Some(authorization) = &self.authorization {
-            call = call.header("authorization", authorization);
-        }
-        decoded(&answer(call.send(request.encode_to_vec()))?)
+        let headers = [("content-type", CONTENT_TYPE)];
+        let path = format!("/v1/worker/{what}");
+        decoded(&self.0.post(&path, &headers, request.encode_to_vec())?.bytes)
     }
 
-    fn get(&self, path: &str) -> Result<Vec<u8>, ClientError> {
-        let mut call = self.agent.get(format!("{}/{path}", self.base));
-        if let Some(authorization) = &self.authorization {
-            call = call.header("authorization", authorization);
-        }
-        answer(call.call())
+    fn get(&self, what: &str) -> Result<Vec<u8>, ClientError> {
+        Ok(self.0.get(&format!("/v1/worker/{what}"))?.bytes)
     }
 }
 
@@ -188,47 +163,29 @@ fn decoded<Answer: Message + Default>(bytes: &[u8]) -> Result<Answer, ClientErro
     Answer::decode(bytes).map_err(unreadable)
 }
 
-fn answer(result: Result<Response<Body>, ureq::Error>) -> Result<Vec<u8>, ClientError> {
-    let unavailable = |error: ureq::Error| ClientError::Unavailable {
-        reason: error.to_string(),
-    };
-    let mut response = result.map_err(unavailable)?;
-    let status = response.status();
-    let bytes = response
-        .body_mut()
-        .with_config()
-        .limit(MOST_BYTES)
-        .read_to_vec()
-        .map_err(unavailable)?;
-    if status.is_success() {
-        Ok(bytes)
-    } else {
-        Err(refusal(status, &bytes))
-    }
-}
-
-fn refusal(status: StatusCode, body: &[u8]) -> ClientError {
-    let problem: Value = serde_json::from_slice(body).unwrap_or_default();
-    let text = |name: &str| {
-        problem
-            .get(name)
-            .and_then(Value::as_str)
-            .unwrap_or_default()
-            .to_owned()
-    };
-    let (slug, told) = (text("type"), format!("{}: {}", text("title"), text("detail")));
-    if slug.ends_with("stale-lease") {
-        ClientError::Stale
-    } else if slug.ends_with("unknown-worker") {
-        ClientError::UnknownWorker
-    } else if status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS {
-        ClientError::Unavailable {
-            reason: format!("{status}: {told}"),
-        }
-    } else {
-        ClientError::Refused {
-            status: status.as_u16(),
-            problem: told,
+impl From<HttpError> for ClientError {
+    fn from(error: HttpError) -> Self {
+        let problem = match error {
+            HttpError::Unreachable(error) => {
+                let reason = error.to_string();
+                return Self::Unavailable { reason };
+            }
+            HttpError::Problem(problem) => problem,
+        };
+        let (status, text) = (problem.status, problem.message());
+        if problem.is("stale-lease") {
+            Self::Stale
+        } else if problem.is("unknown-worker") {
+            Self::UnknownWorker
+        } else if status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS {
+            let reason = format!("{status}: {text}");
+            Self::Unavailable { reason }
+        } else {
+            let status = status.as_u16();
+            Self::Refused {
+                status,
+                problem: text,
+            }
         }
     }
 }
@@ -236,12 +193,14 @@ fn refusal(status: StatusCode, body: &[u8]) -> ClientError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::http::Problem;
 
     #[test]
     fn a_problem_says_whether_to_drop_to_register_again_to_wait_or_to_stop() {
         let kind = |status: u16, slug: &str| {
             let body = format!("{{\"type\": \"/problems/{slug}\", \"title\": \"t\", \"detail\": \"d\"}}");
-            refusal(StatusCode::from_u16(status).unwrap(), body.as_bytes())
+            let problem = Problem::new(StatusCode::from_u16(status).unwrap(), body.as_bytes());
+            ClientError::from(HttpError::Problem(problem))
         };
         assert!(matches!(kind(409, "stale-lease"), ClientError::Stale));
         assert!(matches!(kind(404, "unknown-worker"), ClientError::UnknownWorker));
@@ -255,7 +214,10 @@ mod tests {
             ClientError::Refused { status: 401, .. }
         ));
         assert!(matches!(
-            refusal(StatusCode::BAD_GATEWAY, b"<html>"),
+            ClientError::from(HttpError::Problem(Problem::new(
+                StatusCode::BAD_GATEWAY,
+                b"<html>"
+            ))),
             ClientError::Unavailable { .. }
         ));
     }

@@ -12,13 +12,11 @@
 //! Filters of side 3 continue a picture by its edge. Opset 17, float32.
 
 mod graph;
-mod johnson;
 
 use super::layer::{BLOCKS, COLOUR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PARAMETERS, PIXEL, REDUCE, Weights};
 use super::wire::{Value, bytes, fields, integer};
-use graph::{Attribute, Form, Graph};
 
-pub use johnson::johnson;
+pub use graph::{Attribute, Form, Graph};
 
 const IR_VERSION: i64 = 8;
 const OPSET: i64 = 17;
@@ -29,7 +27,9 @@ pub fn write(weights: &Weights, metadata: &[(&str, &str)]) -> Vec<u8> {
     model(&graph(weights), metadata)
 }
 
-fn model(graph: &[u8], metadata: &[(&str, &str)]) -> Vec<u8> {
+/// The ONNX file of a graph.
+#[must_use]
+pub fn model(graph: &[u8], metadata: &[(&str, &str)]) -> Vec<u8> {
     let mut model = Vec::new();
     integer(&mut model, 1, IR_VERSION);
     bytes(&mut model, 2, b"fathom");

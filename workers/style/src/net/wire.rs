@@ -1,24 +1,18 @@
 //! As much of the protobuf wire format as an ONNX file needs.
 
+use prost::encoding::{WireType, decode_key, decode_varint, encode_key, encode_varint};
+
 /// Bytes under a field number.
-pub(crate) fn bytes(out: &mut Vec<u8>, field: u64, bytes: &[u8]) {
-    varint(out, field << 3 | 2);
-    varint(out, bytes.len() as u64);
+pub(crate) fn bytes(out: &mut Vec<u8>, field: u32, bytes: &[u8]) {
+    encode_key(field, WireType::LengthDelimited, out);
+    encode_varint(bytes.len() as u64, out);
     out.extend_from_slice(bytes);
 }
 
 /// An integer under a field number; negative ones in two's complement of 64 bits.
-pub(crate) fn integer(out: &mut Vec<u8>, field: u64, value: i64) {
-    varint(out, field << 3);
-    varint(out, value as u64);
-}
-
-fn varint(out: &mut Vec<u8>, mut value: u64) {
-    while value >= 0x80 {
-        out.push(value as u8 | 0x80);
-        value >>= 7;
-    }
-    out.push(value as u8);
+pub(crate) fn integer(out: &mut Vec<u8>, field: u32, value: i64) {
+    encode_key(field, WireType::Varint, out);
+    encode_varint(value as u64, out);
 }
 
 /// What stands under a field number.
@@ -31,7 +25,7 @@ pub(crate) enum Value<'a> {
 }
 
 /// The fields of a message in their order; stops with `None` inside at the first byte that is no protobuf.
-pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u64, Value<'_>)>> {
+pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u32, Value<'_>)>> {
     let mut rest = Some(message);
     std::iter::from_fn(move || {
         let now = rest.filter(|bytes| !bytes.is_empty())?;
@@ -41,34 +35,24 @@ pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u64, Value<
     })
 }
 
-fn field(message: &[u8]) -> Option<((u64, Value<'_>), &[u8])> {
-    let (key, rest) = read_varint(message)?;
-    let (value, rest) = match key & 7 {
-        0 => {
-            let (value, rest) = read_varint(rest)?;
-            (Value::Integer(value), rest)
+fn field(mut message: &[u8]) -> Option<((u32, Value<'_>), &[u8])> {
+    let (number, kind) = decode_key(&mut message).ok()?;
+    let length = match kind {
+        WireType::Varint => {
+            let value = decode_varint(&mut message).ok()?;
+            return Some(((number, Value::Integer(value)), message));
         }
-        1 => (Value::Fixed, rest.get(8..)?),
-        2 => {
-            let (length, rest) = read_varint(rest)?;
-            let (bytes, rest) = rest.split_at_checked(usize::try_from(length).ok()?)?;
-            (Value::Bytes(bytes), rest)
-        }
-        5 => (Value::Fixed, rest.get(4..)?),
-        _ => return None,
+        WireType::LengthDelimited => usize::try_from(decode_varint(&mut message).ok()?).ok()?,
+        WireType::ThirtyTwoBit => 4,
+        WireType::SixtyFourBit => 8,
+        WireType::StartGroup | WireType::EndGroup => return None,
     };
-    Some(((key >> 3, value), rest))
-}
-
-fn read_varint(bytes: &[u8]) -> Option<(u64, &[u8])> {
-    let mut value = 0;
-    for (index, &byte) in bytes.iter().take(10).enumerate() {
-        value |= u64::from(byte & 0x7f) << (7 * index);
-        if byte < 0x80 {
-            return Some((value, &bytes[index + 1..]));
-        }
-    }
-    None
+    let (bytes, rest) = message.split_at_checked(length)?;
+    let value = match kind {
+        WireType::LengthDelimited => Value::Bytes(bytes),
+        _ => Value::Fixed,
+    };
+    Some(((number, value), rest))
 }
 
 #[cfg(test)]

@@ -164,16 +164,3 @@ fn a_model_of_another_form_is_refused_before_it_runs() {
         "{error}"
     );
 }
-
-/// The family of fast neural style runs as any other network of a user's.
-#[test]
-fn a_network_with_instance_normalisation_loads_and_runs() {
-    let model = model_of(&style::net::onnx::johnson(1));
-    assert!(model.needs_runtime() && Session::native(&model).is_none());
-    let mut session = runtime().session(&model).unwrap();
-    let frame = Rgb::from_fn(45, 38, |x, y| [x as f32 / 45.0, y as f32 / 38.0, 0.3]);
-    let styled = session.apply(&frame, None).unwrap();
-    assert_eq!(styled.size(), (45, 38));
-    let red = styled.planes()[0].data();
-    assert!(red.iter().any(|&value| (value - red[0]).abs() > 0.01));
-}

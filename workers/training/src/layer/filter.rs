@@ -1,5 +1,7 @@
 //! Filters of side 3 on bordered channels, and their gradients.
 
+use std::ops::Range;
+
 use imaging::simd::vectorised;
 
 use crate::real::Real;
@@ -8,6 +10,14 @@ use crate::tensor::Tensor;
 /// Sums that a dot product keeps side by side: a fixed number, so that its bits do not depend on the CPU.
 const LANES: usize = 8;
 
+/// The channels that an output sees: all of them, or, with a single kernel for each output, its own.
+fn seen(output: usize, kernels: usize, channels: usize) -> Range<usize> {
+    match kernels {
+        1 => output..output + 1,
+        _ => 0..channels,
+    }
+}
+
 /// `out[o] = bias[o] + sum of in[i] * weight[o][i]` over bordered channels, in steps of 1 or 2.
 pub(crate) fn forward<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T], step: usize) -> Tensor<T> {
     let (width, height) = (
@@ -15,13 +25,14 @@ pub(crate) fn forward<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T], step
         (input.height - 2).div_ceil(step),
     );
     let mut out = Tensor::zeros(bias.len(), height, width);
+    let kernels = weight.len() / 9 / bias.len();
     vectorised(
         #[inline(always)]
         || {
             for output in 0..bias.len() {
                 out.plane_mut(output).fill(bias[output]);
-                for channel in 0..input.channels {
-                    let taps = &weight[9 * (output * input.channels + channel)..][..9];
+                let taps = weight[9 * kernels * output..].chunks_exact(9);
+                for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
                     for y in 0..height {
                         for row in 0..3 {
                             let samples = input.row(channel, step * y + row);
@@ -33,23 +44,6 @@ pub(crate) fn forward<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T], step
             }
         },
     );
-    out
-}
-
-/// The same for each channel by itself.
-pub(crate) fn forward_each<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T]) -> Tensor<T> {
-    let (width, height) = (input.width - 2, input.height - 2);
-    let mut out = Tensor::zeros(bias.len(), height, width);
-    for channel in 0..bias.len() {
-        out.plane_mut(channel).fill(bias[channel]);
-        for y in 0..height {
-            for row in 0..3 {
-                let taps = &weight[9 * channel + 3 * row..];
-                let samples = input.row(channel, y + row);
-                add_row(out.row_mut(channel, y), samples, [taps[0], taps[1], taps[2]], 1);
-            }
-        }
-    }
     out
 }
 
@@ -76,31 +70,19 @@ pub(crate) fn backward_weights<T: Real>(
     step: usize,
     (weight, bias): (&mut [T], &mut [T]),
 ) {
+    let kernels = weight.len() / 9 / bias.len();
     vectorised(
         #[inline(always)]
         || {
             for output in 0..gradient.channels {
                 bias[output] += total(gradient.plane(output));
-                for channel in 0..input.channels {
-                    let taps = &mut weight[9 * (output * input.channels + channel)..][..9];
+                let taps = weight[9 * kernels * output..].chunks_exact_mut(9);
+                for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
                     add_taps(input, channel, gradient, output, step, taps);
                 }
             }
         },
     );
-}
-
-/// The same for each channel by itself.
-pub(crate) fn backward_weights_each<T: Real>(
-    input: &Tensor<T>,
-    gradient: &Tensor<T>,
-    (weight, bias): (&mut [T], &mut [T]),
-) {
-    for channel in 0..gradient.channels {
-        bias[channel] += total(gradient.plane(channel));
-        let taps = &mut weight[9 * channel..9 * channel + 9];
-        add_taps(input, channel, gradient, channel, 1, taps);
-    }
 }
 
 #[inline(always)]
@@ -166,32 +148,22 @@ fn total<T: Real>(values: &[T]) -> T {
 pub(crate) fn backward_input<T: Real>(
     gradient: &Tensor<T>,
     weight: &[T],
-    channels: usize,
-    (height, width): (usize, usize),
+    input: &Tensor<T>,
     step: usize,
 ) -> Tensor<T> {
-    let mut out = Tensor::zeros(channels, height, width);
+    let mut out = input.like();
+    let kernels = weight.len() / 9 / gradient.channels;
     vectorised(
         #[inline(always)]
         || {
-            for channel in 0..channels {
-                for output in 0..gradient.channels {
-                    let taps = &weight[9 * (output * channels + channel)..][..9];
+            for output in 0..gradient.channels {
+                let taps = weight[9 * kernels * output..].chunks_exact(9);
+                for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
                     spread_channel(gradient, output, taps, &mut out, channel, step);
                 }
             }
         },
     );
-    out
-}
-
-/// The same for each channel by itself.
-pub(crate) fn backward_input_each<T: Real>(gradient: &Tensor<T>, weight: &[T]) -> Tensor<T> {
-    let mut out = Tensor::zeros(gradient.channels, gradient.height + 2, gradient.width + 2);
-    for channel in 0..gradient.channels {
-        let taps = &weight[9 * channel..9 * channel + 9];
-        spread_channel(gradient, channel, taps, &mut out, channel, 1);
-    }
     out
 }
 

@@ -1,53 +1,36 @@
-//! Progress of a training: a bar with the losses on a terminal, plain lines elsewhere.
+//! Progress of a training: the losses beside the bar, and a file for the service that asks for the training.
 
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use cli::exit::Failure;
 use cli::files;
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::progress::Progress;
 use serde_json::json;
 use training::loss::Losses;
 
-/// Plain lines come at most this often.
-const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
-/// A file is written at most this often.
+/// The file is written at most this often.
 const FILE_INTERVAL: Duration = Duration::from_millis(250);
 /// Share of the newest losses in those that are shown: single steps jump about.
 const NEWEST: f64 = 0.1;
 
 pub(super) struct TrainingProgress {
-    bar: ProgressBar,
-    plain: bool,
-    steps: usize,
+    bar: Progress,
     shown: Option<[f64; 3]>,
-    last: Option<Instant>,
     file: Option<PathBuf>,
-    told: Option<Instant>,
+    written: Option<Instant>,
 }
 
 impl TrainingProgress {
-    pub(super) fn new(steps: usize, file: Option<PathBuf>) -> Self {
-        let plain = !std::io::stderr().is_terminal();
-        let bar = if plain {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new(steps as u64)
-        };
-        let style = "train [{bar:30.cyan/blue}] {pos}/{len} steps · {msg} · {eta} left";
-        if let Ok(style) = ProgressStyle::with_template(style) {
-            bar.set_style(style.progress_chars("━╸ "));
-        }
-        Self {
-            bar,
-            plain,
-            steps,
+    pub(super) fn new(steps: usize, file: Option<PathBuf>) -> Result<Self, Failure> {
+        let mut progress = Self {
+            bar: Progress::new("train", "steps", steps as u64),
             shown: None,
-            last: None,
             file,
-            told: None,
-        }
+            written: None,
+        };
+        progress.write(0)?;
+        Ok(progress)
     }
 
     pub(super) fn set(&mut self, done: usize, losses: &Losses) -> Result<(), Failure> {
@@ -57,29 +40,22 @@ impl TrainingProgress {
         });
         self.shown = Some(shown);
         let [texture, colour, content] = shown;
-        let message = format!("texture {texture:.3} colour {colour:.3} content {content:.3}");
-        let due = done == self.steps || self.last.is_none_or(|last| last.elapsed() >= PLAIN_INTERVAL);
-        if self.plain && due {
-            eprintln!("train: {done}/{} steps · {message}", self.steps);
-            self.last = Some(Instant::now());
-        }
-        self.bar.set_position(done as u64);
-        self.bar.set_message(message);
-        if self.told.is_none_or(|told| told.elapsed() >= FILE_INTERVAL) {
-            self.tell(done)?;
+        let message = format!("steps · texture {texture:.3} colour {colour:.3} content {content:.3}");
+        self.bar.set_with(done as u64, message);
+        if self
+            .written
+            .is_none_or(|written| written.elapsed() >= FILE_INTERVAL)
+        {
+            self.write(done)?;
         }
         Ok(())
     }
 
-    /// Writes the file that was asked for.
-    pub(super) fn tell(&mut self, done: usize) -> Result<(), Failure> {
-        let Some(file) = &self.file else {
-            return Ok(());
-        };
-        let losses = self.shown.map(
-            |[texture, colour, content]| json!({"texture": texture, "colour": colour, "content": content}),
-        );
-        self.told = Some(Instant::now());
+    fn write(&mut self, done: usize) -> Result<(), Failure> {
+        let Some(file) = &self.file else { return Ok(()) };
+        let named = |[texture, colour, content]: [f64; 3]| json!({"texture": texture, "colour": colour, "content": content});
+        let losses = self.shown.map(named);
+        self.written = Some(Instant::now());
         files::write(
             file,
             json!({"done": done, "losses": losses}).to_string().as_bytes(),
@@ -87,6 +63,6 @@ impl TrainingProgress {
     }
 
     pub(super) fn finish(self) {
-        self.bar.finish_and_clear();
+        self.bar.finish();
     }
 }

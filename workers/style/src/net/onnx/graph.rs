@@ -8,21 +8,26 @@ use super::super::wire::{bytes, integer};
 const FLOAT: i64 = 1;
 const INT64: i64 = 7;
 
-pub(crate) enum Attribute<'a> {
+/// The value of an attribute.
+pub enum Attribute<'a> {
+    /// A whole number.
     Integer(i64),
+    /// Whole numbers.
     Integers(&'a [i64]),
+    /// Text.
     Text(&'a str),
 }
 
 /// A graph from `image` to `styled`.
 #[derive(Default)]
-pub(crate) struct Graph {
+pub struct Graph {
     message: Vec<u8>,
     tensors: Vec<Vec<u8>>,
 }
 
 impl Graph {
-    pub(crate) fn node(
+    /// Adds an operator with one output.
+    pub fn node(
         &mut self,
         operator: &str,
         inputs: &[&str],
@@ -43,7 +48,7 @@ impl Graph {
     }
 
     /// A convolution after padding each side, by the edge or by reflection. Its tensors are NAME.weight and NAME.bias.
-    pub(crate) fn convolution(&mut self, name: &str, ports: (&str, &str), form: Form) {
+    pub fn convolution(&mut self, name: &str, ports: (&str, &str), form: Form) {
         let (input, output) = ports;
         let mut input = Cow::Borrowed(input);
         if let Some((border, mode)) = form.padding {
@@ -66,20 +71,21 @@ impl Graph {
     }
 
     /// A tensor of floats.
-    pub(crate) fn floats(&mut self, name: &str, sides: &[i64], values: &[f32]) {
+    pub fn floats(&mut self, name: &str, sides: &[i64], values: &[f32]) {
         let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.tensors.push(tensor(name, FLOAT, sides, &raw));
     }
 
     /// A list of whole numbers.
-    pub(crate) fn integers(&mut self, name: &str, values: &[i64]) {
+    pub fn integers(&mut self, name: &str, values: &[i64]) {
         let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.tensors
             .push(tensor(name, INT64, &[values.len() as i64], &raw));
     }
 
     /// The graph's message.
-    pub(crate) fn finish(mut self, name: &str) -> Vec<u8> {
+    #[must_use]
+    pub fn finish(mut self, name: &str) -> Vec<u8> {
         let message = &mut self.message;
         bytes(message, 2, name.as_bytes());
         for tensor in &self.tensors {
@@ -93,12 +99,15 @@ impl Graph {
 
 /// Form of a convolution.
 #[derive(Clone, Copy)]
-pub(crate) struct Form {
-    pub(crate) side: i64,
-    pub(crate) step: i64,
-    pub(crate) groups: i64,
+pub struct Form {
+    /// Side of the kernel.
+    pub side: i64,
+    /// Stride.
+    pub step: i64,
+    /// Groups of channels.
+    pub groups: i64,
     /// Name of the tensor with the borders, and the mode.
-    pub(crate) padding: Option<(&'static str, &'static str)>,
+    pub padding: Option<(&'static str, &'static str)>,
 }
 
 fn attribute(name: &str, value: &Attribute<'_>) -> Vec<u8> {

@@ -3,8 +3,7 @@
 
 use imaging::random::Stream;
 
-use super::graph::{Attribute, Form, Graph};
-use super::model;
+use style::net::onnx::{Attribute, Form, Graph, model};
 
 /// Channels at full, half and quarter resolution.
 const CHANNELS: [usize; 3] = [32, 64, 128];
@@ -94,5 +93,28 @@ impl Builder {
             .floats(&format!("{name}.bias"), &sides[..1], &vec![bias; to]);
         self.layers += 1;
         name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use imaging::Rgb;
+    use style::{Runtime, Session, StyleModel};
+
+    use super::johnson;
+
+    /// It runs as any other network of a user's.
+    #[test]
+    fn a_network_with_instance_normalisation_loads_and_runs() {
+        let model = StyleModel::without_card("johnson", johnson(1));
+        assert!(model.needs_runtime() && Session::native(&model).is_none());
+        let mut session = Runtime::load(None).unwrap().session(&model).unwrap();
+        let frame = Rgb::from_fn(45, 38, |x, y| [x as f32 / 45.0, y as f32 / 38.0, 0.3]);
+        let styled = session.apply(&frame, None).unwrap();
+        assert_eq!(styled.size(), (45, 38));
+        let red = styled.planes()[0].data();
+        assert!(red.iter().any(|&value| (value - red[0]).abs() > 0.01));
     }
 }
