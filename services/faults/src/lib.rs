@@ -36,7 +36,7 @@ pub fn point(name: &str) {
     }
 }
 
-/// Passes a point on behalf of a frame; answers whether the caller shall do what the point is named for.
+/// Passes a point on behalf of a frame; returns whether the caller is to do what the point is named for.
 #[must_use]
 pub fn frame_point(name: &str, frame: u64) -> bool {
     let Some(plan) = plan() else { return false };

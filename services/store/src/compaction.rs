@@ -68,7 +68,7 @@ impl Store {
         }
     }
 
-    /// Moves the blobs of a pack to the one that grows; answers their bytes. Damaged ones stay, and with them the pack.
+    /// Moves the blobs of a pack to the one that grows; returns their bytes. Damaged ones stay, and so does the pack.
     async fn empty(&self, pack: u32) -> Result<u64, StoreError> {
         let (mut step, mut in_step, mut moved) = (Vec::new(), 0, 0);
         let blobs = self.index().blobs_of(pack);

@@ -30,7 +30,7 @@ pub(crate) struct Index {
     packs: BTreeMap<u32, PackUse>,
     /// Found not to have their digest any more. A put replaces them.
     damaged: HashSet<Digest>,
-    /// Packs that shall not grow.
+    /// Packs that must not grow.
     sealed: HashSet<u32>,
     /// The largest number that a pack has had.
     newest: u32,
@@ -113,7 +113,7 @@ impl Index {
         self.places.contains_key(digest) && !self.damaged.contains(digest)
     }
 
-    /// Makes a place that is on the disk known; answers where the blob was before.
+    /// Records where a blob is on the disk; returns where it was before.
     pub(crate) fn insert(&mut self, digest: Digest, place: Place) -> Option<Place> {
         self.damaged.remove(&digest);
         let before = self.places.insert(digest, place);
@@ -124,7 +124,7 @@ impl Index {
         before
     }
 
-    /// Makes a blob unknown; answers where it was.
+    /// Removes a blob; returns where it was.
     pub(crate) fn remove(&mut self, digest: &Digest) -> Option<Place> {
         self.damaged.remove(digest);
         let before = self.places.remove(digest);
@@ -141,7 +141,7 @@ impl Index {
         }
     }
 
-    /// Its bytes, read from this place, are not its own. The pack they are in shall not grow: it may have more damage.
+    /// The bytes at this place are not the blob's. Their pack must not grow: it may have more damage.
     pub(crate) fn set_damaged(&mut self, digest: Digest, place: Place) {
         if self.place(&digest) == Some(place) {
             self.damaged.insert(digest);
@@ -159,7 +159,7 @@ impl Index {
         self.newest = self.newest.max(pack);
     }
 
-    /// Forgets a pack that holds no blob; answers whether it did.
+    /// Removes a pack that holds no blob; returns whether it did.
     pub(crate) fn remove_pack(&mut self, pack: u32) -> bool {
         let empty = self.packs.get(&pack).is_some_and(|used| used.blobs == 0);
         if empty {

@@ -109,7 +109,7 @@ impl Store {
         self.writer()?.put(new).await
     }
 
-    /// The bytes of a digest, hashed again; none if it is not stored.
+    /// Reads and verifies a blob; `None` if it is not stored.
     ///
     /// # Errors
     /// [`StoreError::Corrupt`] when the stored bytes no longer have this digest: they are not served.
@@ -164,8 +164,8 @@ impl Store {
         }
     }
 
-    /// Makes blobs unreadable, and their space free for [`Store::compact`]; answers their bytes. What is not there is
-    /// left out. Nobody may name one of them again before this returns.
+    /// Deletes blobs, which leaves their space to [`Store::compact`]; returns their bytes. Missing blobs are skipped. None
+    /// of them may be stored again before this returns.
     ///
     /// # Errors
     /// [`StoreError::NotADigest`]: nothing is deleted. [`StoreError::Full`]: some may be; the call can be repeated.

@@ -99,7 +99,7 @@ impl Task {
             }) else {
                 break;
             };
-            // A caller that went away loses nothing, so what its answer meets does not matter.
+            // A caller may have gone away; its reply is then dropped.
             match call {
                 Call::Put(blobs, answer) => waiting = self.put(blobs, answer, &mut queue).await,
                 Call::Move(from, blobs, answer) => drop(answer.send(self.shift(from, blobs).await)),
@@ -114,7 +114,7 @@ impl Task {
         }
     }
 
-    /// Stores what this call and those behind it bring; answers the first that brings something else.
+    /// Stores the blobs of this call and of those waiting behind it; returns the first call of another kind.
     async fn put(
         &mut self,
         mut blobs: Vec<Put>,
@@ -258,7 +258,7 @@ impl Task {
         Ok(true)
     }
 
-    /// The pack that grows; a new one when the last is full or shall not grow.
+    /// The pack that grows; a new one when the last is full or must not grow.
     async fn pack(&mut self) -> Result<(u32, &mut SqliteConnection), StoreError> {
         let growing = self.shared.index().growing();
         let number = match growing {

@@ -1,6 +1,6 @@
 //! Files as values: bytes in, pictures out, and back. No file is opened here.
 //!
-//! Whatever the bytes are, decoding answers a value or an error. Sides, pixels and the decoder's memory are limited
+//! Whatever the bytes are, decoding returns a value or an error. Sides, pixels and the decoder's memory are limited
 //! before anything is allocated, from what the header says.
 
 mod decode;
@@ -22,7 +22,7 @@ pub const MAX_PIXELS: usize = 64_000_000;
 /// Most memory a decoder may take beside its output.
 pub const MAX_DECODER_BYTES: usize = 256 << 20;
 
-/// Bytes that are no picture or plane that can be used.
+/// Bytes that cannot be decoded to a usable picture or plane.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// The first bytes belong to no known format.

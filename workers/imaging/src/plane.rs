@@ -29,6 +29,21 @@ pub enum SizeError {
     },
 }
 
+impl SizeError {
+    /// Checks the length of a buffer for a picture of these sides.
+    pub(crate) fn check(width: usize, height: usize, expected: usize, actual: usize) -> Result<(), Self> {
+        if actual == expected {
+            return Ok(());
+        }
+        Err(Self::Length {
+            width,
+            height,
+            expected,
+            actual,
+        })
+    }
+}
+
 /// One band of a picture. May be empty; every consumer says what it does with an empty plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane<T> {
@@ -43,15 +58,7 @@ impl<T> Plane<T> {
     /// # Errors
     /// [`SizeError::Length`] when the buffer is shorter or longer.
     pub fn new(width: usize, height: usize, data: Vec<T>) -> Result<Self, SizeError> {
-        let expected = width.saturating_mul(height);
-        if data.len() != expected {
-            return Err(SizeError::Length {
-                width,
-                height,
-                expected,
-                actual: data.len(),
-            });
-        }
+        SizeError::check(width, height, width.saturating_mul(height), data.len())?;
         Ok(Self { width, height, data })
     }
 

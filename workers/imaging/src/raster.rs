@@ -83,24 +83,14 @@ impl Raster {
         alpha: Option<Samples>,
     ) -> Result<Self, SizeError> {
         let pixels = width.saturating_mul(height);
-        let expected = pixels.saturating_mul(channels.count());
-        if samples.len() != expected {
-            return Err(SizeError::Length {
-                width,
-                height,
-                expected,
-                actual: samples.len(),
-            });
-        }
-        if let Some(alpha) = &alpha
-            && alpha.len() != pixels
-        {
-            return Err(SizeError::Length {
-                width,
-                height,
-                expected: pixels,
-                actual: alpha.len(),
-            });
+        SizeError::check(
+            width,
+            height,
+            pixels.saturating_mul(channels.count()),
+            samples.len(),
+        )?;
+        if let Some(alpha) = &alpha {
+            SizeError::check(width, height, pixels, alpha.len())?;
         }
         Ok(Self {
             width,
@@ -109,6 +99,16 @@ impl Raster {
             samples,
             alpha,
         })
+    }
+
+    fn opaque((width, height): (usize, usize), channels: Channels, samples: Samples) -> Self {
+        Self {
+            width,
+            height,
+            channels,
+            samples,
+            alpha: None,
+        }
     }
 
     /// Columns.
@@ -160,39 +160,19 @@ impl Raster {
 impl From<Rgb8> for Raster {
     fn from(picture: Rgb8) -> Self {
         let Rgb8 { width, height, data } = picture;
-        Self {
-            width,
-            height,
-            channels: Channels::Rgb,
-            samples: Samples::U8(data),
-            alpha: None,
-        }
+        Self::opaque((width, height), Channels::Rgb, Samples::U8(data))
     }
 }
 
 impl From<Plane<u8>> for Raster {
     fn from(plane: Plane<u8>) -> Self {
-        let (width, height) = plane.size();
-        Self {
-            width,
-            height,
-            channels: Channels::Gray,
-            samples: Samples::U8(plane.into_data()),
-            alpha: None,
-        }
+        Self::opaque(plane.size(), Channels::Gray, Samples::U8(plane.into_data()))
     }
 }
 
 impl From<Plane<u16>> for Raster {
     fn from(plane: Plane<u16>) -> Self {
-        let (width, height) = plane.size();
-        Self {
-            width,
-            height,
-            channels: Channels::Gray,
-            samples: Samples::U16(plane.into_data()),
-            alpha: None,
-        }
+        Self::opaque(plane.size(), Channels::Gray, Samples::U16(plane.into_data()))
     }
 }
 
@@ -211,14 +191,7 @@ impl Rgb8 {
     /// [`SizeError::Length`] when the buffer is shorter or longer.
     pub fn new(width: usize, height: usize, data: Vec<u8>) -> Result<Self, SizeError> {
         let expected = width.saturating_mul(height).saturating_mul(3);
-        if data.len() != expected {
-            return Err(SizeError::Length {
-                width,
-                height,
-                expected,
-                actual: data.len(),
-            });
-        }
+        SizeError::check(width, height, expected, data.len())?;
         Ok(Self { width, height, data })
     }
 
