@@ -23,7 +23,7 @@ const KNOWN: &[(&str, &[&str])] = &[
     ("services/spec", &["check", "fields", "own_water"]),
     (
         "workers/optics",
-        &["chain", "forward_scatter", "plan", "preset", "water"],
+        &["chain", "forward_scatter", "plan", "preset", "setting", "water"],
     ),
     ("workers/optics", &["lamp", "turbidity"]),
     ("workers/renderer", &["record", "stage"]),

@@ -1,13 +1,14 @@
 //! Random frames against the promise of the plan: that no error exceeds its bound, and that it costs little more than the
 //! cheapest form that would have done.
 
+mod adversary;
 mod cases;
 mod report;
 
 use imaging::{Rgb, transfer};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{AttenuationStep, Plan, ScatterStep, SceneStats};
+use optics::plan::{Form, Plan, ScatterStep, SceneStats};
 use spec::Fidelity;
 
 use crate::chart::time_once;
@@ -75,7 +76,7 @@ pub fn run(case: &Case) -> Vec<Outcome> {
         ..
     } = case;
     let stats = SceneStats::measure(radiance, range, water);
-    let planned_for = |fidelity| Plan::for_frame(&stats, water, None, &[], fidelity);
+    let planned_for = |fidelity| Plan::for_water(&stats, water, fidelity);
     let plan = planned_for(Fidelity::Tolerance(case.tolerance));
     let doubled = (radiance.map(|&j| f64::from(j)), range.map(|&z| f64::from(z)));
     let Ok(exact) = chain::water_reference(&doubled.0, &doubled.1, water) else {
@@ -95,16 +96,13 @@ pub fn run(case: &Case) -> Vec<Outcome> {
             *ms = ms.min(time_once(|| render(plan)));
         }
     }
-    let terms = |plan: &Plan, channel: usize| match &plan.scatter[channel] {
-        ScatterStep::Interpolated(nodes) => nodes.terms(),
-        _ => 0,
-    };
+    let terms = |plan: &Plan, channel: usize| kernels(&plan.scatter[channel].form);
     let outcome = |channel: usize| Outcome {
         seed: case.seed,
         channel,
         about: case.about.clone(),
         tolerance: case.tolerance,
-        bound: plan.bounds.map_or(f64::NAN, |bounds| bounds[channel]),
+        bound: plan.bounds().map_or(f64::NAN, |bounds| bounds[channel]),
         error: planned[channel],
         terms: terms(&plan, channel),
         fewest: terms(&cheapest, channel),
@@ -122,38 +120,43 @@ fn cheapest(
     planned_for: &impl Fn(Fidelity) -> Plan,
     errors: &mut impl FnMut(&Plan) -> [f64; 3],
 ) -> Plan {
-    let kernels = |step: &ScatterStep| match step {
-        ScatterStep::Interpolated(nodes) => nodes.terms(),
-        _ => 0,
-    };
-    let most = plan.scatter.iter().map(kernels).max().unwrap_or(0);
+    let most = plan
+        .scatter
+        .iter()
+        .map(|stage| kernels(&stage.form))
+        .max()
+        .unwrap_or(0);
     let mut forms: Vec<[ScatterStep; 3]> = pointless(plan);
-    forms.extend((1..most).map(|terms| planned_for(Fidelity::Terms(terms)).scatter));
+    let steps = |plan: Plan| plan.scatter.map(|stage| stage.form);
+    forms.extend((1..most).map(|terms| steps(planned_for(Fidelity::Terms(terms)))));
     let mut cheapest = plan.clone();
     let mut found = [false; 3];
     for form in forms {
         let mut cheaper = plan.clone();
-        cheaper.attenuation = AttenuationStep::Fast;
-        cheaper.scatter = form;
+        cheaper.attenuation.form = Form::Fast;
+        for (stage, form) in cheaper.scatter.iter_mut().zip(form) {
+            stage.form = form;
+        }
         let errors = errors(&cheaper);
         for channel in 0..3 {
-            let step = &cheaper.scatter[channel];
-            let saves = kernels(step) < kernels(&cheapest.scatter[channel]);
+            let step = &cheaper.scatter[channel].form;
+            let saves = kernels(step) < kernels(&cheapest.scatter[channel].form);
             if !found[channel] && saves && errors[channel] <= case.tolerance {
                 found[channel] = true;
-                cheapest.scatter[channel] = step.clone();
+                cheapest.scatter[channel].form = step.clone();
             }
         }
     }
     cheapest
 }
 
+fn kernels(step: &ScatterStep) -> usize {
+    step.terms().unwrap_or(0)
+}
+
 /// The forms without any transform.
 fn pointless(plan: &Plan) -> Vec<[ScatterStep; 3]> {
-    let interpolates = plan
-        .scatter
-        .iter()
-        .any(|step| matches!(step, ScatterStep::Interpolated(_)));
+    let interpolates = plan.scatter.iter().any(|stage| stage.form.terms().is_some());
     let forms = [ScatterStep::Skip, ScatterStep::Pointwise];
     forms
         .into_iter()

@@ -117,7 +117,7 @@ pub fn cache_use((width, height): (usize, usize), frames: usize) -> Vec<CacheUse
             };
             let range = &scene.range;
             let stats = SceneStats::measure(&scene.radiance, range, &water);
-            let plan = Plan::for_frame(&stats, &water, None, &[], Fidelity::Tolerance(3e-4));
+            let plan = Plan::for_water(&stats, &water, Fidelity::Tolerance(3e-4));
             times.push(time_once(|| {
                 render(&scene.radiance, range, &water, &plan, &mut cache)
             }));

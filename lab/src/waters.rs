@@ -208,7 +208,7 @@ fn score(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
     });
     let range = Plane::filled(SIZE.0, SIZE.1, range_m as f32);
     let stats = SceneStats::measure(&before, &range, &water);
-    let plan = Plan::for_frame(&stats, &water, None, &[], Fidelity::Tolerance(1e-4));
+    let plan = Plan::for_water(&stats, &water, Fidelity::Tolerance(1e-4));
     let layers = chain::water(&before, &range, &water, &plan, &mut KernelCache::default()).ok()?;
     visibility(&before, &layers.scattered, &numbers, 1, CARD)?.score()
 }

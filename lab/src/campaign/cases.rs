@@ -6,6 +6,8 @@ use optics::preset::presets;
 use optics::water::Water;
 use spec::{ForwardScatter, HoleRule, Optics, ScatterModel, ScatterSource};
 
+use super::adversary::adversary;
+
 /// A frame to try.
 #[derive(Debug, Clone)]
 pub struct Case {
@@ -26,9 +28,19 @@ pub struct Case {
 /// Distinct ranges of a frame: the reference takes one transform for each.
 const LEVELS: f64 = 48.0;
 
+/// Every so many frames one is made against the bound.
+const ADVERSARIES: u64 = 40;
+
 /// The frame of a seed.
 #[must_use]
 pub fn case(seed: u64) -> Case {
+    let adversary = (seed % ADVERSARIES == ADVERSARIES - 1)
+        .then(|| adversary(seed))
+        .flatten();
+    adversary.unwrap_or_else(|| random(seed))
+}
+
+fn random(seed: u64) -> Case {
     let stream = Stream::stage(seed, "campaign");
     let unit = |what: u64| stream.unit(u64::MAX, what);
     let pick = |what: u64, count: usize| ((unit(what) * count as f64) as usize).min(count - 1);

@@ -94,7 +94,11 @@ pub fn g_close_to_c() -> Finding {
     };
     let errors = excesses.map(|excess| trial(excess.min(0.09)).error(Fidelity::Tolerance(TOLERANCE)));
     let equal = trial(0.0);
-    let skipped = equal.plan(PLENTY).scatter.iter().all(|s| *s == ScatterStep::Skip);
+    let skipped = equal
+        .plan(PLENTY)
+        .scatter
+        .iter()
+        .all(|s| s.form == ScatterStep::Skip);
     Finding {
         test: "g_close_to_c",
         tried: "The share of the light that arrives scattered, e^{−GZ} − e^{−cZ}, for c − G from 0.1 down to 1e-7 per metre and \
@@ -133,7 +137,7 @@ pub fn bright_lamps() -> Finding {
         };
         let plan = trial.plan(Fidelity::Tolerance(TOLERANCE));
         let bound = plan
-            .bounds
+            .bounds()
             .map_or(f64::NAN, |b| b.into_iter().fold(0.0, f64::max));
         let error = trial.error(Fidelity::Tolerance(TOLERANCE));
         above = above.max(error / bound);
@@ -246,7 +250,7 @@ pub fn a_tolerance_below_f32() -> Finding {
         water: water(ScatterModel::Jaffe, 1.0),
     };
     let asked = Fidelity::Tolerance(1e-9);
-    let bounds = trial.plan(asked).bounds.unwrap_or([f64::NAN; 3]);
+    let bounds = trial.plan(asked).bounds().unwrap_or([f64::NAN; 3]);
     let bound = bounds.into_iter().fold(0.0, f64::max);
     Finding {
         test: "a_tolerance_below_f32",

@@ -61,7 +61,7 @@ pub(super) fn slope((width, height): (usize, usize), nearest: f32, farthest: f32
 impl Trial {
     pub(super) fn plan(&self, fidelity: Fidelity) -> Plan {
         let stats = SceneStats::measure(&self.radiance, &self.range, &self.water);
-        Plan::for_frame(&stats, &self.water, None, &[], fidelity)
+        Plan::for_water(&stats, &self.water, fidelity)
     }
 
     pub(super) fn fast(&self, fidelity: Fidelity) -> Layers {

@@ -83,7 +83,7 @@ fn water(name: &str, scene: &ChartScene, model: ScatterModel, terms: usize, runs
     let (times, _) = time(runs, || {
         let water = coastal(size.0, model)?;
         let stats = SceneStats::measure(&scene.radiance, &scene.range, &water);
-        let plan = Plan::for_frame(&stats, &water, None, &[], Fidelity::Terms(terms));
+        let plan = Plan::for_water(&stats, &water, Fidelity::Terms(terms));
         let layers = chain::water(&scene.radiance, &scene.range, &water, &plan, &mut cache).ok()?;
         cache.recycle(layers);
         Some(())

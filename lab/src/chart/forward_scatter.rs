@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb};
 use optics::attenuation::scattered_share;
 use optics::chain;
 use optics::forward_scatter::{KernelCache, Nodes, scatter, scatter_reference, widest_px};
-use optics::plan::{AttenuationStep, Plan, ScatterStep, SceneStats};
+use optics::plan::{Form, Plan, ScatterStep, SceneStats};
 use optics::range::is_hole;
 use optics::water::{Scatter, Water};
 use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
@@ -66,8 +66,8 @@ impl Input {
                 .range
                 .map(|&z| spread.gamma(channel, f64::from(metres(z)), widest) as f32)
         };
-        let mut plan = Plan::without_water(None, &[]);
-        plan.attenuation = AttenuationStep::Fast;
+        let mut plan = Plan::in_air(1);
+        plan.attenuation.form = Form::Fast;
         let layers = chain::water(
             &scene.radiance,
             &scene.range,
@@ -77,12 +77,12 @@ impl Input {
         )
         .ok()?;
         let stats = SceneStats::measure(&scene.radiance, &scene.range, &water);
-        let planned = Plan::for_frame(&stats, &water, None, &[], Fidelity::Tolerance(DEFAULT_TOLERANCE));
+        let planned = Plan::for_water(&stats, &water, Fidelity::Tolerance(DEFAULT_TOLERANCE));
         Some(Self {
             light: [0, 1, 2].map(light),
             gamma: [0, 1, 2].map(gamma),
             rest: layers.scattered,
-            steps: planned.scatter,
+            steps: planned.scatter.map(|stage| stage.form),
         })
     }
 

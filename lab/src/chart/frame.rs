@@ -47,7 +47,7 @@ pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
                 (plan, image.ok())
             });
             let (plan, Some(image)) = answer else { return };
-            let terms = plan.describe().iter().filter_map(|note| note.terms).max();
+            let terms = plan.lines().iter().filter_map(|note| note.terms).max();
             let mut point = Point::new(
                 STAGE,
                 (&variant, terms),
@@ -74,7 +74,7 @@ pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
 
 fn planned(scene: &ChartScene, water: &Water, fidelity: Fidelity) -> Plan {
     let stats = SceneStats::measure(&scene.radiance, &scene.range, water);
-    Plan::for_frame(&stats, water, None, &[], fidelity)
+    Plan::for_water(&stats, water, fidelity)
 }
 
 fn exact(scene: &ChartScene, water: &Water) -> Option<Rgb<f32>> {

@@ -72,7 +72,7 @@ fn lamps(bench: &mut Criterion) {
                 b.iter(|| {
                     let normals = lamp::normals_of(black_box(&range), &lighting.camera);
                     let surfaces = lamp::irradiance(&range, &normals, &lighting);
-                    let lit = lamp::lit(&scene, [0.2; 3], &surfaces);
+                    let lit = lamp::lit(&scene, [0.2; 3], &surfaces.light);
                     (lit, lamp::airlight(&range, &lighting, 3e-4))
                 });
             },

@@ -49,7 +49,7 @@ fn water(bench: &mut Criterion) {
     let mut cache = KernelCache::new();
     let mut stage = |name: &str, water: Water, range: &Plane<f32>, fidelity: Fidelity| {
         let stats = SceneStats::measure(&radiance, range, &water);
-        let plan = Plan::for_frame(&stats, &water, None, &[], fidelity);
+        let plan = Plan::for_water(&stats, &water, fidelity);
         bench.bench_function(name, |b| {
             b.iter(|| {
                 let layers = chain::water(black_box(&radiance), range, &water, &plan, &mut cache);

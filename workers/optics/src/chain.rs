@@ -16,7 +16,7 @@ use spec::HoleRule;
 
 use crate::attenuation::exp_negative;
 use crate::forward_scatter::KernelCache;
-use crate::plan::{AttenuationStep, Plan, ScatterStep};
+use crate::plan::{Form, Plan, ScatterStep};
 use crate::range::{bounds, is_hole};
 use crate::water::Water;
 
@@ -50,7 +50,7 @@ pub fn water(
     plan: &Plan,
     cache: &mut KernelCache,
 ) -> Result<Layers, ChainError> {
-    if plan.attenuation == AttenuationStep::Reference {
+    if plan.attenuation.form == Form::Reference {
         let layers = water_reference(
             &radiance.map(|&j| f64::from(j)),
             &range.map(|&z| f64::from(z)),
@@ -69,16 +69,19 @@ pub fn water(
     let holes = check::holes(range, water.holes)?;
     let range = &*filled(range, water.holes);
     // Only a kernel asks for it.
-    let spreads = (plan.scatter.iter()).any(|step| matches!(step, ScatterStep::Interpolated(_)));
+    let steps = plan.scatter.each_ref().map(|stage| &stage.form);
+    let spreads = steps
+        .iter()
+        .any(|step| matches!(step, ScatterStep::Interpolated(_)));
     let bounds = spreads.then(|| bounds(range.data(), range.data(), f32::MAX));
     let farthest = bounds.flatten().map(|(_, farthest)| farthest);
     let frame = fast::Frame {
         range,
         farthest,
         water,
-        clear: plan.attenuation == AttenuationStep::Skip,
+        clear: plan.attenuation.form == Form::Skip,
     };
-    let bands = fast::bands(&frame, radiance, &plan.scatter, cache);
+    let bands = fast::bands(&frame, radiance, steps, cache);
     cache.trim();
     Ok(layers(bands, holes))
 }

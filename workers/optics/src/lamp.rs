@@ -14,6 +14,7 @@
 mod airlight;
 mod elementary;
 mod legendre;
+mod limits;
 mod nodes;
 mod normals;
 mod patches;
@@ -25,13 +26,14 @@ mod surface;
 pub use airlight::{airlight, airlight_with_nodes};
 pub(crate) use elementary::small_sin_cos;
 pub use legendre::gauss_legendre;
+pub use limits::{brightest_glow, glow_left, glow_rounding};
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;
 pub use patches::glow_within;
 pub use phase::{AVERAGE_BACKSCATTER_FRACTION, asymmetry_of, backscatter_fraction, henyey_greenstein};
 pub use point::{most_white, white_at};
 pub use reference::{REFERENCE_NODES, airlight_reference, irradiance_reference};
-pub use surface::{SURFACE_ROUNDING, irradiance, lit};
+pub use surface::{Irradiance, irradiance, lit, lit_rounding};
 
 use imaging::geometry::Intrinsics;
 use spec::{Beyond, Light, PointLamp, SpotLamp};

@@ -6,6 +6,7 @@
 pub mod attenuation;
 mod blend;
 pub mod chain;
+mod extremes;
 pub mod eye;
 pub mod forward_scatter;
 mod haze;
@@ -14,6 +15,7 @@ pub mod lamp;
 pub mod plan;
 pub mod preset;
 pub mod range;
+pub mod setting;
 pub mod snow;
 pub mod turbidity;
 mod visibility;

@@ -1,21 +1,46 @@
-//! What a frame needs for a tolerance: plain data, chosen before anything is computed.
+//! What a frame needs for a tolerance: every stage with its form, its share of the tolerance, its bound and its expected cost.
+//! Plain data, chosen before anything is computed; the stages do what it says and decide nothing.
 //!
-//! The tolerance is the largest error in linear light, and the stages share it: what one of them uses is taken from what
-//! the next may. A stage is skipped only where its whole effect stays within its share; else the cheapest form is taken
-//! whose error [`Bound`](crate::forward_scatter::Bound) says does. A style network has no known gain: with one the
-//! promise holds up to its input.
+//! The tolerance is the largest error in linear light, and the stages share it. A stage is skipped only where its whole effect
+//! stays within its share; else the cheapest form is taken whose error [`Bound`](crate::forward_scatter::Bound) says does. The
+//! bounds of a frame add up to its tolerance at most, or [`Plan::exceeds`] says why. A style network has no known gain: the
+//! bounds hold up to its input.
 
 mod bins;
+mod cost;
+mod levels;
+mod line;
 mod scatter;
+mod shares;
 mod stats;
+mod style;
+mod water;
 
+pub use levels::display_tolerance;
+pub use line::Line;
+pub use scatter::MOST_TERMS;
 pub use stats::{RangeBin, SceneStats};
 
-pub use spec::Fidelity;
-use spec::Haze;
+use spec::{Fidelity, Frame, Haze, Snow};
 
 use crate::forward_scatter::Nodes;
+use crate::lamp;
+use crate::setting::Setting;
+use crate::snow;
 use crate::water::Water;
+use shares::Shares;
+use water::WaterStages;
+
+/// How a stage runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Not at all.
+    Skip,
+    /// In f32.
+    Fast,
+    /// In f64.
+    Reference,
+}
 
 /// Forward scatter of one channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,215 +55,274 @@ pub enum ScatterStep {
     Reference,
 }
 
-/// Attenuation of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AttenuationStep {
-    /// There is no water.
-    Skip,
-    /// f32.
-    Fast,
-    /// f64.
-    Reference,
-}
-
-/// The plan of a frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
-    /// Attenuation; in f64 all of the water stage is.
-    pub attenuation: AttenuationStep,
-    /// Forward scatter, for each channel.
-    pub scatter: [ScatterStep; 3],
-    /// Whether the style network runs.
-    pub style: bool,
-    /// Lights that are drawn.
-    pub lights: usize,
-    /// The error in linear light that attenuation, scatter and f32 together may make in each channel, where the plan was
-    /// made for a tolerance.
-    pub bounds: Option<[f64; 3]>,
-}
-
-/// Attenuation is left out where that loses no more than this part of the tolerance.
-const SKIP_SHARE: f64 = 0.125;
-/// What is left for the scatter where f32 alone uses up the tolerance.
-const LEAST_SHARE: f64 = 0.125;
-/// Rounding of f32 in attenuation and transforms, for light up to 1: the largest of some ten thousand frames is half of it.
-const ROUNDING: f64 = 2e-6;
-
-/// What f32 may lose of the light of a channel.
-fn rounding(stats: &SceneStats, water: &Water, channel: usize) -> f64 {
-    let radiance = f64::from(stats.brightest[channel]) * water.radiance_gain[channel];
-    ROUNDING * radiance.max(water.veiling_light[channel])
-}
-
-/// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` where no light is
-/// below L > 0.0031, else what the steep foot of the curve allows (12.92).
-#[must_use]
-pub fn display_tolerance(stats: &SceneStats, water: &Water) -> f64 {
-    const FOOT: f64 = 0.003_130_8;
-    let darkest = (0..3)
-        .map(|channel| levels(stats, water, channel).0)
-        .fold(f64::INFINITY, f64::min);
-    if darkest <= FOOT {
-        return 1.0 / 255.0 / 12.92;
+impl ScatterStep {
+    /// Kernels; none where nothing is transformed by them.
+    #[must_use]
+    pub fn terms(&self) -> Option<usize> {
+        match self {
+            Self::Interpolated(nodes) => Some(nodes.terms()),
+            Self::Skip | Self::Pointwise | Self::Reference => None,
+        }
     }
-    // The slope falls with the light; it is taken where the error may have led.
-    let darkest = (darkest - 1.0 / 255.0 / 12.92).max(FOOT).min(1.0);
-    1.0 / 255.0 / (0.4396 * darkest.powf(-0.5833))
 }
 
-/// One line of a plan for people and records.
+/// What of a style model runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StyleStep {
+    /// No style, or no weight of it.
+    Skip,
+    /// The network.
+    Network,
+    /// Its color table.
+    Table,
+}
+
+/// One stage of a frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StageNote {
-    /// The stage, with the channel where it differs between channels.
-    pub stage: &'static str,
+pub struct Stage<F = Form> {
     /// What is done.
-    pub variant: &'static str,
-    /// Kernels, where there are some.
-    pub terms: Option<usize>,
-    /// Bound of the error in linear light, where one is known.
+    pub form: F,
+    /// The error in linear light that it is given, where the frame asks for a tolerance.
+    pub share: Option<f64>,
+    /// What it may add to the error of the picture, where that is known.
     pub bound: Option<f64>,
 }
 
+/// The plan of a frame, stage by stage in the order of the light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The largest error in linear light that the frame asks for; none where it asks for kernels or for the reference.
+    pub tolerance: Option<f64>,
+    /// Daylight at the depth on the scene.
+    pub scene_light: Stage,
+    /// Paths through patches of murkier water.
+    pub turbidity: Stage,
+    /// Light of the lamps on surfaces.
+    pub lamps: Stage,
+    /// Attenuation; in f64 forward scatter is, too.
+    pub attenuation: Stage,
+    /// Forward scatter of each channel. Its bound is that of all of the water: attenuation, scatter and rounding.
+    pub scatter: [Stage<ScatterStep>; 3],
+    /// Glow of the water before the lamps.
+    pub glow: Stage,
+    /// Marine snow.
+    pub snow: Stage,
+    /// The style.
+    pub style: Stage<StyleStep>,
+    /// Haze of the lights.
+    pub haze: Stage,
+    /// Enhancement of the 8-bit result.
+    pub enhance: Stage,
+    /// Why the bounds add up to more than the tolerance; none where they do not.
+    pub exceeds: Option<String>,
+    /// How much of everything there is, from which the expected cost follows.
+    amounts: cost::Amounts,
+}
+
+/// What a plan is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// The description.
+    pub frame: &'a Frame,
+    /// Water, lamps, patches and snow of the frame.
+    pub setting: &'a Setting,
+    /// What was measured of the scene in its light.
+    pub stats: &'a SceneStats,
+    /// Largest distance of the style's color table from its network, 8-bit codes; none without a table.
+    pub table_max_255: Option<f64>,
+}
+
+impl Form {
+    /// How every stage of a frame runs that is not left out.
+    #[must_use]
+    pub fn asked_by(fidelity: Fidelity) -> Self {
+        match fidelity {
+            Fidelity::REFERENCE => Self::Reference,
+            _ => Self::Fast,
+        }
+    }
+
+    fn when(self, is_there: bool) -> Self {
+        if is_there { self } else { Self::Skip }
+    }
+}
+
+impl<F> Stage<F> {
+    /// A stage without error.
+    fn exact(form: F) -> Self {
+        Self {
+            form,
+            share: None,
+            bound: None,
+        }
+    }
+}
+
 impl Plan {
-    /// Chooses for a frame with range.
+    /// Chooses for a frame.
     #[must_use]
-    pub fn for_frame(
-        stats: &SceneStats,
-        water: &Water,
-        style_weight: Option<f64>,
-        lights: &[Haze],
-        fidelity: Fidelity,
-    ) -> Self {
-        let tolerance = match fidelity {
-            Fidelity::Tolerance(tolerance) => Some(tolerance),
-            Fidelity::DISPLAY => Some(display_tolerance(stats, water)),
-            Fidelity::Terms(_) | Fidelity::REFERENCE => None,
+    pub fn new(given: &Given<'_>) -> Self {
+        let Given {
+            frame,
+            setting,
+            stats,
+            ..
+        } = *given;
+        let shares = Shares::new(given);
+        let form = Form::asked_by(frame.fidelity);
+        let water = match &setting.around {
+            Some(water) => WaterStages::choose(stats, water, shares.fidelity(frame)),
+            None => WaterStages::none(),
         };
-        let lost = [0, 1, 2].map(|channel| attenuation_effect(stats, water, channel));
-        let clear =
-            tolerance.is_some_and(|tolerance| lost.iter().all(|&lost| lost <= SKIP_SHARE * tolerance));
-        let used = |channel: usize| rounding(stats, water, channel) + if clear { lost[channel] } else { 0.0 };
-        let steps = [0, 1, 2].map(|channel| {
-            let share = tolerance.map_or(0.0, |tolerance| {
-                (tolerance - used(channel)).max(LEAST_SHARE * tolerance)
-            });
-            scatter::choose(stats, water, channel, fidelity, share)
-        });
-        let bound = |channel: usize| used(channel) + steps[channel].1.unwrap_or(0.0);
+        let rounded = |is_there: bool, bound: f64| Stage {
+            form: form.when(is_there),
+            share: None,
+            bound: (is_there && form == Form::Fast).then_some(bound),
+        };
+        let plan = Self {
+            tolerance: shares.tolerance,
+            scene_light: Stage::exact(Form::Fast.when(setting.gain() != [1.0; 3])),
+            turbidity: rounded(setting.patches.is_some(), shares.path),
+            lamps: rounded(setting.lighting.is_some(), shares.surfaces),
+            attenuation: water.attenuation,
+            scatter: water.scatter,
+            glow: glow(given, &shares),
+            snow: fall(given, &shares),
+            style: style::choose(given),
+            haze: Stage::exact(Form::Fast.when(frame.haze().iter().any(Haze::shines))),
+            enhance: Stage::exact(Form::Fast.when(!frame.enhance.is_empty())),
+            exceeds: None,
+            amounts: cost::Amounts::new(frame, setting),
+        };
         Self {
-            attenuation: match fidelity {
-                Fidelity::REFERENCE => AttenuationStep::Reference,
-                _ if clear => AttenuationStep::Skip,
-                _ => AttenuationStep::Fast,
-            },
-            bounds: tolerance.map(|_| [0, 1, 2].map(bound)),
-            scatter: steps.map(|(step, _)| step),
-            ..Self::without_water(style_weight, lights)
+            exceeds: plan.excess(&shares, water.rounding),
+            ..plan
         }
     }
 
-    /// The plan of a frame without range or without optics: the water stage is skipped.
+    /// Chooses for water alone, around a scene without lamps, snow, style or haze.
     #[must_use]
-    pub fn without_water(style_weight: Option<f64>, lights: &[Haze]) -> Self {
+    pub fn for_water(stats: &SceneStats, water: &Water, fidelity: Fidelity) -> Self {
+        let stages = WaterStages::choose(stats, water, fidelity);
         Self {
-            attenuation: AttenuationStep::Skip,
-            scatter: [const { ScatterStep::Skip }; 3],
-            style: style_weight.is_some_and(|alpha| alpha > 0.0),
-            lights: lights.iter().filter(|light| light.shines()).count(),
-            bounds: None,
+            tolerance: levels::tolerance(stats, water, fidelity),
+            scene_light: Stage::exact(Form::Fast.when(water.radiance_gain != [1.0; 3])),
+            attenuation: stages.attenuation,
+            scatter: stages.scatter,
+            ..Self::in_air(stats.pixels)
         }
     }
 
-    /// The plan line by line.
+    /// The plan of a frame to which nothing is done.
     #[must_use]
-    pub fn describe(&self) -> Vec<StageNote> {
-        const STAGES: [&str; 3] = ["forward_scatter.r", "forward_scatter.g", "forward_scatter.b"];
-        let scatter = self
+    pub fn in_air(pixels: usize) -> Self {
+        let skip = || Stage::exact(Form::Skip);
+        Self {
+            tolerance: None,
+            scene_light: skip(),
+            turbidity: skip(),
+            lamps: skip(),
+            attenuation: skip(),
+            scatter: [const { ScatterStep::Skip }; 3].map(Stage::exact),
+            glow: skip(),
+            snow: skip(),
+            style: Stage::exact(StyleStep::Skip),
+            haze: skip(),
+            enhance: skip(),
+            exceeds: None,
+            amounts: cost::Amounts::of_pixels(pixels),
+        }
+    }
+
+    /// The error in linear light that all stages before the style may make together in a channel; none where the frame asks for
+    /// no tolerance.
+    #[must_use]
+    pub fn bound(&self, channel: usize) -> Option<f64> {
+        let water = self.scatter[channel].bound;
+        let others = [&self.turbidity, &self.lamps, &self.glow, &self.snow];
+        self.tolerance?;
+        Some(water.unwrap_or(0.0) + others.iter().filter_map(|stage| stage.bound).sum::<f64>())
+    }
+
+    /// [`Plan::bound`] of each channel.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[f64; 3]> {
+        let bounds = [0, 1, 2].map(|channel| self.bound(channel).unwrap_or(f64::NAN));
+        self.tolerance.map(|_| bounds)
+    }
+
+    /// Why the bounds exceed the tolerance.
+    fn excess(&self, shares: &Shares, rounding: f64) -> Option<String> {
+        let tolerance = self.tolerance?;
+        let whole = (0..3)
+            .filter_map(|channel| self.bound(channel))
+            .fold(0.0, f64::max);
+        if whole <= tolerance * (1.0 + 1e-9) {
+            return None;
+        }
+        let rounding = shares.path + shares.surfaces + shares.glow_rounding + rounding;
+        let kernels = self
             .scatter
             .iter()
-            .zip(STAGES)
-            .enumerate()
-            .map(|(channel, (step, stage))| {
-                let (variant, terms) = match step {
-                    ScatterStep::Skip => ("skip", None),
-                    ScatterStep::Pointwise => ("pointwise", None),
-                    ScatterStep::Interpolated(nodes) => ("chebyshev", Some(nodes.terms())),
-                    ScatterStep::Reference => ("reference", None),
-                };
-                StageNote {
-                    stage,
-                    variant,
-                    terms,
-                    bound: self.bounds.map(|bounds| bounds[channel]),
-                }
-            });
-        let simple = |stage, variant| StageNote {
-            stage,
-            variant,
-            terms: None,
-            bound: None,
-        };
-        let attenuation = match self.attenuation {
-            AttenuationStep::Skip => "skip",
-            AttenuationStep::Fast => "f32",
-            AttenuationStep::Reference => "reference",
-        };
-        let style = simple("style", if self.style { "network" } else { "skip" });
-        let haze = simple("haze", if self.lights > 0 { "overlay" } else { "skip" });
-        std::iter::once(simple("attenuation", attenuation))
-            .chain(scatter)
-            .chain([style, haze])
-            .collect()
+            .any(|stage| stage.form.terms() >= Some(MOST_TERMS));
+        let mut reasons = vec![format!("the bounds add up to {whole:.2e}")];
+        if rounding > 0.0 {
+            reasons.push(format!(
+                "rounding of f32 alone may reach {rounding:.2e} in light as bright as here"
+            ));
+        }
+        reasons.extend(kernels.then(|| format!("{MOST_TERMS} kernels are the most")));
+        reasons.extend(
+            (shares.glow_left > 0.0)
+                .then(|| format!("{} nodes are the most on a ray to a lamp", lamp::MOST_NODES)),
+        );
+        Some(reasons.join(", "))
     }
 }
 
-/// Limits of the attenuated image in one channel: `I − B∞ = (J − B∞) T` where one coefficient serves both parts.
-fn levels(stats: &SceneStats, water: &Water, channel: usize) -> (f64, f64) {
-    let gain = water.radiance_gain[channel];
-    let (dark, bright) = (
-        f64::from(stats.darkest[channel]) * gain,
-        f64::from(stats.brightest[channel]) * gain,
-    );
-    let (direct, back) = (
-        water.direct_attenuation[channel],
-        water.backscatter_attenuation[channel],
-    );
-    let veil = water.veiling_light[channel];
-    let (nearest, farthest) = stats.range_m.unwrap_or((0.0, f64::INFINITY));
-    if direct == back && direct > 0.0 {
-        // The veil is between the two where a hole shows it alone.
-        let arriving = |contrast: f64, towards: bool| {
-            let farther = if stats.holes { f64::INFINITY } else { farthest };
-            contrast * (-direct * if towards { nearest } else { farther }).exp()
-        };
-        let (low, high) = (dark - veil, bright - veil);
-        return (veil + arriving(low, low < 0.0), veil + arriving(high, high > 0.0));
+/// The glow of the water before the lamps; none where the water scatters nothing.
+fn glow(given: &Given<'_>, shares: &Shares) -> Stage {
+    let lighting = given.setting.lighting.as_ref();
+    let glows = lighting.is_some_and(|lighting| lighting.scattering != [0.0; 3]);
+    let form = Form::asked_by(given.frame.fidelity).when(glows);
+    Stage {
+        form,
+        share: glows.then_some(shares.glow_nodes),
+        bound: (form == Form::Fast).then_some(shares.glow_nodes + shares.glow_left + shares.glow_rounding),
     }
-    // A hole shows the scene itself where the water attenuates nothing, and the veil where it does.
-    let darkest = dark * (-direct * farthest).exp();
-    (if stats.holes { 0.0 } else { darkest }, bright.max(0.0) + veil)
 }
 
-/// What is lost if the water's attenuation is left out; none where that cannot be bounded.
-fn attenuation_effect(stats: &SceneStats, water: &Water, channel: usize) -> f64 {
-    let Some((_, farthest)) = stats.range_m.filter(|_| !stats.holes) else {
-        return f64::INFINITY;
+/// The snow; left out where it is expected to change less than its share.
+fn fall(given: &Given<'_>, shares: &Shares) -> Stage {
+    let Some(law) = &given.setting.snow else {
+        return Stage::exact(Form::Skip);
     };
-    let gain = water.radiance_gain[channel];
-    let (dark, bright) = (
-        f64::from(stats.darkest[channel]) * gain,
-        f64::from(stats.brightest[channel]) * gain,
-    );
-    let (direct, back) = (
-        water.direct_attenuation[channel],
-        water.backscatter_attenuation[channel],
-    );
-    let veil = water.veiling_light[channel];
-    if direct == back {
-        let contrast = (bright - veil).abs().max((dark - veil).abs());
-        return contrast * -(-direct * farthest).exp_m1();
+    let form = Form::asked_by(given.frame.fidelity);
+    let form = form.when(form == Form::Reference || !is_needless(given, law, shares.snow));
+    Stage {
+        form,
+        share: Some(shares.snow),
+        bound: (form != Form::Reference).then_some(shares.snow),
     }
-    bright * -(-direct * farthest).exp_m1() + veil * -(-back * farthest).exp_m1()
+}
+
+fn is_needless(given: &Given<'_>, law: &Snow, share: f64) -> bool {
+    let Given {
+        frame,
+        setting,
+        stats,
+        ..
+    } = given;
+    // The clearest patch lets the most through.
+    let clearest = 1.0 - frame.water.turbidity.map_or(0.0, |patches| patches.contrast);
+    let least = setting.attenuation().into_iter().fold(f64::INFINITY, f64::min) * clearest;
+    let lamps = setting.lighting.as_ref().map_or([0.0; 3], lamp::most_white);
+    let gain = setting.gain();
+    let colors = [0, 1, 2].map(|i| law.albedo[i] * (gain[i] + lamps[i]));
+    let contrast = colors
+        .into_iter()
+        .fold(levels::brightest_behind(stats, setting), f64::max);
+    snow::is_needless(law, setting.size.0 * setting.size.1, least, contrast, share)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ mod fast;
 mod flakes;
 mod reference;
 
-pub use fast::{brightest, snow};
+pub use fast::snow;
 pub use flakes::{Flake, flakes};
 pub use reference::snow_reference;
 

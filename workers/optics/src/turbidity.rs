@@ -49,6 +49,7 @@ struct Wave {
 /// A field in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
+    turbidity: Turbidity,
     /// 2 k/K.
     gain: f64,
     pairs: [Wave; PAIRS],
@@ -77,9 +78,23 @@ impl Field {
             pair.phase = waves[j].1 - waves[k].1;
         }
         Self {
+            turbidity: *turbidity,
             gain: turbidity.contrast * 2.0 / WAVES as f64,
             pairs,
         }
+    }
+
+    /// ℓ, m.
+    #[must_use]
+    pub fn scale_m(&self) -> f64 {
+        self.turbidity.scale_m
+    }
+
+    /// The least and the greatest m that there may be.
+    #[must_use]
+    pub fn extremes(&self) -> (f64, f64) {
+        let contrast = self.turbidity.contrast;
+        (1.0 - contrast, 1.0 + contrast * (WAVES as f64 - 1.0))
     }
 
     /// m at a point of the world: the factor of every coefficient there.

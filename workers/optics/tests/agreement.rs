@@ -71,13 +71,7 @@ fn fast(
     fidelity: Fidelity,
     cache: &mut KernelCache,
 ) -> Layers {
-    let plan = Plan::for_frame(
-        &SceneStats::measure(radiance, range, optics),
-        optics,
-        None,
-        &[],
-        fidelity,
-    );
+    let plan = Plan::for_water(&SceneStats::measure(radiance, range, optics), optics, fidelity);
     water(radiance, range, optics, &plan, cache).expect("a good frame")
 }
 

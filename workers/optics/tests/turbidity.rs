@@ -120,11 +120,11 @@ fn the_plan_bounds_the_chain_in_patchy_water() {
         let path = optical_path(&range, &field, &eye, HoleRule::Background);
         for tolerance in [1e-2, 3e-4, 3e-5] {
             let stats = SceneStats::measure(&radiance, &path, &optics);
-            let plan = Plan::for_frame(&stats, &optics, None, &[], Fidelity::Tolerance(tolerance));
+            let plan = Plan::for_water(&stats, &optics, Fidelity::Tolerance(tolerance));
             let fast = water(&radiance, &path, &optics, &plan, &mut KernelCache::new()).unwrap();
             let farthest = stats.range_m.unwrap().1;
             let rounding = 2.0 * path_rounding(farthest, scale_m) / std::f64::consts::E;
-            for (channel, bound) in plan.bounds.unwrap().into_iter().enumerate() {
+            for (channel, bound) in plan.bounds().unwrap().into_iter().enumerate() {
                 let pairs = fast.scattered.planes()[channel].data().iter();
                 let worst = pairs
                     .zip(exact.scattered.planes()[channel].data())

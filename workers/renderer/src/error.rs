@@ -3,10 +3,9 @@
 use enhance::EnhanceError;
 use imaging::codec::EncodeError;
 use optics::chain::ChainError;
-use optics::water::WaterError;
+use optics::setting::SettingError;
 use quality::QualityError;
 use scenes::SceneError;
-use spec::Beyond;
 use style::StyleError;
 
 /// Why a frame has no image.
@@ -42,9 +41,9 @@ pub enum RenderError {
         /// Whether it may go better next time.
         retryable: bool,
     },
-    /// The water contradicts itself or lacks a number.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Water(Vec<WaterError>),
+    /// Water, lamps, patches or snow cannot be.
+    #[error("{}", listed(.0))]
+    Setting(Vec<SettingError>),
     /// The water cannot be applied to this scene.
     #[error(transparent)]
     Chain(#[from] ChainError),
@@ -60,16 +59,8 @@ pub enum RenderError {
         known: Vec<String>,
     },
     /// The camera's path cannot be.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    #[error("{}", listed(.0))]
     Path(Vec<SceneError>),
-    /// What shines or hangs in the water cannot be.
-    #[error("{what}: {}", beyond.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Beyond {
-        /// The field of the description.
-        what: &'static str,
-        /// Its numbers that are beyond their limits.
-        beyond: Vec<Beyond>,
-    },
     /// The style network failed.
     #[error(transparent)]
     Style(#[from] StyleError),
@@ -107,10 +98,9 @@ impl RenderError {
             | Self::Scene(_)
             | Self::File { .. }
             | Self::NotHere { .. }
-            | Self::Water(_)
+            | Self::Setting(_)
             | Self::Chain(_)
             | Self::Path(_)
-            | Self::Beyond { .. }
             | Self::RuntimeMissing(_)
             | Self::UnknownStyle { .. }
             | Self::Style(_)
@@ -120,4 +110,13 @@ impl RenderError {
             | Self::Encode(_) => false,
         }
     }
+}
+
+/// All of them, one after the other.
+fn listed(errors: &[impl ToString]) -> String {
+    errors
+        .iter()
+        .map(ToString::to_string)
+        .collect::<Vec<_>>()
+        .join("; ")
 }

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use optics::water::RULES;
 use serde_json::{Map, Value, json};
-use spec::{ArtifactEntry, Counts, FrameRecord, Provenance, SceneRecord};
+use spec::{ArtifactEntry, Camera, Counts, FrameRecord, Provenance};
 
 use crate::provenance::{CODE_VERSION, cpu_features};
-use crate::stage::measure::Measurements;
-use crate::stage::snow::Fallen;
-use crate::stage::water::Chosen;
+use crate::stage::enhance;
+use crate::stage::files::{Files, Products};
 
 /// A rendered frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,66 +66,97 @@ impl File {
     }
 }
 
-/// What the record is made of, beside what the frame and the files say.
-pub(crate) struct Findings<'a> {
-    pub(crate) frame: &'a spec::Frame,
-    /// The camera of the picture, which for an uploaded scene is not the one of the frame.
-    pub(crate) camera: spec::Camera,
-    pub(crate) chosen: &'a Chosen,
-    /// Mean, least and greatest path through patches as a share of the range.
-    pub(crate) factors: Option<[f64; 3]>,
-    pub(crate) fallen: Option<&'a Fallen>,
-    pub(crate) measurements: Measurements,
-    pub(crate) counts: Counts,
-    pub(crate) timings_ms: BTreeMap<String, f64>,
-    pub(crate) warnings: Vec<String>,
-    pub(crate) inputs: BTreeMap<String, String>,
-    pub(crate) onnx_runtime: Option<String>,
-    pub(crate) scene: Option<SceneRecord>,
-}
-
-/// Joins files and findings.
-pub(crate) fn finish(files: Vec<File>, findings: Findings<'_>) -> Rendered {
+/// Joins what a frame has gone through and its files.
+pub(crate) fn finish(products: Products<'_>, files: Files, timings_ms: BTreeMap<String, f64>) -> Rendered {
+    let warnings = warnings(&products, &files);
+    let (prepared, styled) = (products.prepared, products.styled);
+    let of_style = |(name, digest): &(String, String)| (format!("style.{name}"), digest.clone());
+    let inputs = prepared
+        .inputs
+        .clone()
+        .into_iter()
+        .chain(styled.model.iter().map(of_style));
     let record = FrameRecord {
-        frame: findings.frame.index,
-        parameters: parameters(&findings),
-        optics: numbers(&findings),
-        plan: plan(findings.frame, findings.chosen, findings.fallen),
-        measurements: findings.measurements,
-        artifacts: files.iter().map(File::entry).collect(),
-        counts: findings.counts,
-        timings_ms: findings.timings_ms,
-        warnings: findings.warnings,
-        scene: findings.scene,
+        frame: products.frame.index,
+        parameters: parameters(&products),
+        optics: numbers(&products),
+        plan: json!(products.plan),
+        artifacts: files.files.iter().map(File::entry).collect(),
+        counts: Counts {
+            holes: prepared.holes,
+            negative_radiance: prepared.negative_radiance,
+            clamped: products.clamped,
+            range_saturated: files.range_saturated,
+        },
+        timings_ms,
+        warnings,
         provenance: Provenance {
             code_version: CODE_VERSION.to_owned(),
-            onnx_runtime: findings.onnx_runtime,
+            onnx_runtime: styled.runtime.clone(),
             cpu_features: cpu_features(),
-            inputs: findings.inputs,
+            inputs: inputs.collect(),
         },
+        measurements: products.measurements,
+        scene: products.described,
     };
-    Rendered { files, record }
+    Rendered {
+        files: files.files,
+        record,
+    }
+}
+
+/// What the user should know about an image.
+fn warnings(products: &Products<'_>, files: &Files) -> Vec<String> {
+    let Products { frame, prepared, .. } = products;
+    let Some(range) = &prepared.scene.range else {
+        let skipped = [
+            (frame.water.optics.is_some(), "water's optics are"),
+            (frame.has_lamps(), "lamps are"),
+            (frame.water.snow.is_some(), "snow is"),
+        ];
+        let skipped = skipped.into_iter().filter(|(asked, _)| *asked);
+        let warnings = skipped.map(|(_, what)| format!("the scene has no range: the {what} skipped"));
+        return warnings.chain(of_what_ran(products, files)).collect();
+    };
+    let is_empty = prepared.holes == range.data().len() as u64;
+    let is_dark = products.setting.lighting.is_some() && !products.lit.shines && !products.glows;
+    let diffuse = frame.water.optics.as_ref().and_then(RULES.warning);
+    let exceeds = products.plan.exceeds.as_ref();
+    let own = is_empty
+        .then(|| "no pixel has a valid range".to_owned())
+        .into_iter();
+    own.chain(diffuse)
+        .chain(is_dark.then(|| "no lamp lights anything in view".to_owned()))
+        .chain(exceeds.map(|reason| format!("the plan exceeds the tolerance: {reason}")))
+        .chain(of_what_ran(products, files))
+        .collect()
+}
+
+/// Warnings of the enhancements and of the files.
+fn of_what_ran(products: &Products<'_>, files: &Files) -> impl Iterator<Item = String> {
+    enhance::warnings(products.enhanced).chain(files.warnings.iter().cloned())
 }
 
 /// The frame's resolved values, with the camera that took the picture.
-fn parameters(findings: &Findings<'_>) -> Value {
-    let mut parameters = findings.frame.parameters.clone();
-    if !matches!(findings.frame.scene, spec::Scene::Procedural { .. }) {
-        parameters["camera"] = json!(findings.camera);
+fn parameters(products: &Products<'_>) -> Value {
+    let mut parameters = products.frame.parameters.clone();
+    if !matches!(products.frame.scene, spec::Scene::Procedural { .. }) {
+        let (width, height) = products.setting.size;
+        parameters["camera"] = json!(Camera::of_picture(width, height, products.prepared.focal_px));
     }
     parameters
 }
 
 /// The water's numbers by name, which of them were derived, the preset, and what was suspended in it; empty without water.
-fn numbers(findings: &Findings<'_>) -> Map<String, Value> {
-    let mut numbers = findings.chosen.water.as_ref().map_or_else(Map::new, of_water);
-    if let Some([mean, least, most]) = findings.factors {
+fn numbers(products: &Products<'_>) -> Map<String, Value> {
+    let mut numbers = products.setting.water.as_ref().map_or_else(Map::new, of_water);
+    if let Some([mean, least, most]) = products.lit.factors(products.prepared, products.setting) {
         numbers.insert(
             "turbidity".to_owned(),
             json!({"mean": mean, "least": least, "most": most}),
         );
     }
-    if let Some(fallen) = findings.fallen {
+    if let Some(fallen) = products.fallen {
         numbers.insert("snow".to_owned(), fallen.describe());
     }
     numbers
@@ -146,66 +177,4 @@ fn of_water(water: &optics::water::Water) -> Map<String, Value> {
         numbers.insert("preset".to_owned(), json!(preset));
     }
     numbers
-}
-
-/// The plan as a list of stages; what is not known of a stage is left out.
-pub(crate) fn plan(frame: &spec::Frame, chosen: &Chosen, fallen: Option<&Fallen>) -> Value {
-    let in_water = |stage: &str| stage.starts_with("attenuation") || stage.starts_with("forward_scatter");
-    let suspended = suspended(frame, chosen, fallen);
-    let notes = chosen.plan.describe().into_iter().flat_map(|note| {
-        let before = (note.stage == "style").then(|| suspended.clone());
-        let skipped = chosen.water.is_none() && in_water(note.stage);
-        let mut entry = Map::new();
-        entry.insert("stage".to_owned(), json!(note.stage));
-        entry.insert(
-            "variant".to_owned(),
-            json!(if skipped { "skip" } else { note.variant }),
-        );
-        if let Some(terms) = note.terms {
-            entry.insert("terms".to_owned(), json!(terms));
-        }
-        if let Some(bound) = note.bound {
-            // What goes into the water with an error comes out with one.
-            entry.insert("bound".to_owned(), json!(bound + chosen.shares.rounding));
-        }
-        before.into_iter().flatten().chain([Value::Object(entry)])
-    });
-    notes.collect()
-}
-
-/// The lines of turbidity, lamps and snow. What turbidity rounds is part of the bounds of the water.
-fn suspended(frame: &spec::Frame, chosen: &Chosen, fallen: Option<&Fallen>) -> Vec<Value> {
-    let reference = frame.fidelity == spec::Fidelity::REFERENCE;
-    let either = |fast: &'static str| if reference { "reference" } else { fast };
-    let line = |stage: &str, variant: &str, bound: f64| {
-        let mut line = json!({"stage": stage, "variant": variant});
-        if bound > 0.0 && !reference && variant != "skip" {
-            line["bound"] = json!(bound);
-        }
-        line
-    };
-    let patchy = chosen.patches.is_some();
-    let turbidity = if patchy { either("closed_form") } else { "skip" };
-    let lamps = if frame.has_lamps() {
-        either("quadrature")
-    } else {
-        "skip"
-    };
-    let planned = if frame.water.snow.is_some() {
-        either("discs")
-    } else {
-        "skip"
-    };
-    let snow = fallen.map_or(planned, |fallen| fallen.variant);
-    let of_snow = json!({"stage": "snow", "variant": snow, "bound": chosen.shares.snow});
-    vec![
-        line("turbidity", turbidity, 0.0),
-        line("lamps", lamps, chosen.shares.lamps),
-        // Where it is skipped, the share bounds what is expected to be lost.
-        if snow == "skip" && fallen.is_some() {
-            of_snow
-        } else {
-            line("snow", snow, chosen.shares.snow)
-        },
-    ]
 }

@@ -4,16 +4,18 @@ use std::sync::Arc;
 
 use imaging::transfer;
 use optics::forward_scatter::KernelCache;
-use spec::{Camera, Counts, Frame, Scene};
+use optics::plan::{Given, Plan};
+use optics::setting::Setting;
+use spec::{Frame, Scene};
 
 use crate::engine::Engine;
 use crate::error::RenderError;
-use crate::record::{self, Findings, Rendered};
+use crate::record::{self, Rendered};
 use crate::source::SceneSource;
 use crate::stage::files::{self, Products};
+use crate::stage::light::Lit;
 use crate::stage::scene::{self, Prepared};
-use crate::stage::water::{self, Chosen};
-use crate::stage::{enhance, haze, labels, lamps, measure, snow, style, turbidity};
+use crate::stage::{enhance, haze, labels, measure, snow, style, water};
 use crate::stopwatch::Stopwatch;
 
 /// What one worker thread reuses from frame to frame. Nothing in it changes a result.
@@ -50,120 +52,68 @@ impl Slot {
     /// [`RenderError`], which says whether trying again can help.
     pub fn render(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
         let mut watch = Stopwatch::start();
-        let lights = frame.haze();
-
         let prepared = watch.time("scene", || self.scene(frame, source))?;
-        let radiance = &prepared.scene.radiance;
-        let water = water::resolve(frame, &prepared)?;
-        let patches = watch.time("turbidity", || {
-            turbidity::patches(frame, &prepared, water.as_ref())
-        })?;
-        let lighting = lamps::lighting(frame, &prepared, water.as_ref(), patches.as_ref())?;
-        let lit = lighting.as_ref().and_then(|lighting| {
-            watch.time("lamps", || lamps::surfaces(&prepared, lighting, water.as_ref()))
-        });
-        let shown = lit.as_ref().map(|(lit, _)| lit);
-        let chosen = watch.time("plan", || {
-            water::choose(frame, &prepared, shown, (water, patches), &lights)
-        });
-        let shown = shown.unwrap_or(radiance);
-        let mut layers = watch.time("water", || {
-            water::run(&prepared, shown, &chosen, &mut self.kernels)
-        })?;
-        let glows = lighting.as_ref().is_some_and(|lighting| {
-            let share = chosen.shares.lamps;
-            watch.time("lamps", || {
-                lamps::glow(frame, &prepared, lighting, share, &mut layers)
-            })
-        });
-        let dark = lit.is_some_and(|(_, shines)| !shines) && !glows;
-        let fallen = watch.time("snow", || {
-            snow::run(frame, &prepared, &chosen, lighting.as_ref(), &mut layers)
-        })?;
+        let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
+        let lit = Lit::new(frame, &prepared, &setting, &mut watch);
+        let plan = watch.time("plan", || self.choose(frame, &setting, &lit))?;
+        let mut layers = watch.time("water", || water::run(&lit, &setting, &plan, &mut self.kernels))?;
+        let glows = water::glow(&prepared, &setting, &plan, &mut layers, &mut watch);
+        let fallen = watch.time("snow", || snow::run(&prepared, &setting, &plan, &mut layers));
         let styled = watch.time("style", || {
-            style::run(frame, &layers.scattered, &self.engine, &mut self.sessions)
+            style::run(
+                frame,
+                plan.style.form,
+                &layers.scattered,
+                &self.engine,
+                &mut self.sessions,
+            )
         })?;
-        let hazed = watch.time("haze", || haze::run(&styled.picture, &lights));
+        let hazed = watch.time("haze", || haze::run(frame, &plan, &styled.picture));
         let (rgb, clamped) = watch.time("encode", || transfer::encode_rgb8(&hazed));
         let enhanced = watch.time("enhance", || enhance::run(frame, &rgb))?;
-        let clean = match measure::needs_clean(frame)? {
-            true => Some(watch.time("encode", || transfer::encode_rgb8(radiance).0)),
-            false => None,
-        };
-        let measurements = watch.time("metrics", || measure::run(frame, &rgb, clean.as_ref(), &enhanced))?;
-        let described = watch.time("labels", || labels::describe(&prepared, &chosen, &layers));
+        let measurements = measure::run(frame, &rgb, &prepared.scene.radiance, &enhanced, &mut watch)?;
+        let described = watch.time("labels", || labels::describe(&prepared, &setting, &lit, &layers));
         let products = Products {
             frame,
             prepared: &prepared,
-            chosen: &chosen,
+            setting: &setting,
+            lit: &lit,
+            plan: &plan,
             layers: &layers,
-            styled: &styled.picture,
-            rgb: &rgb,
-            enhanced: &enhanced,
-            described: described.as_ref(),
+            glows,
             fallen: fallen.as_ref(),
+            styled: &styled,
+            rgb: &rgb,
+            clamped,
+            enhanced: &enhanced,
+            measurements,
+            described,
         };
         let files = watch.time("files", || files::encode(&products))?;
-
-        let counts = Counts {
-            holes: prepared.holes,
-            negative_radiance: prepared.negative_radiance,
-            clamped,
-            range_saturated: files.range_saturated,
-        };
-        let mut inputs = prepared.inputs.clone();
-        inputs.extend(
-            styled
-                .model
-                .iter()
-                .map(|(name, digest)| (format!("style.{name}"), digest.clone())),
-        );
-        let ran = Some(&self.engine).filter(|_| styled.on_runtime);
-        let ran = ran.and_then(|engine| engine.runtime().ok());
-        let findings = Findings {
-            frame,
-            camera: Camera::of_picture(radiance.width(), radiance.height(), prepared.focal_px),
-            chosen: &chosen,
-            factors: chosen
-                .patches
-                .as_ref()
-                .zip(prepared.scene.range.as_ref())
-                .and_then(|(patches, range)| patches.factors(range)),
-            fallen: fallen.as_ref(),
-            measurements,
-            counts,
-            timings_ms: watch.stop(),
-            warnings: warnings(frame, &prepared, &chosen)
-                .into_iter()
-                .chain(water::diffuse_in_disguise(frame))
-                .chain(dark.then(|| "no lamp lights anything in view".to_owned()))
-                .chain(enhance::warnings(&enhanced))
-                .chain(files.warnings)
-                .collect(),
-            inputs,
-            scene: described,
-            onnx_runtime: ran.map(|runtime| runtime.version().to_owned()),
-        };
-        let rendered = record::finish(files.files, findings);
+        let rendered = record::finish(products, files, watch.stop());
         self.kernels.recycle(layers);
         Ok(rendered)
     }
 
-    /// What a frame would be rendered with: a list of stages, each with its variant and what bounds its error.
+    /// What a frame would be rendered with.
     ///
     /// # Errors
-    /// [`RenderError`] of the scene or the water.
-    pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<serde_json::Value, RenderError> {
+    /// [`RenderError`] of the scene, the water or the style.
+    pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<Plan, RenderError> {
         let prepared = self.scene(frame, source)?;
-        let water = water::resolve(frame, &prepared)?;
-        let patches = turbidity::patches(frame, &prepared, water.as_ref())?;
-        let lighting = lamps::lighting(frame, &prepared, water.as_ref(), patches.as_ref())?;
-        let lit = lighting
-            .as_ref()
-            .and_then(|lighting| lamps::surfaces(&prepared, lighting, water.as_ref()));
-        let lit = lit.as_ref().map(|(lit, _)| lit);
-        let chosen = water::choose(frame, &prepared, lit, (water, patches), &frame.haze());
-        Ok(record::plan(frame, &chosen, None))
+        let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
+        let lit = Lit::new(frame, &prepared, &setting, &mut Stopwatch::start());
+        self.choose(frame, &setting, &lit)
+    }
+
+    fn choose(&self, frame: &Frame, setting: &Setting, lit: &Lit<'_>) -> Result<Plan, RenderError> {
+        let stats = lit.measure(setting);
+        Ok(Plan::new(&Given {
+            frame,
+            setting,
+            stats: &stats,
+            table_max_255: style::table_max_255(frame, &self.engine)?,
+        }))
     }
 
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
@@ -185,26 +135,4 @@ impl Slot {
         };
         Ok(prepared)
     }
-}
-
-fn warnings(frame: &Frame, prepared: &Prepared, chosen: &Chosen) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if frame.water.optics.is_some() && chosen.water.is_none() {
-        warnings.push("the scene has no range: the water's optics are skipped".to_owned());
-    }
-    if frame.has_lamps() && prepared.scene.range.is_none() {
-        warnings.push("the scene has no range: the lamps are skipped".to_owned());
-    }
-    if frame.water.snow.is_some() && prepared.scene.range.is_none() {
-        warnings.push("the scene has no range: the snow is skipped".to_owned());
-    }
-    let pixels = prepared
-        .scene
-        .range
-        .as_ref()
-        .map_or(0, |range| range.data().len() as u64);
-    if pixels > 0 && prepared.holes == pixels {
-        warnings.push("no pixel has a valid range".to_owned());
-    }
-    warnings
 }

@@ -8,6 +8,7 @@ use cli::job;
 use cli::styles::StyleArguments;
 use cli::table::{cell, table};
 use renderer::{Engine, SceneSource, Slot};
+use serde_json::json;
 
 /// Options of `fathom plan`.
 #[derive(clap::Args)]
@@ -46,19 +47,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     )));
     let plan = slot.plan(&frame, &SceneSource::Local).map_err(Failure::input)?;
     if arguments.json {
-        println!("{plan}");
+        println!("{}", json!(plan));
         return Ok(());
     }
-    let columns = ["stage", "variant", "terms", "bound"];
-    let stages = plan.as_array().map(Vec::as_slice).unwrap_or_default();
-    let rows: Vec<Vec<String>> = stages
-        .iter()
-        .map(|stage| columns.map(|column| cell(&stage[column])).into())
+    let columns = ["stage", "variant", "terms", "share", "bound", "cost_ms", "note"];
+    let lines = plan.lines().into_iter().map(|line| json!(line));
+    let rows: Vec<Vec<String>> = lines
+        .map(|line| columns.map(|column| cell(&line[column])).into())
         .collect();
     println!("{}", table(&columns, &rows));
-    let bounds = stages.iter().filter_map(|stage| stage["bound"].as_f64());
-    if let Some(largest) = bounds.reduce(f64::max) {
-        println!("Every sample is within {largest:.2e} in linear light of the exact chain.");
+    if let Some(bounds) = plan.bounds() {
+        let largest = bounds.into_iter().fold(0.0, f64::max);
+        println!("Every sample before the style is within {largest:.2e} in linear light of the exact chain.");
     }
     Ok(())
 }

@@ -24,10 +24,10 @@ pub(super) struct Frame<'a> {
 pub(super) fn bands(
     frame: &Frame<'_>,
     radiance: &Rgb<f32>,
-    steps: &[ScatterStep; 3],
+    steps: [&ScatterStep; 3],
     cache: &mut KernelCache,
 ) -> [Band<f32>; 3] {
-    let mut bands = [0, 1, 2].map(|c| attenuated(frame, &radiance.planes()[c], c, &steps[c], cache));
+    let mut bands = [0, 1, 2].map(|c| attenuated(frame, &radiance.planes()[c], c, steps[c], cache));
     match &frame.water.scatter {
         Scatter::None => {}
         Scatter::Jaffe { spread, .. } => {
@@ -37,8 +37,8 @@ pub(super) fn bands(
                 let light = std::mem::replace(&mut bands[c].forward, spread);
                 cache.buffers.give([light.into_data()]);
             }
-            for (band, step) in bands.iter_mut().zip(steps) {
-                if *step != ScatterStep::Skip {
+            for (band, step) in bands.iter_mut().zip(&steps) {
+                if **step != ScatterStep::Skip {
                     accumulate(band.image.data_mut(), band.forward.data());
                 }
             }
@@ -110,12 +110,12 @@ fn channels<'a>(
     frame: &Frame<'_>,
     spread: &Spread,
     light: [&Plane<f32>; 3],
-    steps: &'a [ScatterStep; 3],
+    steps: [&'a ScatterStep; 3],
     cache: &mut KernelCache,
 ) -> (Vec<usize>, Vec<forward_scatter::Channel<'a>>) {
     let (mut places, mut channels) = (Vec::new(), Vec::new());
     for (c, light) in light.into_iter().enumerate() {
-        let (ScatterStep::Interpolated(nodes), Some(farthest)) = (&steps[c], frame.farthest) else {
+        let (ScatterStep::Interpolated(nodes), Some(farthest)) = (steps[c], frame.farthest) else {
             continue;
         };
         let mut gamma = empty(frame.range, cache);

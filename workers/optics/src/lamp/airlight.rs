@@ -14,8 +14,8 @@ use imaging::{Plane, Rgb};
 use super::elementary::{HALVINGS, fade, small_sin_cos};
 use super::legendre::gauss_legendre;
 use super::nodes::{self, MOST_NODES, Source};
-use super::patches;
 use super::{Beam, Lamp, Lighting};
+use super::{limits, patches};
 use crate::turbidity;
 use intervals::{Intervals, Murk, Rays, intervals, murk_of, rays_of};
 
@@ -158,7 +158,7 @@ impl Glow {
             attenuation: single(lighting.attenuation.map(|c| c * f64::from(HALVINGS))),
             gain: single(strength.map(|s| s * constant)),
             source: Source {
-                strength: strength.into_iter().fold(0.0, f64::max),
+                strength: limits::strength(lamp, lighting),
                 attenuation: lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min),
                 asymmetry: g,
                 tolerance: match order {

@@ -39,23 +39,61 @@ pub(super) struct Source {
     pub(super) tolerance: f64,
 }
 
+/// What the error of the quadrature on a run of pixels is made of.
+struct Left {
+    pole: f64,
+    /// By this factor the error of the pole falls with each node, e-folds.
+    growth: f64,
+    edge: f64,
+    fade: f64,
+}
+
+impl Left {
+    fn new(span: Span, source: Source) -> Self {
+        let (from, to) = (f64::from(span.from), f64::from(span.to).min(f64::from(FRAC_PI_2)));
+        let half = 0.5 * (to - from);
+        let distance = f64::from(span.nearest_m);
+        let (clear, murky) = (f64::from(span.clearest), f64::from(span.murkiest));
+        let scale = source.strength * f64::from(span.source) / distance * 4.0 * half;
+        // At β the scattering angle has the cosine cos 2β.
+        let phase =
+            |(sin, cos): (f64, f64)| super::henyey_greenstein(source.asymmetry, cos * cos - sin * sin);
+        let ends = [from.sin_cos(), to.sin_cos()];
+        let [at_start, at_end] = ends.map(|end| scale * phase(end));
+        let growth = 2.0 * ellipse(source.asymmetry, from, half).ln();
+        let fade = source.attenuation * clear * distance;
+        let shown = (source.attenuation * murky * distance * ends[1].0 / ends[1].1)
+            .powi(2)
+            .min(1.0);
+        Self {
+            pole: POLE_FACTOR * at_start.max(at_end),
+            growth,
+            edge: at_end * shown,
+            fade,
+        }
+    }
+}
+
+/// The error that the most nodes leave.
+pub(super) fn least_error(span: Span, source: Source) -> f64 {
+    let Left {
+        pole,
+        growth,
+        edge,
+        fade,
+    } = Left::new(span, source);
+    let n = MOST_NODES as f64;
+    pole * (-growth * n).exp() + 0.5 * edge / (n * n) * (8.0 * (-2.0 * (fade * n * n).cbrt()).exp()).min(1.0)
+}
+
 /// The least count whose error stays within the tolerance.
 pub(super) fn count(span: Span, source: Source) -> usize {
-    let (from, to) = (f64::from(span.from), f64::from(span.to).min(f64::from(FRAC_PI_2)));
-    let half = 0.5 * (to - from);
-    let distance = f64::from(span.nearest_m);
-    let (clear, murky) = (f64::from(span.clearest), f64::from(span.murkiest));
-    let scale = source.strength * f64::from(span.source) / distance * 4.0 * half;
-    // At β the scattering angle has the cosine cos 2β.
-    let phase = |(sin, cos): (f64, f64)| super::henyey_greenstein(source.asymmetry, cos * cos - sin * sin);
-    let ends = [from.sin_cos(), to.sin_cos()];
-    let [at_start, at_end] = ends.map(|end| scale * phase(end));
-    let growth = 2.0 * ellipse(source.asymmetry, from, half).ln();
-    let fade = source.attenuation * clear * distance;
-    let shown = (source.attenuation * murky * distance * ends[1].0 / ends[1].1)
-        .powi(2)
-        .min(1.0);
-    let (pole, edge) = (POLE_FACTOR * at_start.max(at_end), at_end * shown);
+    let Left {
+        pole,
+        growth,
+        edge,
+        fade,
+    } = Left::new(span, source);
     let enough = |n: f64| {
         let most = 0.5 * edge / (n * n);
         let pole = pole * (-growth * n).exp();

@@ -6,28 +6,42 @@ use imaging::{Plane, Rgb};
 use super::elementary::{HALVINGS, fade};
 use super::{Beam, Lamp, Lighting};
 use crate::attenuation::masked;
-use crate::range::SHORTEST_M;
+use crate::extremes::{brightest, greatest};
+use crate::range::{self, SHORTEST_M};
 use crate::turbidity::{self, RUN};
 
-/// Rounding of f32 in the light on surfaces, as a share of the frame's peak: a range of 30 m is known to 2 µm, and light falls with
-/// its square.
-pub const SURFACE_ROUNDING: f64 = 2e-5;
 /// A Lambertian surface sends back J/π of what falls on it.
 const PER_STERADIAN: f32 = std::f32::consts::FRAC_1_PI;
 
+/// The light of lamps on surfaces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Irradiance {
+    /// E.
+    pub light: Rgb<f32>,
+    /// No sample differs by more from [`irradiance_reference`](super::irradiance_reference).
+    pub rounding: f64,
+}
+
 /// [`irradiance_reference`](super::irradiance_reference) in f32.
 #[must_use]
-pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Rgb<f32> {
+pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Irradiance {
     let (width, height) = range.size();
     let [mut red, mut green, mut blue] = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
     let camera = &lighting.camera;
     let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
     let attenuation = lighting.attenuation.map(|c| c as f32 * HALVINGS);
     let radius = lighting.radius_m as f32;
-    let lamps: Vec<Source> = lighting.lamps.iter().map(Source::new).collect();
+    let sources: Vec<Source> = lighting.lamps.iter().map(Source::new).collect();
+    let limits: Vec<Rounding> = lighting
+        .lamps
+        .iter()
+        .map(|lamp| Rounding::new(lamp, lighting, range))
+        .collect();
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
-    let mut places = [(); 4].map(|()| vec![0.0f32; width]);
+    let mut places = [(); 5].map(|()| vec![0.0f32; width]);
     let mut murk = vec![1.0f32; width];
+    let [mut near, mut seen] = [(); 2].map(|()| vec![0.0f32; width]);
+    let mut rounding = 0.0f64;
     for y in 0..height {
         vectorised(
             #[inline(always)]
@@ -39,21 +53,34 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
             attenuation,
             radius,
         };
-        for lamp in &lamps {
+        let mut lost = 0.0;
+        for (lamp, limit) in sources.iter().zip(&limits) {
             if let Some(patches) = &patches {
                 vectorised(
                     #[inline(always)]
                     || murk_of(patches, y, range.row(y), (row, lamp.place), &mut murk),
                 );
             }
-            let (red, green, blue) = (red.row_mut(y), green.row_mut(y), blue.row_mut(y));
+            let [red, green, blue] = [&mut red, &mut green, &mut blue].map(|plane| plane.row_mut(y));
             vectorised(
                 #[inline(always)]
-                || shine(row, *lamp, &murk, red, green, blue),
+                || {
+                    shine(
+                        row,
+                        *lamp,
+                        &murk,
+                        [&mut *red, &mut *green, &mut *blue, &mut near, &mut seen],
+                    )
+                },
             );
+            lost += limit.within(greatest(&near), greatest(&seen));
         }
+        rounding = rounding.max(lost);
     }
-    Rgb::new([red, green, blue]).expect("planes of one frame")
+    Irradiance {
+        light: Rgb::new([red, green, blue]).expect("planes of one frame"),
+        rounding,
+    }
 }
 
 /// The scene by the light that it has, `gain` times J for each channel, and by that of the lamps: `J (gain + E/π)`.
@@ -71,11 +98,86 @@ pub fn lit(radiance: &Rgb<f32>, gain: [f64; 3], irradiance: &Rgb<f32>) -> Rgb<f3
     Rgb::new([band(0), band(1), band(2)]).expect("planes of one frame")
 }
 
+/// What [`lit`] may differ by from the same in f64, where the light of the lamps may differ by `rounding`.
+#[must_use]
+pub fn lit_rounding(radiance: &Rgb<f32>, lit: &Rgb<f32>, rounding: f64) -> f64 {
+    let most = |light: &Rgb<f32>| f64::from(brightest(light).into_iter().fold(0.0, f32::max));
+    most(radiance) * rounding / std::f64::consts::PI + 4.0 * STEP * most(lit)
+}
+
+/// One rounding of f32.
+const STEP: f64 = 6e-8;
+
+/// What f32 may lose of the light of one lamp.
+///
+/// With q = 1/r and s = Z/r of a pixel, E = I₀ S e^{−c m r} (n·l) q³ loses at most
+///
+/// ```text
+/// I₀ q² [ e^{−c m r} ( (4 + 2σ) δ + (12 + 6σ) ε + 3e-7 ) + (δ + 3 ε + μ s)/e ]
+/// δ = ε ( (8 + ℓ) s + |P| q + 1 )
+/// ```
+///
+/// ε is one rounding. δ is the error of the way to the lamp as a share of r: a place is known to 8 roundings of its range Z, and to
+/// those of the principal point, ℓ = (|cx| + |cy|)/f of them; the lamp's own to one of |P|. It enters once by n·l, which may be 0
+/// while its error is not, three times by q³, and by the cosine of a spot, whose profile rises by σ = 1/(1 − cos cone) times as
+/// much. 3e-7 is the error of the exponential. That of its exponent x = c m r counts x e^{−x} ≤ 1/e times; in patches the factor m
+/// errs by μ s more. Both brackets grow with q and s, so that their greatest values of a row bound all of its pixels.
+struct Rounding {
+    intensity: f64,
+    attenuation: f64,
+    slope: f64,
+    lens: f64,
+    distance_m: f64,
+    murk: f64,
+}
+
+impl Rounding {
+    fn new(lamp: &Lamp, lighting: &Lighting, range: &Plane<f32>) -> Self {
+        let camera = &lighting.camera;
+        let (mut clearest, mut murk) = (1.0, 0.0);
+        if let Some(field) = &lighting.patches {
+            clearest = field.extremes().0;
+            let farthest =
+                range::bounds(range.data(), range.data(), f32::MAX).map_or(0.0, |(_, far)| f64::from(far));
+            // Of two means of the field, as a share of the least that there may be.
+            murk = 2.0 * turbidity::path_rounding(farthest, field.scale_m()) / clearest;
+        }
+        Self {
+            intensity: lamp.intensity.into_iter().fold(0.0, f64::max),
+            attenuation: lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min) * clearest,
+            slope: match lamp.beam {
+                Beam::Point => 0.0,
+                Beam::Spot { cos_cone, .. } => 1.0 / (1.0 - cos_cone),
+            },
+            lens: (camera.cx.abs() + camera.cy.abs()) / camera.focal_px,
+            distance_m: lamp.position_m.iter().map(|v| v * v).sum::<f64>().sqrt(),
+            murk,
+        }
+    }
+
+    /// The bound for the pixels whose q and s are at most these.
+    fn within(&self, near: f32, seen: f32) -> f64 {
+        let (q, s) = (f64::from(near), f64::from(seen));
+        if q == 0.0 {
+            return 0.0;
+        }
+        let way = STEP * ((8.0 + self.lens) * s + self.distance_m * q + 1.0);
+        let fade = (-self.attenuation / q).exp();
+        let profile = (4.0 + 2.0 * self.slope) * way + (12.0 + 6.0 * self.slope) * STEP + 3e-7;
+        let exponent = (way + 3.0 * STEP + self.murk * s.max(1.0)) / std::f64::consts::E;
+        // Beyond a thousand kilometres the fast form looks no farther.
+        self.intensity * (q * q * (fade * profile + exponent) + 1e-12)
+    }
+}
+
+/// Error of a cosine to the axis of a spot, for a surface as far from the lamp as from the camera.
+const EDGE: f32 = 2e-6;
+
 /// What the lamps meet in a row.
 #[derive(Clone, Copy)]
 struct Row<'a> {
-    /// Where the surfaces are in camera axes, and 1, or 0 at a hole.
-    places: [&'a [f32]; 4],
+    /// Where the surfaces are in camera axes, how far from the camera, and 1, or 0 at a hole.
+    places: [&'a [f32]; 5],
     normals: [&'a [f32]; 3],
     /// Halvings per metre.
     attenuation: [f32; 3],
@@ -114,16 +216,17 @@ impl Source {
 }
 
 #[inline(always)]
-fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [Vec<f32>; 4]) {
+fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [Vec<f32>; 5]) {
     let width = range.len();
-    let [px, py, pz, shown] = to.each_mut().map(|lane| &mut lane[..width]);
+    let [px, py, pz, metres, shown] = to.each_mut().map(|lane| &mut lane[..width]);
     let v = (y - cy) * inverse_focal;
     for i in 0..width {
         let u = (i as f32 - cx) * inverse_focal;
         let (valid, z) = masked(range[i]);
         // So far away that nothing arrives, and its square is still finite.
-        let planar = z.min(1e6) / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
-        (px[i], py[i], pz[i]) = (u * planar, v * planar, planar);
+        let z = z.min(1e6);
+        let planar = z / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
+        (px[i], py[i], pz[i], metres[i]) = (u * planar, v * planar, planar, z);
         shown[i] = if valid { 1.0 } else { 0.0 };
     }
 }
@@ -137,7 +240,7 @@ fn murk_of(
     (row, [px, py, pz]): (Row<'_>, [f32; 3]),
     murk: &mut [f32],
 ) {
-    let [places_x, places_y, places_z, _] = row.places;
+    let [places_x, places_y, places_z, _, _] = row.places;
     for start in (0..range.len()).step_by(RUN) {
         let run = RUN.min(range.len() - start);
         let at = start..start + run;
@@ -169,7 +272,7 @@ fn murk_of(
 #[inline(always)]
 fn shine(
     Row {
-        places: [x, y, z, shown],
+        places: [x, y, z, range, shown],
         normals: [nx, ny, nz],
         attenuation: [cr, cg, cb],
         radius,
@@ -182,12 +285,17 @@ fn shine(
         intensity: [ir, ig, ib],
     }: Source,
     murk: &[f32],
-    red: &mut [f32],
-    green: &mut [f32],
-    blue: &mut [f32],
+    [red, green, blue, near, seen]: [&mut [f32]; 5],
 ) {
     let width = red.len();
-    let (x, y, z, shown) = (&x[..width], &y[..width], &z[..width], &shown[..width]);
+    let (x, y, z, shown, range) = (
+        &x[..width],
+        &y[..width],
+        &z[..width],
+        &shown[..width],
+        &range[..width],
+    );
+    let (near, seen) = (&mut near[..width], &mut seen[..width]);
     let (nx, ny, nz) = (&nx[..width], &ny[..width], &nz[..width]);
     let murk = &murk[..width];
     let (green, blue) = (&mut green[..width], &mut blue[..width]);
@@ -198,9 +306,18 @@ fn shine(
         let inverse = 1.0 / distance;
         let facing = nx[i].mul_add(lx, ny[i].mul_add(ly, nz[i] * lz)).max(0.0);
         let cos = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
-        let profile = slope.mul_add(cos, offset).max(0.0).min(1.0);
+        let rise = slope.mul_add(cos, offset);
+        let profile = rise.max(0.0).min(1.0);
         let fall = facing * shown[i] * profile * (inverse * inverse * inverse);
         let metres = murk[i] * distance;
+        // As far beyond the cone as rounding may carry the light.
+        let share = range[i] * inverse;
+        let reached = if rise > -slope * EDGE * (1.0 + share) {
+            shown[i]
+        } else {
+            0.0
+        };
+        (near[i], seen[i]) = (reached * inverse, reached * share);
         red[i] = (ir * fall).mul_add(fade(cr, metres), red[i]);
         green[i] = (ig * fall).mul_add(fade(cg, metres), green[i]);
         blue[i] = (ib * fall).mul_add(fade(cb, metres), blue[i]);

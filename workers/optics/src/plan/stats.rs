@@ -1,11 +1,11 @@
 //! What a plan needs to know of a scene.
 
-use imaging::simd::vectorised;
 use imaging::{Plane, Rgb};
 use spec::{HoleRule, ScatterSource};
 
 use super::bins;
 use crate::attenuation::OPAQUE;
+use crate::extremes::{brightest, greatest, least};
 use crate::forward_scatter::widest_px;
 use crate::range::{bounds, is_hole};
 use crate::water::{Scatter, Water};
@@ -41,6 +41,10 @@ pub struct SceneStats {
     pub bins: Vec<RangeBin>,
     /// The widest kernel that the frame's size admits, pixels.
     pub widest_px: f64,
+    /// Pixels.
+    pub pixels: usize,
+    /// What f32 may have lost of the light that lamps throw on the scene; 0 without lamps.
+    pub lamp_rounding: f64,
 }
 
 impl SceneStats {
@@ -78,6 +82,26 @@ impl SceneStats {
             distinct_m: distinct(range.data(), stand_in),
             brightest,
             widest_px: widest_px(range.width(), range.height()),
+            pixels: range.data().len(),
+            lamp_rounding: 0.0,
+        }
+    }
+
+    /// Measures a scene without water.
+    #[must_use]
+    pub fn in_air(radiance: &Rgb<f32>) -> Self {
+        let (width, height) = radiance.size();
+        Self {
+            range_m: None,
+            lit_m: [None; 3],
+            distinct_m: None,
+            brightest: brightest(radiance),
+            darkest: [0.0; 3],
+            holes: false,
+            bins: Vec::new(),
+            widest_px: widest_px(width, height),
+            pixels: width * height,
+            lamp_rounding: 0.0,
         }
     }
 }
@@ -104,28 +128,10 @@ struct ChannelStats {
 
 impl ChannelStats {
     fn measure(light: &[f32], range: &[f32], most_m: f32) -> Self {
-        let (mut brightest, mut darkest) = ([0.0f32; LANES], [f32::MAX; LANES]);
-        vectorised(
-            #[inline(always)]
-            || extremes(light, &mut brightest, &mut darkest),
-        );
         Self {
-            brightest: brightest.into_iter().fold(0.0, f32::max),
-            darkest: darkest.into_iter().fold(f32::MAX, f32::min),
+            brightest: greatest(light),
+            darkest: least(light),
             lit_m: bounds(light, range, most_m),
-        }
-    }
-}
-
-/// Several extremes at once, so that the loop vectorises.
-const LANES: usize = 16;
-
-#[inline(always)]
-fn extremes(light: &[f32], brightest: &mut [f32; LANES], darkest: &mut [f32; LANES]) {
-    for chunk in light.chunks(LANES) {
-        for ((most, least), &l) in brightest.iter_mut().zip(darkest.iter_mut()).zip(chunk) {
-            *most = most.max(l);
-            *least = least.min(l);
         }
     }
 }

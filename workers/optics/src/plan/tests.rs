@@ -1,7 +1,7 @@
 //! Plans are compared, not run.
 
 use imaging::{Plane, Rgb};
-use spec::{ForwardScatter, HazeBlend, HazeSpace, Optics, ScatterModel};
+use spec::{ForwardScatter, Optics, ScatterModel};
 
 use super::*;
 
@@ -27,13 +27,7 @@ fn water(model: ScatterModel, g: f64, spread_px_per_m: f64) -> Water {
 
 fn plan(range_m: &[f32], water: &Water, fidelity: Fidelity) -> Plan {
     let (radiance, range) = wall(range_m);
-    Plan::for_frame(
-        &SceneStats::measure(&radiance, &range, water),
-        water,
-        None,
-        &[],
-        fidelity,
-    )
+    Plan::for_water(&SceneStats::measure(&radiance, &range, water), water, fidelity)
 }
 
 const SLOPE: [f32; 40] = {
@@ -51,13 +45,13 @@ fn without_scattered_light_nothing_is_spread() {
     let all_absorbed = water(ScatterModel::Jaffe, 0.4, 1.0);
     for fidelity in [Fidelity::Tolerance(1e-6), Fidelity::Terms(4)] {
         assert_eq!(
-            plan(&SLOPE, &all_absorbed, fidelity).scatter[0],
+            plan(&SLOPE, &all_absorbed, fidelity).scatter[0].form,
             ScatterStep::Skip
         );
     }
     let holes = [f32::NAN; 3];
     assert_eq!(
-        plan(&holes, &water(ScatterModel::Jaffe, 0.1, 1.0), Fidelity::Terms(4)).scatter[0],
+        plan(&holes, &water(ScatterModel::Jaffe, 0.1, 1.0), Fidelity::Terms(4)).scatter[0].form,
         ScatterStep::Skip
     );
 }
@@ -65,7 +59,7 @@ fn without_scattered_light_nothing_is_spread() {
 #[test]
 fn a_kernel_without_width_needs_no_transform() {
     assert_eq!(
-        plan(&SLOPE, &water(ScatterModel::Jaffe, 0.1, 0.0), Fidelity::Terms(4)).scatter[0],
+        plan(&SLOPE, &water(ScatterModel::Jaffe, 0.1, 0.0), Fidelity::Terms(4)).scatter[0].form,
         ScatterStep::Pointwise
     );
     assert_eq!(
@@ -74,7 +68,8 @@ fn a_kernel_without_width_needs_no_transform() {
             &water(ScatterModel::Simplified, 0.1, 0.0),
             Fidelity::Terms(4)
         )
-        .scatter[0],
+        .scatter[0]
+            .form,
         ScatterStep::Skip
     );
 }
@@ -83,11 +78,11 @@ fn a_kernel_without_width_needs_no_transform() {
 fn a_kernel_within_the_pixel_is_pointwise_as_the_tolerance_allows() {
     let narrow = water(ScatterModel::Jaffe, 0.1, 1e-4);
     assert_eq!(
-        plan(&SLOPE, &narrow, Fidelity::Tolerance(1e-3)).scatter[0],
+        plan(&SLOPE, &narrow, Fidelity::Tolerance(1e-3)).scatter[0].form,
         ScatterStep::Pointwise
     );
     assert!(matches!(
-        plan(&SLOPE, &narrow, Fidelity::Tolerance(1e-6)).scatter[0],
+        plan(&SLOPE, &narrow, Fidelity::Tolerance(1e-6)).scatter[0].form,
         ScatterStep::Interpolated(_)
     ));
 }
@@ -97,7 +92,7 @@ fn few_distinct_ranges_have_their_own_kernels() {
     let steps = [2.0, 15.0, 2.0, 15.0, 2.0];
     let exact = Nodes::exact([2.0, 15.0]);
     assert_eq!(
-        plan(&steps, &water(ScatterModel::Jaffe, 0.1, 1.0), Fidelity::Terms(4)).scatter[1],
+        plan(&steps, &water(ScatterModel::Jaffe, 0.1, 1.0), Fidelity::Terms(4)).scatter[1].form,
         ScatterStep::Interpolated(exact)
     );
 }
@@ -106,7 +101,7 @@ fn few_distinct_ranges_have_their_own_kernels() {
 fn a_smaller_tolerance_takes_more_kernels() {
     let water = water(ScatterModel::Jaffe, 0.1, 1.0);
     let terms = [1e-2, 1e-3, 1e-5].map(|tolerance| {
-        plan(&SLOPE, &water, Fidelity::Tolerance(tolerance)).describe()[1]
+        plan(&SLOPE, &water, Fidelity::Tolerance(tolerance)).lines()[4]
             .terms
             .unwrap()
     });
@@ -116,7 +111,7 @@ fn a_smaller_tolerance_takes_more_kernels() {
 #[test]
 fn the_widest_kernel_is_four_frame_sides() {
     let water = water(ScatterModel::Jaffe, 0.001, 1e6);
-    let ScatterStep::Interpolated(nodes) = &plan(&SLOPE, &water, Fidelity::Terms(9)).scatter[0] else {
+    let ScatterStep::Interpolated(nodes) = &plan(&SLOPE, &water, Fidelity::Terms(9)).scatter[0].form else {
         panic!("nothing is spread")
     };
     assert_eq!(nodes.terms(), 1);
@@ -124,18 +119,19 @@ fn the_widest_kernel_is_four_frame_sides() {
 }
 
 #[test]
-fn the_description_says_what_is_skipped() {
-    let light = Haze {
-        x: 0.5,
-        y: 0.5,
-        size: 0.0,
-        intensity: 1.0,
-        color: [1.0; 3],
-        blend: HazeBlend::Over,
-        space: HazeSpace::Linear,
-    };
-    let notes = Plan::without_water(Some(0.0), &[light]).describe();
-    assert!(notes.iter().all(|note| note.variant == "skip"), "{notes:?}");
+fn a_frame_in_air_skips_every_stage_at_no_cost() {
+    let lines = Plan::in_air(1000).lines();
+    assert_eq!(lines.len(), 12);
+    assert!(
+        lines
+            .iter()
+            .all(|line| line.variant == "skip" && line.bound.is_none()),
+        "{lines:?}"
+    );
+    assert!(
+        lines.iter().all(|line| line.cost_ms.unwrap_or(0.0) == 0.0),
+        "{lines:?}"
+    );
 }
 
 #[test]
@@ -143,13 +139,14 @@ fn the_bound_of_a_plan_stays_within_its_tolerance_and_says_what_is_used() {
     let water = water(ScatterModel::Jaffe, 0.1, 1.0);
     for tolerance in [1e-2, 3e-4, 1e-5] {
         let plan = plan(&SLOPE, &water, Fidelity::Tolerance(tolerance));
-        let bounds = plan.bounds.unwrap();
+        let bounds = plan.bounds().unwrap();
+        assert_eq!(plan.exceeds, None);
         assert!(
             bounds.iter().all(|&bound| bound <= tolerance && bound > 0.0),
             "{bounds:?}"
         );
     }
-    assert_eq!(plan(&SLOPE, &water, Fidelity::Terms(4)).bounds, None);
+    assert_eq!(plan(&SLOPE, &water, Fidelity::Terms(4)).bounds(), None);
 }
 
 #[test]
@@ -166,9 +163,7 @@ fn one_code_of_a_bright_picture_allows_more_than_one_of_a_dark_one() {
             ..Optics::default()
         });
         let water = Water::resolve(&request, 500.0).unwrap();
-        plan(&SLOPE, &water, Fidelity::DISPLAY).describe()[1]
-            .terms
-            .unwrap()
+        plan(&SLOPE, &water, Fidelity::DISPLAY).lines()[4].terms.unwrap()
     };
     assert!(terms(0.6) < terms(0.0), "{} and {}", terms(0.6), terms(0.0));
 }
@@ -185,10 +180,10 @@ fn attenuation_that_nobody_sees_is_left_out() {
     };
     let step = |c: f64, range: &[f32]| {
         let water = Water::resolve(&request(c), 500.0).unwrap();
-        plan(range, &water, Fidelity::Tolerance(3e-4)).attenuation
+        plan(range, &water, Fidelity::Tolerance(3e-4)).attenuation.form
     };
-    assert_eq!(step(1e-6, &SLOPE), AttenuationStep::Skip);
-    assert_eq!(step(1e-4, &SLOPE), AttenuationStep::Fast);
+    assert_eq!(step(1e-6, &SLOPE), Form::Skip);
+    assert_eq!(step(1e-4, &SLOPE), Form::Fast);
     // At a hole the path never ends.
-    assert_eq!(step(1e-6, &[2.0, f32::NAN, 3.0]), AttenuationStep::Fast);
+    assert_eq!(step(1e-6, &[2.0, f32::NAN, 3.0]), Form::Fast);
 }

@@ -4,10 +4,8 @@ use imaging::{Plane, Rgb};
 
 use super::flakes::REACH;
 use super::{Flake, Surround};
+use crate::extremes::brightest;
 use crate::range::is_hole;
-
-/// Several maxima at once, so that the loop vectorises.
-const LANES: usize = 16;
 
 /// [`snow_reference`](super::snow_reference) in place with an error below `tolerance` in linear light, rounding of f32 apart.
 /// Over-laying only ever shrinks an error from below, so the errors of the particles add at most: each may leave out what it
@@ -81,19 +79,4 @@ pub fn snow(
             .for_each(|(light, change)| *light += change);
     }
     mask
-}
-
-/// The largest light of each channel; at least 0.
-#[must_use]
-pub fn brightest(image: &Rgb<f32>) -> [f32; 3] {
-    image.planes().each_ref().map(|plane| {
-        let mut lanes = [0.0f32; LANES];
-        for chunk in plane.data().chunks(LANES) {
-            lanes
-                .iter_mut()
-                .zip(chunk)
-                .for_each(|(lane, &v)| *lane = lane.max(v));
-        }
-        lanes.into_iter().fold(0.0, f32::max)
-    })
 }

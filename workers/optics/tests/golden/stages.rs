@@ -117,7 +117,7 @@ fn layers(case: &Case, fidelity: Fidelity) -> Layers {
         water(case),
     );
     let stats = SceneStats::measure(&radiance, &range, &water);
-    let plan = Plan::for_frame(&stats, &water, None, &[], fidelity);
+    let plan = Plan::for_water(&stats, &water, fidelity);
     chain::water(&radiance, &range, &water, &plan, &mut KernelCache::new())
         .unwrap_or_else(|error| panic!("{error}"))
 }

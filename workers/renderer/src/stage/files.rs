@@ -4,14 +4,19 @@ use enhance::Enhanced;
 use imaging::codec::{self, EncodeError};
 use imaging::{Raster, Rgb, Rgb8, transfer};
 use optics::chain::Layers;
+use optics::plan::Plan;
+use optics::setting::Setting;
 use spec::{ArtifactKind, Encode, Frame, SceneRecord};
 
 use serde_json::json;
 
+use super::light::Lit;
+use super::measure::Measurements;
 use super::range_file::millimetres;
 use super::scene::Prepared;
 use super::snow::{self, Fallen};
-use super::water::{Chosen, transmittance};
+use super::style::Styled;
+use super::water::transmittance;
 use crate::error::RenderError;
 use crate::record::File;
 
@@ -26,13 +31,20 @@ const JSON: &str = "application/json";
 pub(crate) struct Products<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) prepared: &'a Prepared,
-    pub(crate) chosen: &'a Chosen,
+    pub(crate) setting: &'a Setting,
+    pub(crate) lit: &'a Lit<'a>,
+    pub(crate) plan: &'a Plan,
     pub(crate) layers: &'a Layers,
-    pub(crate) styled: &'a Rgb<f32>,
-    pub(crate) rgb: &'a Rgb8,
-    pub(crate) enhanced: &'a [(String, Enhanced)],
-    pub(crate) described: Option<&'a SceneRecord>,
+    /// Whether the water glows.
+    pub(crate) glows: bool,
     pub(crate) fallen: Option<&'a Fallen>,
+    pub(crate) styled: &'a Styled<'a>,
+    pub(crate) rgb: &'a Rgb8,
+    /// Samples outside 0..=1 that the encoder clamped.
+    pub(crate) clamped: u64,
+    pub(crate) enhanced: &'a [(String, Enhanced)],
+    pub(crate) measurements: Measurements,
+    pub(crate) described: Option<SceneRecord>,
 }
 
 /// The files that the frame asks for, in its order.
@@ -79,13 +91,11 @@ fn bytes(
     let Products {
         frame,
         prepared,
-        chosen,
         layers,
         styled,
         rgb,
         enhanced,
-        described,
-        fallen,
+        ..
     } = products;
     let labels = prepared.labels.as_ref();
     let scene = &prepared.scene;
@@ -101,11 +111,11 @@ fn bytes(
         ArtifactKind::Rgb | ArtifactKind::Hazed => Some(picture(rgb, frame.encode)?),
         ArtifactKind::Clean => Some(shown(&scene.radiance)?),
         ArtifactKind::Scattered => Some(shown(&layers.scattered)?),
-        ArtifactKind::Styled => Some(shown(styled)?),
+        ArtifactKind::Styled => Some(shown(&styled.picture)?),
         ArtifactKind::Direct => linear(&layers.direct),
         ArtifactKind::ForwardScatter => linear(&layers.forward_scatter),
         ArtifactKind::Backscatter => linear(&layers.backscatter),
-        ArtifactKind::Transmittance => linear(&transmittance(prepared, chosen)),
+        ArtifactKind::Transmittance => linear(&transmittance(products.lit, products.setting)),
         ArtifactKind::Preview => Some(picture(&codec::downscale(rgb, PREVIEW_PX), frame.encode)?),
         ArtifactKind::Enhanced(method) => match of(method) {
             None => None,
@@ -113,7 +123,7 @@ fn bytes(
         },
         ArtifactKind::HscmMask => mask(of("hscm").and_then(|hscm| hscm.mask.clone()).map(Raster::from))?,
         ArtifactKind::SnowMask => mask(Some(Raster::from(snow::codes(
-            *fallen,
+            products.fallen,
             (rgb.width(), rgb.height()),
         ))))?,
         ArtifactKind::Instances => mask(scene.instances.clone().map(Raster::from))?,
@@ -123,7 +133,11 @@ fn bytes(
             Some(Ok(normals)) => linear(&normals),
             _ => None,
         },
-        ArtifactKind::Boxes => match described.filter(|scene| scene.instances.is_some()) {
+        ArtifactKind::Boxes => match products
+            .described
+            .as_ref()
+            .filter(|scene| scene.instances.is_some())
+        {
             Some(scene) => Some((JSON, json!(scene).to_string().into_bytes())),
             None => None,
         },

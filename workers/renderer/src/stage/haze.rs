@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 
 use imaging::Rgb;
-use spec::Haze;
+use optics::plan::{Form, Plan};
+use spec::Frame;
 
 /// Lays the lights over a picture; without a light that shines it passes through uncopied.
-pub(crate) fn run<'a>(styled: &'a Rgb<f32>, lights: &[Haze]) -> Cow<'a, Rgb<f32>> {
-    if lights.iter().any(Haze::shines) {
-        Cow::Owned(optics::haze(styled.clone(), lights))
-    } else {
-        Cow::Borrowed(styled)
+pub(crate) fn run<'a>(frame: &Frame, plan: &Plan, styled: &'a Rgb<f32>) -> Cow<'a, Rgb<f32>> {
+    match plan.haze.form {
+        Form::Skip => Cow::Borrowed(styled),
+        Form::Fast | Form::Reference => Cow::Owned(optics::haze(styled.clone(), &frame.haze())),
     }
 }

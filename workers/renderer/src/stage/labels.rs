@@ -2,29 +2,33 @@
 
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
+use optics::setting::Setting;
 use optics::{Visibility, visibility};
 use scenes::labels::Instance;
 use spec::{InstanceRecord, SceneRecord};
 
+use super::light::Lit;
 use super::scene::Prepared;
-use super::water::Chosen;
 
 /// What the record says about the scene; none of a scene whose camera has no place in a world.
-pub(crate) fn describe(prepared: &Prepared, chosen: &Chosen, layers: &Layers) -> Option<SceneRecord> {
+pub(crate) fn describe(
+    prepared: &Prepared,
+    setting: &Setting,
+    lit: &Lit<'_>,
+    layers: &Layers,
+) -> Option<SceneRecord> {
     let pose = prepared.pose?;
     let camera = prepared.scene.intrinsics?;
     let instances = prepared.labels.as_ref().map(|labels| {
         let most = labels.instances.iter().map(|instance| instance.number).max();
         let ranges = medians(prepared, prepared.scene.range.as_ref(), most);
-        let paths = chosen
-            .patches
-            .as_ref()
-            .map(|patches| medians(prepared, Some(&patches.path), most));
+        let is_patchy = setting.patches.is_some();
+        let paths = is_patchy.then(|| medians(prepared, lit.path.as_deref(), most));
         let one = |instance: &Instance| {
             let of = |medians: &[Option<f64>]| medians.get(usize::from(instance.number)).copied().flatten();
             let median_m = of(&ranges);
             let path_m = paths.as_deref().map_or(median_m, of);
-            record(prepared, chosen, &layers.scattered, instance, (median_m, path_m))
+            record(prepared, setting, &layers.scattered, instance, (median_m, path_m))
         };
         labels.instances.iter().map(one).collect::<Vec<_>>()
     });
@@ -49,7 +53,7 @@ pub(crate) fn describe(prepared: &Prepared, chosen: &Chosen, layers: &Layers) ->
 
 fn record(
     prepared: &Prepared,
-    chosen: &Chosen,
+    setting: &Setting,
     after: &Rgb<f32>,
     instance: &Instance,
     (median_m, path_m): (Option<f64>, Option<f64>),
@@ -63,8 +67,7 @@ fn record(
     let numbers = prepared.scene.instances.as_ref();
     let seen =
         numbers.and_then(|numbers| visibility(&prepared.scene.radiance, after, numbers, number, bounds));
-    let water = chosen.water.as_ref();
-    let attenuation = water.map_or([0.0; 3], optics::water::Water::direct_attenuation);
+    let attenuation = setting.attenuation();
     InstanceRecord {
         number,
         category: category.name().to_owned(),

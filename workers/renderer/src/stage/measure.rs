@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use enhance::Enhanced;
-use imaging::Rgb8;
+use imaging::{Rgb, Rgb8, transfer};
 use quality::MetricId;
 use spec::Frame;
 
 use crate::error::RenderError;
+use crate::stopwatch::Stopwatch;
 
 /// Metric values by subject: `rgb`, and each enhancement by its name, taken from the picture before its mask.
 pub(crate) type Measurements = BTreeMap<String, BTreeMap<String, f64>>;
@@ -16,27 +17,35 @@ pub(crate) type Measurements = BTreeMap<String, BTreeMap<String, f64>>;
 pub(crate) fn run(
     frame: &Frame,
     rgb: &Rgb8,
+    in_air: &Rgb<f32>,
+    enhanced: &[(String, Enhanced)],
+    watch: &mut Stopwatch,
+) -> Result<Measurements, RenderError> {
+    let metrics = metrics(frame)?;
+    // Some metrics compare with the picture in air.
+    let compares = metrics.iter().any(|metric| metric.info().needs_reference);
+    let clean = compares.then(|| watch.time("encode", || transfer::encode_rgb8(in_air).0));
+    watch.time("metrics", || of_subjects(&metrics, rgb, clean.as_ref(), enhanced))
+}
+
+fn of_subjects(
+    metrics: &[MetricId],
+    rgb: &Rgb8,
     clean: Option<&Rgb8>,
     enhanced: &[(String, Enhanced)],
 ) -> Result<Measurements, RenderError> {
-    let metrics = metrics(frame)?;
     if metrics.is_empty() {
         return Ok(Measurements::new());
     }
     let mut measurements = Measurements::new();
-    measurements.insert("rgb".to_owned(), measure(rgb, clean, &metrics)?);
+    measurements.insert("rgb".to_owned(), measure(rgb, clean, metrics)?);
     for (method, enhanced) in enhanced {
         measurements.insert(
             method.clone(),
-            measure(&enhanced.unmasked.to_rgb8(), clean, &metrics)?,
+            measure(&enhanced.unmasked.to_rgb8(), clean, metrics)?,
         );
     }
     Ok(measurements)
-}
-
-/// Whether a metric of the frame compares with the picture in air.
-pub(crate) fn needs_clean(frame: &Frame) -> Result<bool, RenderError> {
-    Ok(metrics(frame)?.iter().any(|metric| metric.info().needs_reference))
 }
 
 fn metrics(frame: &Frame) -> Result<Vec<MetricId>, RenderError> {

@@ -6,6 +6,7 @@ use std::convert::Infallible;
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
 use optics::range::is_hole;
+use optics::setting::View;
 use scenes::uploaded;
 use scenes::{CameraPose, Labels, SceneError, World};
 use spec::{Frame, RangeKind, Scene as SceneOf, SceneFiles};
@@ -29,6 +30,22 @@ pub(crate) struct Prepared {
     pub(crate) labels: Option<Labels>,
     /// SHA-256 of the files that went in.
     pub(crate) inputs: BTreeMap<String, String>,
+}
+
+impl Prepared {
+    /// What its surroundings depend on.
+    pub(crate) fn view(&self) -> View {
+        let (width, height) = self.scene.radiance.size();
+        View {
+            size: (width, height),
+            camera: self
+                .scene
+                .intrinsics
+                .unwrap_or_else(|| Intrinsics::centered(self.focal_px, width, height)),
+            world_from_camera: self.pose.map(|pose| pose.world_from_camera()),
+            has_range: self.scene.range.is_some(),
+        }
+    }
 }
 
 /// Makes the scene of a frame.

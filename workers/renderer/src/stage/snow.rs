@@ -1,25 +1,21 @@
 //! Marine snow over the picture after the water.
 
-use imaging::{Plane, Rgb};
+use imaging::Plane;
 use optics::chain::Layers;
-use optics::lamp::{self, Lighting};
+use optics::lamp;
+use optics::plan::{Form, Plan};
+use optics::setting::Setting;
 use optics::snow::{self, Surround};
 use serde_json::{Value, json};
-use spec::{Fidelity, Frame, Snow};
 
 use super::scene::Prepared;
-use super::turbidity::{eye, world};
-use super::water::Chosen;
-use crate::error::RenderError;
 
 /// What fell.
 pub(crate) struct Fallen {
-    /// `skip`, `discs` or `reference`.
-    pub(crate) variant: &'static str,
     /// Particles whose discs reach into the frame.
     particles: usize,
     /// Opacity of each pixel; none where nothing was drawn.
-    pub(crate) mask: Option<Plane<f32>>,
+    mask: Option<Plane<f32>>,
 }
 
 impl Fallen {
@@ -35,47 +31,25 @@ impl Fallen {
 
 /// Lays the snow over the picture; none without snow or without range, in which nothing hangs anywhere.
 pub(crate) fn run(
-    frame: &Frame,
     prepared: &Prepared,
-    chosen: &Chosen,
-    lighting: Option<&Lighting>,
+    setting: &Setting,
+    plan: &Plan,
     layers: &mut Layers,
-) -> Result<Option<Fallen>, RenderError> {
-    let (Some(law), Some(range)) = (frame.water.snow, &prepared.scene.range) else {
-        return Ok(None);
-    };
-    let (eye, size) = (eye(prepared), range.size());
-    let mut beyond = snow::validate(&law);
-    beyond.extend(snow::check_count(&law, snow::solid(&eye.camera, size)).err());
-    if !beyond.is_empty() {
-        return Err(RenderError::Beyond { what: "snow", beyond });
-    }
-    let water = chosen.water.as_ref();
-    let attenuation = water.map_or([0.0; 3], optics::water::Water::direct_attenuation);
-    let gain = water.map_or([1.0; 3], optics::water::Water::radiance_gain);
-    let reference = frame.fidelity == Fidelity::REFERENCE;
-    if !reference
-        && needless(
-            frame,
-            chosen,
-            lighting,
-            &law,
-            attenuation,
-            gain,
-            &layers.scattered,
-        )
-    {
-        return Ok(Some(Fallen {
-            variant: "skip",
+) -> Option<Fallen> {
+    let (law, range) = (setting.snow.as_ref()?, prepared.scene.range.as_ref()?);
+    if plan.snow.form == Form::Skip {
+        return Some(Fallen {
             particles: 0,
             mask: None,
-        }));
+        });
     }
-    let path = |place: [f64; 3], metres: f64| match &chosen.patches {
-        Some(patches) => patches.field.path_m(place.map(|v| v / metres), metres),
+    let (eye, gain) = (&setting.eye, setting.gain());
+    let patches = setting.patches.map(|field| field.seen_from(eye));
+    let path = |place: [f64; 3], metres: f64| match &patches {
+        Some(field) => field.path_m(place.map(|v| v / metres), metres),
         None => metres,
     };
-    let light = |place: [f64; 3]| match lighting {
+    let light = |place: [f64; 3]| match &setting.lighting {
         Some(lighting) => {
             let lamps = lamp::white_at(place, lighting);
             [0, 1, 2].map(|i| gain[i] + lamps[i])
@@ -84,46 +58,30 @@ pub(crate) fn run(
     };
     let surround = Surround {
         range,
-        eye: &eye,
-        attenuation,
+        eye,
+        attenuation: setting.attenuation(),
         path: &path,
         light: &light,
     };
-    let found = snow::flakes(&eye, &law, world(frame), size);
+    let found = snow::flakes(eye, law, setting.world, range.size());
     let picture = &mut layers.scattered;
-    let mask = if reference {
+    let mask = if plan.snow.form == Form::Reference {
         let exact = snow::snow_reference(&picture.map(|&v| f64::from(v)), &found, law.albedo, &surround);
         *picture = exact.0.map(|&v| v as f32);
         exact.1.map(|&v| v as f32)
     } else {
-        snow::snow(picture, &found, law.albedo, &surround, chosen.shares.snow)
+        snow::snow(
+            picture,
+            &found,
+            law.albedo,
+            &surround,
+            plan.snow.share.unwrap_or_default(),
+        )
     };
-    Ok(Some(Fallen {
-        variant: if reference { "reference" } else { "discs" },
+    Some(Fallen {
         particles: found.len(),
         mask: Some(mask),
-    }))
-}
-
-/// Whether the snow may be left out.
-fn needless(
-    frame: &Frame,
-    chosen: &Chosen,
-    lighting: Option<&Lighting>,
-    law: &Snow,
-    attenuation: [f64; 3],
-    gain: [f64; 3],
-    picture: &Rgb<f32>,
-) -> bool {
-    // The clearest patch lets the most through.
-    let clearest = 1.0 - frame.water.turbidity.map_or(0.0, |patches| patches.contrast);
-    let least = attenuation.into_iter().fold(f64::INFINITY, f64::min) * clearest;
-    let lamps = lighting.map_or([0.0; 3], lamp::most_white);
-    let colors = [0, 1, 2].map(|i| law.albedo[i] * (gain[i] + lamps[i]));
-    let behind = snow::brightest(picture).into_iter().fold(0.0, f32::max);
-    let contrast = colors.into_iter().fold(f64::from(behind), f64::max);
-    let pixels = picture.width() * picture.height();
-    snow::is_needless(law, pixels, least, contrast, chosen.shares.snow)
+    })
 }
 
 /// The mask as codes: 255 is opaque; a frame where nothing was drawn has a mask of 0.

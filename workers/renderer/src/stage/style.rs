@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use imaging::{Rgb, transfer};
-use spec::{Fidelity, Frame, StyleTier};
+use optics::plan::StyleStep;
+use spec::Frame;
 use style::{Session, StyleError, StyleModel};
 
 use crate::engine::Engine;
@@ -25,32 +26,33 @@ pub(crate) struct Styled<'a> {
     /// Name and SHA-256 of the model that ran; the name ends in `.lut` if it was the colour table, in
     /// `.noise` if the network was fed noise of (job seed, frame).
     pub(crate) model: Option<(String, String)>,
-    /// Whether it ran on ONNX Runtime.
-    pub(crate) on_runtime: bool,
+    /// Version of ONNX Runtime, if it ran there.
+    pub(crate) runtime: Option<String>,
 }
 
-/// Styles a picture. Without a style, or with alpha 0, it passes through and no network runs.
+/// Styles a picture as planned.
 pub(crate) fn run<'a>(
     frame: &Frame,
+    step: StyleStep,
     scattered: &'a Rgb<f32>,
     engine: &Engine,
     sessions: &mut Sessions,
 ) -> Result<Styled<'a>, RenderError> {
-    let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {
+    let Some(name) = frame.water.style.as_ref().filter(|_| step != StyleStep::Skip) else {
         return Ok(Styled {
             picture: Cow::Borrowed(scattered),
             model: None,
-            on_runtime: false,
+            runtime: None,
         });
     };
     let model = &known(name, engine)?;
-    let table = takes_table(frame, model);
+    let table = step == StyleStep::Table;
     let session = sessions.of(model, table, engine)?;
     let noise = session
         .takes_noise()
         .then(|| style::noise(frame.seed, frame.index, scattered.size()));
     let repainted = session.apply(&transfer::encode_unit(scattered), noise.as_ref())?;
-    let on_runtime = session.uses_runtime();
+    let runtime = engine.runtime().ok().filter(|_| session.uses_runtime());
     let picture = Cow::Owned(optics::style_blend(scattered, &repainted, frame.alpha));
     let how = match (table, noise) {
         (true, _) => ".lut",
@@ -60,24 +62,16 @@ pub(crate) fn run<'a>(
     Ok(Styled {
         picture,
         model: Some((format!("{name}{how}"), model.card.sha256.clone())),
-        on_runtime,
+        runtime: runtime.map(|runtime| runtime.version().to_owned()),
     })
 }
 
-/// Slope of the decoding of sRGB at white, where it is steepest: what a difference of encoded values becomes in linear
-/// light at most.
-const STEEPEST: f64 = 2.4 / 1.055;
-
-/// Whether the colour table takes the network's place.
-fn takes_table(frame: &Frame, model: &StyleModel) -> bool {
-    match (frame.water.style_tier, frame.fidelity) {
-        (Some(StyleTier::Lut), _) => true,
-        (Some(StyleTier::Auto), Fidelity::Tolerance(tolerance)) => model.card.table.is_some_and(|table| {
-            let linear = STEEPEST * table.max_255 / 255.0;
-            frame.alpha * linear <= tolerance
-        }),
-        _ => false,
-    }
+/// Largest distance of the color table of a frame's style from its network, 8-bit codes; none without style or table.
+pub(crate) fn table_max_255(frame: &Frame, engine: &Engine) -> Result<Option<f64>, RenderError> {
+    let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {
+        return Ok(None);
+    };
+    Ok(known(name, engine)?.card.table.map(|table| table.max_255))
 }
 
 impl Sessions {

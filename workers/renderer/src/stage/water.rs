@@ -1,102 +1,28 @@
-//! The water stage, or the picture as it is where there is no water or no range (Algorithm 1's else branch).
+//! The water stage, or the picture as it is where there is no water or no range (Algorithm 1's else branch), and the glow of the
+//! water before lamps.
 
 use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Plan, SceneStats};
-use optics::water::{RULES, Water};
-use spec::{Frame, Haze};
+use optics::lamp::{self, Lighting, REFERENCE_NODES};
+use optics::plan::{Form, Plan};
+use optics::setting::Setting;
 
+use super::light::{Lit, any_light};
 use super::scene::Prepared;
-use super::shares::Shares;
-use super::turbidity::Patches;
 use crate::error::RenderError;
-
-/// What was chosen for a frame.
-pub(crate) struct Chosen {
-    /// The water with all its numbers; `None` where the stage is skipped.
-    pub(crate) water: Option<Water>,
-    /// The water that the stage runs with: of a scene that lamps have lit, its ambient light is applied already.
-    around: Option<Water>,
-    /// Patches of murkier water; none in even water.
-    pub(crate) patches: Option<Patches>,
-    /// What the errors of the stages may be.
-    pub(crate) shares: Shares,
-    /// What runs.
-    pub(crate) plan: Plan,
-}
-
-impl Chosen {
-    /// Metres of water before each pixel: its range, or its path through patches.
-    pub(crate) fn path<'a>(&'a self, prepared: &'a Prepared) -> Option<&'a Plane<f32>> {
-        let patches = self.patches.as_ref().map(|patches| &patches.path);
-        patches.or(prepared.scene.range.as_ref())
-    }
-}
-
-/// The water of a frame with all its numbers; `None` without optics or without range.
-pub(crate) fn resolve(frame: &Frame, prepared: &Prepared) -> Result<Option<Water>, RenderError> {
-    if frame.water.optics.is_none() || prepared.scene.range.is_none() {
-        return Ok(None);
-    }
-    let water = if frame.has_lamps() {
-        Water::resolve_lit(&frame.water, prepared.focal_px)
-    } else {
-        Water::resolve(&frame.water, prepared.focal_px)
-    };
-    Ok(Some(water.map_err(RenderError::Water)?))
-}
-
-/// Plans the frame for the light that its scene has.
-pub(crate) fn choose(
-    frame: &Frame,
-    prepared: &Prepared,
-    lit: Option<&Rgb<f32>>,
-    (water, patches): (Option<Water>, Option<Patches>),
-    lights: &[Haze],
-) -> Chosen {
-    let style_weight = frame.water.style.as_ref().map(|_| frame.alpha);
-    let (Some(water), Some(range)) = (water, &prepared.scene.range) else {
-        return Chosen {
-            water: None,
-            around: None,
-            patches: None,
-            shares: Shares::without_water(frame),
-            plan: Plan::without_water(style_weight, lights),
-        };
-    };
-    let around = match lit {
-        Some(_) => water.with_light_applied(),
-        None => water.clone(),
-    };
-    let path = patches.as_ref().map_or(range, |patches| &patches.path);
-    let stats = SceneStats::measure(lit.unwrap_or(&prepared.scene.radiance), path, &around);
-    let shares = Shares::of(frame, &stats, &around, lit);
-    let plan = Plan::for_frame(&stats, &around, style_weight, lights, shares.fidelity(frame));
-    Chosen {
-        water: Some(water),
-        around: Some(around),
-        patches,
-        shares,
-        plan,
-    }
-}
-
-/// A warning where the beam attenuation of a frame is a K_d.
-pub(crate) fn diffuse_in_disguise(frame: &Frame) -> Option<String> {
-    (RULES.warning)(frame.water.optics.as_ref()?)
-}
+use crate::stopwatch::Stopwatch;
 
 /// Takes the scene under water.
 pub(crate) fn run(
-    prepared: &Prepared,
-    radiance: &Rgb<f32>,
-    chosen: &Chosen,
+    lit: &Lit<'_>,
+    setting: &Setting,
+    plan: &Plan,
     kernels: &mut KernelCache,
 ) -> Result<Layers, RenderError> {
-    match (&chosen.around, chosen.path(prepared)) {
-        (Some(water), Some(range)) => Ok(chain::water(radiance, range, water, &chosen.plan, kernels)?),
-        _ => Ok(in_air(radiance)),
+    match (&setting.around, &lit.path) {
+        (Some(water), Some(path)) => Ok(chain::water(&lit.radiance, path, water, plan, kernels)?),
+        _ => Ok(in_air(&lit.radiance)),
     }
 }
 
@@ -112,12 +38,46 @@ fn in_air(radiance: &Rgb<f32>) -> Layers {
     }
 }
 
+/// Adds the glow of the water to the picture and to its backscatter; returns whether there is any.
+pub(crate) fn glow(
+    prepared: &Prepared,
+    setting: &Setting,
+    plan: &Plan,
+    layers: &mut Layers,
+    watch: &mut Stopwatch,
+) -> bool {
+    match (&setting.lighting, &prepared.scene.range) {
+        (Some(lighting), Some(range)) if plan.glow.form != Form::Skip => {
+            watch.time("lamps", || add_glow(range, lighting, plan, layers))
+        }
+        _ => false,
+    }
+}
+
+fn add_glow(range: &Plane<f32>, lighting: &Lighting, plan: &Plan, layers: &mut Layers) -> bool {
+    let glow = if plan.glow.form == Form::Reference {
+        let range = range.map(|&z| f64::from(z));
+        lamp::airlight_reference(&range, lighting, REFERENCE_NODES).map(|&v| v as f32)
+    } else {
+        lamp::airlight(range, lighting, plan.glow.share.unwrap_or_default())
+    };
+    for layer in [&mut layers.backscatter, &mut layers.scattered] {
+        for (plane, glow) in layer.planes_mut().into_iter().zip(glow.planes()) {
+            plane
+                .iter_mut()
+                .zip(glow.data())
+                .for_each(|(sum, glow)| *sum += glow);
+        }
+    }
+    any_light(&glow)
+}
+
 /// Transmittance of every pixel; 1 without water.
-pub(crate) fn transmittance(prepared: &Prepared, chosen: &Chosen) -> Rgb<f32> {
-    match (&chosen.water, chosen.path(prepared)) {
-        (Some(water), Some(range)) => chain::transmittance(range, water),
+pub(crate) fn transmittance(lit: &Lit<'_>, setting: &Setting) -> Rgb<f32> {
+    match (&setting.water, &lit.path) {
+        (Some(water), Some(path)) => chain::transmittance(path, water),
         _ => {
-            let (width, height) = prepared.scene.radiance.size();
+            let (width, height) = setting.size;
             let ones = Plane::filled(width, height, 1.0f32);
             Rgb::new([ones.clone(), ones.clone(), ones]).expect("planes of one size")
         }

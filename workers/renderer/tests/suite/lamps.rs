@@ -45,7 +45,7 @@ fn at_a_depth_without_daylight_only_the_lamps_are_seen() {
     let plan = lit.record.plan.as_array().unwrap();
     assert!(
         plan.iter()
-            .any(|stage| stage["stage"] == "lamps" && stage["variant"] == "quadrature")
+            .any(|stage| stage["stage"] == "glow" && stage["variant"] == "quadrature")
     );
     let derived = lit.record.optics["derived"].as_array().unwrap();
     assert!(derived.contains(&json!("backscatter_fraction")));

@@ -1,0 +1,111 @@
+//! What the stages of a frame are expected to cost: pixels times nanoseconds, as measured once on one core of an AMD EPYC with
+//! AVX-512 at 768×492 (the figures of `docs/speed.md`, `docs/lamps.md`, `docs/suspended.md` and `docs/style-bench.md`). Another
+//! processor differs by a factor; what a frame costs beside another does not change much.
+
+use spec::Frame;
+
+use super::{Form, Plan, ScatterStep, StyleStep};
+use crate::setting::Setting;
+use crate::snow;
+
+/// Nanoseconds a pixel.
+const ATTENUATION_NS: f64 = 1.5;
+/// Each channel that is transformed, and each of its kernels.
+const CHANNEL_NS: f64 = 7.8;
+const KERNEL_NS: f64 = 1.87;
+const PATH_NS: f64 = 5.3;
+/// Normals and light of each lamp on surfaces, and its glow; the same in patches of turbidity on top.
+const SURFACE_NS: f64 = 6.6;
+const GLOW_NS: f64 = 12.6;
+const PATCHES_NS: f64 = 6.0;
+const SNOW_NS: f64 = 19.6;
+const NETWORK_NS: f64 = 10.8;
+const TABLE_NS: f64 = 4.2;
+/// Each light.
+const HAZE_NS: f64 = 5.0;
+/// Nanoseconds of a particle in view.
+const PARTICLE_NS: f64 = 700.0;
+/// The f64 forms cost seconds, which depend on the ranges of a frame; they have no figure.
+const UNKNOWN: f64 = f64::NAN;
+
+/// How much of everything a frame has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Amounts {
+    pixels: f64,
+    lamps: f64,
+    particles: f64,
+    lights: f64,
+    is_patchy: bool,
+}
+
+impl Amounts {
+    pub(super) fn of_pixels(pixels: usize) -> Self {
+        Self {
+            pixels: pixels as f64,
+            lamps: 0.0,
+            particles: 0.0,
+            lights: 0.0,
+            is_patchy: false,
+        }
+    }
+
+    pub(super) fn new(frame: &Frame, setting: &Setting) -> Self {
+        let solid = snow::solid(&setting.eye.camera, setting.size);
+        Self {
+            lamps: setting
+                .lighting
+                .as_ref()
+                .map_or(0.0, |lighting| lighting.lamps.len() as f64),
+            particles: setting
+                .snow
+                .as_ref()
+                .map_or(0.0, |law| snow::expected(law, solid)),
+            lights: frame.haze().len() as f64,
+            is_patchy: setting.patches.is_some(),
+            ..Self::of_pixels(setting.size.0 * setting.size.1)
+        }
+    }
+}
+
+impl Plan {
+    /// Expected milliseconds of each stage before the enhancement, in the order of the lines; none of a stage in f64.
+    pub(super) fn cost(&self) -> [Option<f64>; 11] {
+        let Amounts {
+            pixels,
+            lamps,
+            particles,
+            lights,
+            is_patchy,
+        } = self.amounts;
+        let patches = if is_patchy { PATCHES_NS } else { 0.0 };
+        let of = |form: Form, ns: f64| match form {
+            Form::Skip => 0.0,
+            Form::Fast => ns * pixels,
+            Form::Reference => UNKNOWN,
+        };
+        let [red, green, blue] = self.scatter.each_ref().map(|stage| match &stage.form {
+            ScatterStep::Skip | ScatterStep::Pointwise => 0.0,
+            ScatterStep::Interpolated(nodes) => (CHANNEL_NS + KERNEL_NS * nodes.terms() as f64) * pixels,
+            ScatterStep::Reference => UNKNOWN,
+        });
+        let ns = [
+            0.0,
+            of(self.turbidity.form, PATH_NS),
+            of(self.lamps.form, lamps * (SURFACE_NS + patches)),
+            of(self.attenuation.form, ATTENUATION_NS),
+            red,
+            green,
+            blue,
+            of(self.glow.form, lamps * (GLOW_NS + patches)),
+            of(self.snow.form, SNOW_NS + PARTICLE_NS * particles / pixels),
+            match self.style.form {
+                StyleStep::Skip => 0.0,
+                StyleStep::Network => NETWORK_NS * pixels,
+                StyleStep::Table => TABLE_NS * pixels,
+            },
+            of(self.haze.form, HAZE_NS * lights),
+        ];
+        // Two digits are more than the model is worth.
+        ns.map(|ns| (!ns.is_nan()).then(|| (ns / 1e4).round() / 100.0))
+    }
+}

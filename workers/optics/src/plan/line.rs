@@ -1,0 +1,135 @@
+//! A plan line by line, for people and records.
+
+use serde::Serialize;
+
+use super::{Form, Plan, ScatterStep, Stage, StyleStep};
+
+/// One line of a plan. What is not known of a stage is left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Line {
+    /// The stage, with the channel where it differs between channels.
+    pub stage: &'static str,
+    /// What is done.
+    pub variant: &'static str,
+    /// Kernels, lamps or lights, where there are some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub terms: Option<usize>,
+    /// The error in linear light that the stage is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+    /// What it may add to the error of the picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bound: Option<f64>,
+    /// Expected milliseconds on the processor that the cost model is measured on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cost_ms: Option<f64>,
+    /// What to know about it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+const SCATTER: [&str; 3] = ["forward_scatter.r", "forward_scatter.g", "forward_scatter.b"];
+
+impl Plan {
+    /// The plan line by line, in the order of the light.
+    #[must_use]
+    pub fn lines(&self) -> Vec<Line> {
+        let cost = self.cost();
+        let mut lines = vec![
+            line("scene_light", &self.scene_light, "daylight"),
+            line("turbidity", &self.turbidity, "closed_form"),
+            line("lamps", &self.lamps, "f32"),
+            line("attenuation", &self.attenuation, "f32"),
+        ];
+        lines.extend(
+            SCATTER
+                .into_iter()
+                .zip(&self.scatter)
+                .map(|(stage, step)| scatter(stage, step)),
+        );
+        lines.push(line("glow", &self.glow, "quadrature"));
+        lines.push(line("snow", &self.snow, "discs"));
+        lines.push(style(&self.style));
+        lines.push(line("haze", &self.haze, "overlay"));
+        lines.push(line("enhance", &self.enhance, "methods"));
+        for (line, cost_ms) in lines.iter_mut().zip(cost) {
+            line.cost_ms = cost_ms;
+            if line.stage == "snow" && line.variant == "skip" && line.bound.is_some() {
+                line.note = Some("expected pixels times contrast are within its share".to_owned());
+            }
+        }
+        self.explain(&mut lines);
+        lines
+    }
+
+    /// Says of the stage with the largest bound why all of them exceed the tolerance.
+    fn explain(&self, lines: &mut [Line]) {
+        let Some(reason) = &self.exceeds else { return };
+        let before_style = lines
+            .iter_mut()
+            .filter(|line| line.stage != "style" && line.bound.is_some());
+        if let Some(largest) =
+            before_style.max_by(|a, b| a.bound.partial_cmp(&b.bound).unwrap_or(std::cmp::Ordering::Equal))
+        {
+            largest.note = Some(format!("exceeds the tolerance: {reason}"));
+        }
+    }
+}
+
+impl Serialize for Plan {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.lines().serialize(serializer)
+    }
+}
+
+fn line(stage: &'static str, step: &Stage, fast: &'static str) -> Line {
+    let variant = match step.form {
+        Form::Skip => "skip",
+        Form::Fast => fast,
+        Form::Reference => "reference",
+    };
+    with_errors(stage, variant, step)
+}
+
+fn scatter(stage: &'static str, step: &Stage<ScatterStep>) -> Line {
+    let variant = match &step.form {
+        ScatterStep::Skip => "skip",
+        ScatterStep::Pointwise => "pointwise",
+        ScatterStep::Interpolated(_) => "chebyshev",
+        ScatterStep::Reference => "reference",
+    };
+    Line {
+        terms: step.form.terms(),
+        ..with_errors(stage, variant, step)
+    }
+}
+
+fn style(step: &Stage<StyleStep>) -> Line {
+    let (variant, note) = match step.form {
+        StyleStep::Skip => ("skip", None),
+        StyleStep::Network => (
+            "network",
+            Some("its gain is not known: the bounds hold up to its input"),
+        ),
+        StyleStep::Table => (
+            "table",
+            Some("bound: its distance from the network on the same input"),
+        ),
+    };
+    Line {
+        note: note.map(str::to_owned),
+        ..with_errors("style", variant, step)
+    }
+}
+
+fn with_errors<F>(stage: &'static str, variant: &'static str, step: &Stage<F>) -> Line {
+    Line {
+        stage,
+        variant,
+        terms: None,
+        share: step.share,
+        bound: step.bound,
+        cost_ms: None,
+        note: None,
+    }
+}

@@ -1,0 +1,150 @@
+//! What a frame is taken in: its water, lamps, patches and snow before its camera, every number known and no light computed yet.
+
+use imaging::geometry::Intrinsics;
+use spec::{Beyond, Frame, Snow};
+
+use crate::eye::Eye;
+use crate::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
+use crate::snow::{self, World};
+use crate::turbidity::Field;
+use crate::water::{Water, WaterError};
+
+/// A scene as far as its surroundings depend on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Columns and rows.
+    pub size: (usize, usize),
+    /// The camera.
+    pub camera: Intrinsics,
+    /// Rows of the matrix from camera axes to the world; none of a scene without a place, whose camera is at the origin.
+    pub world_from_camera: Option<[[f64; 4]; 4]>,
+    /// Whether the scene has a range; without, there is no water before it.
+    pub has_range: bool,
+}
+
+/// The surroundings of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Columns and rows.
+    pub size: (usize, usize),
+    /// The camera at its place.
+    pub eye: Eye,
+    /// The water; none without optics or without range.
+    pub water: Option<Water>,
+    /// The water as the scene meets it once it is lit: its ambient light is applied to a scene that lamps light as well.
+    pub around: Option<Water>,
+    /// Patches of murkier water in the axes of the world; none in even water.
+    pub patches: Option<Field>,
+    /// The lamps; none without lamps or without range, where they have nothing to shine on.
+    pub lighting: Option<Lighting>,
+    /// The snow; none without range, since it would hang nowhere.
+    pub snow: Option<Snow>,
+    /// Which particles and patches of their seed.
+    pub world: World,
+}
+
+/// Surroundings that cannot be.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SettingError {
+    /// The water contradicts itself or lacks a number.
+    #[error(transparent)]
+    Water(WaterError),
+    /// A number of lamps, snow or patches is beyond its limits.
+    #[error("{field}: {beyond}")]
+    Beyond {
+        /// The field of the description that it stands in.
+        field: &'static str,
+        /// The number.
+        beyond: Beyond,
+    },
+}
+
+impl Setting {
+    /// The surroundings of a frame whose scene is seen like this.
+    ///
+    /// # Errors
+    /// Everything that is wrong with water, lamps, patches and snow at once.
+    pub fn resolve(frame: &Frame, view: &View) -> Result<Self, Vec<SettingError>> {
+        let mut errors = Vec::new();
+        let mut eye = Eye::at_origin(view.camera);
+        eye.world_from_camera = view.world_from_camera.unwrap_or(eye.world_from_camera);
+        let world = World {
+            seed: frame.seed,
+            index: frame.world_index(),
+        };
+        let named = |field: &'static str| move |beyond: Beyond| SettingError::Beyond { field, beyond };
+        let lamps = Lamp::among(&frame.lights).unwrap_or_else(|beyond| {
+            errors.extend(beyond.into_iter().map(named("lights")));
+            Vec::new()
+        });
+        let is_wet = view.has_range && frame.water.optics.is_some();
+        let resolve = if lamps.is_empty() {
+            Water::resolve
+        } else {
+            Water::resolve_lit
+        };
+        let water = is_wet.then(|| resolve(&frame.water, view.camera.focal_px));
+        let water = water.and_then(|water| {
+            let refused = |wrong: Vec<_>| errors.extend(wrong.into_iter().map(SettingError::Water));
+            water.map_err(refused).ok()
+        });
+        let patchy = frame
+            .water
+            .turbidity
+            .filter(|patches| patches.contrast > 0.0 && is_wet);
+        errors.extend(patchy.iter().flat_map(spec::beyond).map(named("turbidity")));
+        let snow = frame.water.snow.filter(|_| view.has_range);
+        errors.extend(snow.iter().flat_map(|snow| wrong(snow, view)).map(named("snow")));
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        let patches = patchy.map(|patches| Field::new(&patches, world));
+        let shines = view.has_range && !lamps.is_empty();
+        Ok(Self {
+            size: view.size,
+            lighting: shines.then(|| lighting(lamps, &eye, water.as_ref(), patches.as_ref())),
+            around: water.as_ref().map(|water| {
+                if shines {
+                    water.with_light_applied()
+                } else {
+                    water.clone()
+                }
+            }),
+            eye,
+            water,
+            patches,
+            snow,
+            world,
+        })
+    }
+
+    /// Beam attenuation of the water, 1/m; 0 without.
+    #[must_use]
+    pub fn attenuation(&self) -> [f64; 3] {
+        self.water.as_ref().map_or([0.0; 3], Water::direct_attenuation)
+    }
+
+    /// Factor of the scene's radiance in the light around it.
+    #[must_use]
+    pub fn gain(&self) -> [f64; 3] {
+        self.water.as_ref().map_or([1.0; 3], Water::radiance_gain)
+    }
+}
+
+fn wrong(snow: &Snow, view: &View) -> Vec<Beyond> {
+    let mut beyond = snow::validate(snow);
+    beyond.extend(snow::check_count(snow, snow::solid(&view.camera, view.size)).err());
+    beyond
+}
+
+fn lighting(lamps: Vec<Lamp>, eye: &Eye, water: Option<&Water>, patches: Option<&Field>) -> Lighting {
+    Lighting {
+        lamps,
+        radius_m: LAMP_RADIUS_M,
+        camera: eye.camera,
+        attenuation: water.map_or([0.0; 3], Water::direct_attenuation),
+        scattering: water.and_then(Water::scattering).unwrap_or([0.0; 3]),
+        asymmetry: water.map_or(0.0, |water| lamp::asymmetry_of(water.backscatter_fraction())),
+        patches: patches.map(|field| field.seen_from(eye)),
+    }
+}

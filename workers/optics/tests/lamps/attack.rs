@@ -1,0 +1,176 @@
+//! Lamps that are placed against the bounds of rounding: all but touching a surface, grazing it, at the edge of their cone, far
+//! away, very bright, seen by a camera that looks far off its axis.
+
+use imaging::geometry::Intrinsics;
+use imaging::random::Stream;
+use imaging::{Plane, Rgb};
+use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
+use optics::snow::World;
+use optics::turbidity::Field;
+use spec::Turbidity;
+
+use crate::errors::{peak, worst};
+
+const SIZE: (usize, usize) = (37, 9);
+const FRAMES: u64 = 400;
+
+struct Case {
+    range: Plane<f32>,
+    lighting: Lighting,
+}
+
+fn case(seed: u64) -> Case {
+    let stream = Stream::stage(seed, "lamps");
+    let unit = |what: u64| stream.unit(0, what);
+    let between = |what: u64, least: f64, most: f64| least + (most - least) * unit(what);
+    let scaled = |what: u64, least: f64, most: f64| least * (most / least).powf(unit(what));
+    let camera = Intrinsics {
+        focal_px: scaled(0, 8.0, 4000.0),
+        cx: if unit(1) < 0.5 {
+            18.0
+        } else {
+            between(2, -900.0, 900.0)
+        },
+        cy: 4.0,
+    };
+    let (nearest, slope) = (scaled(3, 0.01, 300.0), between(4, 0.0, 0.2));
+    let range = Plane::from_fn(SIZE.0, SIZE.1, |x, y| {
+        let noise = 1.0 + 0.05 * unit(100 + (y * SIZE.0 + x) as u64);
+        let step = if unit(5) < 0.5 && x > 20 { 3.0 } else { 1.0 };
+        let hole = unit(6) < 0.3 && (x * y) % 11 == 3;
+        if hole {
+            f32::NAN
+        } else {
+            (nearest * step * noise * (1.0 + slope * x as f64)) as f32
+        }
+    });
+    let lamps = (0..=u64::from(unit(7) < 0.3)).map(|lamp| {
+        let draw = |what: u64| unit(20 + 20 * lamp + what);
+        let pixel = (
+            (draw(0) * SIZE.0 as f64) as usize,
+            (draw(1) * SIZE.1 as f64) as usize,
+        );
+        let z = f64::from(range.at(pixel.0, pixel.1));
+        let z = if z.is_nan() { nearest } else { z };
+        let ray = [
+            (pixel.0 as f64 - camera.cx) / camera.focal_px,
+            (pixel.1 as f64 - camera.cy) / camera.focal_px,
+            1.0,
+        ];
+        let length = ray.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let surface = ray.map(|v| v / length * z);
+        let away = 1e-3 * 1e6f64.powf(draw(2));
+        let offset = [3, 4, 5].map(|what| (2.0 * draw(what) - 1.0) * away);
+        let place = [0, 1, 2].map(|i| (surface[i] + offset[i]).clamp(-999.0, 999.0));
+        let intensity = [0.5, 1.0, 0.7].map(|tint| tint * 1e-3 * 1e9f64.powf(draw(6)));
+        if draw(7) < 0.4 {
+            return Lamp::point(place, intensity).unwrap();
+        }
+        let cone_deg = 0.5 * 180f64.powf(draw(8));
+        // Turned from the surface by about the angle of the cone.
+        let tilt = cone_deg.to_radians() * (0.8 + 0.4 * draw(9));
+        let [dx, dy, dz] = [0, 1, 2].map(|i| surface[i] - place[i]);
+        let (sin, cos) = tilt.sin_cos();
+        let direction = [dx * cos - dz * sin, dy, dx * sin + dz * cos];
+        let longest = direction.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        if longest < 1e-6 {
+            return Lamp::point(place, intensity).unwrap();
+        }
+        Lamp::spot(place, intensity, direction, cone_deg).unwrap()
+    });
+    let scattering = scaled(8, 0.01, 10.0);
+    let patches = Turbidity {
+        contrast: between(9, 0.1, 0.95),
+        scale_m: scaled(10, 0.05, 20.0),
+    };
+    let world = World { seed, index: 0 };
+    Case {
+        lighting: Lighting {
+            lamps: lamps.collect(),
+            radius_m: LAMP_RADIUS_M,
+            camera,
+            attenuation: [1.5, 1.1, 1.2].map(|c| c * scattering),
+            scattering: [scattering; 3],
+            asymmetry: between(11, -0.3, 0.98),
+            patches: (unit(12) < 0.3).then(|| Field::new(&patches, world)),
+        },
+        range,
+    }
+}
+
+fn exact(range: &Plane<f32>) -> Plane<f64> {
+    range.map(|&z| f64::from(z))
+}
+
+/// The largest error of all frames as a share of its bound.
+fn closest(bounds_and_errors: impl Iterator<Item = (u64, f64, f64)>) -> f64 {
+    let mut closest = 0.0f64;
+    for (seed, bound, error) in bounds_and_errors {
+        assert!(error <= bound, "frame {seed}: {error:e} above {bound:e}");
+        closest = closest.max(error / bound.max(f64::MIN_POSITIVE));
+    }
+    closest
+}
+
+#[test]
+fn no_light_on_surfaces_errs_by_more_than_its_rounding() {
+    let frames = (0..FRAMES).map(|seed| {
+        let Case { range, lighting } = case(seed);
+        let normals = lamp::normals_of(&range, &lighting.camera);
+        let fast = lamp::irradiance(&range, &normals, &lighting);
+        let error = worst(
+            &fast.light,
+            &lamp::irradiance_reference(&exact(&range), &normals, &lighting),
+        );
+        (seed, fast.rounding, error)
+    });
+    let closest = closest(frames);
+    assert!(closest > 0.03, "the lamps are no attack: {closest}");
+}
+
+#[test]
+fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
+    let mut brightest = 0.0f64;
+    let frames = (0..FRAMES / 4).map(|seed| {
+        let Case { range, lighting } = case(seed);
+        let reference = lamp::airlight_reference(&exact(&range), &lighting, REFERENCE_NODES);
+        let most = lamp::brightest_glow(&lighting, SIZE);
+        let shown = peak(&reference);
+        assert!(
+            shown <= most * (1.0 + 1e-6),
+            "frame {seed}: {shown:e} above {most:e}"
+        );
+        brightest = brightest.max(shown / most);
+        let tolerance = 7.5e-5;
+        let fast = lamp::airlight(&range, &lighting, tolerance);
+        let bound =
+            tolerance + lamp::glow_left(&lighting, SIZE, tolerance) + lamp::glow_rounding(&lighting, SIZE);
+        (seed, bound, worst(&fast, &reference))
+    });
+    let closest = closest(frames.collect::<Vec<_>>().into_iter());
+    assert!(closest > 0.01 && brightest > 0.1, "{closest} {brightest}");
+}
+
+/// Four lamps beside the camera before a slope: what f32 loses is thousands of times below the light, and the bound follows.
+#[test]
+fn the_rounding_of_an_ordinary_frame_is_a_millionth_of_its_light() {
+    let range = Plane::from_fn(64, 48, |x, y| 2.0 + 0.02 * x as f32 + 0.03 * y as f32);
+    let lamps = [[-0.4, 0.2], [0.4, 0.2], [-0.4, -0.2], [0.4, -0.2]];
+    let lighting = Lighting {
+        lamps: lamps
+            .map(|[x, y]| Lamp::point([x, y, 0.0], [2.0; 3]).unwrap())
+            .into(),
+        radius_m: LAMP_RADIUS_M,
+        camera: Intrinsics::centered(60.0, 64, 48),
+        attenuation: [0.5, 0.3, 0.3],
+        scattering: [0.2; 3],
+        asymmetry: 0.9,
+        patches: None,
+    };
+    let normals = lamp::normals_of(&range, &lighting.camera);
+    let fast = lamp::irradiance(&range, &normals, &lighting);
+    let radiance = Rgb::from_fn(64, 48, |_, _| [0.5f32; 3]);
+    let lit = lamp::lit(&radiance, [1.0; 3], &fast.light);
+    let rounding = lamp::lit_rounding(&radiance, &lit, fast.rounding);
+    assert!(rounding < 2e-6, "{rounding:e}");
+}

@@ -1,0 +1,118 @@
+//! The scene in its light: how much water is before each pixel, and what lamps add.
+
+use std::borrow::Cow;
+
+use imaging::{Plane, Rgb};
+use optics::lamp::{self, Irradiance, Lighting};
+use optics::plan::{Form, SceneStats};
+use optics::range::is_hole;
+use optics::setting::Setting;
+use optics::turbidity;
+use spec::Frame;
+
+use super::scene::Prepared;
+use crate::stopwatch::Stopwatch;
+
+/// A scene in its light.
+pub(crate) struct Lit<'a> {
+    /// What the camera would see if the water took nothing.
+    pub(crate) radiance: Cow<'a, Rgb<f32>>,
+    /// Metres of mean water before each pixel: its range, or its path through patches; none without range.
+    pub(crate) path: Option<Cow<'a, Plane<f32>>>,
+    /// What f32 may have lost of the light of the lamps.
+    rounding: f64,
+    /// Whether a lamp lights any of the scene.
+    pub(crate) shines: bool,
+}
+
+impl<'a> Lit<'a> {
+    /// Lights a scene.
+    pub(crate) fn new(
+        frame: &Frame,
+        prepared: &'a Prepared,
+        setting: &Setting,
+        watch: &mut Stopwatch,
+    ) -> Self {
+        let form = Form::asked_by(frame.fidelity);
+        let range = prepared.scene.range.as_ref();
+        let path = watch.time("turbidity", || path(form, frame, range?, setting));
+        let mut lit = Self {
+            radiance: Cow::Borrowed(&prepared.scene.radiance),
+            path: path.map(Cow::Owned).or(range.map(Cow::Borrowed)),
+            rounding: 0.0,
+            shines: false,
+        };
+        if let (Some(lighting), Some(range)) = (&setting.lighting, range) {
+            watch.time("lamps", || lit.add(form, lighting, range, setting.gain()));
+        }
+        lit
+    }
+
+    /// Adds the light of lamps on surfaces to that around them. The radiance of the scene in air stands for its reflectance.
+    fn add(&mut self, form: Form, lighting: &Lighting, range: &Plane<f32>, gain: [f64; 3]) {
+        let normals = lamp::normals_of(range, &lighting.camera);
+        let irradiance = match form {
+            Form::Reference => Irradiance {
+                light: lamp::irradiance_reference(&range.map(|&z| f64::from(z)), &normals, lighting)
+                    .map(|&e| e as f32),
+                rounding: 0.0,
+            },
+            Form::Fast | Form::Skip => lamp::irradiance(range, &normals, lighting),
+        };
+        let lit = lamp::lit(&self.radiance, gain, &irradiance.light);
+        self.rounding = lamp::lit_rounding(&self.radiance, &lit, irradiance.rounding);
+        self.shines = any_light(&irradiance.light);
+        self.radiance = Cow::Owned(lit);
+    }
+
+    /// What a plan needs to know of it.
+    pub(crate) fn measure(&self, setting: &Setting) -> SceneStats {
+        let stats = match (&setting.around, &self.path) {
+            (Some(water), Some(path)) => SceneStats::measure(&self.radiance, path, water),
+            _ => SceneStats::in_air(&self.radiance),
+        };
+        SceneStats {
+            lamp_rounding: self.rounding,
+            ..stats
+        }
+    }
+
+    /// Mean, least and greatest path as a share of the range; none in even water or in a frame of holes.
+    pub(crate) fn factors(&self, prepared: &Prepared, setting: &Setting) -> Option<[f64; 3]> {
+        let (_, path, range) = (
+            setting.patches?,
+            self.path.as_ref()?,
+            prepared.scene.range.as_ref()?,
+        );
+        let pairs = path.data().iter().zip(range.data());
+        let factors = pairs
+            .filter(|(_, z)| !is_hole(**z))
+            .map(|(path, z)| f64::from(*path) / f64::from(*z));
+        let (mut count, mut sum, mut least, mut most) = (0.0, 0.0, f64::INFINITY, 0.0f64);
+        for factor in factors {
+            (count, sum) = (count + 1.0, sum + factor);
+            (least, most) = (least.min(factor), most.max(factor));
+        }
+        (count > 0.0).then(|| [sum / count, least, most])
+    }
+}
+
+/// Whether there is any.
+pub(crate) fn any_light(light: &Rgb<f32>) -> bool {
+    light
+        .planes()
+        .iter()
+        .any(|plane| plane.data().iter().any(|&v| v > 0.0))
+}
+
+/// The paths through patches of murkier water; none in even water.
+fn path(form: Form, frame: &Frame, range: &Plane<f32>, setting: &Setting) -> Option<Plane<f32>> {
+    let (water, field, eye) = (setting.water.as_ref()?, setting.patches.as_ref()?, &setting.eye);
+    Some(match (form, &frame.water.turbidity) {
+        (Form::Reference, Some(patches)) => {
+            let range = range.map(|&z| f64::from(z));
+            turbidity::optical_path_reference(&range, patches, field, eye, water.holes()).map(|&t| t as f32)
+        }
+        _ => turbidity::optical_path(range, field, eye, water.holes()),
+    })
+}
