@@ -20,7 +20,6 @@ const KNOWN: &[(&str, &[&str])] = &[
     ),
     ("services/catalogue", &["error", "filter", "joins"]),
     ("services/spec", &["draw", "node"]),
-    ("services/spec", &["check", "fields", "own_water"]),
     (
         "workers/optics",
         &["chain", "forward_scatter", "plan", "preset", "setting", "water"],

@@ -29,14 +29,14 @@ const ALIASES: &[(&str, &str)] = &[
 ];
 
 /// Columns that every row has: (name in questions, SQL, kind, unit). Frames that failed have no image, so `failed` is false
-/// in every row; it is there because people ask.
+/// in every row; it is there because people ask. A bare 0 would be the number of a column after ORDER BY.
 const OWN: &[(&str, &str, Kind, Option<&str>)] = &[
     ("job", "images.job_id", Kind::Text, None),
     ("frame", "images.frame", Kind::Whole, None),
     ("dataset", "images.dataset", Kind::Text, None),
     ("created_ms", "images.created_ms", Kind::Whole, Some("ms")),
     ("digest", "images.digest", Kind::Text, None),
-    ("failed", "0", Kind::Bool, None),
+    ("failed", "(1 = 0)", Kind::Bool, None),
     ("warned", "(images.warnings > 0)", Kind::Bool, None),
 ];
 

@@ -11,11 +11,10 @@ use std::collections::BTreeSet;
 
 use serde_json::{Number, Value};
 
-use crate::fields::EXACT;
 use crate::invalid::{FieldError, MAX_ERRORS, quote};
 use crate::json::{describe, step};
 use crate::node::{Node, float};
-use crate::schema::{Range, Shape};
+use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
 pub(crate) use across::places;

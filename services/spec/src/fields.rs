@@ -1,27 +1,15 @@
-//! The accepted fields of a job and of a water of a user's own. Each is declared where its type stands: see
-//! [`Frame`], [`OwnWater`] and the types that they are made of.
+//! The accepted fields of a job. Each is declared where its type stands: see [`Frame`] and the types that it is made of.
 //!
 //! Parsing, the field table of the documentation, the service's OpenAPI text and the columns of the catalogue read this.
 
-use crate::described::Described;
 use crate::frame::Frame;
-use crate::own_water::OwnWater;
 use crate::schema::{Field, Presence, Shape};
 
 /// Most frames of a job, and the greatest `count`.
 pub const MAX_FRAMES: u64 = 100_000_000;
 
-/// Most pixels of a frame: what the decoders accept too.
-pub const MAX_PIXELS: u64 = 64_000_000;
-
-/// Beyond this, doubles skip whole numbers.
-pub const EXACT: i128 = 1 << 53;
-
 /// The whole description.
 pub static DOCUMENT: Shape = Shape::Object(&JOB);
-
-/// A water of a user's own.
-pub static OWN_WATER: Shape = OwnWater::SHAPE;
 
 /// The one field of a job that its frames do not have.
 const COUNT: Field = Field {

@@ -8,9 +8,9 @@ use spec_derive::Described;
 
 use crate::artifact::ArtifactKind;
 use crate::camera::Camera;
-use crate::fields::EXACT;
 use crate::light::{Haze, Light};
 use crate::scene_files::{RangeFile, RangeKind, SceneFiles};
+use crate::schema::EXACT;
 use crate::water::Water;
 
 /// One image of a job, with every law replaced by its value.

@@ -5,10 +5,9 @@
 //! reached as `LIST.N` or `LIST.N.FIELD`.
 
 use crate::described::Described;
-use crate::fields::EXACT;
 use crate::frame::Frame;
 use crate::record::RESULTS;
-use crate::schema::{Field, Shape};
+use crate::schema::{EXACT, Field, Shape};
 
 /// A scalar of a record.
 #[derive(Debug, Clone, PartialEq, Eq)]

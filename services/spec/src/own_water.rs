@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use spec_derive::Described;
 
 use crate::check::{Checker, Place};
-use crate::fields::OWN_WATER;
+use crate::described::Described;
 use crate::invalid::{FieldError, Invalid};
 use crate::json;
 use crate::rules::Fault;
@@ -83,7 +83,7 @@ impl OwnWater {
             seed: 0,
             errors: Vec::new(),
         };
-        let Some(node) = checker.node(&Place::default(), &OWN_WATER, false, &value) else {
+        let Some(node) = checker.node(&Place::default(), &Self::SHAPE, false, &value) else {
             return Err(Invalid(checker.errors));
         };
         let water = Self::deserialize(node.canonical()).unwrap_or_default();

@@ -9,6 +9,9 @@ pub const MAX_LABEL_KEY: usize = 64;
 /// Longest string of a label, in characters.
 pub const MAX_LABEL_TEXT: usize = 256;
 
+/// Beyond this, doubles skip whole numbers.
+pub const EXACT: i128 = 1 << 53;
+
 /// One field of an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Field {

@@ -136,6 +136,9 @@ async fn leaves_are_found_under_their_own_names_and_under_those_of_before() {
         let found = rows(&at, filter, "frame", &["frame"]).await;
         assert_eq!(found, [json!({"frame": 1})], "{filter}");
     }
+    for order in ["failed", "-failed", "warned", "-snow.radius_m", "lights.0.kind"] {
+        assert_eq!(rows(&at, "", order, &["frame"]).await.len(), 2, "{order}");
+    }
     let all = at.catalogue.columns("bay").await.unwrap();
     let column = |name: &str| all.iter().find(|column| column.name == name).unwrap();
     assert_eq!(column("camera.path.sway_m").unit, Some("m"));

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use imaging::codec::MAX_PIXELS;
 use serde_json::Value;
 
 use super::{Checker, Place};
-use crate::fields::MAX_PIXELS;
 use crate::invalid::FieldError;
 use crate::node::Node;
 

@@ -5,11 +5,10 @@ use serde_json::{Map, Value};
 
 use super::{Checker, Place, whole};
 use crate::draw::{Law, LawNode};
-use crate::fields::EXACT;
 use crate::invalid::FieldError;
 use crate::json::describe;
 use crate::node::Node;
-use crate::schema::Shape;
+use crate::schema::{EXACT, Shape};
 
 /// The keys that make an object a law.
 pub(super) const KEYS: [&str; 6] = ["choice", "grid", "int", "log_uniform", "normal", "uniform"];
