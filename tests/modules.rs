@@ -9,16 +9,6 @@ use fathom_tests::root;
 /// Circles that stand, with the crate. A line of which nothing is left fails the test.
 const KNOWN: &[(&str, &[&str])] = &[
     // To be taken apart.
-    (
-        "services/api",
-        &["app", "bytes", "clock", "leases", "scenes", "styles", "waters"],
-    ),
-    ("services/api", &["images", "jobs"]),
-    (
-        "services/catalogue",
-        &["asked", "catalogue", "open", "page", "stats"],
-    ),
-    ("services/catalogue", &["error", "filter", "joins"]),
     ("services/spec", &["draw", "node"]),
     (
         "workers/optics",

@@ -39,12 +39,32 @@ pub enum MessageError {
         /// What is accepted.
         wanted: &'static str,
     },
+    /// The two sides are of different versions.
+    #[error(
+        "the other side speaks version {theirs} of the worker protocol and this one version {ours}: use the same \
+         version of fathom for service and workers"
+    )]
+    Protocol {
+        /// What arrived; 0: a version before it was said.
+        theirs: u32,
+        /// What is accepted.
+        ours: u32,
+    },
     /// The record is not the JSON of a frame record.
     #[error("`record_json` is no frame record: {0}")]
     Record(String),
 }
 
 type Checked<T> = Result<T, MessageError>;
+
+pub(crate) fn version(theirs: u32) -> Checked<()> {
+    let ours = crate::VERSION;
+    if theirs == ours {
+        Ok(())
+    } else {
+        Err(MessageError::Protocol { theirs, ours })
+    }
+}
 
 /// A number that names something: 0 is what an absent field decodes to.
 pub(crate) fn number<T: Default + PartialEq>(field: &'static str, value: T) -> Checked<T> {

@@ -16,6 +16,9 @@ pub use decode::decode;
 /// Content type of every message.
 pub const CONTENT_TYPE: &str = "application/x-protobuf";
 
+/// Version of this protocol: it grows with every change that an older worker or service would misunderstand.
+pub const VERSION: u32 = 2;
+
 /// What prost makes of `fathom/worker/v1.proto`; a test compares.
 #[allow(missing_docs)]
 #[rustfmt::skip]

@@ -8,8 +8,6 @@ pub const ID_BYTES: usize = 64;
 pub const NAME_BYTES: usize = 256;
 /// An error message; senders shorten theirs with [`shorten`].
 pub const ERROR_BYTES: usize = 4096;
-/// A canonical description: up to a megabyte as submitted, several times that with all defaults filled in.
-pub const SPEC_BYTES: usize = 8 << 20;
 /// A record holds the resolved frame, the plan and the measurements: a few tens of kilobytes, and the user's labels.
 pub const RECORD_BYTES: usize = 4 << 20;
 /// Most frames of a lease.

@@ -62,8 +62,8 @@ pub struct Lease {
     pub token: u64,
     /// `job_…`.
     pub job_id: String,
-    /// The job's canonical description.
-    pub spec_json: String,
+    /// SHA-256 of the job's canonical description.
+    pub spec_digest: String,
     /// Frames with the number of the try, at least one.
     pub frames: Vec<(u64, u32)>,
     /// How long the lease lasts without a beat.

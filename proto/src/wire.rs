@@ -13,6 +13,8 @@ pub struct RegisterRequest {
     pub onnx_runtime: ::prost::alloc::string::String,
     #[prost(string, tag = "5")]
     pub cpu_features: ::prost::alloc::string::String,
+    #[prost(uint32, tag = "6")]
+    pub protocol: u32,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct RegisterResponse {
@@ -23,6 +25,8 @@ pub struct RegisterResponse {
     pub lease_term_ms: u32,
     #[prost(uint32, tag = "3")]
     pub beat_ms: u32,
+    #[prost(uint32, tag = "4")]
+    pub protocol: u32,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct LeaseRequest {
@@ -47,13 +51,13 @@ pub struct Lease {
     pub token: u64,
     #[prost(string, tag = "2")]
     pub job_id: ::prost::alloc::string::String,
-    /// The job's canonical description.
-    #[prost(string, tag = "3")]
-    pub spec_json: ::prost::alloc::string::String,
     #[prost(message, repeated, tag = "4")]
     pub frames: ::prost::alloc::vec::Vec<FrameClaim>,
     #[prost(uint32, tag = "5")]
     pub term_ms: u32,
+    /// SHA-256 of the job's canonical description, lower-case hex.
+    #[prost(string, tag = "6")]
+    pub spec_digest: ::prost::alloc::string::String,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct FrameClaim {

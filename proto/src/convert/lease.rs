@@ -1,6 +1,6 @@
 //! Registering, leasing, beating, releasing.
 
-use crate::check::{MessageError, id, length, not_negative, number, text, wrong};
+use crate::check::{MessageError, digest, id, length, not_negative, number, text, version, wrong};
 use crate::message::{Beat, BeatOf, Lease, Register, Registered, Release, WantLease};
 use crate::{limits, wire};
 
@@ -8,6 +8,7 @@ impl TryFrom<wire::RegisterRequest> for Register {
     type Error = MessageError;
 
     fn try_from(wire: wire::RegisterRequest) -> Result<Self, MessageError> {
+        version(wire.protocol)?;
         let name = text("name", number("name", wire.name)?, limits::NAME_BYTES)?;
         let slots = number("slots", wire.slots)?;
         if slots > limits::SLOTS {
@@ -39,6 +40,7 @@ impl From<Register> for wire::RegisterRequest {
             code_version,
             onnx_runtime: onnx_runtime.unwrap_or_default(),
             cpu_features,
+            protocol: crate::VERSION,
         }
     }
 }
@@ -47,6 +49,7 @@ impl TryFrom<wire::RegisterResponse> for Registered {
     type Error = MessageError;
 
     fn try_from(wire: wire::RegisterResponse) -> Result<Self, MessageError> {
+        version(wire.protocol)?;
         Ok(Self {
             worker_id: id("worker_id", wire.worker_id)?,
             lease_term_ms: number("lease_term_ms", wire.lease_term_ms)?,
@@ -66,6 +69,7 @@ impl From<Registered> for wire::RegisterResponse {
             worker_id,
             lease_term_ms,
             beat_ms,
+            protocol: crate::VERSION,
         }
     }
 }
@@ -113,11 +117,7 @@ impl TryFrom<wire::Lease> for Lease {
             frames: frames.collect::<Result<_, _>>()?,
             token: number("token", wire.token)?,
             job_id: id("job_id", wire.job_id)?,
-            spec_json: text(
-                "spec_json",
-                number("spec_json", wire.spec_json)?,
-                limits::SPEC_BYTES,
-            )?,
+            spec_digest: digest("spec_digest", wire.spec_digest)?,
             term_ms: number("term_ms", wire.term_ms)?,
         })
     }
@@ -128,7 +128,7 @@ impl From<Lease> for wire::Lease {
         let Lease {
             token,
             job_id,
-            spec_json,
+            spec_digest,
             frames,
             term_ms,
         } = message;
@@ -139,7 +139,7 @@ impl From<Lease> for wire::Lease {
         Self {
             token,
             job_id,
-            spec_json,
+            spec_digest,
             frames,
             term_ms,
         }

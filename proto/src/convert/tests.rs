@@ -96,7 +96,7 @@ fn every_message_survives_the_wire_unchanged() {
     let lease = Lease {
         token: 9,
         job_id: "job_1".to_owned(),
-        spec_json: "{}".to_owned(),
+        spec_digest: "0a".repeat(32),
         frames: vec![(0, 1), (99_999_999, 3)],
         term_ms: 15_000,
     };
@@ -223,11 +223,36 @@ fn too_many_and_too_long_are_refused_with_the_limit() {
     let request = wire::RegisterRequest {
         name,
         slots: 1,
+        protocol: crate::VERSION,
         ..wire::RegisterRequest::default()
     };
     assert!(matches!(
         Register::try_from(request),
         Err(MessageError::TooLong { field: "name", .. })
+    ));
+}
+
+#[test]
+fn another_version_of_the_protocol_is_refused_with_a_word_on_what_to_do() {
+    let request = wire::RegisterRequest {
+        name: "old".to_owned(),
+        slots: 1,
+        ..wire::RegisterRequest::default()
+    };
+    let error = Register::try_from(request).unwrap_err().to_string();
+    assert!(
+        error.contains("version 0") && error.contains("same version of fathom"),
+        "{error}"
+    );
+    let response = wire::RegisterResponse {
+        worker_id: "wrk_1".to_owned(),
+        lease_term_ms: 1,
+        beat_ms: 1,
+        protocol: 1,
+    };
+    assert!(matches!(
+        Registered::try_from(response),
+        Err(MessageError::Protocol { theirs: 1, .. })
     ));
 }
 

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use api::lease_table::{JobEntry, LeaseTable, Millis};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use proto::message::Claim;
 
 const EACH: u64 = 1_000_000;
 
@@ -26,10 +27,14 @@ fn claim(table: &mut LeaseTable, token: u64) {
     let now = Millis(token / 1000);
     let grant = table.grant("w", now, token, 0.0).expect("frames wait");
     let (frame, attempt) = grant.frames[0];
-    table
-        .begin_commit(&grant.job_id, frame, token, attempt, now)
-        .expect("the lease is fresh");
-    table.finish_commit(&grant.job_id, frame);
+    let claim = Claim {
+        token,
+        job_id: grant.job_id,
+        frame,
+        attempt,
+    };
+    table.begin_commit(&claim, now).expect("the lease is fresh");
+    table.finish_commit(&claim);
 }
 
 fn claims(criterion: &mut Criterion) {

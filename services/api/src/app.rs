@@ -1,71 +1,168 @@
-//! What every handler can reach.
+//! The topics of a running service, put together.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io;
+use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::Duration;
 
-use catalogue::Catalogue;
-use metrics_exporter_prometheus::PrometheusHandle;
-use spec::Vocabulary;
-use store::Store;
-use tokio::sync::{Mutex, Notify};
+use axum::extract::FromRef;
+use catalogue::{Catalogue, CatalogueError};
 use tokio_util::sync::CancellationToken;
 
-use crate::bytes::naming::Naming;
-use crate::bytes::space::Space;
-use crate::clock::Clock;
-use crate::leases::changes::Watch;
-use crate::leases::costs::Experience;
-use crate::leases::dispatch::Dispatch;
+use crate::bytes::Bytes;
+use crate::config::{Config, Surroundings};
+use crate::data::{Data, DataError};
+use crate::http::auth::TokenError;
+use crate::images::Images;
+use crate::jobs::Jobs;
+use crate::leases::Leases;
+use crate::operations::Operations;
+use crate::pictures::Pictures;
+use crate::processes::Processes;
 use crate::processes::child::Children;
 use crate::processes::compute::Compute;
-use crate::styles::Styles;
-use crate::styles::trainings::Trainings;
+use crate::scenes::Scenes;
+use crate::styles::{AddedStyleError, Styles};
+use crate::telemetry;
 use crate::waters::Waters;
 
-/// The parts of a running service.
+/// Why the service does not start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The token setting.
+    #[error(transparent)]
+    Token(#[from] TokenError),
+    /// The data directory.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// The styles that were added earlier.
+    #[error(transparent)]
+    Styles(#[from] AddedStyleError),
+    /// Jobs that were open cannot be read.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+    /// The listen address.
+    #[error("cannot listen on {address}: {source}")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+/// The state of each topic; a handler asks for that of its own.
+#[derive(Clone)]
 pub(crate) struct App {
-    /// The service's folder.
-    pub(crate) data: PathBuf,
-    pub(crate) catalogue: Catalogue,
-    pub(crate) store: Store,
-    pub(crate) dispatch: Dispatch,
-    pub(crate) watch: Watch,
-    pub(crate) experience: Experience,
-    pub(crate) compute: Compute,
-    /// The same for whole pictures of a user, which take much more memory.
-    pub(crate) pictures: Compute,
-    pub(crate) children: Children,
-    pub(crate) styles: Styles,
-    pub(crate) trainings: Trainings,
-    /// How long a network that a user adds may take to be tried.
-    pub(crate) style_trial: Duration,
-    pub(crate) waters: Waters,
-    /// Version of the ONNX Runtime that this machine's workers find, or why there is none.
-    pub(crate) style_runtime: Result<String, String>,
-    /// Held while a job is paused, cancelled, deleted and so on.
-    pub(crate) turn: Mutex<()>,
-    /// Held while rows and bytes of deleted jobs are taken away, and while everything is copied.
-    pub(crate) upkeep: Mutex<()>,
-    pub(crate) naming: Naming,
-    pub(crate) space: Arc<Space>,
-    /// Rung when something was deleted.
-    pub(crate) reclaim: Notify,
-    pub(crate) clock: Clock,
-    pub(crate) telemetry: &'static PrometheusHandle,
-    /// Cancelled when the service stops: waiting requests then answer what they have.
+    pub(crate) catalogue: Arc<Catalogue>,
+    pub(crate) bytes: Arc<Bytes>,
+    pub(crate) leases: Arc<Leases>,
+    pub(crate) images: Arc<Images>,
+    pub(crate) jobs: Arc<Jobs>,
+    pub(crate) scenes: Arc<Scenes>,
+    pub(crate) waters: Arc<Waters>,
+    pub(crate) styles: Arc<Styles>,
+    pub(crate) pictures: Arc<Pictures>,
+    pub(crate) operations: Arc<Operations>,
+    /// Cancelled when the service stops: waiting requests then respond with what they have.
     pub(crate) stop: CancellationToken,
 }
 
-/// The state as handlers get it.
-pub(crate) type Shared = Arc<App>;
+macro_rules! topics {
+    ($($field:ident: $topic:ty),+ $(,)?) => {$(
+        impl FromRef<App> for Arc<$topic> {
+            fn from_ref(app: &App) -> Self {
+                Self::clone(&app.$field)
+            }
+        }
+    )+};
+}
+
+topics! {
+    catalogue: Catalogue, bytes: Bytes, leases: Leases, images: Images, jobs: Jobs, scenes: Scenes, waters: Waters,
+    styles: Styles, pictures: Pictures, operations: Operations,
+}
 
 impl App {
-    /// The words that jobs may use now.
-    pub(crate) fn vocabulary(&self) -> Vocabulary {
-        Vocabulary {
-            waters: self.waters.words(),
-            ..self.styles.known().vocabulary.clone()
-        }
+    /// Opens the data folder, which stays locked while the file is held.
+    pub(crate) async fn open(
+        config: &Config,
+        surroundings: &Surroundings,
+    ) -> Result<(Self, File), StartError> {
+        let Surroundings { clock, limits, .. } = surroundings;
+        let stop = CancellationToken::new();
+        let metrics = renderer::vocabulary(&config.library, false).metrics;
+        let Data {
+            catalogue,
+            store,
+            lock,
+        } = Data::open(&config.data, &metrics).await?;
+        let catalogue = Arc::new(catalogue);
+        let bytes = Bytes::new(store, Arc::clone(&catalogue), &config.data, limits.reserve_bytes);
+        let bytes = Arc::new(bytes);
+        let processes = Arc::new(Processes {
+            compute: Compute::new(limits.compute),
+            children: Children::new(&config.worker_program, config.style_options(), limits.children),
+        });
+        let waters = Arc::new(Waters::open(Arc::clone(&catalogue), clock.clone()).await?);
+        let styles = Styles::open(
+            config,
+            surroundings,
+            Arc::clone(&bytes),
+            Arc::clone(&processes),
+            stop.clone(),
+        )?;
+        let styles = Arc::new(styles);
+        let leases = Arc::new(Leases::new(
+            Arc::clone(&catalogue),
+            Arc::clone(&bytes),
+            clock.clone(),
+            stop.clone(),
+        ));
+        let images = Arc::new(Images {
+            catalogue: Arc::clone(&catalogue),
+            bytes: Arc::clone(&bytes),
+            processes: Arc::clone(&processes),
+            data: config.data.clone(),
+        });
+        let app = Self {
+            jobs: Arc::new(Jobs {
+                catalogue: Arc::clone(&catalogue),
+                leases: Arc::clone(&leases),
+                bytes: Arc::clone(&bytes),
+                images: Arc::clone(&images),
+                styles: Arc::clone(&styles),
+                waters: Arc::clone(&waters),
+                processes: Arc::clone(&processes),
+                turn: Default::default(),
+                clock: clock.clone(),
+                stop: stop.clone(),
+            }),
+            scenes: Arc::new(Scenes {
+                catalogue: Arc::clone(&catalogue),
+                bytes: Arc::clone(&bytes),
+                processes: Arc::clone(&processes),
+                clock: clock.clone(),
+            }),
+            pictures: Arc::new(Pictures(Compute::new(limits.pictures))),
+            operations: Arc::new(Operations {
+                data: config.data.clone(),
+                catalogue: Arc::clone(&catalogue),
+                bytes: Arc::clone(&bytes),
+                leases: Arc::clone(&leases),
+                styles: Arc::clone(&styles),
+                processes,
+                telemetry: telemetry::install(),
+                stop: stop.clone(),
+            }),
+            catalogue,
+            bytes,
+            leases,
+            images,
+            waters,
+            styles,
+            stop,
+        };
+        Ok((app, lock))
     }
 }

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
+use catalogue::UnixMs;
+
 /// Where the service reads the time.
 #[derive(Clone)]
 pub struct Clock {
@@ -39,12 +41,12 @@ impl Clock {
     }
 
     /// Milliseconds since some moment; leases are measured in it.
-    pub(crate) fn now(&self) -> crate::leases::table::Millis {
-        crate::leases::table::Millis((self.monotonic)())
+    pub(crate) fn monotonic_ms(&self) -> u64 {
+        (self.monotonic)()
     }
 
-    /// Milliseconds since 1970 in UTC; rows are stamped with it.
-    pub(crate) fn unix_ms(&self) -> u64 {
-        (self.wall)()
+    /// The time with which rows are stamped.
+    pub(crate) fn wall(&self) -> UnixMs {
+        UnixMs((self.wall)())
     }
 }

@@ -34,6 +34,17 @@ pub struct Config {
     pub style_trial: Duration,
 }
 
+impl Config {
+    /// Where the service's processes find styles and their runtime.
+    pub(crate) fn style_options(&self) -> Vec<(&'static str, PathBuf)> {
+        let options = [("--styles", &self.styles), ("--onnxruntime", &self.onnxruntime)];
+        let given = options.into_iter();
+        given
+            .filter_map(|(option, path)| Some((option, path.clone()?)))
+            .collect()
+    }
+}
+
 /// What the service finds around it: passed in by tests, read from the machine otherwise.
 pub struct Surroundings {
     /// Where the time comes from.

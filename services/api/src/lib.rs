@@ -1,6 +1,6 @@
 //! The HTTP API: public routes, the worker protocol, and the service around them.
 //!
-//! [`start`] opens the data directory, takes up unfinished jobs, starts the service's own workers and answers
+//! [`start`] opens the data directory, takes up unfinished jobs, starts the service's own workers and serves
 //! requests until [`Service::stop`]. Handlers await; whatever computes runs on a bounded pool. Every refusal is an
 //! RFC 9457 problem.
 //!
@@ -28,6 +28,7 @@ mod styles;
 mod telemetry;
 mod waters;
 
+pub use app::StartError;
 pub use clock::Clock;
 pub use config::{Config, Surroundings};
 pub use data::{Data, DataError, LockError};
@@ -35,6 +36,6 @@ pub use http::auth::TokenError;
 pub use http::problem::Slug;
 pub use leases::table as lease_table;
 pub use limits::Limits;
-pub use service::{Service, StartError, start, start_in};
+pub use service::{Service, start, start_in};
 pub use styles::{AddedStyleError, added_styles};
 pub use waters::view::WaterView;

@@ -24,16 +24,14 @@ pub(crate) const STEPS: u32 = 5000;
 pub(crate) const OPEN_TRAININGS: usize = 8;
 /// Trainings that can still be asked after: a few kilobytes each.
 pub(crate) const KNOWN_TRAININGS: usize = 100;
-/// A text of a style's card.
-pub(crate) const CARD_TEXT_BYTES: usize = 4096;
+/// A text of a form: a caveat on a style's card is a paragraph.
+pub(crate) const FORM_TEXT_BYTES: usize = 4096;
 /// Styles that may be added: the list of all is one page.
 pub(crate) const ADDED_STYLES: usize = 1000;
 /// Bytes of all added styles: every process that renders keeps them in memory.
 pub(crate) const ADDED_STYLES_BYTES: u64 = 1 << 30;
 /// Memory of a process that tries a style: the widest of the usual networks takes 1 GiB for 768×492.
 pub(crate) const STYLE_TRIAL_MEMORY_BYTES: u64 = 3 << 30;
-/// The text fields of a scene upload are numbers.
-pub(crate) const SCENE_FIELD_BYTES: usize = 64;
 /// The artifacts of one frame: three float layers of 12 Mpx, and the pictures.
 pub(crate) const ARTIFACT_BYTES: usize = 512 << 20;
 /// A worker's message without artifacts: the record of a frame is a few tens of kilobytes.
@@ -62,7 +60,7 @@ pub(crate) const WORKER_STOP: Duration = Duration::from_secs(12);
 pub(crate) const DEFAULT_PAGE_ROWS: u32 = 100;
 /// The largest page: a few hundred kilobytes of JSON.
 pub(crate) const MAX_PAGE_ROWS: u32 = 1000;
-/// A filter of this length is parsed in microseconds; nobody types a longer one.
+/// A filter of this length is parsed in microseconds.
 pub(crate) const FILTER_BYTES: usize = 4096;
 /// An idempotency key: a UUID has 36 characters.
 pub(crate) const IDEMPOTENCY_KEY_BYTES: usize = 255;
@@ -94,13 +92,13 @@ pub struct Limits {
     /// Public requests that wait: long-polls and direct renders. They hold a few kilobytes each, and must not take
     /// the places of the others.
     pub waits: usize,
-    /// Answers that go on for as long as the client reads: events and lines. Each holds a batch of rows in memory.
+    /// Responses that go on for as long as the client reads: events and lines. Each holds a batch of rows in memory.
     pub streams: usize,
     /// Uploads at the same time: each may hold 256 MiB.
     pub uploads: usize,
     /// Pictures enhanced or measured at the same time: each may hold 3 GiB.
     pub pictures: usize,
-    /// Processes that render or try a model while somebody waits.
+    /// Processes that render or try a model within a request.
     pub children: usize,
     /// Worker calls at the same time, apart from those that wait for a lease. Their own budget, so that a flood of
     /// public requests cannot let leases expire.
@@ -114,7 +112,7 @@ pub struct Limits {
     /// How long the head of a request may take, and how long an idle connection is kept. Longer than the 15 s after
     /// which a worker's connection pool drops an idle connection by itself.
     pub head_read: Duration,
-    /// How long an answer may lie unread: a client that has stopped reading is cut off.
+    /// How long a response may lie unread: a client that has stopped reading is cut off.
     pub unread: Duration,
     /// Bytes that are laid aside for deletions on a full disk. Taking a thousand rows away writes up to 20 MiB of log
     /// before any space comes back.

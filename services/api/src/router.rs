@@ -8,7 +8,7 @@ use axum::routing::{get, post};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::app::Shared;
+use crate::app::App;
 use crate::bytes::space;
 use crate::http::auth::{Scope, Tokens};
 use crate::http::layers::{Budget, Group, observe};
@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// The whole application.
-pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Router {
+pub(crate) fn router(app: App, tokens: &Arc<Tokens>, limits: &Limits) -> Router {
     let probing = Budget::new("probes", limits.requests);
     let requests = Budget::new("requests", limits.requests);
     let waits = Budget::new("waits", limits.waits);
@@ -52,7 +52,7 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
     let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
     openapi::complete(&mut document);
-    let space = Arc::clone(&app.space);
+    let space = Arc::clone(&app.bytes.space);
     public
         .with_state(app)
         .merge(http::docs::router(&document))
@@ -62,14 +62,14 @@ pub(crate) fn router(app: Shared, tokens: &Arc<Tokens>, limits: &Limits) -> Rout
         .layer(from_fn(observe))
 }
 
-fn probes() -> OpenApiRouter<Shared> {
+fn probes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(operations::routes::livez::livez))
         .routes(routes!(operations::routes::readyz::readyz))
         .routes(routes!(operations::routes::version::version))
 }
 
-fn reading() -> OpenApiRouter<Shared> {
+fn reading() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(operations::routes::metrics::metrics))
         .routes(routes!(jobs::routes::list::list))
@@ -88,13 +88,13 @@ fn reading() -> OpenApiRouter<Shared> {
         .routes(routes!(leases::routes::workers::list))
 }
 
-fn following() -> OpenApiRouter<Shared> {
+fn following() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::get::get))
         .routes(routes!(styles::routes::training::get))
 }
 
-fn streaming() -> OpenApiRouter<Shared> {
+fn streaming() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::events::events))
         .routes(routes!(jobs::routes::results::results))
@@ -103,7 +103,7 @@ fn streaming() -> OpenApiRouter<Shared> {
         .routes(routes!(datasets::routes::metadata::csv))
 }
 
-fn submitting() -> OpenApiRouter<Shared> {
+fn submitting() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::create::create))
         .routes(routes!(jobs::routes::preview::preview))
@@ -118,38 +118,38 @@ fn submitting() -> OpenApiRouter<Shared> {
         .routes(routes!(waters::routes::delete::delete))
 }
 
-fn rendering() -> OpenApiRouter<Shared> {
+fn rendering() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(jobs::routes::render::create))
 }
 
-fn uploading() -> OpenApiRouter<Shared> {
+fn uploading() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(scenes::routes::create::create))
 }
 
-fn adding() -> OpenApiRouter<Shared> {
+fn adding() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(styles::routes::create::create))
 }
 
-fn training() -> OpenApiRouter<Shared> {
+fn training() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(styles::routes::train::train))
 }
 
-fn verifying() -> OpenApiRouter<Shared> {
+fn verifying() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(images::routes::verify::verify))
 }
 
-fn computing() -> OpenApiRouter<Shared> {
+fn computing() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(pictures::routes::enhance::enhance))
         .routes(routes!(pictures::routes::measure::measure))
 }
 
-fn operating() -> OpenApiRouter<Shared> {
+fn operating() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(operations::routes::backup::create))
 }
 
 /// Calls of workers have budgets of their own: no flood of public requests can let a lease expire.
-fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<Shared> {
+fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<App> {
     let group = |budget, timeout, body_bytes| Group {
         scope: Some(Scope::Work),
         budget,
@@ -162,6 +162,10 @@ fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<Share
         .route("/v1/worker/commit", post(leases::routes::commit::commit))
         .route("/v1/worker/fail", post(leases::routes::fail::fail))
         .route("/v1/worker/release", post(leases::routes::release::release))
+        .route(
+            "/v1/worker/jobs/{id}",
+            get(jobs::routes::description::description),
+        )
         .route("/v1/worker/scenes/{id}", get(scenes::routes::files::scene))
         .route("/v1/worker/styles", get(styles::routes::model::styles))
         .route("/v1/worker/styles/{name}", get(styles::routes::model::style))

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use serde_json::Value;
 use spec::{Leaf, LeafKind, Leaves, List};
 
-use crate::filter::{Bind, Column, Kind, OFFSET};
-use crate::joins::Join;
+use crate::filter::{Bind, Column, Join, Kind, OFFSET};
 
 /// The water by name is that of a preset, or that of a water of the user's own.
 const WATER: &str = "water.optics";

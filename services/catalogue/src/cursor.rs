@@ -7,10 +7,11 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::error::CatalogueError;
+use crate::types::Page;
 
 const CHECK_CHARS: usize = 16;
 
-/// A cursor for a place in the answer to a question.
+/// A cursor for a place among the rows of a question.
 pub(crate) fn write(question: &str, place: &Value) -> String {
     let text = place.to_string();
     let body: String = text.bytes().map(|byte| format!("{byte:02x}")).collect();
@@ -39,6 +40,22 @@ pub(crate) fn read(question: &str, cursor: &str) -> Result<Value, CatalogueError
 /// A question as one text that no other question has.
 pub(crate) fn question(parts: &[Option<&str>]) -> String {
     json!(parts).to_string()
+}
+
+/// The id at which a cursor of a list goes on.
+pub(crate) fn read_id(question: &str, cursor: Option<&str>) -> Result<Option<String>, CatalogueError> {
+    let Some(cursor) = cursor else { return Ok(None) };
+    let id = read(question, cursor)?.as_str().map(str::to_owned);
+    id.map(Some).ok_or(CatalogueError::Cursor)
+}
+
+/// A page of a list that is ordered by id, from its rows and, if there are more, one row beyond them.
+pub(crate) fn page<T>(question: &str, mut items: Vec<T>, limit: u32, id: impl Fn(&T) -> &str) -> Page<T> {
+    let more = items.len() > limit as usize;
+    items.truncate(limit as usize);
+    let last = items.last().filter(|_| more);
+    let next_cursor = last.map(|last| write(question, &json!(id(last))));
+    Page { items, next_cursor }
 }
 
 fn check(question: &str, text: &str) -> String {

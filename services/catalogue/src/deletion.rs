@@ -1,6 +1,6 @@
 //! Deleting jobs of any size without holding the writer up.
 //!
-//! Three steps, each durable, each taken up again after a crash: a job is hidden, so that nobody sees it or its images
+//! Three steps, each durable, each taken up again after a crash: a job is hidden, so that no reader sees it or its images
 //! any more; its rows go in small transactions, and the digests they named become orphans; what no other row names
 //! may leave the artifact store, and then the list of orphans.
 
@@ -36,7 +36,7 @@ impl Catalogue {
             .await
     }
 
-    /// Takes some rows of hidden jobs away, in one short transaction. Answers whether more are left: call it until
+    /// Removes some rows of hidden jobs, in one short transaction. Returns whether any remain: call it until
     /// none are, after each deletion and after each start.
     ///
     /// # Errors

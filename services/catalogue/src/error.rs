@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::filter::FilterError;
-
 /// An error of the catalogue.
 #[derive(Debug, thiserror::Error)]
 pub enum CatalogueError {
@@ -68,6 +66,18 @@ pub enum CatalogueError {
         /// What it said.
         message: String,
     },
+}
+
+/// A filter that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message} (at position {position}){}", did_you_mean.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default())]
+pub struct FilterError {
+    /// Characters of the filter before the place.
+    pub position: usize,
+    /// What is wrong.
+    pub message: String,
+    /// The nearest name.
+    pub did_you_mean: Option<String>,
 }
 
 impl CatalogueError {

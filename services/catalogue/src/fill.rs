@@ -9,7 +9,7 @@ use sqlx::{AssertSqlSafe, Connection, Row};
 
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::images::bound;
+use crate::values::bound;
 
 /// Images of one transaction: some megabytes of log, and little to do again after a kill.
 const BATCH: i64 = 2000;

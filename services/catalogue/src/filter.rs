@@ -16,7 +16,7 @@ pub(crate) use compile::compile;
 use std::collections::BTreeSet;
 
 use crate::error::CatalogueError;
-use crate::joins::Join;
+pub use crate::error::FilterError;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,24 +72,32 @@ impl Column {
     }
 }
 
+/// A row beside that of an image, at most one for each.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Join {
+    /// Everything known about the image.
+    Record,
+    /// What was measured of the picture of this name.
+    Measured(String),
+}
+
+impl Join {
+    /// What the row is called in a statement. The names of pictures are checked where columns are looked up: they have
+    /// no quotes.
+    pub(crate) fn alias(&self) -> String {
+        match self {
+            Self::Record => "\"record of\"".to_owned(),
+            Self::Measured(subject) => format!("\"measured of {subject}\""),
+        }
+    }
+}
+
 /// A condition as SQL.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Compiled {
     pub(crate) sql: String,
     pub(crate) binds: Vec<Bind>,
     pub(crate) joins: BTreeSet<Join>,
-}
-
-/// A filter that cannot be read.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{message} (at position {position}){}", did_you_mean.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default())]
-pub struct FilterError {
-    /// Characters of the filter before the place.
-    pub position: usize,
-    /// What is wrong.
-    pub message: String,
-    /// The nearest name.
-    pub did_you_mean: Option<String>,
 }
 
 /// A question that is refused for another reason than its filter.

@@ -9,12 +9,12 @@ use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::refused;
-use crate::images::bound;
 use crate::page::column;
 use crate::stats::check_dataset;
 use crate::types::Histogram;
+use crate::values::bound;
 
-/// More bins than a screen has columns help nobody.
+/// Upper limit: wider histograms cannot be displayed.
 const MOST_BINS: u32 = 4096;
 
 impl Catalogue {

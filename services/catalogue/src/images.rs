@@ -1,102 +1,112 @@
-//! Images as they are asked for one by one or in frame order.
+//! Images: stored, and asked for one by one or in frame order.
 
-use spec::ArtifactEntry;
-use sqlx::Row;
-use sqlx::query::Query;
-use sqlx::sqlite::{Sqlite, SqliteArguments, SqliteConnection, SqliteRow};
+use serde_json::Value;
+use spec::{ArtifactEntry, FrameRecord};
+use sqlx::sqlite::SqliteRow;
 
+use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
-use crate::filter::Bind;
-use crate::types::ImageRow;
+use crate::insert::NewImage;
+use crate::types::InsertImage;
+use crate::values::Cells;
 
-pub(crate) type Statement<'q> = Query<'q, Sqlite, SqliteArguments>;
+impl Catalogue {
+    /// Stores an image with its measurements, artifact names and the job's counters, all or nothing.
+    ///
+    /// # Errors
+    /// [`CatalogueError::NotFound`] when the job is gone.
+    pub async fn insert_image(
+        &self,
+        job: &str,
+        record: &FrameRecord,
+        now_ms: u64,
+    ) -> Result<InsertImage, CatalogueError> {
+        let image = NewImage::new(&self.columns, job, record, now_ms)?;
+        self.writer()?.insert(image).await
+    }
 
-/// Binds a value of a column.
-pub(crate) fn bound<'q>(statement: Statement<'q>, value: Option<&Bind>) -> Statement<'q> {
-    match value {
-        None => statement.bind(None::<f64>),
-        Some(Bind::Number(number)) => statement.bind(*number),
-        Some(Bind::Whole(number)) => statement.bind(*number),
-        Some(Bind::Text(text)) => statement.bind(text.clone()),
+    /// An image: its record, with its job, its dataset and when it was stored.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn image(&self, job: &str, frame: u64) -> Result<Option<Value>, CatalogueError> {
+        let found = sqlx::query(
+            "SELECT job_id, dataset, created_ms, record FROM images JOIN records USING (job_id, frame)
+             WHERE job_id = ? AND frame = ? AND job_id NOT IN (SELECT job_id FROM deletions)",
+        )
+        .bind(job)
+        .bind(number(frame))
+        .fetch_optional(&mut *self.reader().await?)
+        .await?;
+        found.as_ref().map(image).transpose()
+    }
+
+    /// Images of a job in frame order, those after a frame.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn results(
+        &self,
+        job: &str,
+        after: Option<u64>,
+        limit: u32,
+    ) -> Result<Vec<Value>, CatalogueError> {
+        let mut reader = self.reader().await?;
+        let rows = sqlx::query(
+            "SELECT job_id, dataset, created_ms, record FROM images JOIN records USING (job_id, frame)
+             WHERE job_id = ? AND frame > ? AND job_id NOT IN (SELECT job_id FROM deletions)
+             ORDER BY frame LIMIT ?",
+        )
+        .bind(job)
+        .bind(after.map_or(-1, number))
+        .bind(limit)
+        .fetch_all(&mut *reader);
+        let rows = within(async { Ok(rows.await?) }).await?;
+        rows.iter().map(image).collect()
+    }
+
+    /// The digest, length and type of an artifact.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn artifact(
+        &self,
+        job: &str,
+        frame: u64,
+        kind: &str,
+    ) -> Result<Option<ArtifactEntry>, CatalogueError> {
+        let found: Option<(String, i64, String)> = sqlx::query_as(
+            "SELECT digest, bytes, media_type FROM artifacts
+             WHERE job_id = ? AND frame = ? AND kind = ? AND job_id NOT IN (SELECT job_id FROM deletions)",
+        )
+        .bind(job)
+        .bind(number(frame))
+        .bind(kind)
+        .fetch_optional(&mut *self.reader().await?)
+        .await?;
+        Ok(found.map(|(digest, bytes, media_type)| ArtifactEntry {
+            kind: kind.to_owned(),
+            digest,
+            bytes: bytes as u64,
+            media_type,
+        }))
     }
 }
 
-pub(crate) async fn get(
-    connection: &mut SqliteConnection,
-    job: &str,
-    frame: u64,
-) -> Result<Option<ImageRow>, CatalogueError> {
-    let Ok(frame) = i64::try_from(frame) else {
-        return Ok(None);
-    };
-    let found = sqlx::query(
-        "SELECT job_id, dataset, created_ms, record FROM images JOIN records USING (job_id, frame)
-         WHERE job_id = ? AND frame = ? AND job_id NOT IN (SELECT job_id FROM deletions)",
-    )
-    .bind(job)
-    .bind(frame)
-    .fetch_optional(connection)
-    .await?;
-    found.as_ref().map(row).transpose()
+/// A frame's number as SQLite has it; beyond its range there is no frame.
+pub(crate) fn number(frame: u64) -> i64 {
+    i64::try_from(frame).unwrap_or(i64::MAX)
 }
 
-/// Images of a job in frame order, those after a frame.
-pub(crate) async fn after(
-    connection: &mut SqliteConnection,
-    job: &str,
-    after: Option<u64>,
-    limit: u32,
-) -> Result<Vec<ImageRow>, CatalogueError> {
-    let rows = sqlx::query(
-        "SELECT job_id, dataset, created_ms, record FROM images JOIN records USING (job_id, frame)
-         WHERE job_id = ? AND frame > ? AND job_id NOT IN (SELECT job_id FROM deletions)
-         ORDER BY frame LIMIT ?",
-    )
-    .bind(job)
-    .bind(place(after))
-    .bind(limit)
-    .fetch_all(connection)
-    .await?;
-    rows.iter().map(row).collect()
-}
-
-/// What frames after a frame are larger than.
-pub(crate) fn place(after: Option<u64>) -> i64 {
-    after.map_or(-1, |frame| i64::try_from(frame).unwrap_or(i64::MAX))
-}
-
-fn row(row: &SqliteRow) -> Result<ImageRow, CatalogueError> {
-    Ok(ImageRow {
-        job_id: row.try_get(0)?,
-        dataset: row.try_get(1)?,
-        created_ms: row.try_get::<i64, _>(2)? as u64,
-        record: serde_json::from_str(&row.try_get::<String, _>(3)?)?,
-    })
-}
-
-pub(crate) async fn artifact(
-    connection: &mut SqliteConnection,
-    job: &str,
-    frame: u64,
-    kind: &str,
-) -> Result<Option<ArtifactEntry>, CatalogueError> {
-    let Ok(frame) = i64::try_from(frame) else {
-        return Ok(None);
-    };
-    let found = sqlx::query(
-        "SELECT kind, digest, bytes, media_type FROM artifacts
-         WHERE job_id = ? AND frame = ? AND kind = ? AND job_id NOT IN (SELECT job_id FROM deletions)",
-    )
-    .bind(job)
-    .bind(frame)
-    .bind(kind)
-    .fetch_optional(connection)
-    .await?;
-    let Some(row) = found else { return Ok(None) };
-    Ok(Some(ArtifactEntry {
-        kind: row.try_get(0)?,
-        digest: row.try_get(1)?,
-        bytes: row.try_get::<i64, _>(2)? as u64,
-        media_type: row.try_get(3)?,
-    }))
+fn image(row: &SqliteRow) -> Result<Value, CatalogueError> {
+    let mut cells = Cells::new(row);
+    let (job, dataset): (String, String) = (cells.take()?, cells.take()?);
+    let created_at = cells.time()?.to_string();
+    let mut image: Value = serde_json::from_str(cells.take()?)?;
+    if let Some(members) = image.as_object_mut() {
+        members.insert("job".to_owned(), job.into());
+        members.insert("dataset".to_owned(), dataset.into());
+        members.insert("created_at".to_owned(), created_at.into());
+    }
+    Ok(image)
 }

@@ -13,9 +13,9 @@ use sqlx::sqlite::SqliteConnection;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::Bind;
-use crate::images::{Statement, bound};
-use crate::jobs;
+use crate::progress;
 use crate::types::InsertImage;
+use crate::values::{Statement, bound};
 
 /// Rows of one statement: few sizes, so that SQLite keeps every statement prepared.
 const ROWS: [usize; 3] = [16, 4, 1];
@@ -69,7 +69,7 @@ impl NewImage {
 /// What the catalogue knows of an image before it is stored.
 type Known = (Option<String>, bool, bool);
 
-/// Stores images and answers what became of each.
+/// Stores images and returns what became of each.
 pub(crate) async fn insert(
     connection: &mut SqliteConnection,
     columns: &Columns,
@@ -215,7 +215,7 @@ async fn count(
     connection: &mut SqliteConnection,
     new: &[(&NewImage, String, bool)],
 ) -> Result<(), CatalogueError> {
-    let mut jobs: BTreeMap<&str, jobs::Added> = BTreeMap::new();
+    let mut jobs: BTreeMap<&str, progress::Added> = BTreeMap::new();
     for (image, dataset, was_given_up) in new {
         if *was_given_up {
             sqlx::query("UPDATE failures SET quarantined = 0 WHERE job_id = ? AND frame = ?")
@@ -224,10 +224,10 @@ async fn count(
                 .execute(&mut *connection)
                 .await?;
         }
-        let added = jobs.entry(&image.job).or_insert_with(|| jobs::Added {
+        let added = jobs.entry(&image.job).or_insert_with(|| progress::Added {
             dataset: dataset.clone(),
             first_ms: image.now_ms,
-            ..jobs::Added::default()
+            ..progress::Added::default()
         });
         added.images += 1;
         added.given_up += i64::from(*was_given_up);
@@ -236,7 +236,7 @@ async fn count(
         added.last_ms = added.last_ms.max(image.now_ms);
     }
     for (job, added) in jobs {
-        jobs::count_images(connection, job, &added).await?;
+        progress::count_images(connection, job, &added).await?;
     }
     Ok(())
 }

@@ -1,56 +1,150 @@
 //! Jobs: one row each, however many frames.
 
-use futures::TryStreamExt;
-use serde_json::json;
+use sqlx::AssertSqlSafe;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
-use sqlx::{AssertSqlSafe, Row};
 
+use crate::catalogue::{Catalogue, within};
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::types::{FailureRow, InsertJob, JobRow, JobState, NewJob, Page};
+use crate::filter::refused;
+use crate::job_state::JobState;
+use crate::recovery;
+use crate::types::{InsertJob, JobRow, NewJob, OpenJob, Page, Retried};
+use crate::values::Cells;
 
-/// Which jobs.
-pub(crate) struct Asked {
-    pub(crate) dataset: Option<String>,
-    pub(crate) state: Option<String>,
-    pub(crate) limit: u32,
-    pub(crate) cursor: Option<String>,
+/// The columns of a [`JobRow`], as [`row`] reads them.
+macro_rules! columns {
+    () => {
+        "id, dataset, state, frames, done, failed, bytes, version, created_ms, started_ms, finished_ms, digest,
+         priority, spec_digest"
+    };
 }
 
-pub(crate) async fn insert(
-    connection: &mut SqliteConnection,
-    job: &NewJob,
-) -> Result<InsertJob, CatalogueError> {
+impl Catalogue {
+    /// Stores a job, or finds the one that the same key stored. One row, however many frames.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn insert_job(&self, job: NewJob) -> Result<InsertJob, CatalogueError> {
+        self.write(move |c| Box::pin(async move { insert(c, &job).await }))
+            .await
+    }
+
+    /// Changes the state of a job and returns its row. Cancelling a job that has ended changes nothing.
+    ///
+    /// # Errors
+    /// [`CatalogueError::NotFound`], [`CatalogueError::Transition`].
+    pub async fn set_state(&self, id: &str, state: JobState) -> Result<JobRow, CatalogueError> {
+        let id = id.to_owned();
+        self.write(move |c| Box::pin(async move { set_state(c, &id, state).await }))
+            .await
+    }
+
+    /// Forgets the failures of the frames that were given up, and opens the job again if it had ended with them. The
+    /// caller offers the frames to workers.
+    ///
+    /// # Errors
+    /// [`CatalogueError::NotFound`]; [`CatalogueError::Transition`] for a job that was cancelled or is done.
+    pub async fn retry_failed(&self, id: &str) -> Result<Retried, CatalogueError> {
+        let id = id.to_owned();
+        self.write(move |c| Box::pin(async move { retry_failed(c, &id).await }))
+            .await
+    }
+
+    /// A job.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn job(&self, id: &str) -> Result<Option<JobRow>, CatalogueError> {
+        get(&mut *self.reader().await?, id).await
+    }
+
+    /// The canonical description of a job.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn description(&self, id: &str) -> Result<Option<String>, CatalogueError> {
+        let text = sqlx::query_scalar(
+            "SELECT spec FROM jobs WHERE id = ? AND id NOT IN (SELECT job_id FROM deletions)",
+        );
+        Ok(text.bind(id).fetch_optional(&mut *self.reader().await?).await?)
+    }
+
+    /// Jobs, newest first.
+    ///
+    /// # Errors
+    /// [`CatalogueError::Cursor`]; [`CatalogueError::Filter`] for a state that does not exist.
+    pub async fn jobs(
+        &self,
+        dataset: Option<String>,
+        state: Option<String>,
+        limit: u32,
+        cursor: Option<String>,
+    ) -> Result<Page<JobRow>, CatalogueError> {
+        if let Some(Err(message)) = state.as_deref().map(str::parse::<JobState>) {
+            return Err(refused(message));
+        }
+        within(list(&mut *self.reader().await?, dataset, state, limit, cursor)).await
+    }
+
+    /// Jobs that have not ended, with what is left of them.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn open_jobs(&self) -> Result<Vec<OpenJob>, CatalogueError> {
+        let mut reader = self.reader().await?;
+        let rows = sqlx::query(concat!(
+            "SELECT ",
+            columns!(),
+            " FROM jobs
+              WHERE state IN ('queued', 'running', 'paused') AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id",
+        ));
+        let rows = rows.fetch_all(&mut *reader).await?;
+        let mut open = Vec::with_capacity(rows.len());
+        for found in &rows {
+            open.push(recovery::what_is_left(&mut reader, row(found)?).await?);
+        }
+        Ok(open)
+    }
+
+    /// What is left of a job that has not ended.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn open_job(&self, row: JobRow) -> Result<OpenJob, CatalogueError> {
+        recovery::what_is_left(&mut *self.reader().await?, row).await
+    }
+}
+
+async fn insert(connection: &mut SqliteConnection, job: &NewJob) -> Result<InsertJob, CatalogueError> {
     if let Some(key) = &job.idempotency {
-        let known =
-            sqlx::query("SELECT body_digest, job_id FROM idempotency_keys WHERE owner = ? AND key = ?")
+        let known: Option<(String, String)> =
+            sqlx::query_as("SELECT body_digest, job_id FROM idempotency_keys WHERE owner = ? AND key = ?")
                 .bind(&key.owner)
                 .bind(&key.key)
                 .fetch_optional(&mut *connection)
                 .await?;
-        if let Some(known) = known {
-            let same = known.try_get::<String, _>(0)? == key.body_digest;
-            return Ok(if same {
-                InsertJob::Replayed {
-                    job_id: known.try_get(1)?,
-                }
+        if let Some((digest, id)) = known {
+            return if digest == key.body_digest {
+                Ok(InsertJob::Replayed(known_job(connection, &id).await?))
             } else {
-                InsertJob::KeyConflict
-            });
+                Ok(InsertJob::KeyConflict)
+            };
         }
     }
-    sqlx::query(
+    let stored = sqlx::query(concat!(
         "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms)
-         VALUES (?, ?, ?, ?, ?, ?, 'queued', ?)",
-    )
+         VALUES (?, ?, ?, ?, ?, ?, 'queued', ?) RETURNING ",
+        columns!(),
+    ))
     .bind(&job.id)
     .bind(&job.dataset)
     .bind(&job.spec)
     .bind(&job.spec_digest)
     .bind(job.frames as i64)
     .bind(job.priority)
-    .bind(job.created_ms as i64)
-    .execute(&mut *connection)
+    .bind(job.created_at.0 as i64)
+    .fetch_one(&mut *connection)
     .await?;
     sqlx::query(
         "INSERT INTO datasets (name, jobs) VALUES (?, 1) ON CONFLICT (name) DO UPDATE SET jobs = jobs + 1",
@@ -67,115 +161,124 @@ pub(crate) async fn insert(
             .execute(&mut *connection)
             .await?;
     }
-    Ok(InsertJob::Created)
+    Ok(InsertJob::Created(row(&stored)?))
 }
 
-pub(crate) async fn get(
-    connection: &mut SqliteConnection,
-    id: &str,
-) -> Result<Option<JobRow>, CatalogueError> {
-    let found = sqlx::query(
-        "SELECT id, dataset, spec, frames, done, failed, state, version, priority, created_ms, started_ms, finished_ms, digest,
-                bytes
-         FROM jobs WHERE id = ?1 AND id NOT IN (SELECT job_id FROM deletions)",
-    )
+async fn get(connection: &mut SqliteConnection, id: &str) -> Result<Option<JobRow>, CatalogueError> {
+    let found = sqlx::query(concat!(
+        "SELECT ",
+        columns!(),
+        " FROM jobs WHERE id = ?1 AND id NOT IN (SELECT job_id FROM deletions)",
+    ))
     .bind(id)
     .fetch_optional(connection)
     .await?;
     found.as_ref().map(row).transpose()
 }
 
-pub(crate) async fn list(
+async fn known_job(connection: &mut SqliteConnection, id: &str) -> Result<JobRow, CatalogueError> {
+    get(connection, id)
+        .await?
+        .ok_or_else(|| CatalogueError::NotFound {
+            what: "job",
+            name: id.to_owned(),
+        })
+}
+
+async fn list(
     connection: &mut SqliteConnection,
-    asked: &Asked,
+    dataset: Option<String>,
+    state: Option<String>,
+    limit: u32,
+    cursor: Option<String>,
 ) -> Result<Page<JobRow>, CatalogueError> {
-    let question = cursor::question(&[Some("jobs"), asked.dataset.as_deref(), asked.state.as_deref()]);
-    let before = match &asked.cursor {
-        Some(text) => Some(
-            cursor::read(&question, text)?
-                .as_str()
-                .ok_or(CatalogueError::Cursor)?
-                .to_owned(),
-        ),
-        None => None,
-    };
+    let question = cursor::question(&[Some("jobs"), dataset.as_deref(), state.as_deref()]);
+    let before = cursor::read_id(&question, cursor.as_deref())?;
     // Each condition only where it is asked for: an `OR` around it would keep the index from being used.
-    let mut sql =
-        "SELECT id, dataset, spec, frames, done, failed, state, version, priority, created_ms, started_ms,
-                          finished_ms, digest, bytes
-                   FROM jobs WHERE id NOT IN (SELECT job_id FROM deletions)"
-            .to_owned();
+    let mut sql = concat!(
+        "SELECT ",
+        columns!(),
+        " FROM jobs WHERE id NOT IN (SELECT job_id FROM deletions)"
+    )
+    .to_owned();
     let conditions = [
-        (&asked.dataset, " AND dataset = ?"),
-        (&asked.state, " AND state = ?"),
-        (&before, " AND id < ?"),
+        (dataset, " AND dataset = ?"),
+        (state, " AND state = ?"),
+        (before, " AND id < ?"),
     ];
     for (value, condition) in &conditions {
         sql.push_str(if value.is_some() { condition } else { "" });
     }
     sql.push_str(" ORDER BY id DESC LIMIT ?");
     let mut statement = sqlx::query(AssertSqlSafe(sql));
-    for (value, _) in conditions {
-        if let Some(value) = value {
-            statement = statement.bind(value.clone());
-        }
+    for value in conditions.into_iter().filter_map(|(value, _)| value) {
+        statement = statement.bind(value);
     }
-    let rows = statement
-        .bind(i64::from(asked.limit) + 1)
-        .fetch_all(connection)
-        .await?;
-    let mut items = rows.iter().map(row).collect::<Result<Vec<_>, _>>()?;
-    let more = items.len() > asked.limit as usize;
-    items.truncate(asked.limit as usize);
-    let last = items
-        .last()
-        .filter(|_| more)
-        .map(|job| cursor::write(&question, &json!(job.id)));
-    Ok(Page {
-        items,
-        next_cursor: last,
-    })
+    let rows = statement.bind(i64::from(limit) + 1).fetch_all(connection).await?;
+    let items = rows.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    Ok(cursor::page(&question, items, limit, |job| &job.id))
 }
 
-pub(crate) async fn set_state(
+async fn set_state(
     connection: &mut SqliteConnection,
     id: &str,
     state: JobState,
 ) -> Result<JobRow, CatalogueError> {
-    let not_found = || CatalogueError::NotFound {
-        what: "job",
-        name: id.to_owned(),
-    };
-    let job = get(connection, id).await?.ok_or_else(not_found)?;
+    use JobState::{Cancelled, Done, DoneWithFailures, Paused, Queued, Running};
+    let job = known_job(connection, id).await?;
     let (state, allowed) = match (job.state, state) {
         (from, to) if from == to => return Ok(job),
-        (JobState::Queued | JobState::Running, JobState::Queued | JobState::Running) => return Ok(job),
-        (from, JobState::Cancelled | JobState::Paused) => (state, !from.has_ended()),
+        (Queued | Running, Queued | Running) => return Ok(job),
+        (from, Cancelled) if from.has_ended() => return Ok(job),
+        (from, Cancelled | Paused) => (state, !from.has_ended()),
         // A job goes on as what it is: its frames say whether it has begun.
-        (from, JobState::Queued | JobState::Running) => (going(&job), from == JobState::Paused),
-        (_, JobState::Done | JobState::DoneWithFailures) => (state, false),
+        (from, Queued | Running) if job.done + job.failed > 0 => (Running, from == Paused),
+        (from, Queued | Running) => (Queued, from == Paused),
+        (_, Done | DoneWithFailures) => (state, false),
     };
     if !allowed {
         return Err(cannot_become(&job, &state.to_string()));
     }
-    sqlx::query("UPDATE jobs SET state = ?, version = version + 1 WHERE id = ?")
+    let changed = sqlx::query(concat!(
+        "UPDATE jobs SET state = ?, version = version + 1 WHERE id = ? RETURNING ",
+        columns!()
+    ));
+    row(&changed
         .bind(state.to_string())
         .bind(id)
-        .execute(&mut *connection)
-        .await?;
-    get(connection, id).await?.ok_or_else(not_found)
+        .fetch_one(connection)
+        .await?)
 }
 
-/// What a job is that is neither paused nor at its end.
-pub(crate) fn going(job: &JobRow) -> JobState {
-    if job.done + job.failed > 0 {
-        JobState::Running
-    } else {
-        JobState::Queued
+async fn retry_failed(connection: &mut SqliteConnection, id: &str) -> Result<Retried, CatalogueError> {
+    let job = known_job(connection, id).await?;
+    if matches!(job.state, JobState::Cancelled | JobState::Done) {
+        return Err(cannot_become(&job, "tried again"));
     }
+    let mut frames: Vec<i64> =
+        sqlx::query_scalar("DELETE FROM failures WHERE job_id = ? AND quarantined = 1 RETURNING frame")
+            .bind(id)
+            .fetch_all(&mut *connection)
+            .await?;
+    frames.sort_unstable();
+    let changed = sqlx::query(concat!(
+        "UPDATE jobs SET failed = failed - ?2, version = version + 1, digest = NULL, finished_ms = NULL,
+                         state = CASE WHEN state = 'paused' THEN 'paused'
+                                      WHEN done > 0 THEN 'running' ELSE 'queued' END
+         WHERE id = ?1 RETURNING ",
+        columns!(),
+    ))
+    .bind(id)
+    .bind(frames.len() as i64)
+    .fetch_one(connection)
+    .await?;
+    Ok(Retried {
+        job: row(&changed)?,
+        frames: frames.into_iter().map(|frame| frame as u64).collect(),
+    })
 }
 
-pub(crate) fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
+fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
     CatalogueError::Transition {
         id: job.id.clone(),
         from: job.state.to_string(),
@@ -183,152 +286,26 @@ pub(crate) fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
     }
 }
 
-/// Writes a failed attempt down, unless the frame was given up before or has its image by now.
-pub(crate) async fn strike(
-    connection: &mut SqliteConnection,
-    job: &str,
-    failure: &FailureRow,
-) -> Result<(), CatalogueError> {
-    let settled: Option<bool> = sqlx::query_scalar(
-        "SELECT EXISTS (SELECT 1 FROM failures WHERE job_id = ?1 AND frame = ?2 AND quarantined = 1)
-             OR EXISTS (SELECT 1 FROM images WHERE job_id = ?1 AND frame = ?2)
-         FROM jobs WHERE id = ?1 AND id NOT IN (SELECT job_id FROM deletions)",
-    )
-    .bind(job)
-    .bind(failure.frame as i64)
-    .fetch_optional(&mut *connection)
-    .await?;
-    if settled != Some(false) {
-        return Ok(());
-    }
-    sqlx::query(
-        "INSERT INTO failures (job_id, frame, strikes, quarantined, error) VALUES (?, ?, ?, ?, ?)
-         ON CONFLICT (job_id, frame) DO UPDATE
-         SET strikes = excluded.strikes, quarantined = excluded.quarantined, error = excluded.error",
-    )
-    .bind(job)
-    .bind(failure.frame as i64)
-    .bind(failure.strikes)
-    .bind(failure.quarantined)
-    .bind(&failure.error)
-    .execute(&mut *connection)
-    .await?;
-    let ended: bool = sqlx::query_scalar(
-        "UPDATE jobs SET failed = failed + ?2, version = version + 1,
-                         state = CASE WHEN state = 'queued' AND ?2 THEN 'running' ELSE state END
-         WHERE id = ?1
-         RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused')",
-    )
-    .bind(job)
-    .bind(failure.quarantined)
-    .fetch_one(&mut *connection)
-    .await?;
-    if ended {
-        finish(connection, job, None).await?;
-    }
-    Ok(())
-}
-
-/// New images of a job.
-#[derive(Default)]
-pub(crate) struct Added {
-    pub(crate) dataset: String,
-    pub(crate) images: i64,
-    /// Of their frames, those that had counted as failed.
-    pub(crate) given_up: i64,
-    pub(crate) bytes: i64,
-    pub(crate) first_ms: u64,
-    pub(crate) last_ms: u64,
-}
-
-/// Counts new images of a job.
-pub(crate) async fn count_images(
-    connection: &mut SqliteConnection,
-    job: &str,
-    added: &Added,
-) -> Result<(), CatalogueError> {
-    sqlx::query("UPDATE datasets SET images = images + ?, bytes = bytes + ? WHERE name = ?")
-        .bind(added.images)
-        .bind(added.bytes)
-        .bind(&added.dataset)
-        .execute(&mut *connection)
-        .await?;
-    let ended: bool = sqlx::query_scalar(
-        "UPDATE jobs SET done = done + ?2, failed = failed - ?3, bytes = bytes + ?4, version = version + ?2,
-                         started_ms = coalesce(started_ms, ?5),
-                         state = CASE state WHEN 'queued' THEN 'running' ELSE state END
-         WHERE id = ?1
-         RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused')",
-    )
-    .bind(job)
-    .bind(added.images)
-    .bind(added.given_up)
-    .bind(added.bytes)
-    .bind(added.first_ms as i64)
-    .fetch_one(&mut *connection)
-    .await?;
-    if ended {
-        finish(connection, job, Some(added.last_ms)).await?;
-    }
-    Ok(())
-}
-
-/// Every frame of the job has ended: a job without failures gets its digest.
-async fn finish(
-    connection: &mut SqliteConnection,
-    id: &str,
-    now_ms: Option<u64>,
-) -> Result<(), CatalogueError> {
-    let (dataset, failed): (String, i64) = sqlx::query_as("SELECT dataset, failed FROM jobs WHERE id = ?")
-        .bind(id)
-        .fetch_one(&mut *connection)
-        .await?;
-    let (state, digest) = if failed == 0 {
-        // Answered by the index alone: the job may have millions.
-        let frames: Vec<String> =
-            sqlx::query_scalar("SELECT digest FROM images WHERE dataset = ? AND job_id = ? ORDER BY frame")
-                .bind(dataset)
-                .bind(id)
-                .fetch(&mut *connection)
-                .try_collect()
-                .await?;
-        let digest = spec::job_digest(frames.iter().map(String::as_str));
-        (JobState::Done, Some(digest))
-    } else {
-        (JobState::DoneWithFailures, None)
-    };
-    sqlx::query(
-        "UPDATE jobs SET state = ?1, digest = ?2, finished_ms = coalesce(?3, started_ms, created_ms) WHERE id = ?4",
-    )
-    .bind(state.to_string())
-    .bind(digest)
-    .bind(now_ms.map(|ms| ms as i64))
-    .bind(id)
-    .execute(connection)
-    .await?;
-    Ok(())
-}
-
-pub(crate) fn row(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
-    let number = |at: usize| row.try_get::<i64, _>(at).map(|n| n as u64);
-    let time = |at: usize| row.try_get::<Option<i64>, _>(at).map(|n| n.map(|n| n as u64));
-    let state: String = row.try_get(6)?;
+fn row(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
+    let mut cells = Cells::new(row);
     Ok(JobRow {
-        id: row.try_get(0)?,
-        dataset: row.try_get(1)?,
-        spec: row.try_get(2)?,
-        frames: number(3)?,
-        done: number(4)?,
-        failed: number(5)?,
-        state: state
+        id: cells.take()?,
+        dataset: cells.take()?,
+        state: cells
+            .take::<String>()?
             .parse()
             .map_err(|message| CatalogueError::Failed { message })?,
-        version: number(7)?,
-        priority: row.try_get(8)?,
-        created_ms: number(9)?,
-        started_ms: time(10)?,
-        finished_ms: time(11)?,
-        digest: row.try_get(12)?,
-        bytes: number(13)?,
+        frames: cells.count()?,
+        done: cells.count()?,
+        failed: cells.count()?,
+        bytes: cells.count()?,
+        version: cells.count()?,
+        created_at: cells.time()?,
+        started_at: cells.optional_time()?,
+        finished_at: cells.optional_time()?,
+        digest: cells.take()?,
+        warnings: Vec::new(),
+        priority: cells.take()?,
+        spec_digest: cells.take()?,
     })
 }

@@ -3,30 +3,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::filter::{Bind, Column, FilterError};
+use crate::filter::{Bind, Column, FilterError, Join};
 
 /// SQLite joins 64 tables at most; no image has as many pictures.
 const MOST_JOINS: usize = 32;
-
-/// A row beside that of an image, at most one for each.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Join {
-    /// Everything known about the image.
-    Record,
-    /// What was measured of the picture of this name.
-    Measured(String),
-}
-
-impl Join {
-    /// What the row is called in a statement. The names of pictures are checked where columns are looked up: they have
-    /// no quotes.
-    pub(crate) fn alias(&self) -> String {
-        match self {
-            Self::Record => "\"record of\"".to_owned(),
-            Self::Measured(subject) => format!("\"measured of {subject}\""),
-        }
-    }
-}
 
 /// The joins that the columns of a question need.
 #[derive(Default)]

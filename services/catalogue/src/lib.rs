@@ -1,7 +1,7 @@
 //! The SQLite catalogue of jobs, scenes, images, measurements and artifacts.
 //!
 //! One process opens it. One task writes: it gathers what callers bring within a few milliseconds into one transaction and
-//! answers them when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
+//! wakes them when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
 //! full beside the operation they belong to; values are always bound.
 
 mod asked;
@@ -16,29 +16,33 @@ mod filter;
 mod histogram;
 mod images;
 mod insert;
+mod job_state;
 mod jobs;
 mod joins;
 mod metadata;
 mod migrations;
 mod open;
 mod page;
+mod progress;
 mod recovery;
-mod retry;
 mod scenes;
 mod stats;
 pub mod synthetic;
+mod time;
 mod types;
 mod upkeep;
+mod values;
 mod waters;
 mod writer;
 
 pub use catalogue::Catalogue;
 pub use error::CatalogueError;
 pub use filter::FilterError;
+pub use job_state::JobState;
+pub use time::UnixMs;
 pub use types::{
     ColumnInfo, Counts, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
-    ImageRow, InsertImage, InsertJob, JobRow, JobState, NamedDigest, NewJob, OpenJob, Page, Retried,
-    SceneRow,
+    InsertImage, InsertJob, JobRow, NamedDigest, NewJob, OpenJob, Page, Retried, SceneRow,
 };
 pub use waters::WaterRow;
 pub use writer::COMMIT_OPERATIONS;

@@ -1,6 +1,7 @@
 //! Opening and closing: connections, migrations, wide columns.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -82,6 +83,7 @@ impl Catalogue {
             path: path.to_owned(),
             columns,
             readers,
+            reads: AtomicU64::new(0),
             writer: Mutex::new(Some(writer)),
             task: Mutex::new(Some(task)),
         })

@@ -6,15 +6,16 @@ use serde_json::{Map, Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{AssertSqlSafe, Row, TypeInfo, ValueRef};
 
+use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
 use crate::filter::{self, Bind, Column, Compiled, FilterError, Kind, OFFSET};
-use crate::images::bound;
 use crate::joins::Joins;
 use crate::types::{ImageQuery, Page};
+use crate::values::bound;
 
-/// Every column of a dataset with ten enhancements are some hundreds; SQLite answers 2000.
+/// Every column of a dataset with ten enhancements are some hundreds; SQLite returns at most 2000.
 const MOST_FIELDS: usize = 1000;
 
 /// A column by its name, or an error with the nearest one.
@@ -46,12 +47,22 @@ pub(crate) fn condition(columns: &Columns, text: Option<&str>) -> Result<Compile
     }
 }
 
-pub(crate) async fn images(
+impl Catalogue {
+    /// A page of images.
+    ///
+    /// # Errors
+    /// [`CatalogueError::Filter`] for filter, order or fields; [`CatalogueError::Cursor`]; [`CatalogueError::Timeout`].
+    pub async fn images(&self, query: ImageQuery) -> Result<Page<Value>, CatalogueError> {
+        within(images(&mut *self.reader().await?, &self.columns, &query)).await
+    }
+}
+
+async fn images(
     connection: &mut SqliteConnection,
     columns: &Columns,
     query: &ImageQuery,
 ) -> Result<Page<Value>, CatalogueError> {
-    let question = Question::of(columns, query)?;
+    let question = Question::new(columns, query)?;
     let mut statement = sqlx::query(AssertSqlSafe(question.sql.text.as_str()));
     for value in &question.sql.binds {
         statement = bound(statement, value.as_ref());
@@ -84,7 +95,7 @@ struct Question {
 }
 
 impl Question {
-    fn of(columns: &Columns, query: &ImageQuery) -> Result<Self, CatalogueError> {
+    fn new(columns: &Columns, query: &ImageQuery) -> Result<Self, CatalogueError> {
         let names = if query.fields.is_empty() {
             columns.names()
         } else {
@@ -99,7 +110,7 @@ impl Question {
             .map(|name| column(columns, name))
             .collect::<Result<Vec<_>, _>>()?;
         let kinds: Vec<Kind> = selected.iter().map(|column| column.kind).collect();
-        let order = Order::of(columns, query.order_by.as_deref())?;
+        let order = Order::parse(columns, query.order_by.as_deref())?;
         // The cursor needs the place of the last row, whatever was asked for.
         selected.extend([column(columns, "job")?, column(columns, "frame")?]);
         selected.extend(order.column.clone());
@@ -171,7 +182,7 @@ struct Order {
 }
 
 impl Order {
-    fn of(columns: &Columns, text: Option<&str>) -> Result<Self, CatalogueError> {
+    fn parse(columns: &Columns, text: Option<&str>) -> Result<Self, CatalogueError> {
         let Some(text) = text.filter(|text| !text.is_empty()) else {
             return Ok(Self {
                 column: None,

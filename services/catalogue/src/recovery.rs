@@ -2,40 +2,43 @@
 
 use std::ops::Range;
 
-use sqlx::Row;
-use sqlx::sqlite::SqliteConnection;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
+use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
 use crate::types::{FailureRow, JobRow, OpenJob};
-use crate::{images, jobs};
+use crate::values::Cells;
+use crate::{images, progress};
 
-pub(crate) async fn open_jobs(connection: &mut SqliteConnection) -> Result<Vec<OpenJob>, CatalogueError> {
-    let rows = sqlx::query(
-        "SELECT id, dataset, spec, frames, done, failed, state, version, priority, created_ms, started_ms, finished_ms, digest,
-                bytes
-         FROM jobs
-         WHERE state IN ('queued', 'running', 'paused') AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id",
-    )
-    .fetch_all(&mut *connection)
-    .await?;
-    let mut open = Vec::with_capacity(rows.len());
-    for row in rows {
-        open.push(what_is_left(connection, jobs::row(&row)?).await?);
+impl Catalogue {
+    /// Records a failed attempt.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn record_strike(&self, job: &str, failure: FailureRow) -> Result<(), CatalogueError> {
+        let job = job.to_owned();
+        self.write(move |c| Box::pin(async move { progress::strike(c, &job, &failure).await }))
+            .await
     }
-    Ok(open)
+
+    /// Failed frames of a job in frame order, those after a frame.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn failures(
+        &self,
+        job: &str,
+        after: Option<u64>,
+        limit: u32,
+    ) -> Result<Vec<FailureRow>, CatalogueError> {
+        within(failures(&mut *self.reader().await?, job, after, limit)).await
+    }
 }
 
-pub(crate) async fn open_job(
+pub(crate) async fn what_is_left(
     connection: &mut SqliteConnection,
-    id: &str,
-) -> Result<Option<OpenJob>, CatalogueError> {
-    match jobs::get(connection, id).await? {
-        Some(row) if !row.state.has_ended() => Ok(Some(what_is_left(connection, row).await?)),
-        _ => Ok(None),
-    }
-}
-
-async fn what_is_left(connection: &mut SqliteConnection, row: JobRow) -> Result<OpenJob, CatalogueError> {
+    row: JobRow,
+) -> Result<OpenJob, CatalogueError> {
     let done = done_ranges(connection, &row.id).await?;
     let (given_up, tried): (Vec<_>, Vec<_>) = failures(connection, &row.id, None, u32::MAX)
         .await?
@@ -64,7 +67,7 @@ async fn done_ranges(
     connection: &mut SqliteConnection,
     job: &str,
 ) -> Result<Vec<Range<u64>>, CatalogueError> {
-    let rows = sqlx::query(
+    let rows: Vec<(i64, i64)> = sqlx::query_as(
         "SELECT min(frame), max(frame) + 1
          FROM (SELECT frame, frame - row_number() OVER (ORDER BY frame) AS run FROM images WHERE job_id = ?)
          GROUP BY run ORDER BY 1",
@@ -72,13 +75,13 @@ async fn done_ranges(
     .bind(job)
     .fetch_all(connection)
     .await?;
-    let range = |row: &sqlx::sqlite::SqliteRow| -> Result<Range<u64>, sqlx::Error> {
-        Ok(row.try_get::<i64, _>(0)? as u64..row.try_get::<i64, _>(1)? as u64)
-    };
-    Ok(rows.iter().map(range).collect::<Result<_, _>>()?)
+    Ok(rows
+        .into_iter()
+        .map(|(start, end)| start as u64..end as u64)
+        .collect())
 }
 
-pub(crate) async fn failures(
+async fn failures(
     connection: &mut SqliteConnection,
     job: &str,
     after: Option<u64>,
@@ -90,16 +93,17 @@ pub(crate) async fn failures(
          ORDER BY frame LIMIT ?",
     )
     .bind(job)
-    .bind(images::place(after))
+    .bind(after.map_or(-1, images::number))
     .bind(limit)
     .fetch_all(connection)
     .await?;
-    let failure = |row: &sqlx::sqlite::SqliteRow| -> Result<FailureRow, sqlx::Error> {
+    let failure = |row: &SqliteRow| -> Result<FailureRow, sqlx::Error> {
+        let mut cells = Cells::new(row);
         Ok(FailureRow {
-            frame: row.try_get::<i64, _>(0)? as u64,
-            strikes: row.try_get(1)?,
-            quarantined: row.try_get(2)?,
-            error: row.try_get(3)?,
+            frame: cells.count()?,
+            strikes: cells.take()?,
+            quarantined: cells.take()?,
+            error: cells.take()?,
         })
     };
     Ok(rows.iter().map(failure).collect::<Result<_, _>>()?)

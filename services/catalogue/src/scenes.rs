@@ -1,25 +1,75 @@
 //! Uploaded scenes, one for each content.
 
-use serde_json::json;
 use spec::{Intrinsics, RangeFile, RangeKind, SceneFiles};
-use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
+use crate::catalogue::Catalogue;
 use crate::cursor;
 use crate::error::CatalogueError;
 use crate::types::{Page, SceneRow};
+use crate::values::Cells;
 
-pub(crate) async fn insert(
+/// The columns of a [`SceneRow`], as [`row`] reads them.
+macro_rules! columns {
+    () => {
+        "id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code, instances_digest, width, height,
+         focal_px, cx, cy, created_ms"
+    };
+}
+
+impl Catalogue {
+    /// Stores a scene, unless one of the same content is stored. Returns the row of the one that is, and whether it is
+    /// new.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn insert_scene(&self, scene: SceneRow) -> Result<(SceneRow, bool), CatalogueError> {
+        self.write(move |c| Box::pin(async move { insert(c, &scene).await }))
+            .await
+    }
+
+    /// A scene.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn scene(&self, id: &str) -> Result<Option<SceneRow>, CatalogueError> {
+        let found = sqlx::query(concat!("SELECT ", columns!(), " FROM scenes WHERE id = ?"));
+        let found = found.bind(id).fetch_optional(&mut *self.reader().await?).await?;
+        Ok(found.as_ref().map(row).transpose()?)
+    }
+
+    /// Scenes, newest first.
+    ///
+    /// # Errors
+    /// [`CatalogueError::Cursor`].
+    pub async fn scenes(&self, limit: u32, cursor: Option<String>) -> Result<Page<SceneRow>, CatalogueError> {
+        let question = cursor::question(&[Some("scenes")]);
+        let rows = sqlx::query(concat!(
+            "SELECT ",
+            columns!(),
+            " FROM scenes WHERE ?1 IS NULL OR id < ?1 ORDER BY id DESC LIMIT ?2"
+        ))
+        .bind(cursor::read_id(&question, cursor.as_deref())?)
+        .bind(i64::from(limit) + 1)
+        .fetch_all(&mut *self.reader().await?)
+        .await?;
+        let items = rows.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+        Ok(cursor::page(&question, items, limit, |scene| &scene.id))
+    }
+}
+
+async fn insert(
     connection: &mut SqliteConnection,
     scene: &SceneRow,
-) -> Result<String, CatalogueError> {
+) -> Result<(SceneRow, bool), CatalogueError> {
     let files = &scene.files;
     let (range, camera) = (files.range.as_ref(), files.intrinsics.as_ref());
-    sqlx::query(
-        "INSERT INTO scenes (id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code,
-                             instances_digest, width, height, focal_px, cx, cy, created_ms)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING",
-    )
+    let stored = sqlx::query(concat!(
+        "INSERT INTO scenes (",
+        columns!(),
+        ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING RETURNING ",
+        columns!(),
+    ))
     .bind(&scene.id)
     .bind(&scene.content_digest)
     .bind(&files.rgb)
@@ -33,88 +83,48 @@ pub(crate) async fn insert(
     .bind(camera.map(|camera| camera.focal_px))
     .bind(camera.map(|camera| camera.cx))
     .bind(camera.map(|camera| camera.cy))
-    .bind(scene.created_ms as i64)
-    .execute(&mut *connection)
+    .bind(scene.created_at.0 as i64)
+    .fetch_optional(&mut *connection)
     .await?;
-    let id = sqlx::query_scalar("SELECT id FROM scenes WHERE content_digest = ?")
-        .bind(&scene.content_digest)
-        .fetch_one(connection)
-        .await?;
-    Ok(id)
-}
-
-pub(crate) async fn get(
-    connection: &mut SqliteConnection,
-    id: &str,
-) -> Result<Option<SceneRow>, CatalogueError> {
-    let found = sqlx::query(
-        "SELECT id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code, instances_digest, width,
-                height, focal_px, cx, cy, created_ms
-         FROM scenes WHERE id = ?",
-    )
-    .bind(id)
-    .fetch_optional(connection)
-    .await?;
-    Ok(found.as_ref().map(row).transpose()?)
-}
-
-pub(crate) async fn list(
-    connection: &mut SqliteConnection,
-    limit: u32,
-    cursor: Option<&str>,
-) -> Result<Page<SceneRow>, CatalogueError> {
-    let question = cursor::question(&[Some("scenes")]);
-    let before = match cursor {
-        Some(text) => Some(
-            cursor::read(&question, text)?
-                .as_str()
-                .ok_or(CatalogueError::Cursor)?
-                .to_owned(),
-        ),
-        None => None,
-    };
-    let rows = sqlx::query(
-        "SELECT id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code, instances_digest, width,
-                height, focal_px, cx, cy, created_ms
-         FROM scenes WHERE ?1 IS NULL OR id < ?1 ORDER BY id DESC LIMIT ?2",
-    )
-    .bind(before)
-    .bind(i64::from(limit) + 1)
-    .fetch_all(connection)
-    .await?;
-    let mut items = rows.iter().map(row).collect::<Result<Vec<_>, _>>()?;
-    let more = items.len() > limit as usize;
-    items.truncate(limit as usize);
-    let next_cursor = items
-        .last()
-        .filter(|_| more)
-        .map(|scene| cursor::write(&question, &json!(scene.id)));
-    Ok(Page { items, next_cursor })
+    if let Some(stored) = stored {
+        return Ok((row(&stored)?, true));
+    }
+    let earlier = sqlx::query(concat!(
+        "SELECT ",
+        columns!(),
+        " FROM scenes WHERE content_digest = ?"
+    ));
+    let earlier = earlier.bind(&scene.content_digest).fetch_one(connection).await?;
+    Ok((row(&earlier)?, false))
 }
 
 fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {
-    let kind = row.try_get::<Option<&str>, _>(4)?.and_then(RangeKind::parse);
-    let range = row.try_get::<Option<String>, _>(3)?.zip(kind);
-    let (unit_m, invalid_code) = (row.try_get(5)?, row.try_get(6)?);
+    let mut cells = Cells::new(row);
+    let (id, content_digest, rgb) = (cells.take()?, cells.take()?, cells.take()?);
+    let (file, kind) = (cells.take::<Option<String>>()?, cells.take::<Option<&str>>()?);
+    let (unit_m, invalid_code) = (cells.take()?, cells.take()?);
+    let range = file.zip(kind.and_then(RangeKind::parse));
+    let (instances, width, height) = (cells.take()?, cells.take()?, cells.take()?);
+    let intrinsics = match (cells.take()?, cells.take()?, cells.take()?) {
+        (Some(focal_px), Some(cx), Some(cy)) => Some(Intrinsics { focal_px, cx, cy }),
+        _ => None,
+    };
     Ok(SceneRow {
-        id: row.try_get(0)?,
-        content_digest: row.try_get(1)?,
+        id,
+        content_digest,
         files: SceneFiles {
-            rgb: row.try_get(2)?,
+            rgb,
             range: range.map(|(file, kind)| RangeFile {
                 file,
                 kind,
                 unit_m,
                 invalid_code,
             }),
-            instances: row.try_get(7)?,
-            intrinsics: match (row.try_get(10)?, row.try_get(11)?, row.try_get(12)?) {
-                (Some(focal_px), Some(cx), Some(cy)) => Some(Intrinsics { focal_px, cx, cy }),
-                _ => None,
-            },
+            instances,
+            intrinsics,
         },
-        width: row.try_get(8)?,
-        height: row.try_get(9)?,
-        created_ms: row.try_get::<i64, _>(13)? as u64,
+        width,
+        height,
+        created_at: cells.time()?,
     })
 }

@@ -11,6 +11,7 @@ use tokio::task::JoinSet;
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
+use crate::time::UnixMs;
 use crate::types::NewJob;
 
 /// Commits on their way at one time, as from some dozens of workers.
@@ -31,7 +32,7 @@ pub fn job(id: &str, dataset: &str, frames: u64, now_ms: u64) -> NewJob {
         spec_digest: digest_like(id, 0),
         frames,
         priority: 0,
-        created_ms: now_ms,
+        created_at: UnixMs(now_ms),
         idempotency: None,
     }
 }

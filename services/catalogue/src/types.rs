@@ -1,74 +1,15 @@
-//! Rows and questions. Times are Unix milliseconds.
+//! Rows and questions. What clients see of a row is the row itself, serialized.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::ops::Range;
-use std::str::FromStr;
 
+use serde::Serialize;
 use serde_json::Value;
 use spec::SceneFiles;
+use utoipa::ToSchema;
 
-/// Where a job stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JobState {
-    /// No frame has ended yet.
-    Queued,
-    /// Some frames have ended.
-    Running,
-    /// Nothing is offered for now.
-    Paused,
-    /// Stopped by the user; what is there stays.
-    Cancelled,
-    /// Every frame has its image.
-    Done,
-    /// Every frame has ended, some without an image.
-    DoneWithFailures,
-}
-
-impl JobState {
-    const ALL: [(Self, &'static str); 6] = [
-        (Self::Queued, "queued"),
-        (Self::Running, "running"),
-        (Self::Paused, "paused"),
-        (Self::Cancelled, "cancelled"),
-        (Self::Done, "done"),
-        (Self::DoneWithFailures, "done_with_failures"),
-    ];
-
-    /// The names, in order.
-    #[must_use]
-    pub fn names() -> [&'static str; 6] {
-        Self::ALL.map(|(_, name)| name)
-    }
-
-    /// Whether nothing more will happen to the job.
-    #[must_use]
-    pub fn has_ended(self) -> bool {
-        matches!(self, Self::Cancelled | Self::Done | Self::DoneWithFailures)
-    }
-}
-
-impl fmt::Display for JobState {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(
-            Self::ALL
-                .iter()
-                .find(|(state, _)| state == self)
-                .map_or("", |(_, name)| name),
-        )
-    }
-}
-
-impl FromStr for JobState {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        let known = Self::ALL.iter().find(|(_, known)| *known == name);
-        known
-            .map(|(state, _)| *state)
-            .ok_or_else(|| format!("`{name}` is no state; there are {}", Self::names().join(", ")))
-    }
-}
+use crate::job_state::JobState;
+use crate::time::UnixMs;
 
 /// A job to store.
 #[derive(Debug, Clone)]
@@ -86,7 +27,7 @@ pub struct NewJob {
     /// Higher goes first.
     pub priority: i32,
     /// Now.
-    pub created_ms: u64,
+    pub created_at: UnixMs,
     /// The key under which a repeat finds this job.
     pub idempotency: Option<Idempotency>,
 }
@@ -103,50 +44,59 @@ pub struct Idempotency {
 }
 
 /// What became of a submission.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum InsertJob {
-    /// It is stored.
-    Created,
-    /// The same submission was stored before.
-    Replayed {
-        /// As this job.
-        job_id: String,
-    },
+    /// It is stored, as this row.
+    Created(JobRow),
+    /// The same submission was stored before; the job as it is now.
+    Replayed(JobRow),
     /// The key was used for another description.
     KeyConflict,
 }
 
-/// A stored job.
-#[derive(Debug, Clone, PartialEq)]
+/// A job: one submitted description and how far its frames are.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[schema(as = Job)]
 pub struct JobRow {
-    /// `job_…`.
+    /// `job_` and a UUID.
+    #[schema(example = "job_0198c0ffee007000800000000000000a")]
     pub id: String,
     /// The dataset that its images join.
+    #[schema(example = "shaft-v1")]
     pub dataset: String,
-    /// Canonical description.
-    pub spec: String,
+    /// `queued`, `running`, `paused`, `cancelled`, `done` or `done_with_failures`.
+    #[schema(value_type = String, example = "running")]
+    pub state: JobState,
     /// Number of frames.
     pub frames: u64,
-    /// Frames with an image.
+    /// Frames whose image is stored.
     pub done: u64,
     /// Frames that were given up.
     pub failed: u64,
-    /// Bytes of its artifacts, shared ones counted each time.
+    /// Bytes of its artifacts, counting shared ones each time.
     pub bytes: u64,
-    /// Where it stands.
-    pub state: JobState,
-    /// Grows with every change.
+    /// Grows with every change; pass it as `since` to wait for the next one.
     pub version: u64,
-    /// Higher goes first.
-    pub priority: i32,
-    /// When it was stored.
-    pub created_ms: u64,
-    /// When its first frame ended.
-    pub started_ms: Option<u64>,
-    /// When its last frame ended.
-    pub finished_ms: Option<u64>,
-    /// Over all frames, once it is done.
+    /// When it was accepted, RFC 3339 in UTC.
+    #[schema(value_type = String)]
+    pub created_at: UnixMs,
+    /// When its first frame was stored or given up.
+    #[schema(value_type = Option<String>)]
+    pub started_at: Option<UnixMs>,
+    /// When its last frame was.
+    #[schema(value_type = Option<String>)]
+    pub finished_at: Option<UnixMs>,
+    /// SHA-256 over all frames' parameters and artifacts, once the job is done.
     pub digest: Option<String>,
+    /// What the user should know, though nothing is wrong. Only in the answer to the submission.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    /// Higher goes first.
+    #[serde(skip)]
+    pub priority: i32,
+    /// SHA-256 of its canonical description.
+    #[serde(skip)]
+    pub spec_digest: String,
 }
 
 /// A job that has not ended, with what is left of it.
@@ -162,6 +112,18 @@ pub struct OpenJob {
     pub strikes: BTreeMap<u64, u32>,
 }
 
+impl From<JobRow> for OpenJob {
+    /// A job of which no frame has ended.
+    fn from(row: JobRow) -> Self {
+        Self {
+            row,
+            done: Vec::new(),
+            failed: Vec::new(),
+            strikes: BTreeMap::new(),
+        }
+    }
+}
+
 /// A job whose failed frames are tried again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Retried {
@@ -171,14 +133,14 @@ pub struct Retried {
     pub frames: Vec<u64>,
 }
 
-/// What a deletion took away.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// What is gone.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ToSchema)]
 pub struct Deleted {
     /// Jobs.
     pub jobs: u64,
     /// Images.
     pub images: u64,
-    /// Bytes of their artifacts, shared ones counted each time.
+    /// Bytes of their artifacts, counting shared ones each time. What nothing else uses comes back within minutes.
     pub bytes: u64,
 }
 
@@ -198,13 +160,14 @@ pub struct NamedDigest {
 }
 
 /// A frame that failed.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FailureRow {
     /// The frame.
     pub frame: u64,
-    /// How often.
+    /// Attempts that count against it.
     pub strikes: u32,
-    /// Whether it was given up.
+    /// Whether it was given up; otherwise it is tried again.
+    #[serde(rename = "given_up")]
     pub quarantined: bool,
     /// What the last attempt said.
     pub error: String,
@@ -217,19 +180,6 @@ pub enum InsertImage {
     Inserted,
     /// The frame has an image already; nothing changed.
     AlreadyThere,
-}
-
-/// A stored image.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImageRow {
-    /// The job.
-    pub job_id: String,
-    /// The dataset.
-    pub dataset: String,
-    /// When it was stored.
-    pub created_ms: u64,
-    /// The whole record.
-    pub record: Value,
 }
 
 /// A question for a page of images.
@@ -250,18 +200,29 @@ pub struct ImageQuery {
 }
 
 /// A page of a list.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Page<T> {
     /// The rows.
     pub items: Vec<T>,
-    /// Where the next page begins; none: this is the last.
+    /// Pass it as `cursor` for the next page; null: this is the last one.
     pub next_cursor: Option<String>,
 }
 
-/// Statistics of one metric in one group.
-#[derive(Debug, Clone, PartialEq)]
+impl<T> Page<T> {
+    /// All rows on one page.
+    pub fn whole(items: Vec<T>) -> Self {
+        Self {
+            items,
+            next_cursor: None,
+        }
+    }
+}
+
+/// Statistics of a metric in a group of images.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[schema(as = GroupStatistics)]
 pub struct GroupStats {
-    /// Value of the grouping column.
+    /// Value of the `group_by` column; null without one.
     pub group: Value,
     /// The metric.
     pub metric: String,
@@ -269,28 +230,28 @@ pub struct GroupStats {
     pub count: u64,
     /// Their mean.
     pub mean: Option<f64>,
-    /// Their sample standard deviation; none for fewer than two.
+    /// Their standard deviation.
     pub sd: Option<f64>,
     /// The smallest value.
     pub min: Option<f64>,
-    /// Lower quartile, linear between neighbours.
+    /// A quarter of the values is below.
     pub q25: Option<f64>,
-    /// Median.
+    /// Half of them is below.
     pub median: Option<f64>,
-    /// Upper quartile.
+    /// Three quarters are below.
     pub q75: Option<f64>,
     /// The largest value.
     pub max: Option<f64>,
 }
 
-/// Values of a column in bins.
-#[derive(Debug, Clone, PartialEq)]
+/// How the values of a column are spread.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Histogram {
     /// The column.
     pub column: String,
-    /// One more than bins.
+    /// Edges of the bins, one more than bins. The first edge of a bin belongs to it; the last bin has both.
     pub edges: Vec<f64>,
-    /// Values of each bin.
+    /// Values in each bin.
     pub counts: Vec<u64>,
     /// Values below the first edge.
     pub below: u64,
@@ -300,27 +261,31 @@ pub struct Histogram {
     pub missing: u64,
 }
 
-/// A column that images can be asked for.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A column that filters, orders and tables may name.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = Column)]
 pub struct ColumnInfo {
-    /// Its name in filters, orders and rows.
+    /// Its name.
+    #[schema(example = "camera.hfov_deg")]
     pub name: String,
     /// `number`, `text` or `bool`.
     pub kind: &'static str,
-    /// Such as `1/m`, where it has one.
+    /// Its unit, where it has one.
+    #[schema(example = "degree")]
     pub unit: Option<&'static str>,
 }
 
-/// A dataset with its sums.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A named, growing collection of images.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = Dataset)]
 pub struct DatasetRow {
     /// Its name.
     pub name: String,
-    /// Images.
+    /// Number of images.
     pub images: u64,
-    /// Bytes of their artifacts, shared ones counted each time.
+    /// Bytes of their artifacts, counting shared ones each time.
     pub bytes: u64,
-    /// Jobs.
+    /// Number of jobs.
     pub jobs: u64,
 }
 
@@ -338,10 +303,10 @@ pub struct SceneRow {
     /// Rows.
     pub height: u32,
     /// When it was stored.
-    pub created_ms: u64,
+    pub created_at: UnixMs,
 }
 
-/// Rows of every table.
+/// Number of rows of every table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counts {
     /// Jobs.

@@ -32,11 +32,11 @@ const GATHER: Duration = Duration::from_millis(2);
 /// What a change is doing.
 pub(crate) type Running<'c, T> = Pin<Box<dyn Future<Output = T> + Send + 'c>>;
 
-/// A change with the way to answer it. Without a connection it only tells its caller why.
+/// A change and the reply to its caller. Without a connection it only replies why.
 type Change =
     Box<dyn for<'c> FnOnce(Result<&'c mut SqliteConnection, CatalogueError>) -> Running<'c, Applied> + Send>;
 
-/// An image with the way to answer for it.
+/// An image and the reply to its caller.
 type Image = (NewImage, oneshot::Sender<Result<InsertImage, CatalogueError>>);
 
 enum Call {
@@ -45,7 +45,7 @@ enum Call {
     Image(Box<Image>),
 }
 
-/// Answers one caller after the transaction has ended.
+/// Replies to one caller after the transaction has ended.
 type Reply = Box<dyn FnOnce(Option<&CatalogueError>) + Send>;
 
 /// A change that has run inside a transaction that is still open.
@@ -114,7 +114,7 @@ async fn run(
 }
 
 /// Folds a long log into the file. SQLite would do it within a commit, which then seems to fail on a full disk although
-/// it stands; here nobody waits for it.
+/// it stands; here no caller waits for it.
 async fn fold_in(connection: &mut SqliteConnection, log: &Path) {
     if std::fs::metadata(log).is_ok_and(|log| log.len() > LONG_LOG)
         && let Err(error) = connection.execute("PRAGMA wal_checkpoint(PASSIVE)").await
@@ -190,7 +190,7 @@ async fn refuse(call: Call, failure: &CatalogueError) {
     }
 }
 
-/// Stores the images that have gathered; answers why the whole transaction cannot go on. Images that cannot be stored
+/// Stores the images that have gathered; returns why the whole transaction cannot go on. Images that cannot be stored
 /// together are tried one by one, so that only the one at fault fails.
 async fn store(
     connection: &mut SqliteConnection,

@@ -38,7 +38,8 @@ pub struct FieldError {
 
 impl FieldError {
     /// An error at a place; the other parts are added by the methods below.
-    pub(crate) fn new(pointer: &str, message: impl Into<String>) -> Self {
+    #[must_use]
+    pub fn new(pointer: &str, message: impl Into<String>) -> Self {
         Self {
             pointer: pointer.to_owned(),
             message: message.into(),

@@ -101,7 +101,7 @@ pub fn run(options: WorkerOptions, stop: &AtomicBool) -> anyhow::Result<()> {
         "worker ready"
     );
     let shared = Arc::new(Shared {
-        jobs: Jobs::new(&engine.library()),
+        jobs: Jobs::default(),
         engine,
         service,
         held: Held::default(),

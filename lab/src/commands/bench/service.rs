@@ -83,7 +83,7 @@ async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
         .map_or(0, |now| now.as_millis() as u64);
     let job = synthetic::job("job_bench", DATASET, 2 * rows, now_ms);
     anyhow::ensure!(
-        matches!(data.catalogue.insert_job(job).await?, InsertJob::Created),
+        matches!(data.catalogue.insert_job(job).await?, InsertJob::Created(_)),
         "the folder holds a job already"
     );
     let catalogue = Arc::new(data.catalogue);
@@ -136,6 +136,7 @@ fn claims(server: &str) -> Result<String, Failure> {
     let about = RegisterRequest {
         name: "bench".to_owned(),
         slots: 1,
+        protocol: proto::VERSION,
         ..RegisterRequest::default()
     };
     let worker_id = client.register(&about).map_err(anyhow::Error::from)?.worker_id;

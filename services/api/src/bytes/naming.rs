@@ -1,4 +1,4 @@
-//! Keeps bytes from being deleted while somebody is about to name them in a row.
+//! Keeps bytes from being deleted while a row that names them is about to be stored.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -10,7 +10,7 @@ use tokio::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard};
 /// frame is given up: nothing wrong is ever stored.
 const FRESH: Duration = Duration::from_secs(600);
 
-/// Who names digests, and the digests that were stored and not named yet.
+/// The digests that were stored and are not named yet.
 #[derive(Default)]
 pub(crate) struct Naming {
     turns: RwLock<()>,
@@ -51,7 +51,7 @@ impl Naming {
             .is_some_and(|since| since.elapsed() < FRESH)
     }
 
-    /// Forgets what nobody came to name.
+    /// Forgets what was never named.
     pub(crate) fn tidy_up(&self) {
         self.digests().retain(|_, since| since.elapsed() < FRESH);
     }

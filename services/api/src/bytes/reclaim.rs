@@ -1,57 +1,58 @@
-//! Getting the space of deleted jobs back, a little at a time beside everything else.
+//! Reclaiming the space of deleted jobs in the background, a little at a time.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use tokio_util::sync::CancellationToken;
 
-use crate::app::{App, Shared};
+use super::Bytes;
 use crate::http::problem::{Problem, Slug};
 
-/// Digests that are deleted at a time: whoever stores an image waits for that long, some tens of milliseconds.
+/// Digests of one batch: a commit waits at most for one, some tens of milliseconds.
 const BATCH: u32 = 256;
-/// What could not be deleted, since somebody was about to name it or the disk was full, is tried again after this time.
+/// Bytes that could not be deleted, since a commit was about to name them or the disk was full, are retried after this.
 const AGAIN: Duration = Duration::from_secs(60);
 
 /// Reclaims whenever something was deleted, and once at the start for what an earlier life of the service left.
-pub(crate) async fn run(app: Shared, end: CancellationToken) {
+pub(crate) async fn run(bytes: Arc<Bytes>, end: CancellationToken) {
     loop {
-        let left = match reclaim(&app, &end).await {
+        let left = match reclaim(&bytes, &end).await {
             Ok(left) => left,
-            Err(problem) if problem.is(Slug::StorageFull) && app.space.give_reserve() => continue,
+            Err(problem) if problem.is(Slug::StorageFull) && bytes.space.give_reserve() => continue,
             Err(problem) => {
-                tracing::error!(%problem, "the space of deleted jobs does not come back yet");
+                tracing::error!(%problem, "the space of deleted jobs is not reclaimed yet");
                 true
             }
         };
-        app.space.take_reserve_back().await;
+        bytes.space.take_reserve_back().await;
         let pause = if left { AGAIN } else { Duration::MAX };
         tokio::select! {
             () = end.cancelled() => return,
-            () = app.reclaim.notified() => {}
+            () = bytes.reclaim.notified() => {}
             () = tokio::time::sleep(pause) => {}
         }
     }
 }
 
-/// Answers whether something is left.
-async fn reclaim(app: &App, end: &CancellationToken) -> Result<bool, Problem> {
-    let _alone = app.upkeep.lock().await;
-    while !end.is_cancelled() && app.catalogue.sweep().await? {}
-    let mut bytes = 0;
+/// Returns whether anything remains.
+async fn reclaim(bytes: &Bytes, end: &CancellationToken) -> Result<bool, Problem> {
+    let _alone = bytes.upkeep.lock().await;
+    while !end.is_cancelled() && bytes.catalogue.sweep().await? {}
+    let mut deleted = 0;
     let left = loop {
         if end.is_cancelled() {
             break true;
         }
-        match delete_some(app).await? {
-            Step::Deleted(more) => bytes += more,
+        match delete_some(bytes).await? {
+            Step::Deleted(more) => deleted += more,
             Step::Waiting => break true,
             Step::Finished => break false,
         }
     };
-    if bytes > 0 {
-        let freed = app.store.compact().await?;
+    if deleted > 0 {
+        let freed = bytes.store.compact().await?;
         tracing::info!(
-            bytes,
+            bytes = deleted,
             packs = freed.packs,
             disk = freed.bytes_freed,
             "deleted artifacts are gone"
@@ -68,21 +69,21 @@ enum Step {
     Finished,
 }
 
-async fn delete_some(app: &App) -> Result<Step, Problem> {
+async fn delete_some(bytes: &Bytes) -> Result<Step, Problem> {
     // From here to the end no row may be stored that names one of the orphans.
-    let _nobody = app.naming.alone().await;
-    let orphans = app.catalogue.orphans(BATCH).await?;
+    let _alone = bytes.naming.alone().await;
+    let orphans = bytes.catalogue.orphans(BATCH).await?;
     if orphans.is_empty() {
         return Ok(Step::Finished);
     }
     let gone: Vec<String> = orphans
         .into_iter()
-        .filter(|digest| !app.naming.is_fresh(digest))
+        .filter(|digest| !bytes.naming.is_fresh(digest))
         .collect();
     if gone.is_empty() {
         return Ok(Step::Waiting);
     }
-    let bytes = app.store.delete(&gone).await?;
-    app.catalogue.forget_orphans(gone).await?;
-    Ok(Step::Deleted(bytes))
+    let deleted = bytes.store.delete(&gone).await?;
+    bytes.catalogue.forget_orphans(gone).await?;
+    Ok(Step::Deleted(deleted))
 }

@@ -34,7 +34,7 @@ pub(crate) struct Space {
 
 impl Space {
     /// Lays the reserve aside, if there is room for it.
-    pub(crate) fn of(folder: &Path, reserve_bytes: u64) -> Self {
+    pub(crate) fn new(folder: &Path, reserve_bytes: u64) -> Self {
         let space = Self {
             folder: folder.to_owned(),
             full: AtomicBool::new(false),
@@ -86,12 +86,6 @@ impl Space {
         full
     }
 
-    /// Size of the catalogue's write-ahead log.
-    pub(crate) async fn wal_bytes(&self) -> u64 {
-        let file = tokio::fs::metadata(self.folder.join("catalogue.sqlite-wal")).await;
-        file.map_or(0, |file| file.len())
-    }
-
     fn probe(&self) -> io::Result<()> {
         let path = self.folder.join(PROBE);
         if self.in_use.load(Ordering::SeqCst) {
@@ -136,12 +130,12 @@ fn fill(mut file: File, bytes: u64) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Takes note of answers that say that the disk is full.
+/// Notes responses that report a full disk.
 pub(crate) async fn note(State(space): State<Arc<Space>>, request: Request, next: Next) -> Response {
-    let answer = next.run(request).await;
-    let problem = answer.extensions().get::<Problem>();
+    let response = next.run(request).await;
+    let problem = response.extensions().get::<Problem>();
     if problem.is_some_and(|problem| problem.is(Slug::StorageFull)) {
         space.full.store(true, Ordering::SeqCst);
     }
-    answer
+    response
 }

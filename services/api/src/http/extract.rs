@@ -6,14 +6,15 @@ use std::time::Duration;
 use axum::RequestPartsExt;
 use axum::body::Bytes;
 use axum::extract::rejection::BytesRejection;
-use axum::extract::{FromRequest, FromRequestParts, Multipart, OptionalFromRequestParts, Request};
+use axum::extract::{FromRequest, FromRequestParts, Multipart, Request};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use proto::MessageError;
 use serde::de::DeserializeOwned;
 
-use crate::http::problem::{Problem, Slug};
+use super::auth::Caller;
+use super::problem::{Problem, Slug};
 use crate::limits;
 
 /// Query parameters.
@@ -103,27 +104,35 @@ impl<M: prost::Message> IntoResponse for ProtoBody<M> {
     }
 }
 
-/// `Idempotency-Key`, if there is one.
-pub(crate) struct IdempotencyKey(pub(crate) String);
+/// Who submits a description, and the key under which a repeat of it finds the same job.
+pub(crate) struct Submitter {
+    pub(crate) owner: String,
+    pub(crate) idempotency_key: Option<String>,
+}
 
-impl<S: Send + Sync> OptionalFromRequestParts<S> for IdempotencyKey {
+impl<S: Send + Sync> FromRequestParts<S> for Submitter {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Option<Self>, Problem> {
-        let Some(value) = parts.headers.get("idempotency-key") else {
-            return Ok(None);
-        };
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
+        let caller = parts.extensions.get::<Caller>();
+        let owner = caller.ok_or_else(|| Problem::internal(&"a route that asks for no scope"))?;
         let refuse = |why: String| Problem::new(Slug::InvalidHeader, format!("Idempotency-Key {why}"));
-        let key = value
-            .to_str()
-            .map_err(|_| refuse("is not visible ASCII".to_owned()))?;
-        match key.len() {
-            1..=limits::IDEMPOTENCY_KEY_BYTES => Ok(Some(Self(key.to_owned()))),
-            length => Err(refuse(format!(
-                "has {length} characters, the limit is 1..={}",
-                limits::IDEMPOTENCY_KEY_BYTES
-            ))),
-        }
+        let key = parts.headers.get("idempotency-key").map(|value| {
+            let key = value
+                .to_str()
+                .map_err(|_| refuse("is not visible ASCII".to_owned()))?;
+            match key.len() {
+                1..=limits::IDEMPOTENCY_KEY_BYTES => Ok(key.to_owned()),
+                length => Err(refuse(format!(
+                    "has {length} characters, the limit is 1..={}",
+                    limits::IDEMPOTENCY_KEY_BYTES
+                ))),
+            }
+        });
+        Ok(Self {
+            owner: owner.owner.clone(),
+            idempotency_key: key.transpose()?,
+        })
     }
 }
 

@@ -89,8 +89,8 @@ async fn within_budget(
             budget.name
         )));
     };
-    let answer = next.run(request).await;
-    Ok(answer.map(|body| Held::around(body, place)))
+    let response = next.run(request).await;
+    Ok(response.map(|body| Held::around(body, place)))
 }
 
 async fn in_time(State(limit): State<Duration>, request: Request, next: Next) -> Result<Response, Problem> {

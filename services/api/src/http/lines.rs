@@ -1,4 +1,4 @@
-//! Answers of many lines that are fetched batch by batch while the client reads: memory stays small however many there
+//! Responses of many lines, fetched batch by batch while the client reads: memory stays small however many there
 //! are, and a client that stops reading stops the fetching.
 
 use std::io;
@@ -6,6 +6,7 @@ use std::io;
 use axum::body::{Body, Bytes};
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
+use catalogue::CatalogueError;
 use futures::stream::{self, StreamExt};
 use serde::Serialize;
 
@@ -20,9 +21,9 @@ pub(crate) struct Batch<C> {
     pub(crate) next: Option<C>,
 }
 
-/// Answers a first batch and then the following ones. A fault in between ends the answer short of its end, so that
-/// the client notices.
-pub(crate) fn answer<C, F>(
+/// Sends a first batch and then the following ones. A fault in between cuts the response short, so that the client
+/// notices.
+pub(crate) fn respond<C, F>(
     media_type: &'static str,
     first: Batch<C>,
     fetch: impl Fn(C) -> F + Send + 'static,
@@ -43,6 +44,29 @@ where
     ([(header::CONTENT_TYPE, media_type)], Body::from_stream(all)).into_response()
 }
 
+/// The rows of a job as lines of JSON, in frame order: `read` gives those after a frame, at most `most`.
+pub(crate) async fn by_frame<T, F>(
+    most: u32,
+    read: impl Fn(Option<u64>) -> F + Send + Sync + 'static,
+    frame: fn(&T) -> Option<u64>,
+) -> Result<Response, Problem>
+where
+    T: Serialize + Send + 'static,
+    F: Future<Output = Result<Vec<T>, CatalogueError>> + Send + 'static,
+{
+    let batch = move |rows: Vec<T>| {
+        let more = rows.len() == most as usize;
+        let next = rows.last().filter(|_| more).and_then(frame);
+        let bytes = json_lines(rows)?;
+        Ok::<_, Problem>(Batch { bytes, next })
+    };
+    let first = batch(read(None).await?)?;
+    Ok(respond(NDJSON, first, move |after| {
+        let rows = read(Some(after));
+        async move { batch(rows.await?) }
+    }))
+}
+
 /// Values as lines of JSON.
 pub(crate) fn json_lines<T: Serialize>(values: impl IntoIterator<Item = T>) -> Result<Vec<u8>, Problem> {
     let mut bytes = Vec::new();
@@ -54,6 +78,6 @@ pub(crate) fn json_lines<T: Serialize>(values: impl IntoIterator<Item = T>) -> R
 }
 
 fn cut_short(problem: Problem) -> io::Error {
-    tracing::warn!(%problem, "an answer of many lines was cut short");
+    tracing::warn!(%problem, "a response of many lines was cut short");
     io::Error::other(problem.to_string())
 }

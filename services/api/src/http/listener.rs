@@ -1,4 +1,4 @@
-//! The accept loop: HTTP/1 with limits on how long a request's head may take and an answer may lie unread, and an
+//! The accept loop: HTTP/1 with limits on how long a request's head may take and a response may lie unread, and an
 //! orderly end.
 
 use std::io;
@@ -20,7 +20,7 @@ use crate::limits::{self, Limits};
 /// Out of file descriptors: closing connections free some within this time.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Answers connections until the token is cancelled, then lets open requests finish for a while.
+/// Serves connections until the token is cancelled, then lets open requests finish for a while.
 pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, stop: CancellationToken) {
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new())

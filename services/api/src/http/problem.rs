@@ -188,6 +188,11 @@ impl Problem {
     }
 }
 
+/// A row that there is, or the problem that names what there is not.
+pub(crate) fn found<T>(row: Option<T>, what: &str, name: impl fmt::Display) -> Result<T, Problem> {
+    row.ok_or_else(|| Problem::not_found(format!("no {what} `{name}`")))
+}
+
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.slug.title(), self.detail)

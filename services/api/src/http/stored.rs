@@ -1,4 +1,4 @@
-//! Answers with stored bytes: entity tags, caching, single ranges (RFC 9110 sections 13 and 14).
+//! Responses with stored bytes: entity tags, caching, single ranges (RFC 9110 sections 13 and 14).
 
 use std::ops::Range;
 
@@ -12,20 +12,20 @@ use crate::http::problem::{Problem, Slug};
 const IMMUTABLE: &str = "private, max-age=31536000, immutable";
 
 /// Stored bytes on their way out.
-pub(crate) struct Stored<'a> {
-    pub(crate) digest: &'a str,
-    pub(crate) media_type: &'a str,
+pub(crate) struct Stored {
+    pub(crate) digest: String,
+    pub(crate) media_type: String,
     pub(crate) bytes: Vec<u8>,
 }
 
-impl Stored<'_> {
+impl Stored {
     /// All of them, or the range that is asked for.
-    pub(crate) fn answer(self, headers: &HeaderMap) -> Result<Response, Problem> {
-        let media_type = HeaderValue::from_str(self.media_type);
+    pub(crate) fn response(self, headers: &HeaderMap) -> Result<Response, Problem> {
+        let media_type = HeaderValue::from_str(&self.media_type);
         let media_type = media_type.unwrap_or(HeaderValue::from_static("application/octet-stream"));
         let length = self.bytes.len();
         let common = (
-            immutable(self.digest),
+            immutable(&self.digest),
             [
                 (header::CONTENT_TYPE, media_type),
                 (header::ACCEPT_RANGES, HeaderValue::from_static("bytes")),
@@ -35,7 +35,7 @@ impl Stored<'_> {
                 ),
             ],
         );
-        match requested(headers, self.digest, length) {
+        match requested(headers, &self.digest, length) {
             Asked::All => Ok((common, self.bytes).into_response()),
             Asked::Part(range) => {
                 let place = format!("bytes {}-{}/{length}", range.start, range.end - 1);
@@ -80,6 +80,11 @@ pub(crate) fn immutable(tag: &str) -> [(HeaderName, String); 2] {
         (header::ETAG, format!("\"{tag}\"")),
         (header::CACHE_CONTROL, IMMUTABLE.to_owned()),
     ]
+}
+
+/// Bytes for a worker.
+pub(crate) fn octets(bytes: Vec<u8>) -> impl IntoResponse {
+    ([(header::CONTENT_TYPE, "application/octet-stream")], bytes)
 }
 
 enum Asked {
@@ -128,12 +133,12 @@ mod tests {
         let mut headers = HeaderMap::new();
         headers.insert(header::RANGE, range.parse().unwrap());
         let stored = Stored {
-            digest: "abc",
-            media_type: "image/png",
+            digest: "abc".to_owned(),
+            media_type: "image/png".to_owned(),
             bytes: (0..10).collect(),
         };
         let response = stored
-            .answer(&headers)
+            .response(&headers)
             .unwrap_or_else(|problem| problem.render(None));
         let place = response
             .headers()

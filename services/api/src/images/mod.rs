@@ -3,37 +3,56 @@
 pub(crate) mod rerender;
 pub(crate) mod routes;
 
-use catalogue::ImageRow;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use catalogue::Catalogue;
 use serde_json::Value;
 use spec::ArtifactEntry;
 
-use crate::app::App;
-use crate::http::problem::{Problem, Slug};
-use crate::http::time::rfc3339;
+use crate::bytes::Bytes;
+use crate::http::problem::{Problem, Slug, found};
+use crate::http::stored::Stored;
+use crate::processes::Processes;
 
-/// An image as clients see it: its record and what the service knows beside it.
-pub(crate) fn view(image: ImageRow) -> Value {
-    let mut record = image.record;
-    if let Some(members) = record.as_object_mut() {
-        members.insert("job".to_owned(), image.job_id.into());
-        members.insert("dataset".to_owned(), image.dataset.into());
-        members.insert("created_at".to_owned(), rfc3339(image.created_ms).into());
-    }
-    record
+/// What is stored of images, and what it takes to check it.
+pub(crate) struct Images {
+    pub(crate) catalogue: Arc<Catalogue>,
+    pub(crate) bytes: Arc<Bytes>,
+    pub(crate) processes: Arc<Processes>,
+    /// The service's folder.
+    pub(crate) data: PathBuf,
 }
 
-/// The stored bytes of an artifact, verified.
-pub(crate) async fn bytes(app: &App, entry: &ArtifactEntry) -> Result<Vec<u8>, Problem> {
-    let bytes = app.store.get(&entry.digest).await?;
-    bytes.ok_or_else(|| {
-        tracing::error!(
-            digest = entry.digest,
-            kind = entry.kind,
-            "a stored artifact is missing"
-        );
-        Problem::new(
-            Slug::CorruptArtifact,
-            format!("the bytes of artifact {} are missing", entry.digest),
-        )
-    })
+impl Images {
+    /// The record of an image, with its job, its dataset and when it was stored.
+    pub(crate) async fn get(&self, job: &str, frame: u64) -> Result<Value, Problem> {
+        let image = self.catalogue.image(job, frame).await?;
+        found(image, "image", format_args!("{job}/{frame}"))
+    }
+
+    async fn artifact(&self, job: &str, frame: u64, kind: &str) -> Result<ArtifactEntry, Problem> {
+        let entry = self.catalogue.artifact(job, frame, kind).await?;
+        entry.ok_or_else(|| Problem::not_found(format!("no artifact `{kind}` of image `{job}/{frame}`")))
+    }
+
+    /// The bytes of an artifact, verified.
+    pub(crate) async fn stored(&self, entry: ArtifactEntry) -> Result<Stored, Problem> {
+        let ArtifactEntry {
+            kind,
+            digest,
+            media_type,
+            ..
+        } = entry;
+        let Some(bytes) = self.bytes.store.get(&digest).await? else {
+            tracing::error!(digest, kind, "a stored artifact is missing");
+            let detail = format!("the bytes of artifact {digest} are missing");
+            return Err(Problem::new(Slug::CorruptArtifact, detail));
+        };
+        Ok(Stored {
+            digest,
+            media_type,
+            bytes,
+        })
+    }
 }

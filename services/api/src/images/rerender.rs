@@ -12,11 +12,11 @@ use serde_json::{Value, json};
 use spec::{FrameRecord, Job, Scene};
 use tempfile::TempDir;
 
-use crate::app::App;
-use crate::http::problem::{Problem, Slug};
+use super::Images;
+use crate::http::problem::{Problem, Slug, found};
 use crate::processes::child::{Allowance, Ended};
 
-/// A frame of 64 Mpx by the reference implementation is not rendered while somebody waits.
+/// A frame of 64 Mpx by the reference implementation is not rendered within a request.
 const ALLOWANCE: Allowance = Allowance {
     time: Duration::from_secs(120),
     memory_bytes: 8 << 30,
@@ -40,51 +40,56 @@ impl Again {
     }
 }
 
-/// Renders a frame of a stored job.
-pub(crate) async fn rerender(app: &App, job_id: &str, frame: u64) -> Result<Again, Problem> {
-    let row = crate::jobs::control::known(app, job_id).await?;
-    let job = Job::trusted(&row.spec)?;
-    let resolved = job.resolve(frame)?;
-    let folder = TempDir::new().map_err(|error| Problem::internal(&error))?;
-    let scene = match &resolved.scene {
-        Scene::Uploaded { id } => lay_out(app, id, folder.path()).await?,
-        Scene::Procedural { .. } | Scene::Files { .. } => Value::Null,
-    };
-    let request = json!({"spec": row.spec, "frame": frame, "scene": scene});
-    write(folder.path(), "request.json", request.to_string().as_bytes())?;
-    let arguments = [
-        OsStr::new("--folder"),
-        folder.path().as_os_str(),
-        OsStr::new("--data"),
-        app.data.as_os_str(),
-    ];
-    let ended = app.children.run("rerender", &arguments, ALLOWANCE).await?;
-    match ended {
-        Ended::Well => {}
-        Ended::Refused(why) | Ended::Lacking(why) => return Err(Problem::new(Slug::RenderFailed, why)),
-        Ended::Badly(why) => {
-            let detail = format!("the process that rendered the frame: {why}");
-            return Err(Problem::new(Slug::RenderFailed, detail));
+impl Images {
+    /// Renders a frame of a stored job.
+    pub(crate) async fn rerender(&self, job_id: &str, frame: u64) -> Result<Again, Problem> {
+        let spec = found(self.catalogue.description(job_id).await?, "job", job_id)?;
+        let resolved = Job::trusted(&spec)?.resolve(frame)?;
+        let folder = TempDir::new().map_err(|error| Problem::internal(&error))?;
+        let scene = match &resolved.scene {
+            Scene::Uploaded { id } => self.lay_out(id, folder.path()).await?,
+            Scene::Procedural { .. } | Scene::Files { .. } => Value::Null,
+        };
+        let request = json!({"spec": spec, "frame": frame, "scene": scene});
+        write(folder.path(), "request.json", request.to_string().as_bytes())?;
+        let arguments = [
+            OsStr::new("--folder"),
+            folder.path().as_os_str(),
+            OsStr::new("--data"),
+            self.data.as_os_str(),
+        ];
+        let failed = |why| Problem::new(Slug::RenderFailed, why);
+        match self
+            .processes
+            .children
+            .run("rerender", &arguments, ALLOWANCE)
+            .await?
+        {
+            Ended::Well => {}
+            Ended::Refused(why) | Ended::Lacking(why) => return Err(failed(why)),
+            Ended::Badly(why) => {
+                return Err(failed(format!("the process that rendered the frame: {why}")));
+            }
         }
+        let record =
+            fs::read(folder.path().join("record.json")).map_err(|error| Problem::internal(&error))?;
+        let record = serde_json::from_slice(&record).map_err(|error| Problem::internal(&error))?;
+        Ok(Again { folder, record })
     }
-    let record = fs::read(folder.path().join("record.json")).map_err(|error| Problem::internal(&error))?;
-    let record = serde_json::from_slice(&record).map_err(|error| Problem::internal(&error))?;
-    Ok(Again { folder, record })
-}
 
-/// Writes the files of an uploaded scene; answers what is known of them.
-async fn lay_out(app: &App, id: &str, folder: &Path) -> Result<Value, Problem> {
-    let row = app.catalogue.scene(id).await?;
-    let row = row.ok_or_else(|| Problem::not_found(format!("no scene `{id}`")))?;
-    for (name, digest) in row.files.named() {
-        let bytes = app.store.get(digest).await?;
-        let bytes = bytes.ok_or_else(|| {
-            let detail = format!("file `{name}` of scene {id} is missing");
-            Problem::new(Slug::CorruptArtifact, detail)
-        })?;
-        write(folder, name, &bytes)?;
+    /// Writes the files of an uploaded scene; returns what is known of them.
+    async fn lay_out(&self, id: &str, folder: &Path) -> Result<Value, Problem> {
+        let row = found(self.catalogue.scene(id).await?, "scene", id)?;
+        for (name, digest) in row.files.named() {
+            let bytes = self.bytes.store.get(digest).await?;
+            let bytes = bytes.ok_or_else(|| {
+                let detail = format!("file `{name}` of scene {id} is missing");
+                Problem::new(Slug::CorruptArtifact, detail)
+            })?;
+            write(folder, name, &bytes)?;
+        }
+        Ok(json!(row.files))
     }
-    Ok(json!(row.files))
 }
 
 fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Problem> {

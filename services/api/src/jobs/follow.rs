@@ -9,26 +9,24 @@ use axum::response::sse::Event;
 use catalogue::{CatalogueError, JobRow, JobState};
 use futures::stream::{self, Stream};
 use serde_json::json;
-use tokio::sync::Notify;
+use tokio::sync::watch::Receiver;
 use tokio::time::Instant;
 
-use crate::app::Shared;
-use crate::jobs::routes::errors::Failure;
-use crate::jobs::view::JobView;
+use super::Jobs;
 use crate::limits::PROGRESS_PAUSE;
 
 /// Frames that a `problem` names; `/errors` has all of them.
 const NAMED_FRAMES: u32 = 5;
 
-/// How far a client has been told: the id of an event.
+/// Id of the last event sent to this client.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Seen {
+pub(super) struct Seen {
     version: u64,
     failed: u64,
 }
 
 impl Seen {
-    pub(crate) fn of(job: &JobRow) -> Self {
+    pub(super) fn new(job: &JobRow) -> Self {
         Self {
             version: job.version,
             failed: job.failed,
@@ -36,7 +34,7 @@ impl Seen {
     }
 
     /// `VERSION.FAILED`.
-    pub(crate) fn parse(id: &str) -> Option<Self> {
+    pub(super) fn parse(id: &str) -> Option<Self> {
         let (version, failed) = id.split_once('.')?;
         Some(Self {
             version: version.parse().ok()?,
@@ -54,10 +52,10 @@ struct Told {
 }
 
 /// A client that follows a job.
-pub(crate) struct Follow {
-    app: Shared,
+pub(super) struct Follow {
+    jobs: Arc<Jobs>,
     id: String,
-    bell: Arc<Notify>,
+    changes: Receiver<()>,
     told: Option<Told>,
     next_progress: Instant,
     ready: VecDeque<Event>,
@@ -65,15 +63,17 @@ pub(crate) struct Follow {
 }
 
 impl Follow {
-    pub(crate) fn new(app: Shared, id: String, seen: Option<Seen>) -> Self {
+    pub(super) fn new(jobs: Arc<Jobs>, id: String, seen: Option<Seen>) -> Self {
         let told = seen.map(|seen| Told {
             seen,
             state: None,
             done: None,
         });
+        let mut changes = jobs.leases.changes.subscribe(&id);
+        changes.mark_changed();
         Self {
-            bell: app.watch.of(&id),
-            app,
+            changes,
+            jobs,
             id,
             told,
             next_progress: Instant::now(),
@@ -82,7 +82,7 @@ impl Follow {
         }
     }
 
-    pub(crate) fn events(self) -> impl Stream<Item = Result<Event, Infallible>> + Send {
+    pub(super) fn events(self) -> impl Stream<Item = Result<Event, Infallible>> + Send {
         stream::unfold(self, |mut follow| async move {
             let event = follow.next().await?;
             Some((Ok(event), follow))
@@ -94,35 +94,32 @@ impl Follow {
             if let Some(event) = self.ready.pop_front() {
                 return Some(event);
             }
-            if self.ended || self.app.stop.is_cancelled() {
+            let stop = self.jobs.stop.clone();
+            if self.ended || stop.is_cancelled() {
                 return None;
             }
-            let bell = Arc::clone(&self.bell);
-            let mut change = std::pin::pin!(bell.notified());
-            change.as_mut().enable();
+            tokio::select! {
+                // The sender lives as long as somebody follows the job.
+                _ = self.changes.changed() => tokio::time::sleep_until(self.next_progress).await,
+                () = stop.cancelled() => continue,
+            }
+            self.changes.mark_unchanged();
             if let Err(error) = self.look().await {
                 tracing::warn!(%error, job = self.id, "a job cannot be followed");
                 return None;
-            }
-            if self.ready.is_empty() && !self.ended {
-                let stop = self.app.stop.clone();
-                tokio::select! {
-                    () = change => tokio::time::sleep_until(self.next_progress).await,
-                    () = stop.cancelled() => {}
-                }
             }
         }
     }
 
     /// Makes the events that say what is new.
     async fn look(&mut self) -> Result<(), CatalogueError> {
-        let Some(job) = self.app.catalogue.job(&self.id).await? else {
+        let Some(job) = self.jobs.catalogue.job(&self.id).await? else {
             self.ended = true;
             let gone = Event::default().event("state");
             self.push(gone, &json!({"id": self.id, "state": "deleted"}));
             return Ok(());
         };
-        let seen = Seen::of(&job);
+        let seen = Seen::new(&job);
         if self.told.as_ref().is_some_and(|told| told.seen == seen) {
             return Ok(());
         }
@@ -146,8 +143,7 @@ impl Follow {
             done: Some(job.done),
         });
         if before.and_then(|told| told.state) != Some(job.state) {
-            let view = JobView::from(job);
-            self.push(Event::default().event("state"), &view);
+            self.push(Event::default().event("state"), &job);
         }
         // Only the last event has an id: a client that loses the others on its way gets all of them again.
         if let Some(last) = self.ready.pop_back() {
@@ -159,10 +155,9 @@ impl Follow {
     }
 
     async fn problem(&mut self, job: &JobRow, before: u64) -> Result<(), CatalogueError> {
-        let failures = self.app.catalogue.failures(&self.id, None, NAMED_FRAMES).await?;
-        let frames: Vec<Failure> = failures.into_iter().map(Failure::from).collect();
+        let failures = self.jobs.catalogue.failures(&self.id, None, NAMED_FRAMES).await?;
         let problem = json!({
-            "failed": job.failed, "new": job.failed - before, "frames": frames,
+            "failed": job.failed, "new": job.failed - before, "frames": failures,
             "errors": format!("/v1/jobs/{}/errors", self.id),
         });
         self.push(Event::default().event("problem"), &problem);

@@ -1,8 +1,60 @@
 //! Jobs: submitted, followed, controlled.
 
 pub(crate) mod control;
-pub(crate) mod follow;
+mod follow;
 pub(crate) mod routes;
-pub(crate) mod submit;
-pub(crate) mod view;
-pub(crate) mod wait;
+mod submit;
+mod wait;
+
+use std::sync::Arc;
+
+use catalogue::{Catalogue, JobRow};
+use spec::Vocabulary;
+use tokio::sync::Mutex;
+use tokio_util::sync::CancellationToken;
+
+use crate::bytes::Bytes;
+use crate::clock::Clock;
+use crate::http::problem::{Problem, found};
+use crate::images::Images;
+use crate::leases::Leases;
+use crate::processes::Processes;
+use crate::styles::Styles;
+use crate::waters::Waters;
+
+/// What a job needs from its submission to its end.
+pub(crate) struct Jobs {
+    pub(crate) catalogue: Arc<Catalogue>,
+    pub(crate) leases: Arc<Leases>,
+    pub(crate) bytes: Arc<Bytes>,
+    pub(crate) images: Arc<Images>,
+    pub(crate) styles: Arc<Styles>,
+    pub(crate) waters: Arc<Waters>,
+    pub(crate) processes: Arc<Processes>,
+    /// Held while a job is paused, cancelled, deleted and so on.
+    pub(crate) turn: Mutex<()>,
+    pub(crate) clock: Clock,
+    pub(crate) stop: CancellationToken,
+}
+
+impl Jobs {
+    /// The words that descriptions may use now.
+    pub(crate) fn vocabulary(&self) -> Vocabulary {
+        self.styles.vocabulary(&self.waters)
+    }
+
+    /// A stored job.
+    pub(crate) async fn get(&self, id: &str) -> Result<JobRow, Problem> {
+        found(self.catalogue.job(id).await?, "job", id)
+    }
+
+    /// Offers the frames that an earlier life of the service left open.
+    pub(crate) async fn resume_all(&self) -> Result<(), catalogue::CatalogueError> {
+        let jobs = self.catalogue.open_jobs().await?;
+        if !jobs.is_empty() {
+            tracing::info!(jobs = jobs.len(), "unfinished jobs are taken up again");
+        }
+        jobs.into_iter().for_each(|job| self.leases.dispatch.add_job(job));
+        Ok(())
+    }
+}

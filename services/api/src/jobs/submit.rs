@@ -2,131 +2,180 @@
 
 use std::sync::Arc;
 
-use crate::leases::table::JobEntry;
 use catalogue::{Idempotency, InsertJob, JobRow, NewJob};
 use spec::{FieldError, Invalid, Job};
+use tokio::sync::watch::Receiver;
 use uuid::Uuid;
 
-use crate::app::{App, Shared};
-use crate::http::auth::Caller;
+use super::Jobs;
+use crate::http::extract::Submitter;
 use crate::http::problem::{Problem, Slug};
+use crate::processes::compute::to_the_end;
 
-/// A description on its way to become a job.
-pub(crate) struct Submission {
-    pub(crate) job: Job,
-    pub(crate) priority: i32,
-    pub(crate) caller: Caller,
-    pub(crate) idempotency_key: Option<String>,
+/// A job that is stored.
+pub(super) struct Submitted {
+    pub(super) row: JobRow,
+    /// Its changes since `row`.
+    pub(super) changes: Receiver<()>,
 }
 
-/// Stores the job and offers it to workers, or finds the one that the same key made before. Goes on to its end when
-/// the client goes away: a stored job that no worker is offered would wait for the next start of the service.
-pub(crate) async fn submit(app: &Shared, submission: Submission) -> Result<JobRow, Problem> {
-    check(app, &submission.job).await?;
-    app.space.room().await?;
-    let app = Arc::clone(app);
-    let task = tokio::spawn(async move { store(&app, submission).await });
-    task.await.map_err(|error| Problem::internal(&error))?
-}
+impl Jobs {
+    /// Stores the job and offers it to workers, or finds the one that the same key made before. Goes on to its end when
+    /// the client goes away: a stored job that no worker is offered would wait for the next start of the service.
+    pub(super) async fn submit(
+        self: &Arc<Self>,
+        job: Job,
+        priority: i32,
+        submitter: Submitter,
+    ) -> Result<Submitted, Problem> {
+        self.check(&job).await?;
+        self.bytes.space.room().await?;
+        let jobs = Arc::clone(self);
+        to_the_end(async move { jobs.store(&job, priority, submitter).await }).await
+    }
 
-/// What a description alone does not tell: whether its scenes and its runtime are there.
-pub(crate) async fn check(app: &App, job: &Job) -> Result<(), Problem> {
-    check_runtime(app, job)?;
-    check_scenes(app, job).await
-}
+    /// What a description alone does not tell: whether its scenes and its runtime are there.
+    pub(super) async fn check(&self, job: &Job) -> Result<(), Problem> {
+        self.check_runtime(job)?;
+        self.check_scenes(job).await
+    }
 
-async fn store(app: &App, submission: Submission) -> Result<JobRow, Problem> {
-    let Submission {
-        job,
-        priority,
-        caller,
-        idempotency_key,
-    } = submission;
-    let id = format!("job_{}", Uuid::now_v7().simple());
-    let digest = job.digest();
-    let created_ms = app.clock.unix_ms();
-    let idempotency = idempotency_key.map(|key| Idempotency {
-        owner: caller.owner,
-        key,
-        body_digest: digest.clone(),
-    });
-    let new = NewJob {
-        id: id.clone(),
-        dataset: job.dataset().to_owned(),
-        spec: job.canonical().to_owned(),
-        spec_digest: digest,
-        frames: job.frames(),
-        priority,
-        created_ms,
-        idempotency,
-    };
-    faults::point("submit.checked");
-    let inserted = app.catalogue.insert_job(new).await?;
-    faults::point("submit.inserted");
-    let id = match inserted {
-        InsertJob::Created => {
-            app.dispatch.add_job(
-                JobEntry {
-                    id: id.clone(),
-                    frames: job.frames(),
-                    priority,
-                    ..JobEntry::default()
-                },
-                created_ms,
-            );
-            tracing::info!(
-                job = id,
-                dataset = job.dataset(),
-                frames = job.frames(),
-                "job accepted"
-            );
-            id
+    async fn store(&self, job: &Job, priority: i32, submitter: Submitter) -> Result<Submitted, Problem> {
+        let id = format!("job_{}", Uuid::now_v7().simple());
+        let spec_digest = job.digest();
+        let idempotency = submitter.idempotency_key.map(|key| Idempotency {
+            owner: submitter.owner,
+            key,
+            body_digest: spec_digest.clone(),
+        });
+        let new = NewJob {
+            id: id.clone(),
+            dataset: job.dataset().to_owned(),
+            spec: job.canonical().to_owned(),
+            spec_digest,
+            frames: job.frames(),
+            priority,
+            created_at: self.clock.wall(),
+            idempotency,
+        };
+        // Before the job can change.
+        let changes = self.leases.changes.subscribe(&id);
+        faults::point("submit.checked");
+        let inserted = self.catalogue.insert_job(new).await?;
+        faults::point("submit.inserted");
+        match inserted {
+            InsertJob::Created(row) => {
+                self.leases.dispatch.add_job(row.clone().into());
+                let (dataset, frames) = (&row.dataset, row.frames);
+                tracing::info!(job = id, dataset, frames, "job accepted");
+                Ok(Submitted { row, changes })
+            }
+            InsertJob::Replayed(row) => {
+                let mut changes = self.leases.changes.subscribe(&row.id);
+                // It may have changed since it was read.
+                changes.mark_changed();
+                Ok(Submitted { row, changes })
+            }
+            InsertJob::KeyConflict => {
+                let detail = "this Idempotency-Key was used before with another description";
+                Err(Problem::new(Slug::IdempotencyKeyReused, detail))
+            }
         }
-        InsertJob::Replayed { job_id } => job_id,
-        InsertJob::KeyConflict => {
-            let detail = "this Idempotency-Key was used before with another description";
-            return Err(Problem::new(Slug::IdempotencyKeyReused, detail));
-        }
-    };
-    let row = app.catalogue.job(&id).await?;
-    row.ok_or_else(|| Problem::internal(&format!("job {id} vanished after it was stored")))
-}
+    }
 
-/// A job with a style that runs on ONNX Runtime only needs a worker that has it.
-fn check_runtime(app: &App, job: &Job) -> Result<(), Problem> {
-    match &app.style_runtime {
-        Err(missing) if needs_runtime(app, job) && !app.dispatch.has_style_runtime() => {
-            let hint = "run scripts/get-onnxruntime.sh and restart, or connect a worker that has it";
-            Err(Problem::new(Slug::RuntimeMissing, format!("{missing}; {hint}")))
+    /// A job with a style that runs on ONNX Runtime only needs a worker that has it.
+    fn check_runtime(&self, job: &Job) -> Result<(), Problem> {
+        let known = self.styles.known();
+        let needed = || job.styles().iter().any(|name| known.library.needs_runtime(name));
+        match &self.styles.runtime {
+            Err(missing) if needed() && !self.leases.dispatch.has_style_runtime() => {
+                let hint = "run scripts/get-onnxruntime.sh and restart, or connect a worker that has it";
+                Err(Problem::new(Slug::RuntimeMissing, format!("{missing}; {hint}")))
+            }
+            _ => Ok(()),
         }
-        _ => Ok(()),
+    }
+
+    /// Every uploaded scene that a frame can ask for must be there.
+    async fn check_scenes(&self, job: &Job) -> Result<(), Problem> {
+        let mut missing = Vec::new();
+        for id in job.uploaded_scene_ids() {
+            if self.catalogue.scene(&id).await?.is_none() {
+                let mut error = FieldError::new("/scene/id", format!("scene `{id}` was not uploaded"));
+                error.value = Some(id.into());
+                missing.push(error);
+            }
+        }
+        if missing.is_empty() {
+            Ok(())
+        } else {
+            Err(Invalid(missing).into())
+        }
     }
 }
 
-fn needs_runtime(app: &App, job: &Job) -> bool {
-    let styles = job.styles();
-    let known = app.styles.known();
-    styles.iter().any(|name| known.library.needs_runtime(name))
-}
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
 
-/// Every uploaded scene that a frame can ask for must be there.
-async fn check_scenes(app: &App, job: &Job) -> Result<(), Problem> {
-    let mut missing = Vec::new();
-    for id in job.uploaded_scene_ids() {
-        if app.catalogue.scene(&id).await?.is_none() {
-            missing.push(FieldError {
-                pointer: "/scene/id".to_owned(),
-                message: format!("scene `{id}` was not uploaded"),
-                value: Some(id.into()),
-                limit: None,
-                allowed: Vec::new(),
-                did_you_mean: None,
-            });
-        }
+    use super::*;
+    use crate::app::App;
+    use crate::config::{Config, Surroundings};
+    use crate::jobs::wait::Until;
+    use crate::limits::Limits;
+
+    async fn app(folder: &std::path::Path) -> App {
+        let config = Config {
+            data: folder.to_owned(),
+            listen: "127.0.0.1:0".parse().unwrap(),
+            workers: 0,
+            slots_per_worker: 1,
+            worker_program: "/bin/false".into(),
+            token: None,
+            styles: None,
+            onnxruntime: None,
+            library: style::Library::embedded().unwrap(),
+            style_trial: Duration::from_secs(1),
+        };
+        let surroundings = Surroundings {
+            clock: crate::clock::Clock::system(),
+            style_runtime: Err("none".to_owned()),
+            limits: Limits {
+                reserve_bytes: 1 << 16,
+                ..Limits::default()
+            },
+        };
+        App::open(&config, &surroundings).await.unwrap().0
     }
-    if missing.is_empty() {
-        Ok(())
-    } else {
-        Err(Invalid(missing).into())
+
+    #[tokio::test]
+    async fn a_job_is_never_read_again_after_it_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let jobs = app(folder.path()).await.jobs;
+        let text = r#"{"dataset": "x", "scene": {"kind": "procedural", "family": "structure", "seed": 1},
+                       "camera": {"width": 100, "height": 50, "hfov_deg": 80}}"#;
+        let submit = || {
+            let job = Job::parse(text.as_bytes(), &jobs.vocabulary()).unwrap();
+            let submitter = Submitter {
+                owner: "me".to_owned(),
+                idempotency_key: Some("key".to_owned()),
+            };
+            jobs.submit(job, 0, submitter)
+        };
+        let reads = jobs.catalogue.reads();
+        let stored = submit().await.unwrap().row;
+        let submitted = submit().await.unwrap();
+        assert_eq!(submitted.row, stored);
+        let paused = jobs.pause(stored.id.clone()).await.unwrap();
+        jobs.resume(stored.id.clone()).await.unwrap();
+        let cancelled = jobs.cancel(stored.id.clone()).await.unwrap();
+        assert_eq!(jobs.catalogue.reads(), reads, "every change returns its row");
+        assert_eq!((stored.version, paused.version), (1, 2));
+        let seen = jobs
+            .wait_on(submitted, Duration::ZERO, Until::Ended)
+            .await
+            .unwrap();
+        assert_eq!(seen, cancelled, "a change since the submission is noticed");
+        assert_eq!(jobs.catalogue.reads(), reads + 1);
     }
 }

@@ -5,45 +5,52 @@ use std::time::Duration;
 use catalogue::JobRow;
 use tokio::time::{Instant, timeout_at};
 
-use crate::app::App;
+use super::Jobs;
+use super::submit::Submitted;
 use crate::http::problem::Problem;
-use crate::jobs::control::known;
 
 /// What to wait for.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Until {
+pub(super) enum Until {
     /// The job has ended.
     Ended,
     /// Its version is larger than this, or it has ended.
     After(u64),
 }
 
-/// The job as it is when what is waited for has come, when the time is over, or when the service stops.
-pub(crate) async fn wait_for_job(
-    app: &App,
-    id: &str,
-    limit: Duration,
-    until: Until,
-) -> Result<JobRow, Problem> {
-    let deadline = Instant::now() + limit;
-    let bell = app.watch.of(id);
-    loop {
-        let mut change = std::pin::pin!(bell.notified());
-        change.as_mut().enable();
-        let row = known(app, id).await?;
-        let come = match until {
-            Until::Ended => false,
-            Until::After(version) => row.version > version,
-        };
-        if come || row.state.has_ended() || app.stop.is_cancelled() {
-            return Ok(row);
+impl Until {
+    fn has_come(self, row: &JobRow) -> bool {
+        let changed = matches!(self, Self::After(version) if row.version > version);
+        changed || row.state.has_ended()
+    }
+}
+
+impl Jobs {
+    /// The job when what is waited for has come, when the time is over, or when the service stops.
+    pub(super) async fn wait(&self, id: &str, limit: Duration, until: Until) -> Result<JobRow, Problem> {
+        let changes = self.leases.changes.subscribe(id);
+        let row = self.get(id).await?;
+        self.wait_on(Submitted { row, changes }, limit, until).await
+    }
+
+    /// The same for a job of which one state is known.
+    pub(super) async fn wait_on(
+        &self,
+        job: Submitted,
+        limit: Duration,
+        until: Until,
+    ) -> Result<JobRow, Problem> {
+        let deadline = Instant::now() + limit;
+        let Submitted { mut row, mut changes } = job;
+        while !until.has_come(&row) && !self.stop.is_cancelled() {
+            tokio::select! {
+                woken = timeout_at(deadline, changes.changed()) => if woken.is_err() {
+                    break;
+                },
+                () = self.stop.cancelled() => {}
+            }
+            row = self.get(&row.id).await?;
         }
-        let woken = tokio::select! {
-            woken = timeout_at(deadline, change) => woken.is_ok(),
-            () = app.stop.cancelled() => true,
-        };
-        if !woken {
-            return Ok(row);
-        }
+        Ok(row)
     }
 }

@@ -1,37 +1,31 @@
-//! Wakes those who wait for a job to change.
+//! Wakes requests that wait for a job to change.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use tokio::sync::Notify;
+use tokio::sync::watch::{Receiver, Sender};
 
-/// One bell for each job that somebody waits for.
+/// A channel for each job that a request waits for.
 #[derive(Default)]
-pub(crate) struct Watch(Mutex<HashMap<String, Weak<Notify>>>);
+pub(crate) struct Changes(Mutex<HashMap<String, Sender<()>>>);
 
-impl Watch {
-    /// The bell of a job. Listen to it before reading the job, then no change between the two is missed.
-    pub(crate) fn of(&self, job: &str) -> Arc<Notify> {
-        let mut bells = self.bells();
-        // Those who waited have gone: there are never more entries than waiting requests, plus one.
-        bells.retain(|_, bell| bell.strong_count() > 0);
-        if let Some(bell) = bells.get(job).and_then(Weak::upgrade) {
-            return bell;
-        }
-        let bell = Arc::new(Notify::new());
-        bells.insert(job.to_owned(), Arc::downgrade(&bell));
-        bell
+impl Changes {
+    /// Follows a job. A change between this call and the wait for it is not missed.
+    pub(crate) fn subscribe(&self, job: &str) -> Receiver<()> {
+        let mut senders = self.senders();
+        // There are never more entries than waiting requests, plus one.
+        senders.retain(|_, sender| sender.receiver_count() > 0);
+        senders.entry(job.to_owned()).or_default().subscribe()
     }
 
-    /// Rings the bell of a job that has changed.
-    pub(crate) fn wake(&self, job: &str) {
-        let bell = self.bells().get(job).and_then(Weak::upgrade);
-        if let Some(bell) = bell {
-            bell.notify_waiters();
+    /// Wakes the requests that follow a job.
+    pub(crate) fn notify(&self, job: &str) {
+        if let Some(sender) = self.senders().get(job) {
+            sender.send_replace(());
         }
     }
 
-    fn bells(&self) -> MutexGuard<'_, HashMap<String, Weak<Notify>>> {
+    fn senders(&self) -> MutexGuard<'_, HashMap<String, Sender<()>>> {
         // The map stays whole whatever panicked while it was held.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -43,17 +37,13 @@ mod tests {
 
     #[tokio::test]
     async fn only_those_who_wait_for_the_job_are_woken_and_nobody_is_remembered() {
-        let watch = Watch::default();
-        let (mine, other) = (watch.of("job_a"), watch.of("job_b"));
-        let (mut woken, mut asleep) = (Box::pin(mine.notified()), Box::pin(other.notified()));
-        woken.as_mut().enable();
-        asleep.as_mut().enable();
-        watch.wake("job_a");
-        woken.await;
-        assert!(futures::poll!(asleep.as_mut()).is_pending());
-        drop(asleep);
+        let changes = Changes::default();
+        let (mut mine, other) = (changes.subscribe("job_a"), changes.subscribe("job_b"));
+        changes.notify("job_a");
+        mine.changed().await.unwrap();
+        assert!(!mine.has_changed().unwrap() && !other.has_changed().unwrap());
         drop((mine, other));
-        drop(watch.of("job_c"));
-        assert_eq!(watch.bells().len(), 1);
+        drop(changes.subscribe("job_c"));
+        assert_eq!(changes.senders().len(), 1);
     }
 }

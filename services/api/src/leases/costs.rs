@@ -44,7 +44,7 @@ const MOST_KINDS: usize = 64;
 
 /// What was learned from frames.
 #[derive(Default)]
-pub(crate) struct Experience(Mutex<Learned>);
+pub(crate) struct Costs(Mutex<Learned>);
 
 #[derive(Default)]
 struct Learned {
@@ -66,7 +66,7 @@ pub(crate) struct Cost {
     pub(crate) bytes: f64,
 }
 
-impl Experience {
+impl Costs {
     /// Takes note of a rendered frame.
     pub(crate) fn learn(&self, record: &FrameRecord) {
         let side = |name: &str| record.parameters.pointer(&format!("/camera/{name}"))?.as_f64();
@@ -100,7 +100,7 @@ impl Experience {
     }
 
     /// The mean over these frames.
-    pub(crate) fn cost(&self, frames: &[Sized<'_>]) -> Cost {
+    pub(crate) fn mean(&self, frames: &[Sized<'_>]) -> Cost {
         let learned = self.learned();
         let sum =
             |of: &dyn Fn(&Sized<'_>) -> f64| frames.iter().map(of).sum::<f64>() / frames.len().max(1) as f64;
@@ -185,9 +185,9 @@ mod tests {
         .unwrap()
     }
 
-    fn cost(experience: &Experience, job: &Job) -> Cost {
+    fn cost(costs: &Costs, job: &Job) -> Cost {
         let frame = job.resolve(0).unwrap();
-        experience.cost(&[Sized {
+        costs.mean(&[Sized {
             frame: &frame,
             pixels: 5000.0,
         }])
@@ -195,17 +195,17 @@ mod tests {
 
     #[test]
     fn more_work_costs_more_and_what_was_measured_replaces_what_is_typical() {
-        let experience = Experience::default();
-        let plain = cost(&experience, &job(json!({})));
+        let costs = Costs::default();
+        let plain = cost(&costs, &job(json!({})));
         let water = cost(
-            &experience,
+            &costs,
             &job(json!({"water": {"optics": "jerlov-3C", "style": "muddy"}})),
         );
         assert!(water.seconds > plain.seconds && water.bytes == plain.bytes);
         let lamp = json!({"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]});
         let of = |water: serde_json::Value, lamps: usize| {
             let lights = vec![lamp.clone(); lamps];
-            cost(&experience, &job(json!({"water": water, "lights": lights}))).seconds
+            cost(&costs, &job(json!({"water": water, "lights": lights}))).seconds
         };
         let suspended = [
             of(json!({"optics": "jerlov-3C"}), 0),
@@ -218,9 +218,9 @@ mod tests {
             suspended.windows(2).all(|pair| pair[0] < pair[1]),
             "{suspended:?}"
         );
-        let layers = cost(&experience, &job(json!({"artifacts": ["rgb", "direct"]})));
+        let layers = cost(&costs, &job(json!({"artifacts": ["rgb", "direct"]})));
         assert!(layers.bytes > plain.bytes + 5000.0 * 11.0);
-        experience.learn(&FrameRecord {
+        costs.learn(&FrameRecord {
             frame: 0,
             parameters: json!({"camera": {"width": 10, "height": 10}}),
             optics: serde_json::Map::new(),
@@ -238,7 +238,7 @@ mod tests {
             scene: None,
             provenance: Provenance::default(),
         });
-        let learned = cost(&experience, &job(json!({})));
+        let learned = cost(&costs, &job(json!({})));
         assert!(learned.seconds > 50.0 && learned.seconds < 51.0, "{learned:?}");
         assert_eq!(learned.bytes, 15_000.0 + ROW_BYTES);
     }

@@ -7,15 +7,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::leases::table::{Beat, JobEntry, LeaseTable, Stale, StrikeEvent};
-use proto::message::{Claim, Register};
+use catalogue::{JobState, OpenJob, UnixMs};
+use proto::message::Register;
+use serde::Serialize;
 use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
+use utoipa::ToSchema;
 use uuid::Uuid;
 
+use super::granted::Granted;
+use super::table::{Beat, JobEntry, LeaseTable, Millis, StrikeEvent, WorkerRow};
 use crate::clock::Clock;
-use crate::leases::granted::Granted;
-use crate::leases::routes::workers::Worker;
 use crate::telemetry;
 
 /// A waiting worker looks again after this time: frames become free when a pause after a failure ends, which rings
@@ -25,8 +27,13 @@ const LOOK_AGAIN: Duration = Duration::from_millis(250);
 struct State {
     table: LeaseTable,
     about: HashMap<String, Register>,
-    /// When open jobs were submitted, Unix milliseconds.
-    submitted: HashMap<String, u64>,
+    open: HashMap<String, Open>,
+}
+
+/// What is known of an open job beside its frames.
+struct Open {
+    submitted_at: UnixMs,
+    spec_digest: String,
 }
 
 /// The lease table behind a lock.
@@ -38,13 +45,15 @@ pub(crate) struct Dispatch {
 }
 
 impl Dispatch {
-    /// An empty table. `first_token` must be larger than every token of an earlier life of the service.
-    pub(crate) fn new(clock: Clock, first_token: u64) -> Self {
+    pub(crate) fn new(clock: Clock) -> Self {
         let state = State {
             table: LeaseTable::new(),
             about: HashMap::new(),
-            submitted: HashMap::new(),
+            open: HashMap::new(),
         };
+        // Tokens only grow, also from one life of the service to the next: the high half of a UUIDv7 is the time in
+        // milliseconds and a random part.
+        let first_token = Uuid::now_v7().as_u64_pair().0;
         Self {
             state: Mutex::new(state),
             work: Notify::new(),
@@ -53,45 +62,50 @@ impl Dispatch {
         }
     }
 
-    /// Offers a job's open frames to workers. `submitted_ms`: when it was submitted, since 1970.
-    pub(crate) fn add_job(&self, entry: JobEntry, submitted_ms: u64) {
+    /// Offers a job's open frames to workers.
+    pub(crate) fn add_job(&self, job: OpenJob) {
+        let OpenJob {
+            row,
+            done,
+            failed,
+            strikes,
+        } = job;
+        let open = Open {
+            submitted_at: row.created_at,
+            spec_digest: row.spec_digest,
+        };
         let mut state = self.state();
-        state.submitted.insert(entry.id.clone(), submitted_ms);
-        state.table.add_job(entry);
+        state.open.insert(row.id.clone(), open);
+        state.table.add_job(JobEntry {
+            id: row.id,
+            frames: row.frames,
+            priority: row.priority,
+            done,
+            failed,
+            strikes,
+            paused: row.state == JobState::Paused,
+        });
         drop(state);
         self.work.notify_waiters();
     }
 
-    /// Offers nothing more of a job; beats tell its workers.
-    pub(crate) fn cancel(&self, job: &str) {
-        self.state().table.cancel(job);
+    /// Reads or changes the table in a way that frees no frame.
+    pub(crate) fn table<T>(&self, work: impl FnOnce(&mut LeaseTable, Millis) -> T) -> T {
+        work(&mut self.state().table, self.now())
     }
 
-    /// Offers nothing of a job for now; leases that are out go on.
-    pub(crate) fn pause(&self, job: &str) {
-        self.state().table.pause(job);
-    }
-
-    /// Offers a paused job again.
-    pub(crate) fn resume(&self, job: &str) {
-        self.state().table.resume(job);
+    /// Changes the table in a way that may free frames: workers that wait look again.
+    pub(crate) fn free<T>(&self, work: impl FnOnce(&mut LeaseTable, Millis) -> T) -> T {
+        let freed = self.table(work);
         self.work.notify_waiters();
+        freed
     }
 
-    /// Offers frames again that were given up; answers whether the table knows the job.
-    pub(crate) fn retry(&self, job: &str, frames: &[u64]) -> bool {
-        let known = self.state().table.retry(job, frames);
-        self.work.notify_waiters();
-        known
-    }
-
-    /// Takes a worker on and answers its id.
+    /// Takes a worker on and returns its id.
     pub(crate) fn register(&self, about: Register) -> String {
         let id = format!("wrk_{}", Uuid::now_v7().simple());
         let mut state = self.state();
-        state
-            .table
-            .register(&id, &about.name, about.slots, self.clock.now());
+        state.table.register(&id, &about.name, about.slots, self.now());
         state.about.insert(id.clone(), about);
         id
     }
@@ -113,9 +127,11 @@ impl Dispatch {
                     return Err(Unknown);
                 }
                 let token = self.next_token.fetch_add(1, Ordering::Relaxed);
-                if let Some(grant) = state.table.grant(worker, self.clock.now(), token, frame_ms) {
+                if let Some(grant) = state.table.grant(worker, self.now(), token, frame_ms) {
                     telemetry::granted(grant.frames.len());
-                    return Ok(Some(Granted::new(self, grant)));
+                    let open = state.open.get(&grant.job_id);
+                    let spec_digest = open.map(|open| open.spec_digest.clone()).unwrap_or_default();
+                    return Ok(Some(Granted::new(self, grant, spec_digest)));
                 }
             }
             let now = Instant::now();
@@ -133,64 +149,20 @@ impl Dispatch {
         if !state.about.contains_key(worker) {
             return Err(Unknown);
         }
-        Ok(state.table.beat(worker, tokens, self.clock.now()))
-    }
-
-    /// Whether the claim is current.
-    pub(crate) fn check(&self, claim: &Claim) -> Result<(), Stale> {
-        self.state()
-            .table
-            .check(&claim.job_id, claim.frame, claim.token, claim.attempt)
-    }
-
-    /// Holds the frame for the writer: it does not expire until the commit is finished or aborted.
-    pub(crate) fn begin_commit(&self, claim: &Claim) -> Result<(), Stale> {
-        let now = self.clock.now();
-        self.state()
-            .table
-            .begin_commit(&claim.job_id, claim.frame, claim.token, claim.attempt, now)
-    }
-
-    pub(crate) fn finish_commit(&self, claim: &Claim) {
-        self.state().table.finish_commit(&claim.job_id, claim.frame);
-    }
-
-    pub(crate) fn abort_commit(&self, claim: &Claim) {
-        self.state().table.abort_commit(&claim.job_id, claim.frame);
-        self.work.notify_waiters();
-    }
-
-    /// Counts a failed attempt.
-    pub(crate) fn fail(&self, claim: &Claim, retryable: bool, error: &str) -> Result<StrikeEvent, Stale> {
-        let now = self.clock.now();
-        self.state().table.fail(
-            &claim.job_id,
-            claim.frame,
-            claim.token,
-            claim.attempt,
-            retryable,
-            error,
-            now,
-        )
-    }
-
-    /// Takes a lease back without burning an attempt.
-    pub(crate) fn release(&self, token: u64) {
-        self.state().table.release(token, self.clock.now());
-        self.work.notify_waiters();
+        Ok(state.table.beat(worker, tokens, self.now()))
     }
 
     /// Takes back the leases that have ended.
     pub(crate) fn expire(&self) -> Vec<StrikeEvent> {
         let mut state = self.state();
-        let now = self.clock.now();
+        let now = self.now();
         telemetry::expired(state.table.ended(now));
         let events = state.table.expire(now);
         drop(state);
         self.after_loss(events)
     }
 
-    /// Takes back all leases of the workers of this name, at once: their process has ended. Answers also whether one was
+    /// Takes back all leases of the workers of this name, at once: their process has ended. Returns also whether one was
     /// registered.
     pub(crate) fn drop_workers_named(&self, name: &str) -> (bool, Vec<StrikeEvent>) {
         let mut state = self.state();
@@ -204,7 +176,7 @@ impl Dispatch {
         let mut events = Vec::new();
         for id in ids {
             state.about.remove(&id);
-            events.append(&mut state.table.drop_worker(&id, self.clock.now()));
+            events.append(&mut state.table.drop_worker(&id, self.now()));
         }
         drop(state);
         (registered, self.after_loss(events))
@@ -218,11 +190,20 @@ impl Dispatch {
             .any(|about| about.onnx_runtime.is_some())
     }
 
+    /// Frames that all registered workers render side by side.
+    pub(crate) fn slots(&self) -> u64 {
+        self.state()
+            .about
+            .values()
+            .map(|about| u64::from(about.slots))
+            .sum()
+    }
+
     /// The registered workers.
     pub(crate) fn workers(&self) -> Vec<Worker> {
         let state = self.state();
-        let now = self.clock.now().0;
-        let view = |row: crate::leases::table::WorkerRow| {
+        let now = self.now().0;
+        let worker = |row: WorkerRow| {
             let about = state.about.get(&row.id)?.clone();
             Some(Worker {
                 id: row.id,
@@ -235,7 +216,7 @@ impl Dispatch {
                 cpu_features: about.cpu_features,
             })
         };
-        state.table.workers().into_iter().filter_map(view).collect()
+        state.table.workers().into_iter().filter_map(worker).collect()
     }
 
     /// Forgets workers that the table has forgotten.
@@ -249,12 +230,12 @@ impl Dispatch {
     pub(crate) fn measure(&self) {
         let mut state = self.state();
         let totals = state.table.totals();
-        let State { table, submitted, .. } = &mut *state;
-        submitted.retain(|job, _| table.has_job(job));
-        let oldest = submitted.values().min().copied();
+        let State { table, open, .. } = &mut *state;
+        open.retain(|job, _| table.has_job(job));
+        let oldest = open.values().map(|open| open.submitted_at).min();
         drop(state);
-        let now = self.clock.unix_ms();
-        let age_ms = oldest.map_or(0, |submitted| now.saturating_sub(submitted));
+        let now = self.clock.wall().0;
+        let age_ms = oldest.map_or(0, |submitted| now.saturating_sub(submitted.0));
         telemetry::queue(totals.queued, totals.leased, age_ms);
     }
 
@@ -262,6 +243,10 @@ impl Dispatch {
         telemetry::strikes(events.len());
         self.work.notify_waiters();
         events
+    }
+
+    fn now(&self) -> Millis {
+        Millis(self.clock.monotonic_ms())
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -272,10 +257,34 @@ impl Dispatch {
 /// The worker is not registered with this life of the service.
 pub(crate) struct Unknown;
 
+/// A worker process.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Worker {
+    /// `wrk_…`, new with every registration.
+    pub(crate) id: String,
+    /// The name it gave itself; the service's own are `local-1`, `local-2`, …
+    pub(crate) name: String,
+    /// Frames that it renders side by side.
+    pub(crate) slots: u32,
+    /// Frames that it holds.
+    pub(crate) leased_frames: u64,
+    /// Milliseconds since it was last heard of.
+    pub(crate) silent_ms: u64,
+    /// Version of its code.
+    pub(crate) code_version: String,
+    /// Version of its ONNX Runtime; null: none.
+    pub(crate) onnx_runtime: Option<String>,
+    /// CPU features that choose its code paths.
+    pub(crate) cpu_features: String,
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
+    use catalogue::JobRow;
+
+    use super::super::table::TERM_MS;
     use super::*;
 
     /// A dispatch with a job of one frame, the worker's id, and the hand of the clock.
@@ -283,17 +292,30 @@ mod tests {
         let hand = Arc::new(AtomicU64::new(0));
         let read = Arc::clone(&hand);
         let clock = Clock::from_functions(move || read.load(Ordering::SeqCst), || 0);
-        let dispatch = Dispatch::new(clock, 1);
-        dispatch.add_job(
-            JobEntry {
-                id: "job_a".to_owned(),
-                frames: 1,
-                ..JobEntry::default()
-            },
-            0,
-        );
+        let dispatch = Dispatch::new(clock);
+        dispatch.add_job(job("job_a"));
         let worker = dispatch.register(about());
         (dispatch, worker, hand)
+    }
+
+    fn job(id: &str) -> OpenJob {
+        OpenJob::from(JobRow {
+            id: id.to_owned(),
+            dataset: "bay".to_owned(),
+            state: JobState::Queued,
+            frames: 1,
+            done: 0,
+            failed: 0,
+            bytes: 0,
+            version: 1,
+            created_at: UnixMs(0),
+            started_at: None,
+            finished_at: None,
+            digest: None,
+            warnings: Vec::new(),
+            priority: 0,
+            spec_digest: format!("digest of {id}"),
+        })
     }
 
     fn about() -> Register {
@@ -328,17 +350,19 @@ mod tests {
             .ok()
             .flatten()
             .unwrap();
-        assert_eq!(granted.lease().frames, [(0, 1)]);
+        let lease = granted.hand_over();
+        assert_eq!(lease.frames, [(0, 1)]);
+        assert_eq!(lease.spec_digest, "digest of job_a");
     }
 
     #[tokio::test]
     async fn a_silent_workers_frame_comes_back_after_its_term_under_a_larger_token() {
         let (dispatch, worker, hand) = one_frame();
         let first = token(&dispatch, &worker).await.unwrap();
-        hand.store(u64::from(crate::leases::table::TERM_MS) - 1, Ordering::SeqCst);
+        hand.store(u64::from(TERM_MS) - 1, Ordering::SeqCst);
         assert!(dispatch.expire().is_empty());
         assert_eq!(token(&dispatch, &worker).await, None);
-        hand.store(u64::from(crate::leases::table::TERM_MS), Ordering::SeqCst);
+        hand.store(u64::from(TERM_MS), Ordering::SeqCst);
         assert_eq!(dispatch.expire().len(), 1);
         hand.store(60_000, Ordering::SeqCst);
         assert!(token(&dispatch, &worker).await.unwrap() > first);
@@ -373,14 +397,7 @@ mod tests {
         };
         tokio::task::yield_now().await;
         let begun = Instant::now();
-        dispatch.add_job(
-            JobEntry {
-                id: "job_b".to_owned(),
-                frames: 1,
-                ..JobEntry::default()
-            },
-            0,
-        );
+        dispatch.add_job(job("job_b"));
         assert_eq!(waiting.await.unwrap().as_deref(), Some("job_b"));
         assert_eq!(begun.elapsed(), Duration::ZERO);
     }

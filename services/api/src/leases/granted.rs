@@ -1,43 +1,47 @@
 //! A lease between the table and its worker.
 
-use crate::leases::table::Grant;
+use proto::message::Lease;
 
-use crate::leases::dispatch::Dispatch;
+use super::dispatch::Dispatch;
+use super::table::{Grant, TERM_MS};
 
 /// A lease on its way to its worker. If the worker hangs up before that, the frames are free again at once, and the
 /// loss counts as no strike.
 pub(crate) struct Granted<'d> {
     dispatch: &'d Dispatch,
-    lease: Option<Grant>,
+    lease: Option<Lease>,
 }
 
 impl<'d> Granted<'d> {
-    pub(crate) fn new(dispatch: &'d Dispatch, lease: Grant) -> Self {
-        Self {
-            dispatch,
-            lease: Some(lease),
-        }
-    }
-
-    /// What was granted.
-    pub(crate) fn lease(&self) -> &Grant {
-        self.lease
-            .as_ref()
-            .expect("it is only taken by the methods that end this value")
+    pub(super) fn new(dispatch: &'d Dispatch, grant: Grant, spec_digest: String) -> Self {
+        let Grant {
+            token,
+            job_id,
+            frames,
+        } = grant;
+        let lease = Some(Lease {
+            token,
+            job_id,
+            spec_digest,
+            frames,
+            term_ms: TERM_MS,
+        });
+        Self { dispatch, lease }
     }
 
     /// From here on only the worker, or time, ends the lease.
-    pub(crate) fn hand_over(mut self) -> Grant {
+    pub(crate) fn hand_over(mut self) -> Lease {
         self.lease
             .take()
-            .expect("it is only taken by the methods that end this value")
+            .expect("only this method takes it, and it ends this value")
     }
 }
 
 impl Drop for Granted<'_> {
     fn drop(&mut self) {
         if let Some(lease) = &self.lease {
-            self.dispatch.release(lease.token);
+            let token = lease.token;
+            self.dispatch.free(|table, now| table.release(token, now));
         }
     }
 }

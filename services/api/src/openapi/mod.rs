@@ -18,10 +18,7 @@ pub(crate) use job::JobDescription;
     description = "A problem. `type` says which.",
     content_type = "application/problem+json"
 )]
-#[expect(
-    dead_code,
-    reason = "describes the body; the answer itself is built member by member"
-)]
+#[expect(dead_code, reason = "describes the body, which is built member by member")]
 pub(crate) struct Problem {
     /// `/problems/<slug>`; the list of slugs stands in this document's description.
     #[schema(example = "/problems/validation")]

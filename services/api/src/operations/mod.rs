@@ -1,3 +1,28 @@
-//! What those who run the service ask.
+//! What those who run the service ask: whether it lives, what it counts, a copy of everything.
 
 pub(crate) mod routes;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use catalogue::Catalogue;
+use metrics_exporter_prometheus::PrometheusHandle;
+use tokio_util::sync::CancellationToken;
+
+use crate::bytes::Bytes;
+use crate::leases::Leases;
+use crate::processes::Processes;
+use crate::styles::Styles;
+
+/// The service as its operator sees it.
+pub(crate) struct Operations {
+    /// The service's folder.
+    pub(crate) data: PathBuf,
+    pub(crate) catalogue: Arc<Catalogue>,
+    pub(crate) bytes: Arc<Bytes>,
+    pub(crate) leases: Arc<Leases>,
+    pub(crate) styles: Arc<Styles>,
+    pub(crate) processes: Arc<Processes>,
+    pub(crate) telemetry: &'static PrometheusHandle,
+    pub(crate) stop: CancellationToken,
+}

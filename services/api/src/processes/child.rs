@@ -131,7 +131,7 @@ fn resident_bytes(id: u32) -> Option<u64> {
     Some(kib << 10)
 }
 
-/// The beginning of what a pipe carries; the rest is read and dropped, so that nobody waits for it.
+/// The beginning of what a pipe carries; the rest is read and dropped, so that the child never blocks on it.
 async fn head(pipe: Option<impl AsyncRead + Unpin>) -> String {
     let Some(mut pipe) = pipe else {
         return String::new();

@@ -6,6 +6,15 @@ use tokio::sync::Semaphore;
 
 use crate::http::problem::Problem;
 
+/// Runs a change to its end, also when the client that asked for it goes away.
+pub(crate) async fn to_the_end<T: Send + 'static>(
+    change: impl Future<Output = Result<T, Problem>> + Send + 'static,
+) -> Result<T, Problem> {
+    tokio::spawn(change)
+        .await
+        .map_err(|error| Problem::internal(&error))?
+}
+
 /// Runs closures on threads of their own, a bounded number at a time.
 pub(crate) struct Compute(Arc<Semaphore>);
 
@@ -19,10 +28,8 @@ impl Compute {
         &self,
         computation: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, Problem> {
-        let place = Arc::clone(&self.0)
-            .acquire_owned()
-            .await
-            .map_err(|error| Problem::internal(&error))?;
+        let place = Arc::clone(&self.0).acquire_owned().await;
+        let place = place.map_err(|error| Problem::internal(&error))?;
         let task = tokio::task::spawn_blocking(move || {
             let _place = place;
             computation()

@@ -38,7 +38,7 @@ pub(crate) struct Recipe {
 }
 
 /// Told the name of a worker whose process has ended and the last lines that it printed, before the next one starts under
-/// that name. Answers whether it had come as far as to register: then it may start again at once.
+/// that name. Returns whether it had registered: then it may start again at once.
 pub(crate) type OnExit = Arc<dyn Fn(String, String) -> BoxFuture<'static, bool> + Send + Sync>;
 
 /// Running children.
@@ -119,7 +119,7 @@ fn spawn(recipe: &Recipe, name: &str) -> std::io::Result<Child> {
         .spawn()
 }
 
-/// Waits for the end of a child; answers how it ended and what it printed last.
+/// Waits for the end of a child; returns how it ended and what it printed last.
 async fn live(mut child: Child, name: &str, stop: &CancellationToken) -> (Option<ExitStatus>, String) {
     let printed = child
         .stderr
@@ -153,7 +153,7 @@ async fn ended(child: &mut Child, name: &str, stop: &CancellationToken) -> Optio
     None
 }
 
-/// Logs what a child prints; answers the end of it.
+/// Logs what a child prints; returns its last lines.
 async fn pass_on(stderr: ChildStderr, worker: String) -> String {
     let mut lines = BufReader::new(stderr).split(b'\n');
     let mut tail = VecDeque::new();

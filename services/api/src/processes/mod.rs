@@ -3,3 +3,9 @@
 pub(crate) mod child;
 pub(crate) mod compute;
 pub(crate) mod fleet;
+
+/// Where handlers send what takes long.
+pub(crate) struct Processes {
+    pub(crate) compute: compute::Compute,
+    pub(crate) children: child::Children,
+}

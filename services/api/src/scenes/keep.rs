@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use catalogue::SceneRow;
+use catalogue::{SceneRow, UnixMs};
 use imaging::codec::{Radiance, decode_radiance};
 use imaging::geometry::Intrinsics;
 use scenes::SceneError;
@@ -12,32 +12,34 @@ use spec::SceneFiles;
 use store::Blob;
 use uuid::Uuid;
 
-use crate::app::Shared;
+use super::Scenes;
+use super::upload::SceneForm;
 use crate::http::problem::Problem;
-use crate::scenes::form::Form;
+use crate::processes::compute::to_the_end;
 
-/// Stores a scene unless one with the same content is there; says whether it is new. Goes on to its end when the
-/// client goes away.
-pub(crate) async fn keep(app: &Shared, form: Form) -> Result<(SceneRow, bool), Problem> {
-    app.space.room().await?;
-    let created_ms = app.clock.unix_ms();
-    let (row, blobs) = app.compute.run(move || checked(form, created_ms)).await??;
-    let app = Arc::clone(app);
-    let task = tokio::spawn(async move {
-        let id = row.id.clone();
-        let _turn = app.naming.beside_others().await;
-        app.store.put_all(blobs).await?;
-        let stored = app.catalogue.insert_scene(row).await?;
-        let row = app.catalogue.scene(&stored).await?;
-        let row =
-            row.ok_or_else(|| Problem::internal(&format!("scene {stored} vanished after it was stored")))?;
-        Ok((row, stored == id))
-    });
-    task.await.map_err(|error| Problem::internal(&error))?
+impl Scenes {
+    /// Stores a scene, unless one with the same content is stored; returns its row and whether it is new. Goes on to
+    /// its end when the client goes away.
+    pub(super) async fn keep(self: &Arc<Self>, form: SceneForm) -> Result<(SceneRow, bool), Problem> {
+        self.bytes.space.room().await?;
+        let created_at = self.clock.wall();
+        let (row, blobs) = self
+            .processes
+            .compute
+            .run(move || checked(form, created_at))
+            .await??;
+        let scenes = Arc::clone(self);
+        to_the_end(async move {
+            let _turn = scenes.bytes.naming.beside_others().await;
+            scenes.bytes.store.put_all(blobs).await?;
+            Ok(scenes.catalogue.insert_scene(row).await?)
+        })
+        .await
+    }
 }
 
 /// Decodes everything once, so that no worker meets a scene that cannot be read.
-fn checked(form: Form, created_ms: u64) -> Result<(SceneRow, Vec<Blob>), Problem> {
+fn checked(form: SceneForm, created_at: UnixMs) -> Result<(SceneRow, Vec<Blob>), Problem> {
     let camera = camera(&form)?;
     let files = form.files(camera);
     let scene = decode(&files).map_err(|error| refusal(&error))?;
@@ -56,17 +58,17 @@ fn checked(form: Form, created_ms: u64) -> Result<(SceneRow, Vec<Blob>), Problem
         files,
         width: side(scene.radiance.width()),
         height: side(scene.radiance.height()),
-        created_ms,
+        created_at,
     };
     Ok((row, blobs))
 }
 
 /// The camera needs the picture's size, which only decoding tells for every format.
-fn camera(form: &Form) -> Result<Option<Intrinsics>, Problem> {
+fn camera(form: &SceneForm) -> Result<Option<Intrinsics>, Problem> {
     if !form.has_camera() {
         return Ok(None);
     }
-    let picture = decode_radiance(form.rgb.as_deref().unwrap_or_default());
+    let picture = decode_radiance(&form.rgb);
     let (width, height) = match picture.map_err(|error| Problem::field("/rgb", format!("rgb: {error}")))? {
         Radiance::Encoded(raster) => (raster.width(), raster.height()),
         Radiance::Linear(picture) => (picture.width(), picture.height()),

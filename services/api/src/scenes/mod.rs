@@ -1,6 +1,22 @@
 //! Uploaded scenes.
 
-pub(crate) mod form;
-pub(crate) mod keep;
+mod keep;
 pub(crate) mod routes;
+mod upload;
 pub(crate) mod view;
+
+use std::sync::Arc;
+
+use catalogue::Catalogue;
+
+use crate::bytes::Bytes;
+use crate::clock::Clock;
+use crate::processes::Processes;
+
+/// What it takes to store a scene.
+pub(crate) struct Scenes {
+    pub(crate) catalogue: Arc<Catalogue>,
+    pub(crate) bytes: Arc<Bytes>,
+    pub(crate) processes: Arc<Processes>,
+    pub(crate) clock: Clock,
+}

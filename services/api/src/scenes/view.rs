@@ -5,8 +5,6 @@ use serde::Serialize;
 use spec::SceneFiles;
 use utoipa::ToSchema;
 
-use crate::http::time::rfc3339;
-
 /// An uploaded scene.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Scene)]
@@ -61,7 +59,7 @@ impl From<SceneRow> for SceneView {
             focal_px: intrinsics.map(|camera| camera.focal_px),
             cx: intrinsics.map(|camera| camera.cx),
             cy: intrinsics.map(|camera| camera.cy),
-            created_at: rfc3339(row.created_ms),
+            created_at: row.created_at.to_string(),
         }
     }
 }

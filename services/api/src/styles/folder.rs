@@ -56,9 +56,9 @@ pub(super) struct Folder {
 /// [`AddedStyleError`].
 pub fn added_styles(data: &Path, mut library: Library) -> Result<Library, AddedStyleError> {
     let folder = data.join(FOLDER);
-    for name in cards(&folder).map_err(at(&folder))? {
+    for name in cards(&folder).map_err(file_error(&folder))? {
         let path = folder.join(format!("{name}{CARD}"));
-        let card = fs::read_to_string(&path).map_err(at(&path))?;
+        let card = fs::read_to_string(&path).map_err(file_error(&path))?;
         let digest = digest_of(&card);
         if let Some(other) = library.get(&name) {
             if other.card.sha256 == digest {
@@ -87,17 +87,17 @@ impl Folder {
         let (mut bytes, mut styles) = (0, 0);
         let entries = match fs::read_dir(&path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            entries => Some(entries.map_err(at(&path))?),
+            entries => Some(entries.map_err(file_error(&path))?),
         };
         for entry in entries.into_iter().flatten() {
-            let entry = entry.map_err(at(&path))?;
+            let entry = entry.map_err(file_error(&path))?;
             let name = entry.file_name().to_string_lossy().into_owned();
             if name.starts_with(UNFINISHED) {
-                fs::remove_file(entry.path()).map_err(at(&entry.path()))?;
+                fs::remove_file(entry.path()).map_err(file_error(&entry.path()))?;
             } else if name.ends_with(CARD) {
                 styles += 1;
             } else {
-                bytes += entry.metadata().map_err(at(&entry.path()))?.len();
+                bytes += entry.metadata().map_err(file_error(&entry.path()))?.len();
             }
         }
         Ok(Self { path, bytes, styles })
@@ -185,7 +185,7 @@ fn read_model(folder: &Path, digest: &str) -> io::Result<Vec<u8>> {
     fs::read(folder.join(format!("{digest}.onnx")))
 }
 
-fn at(path: &Path) -> impl Fn(io::Error) -> AddedStyleError {
+fn file_error(path: &Path) -> impl Fn(io::Error) -> AddedStyleError {
     move |source| AddedStyleError::File {
         path: path.to_owned(),
         source,

@@ -1,7 +1,7 @@
 //! The styles that jobs may name: those of the start, and those that were added while the service ran.
 //!
-//! [`add`] is the only way in. Whoever has a network, from a request or from a training job, makes a [`NewStyle`] of
-//! it, with as much of its card as is known, and calls `add`: the network is tried in a process of its own, stored, and
+//! [`Styles::add`] is the only way in. Whoever has a network, from a request or from a training job, makes a
+//! [`NewStyle`] of it, with as much of its card as is known, and calls `add`: the network is tried in a process of its own, stored, and
 //! known from then on. The next job may name it; a worker that lacks it fetches it. A style is never changed or taken
 //! away, since images name it.
 
@@ -15,13 +15,19 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use spec::Vocabulary;
 use style::{Card, Library, LibraryError, StyleModel, is_name, sha256_of};
+use tokio_util::sync::CancellationToken;
 
-use crate::app::Shared;
+use crate::bytes::Bytes;
+use crate::config::{Config, Surroundings};
 use crate::http::problem::{Problem, Slug};
 use crate::limits;
+use crate::processes::Processes;
+use crate::processes::child::Allowance;
+use crate::waters::Waters;
 
 use folder::Folder;
 pub use folder::{AddedStyleError, added_styles};
+use trainings::Trainings;
 
 /// Stands on the card of every style that was added.
 const NO_PROMISE: &str =
@@ -35,8 +41,7 @@ pub(crate) struct NewStyle {
 }
 
 impl NewStyle {
-    /// A network of which only the name is known, and that nobody promises anything of. The caller fills in what it
-    /// knows beyond that.
+    /// An unverified network, known only by name. The caller adds what it knows beyond that.
     pub(crate) fn new(name: &str, onnx: Vec<u8>) -> Result<Self, Problem> {
         if !is_name(name) {
             let message = format!("name is `{name}` but must have 1 to 64 characters of a-z, 0-9, _ and -");
@@ -58,27 +63,57 @@ pub(crate) struct Known {
 }
 
 impl Known {
-    fn of(library: Library) -> Arc<Self> {
+    fn new(library: Library) -> Arc<Self> {
         let vocabulary = renderer::vocabulary(&library, false);
         Arc::new(Self { library, vocabulary })
     }
 }
 
-/// The styles of a service.
+/// The styles of a service, and what it takes to add one.
 pub(crate) struct Styles {
     known: RwLock<Arc<Known>>,
     /// Held while a style is added.
     folder: Mutex<Folder>,
+    pub(crate) trainings: Trainings,
+    /// Version of the ONNX Runtime that this machine's workers find, or why there is none.
+    pub(crate) runtime: Result<String, String>,
+    trial: Allowance,
+    bytes: Arc<Bytes>,
+    processes: Arc<Processes>,
+    stop: CancellationToken,
 }
 
 impl Styles {
     /// The styles of the start and those that the folder of the service has. Reads files.
-    pub(crate) fn open(data: &Path, library: Library) -> Result<Self, AddedStyleError> {
-        let library = added_styles(data, library)?;
+    pub(crate) fn open(
+        config: &Config,
+        surroundings: &Surroundings,
+        bytes: Arc<Bytes>,
+        processes: Arc<Processes>,
+        stop: CancellationToken,
+    ) -> Result<Self, AddedStyleError> {
+        let library = added_styles(&config.data, config.library.clone())?;
         Ok(Self {
-            known: RwLock::new(Known::of(library)),
-            folder: Mutex::new(Folder::open(data)?),
+            known: RwLock::new(Known::new(library)),
+            folder: Mutex::new(Folder::open(&config.data)?),
+            trainings: Trainings::new(&config.worker_program, surroundings.limits.children),
+            runtime: surroundings.style_runtime.clone(),
+            trial: Allowance {
+                time: config.style_trial,
+                memory_bytes: limits::STYLE_TRIAL_MEMORY_BYTES,
+            },
+            processes,
+            bytes,
+            stop,
         })
+    }
+
+    /// The words that descriptions may use now: these styles, and the waters of the users' own.
+    pub(crate) fn vocabulary(&self, waters: &Waters) -> Vocabulary {
+        Vocabulary {
+            waters: waters.words(),
+            ..self.known().vocabulary.clone()
+        }
     }
 
     /// The styles now.
@@ -123,7 +158,7 @@ impl Styles {
         folder
             .put(&new.card.name, &new.card.sha256, &new.onnx, &card)
             .map_err(|error| crate::http::failure::writing(&error))?;
-        *self.known.write().unwrap_or_else(PoisonError::into_inner) = Known::of(library);
+        *self.known.write().unwrap_or_else(PoisonError::into_inner) = Known::new(library);
         tracing::info!(
             style = new.card.name,
             sha256 = new.card.sha256,
@@ -131,21 +166,21 @@ impl Styles {
         );
         Ok((new.card, true))
     }
-}
 
-/// Adds a style: tries it, stores it, knows it. Answers its card, and whether it is new; the same network under the
-/// same name again changes nothing. Goes on to its end, once it was tried, when the caller goes away.
-pub(crate) async fn add(app: &Shared, new: NewStyle) -> Result<(Card, bool), Problem> {
-    if new.onnx.len() > limits::STYLE_BYTES {
-        let (bytes, limit) = (new.onnx.len(), limits::STYLE_BYTES);
-        let detail = format!("the model has {bytes} bytes, the limit is {limit}");
-        return Err(Problem::new(Slug::TooLarge, detail));
+    /// Adds a style: tries it, stores it, knows it. Returns its card, and whether it is new; the same network under the
+    /// same name again changes nothing. Goes on to its end, once it was tried, when the caller goes away.
+    pub(crate) async fn add(self: &Arc<Self>, new: NewStyle) -> Result<(Card, bool), Problem> {
+        if new.onnx.len() > limits::STYLE_BYTES {
+            let (bytes, limit) = (new.onnx.len(), limits::STYLE_BYTES);
+            let detail = format!("the model has {bytes} bytes, the limit is {limit}");
+            return Err(Problem::new(Slug::TooLarge, detail));
+        }
+        if let Some(card) = self.same(&new)? {
+            return Ok((card, false));
+        }
+        self.bytes.space.room().await?;
+        self.try_out(&new).await?;
+        let styles = Arc::clone(self);
+        self.processes.compute.run(move || styles.keep(new)).await?
     }
-    if let Some(card) = app.styles.same(&new)? {
-        return Ok((card, false));
-    }
-    app.space.room().await?;
-    trial::run(app, &new).await?;
-    let keeper = Arc::clone(app);
-    app.compute.run(move || keeper.styles.keep(new)).await?
 }

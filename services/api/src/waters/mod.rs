@@ -6,128 +6,147 @@ pub(crate) mod view;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
-use catalogue::{Catalogue, CatalogueError, WaterRow};
+use catalogue::{Catalogue, CatalogueError, UnixMs, WaterRow};
 use optics::preset::{self, Preset, parse_own};
 use serde_json::{Map, Value};
 use spec::OwnWater;
 use tokio::sync::Mutex;
 
-use crate::app::Shared;
+use crate::clock::Clock;
 use crate::http::problem::{Problem, Slug};
+use crate::processes::compute::to_the_end;
+use view::WaterView;
 
 /// The waters of the users' own.
 pub(crate) struct Waters {
     own: RwLock<Vec<Own>>,
     /// Held while catalogue and memory change together.
     turn: Mutex<()>,
+    catalogue: Arc<Catalogue>,
+    clock: Clock,
 }
 
 /// A water of a user's own.
-#[derive(Debug, Clone)]
-pub(crate) struct Own {
-    pub(crate) preset: Preset,
-    pub(crate) created_ms: u64,
+#[derive(Clone)]
+struct Own {
     water: OwnWater,
+    preset: Preset,
+    created_at: UnixMs,
 }
 
 impl Own {
-    pub(crate) fn new((water, preset): (OwnWater, Preset), created_ms: u64) -> Self {
-        Self {
-            preset,
-            created_ms,
-            water,
-        }
+    fn name(&self) -> &str {
+        &self.water.name
+    }
+
+    fn view(&self) -> WaterView {
+        WaterView::new(&self.preset, Some(self.created_at))
     }
 }
 
 impl Waters {
     /// Reads them from the catalogue. One that today's tests refuse stays stored and is left out with a word in the log.
-    pub(crate) async fn open(catalogue: &Catalogue) -> Result<Self, CatalogueError> {
+    pub(crate) async fn open(catalogue: Arc<Catalogue>, clock: Clock) -> Result<Self, CatalogueError> {
         let mut own: Vec<Own> = Vec::new();
-        for row in catalogue.waters().await? {
-            match parse_own(row.description.as_bytes(), &[]) {
-                Ok(water) if preset::find(&row.name).is_none() => own.push(Own::new(water, row.created_ms)),
+        for WaterRow {
+            name,
+            description,
+            created_at,
+        } in catalogue.waters().await?
+        {
+            match parse_own(description.as_bytes(), &[]) {
+                Ok((water, preset)) if preset::find(&name).is_none() => own.push(Own {
+                    water,
+                    preset,
+                    created_at,
+                }),
                 Ok(_) => tracing::warn!(
-                    water = row.name,
+                    water = name,
                     "a shipped water has this name now: it hides the user's own"
                 ),
-                Err(errors) => tracing::warn!(water = row.name, %errors, "a stored water is left out"),
+                Err(errors) => tracing::warn!(water = name, %errors, "a stored water is left out"),
             }
         }
         Ok(Self {
             own: RwLock::new(own),
             turn: Mutex::default(),
+            catalogue,
+            clock,
         })
     }
 
     /// What stands for each name in a job.
     pub(crate) fn words(&self) -> BTreeMap<String, Map<String, Value>> {
-        let all = self.own.read().unwrap_or_else(PoisonError::into_inner);
-        all.iter()
-            .map(|own| (own.preset.name.clone(), own.water.optics()))
-            .collect()
+        let words = |own: Own| (own.name().to_owned(), own.water.optics());
+        self.own().into_iter().map(words).collect()
     }
 
-    /// All of them by name.
-    pub(crate) fn all(&self) -> Vec<Own> {
+    /// The shipped waters, then the users' own by name.
+    fn all(&self) -> Vec<WaterView> {
+        let shipped = preset::presets()
+            .iter()
+            .map(|preset| WaterView::new(preset, None));
+        shipped.chain(self.own().iter().map(Own::view)).collect()
+    }
+
+    fn find(&self, name: &str) -> Option<WaterView> {
+        let shipped = preset::find(name).map(|preset| WaterView::new(preset, None));
+        shipped.or_else(|| self.own().iter().find(|own| own.name() == name).map(Own::view))
+    }
+
+    fn own(&self) -> Vec<Own> {
         self.own.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    fn add(&self, own: Own) {
-        let mut all = self.own.write().unwrap_or_else(PoisonError::into_inner);
-        let place = all.partition_point(|other| other.preset.name < own.preset.name);
-        all.insert(place, own);
+    /// Checks and stores a water; jobs may use it at once. Goes on to its end when the client goes away.
+    async fn create(self: &Arc<Self>, body: Vec<u8>) -> Result<WaterView, Problem> {
+        let waters = Arc::clone(self);
+        to_the_end(async move {
+            let _turn = waters.turn.lock().await;
+            let others: Vec<Preset> = waters.own().into_iter().map(|own| own.preset).collect();
+            let (water, preset) = parse_own(&body, &others)?;
+            let name = water.name.clone();
+            let created_at = waters.clock.wall();
+            let row = WaterRow {
+                name: name.clone(),
+                description: water.description(),
+                created_at,
+            };
+            if preset::find(&name).is_some() || !waters.catalogue.insert_water(row).await? {
+                let detail = format!("there is a water `{name}` already");
+                return Err(Problem::new(Slug::NameTaken, detail));
+            }
+            let own = Own {
+                water,
+                preset,
+                created_at,
+            };
+            let view = own.view();
+            let mut all = waters.own.write().unwrap_or_else(PoisonError::into_inner);
+            let place = all.partition_point(|other| *other.name() < *name);
+            all.insert(place, own);
+            tracing::info!(water = name, "water stored");
+            Ok(view)
+        })
+        .await
     }
 
-    fn remove(&self, name: &str) {
-        let mut all = self.own.write().unwrap_or_else(PoisonError::into_inner);
-        all.retain(|own| own.preset.name != name);
+    /// Deletes a water. Jobs hold its numbers and go on.
+    async fn delete(self: &Arc<Self>, name: String) -> Result<(), Problem> {
+        let waters = Arc::clone(self);
+        to_the_end(async move {
+            let _turn = waters.turn.lock().await;
+            let deleted = waters.catalogue.delete_water(&name).await?;
+            let mut all = waters.own.write().unwrap_or_else(PoisonError::into_inner);
+            all.retain(|own| own.name() != name);
+            match (deleted, preset::find(&name)) {
+                (true, _) => Ok(()),
+                (false, Some(_)) => Err(Problem::not_found(format!(
+                    "water `{name}` comes with the service and stays"
+                ))),
+                (false, None) => Err(Problem::not_found(format!("no water `{name}`"))),
+            }
+        })
+        .await
     }
-}
-
-/// Checks and stores a water; jobs may use it at once. Goes on to its end when the client goes away.
-pub(crate) async fn create(app: &Shared, body: Vec<u8>) -> Result<Own, Problem> {
-    let app = Arc::clone(app);
-    let task = tokio::spawn(async move {
-        let _turn = app.waters.turn.lock().await;
-        let others: Vec<Preset> = app.waters.all().into_iter().map(|own| own.preset).collect();
-        let (water, preset) = parse_own(&body, &others)?;
-        let name = water.name.clone();
-        let taken = || Problem::new(Slug::NameTaken, format!("there is a water `{name}` already"));
-        if preset::find(&name).is_some() {
-            return Err(taken());
-        }
-        let created_ms = app.clock.unix_ms();
-        let row = WaterRow {
-            name: name.clone(),
-            description: water.description(),
-            created_ms,
-        };
-        if !app.catalogue.insert_water(row).await? {
-            return Err(taken());
-        }
-        let own = Own::new((water, preset), created_ms);
-        app.waters.add(own.clone());
-        tracing::info!(water = name, "water stored");
-        Ok(own)
-    });
-    task.await.map_err(|error| Problem::internal(&error))?
-}
-
-/// Deletes a water. Jobs hold its numbers and go on.
-pub(crate) async fn delete(app: &Shared, name: String) -> Result<(), Problem> {
-    let app = Arc::clone(app);
-    let task = tokio::spawn(async move {
-        let _turn = app.waters.turn.lock().await;
-        let there = app.catalogue.delete_water(&name).await?;
-        app.waters.remove(&name);
-        match (there, preset::find(&name)) {
-            (true, _) => Ok(()),
-            (false, Some(_)) => Err(Problem::not_found(format!(
-                "water `{name}` comes with the service and stays"
-            ))),
-            (false, None) => Err(Problem::not_found(format!("no water `{name}`"))),
-        }
-    });
-    task.await.map_err(|error| Problem::internal(&error))?
 }

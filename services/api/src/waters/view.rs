@@ -1,10 +1,9 @@
 //! A water as the service and the command line show it.
 
+use catalogue::UnixMs;
 use optics::preset::{self, Channels, Preset};
 use serde::Serialize;
 use utoipa::ToSchema;
-
-use crate::http::time::rfc3339;
 
 /// An optical water. Arrays are R, G, B; absent coefficients are unknown, not zero.
 #[derive(Debug, Serialize, ToSchema)]
@@ -12,7 +11,7 @@ use crate::http::time::rfc3339;
 pub struct WaterView {
     /// The full name; the part before `/` names the default source's preset.
     #[schema(example = "jerlov-3C/williamson2022")]
-    name: String,
+    pub(super) name: String,
     /// Whether it was given through the API, and when. Null: it comes with the service.
     #[schema(format = DateTime)]
     created_at: Option<String>,
@@ -58,12 +57,12 @@ pub struct WaterView {
 impl WaterView {
     /// A water with all that follows from it.
     #[must_use]
-    pub fn new(preset: &Preset, created_ms: Option<u64>) -> Self {
+    pub fn new(preset: &Preset, created_at: Option<UnixMs>) -> Self {
         let all = preset::properties(preset);
         let some = |values: Channels| values.iter().any(Option::is_some).then_some(values);
         Self {
             name: preset.name.clone(),
-            created_at: created_ms.map(rfc3339),
+            created_at: created_at.map(|time| time.to_string()),
             jerlov_type: preset.jerlov_type.clone(),
             source: preset.source.clone(),
             licence: preset.licence.clone(),

@@ -1,5 +1,6 @@
 //! What pausing, resuming and trying again mean to frames and leases.
 
+use super::claim;
 use api::lease_table::{JobEntry, LeaseTable, Millis, Totals};
 
 fn table(frames: u64) -> LeaseTable {
@@ -15,7 +16,7 @@ fn table(frames: u64) -> LeaseTable {
 fn give_up(table: &mut LeaseTable, token: u64) -> u64 {
     let grant = table.grant("w", Millis(0), token, 0.0).unwrap();
     let (frame, attempt) = grant.frames[0];
-    let event = table.fail("j", frame, token, attempt, false, "no", Millis(0));
+    let event = table.fail(&claim("j", frame, token, attempt), false, "no", Millis(0));
     assert!(event.unwrap().quarantined);
     frame
 }
@@ -29,8 +30,8 @@ fn a_paused_job_offers_nothing_and_its_leases_live_on() {
     let beat = table.beat("w", &[1], Millis(10_000));
     assert_eq!((beat.cancelled, beat.lost), (vec![], vec![]));
     assert_eq!(table.expire(Millis(20_000)), [], "the beat prolonged it");
-    table.begin_commit("j", 0, 1, 1, Millis(20_000)).unwrap();
-    table.finish_commit("j", 0);
+    table.begin_commit(&claim("j", 0, 1, 1), Millis(20_000)).unwrap();
+    table.finish_commit(&claim("j", 0, 0, 0));
     assert_eq!(table.grant("v", Millis(20_001), 3, 0.0), None);
     table.resume("j");
     assert_eq!(table.grant("v", Millis(20_002), 4, 0.0).unwrap().frames, [(1, 1)]);

@@ -21,6 +21,8 @@ pub(crate) struct State {
     pub(crate) workers: BTreeSet<String>,
     pub(crate) images: BTreeMap<u64, FrameRecord>,
     pub(crate) commits: u64,
+    /// How often a description was asked for.
+    pub(crate) fetched: u32,
     pub(crate) failures: Vec<(u64, String, bool)>,
     blobs: BTreeMap<String, Vec<u8>>,
     scene: Option<wire::SceneResponse>,
@@ -207,11 +209,7 @@ fn answer(state: &mut State, path: &str, body: &[u8], now: Millis) -> Answer {
         "artifacts" => {
             let put: PutArtifacts = decoded::<_, wire::PutArtifactsRequest>(body);
             let claim = put.claim;
-            if state
-                .table
-                .check(&claim.job_id, claim.frame, claim.token, claim.attempt)
-                .is_err()
-            {
+            if state.table.check(&claim).is_err() {
                 return STALE;
             }
             for artifact in put.artifacts {
@@ -228,11 +226,8 @@ fn answer(state: &mut State, path: &str, body: &[u8], now: Millis) -> Answer {
                 retryable,
                 ..
             } = decoded::<_, wire::FailRequest>(body);
-            let (job, frame) = (&claim.job_id, claim.frame);
-            match state
-                .table
-                .fail(job, frame, claim.token, claim.attempt, retryable, &error, now)
-            {
+            let frame = claim.frame;
+            match state.table.fail(&claim, retryable, &error, now) {
                 Err(_) => STALE,
                 Ok(_) => {
                     state.failures.push((frame, error, retryable));
@@ -248,6 +243,10 @@ fn answer(state: &mut State, path: &str, body: &[u8], now: Millis) -> Answer {
         }
         get => match get.split_once('/').unwrap() {
             ("scenes", _) => Answer::Message(state.scene.as_ref().unwrap().encode_to_vec()),
+            ("jobs", id) => {
+                state.fetched += 1;
+                Answer::Message(state.specs[id].canonical().into())
+            }
             ("blobs", digest) => Answer::Message(state.blobs[digest].clone()),
             _ => panic!("unexpected call {path}"),
         },
@@ -280,7 +279,7 @@ fn lease(state: &mut State, want: &WantLease, now: Millis) -> Answer {
     };
     let lease = Lease {
         token: grant.token,
-        spec_json: state.specs[&grant.job_id].canonical().to_owned(),
+        spec_digest: state.specs[&grant.job_id].digest(),
         job_id: grant.job_id,
         frames: grant.frames,
         term_ms: TERM_MS,
@@ -295,12 +294,8 @@ fn lease(state: &mut State, want: &WantLease, now: Millis) -> Answer {
 
 fn commit(state: &mut State, commit: Commit, now: Millis) -> Answer {
     let Commit { claim, record } = commit;
-    let (job, frame) = (&claim.job_id, claim.frame);
-    if state
-        .table
-        .begin_commit(job, frame, claim.token, claim.attempt, now)
-        .is_err()
-    {
+    let frame = claim.frame;
+    if state.table.begin_commit(&claim, now).is_err() {
         return STALE;
     }
     assert!(
@@ -309,7 +304,7 @@ fn commit(state: &mut State, commit: Commit, now: Millis) -> Answer {
             .iter()
             .all(|artifact| state.blobs.contains_key(&artifact.digest))
     );
-    state.table.finish_commit(job, frame);
+    state.table.finish_commit(&claim);
     state.commits += 1;
     state.images.insert(frame, record);
     if state.lost_answers > 0 {

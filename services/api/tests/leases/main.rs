@@ -2,6 +2,17 @@
 
 #![allow(clippy::unwrap_used)]
 
+use proto::message::Claim;
+
+fn claim(job: &str, frame: u64, token: u64, attempt: u32) -> Claim {
+    Claim {
+        token,
+        job_id: job.to_owned(),
+        frame,
+        attempt,
+    }
+}
+
 mod control;
 mod fake_service;
 mod poison;

@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::claim;
 use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, StrikeEvent};
 use imaging::random::Stream;
 
@@ -68,10 +69,10 @@ impl History {
         let now = Millis(self.now);
         if self
             .table
-            .begin_commit("j", frame, grant.token, attempt, now)
+            .begin_commit(&claim("j", frame, grant.token, attempt), now)
             .is_ok()
         {
-            self.table.finish_commit("j", frame);
+            self.table.finish_commit(&claim("j", frame, 0, 0));
             *self.images.entry(frame).or_default() += 1;
         }
         if !grant.frames.is_empty() {

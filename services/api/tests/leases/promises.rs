@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::claim;
 use api::lease_table::{JobEntry, LeaseTable, Millis, Stale};
 
 fn job(id: &str, frames: u64) -> JobEntry {
@@ -33,30 +34,30 @@ fn a_stale_token_a_wrong_attempt_and_a_foreign_frame_change_nothing() {
     table.grant("w", Millis(0), 7, 0.0).unwrap();
     for (frame, token, attempt) in [(0, 8, 1), (0, 7, 2), (1, 7, 1)] {
         assert_eq!(
-            table.begin_commit("j", frame, token, attempt, Millis(1)),
+            table.begin_commit(&claim("j", frame, token, attempt), Millis(1)),
             Err(Stale)
         );
         assert_eq!(
-            table.fail("j", frame, token, attempt, true, "", Millis(1)),
+            table.fail(&claim("j", frame, token, attempt), true, "", Millis(1)),
             Err(Stale)
         );
     }
     assert_eq!(
-        table.begin_commit("j", 0, 7, 1, Millis(20_000)),
+        table.begin_commit(&claim("j", 0, 7, 1), Millis(20_000)),
         Err(Stale),
         "after its term"
     );
-    assert_eq!(table.begin_commit("j", 0, 7, 1, Millis(1)), Ok(()));
+    assert_eq!(table.begin_commit(&claim("j", 0, 7, 1), Millis(1)), Ok(()));
 }
 
 #[test]
 fn a_frame_that_is_being_written_cannot_be_lost() {
     let mut table = table(1);
     table.grant("w", Millis(0), 1, 0.0).unwrap();
-    table.begin_commit("j", 0, 1, 1, Millis(14_999)).unwrap();
+    table.begin_commit(&claim("j", 0, 1, 1), Millis(14_999)).unwrap();
     assert_eq!(table.expire(Millis(60_000)), []);
     assert_eq!(table.grant("v", Millis(60_000), 2, 0.0), None);
-    table.finish_commit("j", 0);
+    table.finish_commit(&claim("j", 0, 0, 0));
     assert_eq!(table.totals(), Default::default());
 }
 
@@ -64,8 +65,8 @@ fn a_frame_that_is_being_written_cannot_be_lost() {
 fn the_rest_of_a_lost_lease_is_tried_one_at_a_time_and_only_then_strikes() {
     let mut table = table(10);
     assert_eq!(table.grant("w", Millis(0), 1, QUICK_MS).unwrap().frames.len(), 10);
-    table.begin_commit("j", 0, 1, 1, Millis(1)).unwrap();
-    table.finish_commit("j", 0);
+    table.begin_commit(&claim("j", 0, 1, 1), Millis(1)).unwrap();
+    table.finish_commit(&claim("j", 0, 0, 0));
     assert_eq!(
         table.drop_worker("w", Millis(2)),
         [],
@@ -87,7 +88,7 @@ fn three_strikes_and_the_frame_is_given_up_with_growing_pauses_before() {
         let grant = table.grant("w", Millis(now), strike, 0.0).unwrap();
         assert_eq!(grant.frames, [(0, strike as u32)]);
         let event = table
-            .fail("j", 0, strike, strike as u32, true, "boom", Millis(now))
+            .fail(&claim("j", 0, strike, strike as u32), true, "boom", Millis(now))
             .unwrap();
         assert_eq!(
             (event.strikes, event.quarantined, event.error.as_str()),
@@ -106,7 +107,7 @@ fn a_failure_that_cannot_pass_is_final_at_once() {
     let mut table = table(1);
     table.grant("w", Millis(0), 1, 0.0).unwrap();
     let event = table
-        .fail("j", 0, 1, 1, false, "no such style", Millis(0))
+        .fail(&claim("j", 0, 1, 1), false, "no such style", Millis(0))
         .unwrap();
     assert!(event.quarantined && event.strikes == 1);
 }
@@ -125,7 +126,7 @@ fn a_cancelled_job_gives_nothing_and_its_workers_are_told() {
     let mut table = table(10);
     table.grant("w", Millis(0), 1, QUICK_MS).unwrap();
     table.cancel("j");
-    assert_eq!(table.begin_commit("j", 0, 1, 1, Millis(1)), Err(Stale));
+    assert_eq!(table.begin_commit(&claim("j", 0, 1, 1), Millis(1)), Err(Stale));
     assert_eq!(table.grant("v", Millis(1), 2, QUICK_MS), None);
     let beat = table.beat("w", &[1, 5], Millis(2));
     assert_eq!((beat.cancelled, beat.lost), (vec![1], vec![5]));
@@ -229,8 +230,8 @@ fn one_busy_worker_is_emptied_for_a_suspect_and_the_others_go_on() {
     table.drop_worker("dead", Millis(1));
     assert_eq!(table.grant("v", Millis(2), 5, 0.0), None, "it is to become empty");
     assert_eq!(table.grant("u", Millis(2), 6, 0.0).unwrap().frames, [(4, 1)]);
-    table.begin_commit("j", 2, 3, 1, Millis(3)).unwrap();
-    table.finish_commit("j", 2);
+    table.begin_commit(&claim("j", 2, 3, 1), Millis(3)).unwrap();
+    table.finish_commit(&claim("j", 2, 0, 0));
     assert_eq!(table.grant("v", Millis(4), 7, 0.0).unwrap().frames, [(0, 1)]);
 }
 
@@ -238,11 +239,11 @@ fn one_busy_worker_is_emptied_for_a_suspect_and_the_others_go_on() {
 fn a_job_that_comes_back_after_a_cancel_owes_nothing_to_its_old_leases() {
     let mut table = table(2);
     table.grant("w", Millis(0), 1, 0.0).unwrap();
-    table.begin_commit("j", 0, 1, 1, Millis(1)).unwrap();
+    table.begin_commit(&claim("j", 0, 1, 1), Millis(1)).unwrap();
     table.cancel("j");
     assert_eq!(table.totals(), Default::default());
     table.add_job(job("j", 2));
-    table.finish_commit("j", 0);
+    table.finish_commit(&claim("j", 0, 0, 0));
     assert_eq!((table.totals().queued, table.totals().leased), (2, 0));
     assert_eq!(
         table.beat("w", &[1], Millis(2)).lost,

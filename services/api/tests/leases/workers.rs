@@ -149,6 +149,11 @@ fn a_job_comes_out_as_without_a_service_and_each_frame_is_committed_once() {
     worker.stop();
     assert_eq!(committed(&service), expected(&job));
     assert_eq!(service.state().commits, FRAMES);
+    assert_eq!(
+        service.state().fetched,
+        1,
+        "three slots, many leases, one description"
+    );
     assert!(service.state().failures.is_empty());
 }
 

@@ -3,8 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::lexer::{Number, Token, tokens};
-use super::{Bind, Column, Compiled, FilterError, Kind, OFFSET};
-use crate::joins::Join;
+use super::{Bind, Column, Compiled, FilterError, Join, Kind, OFFSET};
 
 /// Deeper nesting is refused, so that no filter exhausts the stack.
 const MOST_DEPTH: usize = 64;

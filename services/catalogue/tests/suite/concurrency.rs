@@ -9,7 +9,7 @@ use std::sync::Arc;
 use catalogue::{CatalogueError, InsertImage, JobState, synthetic};
 use tokio::task::JoinSet;
 
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, failure};
 
 const FRAMES: u64 = 300;
 
@@ -37,7 +37,7 @@ async fn the_same_frames_from_many_callers_become_one_image_each() {
                 }
                 if caller == 0 && step % 6 == 0 {
                     catalogue
-                        .record_strike("job_b", step / 6, 1, "x", step % 12 == 0)
+                        .record_strike("job_b", failure(step / 6, 1, "x", step % 12 == 0))
                         .await
                         .unwrap();
                 }

@@ -1,8 +1,9 @@
 //! Pausing, resuming, trying again.
 
-use catalogue::{CatalogueError, InsertImage, JobState, synthetic};
+use catalogue::{CatalogueError, InsertImage, InsertJob, JobState, SceneRow, UnixMs, synthetic};
+use spec::{Intrinsics, RangeFile, RangeKind, SceneFiles};
 
-use crate::fixture::Fixture;
+use crate::fixture::{Fixture, failure};
 
 #[tokio::test]
 async fn a_job_goes_on_as_what_it_was_before_the_pause() {
@@ -33,7 +34,7 @@ async fn a_paused_job_takes_what_was_under_way_and_ends_if_that_was_all() {
     let at = Fixture::new().await;
     at.job("job_a", "bay", 2, 0).await;
     at.catalogue.set_state("job_a", JobState::Paused).await.unwrap();
-    let open = at.catalogue.open_job("job_a").await.unwrap().unwrap();
+    let open = at.open_job("job_a").await;
     assert_eq!((open.row.state, open.done), (JobState::Paused, vec![]));
     synthetic::fill(&at.catalogue, "job_a", 0..1, 0).await.unwrap();
     assert_eq!(
@@ -43,7 +44,14 @@ async fn a_paused_job_takes_what_was_under_way_and_ends_if_that_was_all() {
     synthetic::fill(&at.catalogue, "job_a", 1..2, 0).await.unwrap();
     let done = at.catalogue.job("job_a").await.unwrap().unwrap();
     assert_eq!((done.state, done.digest.is_some()), (JobState::Done, true));
-    for state in [JobState::Paused, JobState::Queued, JobState::Cancelled] {
+    assert_eq!(
+        at.catalogue
+            .set_state("job_a", JobState::Cancelled)
+            .await
+            .unwrap(),
+        done
+    );
+    for state in [JobState::Paused, JobState::Queued] {
         let refused = at.catalogue.set_state("job_a", state).await;
         assert!(
             matches!(refused, Err(CatalogueError::Transition { .. })),
@@ -57,7 +65,7 @@ async fn failed_frames_can_be_tried_again_and_the_job_ends_as_if_none_had_failed
     let (at, other) = (Fixture::new().await, Fixture::new().await);
     at.job("job_a", "bay", 4, 2).await;
     at.catalogue
-        .record_strike("job_a", 2, 1, "first", false)
+        .record_strike("job_a", failure(2, 1, "first", false))
         .await
         .unwrap();
     at.give_up("job_a", 2).await;
@@ -71,10 +79,10 @@ async fn failed_frames_can_be_tried_again_and_the_job_ends_as_if_none_had_failed
     assert_eq!(again.frames, [2, 3]);
     assert_eq!((again.job.state, again.job.failed), (JobState::Running, 0));
     assert_eq!(
-        (again.job.finished_ms, at.all_failures("job_a").await),
+        (again.job.finished_at, at.all_failures("job_a").await),
         (None, vec![])
     );
-    let open = at.catalogue.open_job("job_a").await.unwrap().unwrap();
+    let open = at.open_job("job_a").await;
     assert_eq!(
         (open.done, open.failed),
         (std::iter::once(0..2).collect(), vec![])
@@ -138,8 +146,8 @@ async fn results_and_failures_come_in_frame_order_page_by_page() {
     loop {
         let page = at.catalogue.results("job_a", after, 2).await.unwrap();
         let Some(last) = page.last() else { break };
-        after = last.record["frame"].as_u64();
-        frames.extend(page.iter().map(|image| image.record["frame"].as_u64().unwrap()));
+        after = last["frame"].as_u64();
+        frames.extend(page.iter().map(|image| image["frame"].as_u64().unwrap()));
     }
     assert_eq!(frames, [0, 1, 2, 3, 4]);
     let failed = at.catalogue.failures("job_a", Some(7), 5).await.unwrap();
@@ -148,4 +156,64 @@ async fn results_and_failures_come_in_frame_order_page_by_page() {
         at.catalogue.failures("job_a", Some(u64::MAX), 5).await.unwrap(),
         []
     );
+}
+
+/// Every change returns the row that it leaves, so nobody has to read it again.
+#[tokio::test]
+async fn a_change_returns_its_row_without_a_read() {
+    let at = Fixture::new().await;
+    let new = synthetic::job("job_a", "bay", 3, 1000);
+    let InsertJob::Created(stored) = at.catalogue.insert_job(new).await.unwrap() else {
+        panic!("it is new");
+    };
+    let scene = SceneRow {
+        id: "scn_a".to_owned(),
+        content_digest: "c".repeat(64),
+        files: SceneFiles {
+            rgb: "a".repeat(64),
+            range: Some(RangeFile {
+                file: "b".repeat(64),
+                kind: RangeKind::ZDepth,
+                unit_m: Some(0.001),
+                invalid_code: Some(65_535),
+            }),
+            instances: None,
+            intrinsics: Some(Intrinsics {
+                focal_px: 2.5,
+                cx: 2.0,
+                cy: 1.5,
+            }),
+        },
+        width: 4,
+        height: 3,
+        created_at: UnixMs(7),
+    };
+    let kept = at.catalogue.insert_scene(scene.clone()).await.unwrap();
+    let other = SceneRow {
+        id: "scn_b".to_owned(),
+        ..scene.clone()
+    };
+    let again = at.catalogue.insert_scene(other).await.unwrap();
+    let paused = at.catalogue.set_state("job_a", JobState::Paused).await.unwrap();
+    assert_eq!(at.catalogue.reads(), 0);
+    assert_eq!(at.catalogue.job("job_a").await.unwrap(), Some(paused.clone()));
+    assert_eq!((stored.state, paused.state), (JobState::Queued, JobState::Paused));
+    assert_eq!((&kept, &again), (&(scene.clone(), true), &(scene.clone(), false)));
+    assert_eq!(at.catalogue.scene("scn_a").await.unwrap(), Some(scene));
+    let reads = at.catalogue.reads();
+    at.give_up("job_a", 1).await;
+    let retried = at.catalogue.retry_failed("job_a").await.unwrap();
+    let cancelled = at
+        .catalogue
+        .set_state("job_a", JobState::Cancelled)
+        .await
+        .unwrap();
+    let unchanged = at
+        .catalogue
+        .set_state("job_a", JobState::Cancelled)
+        .await
+        .unwrap();
+    assert_eq!(at.catalogue.reads(), reads);
+    assert_eq!((retried.frames, &unchanged), (vec![1], &cancelled));
+    assert_eq!(at.catalogue.job("job_a").await.unwrap(), Some(cancelled));
 }

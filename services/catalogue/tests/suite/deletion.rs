@@ -46,7 +46,7 @@ async fn a_deleted_job_is_out_of_sight_at_once_and_its_dataset_counts_without_it
     assert_eq!(at.catalogue.job("job_a").await.unwrap(), None);
     assert_eq!(at.catalogue.image("job_a", 0).await.unwrap(), None);
     assert_eq!(at.catalogue.artifact("job_a", 0, "rgb").await.unwrap(), None);
-    assert_eq!(at.catalogue.results("job_a", None, 9).await.unwrap(), []);
+    assert!(at.catalogue.results("job_a", None, 9).await.unwrap().is_empty());
     assert_eq!(at.all_failures("job_a").await, []);
     assert!(
         at.catalogue
@@ -139,11 +139,6 @@ async fn what_another_row_or_a_scene_names_is_no_orphan() {
     };
     let orphans: BTreeSet<String> = at.catalogue.orphans(100).await.unwrap().into_iter().collect();
     assert_eq!(orphans, of_frame(1));
-    let asked: Vec<String> = of_frame(0).into_iter().chain(of_frame(1)).collect();
-    assert_eq!(
-        at.catalogue.referenced(&asked).await.unwrap(),
-        [true, true, false, false]
-    );
     let listed = at.catalogue.artifacts_after(None, 10).await.unwrap();
     assert!(listed.iter().all(|row| row.job_id == "job_copy"));
     assert_eq!(
@@ -155,7 +150,10 @@ async fn what_another_row_or_a_scene_names_is_no_orphan() {
     sweep_to_the_end(&at).await;
     assert_eq!(at.catalogue.orphans(100).await.unwrap().len(), 4);
     copy.id = "job_third".to_owned();
-    assert_eq!(at.catalogue.insert_job(copy).await.unwrap(), InsertJob::Created);
+    assert!(matches!(
+        at.catalogue.insert_job(copy).await.unwrap(),
+        InsertJob::Created(_)
+    ));
 }
 
 #[tokio::test]

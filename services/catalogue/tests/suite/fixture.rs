@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use catalogue::{Catalogue, FailureRow, synthetic};
+use catalogue::{Catalogue, FailureRow, OpenJob, synthetic};
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Executor};
 
@@ -28,9 +28,15 @@ impl Fixture {
 
     pub(crate) async fn give_up(&self, job: &str, frame: u64) {
         self.catalogue
-            .record_strike(job, frame, 3, "boom", true)
+            .record_strike(job, failure(frame, 3, "boom", true))
             .await
             .unwrap();
+    }
+
+    /// What is left of a job that has not ended.
+    pub(crate) async fn open_job(&self, id: &str) -> OpenJob {
+        let row = self.catalogue.job(id).await.unwrap().unwrap();
+        self.catalogue.open_job(row).await.unwrap()
     }
 
     pub(crate) async fn all_failures(&self, job: &str) -> Vec<FailureRow> {
@@ -52,6 +58,15 @@ impl Fixture {
         drop(catalogue);
         let catalogue = open(&folder).await;
         Self { catalogue, folder }
+    }
+}
+
+pub(crate) fn failure(frame: u64, strikes: u32, error: &str, quarantined: bool) -> FailureRow {
+    FailureRow {
+        frame,
+        strikes,
+        quarantined,
+        error: error.to_owned(),
     }
 }
 

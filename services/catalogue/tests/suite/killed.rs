@@ -125,7 +125,7 @@ async fn what_was_acknowledged_is_there_after_every_kill() {
         acknowledged.extend(run_and_kill(&path, faults, most));
         at = at.reopen().await;
         at.is_sound().await;
-        let open = at.catalogue.open_job("job_a").await.unwrap().unwrap();
+        let open = at.open_job("job_a").await;
         let there = |frame: &u64| open.done.iter().any(|range| range.contains(frame));
         let lost: Vec<_> = acknowledged.iter().filter(|frame| !there(frame)).collect();
         assert!(lost.is_empty(), "round {round}: {lost:?}");

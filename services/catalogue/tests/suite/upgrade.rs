@@ -35,8 +35,8 @@ async fn rows_of_the_first_version_are_kept_and_found() {
     let results = at.catalogue.results("job_old", None, 10).await.unwrap();
     assert_eq!(results.len(), 3);
     for image in results {
-        let entry = &image.record["artifacts"][0];
-        let frame = image.record["frame"].as_u64().unwrap();
+        let entry = &image["artifacts"][0];
+        let frame = image["frame"].as_u64().unwrap();
         let named = at
             .catalogue
             .artifact("job_old", frame, "rgb")
@@ -44,16 +44,10 @@ async fn rows_of_the_first_version_are_kept_and_found() {
             .unwrap()
             .unwrap();
         assert_eq!(entry["digest"], named.digest);
-        let found = at
-            .catalogue
-            .referenced(&[named.digest, "a".repeat(64)])
-            .await
-            .unwrap();
-        assert_eq!(found, [true, true], "an image and a scene");
         let page = at.catalogue.images(ImageQuery {
             filter: Some(format!(
                 "alpha = {} and uiqm > 0 and frame = {frame}",
-                image.record["parameters"]["alpha"]
+                image["parameters"]["alpha"]
             )),
             limit: 5,
             ..ImageQuery::default()
@@ -131,12 +125,7 @@ async fn work_of_the_first_version_goes_on() {
         body_digest: "d".to_owned(),
     });
     let found = at.catalogue.insert_job(repeated).await.unwrap();
-    assert_eq!(
-        found,
-        InsertJob::Replayed {
-            job_id: "job_old".to_owned()
-        }
-    );
+    assert!(matches!(found, InsertJob::Replayed(job) if job.id == "job_old"));
     at.catalogue.delete_job("job_old").await.unwrap();
     while at.catalogue.sweep().await.unwrap() {}
     at.is_sound().await;

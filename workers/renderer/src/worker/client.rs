@@ -108,6 +108,14 @@ impl Client {
         self.call("release", request)
     }
 
+    /// The canonical description of a job.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn description(&self, job: &str) -> Result<Vec<u8>, ClientError> {
+        self.get(&format!("jobs/{job}"))
+    }
+
     /// The files of an uploaded scene.
     ///
     /// # Errors

@@ -46,7 +46,7 @@ pub(crate) fn run(shared: &Shared, parcels: &Receiver<Parcel>) {
     }
 }
 
-/// Hands in one frame; answers whether the service has taken note of it.
+/// Hands in one frame; returns whether the service has taken note of it.
 fn frame(shared: &Shared, claim: Claim, outcome: Result<Rendered, Refusal>, hold: &Hold) -> bool {
     if hold.is_lost() {
         return true;

@@ -21,11 +21,11 @@ pub(crate) fn pause_after(tries: u32) -> Duration {
 /// What a repeated call came to.
 pub(crate) struct Answered<T> {
     pub(crate) result: Result<T, ClientError>,
-    /// An earlier try may have arrived without its answer coming back.
+    /// An earlier try may have arrived although its response was lost.
     pub(crate) repeated: bool,
 }
 
-/// Repeats a call until the service answers, as long as the answer is wanted; a few times more once the worker is to stop.
+/// Repeats a call until the service responds, as long as the result is wanted; a few times more once the worker is to stop.
 pub(crate) fn persist<T>(
     stop: &Stop,
     wanted: impl Fn() -> bool,

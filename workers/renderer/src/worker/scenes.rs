@@ -23,7 +23,7 @@ impl Scenes {
         if let Some(scene) = self.kept(id) {
             return Ok(scene);
         }
-        // Not locked meanwhile: two slots that need the same scene fetch it twice, nobody waits for another's transport.
+        // Not locked meanwhile: two slots that need the same scene may fetch it twice, and neither waits for the other.
         let scene = Arc::new(fetch(shared, hold, id)?);
         self.keep(id, &scene);
         Ok(scene)

@@ -102,7 +102,7 @@ impl Service {
         self.client.put_artifacts(files).map(drop)
     }
 
-    /// Makes an image visible; answers whether it was there already.
+    /// Makes an image visible; returns whether it was there already.
     pub(crate) fn commit(&self, commit: &wire::CommitRequest) -> Answer<bool> {
         Ok(self.client.commit(commit)?.already_there)
     }
@@ -119,6 +119,11 @@ impl Service {
             reason: reason.to_owned(),
         };
         self.client.release(&release.into()).map(drop)
+    }
+
+    /// The canonical description of a job.
+    pub(crate) fn description(&self, job: &str) -> Answer<Vec<u8>> {
+        self.client.description(job)
     }
 
     /// What an uploaded scene is made of.

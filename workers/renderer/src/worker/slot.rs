@@ -12,7 +12,6 @@ use super::Shared;
 use super::deliver::Parcel;
 use super::held::Hold;
 use super::patience::pause_after;
-use super::styles;
 use crate::attempt::attempt;
 use crate::error::RenderError;
 use crate::record::Rendered;
@@ -71,7 +70,7 @@ fn work(
 ) -> Result<(), Gone> {
     let hold = shared.held.take(lease.token);
     faults::point("worker.leased");
-    let job = understood(shared, lease);
+    let job = shared.jobs.get(shared, &hold, lease);
     let mut finished = true;
     for &(frame, attempt) in &lease.frames {
         if shared.stop.is_set() || hold.is_lost() {
@@ -101,28 +100,6 @@ fn work(
             .map_err(|_| Gone)?;
     }
     parcels.send(Parcel::End { hold, finished }).map_err(|_| Gone)
-}
-
-/// The job of a lease. One that this worker does not understand may name a style that it has not heard of; a worker of
-/// another version may know what this one does not.
-fn understood(shared: &Shared, lease: &Lease) -> Result<Arc<Job>, Refusal> {
-    let refuse = |error: String| Refusal {
-        error,
-        retryable: true,
-    };
-    match shared.jobs.of(lease) {
-        Ok(job) => Ok(job),
-        Err(invalid) => match styles::learn(shared) {
-            Ok(true) => shared
-                .jobs
-                .of(lease)
-                .map_err(|invalid| refuse(invalid.to_string())),
-            Ok(false) => Err(refuse(invalid.to_string())),
-            Err(error) => Err(refuse(format!(
-                "{invalid}; its styles cannot be fetched: {error}"
-            ))),
-        },
-    }
 }
 
 /// Why a frame has no image, as the service is told.

@@ -4,8 +4,8 @@ use super::client::ClientError;
 
 use super::Shared;
 
-/// Fetches the models that are missing here; answers whether there were any.
-pub(crate) fn learn(shared: &Shared) -> Result<bool, ClientError> {
+/// Fetches the models that are missing here.
+pub(crate) fn learn(shared: &Shared) -> Result<(), ClientError> {
     let mut library = shared.engine.library();
     let mut learned = false;
     for style in shared.service.styles()? {
@@ -28,8 +28,7 @@ pub(crate) fn learn(shared: &Shared) -> Result<bool, ClientError> {
         }
     }
     if learned {
-        shared.jobs.learn(&library);
         shared.engine.replace_library(library);
     }
-    Ok(learned)
+    Ok(())
 }

@@ -4,16 +4,15 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use axum::response::Response;
-use catalogue::ImageQuery;
+use catalogue::{Catalogue, ImageQuery};
 use serde::Deserialize;
 use serde_json::Value;
 use utoipa::IntoParams;
 
-use crate::app::{App, Shared};
+use crate::http::bounds;
 use crate::http::extract::{Path, Query};
 use crate::http::lines::{self, Batch};
 use crate::http::problem::Problem;
-use crate::images::routes::list::checked_filter;
 use crate::limits::ROWS_BATCH;
 
 /// Which images.
@@ -31,16 +30,15 @@ pub(crate) struct Parameters {
 /// Parameters, labels, metrics, counts, digests of the artifacts. Every row has the same members.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.jsonl", tag = "datasets",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
-    responses((status = 200, description = "One object a line.", content_type = "application/x-ndjson", body = String),
-              (status = 404, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "One object a line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn jsonl(
-    State(app): State<Shared>,
+    State(catalogue): State<Arc<Catalogue>>,
     Path(name): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Response, Problem> {
-    let table = Table::of(&app, name, asked).await?;
+    let table = Table::open(catalogue, name, asked).await?;
     table
-        .answer(app, lines::NDJSON, Vec::new(), |_, rows| lines::json_lines(rows))
+        .stream(lines::NDJSON, Vec::new(), |_, rows| lines::json_lines(rows))
         .await
 }
 
@@ -49,25 +47,25 @@ pub(crate) async fn jsonl(
 /// The first line names the columns; what is absent is empty.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.csv", tag = "datasets",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
-    responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String),
-              (status = 404, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String)))]
 pub(crate) async fn csv(
-    State(app): State<Shared>,
+    State(catalogue): State<Arc<Catalogue>>,
     Path(name): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Response, Problem> {
-    let table = Table::of(&app, name, asked).await?;
+    let table = Table::open(catalogue, name, asked).await?;
     let head = record(table.columns.iter().map(|name| quoted(name)));
     let media_type = "text/csv; charset=utf-8; header=present";
     table
-        .answer(app, media_type, head.into_bytes(), |columns, rows| {
+        .stream(media_type, head.into_bytes(), |columns, rows| {
             Ok(records(columns, &rows))
         })
         .await
 }
 
-/// A question whose answer is all rows of a dataset.
+/// A question about all rows of a dataset.
 struct Table {
+    catalogue: Arc<Catalogue>,
     dataset: String,
     filter: Option<String>,
     columns: Vec<String>,
@@ -77,34 +75,34 @@ struct Table {
 type Write = fn(&[String], Vec<Value>) -> Result<Vec<u8>, Problem>;
 
 impl Table {
-    async fn of(app: &App, dataset: String, asked: Parameters) -> Result<Self, Problem> {
-        super::get::row(app, &dataset).await?;
-        let columns = app.catalogue.columns(&dataset).await?.into_iter();
+    async fn open(catalogue: Arc<Catalogue>, dataset: String, asked: Parameters) -> Result<Self, Problem> {
+        super::get::row(&catalogue, &dataset).await?;
+        let columns = catalogue.columns(&dataset).await?.into_iter();
         Ok(Self {
-            filter: checked_filter(asked.filter)?,
+            filter: bounds::filter(asked.filter)?,
             columns: columns.map(|column| column.name).collect(),
             dataset,
+            catalogue,
         })
     }
 
-    async fn answer(
+    async fn stream(
         self,
-        app: Shared,
         media_type: &'static str,
         mut head: Vec<u8>,
         write: Write,
     ) -> Result<Response, Problem> {
-        let mut first = self.batch(&app, None, write).await?;
+        let mut first = self.batch(None, write).await?;
         head.append(&mut first.bytes);
         first.bytes = head;
         let table = Arc::new(self);
-        Ok(lines::answer(media_type, first, move |cursor| {
-            let (app, table) = (Arc::clone(&app), Arc::clone(&table));
-            async move { table.batch(&app, Some(cursor), write).await }
+        Ok(lines::respond(media_type, first, move |cursor| {
+            let table = Arc::clone(&table);
+            async move { table.batch(Some(cursor), write).await }
         }))
     }
 
-    async fn batch(&self, app: &App, cursor: Option<String>, write: Write) -> Result<Batch<String>, Problem> {
+    async fn batch(&self, cursor: Option<String>, write: Write) -> Result<Batch<String>, Problem> {
         let query = ImageQuery {
             dataset: Some(self.dataset.clone()),
             filter: self.filter.clone(),
@@ -113,7 +111,7 @@ impl Table {
             cursor,
             fields: self.columns.clone(),
         };
-        let page = app.catalogue.images(query).await?;
+        let page = self.catalogue.images(query).await?;
         Ok(Batch {
             bytes: write(&self.columns, page.items)?,
             next: page.next_cursor,

@@ -1,13 +1,15 @@
 //! `GET /v1/images/{job}/{frame}/artifacts/{kind}`.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::Response;
 
-use crate::app::Shared;
 use crate::http::extract::Path;
 use crate::http::problem::Problem;
-use crate::http::stored::{self, Stored};
+use crate::http::stored;
+use crate::images::Images;
 
 /// The bytes of an artifact.
 ///
@@ -20,24 +22,15 @@ use crate::http::stored::{self, Stored};
     responses((status = 200, description = "The bytes, verified against their digest.", content_type = "image/png"),
               (status = 206, description = "A range of the bytes.", content_type = "image/png"),
               (status = 304, description = "The copy at hand is right."),
-              (status = 404, response = crate::openapi::Problem),
               (status = 416, response = crate::openapi::Problem)))]
 pub(crate) async fn artifact(
-    State(app): State<Shared>,
+    State(images): State<Arc<Images>>,
     Path((job, frame, kind)): Path<(String, u64, String)>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let entry = app.catalogue.artifact(&job, frame, &kind).await?;
-    let entry =
-        entry.ok_or_else(|| Problem::not_found(format!("no artifact `{kind}` of image `{job}/{frame}`")))?;
+    let entry = images.artifact(&job, frame, &kind).await?;
     if stored::is_at_hand(&headers, &entry.digest) {
         return Ok(stored::not_modified(&entry.digest));
     }
-    let bytes = crate::images::bytes(&app, &entry).await?;
-    Stored {
-        digest: &entry.digest,
-        media_type: &entry.media_type,
-        bytes,
-    }
-    .answer(&headers)
+    images.stored(entry).await?.response(&headers)
 }

@@ -1,17 +1,17 @@
 //! `GET /v1/images`.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::State;
-use catalogue::ImageQuery;
+use catalogue::{Catalogue, ImageQuery, Page};
 use serde::Deserialize;
 use serde_json::Value;
 use utoipa::IntoParams;
 
-use crate::app::Shared;
+use crate::http::bounds;
 use crate::http::extract::Query;
-use crate::http::paging::{Page, rows};
-use crate::http::problem::{Problem, Slug};
-use crate::limits;
+use crate::http::problem::Problem;
 
 /// Which images, which columns, in which order.
 #[derive(Deserialize, IntoParams)]
@@ -40,41 +40,16 @@ pub(crate) struct Parameters {
 #[utoipa::path(get, path = "/v1/images", tag = "images", params(Parameters),
     responses((status = 200, description = "A page of rows.", body = Page<Value>)))]
 pub(crate) async fn list(
-    State(app): State<Shared>,
+    State(catalogue): State<Arc<Catalogue>>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<Page<Value>>, Problem> {
-    let fields = asked
-        .fields
-        .iter()
-        .flat_map(|list| list.split(','))
-        .map(|name| name.trim().to_owned())
-        .collect();
     let query = ImageQuery {
         dataset: asked.dataset,
-        filter: checked_filter(asked.filter)?,
+        filter: bounds::filter(asked.filter)?,
         order_by: asked.order_by,
-        limit: rows(asked.limit)?,
+        limit: bounds::rows(asked.limit)?,
         cursor: asked.cursor,
-        fields,
+        fields: asked.fields.as_deref().map(bounds::names).unwrap_or_default(),
     };
-    let page = app.catalogue.images(query).await?;
-    Ok(Json(Page {
-        items: page.items,
-        next_cursor: page.next_cursor,
-    }))
-}
-
-/// A filter of bearable length; an empty one is none.
-pub(crate) fn checked_filter(filter: Option<String>) -> Result<Option<String>, Problem> {
-    match filter {
-        Some(text) if text.len() > limits::FILTER_BYTES => {
-            let detail = format!(
-                "the filter has {} bytes, the limit is {}",
-                text.len(),
-                limits::FILTER_BYTES
-            );
-            Err(Problem::new(Slug::InvalidFilter, detail))
-        }
-        filter => Ok(filter.filter(|text| !text.trim().is_empty())),
-    }
+    Ok(Json(catalogue.images(query).await?))
 }

@@ -6,13 +6,13 @@ use axum::Json;
 use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use spec::ArtifactEntry;
-use store::{Scrubbed, StoreError};
+use store::StoreError;
 use utoipa::ToSchema;
 
-use crate::app::{App, Shared};
 use crate::http::extract::{JsonBytes, Path};
 use crate::http::problem::{Problem, Slug};
-use crate::images::rerender::{Again, difference, rerender};
+use crate::images::Images;
+use crate::images::rerender::{Again, difference};
 
 /// What to verify.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -59,47 +59,43 @@ pub(crate) struct Verified {
 #[utoipa::path(post, path = "/v1/images/{job}/{frame}/verify", tag = "images",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     request_body(content = Wish, content_type = "application/json"),
-    responses((status = 200, description = "What was found.", body = Verified),
-              (status = 404, response = crate::openapi::Problem),
-              (status = 422, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "What was found.", body = Verified)))]
 pub(crate) async fn verify(
-    State(app): State<Shared>,
+    State(images): State<Arc<Images>>,
     Path((job, frame)): Path<(String, u64)>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Json<Verified>, Problem> {
     let wish: Wish =
         serde_json::from_slice(&body).map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
-    let image = app.catalogue.image(&job, frame).await?;
-    let image = image.ok_or_else(|| Problem::not_found(format!("no image `{job}/{frame}`")))?;
-    let entries = image.record.get("artifacts").cloned().unwrap_or_default();
-    let entries: Vec<ArtifactEntry> =
-        serde_json::from_value(entries).map_err(|error| Problem::internal(&error))?;
+    let image = images.get(&job, frame).await?;
+    let entries = Vec::<ArtifactEntry>::deserialize(&image["artifacts"]);
+    let entries = entries.map_err(|error| Problem::internal(&error))?;
     let again = match wish.rerender {
-        true => Some(Arc::new(rerender(&app, &job, frame).await?)),
+        true => Some(Arc::new(images.rerender(&job, frame).await?)),
         false => None,
     };
     let mut artifacts = Vec::with_capacity(entries.len());
     for entry in entries {
-        artifacts.push(compared(&app, entry, again.clone()).await?);
+        artifacts.push(compared(&images, entry, again.clone()).await?);
     }
     let same = |artifact: &VerifiedArtifact| artifact.rerendered_digest.as_ref() == Some(&artifact.digest);
     Ok(Json(Verified {
         intact: artifacts.iter().all(|artifact| artifact.stored == "good"),
         reproduced: again.as_ref().map(|_| artifacts.iter().all(same)),
-        differences: again.map_or_else(Vec::new, |again| differences(&image.record, &again)),
+        differences: again.map_or_else(Vec::new, |again| differences(&image, &again)),
         artifacts,
     }))
 }
 
 async fn compared(
-    app: &App,
+    images: &Images,
     entry: ArtifactEntry,
     again: Option<Arc<Again>>,
 ) -> Result<VerifiedArtifact, Problem> {
-    let (stored, bytes) = match app.store.get(&entry.digest).await {
-        Ok(Some(bytes)) => (Scrubbed::Good, Some(bytes)),
-        Ok(None) => (Scrubbed::Missing, None),
-        Err(StoreError::Corrupt { .. }) => (Scrubbed::Corrupt, None),
+    let (stored, bytes) = match images.bytes.store.get(&entry.digest).await {
+        Ok(Some(bytes)) => ("good", Some(bytes)),
+        Ok(None) => ("missing", None),
+        Err(StoreError::Corrupt { .. }) => ("corrupt", None),
         Err(error) => return Err(error.into()),
     };
     let rerendered = again.as_ref().and_then(|again| {
@@ -113,18 +109,14 @@ async fn compared(
         (Some(again), Some(bytes)) => {
             let kind = entry.kind.clone();
             let compare = move || again.bytes(&kind).and_then(|again| difference(&bytes, &again));
-            app.compute.run(compare).await?
+            images.processes.compute.run(compare).await?
         }
         _ => None,
     };
     Ok(VerifiedArtifact {
         kind: entry.kind,
         digest: entry.digest,
-        stored: match stored {
-            Scrubbed::Good => "good",
-            Scrubbed::Corrupt => "corrupt",
-            Scrubbed::Missing => "missing",
-        },
+        stored,
         rerendered_digest: rerendered.map(|artifact| artifact.digest),
         largest_difference,
     })

@@ -1,13 +1,14 @@
 //! `POST /v1/jobs/{id}/cancel`.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::State;
+use catalogue::JobRow;
 
-use crate::app::Shared;
 use crate::http::extract::Path;
 use crate::http::problem::Problem;
-use crate::jobs::control;
-use crate::jobs::view::JobView;
+use crate::jobs::Jobs;
 
 /// Cancel a job.
 ///
@@ -15,11 +16,10 @@ use crate::jobs::view::JobView;
 /// has ended changes nothing.
 #[utoipa::path(post, path = "/v1/jobs/{id}/cancel", tag = "jobs",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobView),
-              (status = 404, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "The job as it is now.", body = JobRow)))]
 pub(crate) async fn cancel(
-    State(app): State<Shared>,
+    State(jobs): State<Arc<Jobs>>,
     Path(id): Path<String>,
-) -> Result<Json<JobView>, Problem> {
-    Ok(Json(control::cancel(&app, id).await?.into()))
+) -> Result<Json<JobRow>, Problem> {
+    Ok(Json(jobs.cancel(id).await?))
 }

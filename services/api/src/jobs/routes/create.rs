@@ -1,16 +1,16 @@
 //! `POST /v1/jobs`.
 
+use std::sync::Arc;
+
 use axum::extract::State;
-use axum::http::{HeaderName, StatusCode, header};
-use axum::{Extension, Json};
+use axum::http::StatusCode;
+use catalogue::JobRow;
 use spec::Job;
 
-use crate::app::Shared;
-use crate::http::auth::Caller;
-use crate::http::extract::{IdempotencyKey, JsonBytes};
+use crate::http::extract::{JsonBytes, Submitter};
+use crate::http::located::{Located, located};
 use crate::http::problem::Problem;
-use crate::jobs::submit::{Submission, submit};
-use crate::jobs::view::JobView;
+use crate::jobs::Jobs;
 use crate::limits;
 use crate::openapi::JobDescription;
 
@@ -22,28 +22,20 @@ use crate::openapi::JobDescription;
     params(("Idempotency-Key" = Option<String>, Header, description = "1..=255 characters, kept per token")),
     request_body(content = JobDescription, content_type = "application/json"),
     responses(
-        (status = 202, description = "Accepted and durable; `Location` is the job.", body = JobView),
-        (status = 409, response = crate::openapi::Problem),
-        (status = 422, response = crate::openapi::Problem)))]
+        (status = 202, description = "Accepted and durable; `Location` is the job.", body = JobRow),
+        (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
-    State(app): State<Shared>,
-    Extension(caller): Extension<Caller>,
-    key: Option<IdempotencyKey>,
+    State(jobs): State<Arc<Jobs>>,
+    submitter: Submitter,
     JsonBytes(body): JsonBytes,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JobView>), Problem> {
-    let job = Job::parse(&body, &app.vocabulary())?;
+) -> Result<Located<JobRow>, Problem> {
+    let job = Job::parse(&body, &jobs.vocabulary())?;
     let warnings = job.warnings().to_vec();
-    let idempotency_key = key.map(|IdempotencyKey(key)| key);
-    let row = submit(
-        &app,
-        Submission {
-            job,
-            priority: limits::JOB_PRIORITY,
-            caller,
-            idempotency_key,
-        },
-    )
-    .await?;
-    let location = [(header::LOCATION, format!("/v1/jobs/{}", row.id))];
-    Ok((StatusCode::ACCEPTED, location, Json(JobView::new(row, &warnings))))
+    let row = jobs.submit(job, limits::JOB_PRIORITY, submitter).await?.row;
+    let location = format!("/v1/jobs/{}", row.id);
+    Ok(located(
+        StatusCode::ACCEPTED,
+        location,
+        JobRow { warnings, ..row },
+    ))
 }

@@ -1,14 +1,15 @@
 //! `GET /v1/jobs/{id}/events`.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 
-use crate::app::Shared;
 use crate::http::extract::Path;
 use crate::http::problem::{Problem, Slug};
-use crate::jobs::control::known;
+use crate::jobs::Jobs;
 use crate::jobs::follow::{Follow, Seen};
 use crate::limits;
 
@@ -23,19 +24,18 @@ use crate::limits;
     params(("id" = String, Path, description = "`job_…`"),
            ("Last-Event-ID" = Option<String>, Header, description = "Id of the last event that was received")),
     responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String),
-              (status = 204, description = "The job has ended and all of it was told."),
-              (status = 404, response = crate::openapi::Problem)))]
+              (status = 204, description = "The job has ended and all of it was told.")))]
 pub(crate) async fn events(
-    State(app): State<Shared>,
+    State(jobs): State<Arc<Jobs>>,
     Path(id): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let job = known(&app, &id).await?;
+    let job = jobs.get(&id).await?;
     let seen = last_event(&headers)?;
-    if job.state.has_ended() && seen == Some(Seen::of(&job)) {
+    if job.state.has_ended() && seen == Some(Seen::new(&job)) {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
-    let events = Follow::new(app, id, seen).events();
+    let events = Follow::new(jobs, id, seen).events();
     let heartbeat = KeepAlive::new().interval(limits::HEARTBEAT).text("");
     Ok(Sse::new(events).keep_alive(heartbeat).into_response())
 }

@@ -1,18 +1,18 @@
 //! `GET /v1/jobs/{id}`, with long-poll.
 
-use std::time::Duration;
+use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
+use catalogue::JobRow;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use crate::app::Shared;
+use crate::http::bounds;
 use crate::http::extract::{Path, Query};
-use crate::http::problem::{Problem, Slug};
-use crate::jobs::view::JobView;
-use crate::jobs::wait::{Until, wait_for_job};
-use crate::limits;
+use crate::http::problem::Problem;
+use crate::jobs::Jobs;
+use crate::jobs::wait::Until;
 
 /// How long to wait, and for what.
 #[derive(Deserialize, IntoParams)]
@@ -31,26 +31,13 @@ pub(crate) struct Parameters {
 /// A job that has ended is always answered at once.
 #[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs",
     params(("id" = String, Path, description = "`job_…`"), Parameters),
-    responses((status = 200, description = "The job as it is now.", body = JobView),
-              (status = 404, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "The job as it is now.", body = JobRow)))]
 pub(crate) async fn get(
-    State(app): State<Shared>,
+    State(jobs): State<Arc<Jobs>>,
     Path(id): Path<String>,
     Query(asked): Query<Parameters>,
-) -> Result<Json<JobView>, Problem> {
-    let limit = bearable(asked.wait.unwrap_or(0))?;
+) -> Result<Json<JobRow>, Problem> {
+    let limit = bounds::wait(asked.wait)?;
     let until = asked.since.map_or(Until::Ended, Until::After);
-    let row = wait_for_job(&app, &id, limit, until).await?;
-    Ok(Json(row.into()))
-}
-
-fn bearable(seconds: u64) -> Result<Duration, Problem> {
-    let limit = limits::MAX_WAIT;
-    match Duration::from_secs(seconds) {
-        wait if wait <= limit => Ok(wait),
-        _ => {
-            let detail = format!("wait: is {seconds} but must be in 0..={}", limit.as_secs());
-            Err(Problem::new(Slug::InvalidQuery, detail))
-        }
-    }
+    Ok(Json(jobs.wait(&id, limit, until).await?))
 }

@@ -1,15 +1,16 @@
 //! `GET /v1/jobs`.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::State;
+use catalogue::{Catalogue, JobRow, Page};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use crate::app::Shared;
+use crate::http::bounds;
 use crate::http::extract::Query;
-use crate::http::paging::{Page, rows};
 use crate::http::problem::Problem;
-use crate::jobs::view::JobView;
 
 /// Which jobs.
 #[derive(Deserialize, IntoParams)]
@@ -29,19 +30,12 @@ pub(crate) struct Parameters {
 
 /// List jobs, newest first.
 #[utoipa::path(get, path = "/v1/jobs", tag = "jobs", params(Parameters),
-    responses((status = 200, description = "A page of jobs.", body = Page<JobView>)))]
+    responses((status = 200, description = "A page of jobs.", body = Page<JobRow>)))]
 pub(crate) async fn list(
-    State(app): State<Shared>,
+    State(catalogue): State<Arc<Catalogue>>,
     Query(asked): Query<Parameters>,
-) -> Result<Json<Page<JobView>>, Problem> {
-    let limit = rows(asked.limit)?;
-    let page = app
-        .catalogue
-        .jobs(asked.dataset, asked.state, limit, asked.cursor)
-        .await?;
-    let items = page.items.into_iter().map(JobView::from).collect();
-    Ok(Json(Page {
-        items,
-        next_cursor: page.next_cursor,
-    }))
+) -> Result<Json<Page<JobRow>>, Problem> {
+    let limit = bounds::rows(asked.limit)?;
+    let page = catalogue.jobs(asked.dataset, asked.state, limit, asked.cursor);
+    Ok(Json(page.await?))
 }

@@ -3,6 +3,7 @@
 pub(crate) mod cancel;
 pub(crate) mod create;
 pub(crate) mod delete;
+pub(crate) mod description;
 pub(crate) mod errors;
 pub(crate) mod events;
 pub(crate) mod get;

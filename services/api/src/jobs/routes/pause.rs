@@ -1,13 +1,14 @@
 //! `POST /v1/jobs/{id}/pause`.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::State;
+use catalogue::JobRow;
 
-use crate::app::Shared;
 use crate::http::extract::Path;
 use crate::http::problem::Problem;
-use crate::jobs::control;
-use crate::jobs::view::JobView;
+use crate::jobs::Jobs;
 
 /// Pause a job.
 ///
@@ -15,12 +16,11 @@ use crate::jobs::view::JobView;
 /// nothing.
 #[utoipa::path(post, path = "/v1/jobs/{id}/pause", tag = "jobs",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobView),
-              (status = 404, response = crate::openapi::Problem),
+    responses((status = 200, description = "The job as it is now.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn pause(
-    State(app): State<Shared>,
+    State(jobs): State<Arc<Jobs>>,
     Path(id): Path<String>,
-) -> Result<Json<JobView>, Problem> {
-    Ok(Json(control::pause(&app, id).await?.into()))
+) -> Result<Json<JobRow>, Problem> {
+    Ok(Json(jobs.pause(id).await?))
 }

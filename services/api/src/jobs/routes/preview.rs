@@ -1,6 +1,7 @@
 //! `POST /v1/jobs/preview`.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
@@ -9,10 +10,10 @@ use serde_json::Value;
 use spec::{Frame, Job, Scene};
 use utoipa::{IntoParams, ToSchema};
 
-use crate::app::{App, Shared};
+use crate::http::bounds::beyond;
 use crate::http::extract::{JsonBytes, Query};
-use crate::http::problem::{Problem, Slug};
-use crate::jobs::submit::check;
+use crate::http::problem::Problem;
+use crate::jobs::Jobs;
 use crate::leases::costs::Sized;
 use crate::openapi::JobDescription;
 
@@ -74,23 +75,25 @@ pub(crate) struct JobPreview {
 #[utoipa::path(post, path = "/v1/jobs/preview", tag = "jobs", params(Parameters),
     request_body(content = JobDescription, content_type = "application/json"),
     responses((status = 200, description = "The first frames and the cost.", body = JobPreview),
-              (status = 409, response = crate::openapi::Problem),
-              (status = 422, response = crate::openapi::Problem)))]
+              (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn preview(
-    State(app): State<Shared>,
+    State(jobs): State<Arc<Jobs>>,
     Query(asked): Query<Parameters>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Json<JobPreview>, Problem> {
     let shown = asked.frames.unwrap_or(SHOWN);
     if shown > MOST_SHOWN {
-        let detail = format!("frames: is {shown} but must be in 0..={MOST_SHOWN}");
-        return Err(Problem::new(Slug::InvalidQuery, detail));
+        return Err(beyond("frames", shown, 0, MOST_SHOWN));
     }
-    let job = Job::parse(&body, &app.vocabulary())?;
-    check(&app, &job).await?;
+    let job = Job::parse(&body, &jobs.vocabulary())?;
+    jobs.check(&job).await?;
     let (frames, warnings) = (job.frames(), job.warnings().to_vec());
-    let (first, sample) = app.compute.run(move || resolved(&job, shown)).await??;
-    let estimate = estimate(&app, &sample, frames).await?;
+    let (first, sample) = jobs
+        .processes
+        .compute
+        .run(move || resolved(&job, shown))
+        .await??;
+    let estimate = estimate(&jobs, &sample, frames).await?;
     let view = |frame: Frame| ResolvedFrame {
         frame: frame.index,
         parameters: frame.parameters,
@@ -114,7 +117,7 @@ fn resolved(job: &Job, shown: u64) -> Result<(Vec<Frame>, Vec<Frame>), Problem> 
     ))
 }
 
-async fn estimate(app: &App, sample: &[Frame], frames: u64) -> Result<Estimate, Problem> {
+async fn estimate(jobs: &Jobs, sample: &[Frame], frames: u64) -> Result<Estimate, Problem> {
     let mut uploads: BTreeMap<&str, f64> = BTreeMap::new();
     let mut sized = Vec::with_capacity(sample.len());
     for frame in sample {
@@ -122,7 +125,7 @@ async fn estimate(app: &App, sample: &[Frame], frames: u64) -> Result<Estimate, 
             Scene::Uploaded { id } => match uploads.get(id.as_str()) {
                 Some(pixels) => *pixels,
                 None => {
-                    let row = app.catalogue.scene(id).await?;
+                    let row = jobs.catalogue.scene(id).await?;
                     let pixels = row.map_or(0.0, |row| f64::from(row.width) * f64::from(row.height));
                     uploads.insert(id, pixels);
                     pixels
@@ -132,14 +135,8 @@ async fn estimate(app: &App, sample: &[Frame], frames: u64) -> Result<Estimate, 
         };
         sized.push(Sized { frame, pixels });
     }
-    let cost = app.experience.cost(&sized);
-    let slots = app
-        .dispatch
-        .workers()
-        .iter()
-        .map(|worker| u64::from(worker.slots))
-        .sum::<u64>()
-        .max(1);
+    let cost = jobs.leases.costs.mean(&sized);
+    let slots = jobs.leases.dispatch.slots().max(1);
     Ok(Estimate {
         seconds: cost.seconds * frames as f64 / slots as f64,
         bytes: (cost.bytes * frames as f64).round(),

@@ -1,21 +1,19 @@
 //! `POST /v1/renders`.
 
+use std::sync::Arc;
+
+use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use axum::{Extension, Json};
 use catalogue::{JobRow, JobState};
 use spec::Job;
 
-use crate::app::{App, Shared};
-use crate::http::auth::Caller;
-use crate::http::extract::{IdempotencyKey, JsonBytes, PreferredWait};
+use crate::http::extract::{JsonBytes, PreferredWait, Submitter};
+use crate::http::located::located;
 use crate::http::problem::{Problem, Slug};
-use crate::http::stored::Stored;
-use crate::images;
-use crate::jobs::submit::{Submission, submit};
-use crate::jobs::view::JobView;
-use crate::jobs::wait::{Until, wait_for_job};
+use crate::jobs::Jobs;
+use crate::jobs::wait::Until;
 use crate::limits;
 use crate::openapi::JobDescription;
 
@@ -34,86 +32,50 @@ const DATASET: &str = "renders";
     responses(
         (status = 200, description = "The picture, or the record of the image.",
          content((serde_json::Value = "application/json"), (Vec<u8> = "image/png"))),
-        (status = 202, description = "Not ready in time; `Location` is the job.", body = JobView),
-        (status = 409, response = crate::openapi::Problem),
-        (status = 422, response = crate::openapi::Problem)))]
+        (status = 202, description = "Not ready in time; `Location` is the job.", body = JobRow),
+        (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
-    State(app): State<Shared>,
-    Extension(caller): Extension<Caller>,
+    State(jobs): State<Arc<Jobs>>,
+    submitter: Submitter,
     PreferredWait(wait): PreferredWait,
-    key: Option<IdempotencyKey>,
     headers: HeaderMap,
     JsonBytes(body): JsonBytes,
 ) -> Result<Response, Problem> {
-    let job = Job::parse(&in_dataset(&body), &app.vocabulary())?;
+    let job = Job::parse(&in_dataset(&body), &jobs.vocabulary())?;
     if job.frames() != 1 {
-        return Err(Problem::field(
-            "/count",
-            format!("a render has one frame, this describes {}", job.frames()),
-        ));
+        let message = format!("a render has one frame, this describes {}", job.frames());
+        return Err(Problem::field("/count", message));
     }
-    let idempotency_key = key.map(|IdempotencyKey(key)| key);
-    let row = submit(
-        &app,
-        Submission {
-            job,
-            priority: limits::RENDER_PRIORITY,
-            caller,
-            idempotency_key,
-        },
-    )
-    .await?;
-    let row = wait_for_job(
-        &app,
-        &row.id,
-        wait.unwrap_or(limits::DEFAULT_RENDER_WAIT),
-        Until::Ended,
-    )
-    .await?;
+    let submitted = jobs.submit(job, limits::RENDER_PRIORITY, submitter).await?;
+    let wait = wait.unwrap_or(limits::DEFAULT_RENDER_WAIT);
+    let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
     match row.state {
-        JobState::Done => picture_or_record(&app, &headers, &row).await,
-        JobState::DoneWithFailures => Err(why_failed(&app, &row).await?),
-        _ => Ok(not_yet(row)),
+        JobState::Done => picture_or_record(&jobs, &headers, &row.id).await,
+        JobState::DoneWithFailures => Err(why_failed(&jobs, &row.id).await?),
+        _ => {
+            let location = format!("/v1/jobs/{}", row.id);
+            Ok(located(StatusCode::ACCEPTED, location, row).into_response())
+        }
     }
 }
 
-async fn picture_or_record(app: &App, headers: &HeaderMap, row: &JobRow) -> Result<Response, Problem> {
-    let location = [(
-        HeaderName::from_static("content-location"),
-        format!("/v1/images/{}/0", row.id),
-    )];
+async fn picture_or_record(jobs: &Jobs, headers: &HeaderMap, job: &str) -> Result<Response, Problem> {
+    const CONTENT_LOCATION: HeaderName = HeaderName::from_static("content-location");
+    let location = [(CONTENT_LOCATION, format!("/v1/images/{job}/0"))];
     if !wants_picture(headers) {
-        let image = app
-            .catalogue
-            .image(&row.id, 0)
-            .await?
-            .ok_or_else(|| Problem::internal(&"a done frame has no image"))?;
-        return Ok((location, Json(images::view(image))).into_response());
+        return Ok((location, Json(jobs.images.get(job, 0).await?)).into_response());
     }
-    let entry = app.catalogue.artifact(&row.id, 0, "rgb").await?;
+    let entry = jobs.catalogue.artifact(job, 0, "rgb").await?;
     let entry = entry
         .ok_or_else(|| Problem::field("/artifacts", "name `rgb` among the artifacts to get the picture"))?;
-    let bytes = images::bytes(app, &entry).await?;
-    let stored = Stored {
-        digest: &entry.digest,
-        media_type: &entry.media_type,
-        bytes,
-    };
-    Ok((location, stored.answer(&HeaderMap::new())?).into_response())
+    let stored = jobs.images.stored(entry).await?;
+    Ok((location, stored.response(&HeaderMap::new())?).into_response())
 }
 
-async fn why_failed(app: &App, row: &JobRow) -> Result<Problem, Problem> {
-    let failures = app.catalogue.failures(&row.id, None, 1).await?;
-    let error = failures
-        .into_iter()
-        .next()
-        .map_or_else(|| "no reason is known".to_owned(), |failure| failure.error);
-    Ok(Problem::new(Slug::RenderFailed, error).with("job", row.id.clone()))
-}
-
-fn not_yet(row: JobRow) -> Response {
-    let location = [(header::LOCATION, format!("/v1/jobs/{}", row.id))];
-    (StatusCode::ACCEPTED, location, Json(JobView::from(row))).into_response()
+async fn why_failed(jobs: &Jobs, job: &str) -> Result<Problem, Problem> {
+    let failure = jobs.catalogue.failures(job, None, 1).await?.pop();
+    let error = failure.map_or_else(|| "no reason is known".to_owned(), |failure| failure.error);
+    Ok(Problem::new(Slug::RenderFailed, error).with("job", job))
 }
 
 fn wants_picture(headers: &HeaderMap) -> bool {

@@ -6,63 +6,61 @@ use axum::extract::State;
 use catalogue::InsertImage;
 use proto::message::{Claim, Commit};
 use proto::wire::{CommitRequest, CommitResponse};
-use spec::FrameRecord;
+use spec::{ArtifactEntry, FrameRecord};
 
 use super::stale_lease;
-use crate::app::{App, Shared};
 use crate::http::extract::{Checked, ProtoBody};
 use crate::http::problem::{Problem, Slug};
+use crate::leases::Leases;
+use crate::processes::compute::to_the_end;
 use crate::telemetry;
 
 /// Makes a frame's image visible. Repeats are harmless: the first one wins and the others change nothing.
 pub(crate) async fn commit(
-    State(app): State<Shared>,
+    State(leases): State<Arc<Leases>>,
     Checked(Commit { claim, record }, _): Checked<CommitRequest, Commit>,
 ) -> Result<ProtoBody<CommitResponse>, Problem> {
-    app.dispatch
-        .begin_commit(&claim)
-        .map_err(|_| stale_lease(&claim))?;
+    let begun = leases
+        .dispatch
+        .table(|table, now| table.begin_commit(&claim, now));
+    begun.map_err(|_| stale_lease(&claim))?;
     faults::point("commit.begun");
-    // From here on the frame is held: the task ends the hold even if the worker hangs up.
-    let app = Arc::clone(&app);
-    let task = tokio::spawn(async move { held(&app, &claim, &record).await });
-    let already_there = task.await.map_err(|error| Problem::internal(&error))??;
+    // From here on the frame is pinned: the task unpins it even if the worker hangs up.
+    let stored = to_the_end(async move { leases.commit(&claim, &record).await }).await?;
+    let already_there = stored == InsertImage::AlreadyThere;
     Ok(ProtoBody(CommitResponse { already_there }))
 }
 
-async fn held(app: &App, claim: &Claim, record: &FrameRecord) -> Result<bool, Problem> {
-    let inserted = insert(app, claim, record).await;
-    faults::point("commit.inserted");
-    match inserted {
-        Ok(InsertImage::AlreadyThere) => app.dispatch.finish_commit(claim),
-        Ok(InsertImage::Inserted) => {
-            app.dispatch.finish_commit(claim);
+impl Leases {
+    /// Stores the image of a pinned frame and unpins it.
+    async fn commit(&self, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
+        let inserted = self.insert(claim, record).await;
+        faults::point("commit.inserted");
+        match inserted {
+            Err(_) => self.dispatch.free(|table, _| table.abort_commit(claim)),
+            Ok(_) => self.dispatch.table(|table, _| table.finish_commit(claim)),
+        }
+        if matches!(inserted, Ok(InsertImage::Inserted)) {
             telemetry::committed(record);
-            app.experience.learn(record);
+            self.costs.learn(record);
         }
-        Err(_) => app.dispatch.abort_commit(claim),
+        self.changes.notify(&claim.job_id);
+        inserted
     }
-    app.watch.wake(&claim.job_id);
-    inserted.map(|inserted| matches!(inserted, InsertImage::AlreadyThere))
-}
 
-async fn insert(app: &App, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
-    app.space.room().await?;
-    let _turn = app.naming.beside_others().await;
-    for artifact in &record.artifacts {
-        if !app.store.contains(&artifact.digest).await? {
-            let detail = format!(
-                "artifact `{}` with digest {} was not stored",
-                artifact.kind, artifact.digest
-            );
-            return Err(Problem::new(Slug::InvalidBody, detail));
+    async fn insert(&self, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
+        self.bytes.space.room().await?;
+        let _turn = self.bytes.naming.beside_others().await;
+        for ArtifactEntry { kind, digest, .. } in &record.artifacts {
+            if !self.bytes.store.contains(digest).await? {
+                let detail = format!("artifact `{kind}` with digest {digest} was not stored");
+                return Err(Problem::new(Slug::InvalidBody, detail));
+            }
         }
+        let now_ms = self.clock.wall().0;
+        let inserted = self.catalogue.insert_image(&claim.job_id, record, now_ms).await?;
+        let digests = record.artifacts.iter().map(|artifact| artifact.digest.as_str());
+        self.bytes.naming.named(digests);
+        Ok(inserted)
     }
-    let inserted = app
-        .catalogue
-        .insert_image(&claim.job_id, record, app.clock.unix_ms())
-        .await?;
-    app.naming
-        .named(record.artifacts.iter().map(|artifact| artifact.digest.as_str()));
-    Ok(inserted)
 }

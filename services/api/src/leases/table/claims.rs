@@ -1,21 +1,25 @@
 //! What the holder of a lease says of a frame: it has its image, or it failed. A stale claim changes nothing.
 
+use proto::message::Claim;
+
 use super::job::Struck;
 use super::types::{Millis, Stale, StrikeEvent};
 use super::{LeaseTable, event};
+
+/// A frame, as the table names one that is pinned.
+fn frame_of(claim: &Claim) -> (String, u64) {
+    (claim.job_id.clone(), claim.frame)
+}
 
 impl LeaseTable {
     /// Whether a claim on a frame is current.
     ///
     /// # Errors
     /// [`Stale`].
-    pub fn check(&self, job: &str, frame: u64, token: u64, attempt: u32) -> Result<(), Stale> {
-        let lease = self
-            .leases
-            .get(token)
-            .filter(|lease| lease.job == job && !lease.cancelled)
-            .ok_or(Stale)?;
-        if lease.frames.get(&frame) == Some(&attempt) {
+    pub fn check(&self, claim: &Claim) -> Result<(), Stale> {
+        let lease = self.leases.get(claim.token).filter(|lease| !lease.cancelled);
+        let lease = lease.filter(|lease| lease.job == claim.job_id).ok_or(Stale)?;
+        if lease.frames.get(&claim.frame) == Some(&claim.attempt) {
             Ok(())
         } else {
             Err(Stale)
@@ -26,27 +30,21 @@ impl LeaseTable {
     ///
     /// # Errors
     /// [`Stale`], also when the lease has run out by `now` or the frame is being written already.
-    pub fn begin_commit(
-        &mut self,
-        job: &str,
-        frame: u64,
-        token: u64,
-        attempt: u32,
-        now: Millis,
-    ) -> Result<(), Stale> {
-        self.check(job, frame, token, attempt)?;
-        let ended = self.leases.get(token).is_none_or(|lease| lease.ends <= now);
-        let key = (job.to_owned(), frame);
-        if ended || self.pinned.contains_key(&key) {
+    pub fn begin_commit(&mut self, claim: &Claim, now: Millis) -> Result<(), Stale> {
+        self.check(claim)?;
+        let lease = self.leases.get(claim.token);
+        let frame = frame_of(claim);
+        if lease.is_none_or(|lease| lease.ends <= now) || self.pinned.contains_key(&frame) {
             return Err(Stale);
         }
-        self.pinned.insert(key, token);
+        self.pinned.insert(frame, claim.token);
         Ok(())
     }
 
     /// The image of a pinned frame is durable.
-    pub fn finish_commit(&mut self, job: &str, frame: u64) {
-        let Some(token) = self.pinned.remove(&(job.to_owned(), frame)) else {
+    pub fn finish_commit(&mut self, claim: &Claim) {
+        let (job, frame) = (&claim.job_id, claim.frame);
+        let Some(token) = self.pinned.remove(&frame_of(claim)) else {
             return;
         };
         let cancelled = self.leases.get(token).is_none_or(|lease| lease.cancelled);
@@ -58,12 +56,12 @@ impl LeaseTable {
     }
 
     /// The image of a pinned frame could not be written; the lease goes on.
-    pub fn abort_commit(&mut self, job: &str, frame: u64) {
-        let Some(token) = self.pinned.remove(&(job.to_owned(), frame)) else {
+    pub fn abort_commit(&mut self, claim: &Claim) {
+        let Some(token) = self.pinned.remove(&frame_of(claim)) else {
             return;
         };
         if self.leases.get(token).is_some_and(|lease| lease.cancelled) {
-            self.leases.take_out(token, frame);
+            self.leases.take_out(token, claim.frame);
         }
     }
 
@@ -71,25 +69,19 @@ impl LeaseTable {
     ///
     /// # Errors
     /// [`Stale`].
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "a claim, what happened to it, and the time"
-    )]
     pub fn fail(
         &mut self,
-        job: &str,
-        frame: u64,
-        token: u64,
-        attempt: u32,
+        claim: &Claim,
         retryable: bool,
         error: &str,
         now: Millis,
     ) -> Result<StrikeEvent, Stale> {
-        self.check(job, frame, token, attempt)?;
-        if self.pinned.contains_key(&(job.to_owned(), frame)) {
+        self.check(claim)?;
+        if self.pinned.contains_key(&frame_of(claim)) {
             return Err(Stale);
         }
-        self.leases.take_out(token, frame);
+        let (job, frame) = (&claim.job_id, claim.frame);
+        self.leases.take_out(claim.token, frame);
         let entry = self.jobs.get_mut(job).ok_or(Stale)?;
         let Struck { strikes, again } = entry.strike(frame, retryable, now);
         if let Some(until) = again {

@@ -314,7 +314,7 @@ impl LeaseTable {
                     self.suspects.add(now, job, frame);
                 } else {
                     let Struck { strikes, again } = entry.strike(frame, true, now);
-                    // The first time it may have been the worker's fault, and nobody shall wait for it.
+                    // The first failure may be the worker's fault, so retry without a delay.
                     let again = again.map(|pause| if strikes == 1 { now } else { pause });
                     if let Some(from) = again {
                         self.suspects.add(from, job.clone(), frame);
@@ -329,7 +329,7 @@ impl LeaseTable {
         events
     }
 
-    /// Takes every frame that is not pinned out of a lease and answers them.
+    /// Takes every frame that is not pinned out of a lease and returns them.
     fn drop_open(&mut self, token: u64) -> Vec<(String, u64)> {
         let Some(lease) = self.leases.get_mut(token) else {
             return Vec::new();

@@ -45,7 +45,7 @@ pub struct Grant {
     pub frames: Vec<(u64, u32)>,
 }
 
-/// Answer to a beat.
+/// What became of the leases of a beat.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Beat {
     /// Leases of cancelled jobs.
@@ -88,8 +88,8 @@ pub struct WorkerRow {
 /// Sums over all jobs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Totals {
-    /// Frames that nobody holds yet.
+    /// Frames that are not leased.
     pub queued: u64,
-    /// Frames that are held.
+    /// Frames that are leased.
     pub leased: u64,
 }

@@ -10,8 +10,10 @@ use serde::Serialize;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
-use crate::app::Shared;
+use crate::http::failure::writing;
 use crate::http::problem::Problem;
+use crate::operations::Operations;
+use crate::processes::compute::to_the_end;
 
 /// A copy of everything that the service has stored.
 #[derive(Debug, Serialize, ToSchema)]
@@ -31,29 +33,36 @@ pub(crate) struct BackupView {
 #[utoipa::path(post, path = "/v1/backups", tag = "operations",
     responses((status = 201, description = "The copy is whole and on the disk.", body = BackupView),
               (status = 507, response = crate::openapi::Problem)))]
-pub(crate) async fn create(State(app): State<Shared>) -> Result<(StatusCode, Json<BackupView>), Problem> {
+pub(crate) async fn create(
+    State(operations): State<Arc<Operations>>,
+) -> Result<(StatusCode, Json<BackupView>), Problem> {
     // It goes on to its end when the client goes away, and leaves nothing half-done behind.
-    let app = Arc::clone(&app);
-    let task = tokio::spawn(async move { copy(&app).await });
-    let view = task.await.map_err(|error| Problem::internal(&error))??;
+    let view = to_the_end(async move { copy(&operations).await }).await?;
     Ok((StatusCode::CREATED, Json(view)))
 }
 
-async fn copy(app: &Shared) -> Result<BackupView, Problem> {
-    app.space.room().await?;
+async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
+    operations.bytes.space.room().await?;
     // Nothing that a copied row names may be taken away before its bytes are copied.
-    let _alone = app.upkeep.lock().await;
-    let backups = app.data.join("backups");
+    let _alone = operations.bytes.upkeep.lock().await;
+    let backups = operations.data.join("backups");
     let name = format!("bak_{}", Uuid::now_v7().simple());
     let (unfinished, folder) = (backups.join(format!(".{name}")), backups.join(&name));
     let failed = |error: std::io::Error| Problem::internal(&error);
     tokio::fs::create_dir_all(&unfinished).await.map_err(failed)?;
     let copied = async {
-        app.catalogue.backup(&unfinished.join("catalogue.sqlite")).await?;
-        app.store.backup(&unfinished).await?;
-        let (keeper, copy) = (Arc::clone(app), unfinished.clone());
-        let copied = app.compute.run(move || keeper.styles.copy_to(&copy)).await?;
-        copied.map_err(|error| crate::http::failure::writing(&error))?;
+        operations
+            .catalogue
+            .backup(&unfinished.join("catalogue.sqlite"))
+            .await?;
+        operations.bytes.store.backup(&unfinished).await?;
+        let (styles, copy) = (Arc::clone(&operations.styles), unfinished.clone());
+        let copied = operations
+            .processes
+            .compute
+            .run(move || styles.copy_to(&copy))
+            .await?;
+        copied.map_err(|error| writing(&error))?;
         tokio::fs::rename(&unfinished, &folder).await.map_err(failed)?;
         size(&folder).await.map_err(failed)
     };

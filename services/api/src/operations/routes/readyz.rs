@@ -1,9 +1,11 @@
 //! `GET /readyz`.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 
-use crate::app::Shared;
 use crate::http::problem::{Problem, Slug};
+use crate::operations::Operations;
 
 /// Whether requests can be answered: the catalogue is readable, there is space, and the service is not stopping.
 ///
@@ -11,15 +13,16 @@ use crate::http::problem::{Problem, Slug};
 #[utoipa::path(get, path = "/readyz", tag = "operations", security(()),
     responses((status = 200, description = "Ready.", body = String),
               (status = 507, response = crate::openapi::Problem)))]
-pub(crate) async fn readyz(State(app): State<Shared>) -> Result<&'static str, Problem> {
-    if app.stop.is_cancelled() {
+pub(crate) async fn readyz(State(operations): State<Arc<Operations>>) -> Result<&'static str, Problem> {
+    if operations.stop.is_cancelled() {
         return Err(Problem::overloaded("the service is stopping"));
     }
-    if app.space.is_full().await {
+    if operations.bytes.space.is_full().await {
         let detail = "there is no space left for the data directory; reading goes on";
         return Err(Problem::new(Slug::StorageFull, detail));
     }
-    app.catalogue
+    operations
+        .catalogue
         .job("")
         .await
         .map_err(|error| Problem::overloaded(error.to_string()))?;

@@ -1,11 +1,13 @@
 //! `GET /version`.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::State;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::app::Shared;
+use crate::operations::Operations;
 
 /// What runs here.
 #[derive(Serialize, ToSchema)]
@@ -20,9 +22,9 @@ pub(crate) struct Version {
 /// Versions of the code and of the style runtime.
 #[utoipa::path(get, path = "/version", tag = "operations", security(()),
     responses((status = 200, description = "Versions.", body = Version)))]
-pub(crate) async fn version(State(app): State<Shared>) -> Json<Version> {
+pub(crate) async fn version(State(operations): State<Arc<Operations>>) -> Json<Version> {
     Json(Version {
         code_version: env!("CARGO_PKG_VERSION"),
-        onnx_runtime: app.style_runtime.clone().ok(),
+        onnx_runtime: operations.styles.runtime.clone().ok(),
     })
 }

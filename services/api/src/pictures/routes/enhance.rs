@@ -1,5 +1,7 @@
 //! `POST /v1/enhance`.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
@@ -8,10 +10,10 @@ use imaging::codec::{encode_png, encode_webp_lossless};
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
-use crate::app::Shared;
 use crate::http::extract::{MultipartBody, Query};
+use crate::http::form::{Form, Kind};
 use crate::http::problem::Problem;
-use crate::pictures::Files;
+use crate::pictures::{Pictures, required_picture};
 
 /// Codes of what the method is known to do badly with this picture.
 const WARNINGS: HeaderName = HeaderName::from_static("fathom-warnings");
@@ -51,7 +53,7 @@ fn yes() -> bool {
 
 /// A picture of one's own.
 #[derive(ToSchema)]
-#[expect(dead_code, reason = "describes the body; `pictures` reads it field by field")]
+#[expect(dead_code, reason = "describes the body; the handler reads it")]
 pub(crate) struct EnhanceUpload {
     /// PNG, JPEG or WebP of at most 16 Mpx.
     #[schema(value_type = String, format = Binary)]
@@ -64,10 +66,9 @@ pub(crate) struct EnhanceUpload {
 #[utoipa::path(post, path = "/v1/enhance", tag = "pictures", params(Parameters),
     request_body(content = EnhanceUpload, content_type = "multipart/form-data"),
     responses((status = 200, description = "The enhanced picture, 8 bit.",
-               content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp"))),
-              (status = 422, response = crate::openapi::Problem)))]
+               content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp")))))]
 pub(crate) async fn enhance(
-    State(app): State<Shared>,
+    State(pictures): State<Arc<Pictures>>,
     Query(asked): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Response, Problem> {
@@ -78,27 +79,25 @@ pub(crate) async fn enhance(
             format!("method is `{}`; there are {known}", asked.method),
         )
     })?;
-    let files = Files::read(body, &["picture"]).await?;
+    let mut form = Form::read(body, &[("picture", Kind::File)]).await?;
+    form.require("picture");
+    form.check()?;
     let media_type = match asked.format {
         Format::Png => "image/png",
         Format::Webp => "image/webp",
     };
-    let (bytes, warnings) = app
-        .pictures
-        .run(move || enhanced(&files, &method, &asked))
-        .await??;
-    let mut answer = ([(header::CONTENT_TYPE, media_type)], bytes).into_response();
+    let (bytes, warnings) = pictures.0.run(move || enhanced(&form, &method, &asked)).await??;
+    let mut response = ([(header::CONTENT_TYPE, media_type)], bytes).into_response();
     if let Ok(codes) = HeaderValue::from_str(&warnings) {
-        answer.headers_mut().insert(WARNINGS, codes);
+        response.headers_mut().insert(WARNINGS, codes);
     }
-    Ok(answer)
+    Ok(response)
 }
 
-fn enhanced(files: &Files, method: &Method, asked: &Parameters) -> Result<(Vec<u8>, String), Problem> {
+fn enhanced(form: &Form, method: &Method, asked: &Parameters) -> Result<(Vec<u8>, String), Problem> {
     let refuse = |message: String| Problem::field("/picture", message);
-    let picture = files.picture("picture")?;
-    let picture = picture.ok_or_else(|| refuse("`picture` is missing".to_owned()))?;
-    let enhanced = enhance::run(method, &picture).map_err(|error| refuse(error.to_string()))?;
+    let enhanced =
+        enhance::run(method, &required_picture(form)?).map_err(|error| refuse(error.to_string()))?;
     let result = if asked.mask {
         enhanced.picture
     } else {

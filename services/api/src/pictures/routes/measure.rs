@@ -1,6 +1,7 @@
 //! `POST /v1/measure`.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
@@ -8,10 +9,10 @@ use quality::MetricId;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use crate::app::Shared;
 use crate::http::extract::{MultipartBody, Query};
+use crate::http::form::{Form, Kind};
 use crate::http::problem::Problem;
-use crate::pictures::Files;
+use crate::pictures::{self, Pictures, required_picture};
 
 /// As in a job that names none.
 const USUAL: &str = "entropy,uicm,uism,uiconm,uiqm,uciqe";
@@ -28,7 +29,7 @@ pub(crate) struct Parameters {
 
 /// A picture of one's own.
 #[derive(ToSchema)]
-#[expect(dead_code, reason = "describes the body; `pictures` reads it field by field")]
+#[expect(dead_code, reason = "describes the body; the handler reads it")]
 pub(crate) struct MeasureUpload {
     /// PNG, JPEG or WebP of at most 16 Mpx.
     #[schema(value_type = String, format = Binary)]
@@ -52,16 +53,18 @@ pub(crate) struct Measured {
 /// Measure a picture of your own. Nothing is stored.
 #[utoipa::path(post, path = "/v1/measure", tag = "pictures", params(Parameters),
     request_body(content = MeasureUpload, content_type = "multipart/form-data"),
-    responses((status = 200, description = "The values.", body = Measured),
-              (status = 422, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "The values.", body = Measured)))]
 pub(crate) async fn measure(
-    State(app): State<Shared>,
+    State(pictures): State<Arc<Pictures>>,
     Query(asked): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Json<Measured>, Problem> {
     let metrics = metrics(asked.metrics.as_deref().unwrap_or(USUAL))?;
-    let files = Files::read(body, &["picture", "clean"]).await?;
-    let measured = app.pictures.run(move || measured(&files, &metrics)).await??;
+    let fields = [("picture", Kind::File), ("clean", Kind::File)];
+    let mut form = Form::read(body, &fields).await?;
+    form.require("picture");
+    form.check()?;
+    let measured = pictures.0.run(move || measured(&form, &metrics)).await??;
     Ok(Json(measured))
 }
 
@@ -76,12 +79,9 @@ fn metrics(list: &str) -> Result<Vec<MetricId>, Problem> {
     list.split(',').map(|name| parse(name.trim())).collect()
 }
 
-fn measured(files: &Files, metrics: &[MetricId]) -> Result<Measured, Problem> {
-    let picture = files.picture("picture")?;
-    let picture = picture
-        .ok_or_else(|| Problem::field("/picture", "`picture` is missing"))?
-        .to_rgb8();
-    let clean = files.picture("clean")?.map(|clean| clean.to_rgb8());
+fn measured(form: &Form, metrics: &[MetricId]) -> Result<Measured, Problem> {
+    let picture = required_picture(form)?.to_rgb8();
+    let clean = pictures::picture(form, "clean")?.map(|clean| clean.to_rgb8());
     let values = quality::measure(&picture, clean.as_ref(), metrics)
         .map_err(|error| Problem::field("/clean", error.to_string()))?;
     Ok(Measured {

@@ -1,20 +1,20 @@
 //! `POST /v1/scenes`.
 
-use axum::Json;
+use std::sync::Arc;
+
 use axum::extract::State;
-use axum::http::{HeaderName, StatusCode, header};
 use utoipa::ToSchema;
 
-use crate::app::Shared;
 use crate::http::extract::MultipartBody;
+use crate::http::located::{Located, created, located};
 use crate::http::problem::Problem;
-use crate::scenes::form::Form;
-use crate::scenes::keep::keep;
+use crate::scenes::Scenes;
+use crate::scenes::upload::SceneForm;
 use crate::scenes::view::SceneView;
 
 /// The fields of a scene upload.
 #[derive(ToSchema)]
-#[expect(dead_code, reason = "describes the body; `uploads` reads it field by field")]
+#[expect(dead_code, reason = "describes the body; `SceneForm` reads it")]
 pub(crate) struct SceneUpload {
     /// The picture: PNG, JPEG, WebP, or NPY `[h, w, 3]` with linear radiance.
     #[schema(value_type = String, format = Binary)]
@@ -49,15 +49,12 @@ pub(crate) struct SceneUpload {
 #[utoipa::path(post, path = "/v1/scenes", tag = "scenes",
     request_body(content = SceneUpload, content_type = "multipart/form-data"),
     responses((status = 201, description = "Stored.", body = SceneView),
-              (status = 200, description = "It was there already.", body = SceneView),
-              (status = 422, response = crate::openapi::Problem)))]
+              (status = 200, description = "It was there already.", body = SceneView)))]
 pub(crate) async fn create(
-    State(app): State<Shared>,
+    State(scenes): State<Arc<Scenes>>,
     MultipartBody(body): MultipartBody,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<SceneView>), Problem> {
-    let form = Form::read(body).await?;
-    let (row, new) = keep(&app, form).await?;
-    let status = if new { StatusCode::CREATED } else { StatusCode::OK };
-    let location = [(header::LOCATION, format!("/v1/scenes?id={}", row.id))];
-    Ok((status, location, Json(row.into())))
+) -> Result<Located<SceneView>, Problem> {
+    let (row, new) = scenes.keep(SceneForm::read(body).await?).await?;
+    let location = format!("/v1/scenes?id={}", row.id);
+    Ok(located(created(new), location, row.into()))
 }

@@ -1,21 +1,19 @@
 //! `GET /v1/worker/scenes/{id}`.
 
+use std::sync::Arc;
+
 use axum::extract::State;
+use catalogue::Catalogue;
 use proto::wire::SceneResponse;
 
-use crate::app::Shared;
 use crate::http::extract::{Path, ProtoBody};
-use crate::http::problem::Problem;
+use crate::http::problem::{Problem, found};
 
 /// What a worker needs to load an uploaded scene.
 pub(crate) async fn scene(
-    State(app): State<Shared>,
+    State(catalogue): State<Arc<Catalogue>>,
     Path(id): Path<String>,
 ) -> Result<ProtoBody<SceneResponse>, Problem> {
-    let row = app
-        .catalogue
-        .scene(&id)
-        .await?
-        .ok_or_else(|| Problem::not_found(format!("no scene `{id}`")))?;
+    let row = found(catalogue.scene(&id).await?, "scene", &id)?;
     Ok(ProtoBody(row.files.into()))
 }

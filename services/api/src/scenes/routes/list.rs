@@ -1,13 +1,15 @@
 //! `GET /v1/scenes`.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::State;
+use catalogue::{Catalogue, Page};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use crate::app::Shared;
+use crate::http::bounds;
 use crate::http::extract::Query;
-use crate::http::paging::{Page, rows};
 use crate::http::problem::Problem;
 use crate::scenes::view::SceneView;
 
@@ -27,10 +29,11 @@ pub(crate) struct Parameters {
 #[utoipa::path(get, path = "/v1/scenes", tag = "scenes", params(Parameters),
     responses((status = 200, description = "A page of scenes.", body = Page<SceneView>)))]
 pub(crate) async fn list(
-    State(app): State<Shared>,
+    State(catalogue): State<Arc<Catalogue>>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<Page<SceneView>>, Problem> {
-    let page = app.catalogue.scenes(rows(asked.limit)?, asked.cursor).await?;
+    let limit = bounds::rows(asked.limit)?;
+    let page = catalogue.scenes(limit, asked.cursor).await?;
     Ok(Json(Page {
         items: page.items.into_iter().map(SceneView::from).collect(),
         next_cursor: page.next_cursor,

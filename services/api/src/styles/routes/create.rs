@@ -1,33 +1,30 @@
 //! `POST /v1/styles`.
 
-use axum::Json;
-use axum::extract::multipart::Field;
+use std::sync::Arc;
+
 use axum::extract::{Multipart, State};
-use axum::http::{HeaderName, StatusCode, header};
 use style::Card;
 use utoipa::ToSchema;
 
-use crate::app::Shared;
 use crate::http::extract::MultipartBody;
+use crate::http::form::{Form, Kind};
+use crate::http::located::{Located, created, located};
 use crate::http::problem::Problem;
-use crate::limits;
-use crate::scenes::form::{broken, too_many};
-use crate::styles::{NewStyle, add};
+use crate::styles::{NewStyle, Styles};
 
-/// The names of all fields.
-const FIELDS: [&str; 7] = [
-    "name",
-    "model",
-    "architecture",
-    "source",
-    "licence",
-    "alpha",
-    "caveat",
+const FIELDS: [(&str, Kind); 7] = [
+    ("name", Kind::Text),
+    ("model", Kind::File),
+    ("architecture", Kind::Text),
+    ("source", Kind::Text),
+    ("licence", Kind::Text),
+    ("alpha", Kind::Text),
+    ("caveat", Kind::Texts),
 ];
 
 /// The fields of a style upload.
 #[derive(ToSchema)]
-#[expect(dead_code, reason = "describes the body; `Form` reads it field by field")]
+#[expect(dead_code, reason = "describes the body; `read` reads it")]
 pub(crate) struct StyleUpload {
     /// Name by which jobs ask for it: 1 to 64 characters of a-z, 0-9, `_` and `-`.
     #[schema(example = "harbour")]
@@ -59,74 +56,27 @@ pub(crate) struct StyleUpload {
     request_body(content = StyleUpload, content_type = "multipart/form-data"),
     responses((status = 201, description = "Added: its card.", body = Value),
               (status = 200, description = "It was there already.", body = Value),
-              (status = 409, response = crate::openapi::Problem),
-              (status = 422, response = crate::openapi::Problem)))]
+              (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
-    State(app): State<Shared>,
+    State(styles): State<Arc<Styles>>,
     MultipartBody(body): MultipartBody,
-) -> Result<(StatusCode, [(HeaderName, &'static str); 1], Json<Card>), Problem> {
-    let new = read(body).await?;
-    let (card, is_new) = add(&app, new).await?;
-    let status = if is_new {
-        StatusCode::CREATED
-    } else {
-        StatusCode::OK
-    };
-    Ok((status, [(header::LOCATION, "/v1/styles")], Json(card)))
+) -> Result<Located<Card>, Problem> {
+    let (card, new) = styles.add(read(body).await?).await?;
+    Ok(located(created(new), "/v1/styles".to_owned(), card))
 }
 
-/// Reads all fields of the form.
-async fn read(mut body: Multipart) -> Result<NewStyle, Problem> {
-    let (mut model, mut texts) = (None, Vec::<(String, String)>::new());
-    while let Some(field) = body.next_field().await.map_err(|error| broken(&error))? {
-        if texts.len() == limits::FORM_FIELDS {
-            return Err(too_many());
-        }
-        let name = field.name().unwrap_or_default().to_owned();
-        let pointer = format!("/{name}");
-        if !FIELDS.contains(&name.as_str()) {
-            let fields = FIELDS.join(", ");
-            let message = format!("there is no field `{name}`; fields are {fields}");
-            return Err(Problem::field(&pointer, message));
-        }
-        let twice = model.is_some() && name == "model" || texts.iter().any(|(seen, _)| *seen == name);
-        if twice && name != "caveat" {
-            return Err(Problem::field(&pointer, format!("`{name}` is given twice")));
-        }
-        if name == "model" {
-            model = Some(field.bytes().await.map_err(|error| broken(&error))?);
-        } else {
-            texts.push((name, text(field).await?));
-        }
-    }
-    let missing = |name: &str| Problem::field(&format!("/{name}"), format!("`{name}` is missing"));
-    let name = texts.iter().find(|(field, _)| field == "name");
-    let name = &name.ok_or_else(|| missing("name"))?.1;
-    let mut new = NewStyle::new(name, model.ok_or_else(|| missing("model"))?.into())?;
-    for (field, text) in &texts {
-        let text = text.clone();
-        match field.as_str() {
-            "architecture" => new.card.architecture = text,
-            "source" => new.card.source = text,
-            "licence" => new.card.licence = text,
-            "alpha" => new.card.alpha = text,
-            "caveat" => new.card.caveats.push(text),
-            _ => {}
-        }
-    }
+async fn read(body: Multipart) -> Result<NewStyle, Problem> {
+    let mut form = Form::read(body, &FIELDS).await?;
+    form.require("name");
+    form.require("model");
+    form.check()?;
+    let model = form.get("model").map(|model| model.to_vec()).unwrap_or_default();
+    let mut new = NewStyle::new(&form.text_or("name", ""), model)?;
+    let card = &mut new.card;
+    card.architecture = form.text_or("architecture", &card.architecture);
+    card.source = form.text_or("source", &card.source);
+    card.licence = form.text_or("licence", &card.licence);
+    card.alpha = form.text_or("alpha", &card.alpha);
+    card.caveats.extend(form.texts("caveat"));
     Ok(new)
-}
-
-/// A text of bearable length.
-pub(super) async fn text(mut field: Field<'_>) -> Result<String, Problem> {
-    let name = field.name().unwrap_or_default().to_owned();
-    let refuse = |why: String| Problem::field(&format!("/{name}"), format!("`{name}` {why}"));
-    let mut bytes = Vec::new();
-    while let Some(chunk) = field.chunk().await.map_err(|error| broken(&error))? {
-        bytes.extend_from_slice(&chunk);
-        if bytes.len() > limits::CARD_TEXT_BYTES {
-            return Err(refuse(format!("has more than {} bytes", limits::CARD_TEXT_BYTES)));
-        }
-    }
-    String::from_utf8(bytes).map_err(|_| refuse("is not UTF-8".to_owned()))
 }

@@ -1,28 +1,35 @@
 //! `POST /v1/styles/train`.
 
-use axum::Json;
-use axum::extract::multipart::Field;
+use std::sync::Arc;
+
 use axum::extract::{Multipart, State};
-use axum::http::{HeaderName, StatusCode, header};
+use axum::http::StatusCode;
 use style::is_name;
 use tempfile::TempDir;
 use utoipa::ToSchema;
 
-use super::create::text;
 use super::training::TrainingView;
-use crate::app::Shared;
 use crate::http::extract::MultipartBody;
 use crate::http::failure::writing;
+use crate::http::form::{Form, Kind};
+use crate::http::located::{Located, located};
 use crate::http::problem::Problem;
 use crate::limits;
-use crate::scenes::form::{broken, too_many};
-use crate::styles::trainings::{Order, photo, start};
+use crate::styles::Styles;
+use crate::styles::trainings::{Order, photo_name};
 
-const FIELDS: [&str; 6] = ["name", "photo", "seed", "steps", "licence", "source"];
+const FIELDS: [(&str, Kind); 6] = [
+    ("name", Kind::Text),
+    ("photo", Kind::Files),
+    ("seed", Kind::Text),
+    ("steps", Kind::Text),
+    ("licence", Kind::Text),
+    ("source", Kind::Text),
+];
 
 /// The photo and what to make of it.
 #[derive(ToSchema)]
-#[expect(dead_code, reason = "describes the body; `read` reads it field by field")]
+#[expect(dead_code, reason = "describes the body; `read` reads it")]
 pub(crate) struct TrainingUpload {
     /// Name by which jobs will ask for it: 1 to 64 characters of a-z, 0-9, `_` and `-`.
     #[schema(example = "harbour")]
@@ -51,93 +58,47 @@ pub(crate) struct TrainingUpload {
 #[utoipa::path(post, path = "/v1/styles/train", tag = "waters",
     request_body(content = TrainingUpload, content_type = "multipart/form-data"),
     responses((status = 202, description = "Accepted; `Location` is the training.", body = TrainingView),
-              (status = 409, response = crate::openapi::Problem),
-              (status = 422, response = crate::openapi::Problem)))]
+              (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn train(
-    State(app): State<Shared>,
+    State(styles): State<Arc<Styles>>,
     MultipartBody(body): MultipartBody,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<TrainingView>), Problem> {
-    let order = read(body).await?;
-    let training = start(&app, order).await?;
+) -> Result<Located<TrainingView>, Problem> {
+    let training = styles.train(read(body).await?).await?;
     let location = format!("/v1/styles/trainings/{}", training.id);
-    let view = TrainingView::of(&training);
-    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(view)))
+    let view = TrainingView::new(&training);
+    Ok(located(StatusCode::ACCEPTED, location, view))
 }
 
-async fn read(mut body: Multipart) -> Result<Order, Problem> {
-    let folder = TempDir::new().map_err(|error| writing(&error))?;
-    let mut order = Order {
-        name: String::new(),
-        seed: 1,
-        steps: 1000,
-        licence: "unknown".to_owned(),
-        source: "trained from photos given by a user of the service".to_owned(),
-        photos: 0,
-        folder,
-    };
-    let mut seen = Vec::new();
-    while let Some(field) = body.next_field().await.map_err(|error| broken(&error))? {
-        let name = field.name().unwrap_or_default().to_owned();
-        if seen.len() == limits::FORM_FIELDS {
-            return Err(too_many());
-        }
-        let refuse = |why: String| Problem::field(&format!("/{name}"), why);
-        if !FIELDS.contains(&name.as_str()) {
-            return Err(refuse(format!(
-                "there is no field `{name}`; fields are {}",
-                FIELDS.join(", ")
-            )));
-        }
-        if name != "photo" && seen.contains(&name) {
-            return Err(refuse(format!("`{name}` is given twice")));
-        }
-        match name.as_str() {
-            "photo" => take_photo(&mut order, field).await?,
-            "name" => order.name = text(field).await?,
-            "licence" => order.licence = text(field).await?,
-            "source" => order.source = text(field).await?,
-            "seed" => {
-                let given = text(field).await?;
-                let limit = format!("must be a whole number in 0..={}", u64::MAX);
-                let seed = given.trim().parse();
-                order.seed = seed.map_err(|_| refuse(format!("seed is `{given}` but {limit}")))?;
-            }
-            _ => {
-                let given = text(field).await?;
-                let steps = given
-                    .trim()
-                    .parse()
-                    .ok()
-                    .filter(|steps| (1..=limits::STEPS).contains(steps));
-                let limit = format!("must be a whole number in 1..={}", limits::STEPS);
-                order.steps = steps.ok_or_else(|| refuse(format!("steps is `{given}` but {limit}")))?;
-            }
-        }
-        seen.push(name);
-    }
-    if order.photos == 0 {
-        return Err(Problem::field("/photo", "`photo` is missing"));
-    }
-    if !is_name(&order.name) {
-        let message = format!(
-            "name is `{}` but must have 1 to 64 characters of a-z, 0-9, _ and -",
-            order.name
-        );
-        return Err(Problem::field("/name", message));
-    }
-    Ok(order)
-}
-
-async fn take_photo(order: &mut Order, field: Field<'_>) -> Result<(), Problem> {
-    if order.photos == limits::PHOTOS {
+async fn read(body: Multipart) -> Result<Order, Problem> {
+    let mut form = Form::read(body, &FIELDS).await?;
+    let seed_limit = format!("a whole number in 0..={}", u64::MAX);
+    let seed = form.number("seed", &seed_limit, |_| true);
+    let steps_limit = format!("a whole number in 1..={}", limits::STEPS);
+    let steps = form.number("steps", &steps_limit, |steps| (1..=limits::STEPS).contains(steps));
+    let photos = form.all("photo").count();
+    if photos > limits::PHOTOS {
         let message = format!("there are more than {} photos", limits::PHOTOS);
-        return Err(Problem::field("/photo", message));
+        form.refuse("photo", message);
     }
-    let bytes = field.bytes().await.map_err(|error| broken(&error))?;
-    let file = order.folder.path().join(photo(order.photos));
-    tokio::fs::write(&file, &bytes)
-        .await
-        .map_err(|error| writing(&error))?;
-    order.photos += 1;
-    Ok(())
+    form.require("photo");
+    let name = form.text_or("name", "");
+    if !is_name(&name) {
+        let message = format!("name is `{name}` but must have 1 to 64 characters of a-z, 0-9, _ and -");
+        form.refuse("name", message);
+    }
+    form.check()?;
+    let folder = TempDir::new().map_err(|error| writing(&error))?;
+    for (index, bytes) in form.all("photo").enumerate() {
+        let written = tokio::fs::write(folder.path().join(photo_name(index)), bytes).await;
+        written.map_err(|error| writing(&error))?;
+    }
+    Ok(Order {
+        name,
+        seed: seed.unwrap_or(1),
+        steps: steps.unwrap_or(1000),
+        licence: form.text_or("licence", "unknown"),
+        source: form.text_or("source", "trained from photos given by a user of the service"),
+        photos,
+        folder,
+    })
 }

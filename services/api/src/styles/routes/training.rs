@@ -1,19 +1,19 @@
 //! `GET /v1/styles/trainings/{id}` and `DELETE` of the same.
 
-use std::time::Duration;
+use std::sync::Arc;
 
 use axum::Json;
-use axum::extract::State as Has;
+use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use style::Card;
 use utoipa::{IntoParams, ToSchema};
 
-use crate::app::Shared;
+use crate::http::bounds;
 use crate::http::extract::{Path, Query};
-use crate::http::problem::{Problem, Slug};
-use crate::limits;
-use crate::styles::trainings::{State, Training, cancel};
+use crate::http::problem::Problem;
+use crate::styles::Styles;
+use crate::styles::trainings::{Progress, Training};
 
 /// A training.
 #[derive(Debug, Serialize, ToSchema)]
@@ -43,15 +43,15 @@ pub(crate) struct TrainingView {
 }
 
 impl TrainingView {
-    pub(crate) fn of(training: &Training) -> Self {
+    pub(crate) fn new(training: &Training) -> Self {
         let order = &training.order;
         let progress = training.progress();
         let (state, error, card) = match training.state() {
-            State::Open if progress.is_some() => ("running", None, None),
-            State::Open => ("queued", None, None),
-            State::Done(card) => ("done", None, Some(*card)),
-            State::Failed(why) => ("failed", Some(why), None),
-            State::Cancelled => ("cancelled", None, None),
+            Progress::Open if progress.is_some() => ("running", None, None),
+            Progress::Open => ("queued", None, None),
+            Progress::Done(card) => ("done", None, Some(*card)),
+            Progress::Failed(why) => ("failed", Some(why), None),
+            Progress::Cancelled => ("cancelled", None, None),
         };
         let progress = progress.unwrap_or_default();
         let done = match state {
@@ -85,25 +85,16 @@ pub(crate) struct Parameters {
 /// See a training, or wait for its end.
 #[utoipa::path(get, path = "/v1/styles/trainings/{id}", tag = "waters",
     params(("id" = String, Path, description = "`trn_…`"), Parameters),
-    responses((status = 200, description = "The training as it is now.", body = TrainingView),
-              (status = 404, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
 pub(crate) async fn get(
-    Has(app): Has<Shared>,
+    State(styles): State<Arc<Styles>>,
     Path(id): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<TrainingView>, Problem> {
-    let limit = Duration::from_secs(asked.wait.unwrap_or(0));
-    if limit > limits::MAX_WAIT {
-        let detail = format!(
-            "wait: is {} but must be in 0..={}",
-            limit.as_secs(),
-            limits::MAX_WAIT.as_secs()
-        );
-        return Err(Problem::new(Slug::InvalidQuery, detail));
-    }
-    let training = app.trainings.get(&id)?;
-    training.wait(&app, limit).await;
-    Ok(Json(TrainingView::of(&training)))
+    let limit = bounds::wait(asked.wait)?;
+    let training = styles.trainings.get(&id)?;
+    styles.wait(&training, limit).await;
+    Ok(Json(TrainingView::new(&training)))
 }
 
 /// Cancel a training.
@@ -111,12 +102,11 @@ pub(crate) async fn get(
 /// Nothing of it stays. A training that has ended stays as it is, and so does its style.
 #[utoipa::path(delete, path = "/v1/styles/trainings/{id}", tag = "waters",
     params(("id" = String, Path, description = "`trn_…`")),
-    responses((status = 200, description = "The training as it is now.", body = TrainingView),
-              (status = 404, response = crate::openapi::Problem)))]
+    responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
 pub(crate) async fn delete(
-    Has(app): Has<Shared>,
+    State(styles): State<Arc<Styles>>,
     Path(id): Path<String>,
 ) -> Result<Json<TrainingView>, Problem> {
-    let training = cancel(&app, &id).await?;
-    Ok(Json(TrainingView::of(&training)))
+    let training = styles.cancel(&id).await?;
+    Ok(Json(TrainingView::new(&training)))
 }

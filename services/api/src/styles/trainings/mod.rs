@@ -6,7 +6,7 @@
 
 mod process;
 
-pub(crate) use process::photo;
+pub(crate) use process::photo_name;
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -20,7 +20,7 @@ use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
-use crate::app::{App, Shared};
+use super::Styles;
 use crate::http::problem::{Problem, Slug};
 use crate::limits;
 use crate::processes::child::Children;
@@ -38,7 +38,7 @@ pub(crate) struct Order {
 
 /// How far a training is.
 #[derive(Clone)]
-pub(crate) enum State {
+pub(crate) enum Progress {
     /// Others are before it, or it works.
     Open,
     /// Its style can be used.
@@ -53,13 +53,13 @@ pub(crate) enum State {
 pub(crate) struct Training {
     pub(crate) id: String,
     pub(crate) order: Order,
-    state: Mutex<State>,
+    state: Mutex<Progress>,
     ended: Notify,
     stop: CancellationToken,
 }
 
 impl Training {
-    pub(crate) fn state(&self) -> State {
+    pub(crate) fn state(&self) -> Progress {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
@@ -70,10 +70,10 @@ impl Training {
     }
 
     fn is_open(&self) -> bool {
-        matches!(self.state(), State::Open)
+        matches!(self.state(), Progress::Open)
     }
 
-    fn end(&self, state: State) {
+    fn end(&self, state: Progress) {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
         // The photos and what came of them are needed no more; the folder itself goes with the training.
         for entry in std::fs::read_dir(self.order.folder.path())
@@ -85,18 +85,6 @@ impl Training {
         }
         self.ended.notify_waiters();
     }
-
-    /// Waits until it has ended, for so long at most, or until the service stops.
-    pub(crate) async fn wait(&self, app: &App, limit: Duration) {
-        let mut ended = std::pin::pin!(self.ended.notified());
-        ended.as_mut().enable();
-        if self.is_open() {
-            tokio::select! {
-                _ = tokio::time::timeout(limit, ended) => {}
-                () = app.stop.cancelled() => {}
-            }
-        }
-    }
 }
 
 /// The trainings of a running service, the oldest first.
@@ -104,7 +92,7 @@ pub(crate) struct Trainings {
     list: Mutex<VecDeque<Arc<Training>>>,
     /// One at a time: each uses half of the cores.
     trainers: Children,
-    /// Looks at photos while somebody waits.
+    /// Validate photos before a request returns.
     lookers: Children,
 }
 
@@ -128,9 +116,9 @@ impl Trainings {
     }
 
     /// Takes an order up, if its name is free and there is room.
-    fn take(&self, app: &App, order: Order) -> Result<Arc<Training>, Problem> {
+    fn take(&self, styles: &Styles, order: Order) -> Result<Arc<Training>, Problem> {
         let taken = |why: String| Err(Problem::new(Slug::NameTaken, why));
-        if app.styles.known().library.get(&order.name).is_some() {
+        if styles.known().library.get(&order.name).is_some() {
             return taken(format!(
                 "there is a style `{}` already; styles are never replaced",
                 order.name
@@ -153,9 +141,9 @@ impl Trainings {
         let training = Arc::new(Training {
             id: format!("trn_{}", Uuid::now_v7().simple()),
             order,
-            state: Mutex::new(State::Open),
+            state: Mutex::new(Progress::Open),
             ended: Notify::new(),
-            stop: app.stop.child_token(),
+            stop: styles.stop.child_token(),
         });
         list.push_back(Arc::clone(&training));
         while list.len() > limits::KNOWN_TRAININGS && list.front().is_some_and(|oldest| !oldest.is_open()) {
@@ -165,28 +153,42 @@ impl Trainings {
     }
 }
 
-/// Looks at the photos of an order and takes it up. The training goes on when the caller goes away.
-pub(crate) async fn start(app: &Shared, order: Order) -> Result<Arc<Training>, Problem> {
-    process::look(&app.trainings.lookers, &order).await?;
-    let training = app.trainings.take(app, order)?;
-    let (app, work) = (Arc::clone(app), Arc::clone(&training));
-    tokio::spawn(async move {
-        let state = tokio::select! {
-            () = work.stop.cancelled() => State::Cancelled,
-            ended = process::train(&app, &work.order) => match ended {
-                Ok(card) => State::Done(Box::new(card)),
-                Err(why) => State::Failed(why),
-            },
-        };
-        work.end(state);
-    });
-    Ok(training)
-}
+impl Styles {
+    /// Validates the photos of an order and takes it up. The training goes on when the caller goes away.
+    pub(super) async fn train(self: &Arc<Self>, order: Order) -> Result<Arc<Training>, Problem> {
+        process::validate(&self.trainings.lookers, &order).await?;
+        let training = self.trainings.take(self, order)?;
+        let (styles, work) = (Arc::clone(self), Arc::clone(&training));
+        tokio::spawn(async move {
+            let state = tokio::select! {
+                () = work.stop.cancelled() => Progress::Cancelled,
+                ended = process::train(&styles, &work.order) => match ended {
+                    Ok(card) => Progress::Done(Box::new(card)),
+                    Err(why) => Progress::Failed(why),
+                },
+            };
+            work.end(state);
+        });
+        Ok(training)
+    }
 
-/// Ends a training; nothing of it stays. One that has ended already is left as it is.
-pub(crate) async fn cancel(app: &App, id: &str) -> Result<Arc<Training>, Problem> {
-    let training = app.trainings.get(id)?;
-    training.stop.cancel();
-    training.wait(app, limits::REQUEST).await;
-    Ok(training)
+    /// Waits until a training has ended, at most for so long, or until the service stops.
+    pub(super) async fn wait(&self, training: &Training, limit: Duration) {
+        let mut ended = std::pin::pin!(training.ended.notified());
+        ended.as_mut().enable();
+        if training.is_open() {
+            tokio::select! {
+                _ = tokio::time::timeout(limit, ended) => {}
+                () = self.stop.cancelled() => {}
+            }
+        }
+    }
+
+    /// Ends a training; nothing of it stays. One that has ended already is left as it is.
+    pub(super) async fn cancel(&self, id: &str) -> Result<Arc<Training>, Problem> {
+        let training = self.trainings.get(id)?;
+        training.stop.cancel();
+        self.wait(&training, limits::REQUEST).await;
+        Ok(training)
+    }
 }

@@ -2,15 +2,15 @@
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use style::Card;
 
 use super::Order;
-use crate::app::Shared;
 use crate::http::problem::Problem;
 use crate::processes::child::{Allowance, Children, Ended};
-use crate::styles::{NewStyle, add};
+use crate::styles::{NewStyle, Styles};
 
 /// Where the process tells its progress, in the folder of the order.
 pub(super) const PROGRESS: &str = "progress.json";
@@ -29,20 +29,20 @@ const TRAIN: Allowance = Allowance {
 };
 
 /// The name of a photo in the folder of its order; it stands in messages.
-pub(crate) fn photo(index: usize) -> String {
+pub(crate) fn photo_name(index: usize) -> String {
     format!("photo {}", index + 1)
 }
 
 fn arguments(order: &Order) -> Vec<OsString> {
     let folder = order.folder.path();
-    let photos = (0..order.photos).map(|index| folder.join(photo(index)).into_os_string());
+    let photos = (0..order.photos).map(|index| folder.join(photo_name(index)).into_os_string());
     photos
         .chain(["--name".into(), order.name.clone().into()])
         .collect()
 }
 
-/// Says whether the photos can be learned from.
-pub(super) async fn look(children: &Children, order: &Order) -> Result<(), Problem> {
+/// Refuses photos that cannot be learned from.
+pub(super) async fn validate(children: &Children, order: &Order) -> Result<(), Problem> {
     let mut arguments = arguments(order);
     arguments.push("--check".into());
     let ended = run(children, &arguments, LOOK).await?;
@@ -57,7 +57,7 @@ pub(super) async fn look(children: &Children, order: &Order) -> Result<(), Probl
 }
 
 /// Trains, and adds the style; an error is told to whoever asks for the training.
-pub(super) async fn train(app: &Shared, order: &Order) -> Result<Card, String> {
+pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<Card, String> {
     let folder = order.folder.path();
     let out = folder.join(OUT);
     let mut arguments = arguments(order);
@@ -78,7 +78,7 @@ pub(super) async fn train(app: &Shared, order: &Order) -> Result<Card, String> {
         option.push(value);
         arguments.push(option);
     }
-    let ended = run(&app.trainings.trainers, &arguments, TRAIN).await;
+    let ended = run(&styles.trainings.trainers, &arguments, TRAIN).await;
     match ended.map_err(|problem| problem.to_string())? {
         Ended::Well => {}
         Ended::Refused(why) | Ended::Lacking(why) | Ended::Badly(why) => return Err(clean(&why, folder)),
@@ -91,8 +91,8 @@ pub(super) async fn train(app: &Shared, order: &Order) -> Result<Card, String> {
     let card: Card = serde_json::from_slice(&card).map_err(|error| format!("its card: {error}"))?;
     let mut new = NewStyle::new(&order.name, onnx).map_err(|problem| problem.to_string())?;
     new.card = card;
-    let added = add(app, new).await.map_err(|problem| problem.to_string())?;
-    Ok(added.0)
+    let (card, _) = styles.add(new).await.map_err(|problem| problem.to_string())?;
+    Ok(card)
 }
 
 async fn run(children: &Children, arguments: &[OsString], allowance: Allowance) -> Result<Ended, Problem> {
@@ -100,7 +100,7 @@ async fn run(children: &Children, arguments: &[OsString], allowance: Allowance) 
     children.run("train", &arguments, allowance).await
 }
 
-/// What a process said, without the folder that nobody else knows.
+/// Process output with the temporary folder's path removed.
 fn clean(said: &str, folder: &Path) -> String {
     said.replace(&format!("{}/", folder.display()), "")
 }

@@ -1,14 +1,15 @@
 //! `POST /v1/waters`.
 
-use axum::Json;
+use std::sync::Arc;
+
 use axum::extract::State;
-use axum::http::{HeaderName, StatusCode, header};
+use axum::http::StatusCode;
 use utoipa::ToSchema;
 
-use crate::app::Shared;
 use crate::http::extract::JsonBytes;
+use crate::http::located::{Located, located};
 use crate::http::problem::Problem;
-use crate::waters;
+use crate::waters::Waters;
 use crate::waters::view::WaterView;
 
 /// A water of your own. Arrays are R, G, B; what is absent is unknown.
@@ -52,17 +53,12 @@ pub(crate) struct NewWater {
 #[utoipa::path(post, path = "/v1/waters", tag = "waters", request_body = NewWater,
     responses((status = 201, description = "Stored; `warnings` says what is odd about it.", body = WaterView),
               (status = 409, description = "The name is taken.", body = crate::openapi::Problem,
-               content_type = "application/problem+json"),
-              (status = 422, response = crate::openapi::Problem)))]
+               content_type = "application/problem+json")))]
 pub(crate) async fn create(
-    State(app): State<Shared>,
+    State(waters): State<Arc<Waters>>,
     JsonBytes(body): JsonBytes,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<WaterView>), Problem> {
-    let own = waters::create(&app, body.to_vec()).await?;
-    let location = [(header::LOCATION, format!("/v1/waters/{}", own.preset.name))];
-    Ok((
-        StatusCode::CREATED,
-        location,
-        Json(WaterView::new(&own.preset, Some(own.created_ms))),
-    ))
+) -> Result<Located<WaterView>, Problem> {
+    let water = waters.create(body.to_vec()).await?;
+    let location = format!("/v1/waters/{}", water.name);
+    Ok(located(StatusCode::CREATED, location, water))
 }

@@ -39,6 +39,13 @@ pub(crate) struct Claim {
     pub(crate) attempt: u32,
 }
 
+impl Claim {
+    /// As the lease table takes it.
+    pub(crate) fn current(&self) -> proto::message::Claim {
+        crate::claim(&self.frame.0, self.frame.1, self.token, self.attempt)
+    }
+}
+
 pub(crate) struct Service {
     variant: Variant,
     pub(crate) table: LeaseTable,
@@ -148,15 +155,8 @@ impl Service {
 
     /// An image arrives. Answers whether it is written now.
     pub(crate) fn begin_commit(&mut self, claim: &Claim, now: u64) -> Result<bool, Violation> {
-        let Claim {
-            frame,
-            token,
-            attempt,
-        } = claim;
-        let sound = self
-            .table
-            .begin_commit(&frame.0, frame.1, *token, *attempt, Millis(now))
-            .is_ok();
+        let Claim { frame, token, .. } = claim;
+        let sound = self.table.begin_commit(&claim.current(), Millis(now)).is_ok();
         let latest = self.latest.get(frame) == Some(token);
         let accepted = sound
             || match self.variant {
@@ -188,20 +188,8 @@ impl Service {
     }
 
     pub(crate) fn fail(&mut self, claim: &Claim, retryable: bool, now: u64) -> Result<(), Violation> {
-        let Claim {
-            frame,
-            token,
-            attempt,
-        } = claim;
-        let struck = self.table.fail(
-            &frame.0,
-            frame.1,
-            *token,
-            *attempt,
-            retryable,
-            "fault",
-            Millis(now),
-        );
+        let Claim { frame, token, .. } = claim;
+        let struck = self.table.fail(&claim.current(), retryable, "fault", Millis(now));
         let Ok(event) = struck else { return Ok(()) };
         if self.latest.get(frame) != Some(token) {
             return Err(Violation::StaleToken);

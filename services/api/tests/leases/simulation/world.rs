@@ -163,14 +163,14 @@ impl World {
             Event::Written(claim, life) if life == self.service.life => {
                 if self.rough && self.pick(10) == 0 {
                     // The disk was full.
-                    self.service.table.abort_commit(&claim.frame.0, claim.frame.1);
+                    self.service.table.abort_commit(&claim.current());
                     return Ok(());
                 }
                 self.service.write(&claim.frame)?;
                 if self.rough && self.pick(20) == 0 {
                     self.service.restart();
                 } else {
-                    self.service.table.finish_commit(&claim.frame.0, claim.frame.1);
+                    self.service.table.finish_commit(&claim.current());
                 }
             }
             Event::Written(..) => {}

@@ -52,9 +52,13 @@ impl Repair {
 
     async fn render(&mut self, data: &Data, job: &str, frame: u64) -> Result<Vec<Blob>, String> {
         let text = |error: &dyn std::fmt::Display| error.to_string();
-        let row = data.catalogue.job(job).await.map_err(|error| text(&error))?;
-        let row = row.ok_or_else(|| format!("job {job} is not stored"))?;
-        let job = Job::trusted(&row.spec).map_err(|error| text(&error))?;
+        let spec = data
+            .catalogue
+            .description(job)
+            .await
+            .map_err(|error| text(&error))?;
+        let spec = spec.ok_or_else(|| format!("job {job} is not stored"))?;
+        let job = Job::trusted(&spec).map_err(|error| text(&error))?;
         let frame = job.resolve(frame).map_err(|error| text(&error))?;
         let source = match &frame.scene {
             Scene::Uploaded { id } => SceneSource::Uploaded(Arc::new(uploaded(data, id).await?)),

@@ -1,0 +1,116 @@
+//! A scene upload on its way from a form to a checked value.
+
+use axum::body::Bytes;
+use axum::extract::Multipart;
+use imaging::geometry::Intrinsics;
+use spec::{RangeFile, RangeKind, SceneFiles};
+
+use crate::http::form::{Form, Kind};
+use crate::http::problem::Problem;
+
+const FIELDS: [(&str, Kind); 11] = [
+    ("rgb", Kind::File),
+    ("range", Kind::File),
+    ("z_depth", Kind::File),
+    ("instances", Kind::File),
+    ("unit_m", Kind::Text),
+    ("invalid_code", Kind::Text),
+    ("fx", Kind::Text),
+    ("focal_px", Kind::Text),
+    ("cx", Kind::Text),
+    ("cy", Kind::Text),
+    ("hfov_deg", Kind::Text),
+];
+
+/// The fields of a scene upload.
+pub(super) struct SceneForm {
+    pub(super) rgb: Bytes,
+    range: Option<Bytes>,
+    z_depth: Option<Bytes>,
+    instances: Option<Bytes>,
+    unit_m: Option<f64>,
+    invalid_code: Option<u16>,
+    focal_px: Option<f64>,
+    cx: Option<f64>,
+    cy: Option<f64>,
+    hfov_deg: Option<f64>,
+}
+
+impl SceneForm {
+    /// Reads all fields; what is wrong with them is reported together.
+    pub(super) async fn read(body: Multipart) -> Result<Self, Problem> {
+        let mut form = Form::read(body, &FIELDS).await?;
+        if form.get("fx").is_some() && form.get("focal_px").is_some() {
+            form.refuse("fx", "`fx` and `focal_px` are the same; give one".to_owned());
+        }
+        let above_0 = |value: &f64| *value > 0.0 && value.is_finite();
+        let finite = |value: &f64| value.is_finite();
+        let angle = |degrees: &f64| *degrees > 0.0 && *degrees < 180.0;
+        let focal_px = form.number("focal_px", "a number above 0", above_0);
+        let fx = form.number("fx", "a number above 0", above_0);
+        let scene = Self {
+            rgb: form.get("rgb").cloned().unwrap_or_default(),
+            range: form.get("range").cloned(),
+            z_depth: form.get("z_depth").cloned(),
+            instances: form.get("instances").cloned(),
+            unit_m: form.number("unit_m", "a number above 0", above_0),
+            invalid_code: form.number("invalid_code", "a whole number in 0..=65535", |_| true),
+            focal_px: focal_px.or(fx),
+            cx: form.number("cx", "a finite number", finite),
+            cy: form.number("cy", "a finite number", finite),
+            hfov_deg: form.number("hfov_deg", "a number above 0 and below 180", angle),
+        };
+        if form.get("rgb").is_none() {
+            form.refuse("rgb", "`rgb` is missing: the picture".to_owned());
+        }
+        if scene.range.is_some() && scene.z_depth.is_some() {
+            form.refuse("z_depth", "give `range` or `z_depth`, not both".to_owned());
+        }
+        if scene.focal_px.is_some() && scene.hfov_deg.is_some() {
+            form.refuse("hfov_deg", "give `focal_px` or `hfov_deg`, not both".to_owned());
+        }
+        if !scene.has_camera() && (scene.cx.is_some() || scene.cy.is_some()) {
+            form.refuse(
+                "cx",
+                "a principal point needs `focal_px` or `hfov_deg`".to_owned(),
+            );
+        }
+        form.check()?;
+        Ok(scene)
+    }
+
+    /// Whether anything is said about the camera.
+    pub(super) fn has_camera(&self) -> bool {
+        self.focal_px.is_some() || self.hfov_deg.is_some()
+    }
+
+    /// The camera, for a picture of this size. A principal point that is not given lies in the middle.
+    pub(super) fn camera(&self, width: usize, height: usize) -> Option<Intrinsics> {
+        let from_angle = |degrees: f64| width as f64 / 2.0 / (degrees.to_radians() / 2.0).tan();
+        let focal_px = self.focal_px.or_else(|| self.hfov_deg.map(from_angle))?;
+        let centered = Intrinsics::centered(focal_px, width, height);
+        Some(Intrinsics {
+            cx: self.cx.unwrap_or(centered.cx),
+            cy: self.cy.unwrap_or(centered.cy),
+            ..centered
+        })
+    }
+
+    /// The files, with a camera if anything is said about one.
+    pub(super) fn files(self, camera: Option<Intrinsics>) -> SceneFiles<Bytes> {
+        let range = self.range.map(|file| (file, RangeKind::Range));
+        let z_depth = self.z_depth.map(|file| (file, RangeKind::ZDepth));
+        let (unit_m, invalid_code) = (self.unit_m, self.invalid_code);
+        SceneFiles {
+            rgb: self.rgb,
+            range: range.or(z_depth).map(|(file, kind)| RangeFile {
+                file,
+                kind,
+                unit_m,
+                invalid_code,
+            }),
+            instances: self.instances,
+            intrinsics: camera,
+        }
+    }
+}

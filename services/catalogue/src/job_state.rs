@@ -1,0 +1,65 @@
+//! Where a job stands.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Serialize, Serializer};
+
+/// Where a job stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JobState {
+    /// No frame has ended yet.
+    Queued,
+    /// Some frames have ended.
+    Running,
+    /// Nothing is offered for now.
+    Paused,
+    /// Stopped by the user; what is there stays.
+    Cancelled,
+    /// Every frame has its image.
+    Done,
+    /// Every frame has ended, some without an image.
+    DoneWithFailures,
+}
+
+impl JobState {
+    const ALL: [(Self, &'static str); 6] = [
+        (Self::Queued, "queued"),
+        (Self::Running, "running"),
+        (Self::Paused, "paused"),
+        (Self::Cancelled, "cancelled"),
+        (Self::Done, "done"),
+        (Self::DoneWithFailures, "done_with_failures"),
+    ];
+
+    /// Whether nothing more will happen to the job.
+    #[must_use]
+    pub fn has_ended(self) -> bool {
+        matches!(self, Self::Cancelled | Self::Done | Self::DoneWithFailures)
+    }
+}
+
+impl fmt::Display for JobState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let named = Self::ALL.iter().find(|(state, _)| state == self);
+        f.write_str(named.map_or("", |(_, name)| name))
+    }
+}
+
+impl Serialize for JobState {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl FromStr for JobState {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let known = Self::ALL.iter().find(|(_, known)| *known == name);
+        known.map(|(state, _)| *state).ok_or_else(|| {
+            let names = Self::ALL.map(|(_, name)| name).join(", ");
+            format!("`{name}` is no state; there are {names}")
+        })
+    }
+}
