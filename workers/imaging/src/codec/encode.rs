@@ -2,9 +2,10 @@
 
 use std::borrow::Cow;
 
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
 use png::{BitDepth, ColorType};
 
-use super::jpeg;
 use crate::{Channels, Raster, Rgb8, Samples};
 
 /// A picture that a format cannot hold.
@@ -108,9 +109,14 @@ pub fn encode_webp_lossless(picture: &Rgb8) -> Result<Vec<u8>, EncodeError> {
 /// [`EncodeError`] when the picture is empty or a side exceeds 65535.
 pub fn encode_jpeg(picture: &Rgb8, quality: u8) -> Result<Vec<u8>, EncodeError> {
     let (width, height) = (picture.width(), picture.height());
-    if [width, height].iter().any(|side| !(1..=0xffff).contains(side)) {
-        let reason = "its sides are 1 to 65535 pixels";
-        return Err(EncodeError::new(width, height, "JPEG", &reason));
-    }
-    Ok(jpeg::encode(picture, quality.clamp(1, 100)))
+    let mut file = Vec::new();
+    JpegEncoder::new_with_quality(&mut file, quality.clamp(1, 100))
+        .encode(
+            picture.data(),
+            width as u32,
+            height as u32,
+            ExtendedColorType::Rgb8,
+        )
+        .map_err(|error| EncodeError::new(width, height, "JPEG", &error))?;
+    Ok(file)
 }

@@ -1,11 +1,4 @@
-//! JPEG files: how they are written, and whether one is whole. The decoder fills what is missing of a file that was
-//! cut off with gray and says nothing.
-
-mod dct;
-mod encode;
-mod huffman;
-
-pub(super) use encode::encode;
+//! Whether a JPEG file is whole. The decoder fills what is missing of a file that was cut off with gray and says nothing.
 
 /// Whether the file reaches its end-of-image marker, walking from segment to segment.
 pub(super) fn is_whole(file: &[u8]) -> bool {
