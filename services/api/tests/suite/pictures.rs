@@ -174,6 +174,6 @@ fn a_form_of_many_fields_is_refused_at_its_beginning() {
             problem["detail"].as_str().unwrap().contains("32 fields"),
             "{problem}"
         );
-        service.form("/v1/measure", &many).problem(422, "validation");
+        service.form("/v1/measure", &many).problem(400, "invalid-body");
     });
 }

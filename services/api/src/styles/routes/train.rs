@@ -80,6 +80,7 @@ async fn read(body: Multipart) -> Result<Order, Problem> {
         let message = format!("there are more than {} photos", limits::PHOTOS);
         form.refuse("photo", message);
     }
+    form.check()?;
     form.require("photo");
     let name = form.text_or("name", "");
     if !is_name(&name) {
