@@ -9,12 +9,11 @@ use std::time::Duration;
 
 use catalogue::{JobState, OpenJob, UnixMs};
 use proto::message::Register;
-use serde::Serialize;
 use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
-use utoipa::ToSchema;
 use uuid::Uuid;
 
+use super::Worker;
 use super::granted::Granted;
 use super::table::{Beat, JobEntry, LeaseTable, Millis, StrikeEvent, WorkerRow};
 use crate::clock::Clock;
@@ -256,27 +255,6 @@ impl Dispatch {
 
 /// The worker is not registered with this life of the service.
 pub(crate) struct Unknown;
-
-/// A worker process.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Worker {
-    /// `wrk_…`, new with every registration.
-    pub(crate) id: String,
-    /// The name it gave itself; the service's own are `local-1`, `local-2`, …
-    pub(crate) name: String,
-    /// Frames that it renders side by side.
-    pub(crate) slots: u32,
-    /// Frames that it holds.
-    pub(crate) leased_frames: u64,
-    /// Milliseconds since it was last heard of.
-    pub(crate) silent_ms: u64,
-    /// Version of its code.
-    pub(crate) code_version: String,
-    /// Version of its ONNX Runtime; null: none.
-    pub(crate) onnx_runtime: Option<String>,
-    /// CPU features that choose its code paths.
-    pub(crate) cpu_features: String,
-}
 
 #[cfg(test)]
 mod tests {

@@ -11,7 +11,9 @@ pub mod table;
 use std::sync::Arc;
 
 use catalogue::Catalogue;
+use serde::Serialize;
 use tokio_util::sync::CancellationToken;
+use utoipa::ToSchema;
 
 use crate::bytes::Bytes;
 use crate::clock::Clock;
@@ -47,4 +49,25 @@ impl Leases {
             stop,
         }
     }
+}
+
+/// A worker process.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Worker {
+    /// `wrk_…`, new with every registration.
+    pub(crate) id: String,
+    /// The name it gave itself; the service's own are `local-1`, `local-2`, …
+    pub(crate) name: String,
+    /// Frames that it renders side by side.
+    pub(crate) slots: u32,
+    /// Frames that it holds.
+    pub(crate) leased_frames: u64,
+    /// Milliseconds since it was last heard of.
+    pub(crate) silent_ms: u64,
+    /// Version of its code.
+    pub(crate) code_version: String,
+    /// Version of its ONNX Runtime; null: none.
+    pub(crate) onnx_runtime: Option<String>,
+    /// CPU features that choose its code paths.
+    pub(crate) cpu_features: String,
 }

@@ -6,8 +6,7 @@ use axum::Json;
 use axum::extract::State;
 use catalogue::Page;
 
-use crate::leases::Leases;
-use crate::leases::dispatch::Worker;
+use crate::leases::{Leases, Worker};
 
 /// List the workers that are registered, all on one page.
 #[utoipa::path(get, path = "/v1/workers", tag = "operations",
