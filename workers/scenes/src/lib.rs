@@ -18,7 +18,7 @@ pub use error::SceneError;
 pub use labels::Labels;
 pub use path::CameraPath;
 pub use pose::CameraPose;
-pub use world::{LEAST_CLEARANCE_M, World};
+pub use world::World;
 
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
@@ -38,6 +38,9 @@ pub struct Scene {
 
 /// The procedural families.
 pub const FAMILIES: &[&str] = &["structure", "shaft", "pipeline"];
+
+/// A camera on a path must keep this far from surfaces, m.
+pub const LEAST_CLEARANCE_M: f64 = 0.05;
 
 /// Renders a procedural scene from its usual pose: a pure function of its arguments.
 ///

@@ -8,10 +8,8 @@ use spec::{Path, Waypoint};
 use crate::labels::Labels;
 use crate::path::CameraPath;
 use crate::site::{self, Picture, Site};
-use crate::{CameraPose, Scene, SceneError, pipeline, shaft, structure};
+use crate::{CameraPose, LEAST_CLEARANCE_M, Scene, SceneError, pipeline, shaft, structure};
 
-/// A camera on a path must keep this far from surfaces, m.
-pub const LEAST_CLEARANCE_M: f64 = 0.05;
 /// What [`World::path`] keeps free, m.
 const CLEAR_M: f64 = 0.2;
 /// Places looked at on each side of the usual pose.
