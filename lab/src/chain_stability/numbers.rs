@@ -13,7 +13,7 @@ const SIZE: (usize, usize) = (48, 32);
 /// Kernels far narrower than a pixel and far wider than the frame.
 #[must_use]
 pub fn tiny_and_huge_spreads() -> Finding {
-    const SPREADS: [f64; 9] = [1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e5, 1e6];
+    const SPREADS: [f64; 8] = [1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e5];
     let trial = |model, spread| Trial {
         radiance: noise(SIZE, 1.0),
         range: slope(SIZE, 0.5, 20.0),
@@ -23,13 +23,13 @@ pub fn tiny_and_huge_spreads() -> Finding {
         let errors = SPREADS.map(|spread| trial(model, spread).error(Fidelity::Tolerance(TOLERANCE)));
         errors.into_iter().fold(0.0, f64::max)
     };
-    let flat = trial(ScatterModel::Jaffe, 1e6).fast(PLENTY).forward_scatter;
+    let flat = trial(ScatterModel::Jaffe, 1e5).fast(PLENTY).forward_scatter;
     let green = flat.planes()[1].data();
     let (least, most) = green.iter().fold((f32::MAX, 0.0f32), |(least, most), &v| {
         (least.min(v), most.max(v))
     });
     let shown = (320, 200);
-    let shown = [0.01, 1.0, 10.0, 1e6].map(|spread| {
+    let shown = [0.01, 1.0, 10.0, 1e5].map(|spread| {
         let trial = Trial {
             radiance: noise(shown, 1.0),
             range: slope(shown, 0.5, 20.0),
@@ -39,7 +39,7 @@ pub fn tiny_and_huge_spreads() -> Finding {
     });
     Finding {
         test: "tiny_and_huge_spreads",
-        tried: "Noise on a slope from 0.5 to 20 m with spreads from 1e-9 to 1e6 pixels per metre; a job may ask for up to 1e5.",
+        tried: "Noise on a slope from 0.5 to 20 m with spreads from 1e-9 to 1e5 pixels per metre, the most that a job may ask for.",
         figures: vec![
             Figure::at_most(
                 "error at tolerance 3e-4, jaffe",
@@ -52,7 +52,7 @@ pub fn tiny_and_huge_spreads() -> Finding {
                 TOLERANCE,
             ),
             Figure::at_most(
-                "unevenness of the spread light at 1e6 px/m: largest over smallest, less 1",
+                "unevenness of the spread light at 1e5 px/m: largest over smallest, less 1",
                 f64::from(most / least) - 1.0,
                 0.02,
             ),
@@ -61,7 +61,7 @@ pub fn tiny_and_huge_spreads() -> Finding {
                   light is then even over the frame, and a wider one would change nothing.",
         picture: Some((
             "spreads",
-            "Noise under water, simplified form: 0.01, 1, 10 and 1e6 pixels per metre.",
+            "Noise under water, simplified form: 0.01, 1, 10 and 1e5 pixels per metre.",
             pictures::row(&shown),
         )),
     }

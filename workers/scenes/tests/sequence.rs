@@ -14,7 +14,7 @@ const PATH: Path = Path {
     start: None,
     end: None,
     sway_m: 0.03,
-    sway_deg: 1.1,
+    sway_deg: 1.145_915_590_261_646_4,
     sway_frames: 25.0,
 };
 

@@ -109,6 +109,9 @@ pub fn encode_webp_lossless(picture: &Rgb8) -> Result<Vec<u8>, EncodeError> {
 /// [`EncodeError`] when the picture is empty or a side exceeds 65535.
 pub fn encode_jpeg(picture: &Rgb8, quality: u8) -> Result<Vec<u8>, EncodeError> {
     let (width, height) = (picture.width(), picture.height());
+    if picture.data().is_empty() {
+        return Err(EncodeError::new(width, height, "JPEG", &"it has no pixels"));
+    }
     let mut file = Vec::new();
     JpegEncoder::new_with_quality(&mut file, quality.clamp(1, 100))
         .encode(

@@ -110,7 +110,7 @@ fn a_smaller_tolerance_takes_more_kernels() {
 
 #[test]
 fn the_widest_kernel_is_four_frame_sides() {
-    let water = water(ScatterModel::Jaffe, 0.001, 1e6);
+    let water = water(ScatterModel::Jaffe, 0.001, 1e5);
     let ScatterStep::Interpolated(nodes) = &plan(&SLOPE, &water, Fidelity::Terms(9)).scatter[0].form else {
         panic!("nothing is spread")
     };

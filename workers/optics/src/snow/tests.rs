@@ -222,6 +222,6 @@ fn everything_wrong_is_said_at_once() {
     let error = check_count(&SNOW, 1e3).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "density_per_m3 is 400 but must be at most 4.446e1 in this view, which then holds 400000 particles"
+        "density_per_m3 is 400, the limit is at most 4.446e1 in this view, which then holds 400000 particles"
     );
 }

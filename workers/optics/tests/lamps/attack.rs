@@ -76,7 +76,7 @@ fn case(seed: u64) -> Case {
         if longest < 1e-6 {
             return Lamp::point(place, intensity).unwrap();
         }
-        Lamp::spot(place, intensity, direction, cone_deg).unwrap()
+        Lamp::spot(place, intensity, direction.map(|v| v / longest), cone_deg).unwrap()
     });
     let scattering = scaled(8, 0.01, 10.0);
     let patches = Turbidity {

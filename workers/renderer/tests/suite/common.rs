@@ -78,7 +78,7 @@ fn merge(into: &mut Value, fields: &Value) {
 pub(crate) fn library() -> Library {
     let shipped = Library::embedded().unwrap();
     let mut onnx = shipped.get("muddy").unwrap().onnx.to_vec();
-    let name = b"style";
+    let name = b"fathom_style";
     let at = onnx
         .windows(name.len())
         .position(|window| window == name)
