@@ -99,7 +99,7 @@ impl Follow {
                 return None;
             }
             tokio::select! {
-                // The sender lives as long as somebody follows the job.
+                // The sender exists as long as the job has a follower.
                 _ = self.changes.changed() => tokio::time::sleep_until(self.next_progress).await,
                 () = stop.cancelled() => continue,
             }
