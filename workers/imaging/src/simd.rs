@@ -2,11 +2,11 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// [`vectorised`] for an expression: compiles what is inlined in it for the vector instructions of this CPU.
+/// Compiles what is inlined in an expression for the vector instructions of this CPU; see [`vectorize`].
 #[macro_export]
 macro_rules! vectorized {
     ($work:expr) => {
-        $crate::simd::vectorised(
+        $crate::simd::vectorize(
             #[inline(always)]
             || $work,
         )
@@ -18,7 +18,7 @@ macro_rules! vectorized {
 /// only what is inlined here is compiled anew, and what a closure merely captures is read again in every step, which keeps a
 /// loop scalar. Rust fuses no multiplication with an addition by itself, so the result does not depend on the CPU.
 #[inline(always)]
-pub fn vectorised<R>(work: impl FnMut() -> R) -> R {
+pub fn vectorize<R>(work: impl FnMut() -> R) -> R {
     Arch::new().dispatch(Work(work))
 }
 
@@ -42,14 +42,11 @@ mod tests {
     fn a_loop_gives_the_same_bits_as_without() {
         let plain: Vec<f32> = (0..1000).map(|i| (i as f32).sqrt() * 0.1 + 0.7).collect();
         let mut wide = vec![0.0f32; 1000];
-        vectorised(
-            #[inline(always)]
-            || {
-                for (i, value) in wide.iter_mut().enumerate() {
-                    *value = (i as f32).sqrt() * 0.1 + 0.7;
-                }
-            },
-        );
+        vectorized!({
+            for (i, value) in wide.iter_mut().enumerate() {
+                *value = (i as f32).sqrt() * 0.1 + 0.7;
+            }
+        });
         assert_eq!(wide, plain);
     }
 }

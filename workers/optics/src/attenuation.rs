@@ -5,7 +5,7 @@
 //! subtraction loses several per cent of the scattered share at centimetres. They are plain additions and multiplications
 //! without fused steps: every CPU gives the same bits.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 /// Beyond this `exp(−x)` is 0 in f32 arithmetic.
 pub(crate) const OPAQUE: f32 = 87.0;
@@ -106,16 +106,10 @@ pub(crate) fn attenuate(radiance: &[f32], range: &[f32], channel: Channel, mut t
             let arriving = exp_negative(direct * z);
             [arriving, one_minus(direct * z, arriving)]
         };
-        vectorised(
-            #[inline(always)]
-            || layers(radiance, range, channel, &mut to, shares),
-        );
+        vectorized!(layers(radiance, range, channel, &mut to, shares));
     } else {
         let shares = |z| [exp_negative(direct * z), one_minus_exp_negative(backscatter * z)];
-        vectorised(
-            #[inline(always)]
-            || layers(radiance, range, channel, &mut to, shares),
-        );
+        vectorized!(layers(radiance, range, channel, &mut to, shares));
     }
 }
 

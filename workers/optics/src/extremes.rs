@@ -1,27 +1,21 @@
 //! The greatest and the least of many numbers, several at once, so that the loops vectorize.
 
 use imaging::Rgb;
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 const LANES: usize = 16;
 
 /// The greatest; at least 0.
 pub(crate) fn greatest(values: &[f32]) -> f32 {
     let mut lanes = [0.0f32; LANES];
-    vectorised(
-        #[inline(always)]
-        || each(values, &mut lanes, f32::max),
-    );
+    vectorized!(each(values, &mut lanes, f32::max));
     lanes.into_iter().fold(0.0, f32::max)
 }
 
 /// The least.
 pub(crate) fn least(values: &[f32]) -> f32 {
     let mut lanes = [f32::MAX; LANES];
-    vectorised(
-        #[inline(always)]
-        || each(values, &mut lanes, f32::min),
-    );
+    vectorized!(each(values, &mut lanes, f32::min));
     lanes.into_iter().fold(f32::MAX, f32::min)
 }
 

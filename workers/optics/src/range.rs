@@ -1,6 +1,6 @@
 //! Range along the ray, and what a pixel without one means.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 /// The shortest range that is one, in metres: below it, and where it is not finite, the pixel is a hole.
 pub const SHORTEST_M: f64 = 1e-3;
@@ -18,10 +18,7 @@ const LANES: usize = 16;
 
 /// Nearest and farthest range up to `most_m` metres among the pixels that are no holes and have light; none if there are none.
 pub(crate) fn bounds(light: &[f32], range: &[f32], most_m: f32) -> Option<(f32, f32)> {
-    let (nearest, farthest) = vectorised(
-        #[inline(always)]
-        || lane_bounds(light, range, most_m.min(f32::MAX)),
-    );
+    let (nearest, farthest) = vectorized!(lane_bounds(light, range, most_m.min(f32::MAX)));
     let nearest = nearest.into_iter().fold(f32::INFINITY, f32::min);
     let farthest = farthest.into_iter().fold(0.0, f32::max);
     (nearest <= farthest).then_some((nearest, farthest))

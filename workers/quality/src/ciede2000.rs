@@ -8,7 +8,7 @@
 //! multiples from sums of angles, and the mean hue is the direction half-way between the two. The one angle in the
 //! formula is a polynomial. Exactly opposite hues have no mean; 0 is taken.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use imaging::{Rgb8, lab};
 
 use crate::linear::LINEAR;
@@ -21,10 +21,7 @@ pub(crate) fn ciede2000(work: &Work) -> f64 {
 
 fn mean(picture: &Rgb8, clean: &Rgb8) -> f64 {
     let mut sum = 0.0;
-    vectorised(
-        #[inline(always)]
-        || sum = total(picture.data(), clean.data()),
-    );
+    vectorized!(sum = total(picture.data(), clean.data()));
     sum / (picture.data().len() / 3) as f64
 }
 

@@ -11,7 +11,7 @@
 //! lost. Corners closer than 4 pixels to the border are not looked for, since their windows would reach over it.
 
 use imaging::Plane;
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use crate::sobel::{Border, Sobel};
 use crate::work::Work;
@@ -51,18 +51,12 @@ fn corners(gray: &Plane<u8>) -> Vec<(usize, usize)> {
         return Vec::new();
     }
     let mut response = Plane::filled(width, height, 0.0f64);
-    vectorised(
-        #[inline(always)]
-        || harris(gray, &mut response),
-    );
+    vectorized!(harris(gray, &mut response));
     let mut found = Vec::new();
     let mut highest = vec![false; width];
     for y in MARGIN_PX..height - MARGIN_PX {
         let rows = [y - 1, y, y + 1].map(|row| response.row(row));
-        vectorised(
-            #[inline(always)]
-            || mark_highest(rows, &mut highest),
-        );
+        vectorized!(mark_highest(rows, &mut highest));
         for x in MARGIN_PX..width - MARGIN_PX {
             if highest[x] && is_peak(rows, x) {
                 found.push((rows[1][x], y * width + x));

@@ -2,7 +2,7 @@
 
 use std::cell::{Cell, OnceCell};
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use imaging::{Plane, Rgb8, luma1000};
 
 use crate::colors::Colors;
@@ -72,10 +72,7 @@ impl<'a> Work<'a> {
             let mut channels =
                 [0; 3].map(|_| Plane::filled(self.picture.width(), self.picture.height(), 0u8));
             let [r, g, b] = channels.each_mut().map(Plane::data_mut);
-            vectorised(
-                #[inline(always)]
-                || split(self.picture.data(), r, g, b),
-            );
+            vectorized!(split(self.picture.data(), r, g, b));
             channels
         })
     }
@@ -104,14 +101,11 @@ impl<'a> Work<'a> {
 /// `(299 R + 587 G + 114 B + 500) div 1000` of every pixel.
 fn gray(picture: &Rgb8) -> Plane<u8> {
     let mut gray = Plane::filled(picture.width(), picture.height(), 0u8);
-    vectorised(
-        #[inline(always)]
-        || {
-            for (gray, p) in gray.data_mut().iter_mut().zip(picture.data().chunks_exact(3)) {
-                *gray = ((luma1000([p[0], p[1], p[2]]) + 500) / 1000) as u8;
-            }
-        },
-    );
+    vectorized!({
+        for (gray, p) in gray.data_mut().iter_mut().zip(picture.data().chunks_exact(3)) {
+            *gray = ((luma1000([p[0], p[1], p[2]]) + 500) / 1000) as u8;
+        }
+    });
     gray
 }
 

@@ -1,6 +1,6 @@
 //! Gaussian blur of short reach, continued by the edge.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use crate::tensor::Tensor;
 
@@ -27,26 +27,20 @@ pub(crate) fn gaussian(picture: &mut Tensor<f32>, sigma: f64) {
             line[..reach].fill(row[0]);
             line[reach..reach + width].copy_from_slice(row);
             line[reach + width..].fill(row[width - 1]);
-            vectorised(
-                #[inline(always)]
-                || {
-                    for (at, &weight) in weights.iter().enumerate() {
-                        add_scaled(out, &line[at..at + width], weight);
-                    }
-                },
-            );
+            vectorized!({
+                for (at, &weight) in weights.iter().enumerate() {
+                    add_scaled(out, &line[at..at + width], weight);
+                }
+            });
         }
         for (y, out) in plane.chunks_exact_mut(width).enumerate() {
             out.fill(0.0);
-            vectorised(
-                #[inline(always)]
-                || {
-                    for (at, &weight) in weights.iter().enumerate() {
-                        let row = (y + at).saturating_sub(reach).min(height - 1);
-                        add_scaled(out, &across[row * width..(row + 1) * width], weight);
-                    }
-                },
-            );
+            vectorized!({
+                for (at, &weight) in weights.iter().enumerate() {
+                    let row = (y + at).saturating_sub(reach).min(height - 1);
+                    add_scaled(out, &across[row * width..(row + 1) * width], weight);
+                }
+            });
         }
     }
 }

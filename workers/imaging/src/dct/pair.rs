@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::group::{Group, TILE};
-use crate::simd::vectorised;
+use crate::vectorized;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
@@ -100,19 +100,13 @@ impl PairDct {
         for group in Group::below(columns, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             group.load(&self.plane, self.width, lines, self.height);
-            vectorised(
-                #[inline(always)]
-                || group.across(lines, &self.rows.twiddles, self.height, forward_butterfly),
-            );
+            vectorized!(group.across(lines, &self.rows.twiddles, self.height, forward_butterfly));
             let lines = &mut lines[..group.below_limit(columns) * self.height];
             self.columns
                 .forward
                 .process_with_scratch(lines, &mut self.scratch);
             for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
-                vectorised(
-                    #[inline(always)]
-                    || along(line, &self.columns.twiddles, forward_butterfly),
-                );
+                vectorized!(along(line, &self.columns.twiddles, forward_butterfly));
                 take(p, line);
             }
         }
@@ -134,26 +128,17 @@ impl PairDct {
             let (some, none) = lines.split_at_mut(group.below_limit(columns) * self.height);
             for (p, line) in group.places().zip(some.chunks_exact_mut(self.height)) {
                 fill(p, line);
-                vectorised(
-                    #[inline(always)]
-                    || along(line, &self.columns.twiddles, inverse_butterfly),
-                );
+                vectorized!(along(line, &self.columns.twiddles, inverse_butterfly));
             }
             self.columns.inverse.process_with_scratch(some, &mut self.scratch);
             none.fill(Complex::default());
-            vectorised(
-                #[inline(always)]
-                || group.across(lines, &self.rows.twiddles, self.height, inverse_butterfly),
-            );
+            vectorized!(group.across(lines, &self.rows.twiddles, self.height, inverse_butterfly));
             group.store(lines, self.height, &mut self.plane, self.width);
         }
         let scale = 1.0 / (self.width * self.height) as f32;
         for (y, row) in self.plane.chunks_exact_mut(self.width).enumerate() {
             self.rows.inverse.process_with_scratch(row, &mut self.scratch);
-            vectorised(
-                #[inline(always)]
-                || row.iter_mut().for_each(|value| *value = value.scale(scale)),
-            );
+            vectorized!(row.iter_mut().for_each(|value| *value = value.scale(scale)));
             take(y, row);
         }
     }

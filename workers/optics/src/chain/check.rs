@@ -1,6 +1,6 @@
 //! What must hold before any light is computed with.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use imaging::{Plane, Rgb};
 use spec::HoleRule;
 
@@ -108,10 +108,7 @@ pub(super) fn sizes(
 
 /// Counts the holes, and refuses them where the rule does.
 pub(super) fn holes<T: Copy + Into<f64>>(range: &Plane<T>, rule: HoleRule) -> Result<u64, ChainError> {
-    let holes = vectorised(
-        #[inline(always)]
-        || range.data().iter().filter(|&&z| is_hole(z)).count(),
-    );
+    let holes = vectorized!(range.data().iter().filter(|&&z| is_hole(z)).count());
     if rule == HoleRule::Reject && holes > 0 {
         return Err(ChainError::Holes { holes });
     }

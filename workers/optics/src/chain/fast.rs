@@ -1,6 +1,6 @@
 //! The chain in f32 with the fast forward scatter.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use imaging::{Plane, Rgb};
 use spec::ScatterSource;
 
@@ -90,10 +90,12 @@ fn attenuated(
                 ScatterSource::Direct => (&direct, 1.0),
             };
             let numbers = [gain, g[channel] as f32, excess];
-            vectorised(
-                #[inline(always)]
-                || attenuation::spread_light(source.data(), range.data(), numbers, forward.data_mut()),
-            );
+            vectorized!(attenuation::spread_light(
+                source.data(),
+                range.data(),
+                numbers,
+                forward.data_mut()
+            ));
         }
         _ => forward.data_mut().fill(0.0),
     }
@@ -119,10 +121,7 @@ fn channels<'a>(
             continue;
         };
         let mut gamma = empty(frame.range, cache);
-        vectorised(
-            #[inline(always)]
-            || scales(frame.range, *spread, c, farthest, gamma.data_mut()),
-        );
+        vectorized!(scales(frame.range, *spread, c, farthest, gamma.data_mut()));
         places.push(c);
         channels.push(forward_scatter::Channel::new(light, &gamma, nodes, cache));
         cache.buffers.give([gamma.into_data()]);

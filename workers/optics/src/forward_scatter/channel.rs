@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use imaging::Plane;
 use imaging::dct::Folding;
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use super::basis::{BLOCK, Basis};
 use super::cache::Grid;
@@ -44,10 +44,7 @@ impl<'a> Channel<'a> {
             folding.fold(plane.data(), &mut folded);
             folded
         });
-        vectorised(
-            #[inline(always)]
-            || basis.locate(&mut located),
-        );
+        vectorized!(basis.locate(&mut located));
         Self {
             nodes,
             basis,

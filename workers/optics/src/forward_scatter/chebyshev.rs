@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use imaging::Plane;
 use imaging::dct::{Complex, Folding};
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use super::basis::BLOCK;
 use super::channel::{Channel, Pair, pairs};
@@ -55,10 +55,7 @@ pub(crate) fn scatter_channels(channels: Vec<Channel<'_>>, cache: &mut KernelCac
         let [first, second] = pair.transfers(&channels, cache);
         cache.transform(size).forward(
             |place, row| {
-                vectorised(
-                    #[inline(always)]
-                    || split(&channels, pair, line(place, width), row),
-                );
+                vectorized!(split(&channels, pair, line(place, width), row));
             },
             first.columns().max(second.columns()),
             |p, column| {
@@ -101,17 +98,11 @@ pub(crate) fn gather_channels(mut channels: Vec<Channel<'_>>, cache: &mut Kernel
             |p, column| {
                 let spectra = [&spectra[one][line(p, height)], &spectra[other][line(p, height)]];
                 let transfers = [first.column(p), second.column(p)];
-                vectorised(
-                    #[inline(always)]
-                    || multiply(spectra, transfers, column),
-                );
+                vectorized!(multiply(spectra, transfers, column));
             },
             first.columns().max(second.columns()),
             |place, row| {
-                vectorised(
-                    #[inline(always)]
-                    || join(&channels, pair, line(place, width), row, &mut sums),
-                );
+                vectorized!(join(&channels, pair, line(place, width), row, &mut sums));
             },
         );
     }
@@ -181,15 +172,12 @@ fn join(
 
 /// Adds both parts of a column of the spectrum, each times its H.
 fn add_products(sum: &mut [f32], column: &[Complex<f32>], [first, second]: [&[f32]; 2]) {
-    vectorised(
-        #[inline(always)]
-        || {
-            let products = column.iter().zip(first.iter().zip(second));
-            for (sum, (value, (one, other))) in sum.iter_mut().zip(products) {
-                *sum += value.re * one + value.im * other;
-            }
-        },
-    );
+    vectorized!({
+        let products = column.iter().zip(first.iter().zip(second));
+        for (sum, (value, (one, other))) in sum.iter_mut().zip(products) {
+            *sum += value.re * one + value.im * other;
+        }
+    });
 }
 
 /// Adds one part of a column of the spectrum times its H.
@@ -199,14 +187,11 @@ fn add_product(
     transfer: &[f32],
     part: impl Fn(&Complex<f32>) -> f32,
 ) {
-    vectorised(
-        #[inline(always)]
-        || {
-            for (sum, (value, h)) in sum.iter_mut().zip(column.iter().zip(transfer)) {
-                *sum += part(value) * h;
-            }
-        },
-    );
+    vectorized!({
+        for (sum, (value, h)) in sum.iter_mut().zip(column.iter().zip(transfer)) {
+            *sum += part(value) * h;
+        }
+    });
 }
 
 /// Two spectra, each under its own transfer function, which is 0 where there is none.

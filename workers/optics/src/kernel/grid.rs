@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use super::Transfer;
 use super::transfer::{TERMS, even_chebyshev, sinc};
@@ -44,15 +44,12 @@ impl Transfer {
                 .folded_along(fx)
                 .map(|folded| folded.map(|coefficient| coefficient as f32));
             let (square, across) = ((fx * fx) as f32, sinc(fx) as f32);
-            vectorised(
-                #[inline(always)]
-                || {
-                    main_term(column, &row_squares, &row_sinc, [scale, square, across]);
-                    for (terms, coefficient) in row_terms.iter().zip(folded.iter().flatten()) {
-                        add_scaled(column, terms, *coefficient);
-                    }
-                },
-            );
+            vectorized!({
+                main_term(column, &row_squares, &row_sinc, [scale, square, across]);
+                for (terms, coefficient) in row_terms.iter().zip(folded.iter().flatten()) {
+                    add_scaled(column, terms, *coefficient);
+                }
+            });
         }
         if let Some(mean) = grid.first_mut() {
             *mean = 1.0;

@@ -8,7 +8,7 @@ mod intervals;
 
 use std::sync::LazyLock;
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
 use super::elementary::{HALVINGS, fade, small_sin_cos};
@@ -74,29 +74,17 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
         let mut range_m = [f32::INFINITY; RUN];
         range_m[..run].copy_from_slice(&range.data()[at..at + run]);
         let mut rays = Rays::default();
-        vectorised(
-            #[inline(always)]
-            || rays_of(lens, start, &range_m, &mut rays),
-        );
+        vectorized!(rays_of(lens, start, &range_m, &mut rays));
         let mut sum = [[0.0f32; RUN]; 3];
         for lamp in &lamps {
             let mut murk = Murk::default();
             if let Some(patches) = &patches {
-                vectorised(
-                    #[inline(always)]
-                    || murk_of(lamp, &rays, patches, start, &mut murk),
-                );
+                vectorized!(murk_of(lamp, &rays, patches, start, &mut murk));
             }
             if lamp.spot.is_some() {
-                vectorised(
-                    #[inline(always)]
-                    || add::<true>(lamp, &rays, &murk, rules, &mut sum),
-                );
+                vectorized!(add::<true>(lamp, &rays, &murk, rules, &mut sum));
             } else {
-                vectorised(
-                    #[inline(always)]
-                    || add::<false>(lamp, &rays, &murk, rules, &mut sum),
-                );
+                vectorized!(add::<false>(lamp, &rays, &murk, rules, &mut sum));
             }
         }
         for (plane, sum) in [&mut *red, &mut *green, &mut *blue].into_iter().zip(&sum) {

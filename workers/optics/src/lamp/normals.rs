@@ -2,7 +2,7 @@
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use crate::attenuation::masked;
 
@@ -34,10 +34,7 @@ pub fn normals_of(range: &Plane<f32>, camera: &Intrinsics) -> [Plane<f32>; 3] {
             row: &row,
             below: &below,
         };
-        vectorised(
-            #[inline(always)]
-            || row_normals(rows, lens, y as f32, nx, ny, nz),
-        );
+        vectorized!(row_normals(rows, lens, y as f32, nx, ny, nz));
     }
     normals
 }

@@ -1,6 +1,6 @@
 //! The light of lamps on surfaces.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
 use super::elementary::{HALVINGS, fade};
@@ -43,10 +43,7 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
     let [mut near, mut seen] = [(); 2].map(|()| vec![0.0f32; width]);
     let mut rounding = 0.0f64;
     for y in 0..height {
-        vectorised(
-            #[inline(always)]
-            || places_of(lens, y as f32, range.row(y), &mut places),
-        );
+        vectorized!(places_of(lens, y as f32, range.row(y), &mut places));
         let row = Row {
             places: places.each_ref().map(Vec::as_slice),
             normals: normals.each_ref().map(|plane| plane.row(y)),
@@ -56,23 +53,15 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
         let mut lost = 0.0;
         for (lamp, limit) in sources.iter().zip(&limits) {
             if let Some(patches) = &patches {
-                vectorised(
-                    #[inline(always)]
-                    || murk_of(patches, y, range.row(y), (row, lamp.place), &mut murk),
-                );
+                vectorized!(murk_of(patches, y, range.row(y), (row, lamp.place), &mut murk));
             }
             let [red, green, blue] = [&mut red, &mut green, &mut blue].map(|plane| plane.row_mut(y));
-            vectorised(
-                #[inline(always)]
-                || {
-                    shine(
-                        row,
-                        *lamp,
-                        &murk,
-                        [&mut *red, &mut *green, &mut *blue, &mut near, &mut seen],
-                    )
-                },
-            );
+            vectorized!(shine(
+                row,
+                *lamp,
+                &murk,
+                [&mut *red, &mut *green, &mut *blue, &mut near, &mut seen],
+            ));
             lost += limit.within(greatest(&near), greatest(&seen));
         }
         rounding = rounding.max(lost);

@@ -1,6 +1,6 @@
 //! The largest radiance by range, in one look at a scene.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
 use super::stats::RangeBin;
@@ -18,10 +18,7 @@ pub(super) fn binned(radiance: &Rgb<f32>, range: &Plane<f32>) -> Vec<RangeBin> {
     // None of these is lit; a pixel of no light is none that spreads any.
     let mut brightest = vec![[0.0f32; 3]; BINS];
     let light = radiance.planes().each_ref().map(Plane::data);
-    vectorised(
-        #[inline(always)]
-        || fill(light, range.data(), &mut brightest),
-    );
+    vectorized!(fill(light, range.data(), &mut brightest));
     let edge = |bin: usize| f64::from(f32::from_bits((bin as u32) << BIN_SHIFT));
     let lit = brightest
         .into_iter()

@@ -2,7 +2,7 @@
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use spec::HoleRule;
 
 use super::{Field, PAIRS};
@@ -29,10 +29,7 @@ pub fn optical_path(range: &Plane<f32>, field: &Field, eye: &Eye, holes: HoleRul
     for y in 0..height {
         let at = y * width..(y + 1) * width;
         let path = &mut path.data_mut()[at];
-        vectorised(
-            #[inline(always)]
-            || row(range.row(y), y, stand_in, &rays, path),
-        );
+        vectorized!(row(range.row(y), y, stand_in, &rays, path));
     }
     path
 }

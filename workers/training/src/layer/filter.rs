@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use crate::real::Real;
 use crate::tensor::Tensor;
@@ -26,24 +26,21 @@ pub(crate) fn forward<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T], step
     );
     let mut out = Tensor::zeros(bias.len(), height, width);
     let kernels = weight.len() / 9 / bias.len();
-    vectorised(
-        #[inline(always)]
-        || {
-            for output in 0..bias.len() {
-                out.plane_mut(output).fill(bias[output]);
-                let taps = weight[9 * kernels * output..].chunks_exact(9);
-                for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
-                    for y in 0..height {
-                        for row in 0..3 {
-                            let samples = input.row(channel, step * y + row);
-                            let taps = [taps[3 * row], taps[3 * row + 1], taps[3 * row + 2]];
-                            add_row(out.row_mut(output, y), samples, taps, step);
-                        }
+    vectorized!({
+        for output in 0..bias.len() {
+            out.plane_mut(output).fill(bias[output]);
+            let taps = weight[9 * kernels * output..].chunks_exact(9);
+            for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
+                for y in 0..height {
+                    for row in 0..3 {
+                        let samples = input.row(channel, step * y + row);
+                        let taps = [taps[3 * row], taps[3 * row + 1], taps[3 * row + 2]];
+                        add_row(out.row_mut(output, y), samples, taps, step);
                     }
                 }
             }
-        },
-    );
+        }
+    });
     out
 }
 
@@ -71,18 +68,15 @@ pub(crate) fn backward_weights<T: Real>(
     (weight, bias): (&mut [T], &mut [T]),
 ) {
     let kernels = weight.len() / 9 / bias.len();
-    vectorised(
-        #[inline(always)]
-        || {
-            for output in 0..gradient.channels {
-                bias[output] += total(gradient.plane(output));
-                let taps = weight[9 * kernels * output..].chunks_exact_mut(9);
-                for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
-                    add_taps(input, channel, gradient, output, step, taps);
-                }
+    vectorized!({
+        for output in 0..gradient.channels {
+            bias[output] += total(gradient.plane(output));
+            let taps = weight[9 * kernels * output..].chunks_exact_mut(9);
+            for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
+                add_taps(input, channel, gradient, output, step, taps);
             }
-        },
-    );
+        }
+    });
 }
 
 #[inline(always)]
@@ -153,17 +147,14 @@ pub(crate) fn backward_input<T: Real>(
 ) -> Tensor<T> {
     let mut out = input.like();
     let kernels = weight.len() / 9 / gradient.channels;
-    vectorised(
-        #[inline(always)]
-        || {
-            for output in 0..gradient.channels {
-                let taps = weight[9 * kernels * output..].chunks_exact(9);
-                for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
-                    spread_channel(gradient, output, taps, &mut out, channel, step);
-                }
+    vectorized!({
+        for output in 0..gradient.channels {
+            let taps = weight[9 * kernels * output..].chunks_exact(9);
+            for (channel, taps) in seen(output, kernels, input.channels).zip(taps) {
+                spread_channel(gradient, output, taps, &mut out, channel, step);
             }
-        },
-    );
+        }
+    });
     out
 }
 

@@ -1,6 +1,6 @@
 //! Mixing the channels of each pixel, and its gradients.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use crate::real::Real;
 use crate::tensor::Tensor;
@@ -8,39 +8,33 @@ use crate::tensor::Tensor;
 /// `out[o] = bias[o] + sum of weight[o][i] * in[i]`.
 pub(crate) fn forward<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T]) -> Tensor<T> {
     let mut out = Tensor::zeros(bias.len(), input.height, input.width);
-    vectorised(
-        #[inline(always)]
-        || {
-            for output in 0..bias.len() {
-                let plane = out.plane_mut(output);
-                plane.fill(bias[output]);
-                for channel in 0..input.channels {
-                    add_scaled(
-                        plane,
-                        input.plane(channel),
-                        weight[output * input.channels + channel],
-                    );
-                }
+    vectorized!({
+        for output in 0..bias.len() {
+            let plane = out.plane_mut(output);
+            plane.fill(bias[output]);
+            for channel in 0..input.channels {
+                add_scaled(
+                    plane,
+                    input.plane(channel),
+                    weight[output * input.channels + channel],
+                );
             }
-        },
-    );
+        }
+    });
     out
 }
 
 /// The gradient of the input.
 pub(crate) fn backward_input<T: Real>(gradient: &Tensor<T>, weight: &[T], channels: usize) -> Tensor<T> {
     let mut out = Tensor::zeros(channels, gradient.height, gradient.width);
-    vectorised(
-        #[inline(always)]
-        || {
-            for channel in 0..channels {
-                for output in 0..gradient.channels {
-                    let weight = weight[output * channels + channel];
-                    add_scaled(out.plane_mut(channel), gradient.plane(output), weight);
-                }
+    vectorized!({
+        for channel in 0..channels {
+            for output in 0..gradient.channels {
+                let weight = weight[output * channels + channel];
+                add_scaled(out.plane_mut(channel), gradient.plane(output), weight);
             }
-        },
-    );
+        }
+    });
     out
 }
 
@@ -50,20 +44,17 @@ pub(crate) fn backward_weights<T: Real>(
     gradient: &Tensor<T>,
     (weight, bias): (&mut [T], &mut [T]),
 ) {
-    vectorised(
-        #[inline(always)]
-        || {
-            for output in 0..gradient.channels {
-                let gradient = gradient.plane(output);
-                for &value in gradient {
-                    bias[output] += value;
-                }
-                for channel in 0..input.channels {
-                    weight[output * input.channels + channel] += dot(gradient, input.plane(channel));
-                }
+    vectorized!({
+        for output in 0..gradient.channels {
+            let gradient = gradient.plane(output);
+            for &value in gradient {
+                bias[output] += value;
             }
-        },
-    );
+            for channel in 0..input.channels {
+                weight[output * input.channels + channel] += dot(gradient, input.plane(channel));
+            }
+        }
+    });
 }
 
 #[inline(always)]

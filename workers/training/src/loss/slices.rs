@@ -1,6 +1,6 @@
 //! Patches of a picture projected on the filters and directions of a level, and slopes carried back to its pixels.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 
 use super::draw::{DIRECTIONS, FILTERS, PATCH, PATCH_LENGTH, Place};
 use crate::real::Real;
@@ -29,10 +29,7 @@ pub(super) fn projections<T: Real>(picture: &Tensor<T>, places: &[Place], slices
             }
         }
         let mut sums = vec![[T::default(); CHUNK]; FILTERS + DIRECTIONS];
-        vectorised(
-            #[inline(always)]
-            || project(&samples, slices, &mut sums),
-        );
+        vectorized!(project(&samples, slices, &mut sums));
         for (out, sums) in out.iter_mut().zip(&sums) {
             out.extend_from_slice(&sums[..places.len()]);
         }
@@ -80,10 +77,7 @@ pub(super) fn scatter<T: Real>(
         for (chunk, slopes) in chunk.iter_mut().zip(slopes) {
             chunk[..places.len()].copy_from_slice(&slopes[start + index * CHUNK..][..places.len()]);
         }
-        vectorised(
-            #[inline(always)]
-            || unproject(&chunk, slices, &mut samples),
-        );
+        vectorized!(unproject(&chunk, slices, &mut samples));
         for (index, place) in places.iter().enumerate() {
             for line in 0..3 * PATCH {
                 let from = &samples[line * PATCH..][..PATCH];

@@ -1,6 +1,6 @@
 //! A whole frame through a table, row by row: places and shares in vectors, then the table's nodes pixel by pixel.
 
-use imaging::simd::vectorised;
+use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
 use super::{NODES, STEPS, Table};
@@ -27,10 +27,7 @@ impl Table {
             let rows = planes.each_ref().map(|plane| plane.row(y));
             let styled = out.each_mut().map(|plane| &mut plane[y * width..(y + 1) * width]);
             let (places, shares) = (&mut scratch.places, &mut scratch.shares);
-            vectorised(
-                #[inline(always)]
-                || locate(rows, places, shares),
-            );
+            vectorized!(locate(rows, places, shares));
             self.mix(places, shares, styled);
         }
         let planes = out.map(|plane| Plane::new(width, height, plane).expect("as many samples as the frame"));
