@@ -15,7 +15,6 @@ const KNOWN: &[(&str, &[&str])] = &[
         &["chain", "forward_scatter", "plan", "preset", "setting", "water"],
     ),
     ("workers/optics", &["lamp", "turbidity"]),
-    ("workers/renderer", &["record", "stage"]),
     // A registry lists the functions, and they take the types that stand beside it.
     (
         "workers/enhance",

@@ -11,7 +11,7 @@ use crate::scene_record::SceneRecord;
 use crate::schema::{Names, Range, Shape};
 
 /// Everything known about one image apart from its bytes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrameRecord {
     /// Position in the job.
     pub frame: u64,

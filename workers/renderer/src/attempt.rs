@@ -2,34 +2,28 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 
 use spec::Frame;
 
-use crate::engine::Engine;
 use crate::error::RenderError;
-use crate::record::Rendered;
-use crate::slot::Slot;
+use crate::slot::{Rendered, Slot};
 use crate::source::SceneSource;
 
-/// Renders a frame. After a panic the slot is replaced: its caches may be half written.
-///
-/// # Errors
-/// As [`Slot::render`], and [`RenderError::Panic`].
-pub fn attempt(
-    slot: &mut Slot,
-    engine: &Arc<Engine>,
-    frame: &Frame,
-    source: &SceneSource,
-) -> Result<Rendered, RenderError> {
-    let render = || {
-        let _ = faults::frame_point("frame", frame.index);
-        slot.render(frame, source)
-    };
-    catch_unwind(AssertUnwindSafe(render)).unwrap_or_else(|panic| {
-        *slot = Slot::new(engine);
-        Err(RenderError::Panic(message(&*panic)))
-    })
+impl Slot {
+    /// Renders a frame. After a panic all caches are new: they may be half written.
+    ///
+    /// # Errors
+    /// As [`Slot::render`], and [`RenderError::Panic`].
+    pub fn attempt(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
+        let render = || {
+            let _ = faults::frame_point("frame", frame.index);
+            self.render(frame, source)
+        };
+        catch_unwind(AssertUnwindSafe(render)).unwrap_or_else(|panic| {
+            *self = Self::new(&self.networks.engine);
+            Err(RenderError::Panic(message(&*panic)))
+        })
+    }
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

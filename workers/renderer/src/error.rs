@@ -31,18 +31,18 @@ pub enum RenderError {
         /// The scene.
         id: String,
     },
-    /// The files of an uploaded scene did not arrive.
-    #[error("scene `{id}` cannot be fetched: {reason}")]
+    /// Something that the frame needs did not arrive from the service.
+    #[error("{what} cannot be fetched: {reason}")]
     Fetch {
-        /// The scene.
-        id: String,
+        /// What was asked for, such as ``scene `scn_…` ``.
+        what: String,
         /// What happened.
         reason: String,
         /// Whether it may go better next time.
         retryable: bool,
     },
     /// Water, lamps, patches or snow cannot be.
-    #[error("{}", listed(.0))]
+    #[error("{}", list(.0))]
     Setting(Vec<SettingError>),
     /// The water cannot be applied to this scene.
     #[error(transparent)]
@@ -51,15 +51,15 @@ pub enum RenderError {
     #[error("{0}")]
     RuntimeMissing(String),
     /// The worker does not have the style model.
-    #[error("style `{name}` does not exist here; there is {}", known.join(", "))]
+    #[error("style `{name}` does not exist here; there is {known}")]
     UnknownStyle {
         /// The style.
         name: String,
-        /// What there is.
-        known: Vec<String>,
+        /// Those that it has.
+        known: String,
     },
     /// The camera's path cannot be.
-    #[error("{}", listed(.0))]
+    #[error("{}", list(.0))]
     Path(Vec<SceneError>),
     /// The style network failed.
     #[error(transparent)]
@@ -91,32 +91,12 @@ impl RenderError {
     /// description alone fails for good.
     #[must_use]
     pub fn retryable(&self) -> bool {
-        match self {
-            Self::Fetch { retryable, .. } => *retryable,
-            Self::Panic(_) => true,
-            Self::Resolve(_)
-            | Self::Scene(_)
-            | Self::File { .. }
-            | Self::NotHere { .. }
-            | Self::Setting(_)
-            | Self::Chain(_)
-            | Self::Path(_)
-            | Self::RuntimeMissing(_)
-            | Self::UnknownStyle { .. }
-            | Self::Style(_)
-            | Self::Unknown { .. }
-            | Self::Enhance(_)
-            | Self::Quality(_)
-            | Self::Encode(_) => false,
-        }
+        matches!(self, Self::Panic(_) | Self::Fetch { retryable: true, .. })
     }
 }
 
-/// All of them, one after the other.
-fn listed(errors: &[impl ToString]) -> String {
-    errors
-        .iter()
-        .map(ToString::to_string)
-        .collect::<Vec<_>>()
-        .join("; ")
+/// All errors in one line.
+fn list(errors: &[impl ToString]) -> String {
+    let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    texts.join("; ")
 }

@@ -6,6 +6,7 @@
 mod attempt;
 mod engine;
 mod error;
+mod file;
 pub mod http;
 pub mod local;
 mod provenance;
@@ -17,11 +18,10 @@ mod stopwatch;
 mod vocabulary;
 pub mod worker;
 
-pub use attempt::attempt;
 pub use engine::Engine;
 pub use error::RenderError;
+pub use file::{File, extension};
 pub use provenance::{CODE_VERSION, cpu_features};
-pub use record::{File, Rendered};
-pub use slot::Slot;
+pub use slot::{Rendered, Slot};
 pub use source::{SceneBytes, SceneSource};
 pub use vocabulary::vocabulary;

@@ -6,17 +6,16 @@
 
 mod folder;
 mod lines;
-mod window;
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Arc, mpsc};
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use spec::{FrameRecord, Job};
 
-use crate::attempt::attempt;
 use crate::engine::Engine;
 use crate::slot::Slot;
 use crate::source::SceneSource;
@@ -24,7 +23,6 @@ use crate::source::SceneSource;
 use folder::Folder;
 pub use folder::LocalError;
 use lines::{Failure, Lines};
-use window::Window;
 
 /// How many frames beyond the oldest unfinished one each slot may be ahead: their records wait in memory.
 const AHEAD_PER_SLOT: u64 = 16;
@@ -61,17 +59,17 @@ pub fn render_job(
     let kept = lines.next();
     progress(kept);
     let slots = slots.max(1);
-    let window = Window::new(kept, job.frames(), AHEAD_PER_SLOT * slots as u64);
+    let ahead = AHEAD_PER_SLOT * slots as u64;
     thread::scope(|scope| {
+        let (give, waiting) = mpsc::channel();
         let (send, finished) = mpsc::channel();
+        let waiting = Arc::new(Mutex::new(waiting));
         for _ in 0..slots {
-            let (send, window, folder) = (send.clone(), &window, &folder);
-            scope.spawn(move || work(job, engine, folder, window, &send));
+            let (send, waiting, folder) = (send.clone(), Arc::clone(&waiting), &folder);
+            scope.spawn(move || work(job, engine, folder, &waiting, &send));
         }
-        drop(send);
-        let written = write_in_order(&mut lines, &window, finished, &mut progress);
-        window.close();
-        written
+        drop((send, waiting));
+        hand_out(&mut lines, (give, job.frames(), ahead), &finished, &mut progress)
     })?;
     Ok(Summary {
         frames: job.frames(),
@@ -84,17 +82,18 @@ pub fn render_job(
 
 type Outcome = Result<Result<FrameRecord, Failure>, LocalError>;
 
-/// One slot: takes frames until there are none.
+/// One slot: renders the frames that wait until there are no more, or until nobody wants them.
 fn work(
     job: &Job,
     engine: &Arc<Engine>,
     folder: &Folder,
-    window: &Window,
-    finished: &mpsc::Sender<(u64, Outcome)>,
+    waiting: &Mutex<Receiver<u64>>,
+    finished: &Sender<(u64, Outcome)>,
 ) {
     let mut slot = Slot::new(engine);
-    while let Some(index) = window.take() {
-        let outcome = frame(job, engine, folder, &mut slot, index);
+    let next = || waiting.lock().ok()?.recv().ok();
+    while let Some(index) = next() {
+        let outcome = frame(job, folder, &mut slot, index);
         if finished.send((index, outcome)).is_err() {
             return;
         }
@@ -102,13 +101,13 @@ fn work(
 }
 
 /// Renders one frame and stores its files.
-fn frame(job: &Job, engine: &Arc<Engine>, folder: &Folder, slot: &mut Slot, index: u64) -> Outcome {
+fn frame(job: &Job, folder: &Folder, slot: &mut Slot, index: u64) -> Outcome {
     let failed = |error: String| Ok(Err(Failure { frame: index, error }));
     let frame = match job.resolve(index) {
         Ok(frame) => frame,
         Err(invalid) => return failed(invalid.to_string()),
     };
-    match attempt(slot, engine, &frame, &SceneSource::Local) {
+    match slot.attempt(&frame, &SceneSource::Local) {
         Err(error) => failed(error.to_string()),
         Ok(rendered) => {
             folder.store(index, &rendered.files)?;
@@ -117,18 +116,26 @@ fn frame(job: &Job, engine: &Arc<Engine>, folder: &Folder, slot: &mut Slot, inde
     }
 }
 
-fn write_in_order(
+/// Hands frames out in order, at most `ahead` beyond the oldest unwritten one, and writes their lines in order.
+fn hand_out(
     lines: &mut Lines,
-    window: &Window,
-    finished: mpsc::Receiver<(u64, Outcome)>,
+    (give, frames, ahead): (Sender<u64>, u64, u64),
+    finished: &Receiver<(u64, Outcome)>,
     progress: &mut impl FnMut(u64),
 ) -> Result<(), LocalError> {
     let mut early = BTreeMap::new();
-    for (index, outcome) in finished {
+    let mut next = lines.next();
+    while lines.next() < frames {
+        while next < frames.min(lines.next() + ahead) && give.send(next).is_ok() {
+            next += 1;
+        }
+        // All slots are gone, which only a defect of theirs explains: the scope ends with their panic.
+        let Ok((index, outcome)) = finished.recv() else {
+            break;
+        };
         early.insert(index, outcome?);
         while let Some(outcome) = early.remove(&lines.next()) {
             lines.write(outcome)?;
-            window.wrote(lines.next());
         }
         progress(lines.next() + early.len() as u64);
     }

@@ -1,4 +1,4 @@
-//! The way of one frame.
+//! The pipeline of one frame.
 
 use std::sync::Arc;
 
@@ -6,31 +6,41 @@ use imaging::transfer;
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Given, Plan};
 use optics::setting::Setting;
-use spec::{Frame, Scene};
+use spec::{Camera, Frame, FrameRecord, Scene};
 
 use crate::engine::Engine;
 use crate::error::RenderError;
-use crate::record::{self, Rendered};
+use crate::file::File;
+use crate::record;
 use crate::source::SceneSource;
-use crate::stage::files::{self, Products};
+use crate::stage::files::{self, Pictures};
 use crate::stage::light::Lit;
 use crate::stage::scene::{self, Prepared};
-use crate::stage::{enhance, haze, labels, measure, snow, style, water};
+use crate::stage::style::{self, Networks};
+use crate::stage::{Shot, enhance, glow, haze, labels, measure, snow, water};
 use crate::stopwatch::Stopwatch;
 
 /// What one worker thread reuses from frame to frame. Nothing in it changes a result.
 pub struct Slot {
-    engine: Arc<Engine>,
+    pub(crate) networks: Networks,
     kernels: KernelCache,
-    sessions: style::Sessions,
     last_scene: Option<(SceneKey, Arc<Prepared>)>,
+}
+
+/// A rendered frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rendered {
+    /// The artifacts that the frame asks for.
+    pub files: Vec<File>,
+    /// Everything known about the image.
+    pub record: FrameRecord,
 }
 
 /// What a prepared scene depends on; files of this machine may change and have none.
 #[derive(PartialEq)]
 struct SceneKey {
     scene: Scene,
-    camera: spec::Camera,
+    camera: Camera,
     labelled: bool,
 }
 
@@ -39,9 +49,8 @@ impl Slot {
     #[must_use]
     pub fn new(engine: &Arc<Engine>) -> Self {
         Self {
-            engine: Arc::clone(engine),
+            networks: Networks::new(engine),
             kernels: KernelCache::new(),
-            sessions: style::Sessions::default(),
             last_scene: None,
         }
     }
@@ -52,47 +61,33 @@ impl Slot {
     /// [`RenderError`], which says whether trying again can help.
     pub fn render(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
         let mut watch = Stopwatch::start();
-        let prepared = watch.time("scene", || self.scene(frame, source))?;
-        let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
-        let lit = Lit::new(frame, &prepared, &setting, &mut watch);
-        let plan = watch.time("plan", || self.choose(frame, &setting, &lit))?;
-        let mut layers = watch.time("water", || water::run(&lit, &setting, &plan, &mut self.kernels))?;
-        let glows = water::glow(&prepared, &setting, &plan, &mut layers, &mut watch);
-        let fallen = watch.time("snow", || snow::run(&prepared, &setting, &plan, &mut layers));
-        let styled = watch.time("style", || {
-            style::run(
-                frame,
-                plan.style.form,
-                &layers.scattered,
-                &self.engine,
-                &mut self.sessions,
-            )
-        })?;
-        let hazed = watch.time("haze", || haze::run(frame, &plan, &styled.picture));
+        let shot = &self.resolve(frame, source, &mut watch)?;
+        let mut record = record::begin(shot);
+
+        let mut layers = watch.time("water", || water::run(shot, &mut self.kernels))?;
+        watch.time("lamps", || glow::run(shot, &mut layers, &mut record));
+        let snow = watch.time("snow", || snow::run(shot, &mut layers, &mut record));
+        let scattered = &layers.scattered;
+        let styled = watch.time("style", || self.networks.run(shot, scattered, &mut record))?;
+        let hazed = watch.time("haze", || haze::run(shot, &styled));
+
         let (rgb, clamped) = watch.time("encode", || transfer::encode_rgb8(&hazed));
-        let enhanced = watch.time("enhance", || enhance::run(frame, &rgb))?;
-        let measurements = measure::run(frame, &rgb, &prepared.scene.radiance, &enhanced, &mut watch)?;
-        let described = watch.time("labels", || labels::describe(&prepared, &setting, &lit, &layers));
-        let products = Products {
-            frame,
-            prepared: &prepared,
-            setting: &setting,
-            lit: &lit,
-            plan: &plan,
+        record.counts.clamped = clamped;
+        let enhancements = watch.time("enhance", || enhance::run(shot, &rgb, &mut record))?;
+        watch.time("metrics", || measure::run(shot, &rgb, &enhancements, &mut record))?;
+        record.scene = watch.time("labels", || labels::describe(shot, &layers));
+
+        let pictures = Pictures {
             layers: &layers,
-            glows,
-            fallen: fallen.as_ref(),
+            snow: snow.as_ref(),
             styled: &styled,
             rgb: &rgb,
-            clamped,
-            enhanced: &enhanced,
-            measurements,
-            described,
+            enhancements: &enhancements,
         };
-        let files = watch.time("files", || files::encode(&products))?;
-        let rendered = record::finish(products, files, watch.stop());
+        let files = watch.time("files", || files::encode(shot, &pictures, &mut record))?;
+        record.timings_ms = watch.stop();
         self.kernels.recycle(layers);
-        Ok(rendered)
+        Ok(Rendered { files, record })
     }
 
     /// What a frame would be rendered with.
@@ -100,20 +95,35 @@ impl Slot {
     /// # Errors
     /// [`RenderError`] of the scene, the water or the style.
     pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<Plan, RenderError> {
-        let prepared = self.scene(frame, source)?;
-        let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
-        let lit = Lit::new(frame, &prepared, &setting, &mut Stopwatch::start());
-        self.choose(frame, &setting, &lit)
+        Ok(self.resolve(frame, source, &mut Stopwatch::start())?.plan)
     }
 
-    fn choose(&self, frame: &Frame, setting: &Setting, lit: &Lit<'_>) -> Result<Plan, RenderError> {
-        let stats = lit.measure(setting);
-        Ok(Plan::new(&Given {
+    /// Fetches the scene, resolves what surrounds it, lights it and plans the rest.
+    fn resolve<'a>(
+        &mut self,
+        frame: &'a Frame,
+        source: &SceneSource,
+        watch: &mut Stopwatch,
+    ) -> Result<Shot<'a>, RenderError> {
+        let prepared = watch.time("scene", || self.scene(frame, source))?;
+        let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
+        let lit = Lit::new(frame, &prepared, &setting, watch);
+        let table_max_255 = style::table_max_255(frame, &self.networks.engine)?;
+        let plan = watch.time("plan", || {
+            Plan::new(&Given {
+                frame,
+                setting: &setting,
+                stats: &lit.measure(&setting),
+                table_max_255,
+            })
+        });
+        Ok(Shot {
             frame,
+            prepared,
             setting,
-            stats: &stats,
-            table_max_255: style::table_max_255(frame, &self.engine)?,
-        }))
+            lit,
+            plan,
+        })
     }
 
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.

@@ -1,25 +1,26 @@
 //! The worker: leases frames from a service, renders them, hands them in.
 //!
 //! Each slot is two threads: one renders, the other hands in what is finished, so that transport and computing overlap.
-//! One more thread beats for all leases, and one ends the
-//! process when a frame runs without end or eats the memory. Nothing here is trusted to succeed: a lease that is lost is dropped, a service
-//! that is away is waited for, a frame that fails is reported, a panic fails one frame.
+//! One more thread beats for all leases, and one ends the process when a frame runs without end or eats the memory.
+//! Nothing here is trusted to succeed: a lease that is lost is dropped, a service that is away is waited for, a frame that
+//! fails is reported, a panic fails one frame.
 
 mod beat;
 pub mod client;
 mod deliver;
+mod fetch;
 mod held;
 mod jobs;
+mod membership;
 mod patience;
 mod scenes;
-mod service;
 mod slot;
 mod stop;
 mod styles;
 mod watchdog;
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -33,8 +34,8 @@ use crate::engine::Engine;
 use crate::provenance::{CODE_VERSION, cpu_features};
 use held::Held;
 use jobs::Jobs;
+use membership::Membership;
 use scenes::Scenes;
-use service::Service;
 use stop::Stop;
 use watchdog::Running;
 pub use watchdog::{Limits, machine_bytes};
@@ -68,7 +69,8 @@ pub struct WorkerOptions {
 /// What the threads of a worker share.
 struct Shared {
     engine: Arc<Engine>,
-    service: Service,
+    client: Client,
+    membership: Membership,
     held: Held,
     jobs: Jobs,
     scenes: Scenes,
@@ -77,11 +79,12 @@ struct Shared {
     limits: Limits,
 }
 
-/// Works until `stop` is set, then hands leases back without burning an attempt.
+/// Works until `stop` is set, then hands leases back without burning an attempt. A worker that ends by itself sets it, too.
 ///
 /// # Errors
 /// The service refuses the worker, or a thread ended by a defect.
-pub fn run(options: WorkerOptions, stop: &AtomicBool) -> anyhow::Result<()> {
+pub fn run(options: WorkerOptions, stop: Arc<AtomicBool>) -> anyhow::Result<()> {
+    let stop = Stop(stop);
     let engine = Arc::new(Engine::new(options.library, options.onnxruntime.as_deref()));
     let about = Register {
         name: options.name,
@@ -91,27 +94,27 @@ pub fn run(options: WorkerOptions, stop: &AtomicBool) -> anyhow::Result<()> {
         cpu_features: cpu_features(),
     };
     let client = Client::new(&options.server, options.token.as_deref());
-    let Some(service) = Service::join(client, about, stop).context("the service refuses this worker")? else {
-        return Ok(());
-    };
+    let joined = Membership::join(&client, about, &stop).context("the service refuses this worker")?;
+    let Some(membership) = joined else { return Ok(()) };
     tracing::info!(
         server = options.server,
         slots = options.slots,
-        worker = service.worker_id(),
+        worker = membership.worker_id(),
         "worker ready"
     );
     let shared = Arc::new(Shared {
-        jobs: Jobs::default(),
         engine,
-        service,
+        client,
+        membership,
         held: Held::default(),
+        jobs: Jobs::default(),
         scenes: Scenes::default(),
-        stop: Stop::default(),
+        stop,
         running: Running::default(),
         limits: options.limits,
     });
     let threads = start(&shared, options.slots)?;
-    let defect = watch(&threads, stop);
+    let defect = watch(&threads, &shared.stop);
     shared.stop.set();
     finish(&shared, &threads);
     if defect {
@@ -145,11 +148,12 @@ fn start(shared: &Arc<Shared>, slots: usize) -> anyhow::Result<Vec<JoinHandle<()
     Ok(threads)
 }
 
-/// Waits until the worker is to stop, or a thread has ended: answers whether it was the latter.
-fn watch(threads: &[JoinHandle<()>], stop: &AtomicBool) -> bool {
-    while !stop.load(Ordering::SeqCst) {
+/// Waits until the worker is to stop or a thread has ended; returns whether it was the latter.
+fn watch(threads: &[JoinHandle<()>], stop: &Stop) -> bool {
+    while !stop.is_set() {
         if threads.iter().any(JoinHandle::is_finished) {
-            return true;
+            // Told to stop in between, a thread has every reason to end.
+            return !stop.is_set();
         }
         thread::sleep(LOOK);
     }
@@ -164,7 +168,7 @@ fn finish(shared: &Shared, threads: &[JoinHandle<()>]) {
         thread::sleep(LOOK);
     }
     for token in shared.held.tokens() {
-        if let Err(error) = shared.service.release(token, "the worker is stopping") {
+        if let Err(error) = shared.client.release(token, "the worker is stopping") {
             tracing::warn!(token, %error, "cannot hand a lease back; it will run out");
         }
     }

@@ -10,7 +10,7 @@ use catalogue::{InsertJob, synthetic};
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::remote::{Remote, ServerArguments, query_value};
-use proto::wire::{LeaseRequest, RegisterRequest, ReleaseRequest};
+use proto::message::{Register, WantLease};
 use renderer::worker::client::Client;
 use serde_json::{Value, json};
 use style::Library;
@@ -133,28 +133,26 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
 /// A frame at a time, as a worker that does not know yet what a frame costs.
 fn claims(server: &str) -> Result<String, Failure> {
     let client = Client::new(server, None);
-    let about = RegisterRequest {
+    let about = Register {
         name: "bench".to_owned(),
         slots: 1,
-        protocol: proto::VERSION,
-        ..RegisterRequest::default()
+        code_version: renderer::CODE_VERSION.to_owned(),
+        onnx_runtime: None,
+        cpu_features: renderer::cpu_features(),
     };
-    let worker_id = client.register(&about).map_err(anyhow::Error::from)?.worker_id;
+    let worker_id = client.register(about).map_err(anyhow::Error::from)?.worker_id;
     let mut times = Vec::new();
     for _ in 0..TIMES {
-        let want = LeaseRequest {
+        let want = WantLease {
             worker_id: worker_id.clone(),
-            ..LeaseRequest::default()
+            wait_ms: 0,
+            frame_ms: 0.0,
         };
         let begun = Instant::now();
-        let answer = client.lease(&want).map_err(anyhow::Error::from)?;
+        let lease = client.lease(want).map_err(anyhow::Error::from)?;
         times.push(begun.elapsed());
-        let lease = answer.lease.context("a frame waits and is not given")?;
-        let back = ReleaseRequest {
-            token: lease.token,
-            reason: "bench".to_owned(),
-        };
-        client.release(&back).map_err(anyhow::Error::from)?;
+        let token = lease.context("a frame waits and is not given")?.token;
+        client.release(token, "bench").map_err(anyhow::Error::from)?;
     }
     Ok(report("claim of a frame", times))
 }

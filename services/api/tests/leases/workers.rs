@@ -37,7 +37,7 @@ impl Worker {
         let stopped = Arc::clone(&stop);
         Self {
             stop,
-            thread: thread::spawn(move || worker::run(options, &stopped)),
+            thread: thread::spawn(move || worker::run(options, stopped)),
         }
     }
 

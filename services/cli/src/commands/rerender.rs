@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => SceneSource::Local,
     };
     let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
-    let rendered = renderer::attempt(&mut Slot::new(&engine), &engine, &frame, &source);
+    let rendered = Slot::new(&engine).attempt(&frame, &source);
     let rendered = rendered.map_err(|error| refused(&error))?;
     for (at, file) in rendered.files.iter().enumerate() {
         write(folder, &format!("artifact-{at}"), &file.bytes)?;

@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
                 .map_or_else(usual_memory, |mib| mib << 20),
         },
     };
-    worker::run(options, &stop)?;
+    worker::run(options, stop)?;
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use spec::Job;
 
-use crate::record::File;
+use crate::file::{File, extension};
 
 /// Why a folder cannot be rendered into.
 #[derive(Debug, thiserror::Error)]
@@ -65,7 +65,7 @@ impl Folder {
             Ok(found) => {
                 return Err(LocalError::OtherJob {
                     path: path.display().to_string(),
-                    found: digest(&found),
+                    found: spec::sha256(found.as_bytes()),
                     wanted: job.digest(),
                 });
             }
@@ -101,7 +101,7 @@ impl Folder {
         }
         fs::create_dir(&draft).map_err(|source| io_error(&draft, source))?;
         for file in files {
-            let path = draft.join(format!("{}.{}", file.kind, file.extension()));
+            let path = draft.join(format!("{}.{}", file.kind, extension(file.media_type)));
             fs::write(&path, &file.bytes).map_err(|source| io_error(&path, source))?;
         }
         fs::rename(&draft, &place).map_err(|source| io_error(&place, source))
@@ -113,8 +113,4 @@ pub(crate) fn io_error(path: &Path, source: io::Error) -> LocalError {
         path: path.display().to_string(),
         source,
     }
-}
-
-fn digest(text: &str) -> String {
-    spec::sha256(text.as_bytes())
 }

@@ -1,31 +1,40 @@
 //! Enhancement of the 8-bit result.
 
+use std::collections::BTreeMap;
+
 use enhance::{Enhanced, Method};
 use imaging::{Raster, Rgb8};
-use spec::Frame;
+use spec::FrameRecord;
 
+use super::Shot;
 use crate::error::RenderError;
 
-/// What the methods say about this picture: `ibla: lamp_as_background: …`.
-pub(crate) fn warnings(enhanced: &[(String, Enhanced)]) -> impl Iterator<Item = String> + '_ {
-    enhanced.iter().flat_map(|(name, enhanced)| {
-        let warnings = enhanced.warnings.iter();
-        warnings.map(move |warning| format!("{name}: {warning}"))
-    })
-}
+/// What each method made of the picture, by its name.
+pub(crate) type Enhancements = BTreeMap<String, Enhanced>;
 
-/// Runs every method of the frame on the result, each on its own.
-pub(crate) fn run(frame: &Frame, rgb: &Rgb8) -> Result<Vec<(String, Enhanced)>, RenderError> {
-    if frame.enhance.is_empty() {
-        return Ok(Vec::new());
+/// Runs every method of the frame on the result, each on its own. What a method says about the picture becomes a warning:
+/// `ibla: lamp_as_background: …`.
+pub(crate) fn run(
+    shot: &Shot<'_>,
+    rgb: &Rgb8,
+    record: &mut FrameRecord,
+) -> Result<Enhancements, RenderError> {
+    let mut enhancements = Enhancements::new();
+    if shot.frame.enhance.is_empty() {
+        return Ok(enhancements);
     }
     let picture = Raster::from(rgb.clone());
-    let one = |name: &String| {
+    for name in &shot.frame.enhance {
         let method = Method::parse(name).ok_or_else(|| RenderError::Unknown {
             kind: "enhancement",
             name: name.clone(),
         })?;
-        Ok((name.clone(), enhance::run(&method, &picture)?))
-    };
-    frame.enhance.iter().map(one).collect()
+        let enhanced = enhance::run(&method, &picture)?;
+        let warnings = enhanced.warnings.iter();
+        record
+            .warnings
+            .extend(warnings.map(|warning| format!("{name}: {warning}")));
+        enhancements.insert(name.clone(), enhanced);
+    }
+    Ok(enhancements)
 }

@@ -1,24 +1,17 @@
 //! The files of a frame: one match from artifact kind to bytes.
 
-use enhance::Enhanced;
 use imaging::codec::{self, EncodeError};
-use imaging::{Raster, Rgb, Rgb8, transfer};
+use imaging::{Plane, Raster, Rgb, Rgb8, transfer};
 use optics::chain::Layers;
-use optics::plan::Plan;
-use optics::setting::Setting;
-use spec::{ArtifactKind, Encode, Frame, SceneRecord};
-
 use serde_json::json;
+use spec::{ArtifactKind, Encode, FrameRecord};
 
-use super::light::Lit;
-use super::measure::Measurements;
-use super::range_file::millimetres;
-use super::scene::Prepared;
-use super::snow::{self, Fallen};
-use super::style::Styled;
+use super::enhance::Enhancements;
+use super::range_file::millimeters;
 use super::water::transmittance;
+use super::{Shot, snow};
 use crate::error::RenderError;
-use crate::record::File;
+use crate::file::File;
 
 /// Longer side of a thumbnail.
 const PREVIEW_PX: usize = 256;
@@ -27,133 +20,101 @@ const PNG: &str = "image/png";
 const NPY: &str = "application/x-npy";
 const JSON: &str = "application/json";
 
-/// Everything that a frame has gone through.
-pub(crate) struct Products<'a> {
-    pub(crate) frame: &'a Frame,
-    pub(crate) prepared: &'a Prepared,
-    pub(crate) setting: &'a Setting,
-    pub(crate) lit: &'a Lit<'a>,
-    pub(crate) plan: &'a Plan,
+/// What the stages made of a frame.
+pub(crate) struct Pictures<'a> {
     pub(crate) layers: &'a Layers,
-    /// Whether the water glows.
-    pub(crate) glows: bool,
-    pub(crate) fallen: Option<&'a Fallen>,
-    pub(crate) styled: &'a Styled<'a>,
+    /// Opacity of the snow; none where nothing was drawn.
+    pub(crate) snow: Option<&'a Plane<f32>>,
+    /// Linear light after the style.
+    pub(crate) styled: &'a Rgb<f32>,
     pub(crate) rgb: &'a Rgb8,
-    /// Samples outside 0..=1 that the encoder clamped.
-    pub(crate) clamped: u64,
-    pub(crate) enhanced: &'a [(String, Enhanced)],
-    pub(crate) measurements: Measurements,
-    pub(crate) described: Option<SceneRecord>,
+    pub(crate) enhancements: &'a Enhancements,
 }
 
-/// The files that the frame asks for, in its order.
-pub(crate) struct Files {
-    pub(crate) files: Vec<File>,
-    /// Range pixels beyond what 16-bit millimetres hold.
-    pub(crate) range_saturated: u64,
-    /// Which files are missing, and why.
-    pub(crate) warnings: Vec<String>,
-}
-
-/// Encodes the files of a frame.
-pub(crate) fn encode(products: &Products<'_>) -> Result<Files, RenderError> {
-    let mut files = Files {
-        files: Vec::new(),
-        range_saturated: 0,
-        warnings: Vec::new(),
-    };
-    for kind in &products.frame.artifacts {
-        match bytes(products, kind, &mut files.range_saturated)? {
-            Some((media_type, bytes)) => files.files.push(File::new(kind.to_string(), media_type, bytes)),
-            None => files
-                .warnings
-                .push(format!("there is no artifact `{kind}`: {}", why_missing(kind))),
+/// Encodes the files that the frame asks for, in its order; what cannot be made becomes a warning.
+pub(crate) fn encode(
+    shot: &Shot<'_>,
+    pictures: &Pictures<'_>,
+    record: &mut FrameRecord,
+) -> Result<Vec<File>, RenderError> {
+    let mut files = Vec::new();
+    for kind in &shot.frame.artifacts {
+        match encode_kind(shot, pictures, kind, record)? {
+            Some((media_type, bytes)) => files.push(File::new(kind.to_string(), media_type, bytes)),
+            None => {
+                let warning = format!("there is no artifact `{kind}`: {}", why_missing(kind));
+                record.warnings.push(warning);
+            }
         }
     }
-    if files.range_saturated > 0 {
-        let pixels = files.range_saturated;
-        files.warnings.push(format!(
-            "{pixels} pixels are farther than 65.535 m and stored as that"
-        ));
+    let saturated = record.counts.range_saturated;
+    if saturated > 0 {
+        let warning = format!("{saturated} pixels are farther than 65.535 m and stored as that");
+        record.warnings.push(warning);
     }
+    record.artifacts = files.iter().map(File::entry).collect();
     Ok(files)
 }
 
+/// Media type and bytes.
 type Encoded = (&'static str, Vec<u8>);
 
 /// `None`: the frame has nothing of this kind.
-fn bytes(
-    products: &Products<'_>,
+fn encode_kind(
+    shot: &Shot<'_>,
+    pictures: &Pictures<'_>,
     kind: &ArtifactKind,
-    saturated: &mut u64,
+    record: &mut FrameRecord,
 ) -> Result<Option<Encoded>, RenderError> {
-    let Products {
-        frame,
-        prepared,
-        layers,
-        styled,
-        rgb,
-        enhanced,
-        ..
-    } = products;
-    let labels = prepared.labels.as_ref();
-    let scene = &prepared.scene;
-    let linear = |layer: &Rgb<f32>| Some((NPY, codec::encode_npy_rgb(layer)));
-    let shown = |layer: &Rgb<f32>| picture(&transfer::encode_rgb8(layer).0, frame.encode);
-    let of = |name: &str| {
-        enhanced
-            .iter()
-            .find(|(method, _)| method == name)
-            .map(|(_, enhanced)| enhanced)
-    };
-    Ok(match kind {
-        ArtifactKind::Rgb | ArtifactKind::Hazed => Some(picture(rgb, frame.encode)?),
-        ArtifactKind::Clean => Some(shown(&scene.radiance)?),
-        ArtifactKind::Scattered => Some(shown(&layers.scattered)?),
-        ArtifactKind::Styled => Some(shown(&styled.picture)?),
+    let Pictures { layers, rgb, .. } = *pictures;
+    let (scene, labels) = (&shot.prepared.scene, shot.prepared.labels.as_ref());
+    let picture = |picture: &Rgb8| encode_picture(picture, shot.frame.encode).map(Some);
+    let display = |layer: &Rgb<f32>| picture(&transfer::encode_rgb8(layer).0);
+    let linear = |layer: &Rgb<f32>| Ok(Some((NPY, codec::encode_npy_rgb(layer))));
+    let encoded = match kind {
+        ArtifactKind::Rgb | ArtifactKind::Hazed => picture(rgb),
+        ArtifactKind::Clean => display(&scene.radiance),
+        ArtifactKind::Scattered => display(&layers.scattered),
+        ArtifactKind::Styled => display(pictures.styled),
         ArtifactKind::Direct => linear(&layers.direct),
         ArtifactKind::ForwardScatter => linear(&layers.forward_scatter),
         ArtifactKind::Backscatter => linear(&layers.backscatter),
-        ArtifactKind::Transmittance => linear(&transmittance(products.lit, products.setting)),
-        ArtifactKind::Preview => Some(picture(&codec::downscale(rgb, PREVIEW_PX), frame.encode)?),
-        ArtifactKind::Enhanced(method) => match of(method) {
-            None => None,
-            Some(enhanced) => Some(picture(&enhanced.picture.to_rgb8(), frame.encode)?),
+        ArtifactKind::Transmittance => linear(&transmittance(shot)),
+        ArtifactKind::Preview => picture(&codec::downscale(rgb, PREVIEW_PX)),
+        ArtifactKind::Enhanced(method) => match pictures.enhancements.get(method) {
+            Some(enhanced) => picture(&enhanced.picture.to_rgb8()),
+            None => Ok(None),
         },
-        ArtifactKind::HscmMask => mask(of("hscm").and_then(|hscm| hscm.mask.clone()).map(Raster::from))?,
-        ArtifactKind::SnowMask => mask(Some(Raster::from(snow::codes(
-            products.fallen,
-            (rgb.width(), rgb.height()),
-        ))))?,
-        ArtifactKind::Instances => mask(scene.instances.clone().map(Raster::from))?,
-        ArtifactKind::Semantics => mask(labels.map(|labels| Raster::from(labels.semantics.clone())))?,
-        ArtifactKind::Findings => mask(labels.map(|labels| Raster::from(labels.findings.clone())))?,
+        ArtifactKind::HscmMask => {
+            let hscm = pictures.enhancements.get("hscm");
+            encode_codes(hscm.and_then(|hscm| hscm.mask.clone()))
+        }
+        ArtifactKind::SnowMask => {
+            let size = (rgb.width(), rgb.height());
+            encode_codes(Some(snow::codes(pictures.snow, size)))
+        }
+        ArtifactKind::Instances => encode_codes(scene.instances.clone()),
+        ArtifactKind::Semantics => encode_codes(labels.map(|labels| labels.semantics.clone())),
+        ArtifactKind::Findings => encode_codes(labels.map(|labels| labels.findings.clone())),
         ArtifactKind::Normals => match labels.map(|labels| Rgb::new(labels.normals.clone())) {
             Some(Ok(normals)) => linear(&normals),
-            _ => None,
+            _ => Ok(None),
         },
-        ArtifactKind::Boxes => match products
-            .described
-            .as_ref()
-            .filter(|scene| scene.instances.is_some())
-        {
-            Some(scene) => Some((JSON, json!(scene).to_string().into_bytes())),
-            None => None,
-        },
-        ArtifactKind::Range => match &scene.range {
-            None => None,
-            Some(range) => {
-                let (codes, beyond) = millimetres(range);
-                *saturated = beyond;
-                mask(Some(Raster::from(codes)))?
-            }
-        },
-    })
+        ArtifactKind::Boxes => {
+            let described = record.scene.as_ref().filter(|scene| scene.instances.is_some());
+            Ok(described.map(|scene| (JSON, json!(scene).to_string().into_bytes())))
+        }
+        ArtifactKind::Range => {
+            let stored = scene.range.as_ref().map(millimeters);
+            record.counts.range_saturated = stored.as_ref().map_or(0, |(_, saturated)| *saturated);
+            encode_codes(stored.map(|(codes, _)| codes))
+        }
+    };
+    Ok(encoded?)
 }
 
 /// A picture in the format that the frame asks for.
-fn picture(picture: &Rgb8, encode: Encode) -> Result<Encoded, EncodeError> {
+fn encode_picture(picture: &Rgb8, encode: Encode) -> Result<Encoded, EncodeError> {
     Ok(match encode {
         Encode::Png => (PNG, codec::encode_png(&Raster::from(picture.clone()))?),
         Encode::Webp => ("image/webp", codec::encode_webp_lossless(picture)?),
@@ -162,9 +123,9 @@ fn picture(picture: &Rgb8, encode: Encode) -> Result<Encoded, EncodeError> {
 }
 
 /// Codes that must stay what they are, whatever format pictures have.
-fn mask(codes: Option<Raster>) -> Result<Option<Encoded>, EncodeError> {
+fn encode_codes(codes: Option<impl Into<Raster>>) -> Result<Option<Encoded>, EncodeError> {
     codes
-        .map(|codes| Ok((PNG, codec::encode_png(&codes)?)))
+        .map(|codes| Ok((PNG, codec::encode_png(&codes.into())?)))
         .transpose()
 }
 

@@ -3,13 +3,14 @@
 use std::borrow::Cow;
 
 use imaging::Rgb;
-use optics::plan::{Form, Plan};
-use spec::Frame;
+use optics::plan::Form;
+
+use super::Shot;
 
 /// Lays the lights over a picture; without a light that shines it passes through uncopied.
-pub(crate) fn run<'a>(frame: &Frame, plan: &Plan, styled: &'a Rgb<f32>) -> Cow<'a, Rgb<f32>> {
-    match plan.haze.form {
+pub(crate) fn run<'a>(shot: &Shot<'_>, styled: &'a Rgb<f32>) -> Cow<'a, Rgb<f32>> {
+    match shot.plan.haze.form {
         Form::Skip => Cow::Borrowed(styled),
-        Form::Fast | Form::Reference => Cow::Owned(optics::haze(styled.clone(), &frame.haze())),
+        Form::Fast | Form::Reference => Cow::Owned(optics::haze(styled.clone(), &shot.frame.haze())),
     }
 }

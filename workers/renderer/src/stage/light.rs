@@ -1,6 +1,6 @@
 //! The scene in its light: how much water is before each pixel, and what lamps add.
 
-use std::borrow::Cow;
+use std::sync::Arc;
 
 use imaging::{Plane, Rgb};
 use optics::lamp::{self, Irradiance, Lighting};
@@ -14,31 +14,32 @@ use super::scene::Prepared;
 use crate::stopwatch::Stopwatch;
 
 /// A scene in its light.
-pub(crate) struct Lit<'a> {
-    /// What the camera would see if the water took nothing.
-    pub(crate) radiance: Cow<'a, Rgb<f32>>,
-    /// Metres of mean water before each pixel: its range, or its path through patches; none without range.
-    pub(crate) path: Option<Cow<'a, Plane<f32>>>,
+pub(crate) struct Lit {
+    prepared: Arc<Prepared>,
+    /// The radiance where lamps add to it.
+    lamplit: Option<Rgb<f32>>,
+    /// The paths through patches of murkier water.
+    patchy: Option<Plane<f32>>,
     /// What f32 may have lost of the light of the lamps.
     rounding: f64,
     /// Whether a lamp lights any of the scene.
     pub(crate) shines: bool,
 }
 
-impl<'a> Lit<'a> {
+impl Lit {
     /// Lights a scene.
     pub(crate) fn new(
         frame: &Frame,
-        prepared: &'a Prepared,
+        prepared: &Arc<Prepared>,
         setting: &Setting,
         watch: &mut Stopwatch,
     ) -> Self {
         let form = Form::asked_by(frame.fidelity);
         let range = prepared.scene.range.as_ref();
-        let path = watch.time("turbidity", || path(form, frame, range?, setting));
         let mut lit = Self {
-            radiance: Cow::Borrowed(&prepared.scene.radiance),
-            path: path.map(Cow::Owned).or(range.map(Cow::Borrowed)),
+            prepared: Arc::clone(prepared),
+            lamplit: None,
+            patchy: watch.time("turbidity", || path(form, frame, range?, setting)),
             rounding: 0.0,
             shines: false,
         };
@@ -48,28 +49,41 @@ impl<'a> Lit<'a> {
         lit
     }
 
+    /// What the camera would see if the water took nothing.
+    pub(crate) fn radiance(&self) -> &Rgb<f32> {
+        self.lamplit.as_ref().unwrap_or(&self.prepared.scene.radiance)
+    }
+
+    /// Meters of mean water before each pixel: its range, or its path through patches; none without range.
+    pub(crate) fn path(&self) -> Option<&Plane<f32>> {
+        self.patchy.as_ref().or(self.prepared.scene.range.as_ref())
+    }
+
     /// Adds the light of lamps on surfaces to that around them. The radiance of the scene in air stands for its reflectance.
     fn add(&mut self, form: Form, lighting: &Lighting, range: &Plane<f32>, gain: [f64; 3]) {
         let normals = lamp::normals_of(range, &lighting.camera);
         let irradiance = match form {
-            Form::Reference => Irradiance {
-                light: lamp::irradiance_reference(&range.map(|&z| f64::from(z)), &normals, lighting)
-                    .map(|&e| e as f32),
-                rounding: 0.0,
-            },
+            Form::Reference => {
+                let range = range.map(|&z| f64::from(z));
+                let light = lamp::irradiance_reference(&range, &normals, lighting);
+                Irradiance {
+                    light: light.map(|&e| e as f32),
+                    rounding: 0.0,
+                }
+            }
             Form::Fast | Form::Skip => lamp::irradiance(range, &normals, lighting),
         };
-        let lit = lamp::lit(&self.radiance, gain, &irradiance.light);
-        self.rounding = lamp::lit_rounding(&self.radiance, &lit, irradiance.rounding);
+        let lit = lamp::lit(self.radiance(), gain, &irradiance.light);
+        self.rounding = lamp::lit_rounding(self.radiance(), &lit, irradiance.rounding);
         self.shines = any_light(&irradiance.light);
-        self.radiance = Cow::Owned(lit);
+        self.lamplit = Some(lit);
     }
 
     /// What a plan needs to know of it.
     pub(crate) fn measure(&self, setting: &Setting) -> SceneStats {
-        let stats = match (&setting.around, &self.path) {
-            (Some(water), Some(path)) => SceneStats::measure(&self.radiance, path, water),
-            _ => SceneStats::in_air(&self.radiance),
+        let stats = match (&setting.around, self.path()) {
+            (Some(water), Some(path)) => SceneStats::measure(self.radiance(), path, water),
+            _ => SceneStats::in_air(self.radiance()),
         };
         SceneStats {
             lamp_rounding: self.rounding,
@@ -78,12 +92,8 @@ impl<'a> Lit<'a> {
     }
 
     /// Mean, least and greatest path as a share of the range; none in even water or in a frame of holes.
-    pub(crate) fn factors(&self, prepared: &Prepared, setting: &Setting) -> Option<[f64; 3]> {
-        let (_, path, range) = (
-            setting.patches?,
-            self.path.as_ref()?,
-            prepared.scene.range.as_ref()?,
-        );
+    pub(crate) fn factors(&self) -> Option<[f64; 3]> {
+        let (path, range) = (self.patchy.as_ref()?, self.prepared.scene.range.as_ref()?);
         let pairs = path.data().iter().zip(range.data());
         let factors = pairs
             .filter(|(_, z)| !is_hole(**z))
@@ -97,7 +107,7 @@ impl<'a> Lit<'a> {
     }
 }
 
-/// Whether there is any.
+/// Whether any sample is positive.
 pub(crate) fn any_light(light: &Rgb<f32>) -> bool {
     light
         .planes()

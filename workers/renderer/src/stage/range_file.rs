@@ -1,16 +1,16 @@
-//! Range as a 16-bit file: millimetres, 0 = hole.
+//! Range as a 16-bit file: millimeters, 0 = hole.
 
 use imaging::Plane;
 use optics::range::is_hole;
 
-/// Millimetres of a range map, rounded; and how many pixels lie beyond 65.535 m and are stored as that.
-pub(crate) fn millimetres(range: &Plane<f32>) -> (Plane<u16>, u64) {
+/// Millimeters of a range map, rounded; and how many pixels lie beyond 65.535 m and are stored as that.
+pub(crate) fn millimeters(range: &Plane<f32>) -> (Plane<u16>, u64) {
     let mut saturated = 0;
-    let codes = range.map(|&metres| {
-        if is_hole(metres) {
+    let codes = range.map(|&meters| {
+        if is_hole(meters) {
             return 0;
         }
-        let code = (f64::from(metres) * 1000.0).round();
+        let code = (f64::from(meters) * 1000.0).round();
         if code > f64::from(u16::MAX) {
             saturated += 1;
         }
@@ -26,7 +26,7 @@ mod tests {
     #[test]
     fn holes_are_zero_and_what_is_too_far_is_counted() {
         let range = Plane::new(5, 1, vec![f32::NAN, 0.001, 1.2345, 65.535, 70.0]).unwrap();
-        let (codes, saturated) = millimetres(&range);
+        let (codes, saturated) = millimeters(&range);
         assert_eq!(codes.data(), &[0, 1, 1235, 65535, 65535]);
         assert_eq!(saturated, 1);
     }

@@ -9,7 +9,7 @@ use optics::range::is_hole;
 use optics::setting::View;
 use scenes::uploaded;
 use scenes::{CameraPose, Labels, SceneError, World};
-use spec::{Frame, RangeKind, Scene as SceneOf, SceneFiles};
+use spec::{Frame, RangeKind, Scene, SceneFiles};
 
 use crate::error::RenderError;
 use crate::source::{SceneBytes, SceneSource};
@@ -51,7 +51,7 @@ impl Prepared {
 /// Makes the scene of a frame.
 pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, RenderError> {
     match (&frame.scene, source) {
-        (SceneOf::Procedural { family, seed }, _) => {
+        (Scene::Procedural { family, seed }, _) => {
             let (width, height) = (frame.camera.width, frame.camera.height);
             let camera = Intrinsics::centered(frame.camera.focal_px(width), width, height);
             let world = World::new(family, *seed)?;
@@ -69,9 +69,9 @@ pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, R
                 ..prepared
             })
         }
-        (SceneOf::Uploaded { .. }, SceneSource::Uploaded(files)) => from_files(frame, files),
-        (SceneOf::Uploaded { id }, SceneSource::Local) => Err(RenderError::NotHere { id: id.clone() }),
-        (SceneOf::Files { .. }, _) => from_files(frame, &read(&frame.scene)?),
+        (Scene::Uploaded { .. }, SceneSource::Uploaded(files)) => from_files(frame, files),
+        (Scene::Uploaded { id }, SceneSource::Local) => Err(RenderError::NotHere { id: id.clone() }),
+        (Scene::Files { .. }, _) => from_files(frame, &read(&frame.scene)?),
     }
 }
 
@@ -146,7 +146,7 @@ fn camera_of(frame: &Frame, rgb: &[u8]) -> Result<Intrinsics, RenderError> {
     Ok(Intrinsics::centered(frame.camera.focal_px(width), width, height))
 }
 
-fn read(scene: &SceneOf) -> Result<SceneBytes, RenderError> {
+fn read(scene: &Scene) -> Result<SceneBytes, RenderError> {
     let paths = scene
         .files()
         .ok_or_else(|| RenderError::NotHere { id: String::new() })?;

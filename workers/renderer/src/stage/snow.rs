@@ -1,53 +1,46 @@
 //! Marine snow over the picture after the water.
 
-use imaging::Plane;
+use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::lamp;
-use optics::plan::{Form, Plan};
-use optics::setting::Setting;
+use optics::plan::Form;
 use optics::snow::{self, Surround};
-use serde_json::{Value, json};
+use serde_json::json;
+use spec::{FrameRecord, Snow};
 
-use super::scene::Prepared;
+use super::Shot;
 
 /// What fell.
-pub(crate) struct Fallen {
+struct Fallen {
     /// Particles whose discs reach into the frame.
     particles: usize,
-    /// Opacity of each pixel; none where nothing was drawn.
-    mask: Option<Plane<f32>>,
+    /// Opacity of each pixel.
+    mask: Plane<f32>,
 }
 
-impl Fallen {
-    /// For the record: the particles, and the share of the frame that they cover.
-    pub(crate) fn describe(&self) -> Value {
-        let cover = self.mask.as_ref().map_or(0.0, |mask| {
-            let sum: f64 = mask.data().iter().map(|&v| f64::from(v)).sum();
-            sum / mask.data().len() as f64
-        });
-        json!({"particles": self.particles, "cover": cover})
-    }
+/// Lays the snow over the picture and returns its opacity; none without snow, without range, in which nothing hangs
+/// anywhere, or where the plan leaves it out.
+pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Option<Plane<f32>> {
+    let (law, range) = (shot.setting.snow.as_ref()?, shot.prepared.scene.range.as_ref()?);
+    let drawn = shot.plan.snow.form != Form::Skip;
+    let fallen = drawn.then(|| fall(shot, law, range, &mut layers.scattered));
+    let particles = fallen.as_ref().map_or(0, |fallen| fallen.particles);
+    let cover = fallen.as_ref().map_or(0.0, |fallen| {
+        let sum: f64 = fallen.mask.data().iter().map(|&v| f64::from(v)).sum();
+        sum / fallen.mask.data().len() as f64
+    });
+    let numbers = json!({"particles": particles, "cover": cover});
+    record.optics.insert("snow".to_owned(), numbers);
+    fallen.map(|fallen| fallen.mask)
 }
 
-/// Lays the snow over the picture; none without snow or without range, in which nothing hangs anywhere.
-pub(crate) fn run(
-    prepared: &Prepared,
-    setting: &Setting,
-    plan: &Plan,
-    layers: &mut Layers,
-) -> Option<Fallen> {
-    let (law, range) = (setting.snow.as_ref()?, prepared.scene.range.as_ref()?);
-    if plan.snow.form == Form::Skip {
-        return Some(Fallen {
-            particles: 0,
-            mask: None,
-        });
-    }
+fn fall(shot: &Shot<'_>, law: &Snow, range: &Plane<f32>, picture: &mut Rgb<f32>) -> Fallen {
+    let (setting, step) = (&shot.setting, &shot.plan.snow);
     let (eye, gain) = (&setting.eye, setting.gain());
     let patches = setting.patches.map(|field| field.seen_from(eye));
-    let path = |place: [f64; 3], metres: f64| match &patches {
-        Some(field) => field.path_m(place.map(|v| v / metres), metres),
-        None => metres,
+    let path = |place: [f64; 3], meters: f64| match &patches {
+        Some(field) => field.path_m(place.map(|v| v / meters), meters),
+        None => meters,
     };
     let light = |place: [f64; 3]| match &setting.lighting {
         Some(lighting) => {
@@ -63,30 +56,25 @@ pub(crate) fn run(
         path: &path,
         light: &light,
     };
-    let found = snow::flakes(eye, law, setting.world, range.size());
-    let picture = &mut layers.scattered;
-    let mask = if plan.snow.form == Form::Reference {
-        let exact = snow::snow_reference(&picture.map(|&v| f64::from(v)), &found, law.albedo, &surround);
-        *picture = exact.0.map(|&v| v as f32);
-        exact.1.map(|&v| v as f32)
+    let flakes = snow::flakes(eye, law, setting.world, range.size());
+    let mask = if step.form == Form::Reference {
+        let wide = picture.map(|&v| f64::from(v));
+        let (exact, mask) = snow::snow_reference(&wide, &flakes, law.albedo, &surround);
+        *picture = exact.map(|&v| v as f32);
+        mask.map(|&v| v as f32)
     } else {
-        snow::snow(
-            picture,
-            &found,
-            law.albedo,
-            &surround,
-            plan.snow.share.unwrap_or_default(),
-        )
+        let share = step.share.unwrap_or_default();
+        snow::snow(picture, &flakes, law.albedo, &surround, share)
     };
-    Some(Fallen {
-        particles: found.len(),
-        mask: Some(mask),
-    })
+    Fallen {
+        particles: flakes.len(),
+        mask,
+    }
 }
 
 /// The mask as codes: 255 is opaque; a frame where nothing was drawn has a mask of 0.
-pub(crate) fn codes(fallen: Option<&Fallen>, (width, height): (usize, usize)) -> Plane<u8> {
-    match fallen.and_then(|fallen| fallen.mask.as_ref()) {
+pub(crate) fn codes(mask: Option<&Plane<f32>>, (width, height): (usize, usize)) -> Plane<u8> {
+    match mask {
         Some(mask) => mask.map(|&v| (255.0 * v.clamp(0.0, 1.0)).round() as u8),
         None => Plane::filled(width, height, 0),
     }

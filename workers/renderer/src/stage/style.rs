@@ -6,103 +6,103 @@ use std::sync::Arc;
 
 use imaging::{Rgb, transfer};
 use optics::plan::StyleStep;
-use spec::Frame;
+use spec::{Frame, FrameRecord};
 use style::{Session, StyleError, StyleModel};
 
+use super::Shot;
 use crate::engine::Engine;
 use crate::error::RenderError;
 
 /// Most prepared networks of a slot: each holds a few megabytes, on ONNX Runtime some hundred.
 const MAX_SESSIONS: usize = 8;
 
-/// The networks of a slot, prepared when they are first asked for.
-#[derive(Default)]
-pub(crate) struct Sessions(BTreeMap<(String, bool), Session>);
-
-/// What the style stage made.
-pub(crate) struct Styled<'a> {
-    /// Linear light after the blend.
-    pub(crate) picture: Cow<'a, Rgb<f32>>,
-    /// Name and SHA-256 of the model that ran; the name ends in `.lut` if it was the colour table, in
-    /// `.noise` if the network was fed noise of (job seed, frame).
-    pub(crate) model: Option<(String, String)>,
-    /// Version of ONNX Runtime, if it ran there.
-    pub(crate) runtime: Option<String>,
+/// The networks of a slot.
+pub(crate) struct Networks {
+    pub(crate) engine: Arc<Engine>,
+    /// By name, the color tables apart; prepared when they are first asked for.
+    sessions: BTreeMap<(String, bool), Session>,
 }
 
-/// Styles a picture as planned.
-pub(crate) fn run<'a>(
-    frame: &Frame,
-    step: StyleStep,
-    scattered: &'a Rgb<f32>,
-    engine: &Engine,
-    sessions: &mut Sessions,
-) -> Result<Styled<'a>, RenderError> {
-    let Some(name) = frame.water.style.as_ref().filter(|_| step != StyleStep::Skip) else {
-        return Ok(Styled {
-            picture: Cow::Borrowed(scattered),
-            model: None,
-            runtime: None,
-        });
-    };
-    let model = &known(name, engine)?;
-    let table = step == StyleStep::Table;
-    let session = sessions.of(model, table, engine)?;
-    let noise = session
-        .takes_noise()
-        .then(|| style::noise(frame.seed, frame.index, scattered.size()));
-    let repainted = session.apply(&transfer::encode_unit(scattered), noise.as_ref())?;
-    let runtime = engine.runtime().ok().filter(|_| session.uses_runtime());
-    let picture = Cow::Owned(optics::style_blend(scattered, &repainted, frame.alpha));
-    let how = match (table, noise) {
-        (true, _) => ".lut",
-        (false, Some(_)) => ".noise",
-        (false, None) => "",
-    };
-    Ok(Styled {
-        picture,
-        model: Some((format!("{name}{how}"), model.card.sha256.clone())),
-        runtime: runtime.map(|runtime| runtime.version().to_owned()),
-    })
+impl Networks {
+    /// None is prepared yet.
+    pub(crate) fn new(engine: &Arc<Engine>) -> Self {
+        Self {
+            engine: Arc::clone(engine),
+            sessions: BTreeMap::new(),
+        }
+    }
+
+    /// Styles a picture as planned: linear light after the blend. The record names the model that ran: its name ends in
+    /// `.lut` for the color table, in `.noise` for a network that was fed noise of (job seed, frame).
+    pub(crate) fn run<'a>(
+        &mut self,
+        shot: &Shot<'_>,
+        scattered: &'a Rgb<f32>,
+        record: &mut FrameRecord,
+    ) -> Result<Cow<'a, Rgb<f32>>, RenderError> {
+        let (frame, step) = (shot.frame, shot.plan.style.form);
+        let Some(name) = frame.water.style.as_ref().filter(|_| step != StyleStep::Skip) else {
+            return Ok(Cow::Borrowed(scattered));
+        };
+        let model = find(name, &self.engine)?;
+        let is_table = step == StyleStep::Table;
+        let session = self.session(&model, is_table)?;
+        let noise = session
+            .takes_noise()
+            .then(|| style::noise(frame.seed, frame.index, scattered.size()));
+        let repainted = session.apply(&transfer::encode_unit(scattered), noise.as_ref())?;
+        let uses_runtime = session.uses_runtime();
+        let variant = match (is_table, noise) {
+            (true, _) => ".lut",
+            (false, Some(_)) => ".noise",
+            (false, None) => "",
+        };
+        let digest = model.card.sha256.clone();
+        let provenance = &mut record.provenance;
+        provenance.inputs.insert(format!("style.{name}{variant}"), digest);
+        let runtime = self.engine.runtime().ok().filter(|_| uses_runtime);
+        provenance.onnx_runtime = runtime.map(|runtime| runtime.version().to_owned());
+        let blended = optics::style_blend(scattered, &repainted, frame.alpha);
+        Ok(Cow::Owned(blended))
+    }
+
+    fn session(&mut self, model: &StyleModel, is_table: bool) -> Result<&mut Session, RenderError> {
+        let key = (model.name.clone(), is_table);
+        if !self.sessions.contains_key(&key) {
+            let session = prepare(model, is_table, &self.engine)?;
+            if self.sessions.len() == MAX_SESSIONS {
+                self.sessions.clear();
+            }
+            self.sessions.insert(key.clone(), session);
+        }
+        let session = self.sessions.get_mut(&key);
+        Ok(session.expect("it was there or has been inserted"))
+    }
 }
 
-/// Largest distance of the color table of a frame's style from its network, 8-bit codes; none without style or table.
+/// Largest difference of the color table of a frame's style from its network, 8-bit codes; none without style or table.
 pub(crate) fn table_max_255(frame: &Frame, engine: &Engine) -> Result<Option<f64>, RenderError> {
     let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {
         return Ok(None);
     };
-    Ok(known(name, engine)?.card.table.map(|table| table.max_255))
+    Ok(find(name, engine)?.card.table.map(|table| table.max_255))
 }
 
-impl Sessions {
-    fn of(&mut self, model: &StyleModel, table: bool, engine: &Engine) -> Result<&mut Session, RenderError> {
-        let key = (model.name.clone(), table);
-        if !self.0.contains_key(&key) {
-            let session = prepare(model, table, engine)?;
-            if self.0.len() == MAX_SESSIONS {
-                self.0.clear();
-            }
-            self.0.insert(key.clone(), session);
-        }
-        Ok(self.0.get_mut(&key).expect("it was there or has been inserted"))
-    }
-}
-
-fn known(name: &str, engine: &Engine) -> Result<Arc<StyleModel>, RenderError> {
+fn find(name: &str, engine: &Engine) -> Result<Arc<StyleModel>, RenderError> {
     let library = engine.library();
     library.shared(name).ok_or_else(|| RenderError::UnknownStyle {
         name: name.to_owned(),
-        known: library.names().iter().map(ToString::to_string).collect(),
+        known: library.names().join(", "),
     })
 }
 
-fn prepare(model: &StyleModel, table: bool, engine: &Engine) -> Result<Session, RenderError> {
-    if table {
+fn prepare(model: &StyleModel, is_table: bool, engine: &Engine) -> Result<Session, RenderError> {
+    if is_table {
+        let reason =
+            "it has no color table: only the shipped waters and those that `fathom train` makes have one";
         return Session::table(model).ok_or_else(|| {
-            let name = model.name.clone();
-            let reason = "it has no colour table: only the shipped waters and those that `fathom train` makes have one";
             RenderError::Style(StyleError::Model {
-                name,
+                name: model.name.clone(),
                 reason: reason.to_owned(),
             })
         });

@@ -1,21 +1,25 @@
 //! One beat for all leases of the worker.
 
-use super::client::ClientError;
+use proto::message::BeatOf;
 
 use super::Shared;
+use super::client::ClientError;
 
 /// Beats until the worker is to stop.
 pub(crate) fn run(shared: &Shared) {
     while !shared.stop.is_set() {
         beat(shared);
-        shared.stop.pause(shared.service.beat_interval());
+        shared.stop.pause(shared.membership.beat_interval());
     }
 }
 
 fn beat(shared: &Shared) {
-    let worker_id = shared.service.worker_id();
-    let tokens = shared.held.tokens();
-    match shared.service.beat(&worker_id, tokens.clone()) {
+    let (worker_id, tokens) = (shared.membership.worker_id(), shared.held.tokens());
+    let leases = BeatOf {
+        worker_id: worker_id.clone(),
+        tokens: tokens.clone(),
+    };
+    match shared.client.beat(leases) {
         Ok(beat) => {
             if !beat.cancelled.is_empty() || !beat.lost.is_empty() {
                 tracing::info!(cancelled = ?beat.cancelled, lost = ?beat.lost, "leases have ended");
@@ -24,12 +28,12 @@ fn beat(shared: &Shared) {
             shared.held.lose(&beat.lost);
         }
         Err(ClientError::UnknownWorker) => {
-            // The service has started anew and offers all our frames again.
+            // The service has restarted and offers all our frames again.
             shared.held.lose(&tokens);
-            if let Err(error) = shared.service.rejoin(&worker_id) {
+            if let Err(error) = shared.membership.rejoin(&shared.client, &worker_id) {
                 tracing::warn!(%error, "cannot join the service again");
             }
         }
-        Err(error) => tracing::warn!(%error, "a beat was not heard"),
+        Err(error) => tracing::warn!(%error, "a beat did not arrive"),
     }
 }

@@ -3,12 +3,9 @@
 use std::time::Duration;
 
 use prost::Message;
-use proto::CONTENT_TYPE;
-use proto::wire::{
-    BeatRequest, BeatResponse, CommitRequest, CommitResponse, FailRequest, FailResponse, LeaseRequest,
-    LeaseResponse, PutArtifactsRequest, PutArtifactsResponse, RegisterRequest, RegisterResponse,
-    ReleaseRequest, ReleaseResponse, SceneResponse, StylesResponse,
-};
+use proto::message::{Beat, BeatOf, Lease, Register, Registered, Release, Style, WantLease};
+use proto::{CONTENT_TYPE, MessageError, wire};
+use spec::SceneFiles;
 use ureq::http::StatusCode;
 
 use crate::http::{Http, HttpError};
@@ -25,7 +22,7 @@ pub enum ClientError {
     /// The service does not know this worker, for instance after a restart: register again.
     #[error("the service does not know this worker")]
     UnknownWorker,
-    /// No answer, or one that asks to come again: try again after a pause.
+    /// No response, or one that asks to come again: try again after a pause.
     #[error("the service is not available: {reason}")]
     Unavailable {
         /// What happened.
@@ -41,10 +38,14 @@ pub enum ClientError {
     },
 }
 
-/// The worker's calls to a service; cheap to clone, shared by threads.
+/// What a call came to.
+pub type Outcome<T> = Result<T, ClientError>;
+
+/// The worker's calls to a service; cheap to clone, shared by threads. Each fails with a [`ClientError`].
 #[derive(Clone)]
 pub struct Client(Http);
 
+#[allow(clippy::missing_errors_doc, reason = "said once, at the type")]
 impl Client {
     /// A client of the service at this URL, with a bearer token if it wants one.
     #[must_use]
@@ -53,122 +54,100 @@ impl Client {
     }
 
     /// Introduces the worker.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn register(&self, request: &RegisterRequest) -> Result<RegisterResponse, ClientError> {
-        self.call("register", request)
+    pub fn register(&self, about: Register) -> Outcome<Registered> {
+        let response: wire::RegisterResponse = self.post("register", &wire::RegisterRequest::from(about))?;
+        checked(response.try_into())
     }
 
     /// Waits for frames to render.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn lease(&self, request: &LeaseRequest) -> Result<LeaseResponse, ClientError> {
-        self.call("lease", request)
+    pub fn lease(&self, want: WantLease) -> Outcome<Option<Lease>> {
+        let response: wire::LeaseResponse = self.post("lease", &wire::LeaseRequest::from(want))?;
+        let lease = response.lease.map(|lease| checked(lease.try_into()));
+        lease.transpose()
     }
 
     /// Prolongs leases.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn beat(&self, request: &BeatRequest) -> Result<BeatResponse, ClientError> {
-        self.call("beat", request)
+    pub fn beat(&self, beat: BeatOf) -> Outcome<Beat> {
+        let response: wire::BeatResponse = self.post("beat", &wire::BeatRequest::from(beat))?;
+        Ok(response.into())
     }
 
-    /// Stores the files of a frame.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn put_artifacts(&self, request: &PutArtifactsRequest) -> Result<PutArtifactsResponse, ClientError> {
-        self.call("artifacts", request)
+    /// Stores the files of a frame. They may be large and are sent again after a failure, so they are encoded once.
+    pub fn put_artifacts(&self, files: &wire::PutArtifactsRequest) -> Outcome<()> {
+        self.post::<wire::PutArtifactsResponse>("artifacts", files)
+            .map(drop)
     }
 
-    /// Makes the image of a frame visible.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn commit(&self, request: &CommitRequest) -> Result<CommitResponse, ClientError> {
-        self.call("commit", request)
+    /// Makes the image of a frame visible; returns whether it was there already.
+    pub fn commit(&self, commit: &wire::CommitRequest) -> Outcome<bool> {
+        let response: wire::CommitResponse = self.post("commit", commit)?;
+        Ok(response.already_there)
     }
 
     /// Reports a failed attempt.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn fail(&self, request: &FailRequest) -> Result<FailResponse, ClientError> {
-        self.call("fail", request)
+    pub fn fail(&self, fail: &wire::FailRequest) -> Outcome<()> {
+        self.post::<wire::FailResponse>("fail", fail).map(drop)
     }
 
     /// Hands a lease back.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn release(&self, request: &ReleaseRequest) -> Result<ReleaseResponse, ClientError> {
-        self.call("release", request)
+    pub fn release(&self, token: u64, reason: &str) -> Outcome<()> {
+        let reason = reason.to_owned();
+        let release = wire::ReleaseRequest::from(Release { token, reason });
+        self.post::<wire::ReleaseResponse>("release", &release).map(drop)
     }
 
     /// The canonical description of a job.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn description(&self, job: &str) -> Result<Vec<u8>, ClientError> {
+    pub fn description(&self, job: &str) -> Outcome<Vec<u8>> {
         self.get(&format!("jobs/{job}"))
     }
 
-    /// The files of an uploaded scene.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn scene(&self, id: &str) -> Result<SceneResponse, ClientError> {
-        decoded(&self.get(&format!("scenes/{id}"))?)
+    /// The digests of the files of an uploaded scene.
+    pub fn scene(&self, id: &str) -> Outcome<SceneFiles<String>> {
+        let response: wire::SceneResponse = decode(&self.get(&format!("scenes/{id}"))?)?;
+        checked(response.try_into())
     }
 
     /// The style models that jobs may name.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn styles(&self) -> Result<StylesResponse, ClientError> {
-        decoded(&self.get("styles")?)
+    pub fn styles(&self) -> Outcome<Vec<Style>> {
+        let response: wire::StylesResponse = decode(&self.get("styles")?)?;
+        checked(response.try_into())
     }
 
     /// The ONNX file of a style model.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn style(&self, name: &str) -> Result<Vec<u8>, ClientError> {
+    pub fn style(&self, name: &str) -> Outcome<Vec<u8>> {
         self.get(&format!("styles/{name}"))
     }
 
     /// Stored bytes by digest.
-    ///
-    /// # Errors
-    /// [`ClientError`].
-    pub fn blob(&self, digest: &str) -> Result<Vec<u8>, ClientError> {
+    pub fn blob(&self, digest: &str) -> Outcome<Vec<u8>> {
         self.get(&format!("blobs/{digest}"))
     }
 
-    fn call<Answer: Message + Default>(
-        &self,
-        what: &str,
-        request: &impl Message,
-    ) -> Result<Answer, ClientError> {
+    fn post<Response: Message + Default>(&self, what: &str, request: &impl Message) -> Outcome<Response> {
         let headers = [("content-type", CONTENT_TYPE)];
         let path = format!("/v1/worker/{what}");
-        decoded(&self.0.post(&path, &headers, request.encode_to_vec())?.bytes)
+        decode(&self.0.post(&path, &headers, request.encode_to_vec())?.bytes)
     }
 
-    fn get(&self, what: &str) -> Result<Vec<u8>, ClientError> {
+    fn get(&self, what: &str) -> Outcome<Vec<u8>> {
         Ok(self.0.get(&format!("/v1/worker/{what}"))?.bytes)
     }
 }
 
-fn decoded<Answer: Message + Default>(bytes: &[u8]) -> Result<Answer, ClientError> {
-    let unreadable = |error: prost::DecodeError| ClientError::Refused {
+fn decode<Response: Message + Default>(bytes: &[u8]) -> Outcome<Response> {
+    Response::decode(bytes).map_err(|error| unreadable(&error))
+}
+
+fn checked<T>(message: Result<T, MessageError>) -> Outcome<T> {
+    message.map_err(|error| unreadable(&error))
+}
+
+/// A response that makes no sense is as good as a refusal: it would be the same next time.
+fn unreadable(error: &dyn std::error::Error) -> ClientError {
+    ClientError::Refused {
         status: 200,
-        problem: format!("the answer is no message of this protocol: {error}"),
-    };
-    Answer::decode(bytes).map_err(unreadable)
+        problem: format!("the response is no message of this protocol: {error}"),
+    }
 }
 
 impl From<HttpError> for ClientError {

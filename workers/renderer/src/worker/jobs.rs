@@ -1,81 +1,54 @@
 //! Jobs by the digest of their description: each is fetched and read once, and not for every lease.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use proto::message::Lease;
 use spec::Job;
 
-use super::client::ClientError;
+use super::fetch::fetch_bytes;
 use super::held::Hold;
-use super::patience::persist;
-use super::slot::Refusal;
 use super::{Shared, styles};
+use crate::error::RenderError;
 
 /// A service works on few jobs at a time; each takes a few kilobytes, at most some megabytes.
 const MOST_JOBS: usize = 16;
 
-/// The jobs that were used last, the newest at the end.
+/// The jobs that were used last.
 #[derive(Default)]
-pub(crate) struct Jobs(Mutex<Vec<(String, Arc<Job>)>>);
+pub(crate) struct Jobs(Mutex<BTreeMap<String, Arc<Job>>>);
 
 impl Jobs {
     /// The job of a lease.
-    pub(crate) fn get(&self, shared: &Shared, hold: &Hold, lease: &Lease) -> Result<Arc<Job>, Refusal> {
+    pub(crate) fn get(&self, shared: &Shared, hold: &Hold, lease: &Lease) -> Result<Arc<Job>, RenderError> {
         // Held during the fetch: slots that lease frames of the same job wait for the one that fetches it.
         let mut jobs = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let kept = jobs.iter().position(|(digest, _)| *digest == lease.spec_digest);
-        let entry = match kept {
-            Some(position) => jobs.remove(position),
-            None => {
-                let job = read(shared, &fetch(shared, hold, lease)?)?;
-                (lease.spec_digest.clone(), Arc::new(job))
-            }
-        };
-        let job = Arc::clone(&entry.1);
-        if jobs.len() == MOST_JOBS {
-            jobs.remove(0);
+        if let Some(job) = jobs.get(&lease.spec_digest) {
+            return Ok(Arc::clone(job));
         }
-        jobs.push(entry);
+        let job = Arc::new(fetch(shared, hold, lease)?);
+        if jobs.len() == MOST_JOBS {
+            jobs.clear();
+        }
+        jobs.insert(lease.spec_digest.clone(), Arc::clone(&job));
         Ok(job)
     }
 }
 
-/// Reads a description, and fetches the styles that it names and this worker lacks. One that the service lacks too fails
-/// the frames that use it.
-fn read(shared: &Shared, text: &str) -> Result<Job, Refusal> {
-    let job = Job::trusted(text).map_err(|invalid| Refusal {
-        error: format!("the description cannot be read: {invalid}"),
-        retryable: false,
-    })?;
+/// Fetches and reads a description, and fetches the styles that it names and this worker lacks. A style that the service
+/// lacks too fails the frames that use it.
+fn fetch(shared: &Shared, hold: &Hold, lease: &Lease) -> Result<Job, RenderError> {
+    let what = format!("the description of {}", lease.job_id);
+    let description = || shared.client.description(&lease.job_id);
+    let text = fetch_bytes(shared, hold, &what, &lease.spec_digest, description)?;
+    let job = Job::trusted(&String::from_utf8_lossy(&text)).map_err(RenderError::Resolve)?;
     let library = shared.engine.library();
     if job.styles().iter().any(|name| library.get(name).is_none()) {
-        styles::learn(shared).map_err(|error| Refusal {
-            error: format!("the styles of the job cannot be fetched: {error}"),
+        styles::learn(shared).map_err(|error| RenderError::Fetch {
+            what: "the styles of the job".to_owned(),
+            reason: error.to_string(),
             retryable: true,
         })?;
     }
     Ok(job)
-}
-
-/// The description that the lease names by its digest.
-fn fetch(shared: &Shared, hold: &Hold, lease: &Lease) -> Result<String, Refusal> {
-    let Lease {
-        job_id, spec_digest, ..
-    } = lease;
-    let wanted = || !hold.is_lost();
-    let fetched = persist(&shared.stop, wanted, || shared.service.description(job_id)).result;
-    let text = fetched.map_err(|error| Refusal {
-        error: format!("the description of {job_id} cannot be fetched: {error}"),
-        retryable: !matches!(error, ClientError::Refused { .. }),
-    })?;
-    if spec::sha256(&text) != *spec_digest {
-        return Err(Refusal {
-            error: format!("the description of {job_id} arrived without its digest {spec_digest}"),
-            retryable: true,
-        });
-    }
-    String::from_utf8(text).map_err(|_| Refusal {
-        error: format!("the description of {job_id} is not UTF-8"),
-        retryable: false,
-    })
 }

@@ -2,8 +2,7 @@
 
 use std::time::Duration;
 
-use super::client::ClientError;
-
+use super::client::{ClientError, Outcome};
 use super::stop::Stop;
 
 const FIRST: Duration = Duration::from_millis(200);
@@ -12,15 +11,15 @@ const LONGEST: Duration = Duration::from_secs(5);
 const LAST_TRIES: u32 = 5;
 
 /// The pause after the given number of tries: doubling, with a ceiling.
-pub(crate) fn pause_after(tries: u32) -> Duration {
+fn pause_after(tries: u32) -> Duration {
     FIRST
         .saturating_mul(1 << tries.saturating_sub(1).min(16))
         .min(LONGEST)
 }
 
 /// What a repeated call came to.
-pub(crate) struct Answered<T> {
-    pub(crate) result: Result<T, ClientError>,
+pub(crate) struct Persisted<T> {
+    pub(crate) result: Outcome<T>,
     /// An earlier try may have arrived although its response was lost.
     pub(crate) repeated: bool,
 }
@@ -29,21 +28,27 @@ pub(crate) struct Answered<T> {
 pub(crate) fn persist<T>(
     stop: &Stop,
     wanted: impl Fn() -> bool,
-    call: impl Fn() -> Result<T, ClientError>,
-) -> Answered<T> {
+    call: impl Fn() -> Outcome<T>,
+) -> Persisted<T> {
     let (mut tries, mut last_tries) = (0, LAST_TRIES);
     loop {
         let result = call();
         tries += 1;
-        let away = matches!(result, Err(ClientError::Unavailable { .. }));
         if stop.is_set() {
             last_tries -= 1;
         }
-        if !away || !wanted() || last_tries == 0 {
-            return Answered {
+        let away = match &result {
+            Err(ClientError::Unavailable { reason }) => Some(reason),
+            _ => None,
+        };
+        let Some(reason) = away.filter(|_| wanted() && last_tries > 0) else {
+            return Persisted {
                 result,
                 repeated: tries > 1,
             };
+        };
+        if tries == 1 {
+            tracing::warn!(reason, "waiting for the service");
         }
         if stop.is_set() {
             std::thread::sleep(FIRST);
@@ -72,15 +77,15 @@ mod tests {
     }
 
     #[test]
-    fn a_call_is_repeated_until_it_is_answered() {
+    fn a_call_is_repeated_until_the_service_responds() {
         let tries = Cell::new(0);
         let call = || {
             tries.set(tries.get() + 1);
             if tries.get() < 2 { Err(away()) } else { Ok(7) }
         };
-        let answered = persist(&Stop::default(), || true, call);
-        assert!(matches!(answered.result, Ok(7)));
-        assert!(answered.repeated);
+        let persisted = persist(&Stop::default(), || true, call);
+        assert!(matches!(persisted.result, Ok(7)));
+        assert!(persisted.repeated);
     }
 
     #[test]

@@ -1,23 +1,22 @@
 //! The rendering thread of a slot.
 
-use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
-use super::client::ClientError;
-use proto::message::{Claim, Lease};
+use proto::message::{Claim, Lease, WantLease};
 use spec::{Job, Scene};
 
 use super::Shared;
-use super::deliver::Parcel;
+use super::client::{ClientError, Outcome};
+use super::deliver::{Parcel, Refusal};
 use super::held::Hold;
-use super::patience::pause_after;
-use crate::attempt::attempt;
+use super::patience::persist;
 use crate::error::RenderError;
-use crate::record::Rendered;
-use crate::slot::Slot;
+use crate::slot::{Rendered, Slot};
 use crate::source::SceneSource;
 
+/// How long the service may hold a request for a lease. Short, so that a stop does not wait for it.
+const LEASE_WAIT_MS: u32 = 2000;
 /// After a refusal, which repeats itself until somebody changes something.
 const AFTER_REFUSAL: Duration = Duration::from_secs(10);
 /// Share of the newest frame in the running mean of what a frame costs.
@@ -27,33 +26,37 @@ const NEWEST: f64 = 0.3;
 pub(crate) fn run(shared: &Shared, number: usize, parcels: &SyncSender<Parcel>) {
     let mut slot = Slot::new(&shared.engine);
     let mut frame_ms = 0.0;
-    let mut tries = 0;
-    while !shared.stop.is_set() {
-        let worker_id = shared.service.worker_id();
-        let answer = match shared.service.lease(&worker_id, frame_ms) {
-            Err(ClientError::UnknownWorker) => shared.service.rejoin(&worker_id).map(|()| None),
-            answer => answer,
-        };
-        match answer {
-            Ok(lease) => {
-                tries = 0;
-                let Some(lease) = lease else { continue };
+    let stop = &shared.stop;
+    while !stop.is_set() {
+        match persist(stop, || !stop.is_set(), || lease(shared, frame_ms)).result {
+            Ok(Some(lease)) => {
                 if work(shared, (number, &mut slot), &lease, &mut frame_ms, parcels).is_err() {
                     return;
                 }
             }
-            Err(ClientError::Unavailable { reason }) => {
-                if tries == 0 {
-                    tracing::warn!(reason, "waiting for the service");
-                }
-                tries += 1;
-                shared.stop.pause(pause_after(tries));
-            }
+            Ok(None) | Err(ClientError::Unavailable { .. }) => {}
             Err(error) => {
                 tracing::error!(%error, "the service gives no lease");
-                shared.stop.pause(AFTER_REFUSAL);
+                stop.pause(AFTER_REFUSAL);
             }
         }
+    }
+}
+
+/// Asks for frames; waits a moment for them.
+fn lease(shared: &Shared, frame_ms: f64) -> Outcome<Option<Lease>> {
+    let worker_id = shared.membership.worker_id();
+    let want = WantLease {
+        worker_id: worker_id.clone(),
+        wait_ms: LEASE_WAIT_MS,
+        frame_ms,
+    };
+    match shared.client.lease(want) {
+        Err(ClientError::UnknownWorker) => {
+            shared.membership.rejoin(&shared.client, &worker_id)?;
+            Ok(None)
+        }
+        leased => leased,
     }
 }
 
@@ -70,7 +73,7 @@ fn work(
 ) -> Result<(), Gone> {
     let hold = shared.held.take(lease.token);
     faults::point("worker.leased");
-    let job = shared.jobs.get(shared, &hold, lease);
+    let job = shared.jobs.get(shared, &hold, lease).map_err(Refusal::from);
     let mut finished = true;
     for &(frame, attempt) in &lease.frames {
         if shared.stop.is_set() || hold.is_lost() {
@@ -102,26 +105,10 @@ fn work(
     parcels.send(Parcel::End { hold, finished }).map_err(|_| Gone)
 }
 
-/// Why a frame has no image, as the service is told.
-#[derive(Clone)]
-pub(crate) struct Refusal {
-    pub(crate) error: String,
-    pub(crate) retryable: bool,
-}
-
-impl From<RenderError> for Refusal {
-    fn from(error: RenderError) -> Self {
-        Self {
-            error: error.to_string(),
-            retryable: error.retryable(),
-        }
-    }
-}
-
 fn render(
     shared: &Shared,
     slot: &mut Slot,
-    job: &Arc<Job>,
+    job: &Job,
     frame: u64,
     hold: &Hold,
 ) -> Result<Rendered, RenderError> {
@@ -130,7 +117,7 @@ fn render(
         Scene::Uploaded { id } => SceneSource::Uploaded(shared.scenes.get(shared, hold, id)?),
         Scene::Procedural { .. } | Scene::Files { .. } => SceneSource::Local,
     };
-    attempt(slot, &shared.engine, &frame, &source)
+    slot.attempt(&frame, &source)
 }
 
 fn mean(running: f64, newest: f64) -> f64 {

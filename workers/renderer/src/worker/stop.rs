@@ -1,5 +1,6 @@
-//! The wish to stop, and pauses that end with it.
+//! The request to stop, and pauses that end with it.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -8,8 +9,8 @@ use std::time::{Duration, Instant};
 const STEP: Duration = Duration::from_millis(50);
 
 /// Set once, when the worker is to stop.
-#[derive(Default)]
-pub(crate) struct Stop(AtomicBool);
+#[derive(Clone, Default)]
+pub(crate) struct Stop(pub(crate) Arc<AtomicBool>);
 
 impl Stop {
     pub(crate) fn set(&self) {

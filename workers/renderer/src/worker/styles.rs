@@ -1,34 +1,25 @@
 //! Style models that the service has and this worker does not.
 
-use super::client::ClientError;
-
 use super::Shared;
+use super::client::Outcome;
 
 /// Fetches the models that are missing here.
-pub(crate) fn learn(shared: &Shared) -> Result<(), ClientError> {
+pub(crate) fn learn(shared: &Shared) -> Outcome<()> {
     let mut library = shared.engine.library();
-    let mut learned = false;
-    for style in shared.service.styles()? {
-        if library.get(&style.name).is_some() {
+    for style in shared.client.styles()? {
+        let name = &style.name;
+        if library.get(name).is_some() {
             continue;
         }
-        let onnx = shared.service.style(&style.name)?;
-        match library
-            .clone()
-            .with_model(&style.name, onnx, Some(&style.card_json))
-        {
+        let onnx = shared.client.style(name)?;
+        match library.clone().with_model(name, onnx, Some(&style.card_json)) {
             Ok(larger) => {
-                tracing::info!(style = style.name, "a style was fetched from the service");
+                tracing::info!(style = name, "a style was fetched from the service");
                 library = larger;
-                learned = true;
             }
-            Err(error) => {
-                tracing::warn!(style = style.name, %error, "a style of the service cannot be used here")
-            }
+            Err(error) => tracing::warn!(style = name, %error, "a style of the service cannot be used here"),
         }
     }
-    if learned {
-        shared.engine.replace_library(library);
-    }
+    shared.engine.replace_library(library);
     Ok(())
 }

@@ -96,7 +96,7 @@ fn a_colour_table_takes_the_place_of_the_network_where_it_is_asked_for_or_allowe
     );
     let error = ran("lut", 3e-4, "foreign").unwrap_err();
     assert!(
-        !error.retryable() && error.to_string().contains("no colour table"),
+        !error.retryable() && error.to_string().contains("no color table"),
         "{error}"
     );
 }

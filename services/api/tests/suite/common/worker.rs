@@ -5,10 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use proto::message::{
-    Artifact, BeatOf, Claim, Commit, Fail, Lease, PutArtifacts, Register, Release, WantLease,
-};
-use proto::wire::BeatResponse;
+use proto::message::{Artifact, Beat, BeatOf, Claim, Commit, Fail, Lease, PutArtifacts, Register, WantLease};
 use renderer::worker::client::{Client, ClientError};
 use renderer::worker::{Limits, WorkerOptions};
 use serde_json::{Map, json};
@@ -38,7 +35,7 @@ impl Fake {
             onnx_runtime: onnx_runtime.map(str::to_owned),
             cpu_features: "none".into(),
         };
-        let id = client.register(&about.into()).unwrap().worker_id;
+        let id = client.register(about).unwrap().worker_id;
         Self { client, id }
     }
 
@@ -48,36 +45,23 @@ impl Fake {
             wait_ms,
             frame_ms: 0.0,
         };
-        let answer = self.client.lease(&want.into())?;
-        Ok(answer.lease.map(|lease| lease.try_into().unwrap()))
+        self.client.lease(want)
     }
 
     pub(crate) fn lease(&self, wait_ms: u32) -> Option<Lease> {
         self.try_lease(wait_ms).unwrap()
     }
 
-    pub(crate) fn beat(&self, tokens: &[u64]) -> BeatResponse {
-        self.client
-            .beat(
-                &BeatOf {
-                    worker_id: self.id.clone(),
-                    tokens: tokens.to_vec(),
-                }
-                .into(),
-            )
-            .unwrap()
+    pub(crate) fn beat(&self, tokens: &[u64]) -> Beat {
+        let leases = BeatOf {
+            worker_id: self.id.clone(),
+            tokens: tokens.to_vec(),
+        };
+        self.client.beat(leases).unwrap()
     }
 
     pub(crate) fn release(&self, lease: &Lease) {
-        self.client
-            .release(
-                &Release {
-                    token: lease.token,
-                    reason: "test".into(),
-                }
-                .into(),
-            )
-            .unwrap();
+        self.client.release(lease.token, "test").unwrap();
     }
 
     /// Puts and commits the first frame of a lease; says whether it was there already.
@@ -103,10 +87,7 @@ impl Fake {
             }
             .into(),
         )?;
-        Ok(self
-            .client
-            .commit(&Commit { claim, record }.into())?
-            .already_there)
+        self.client.commit(&Commit { claim, record }.into())
     }
 
     /// Gives the first frame of a lease up.
@@ -122,7 +103,7 @@ impl Fake {
             retryable: false,
             timings_ms: BTreeMap::new(),
         };
-        self.client.fail(&fail.into()).map(drop)
+        self.client.fail(&fail.into())
     }
 
     /// Takes and finishes frames until there are none. Leases of an unknown cost have one frame.
@@ -152,7 +133,7 @@ impl Real {
             limits: Limits::NONE,
         };
         let told = Arc::clone(&stop);
-        let thread = std::thread::spawn(move || renderer::worker::run(options, &told).unwrap());
+        let thread = std::thread::spawn(move || renderer::worker::run(options, told).unwrap());
         Self {
             stop,
             thread: Some(thread),

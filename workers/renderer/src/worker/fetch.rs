@@ -1,0 +1,41 @@
+//! Fetches bytes whose digest is known.
+
+use super::Shared;
+use super::client::{ClientError, Outcome};
+use super::held::Hold;
+use super::patience::persist;
+use crate::error::RenderError;
+
+/// Repeats a call while the lease lasts. `what` names what is fetched.
+pub(crate) fn fetch<T>(
+    shared: &Shared,
+    hold: &Hold,
+    what: &str,
+    call: impl Fn() -> Outcome<T>,
+) -> Result<T, RenderError> {
+    let fetched = persist(&shared.stop, || !hold.is_lost(), call).result;
+    fetched.map_err(|error| RenderError::Fetch {
+        what: what.to_owned(),
+        retryable: !matches!(error, ClientError::Refused { .. }),
+        reason: error.to_string(),
+    })
+}
+
+/// The same with bytes that must have this digest.
+pub(crate) fn fetch_bytes(
+    shared: &Shared,
+    hold: &Hold,
+    what: &str,
+    digest: &str,
+    call: impl Fn() -> Outcome<Vec<u8>>,
+) -> Result<Vec<u8>, RenderError> {
+    let bytes = fetch(shared, hold, what, call)?;
+    if spec::sha256(&bytes) == digest {
+        return Ok(bytes);
+    }
+    Err(RenderError::Fetch {
+        what: what.to_owned(),
+        reason: format!("bytes arrived that do not have the digest {digest}"),
+        retryable: true,
+    })
+}

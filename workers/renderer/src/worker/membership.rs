@@ -1,0 +1,53 @@
+//! The worker's membership in a service, renewed when the service has forgotten it.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use proto::message::{Register, Registered};
+
+use super::client::{Client, Outcome};
+use super::patience::persist;
+use super::stop::Stop;
+
+/// What a service knows this worker by.
+pub(crate) struct Membership {
+    about: Register,
+    registered: Mutex<Registered>,
+}
+
+impl Membership {
+    /// Joins; waits for a service that is away. `None`: told to stop before that.
+    pub(crate) fn join(client: &Client, about: Register, stop: &Stop) -> Outcome<Option<Self>> {
+        let joined = persist(stop, || !stop.is_set(), || client.register(about.clone())).result;
+        if stop.is_set() {
+            return Ok(None);
+        }
+        let registered = Mutex::new(joined?);
+        Ok(Some(Self { about, registered }))
+    }
+
+    /// `wrk_…`.
+    pub(crate) fn worker_id(&self) -> String {
+        self.registered().worker_id.clone()
+    }
+
+    /// How often to beat.
+    pub(crate) fn beat_interval(&self) -> Duration {
+        Duration::from_millis(self.registered().beat_ms.into())
+    }
+
+    /// Joins again under a new id, unless another thread has done so since `forgotten` was the id.
+    pub(crate) fn rejoin(&self, client: &Client, forgotten: &str) -> Outcome<()> {
+        let mut registered = self.registered();
+        if registered.worker_id == forgotten {
+            *registered = client.register(self.about.clone())?;
+            let worker = &registered.worker_id;
+            tracing::info!(worker, was = forgotten, "joined the service again");
+        }
+        Ok(())
+    }
+
+    fn registered(&self) -> MutexGuard<'_, Registered> {
+        self.registered.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
