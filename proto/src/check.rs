@@ -1,139 +1,199 @@
-//! What the fields of a message must hold, and the error of one that does not.
+//! What each message must hold: presence, lengths, digests, numbers.
 
-use crate::limits;
+use prost::Message;
+use spec::{ArtifactKind, FrameRecord};
 
-/// A message that arrived whole but does not make sense.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum MessageError {
-    /// The bytes end inside of a field.
-    #[error("the message is cut off or no message of this protocol")]
-    Cut,
-    /// A field has another type than the protocol says.
-    #[error("the message is not of this protocol: {0}")]
-    Wire(String),
-    /// The sender must set this field.
-    #[error("`{field}` is missing")]
-    Missing {
-        /// Name in the protocol.
-        field: &'static str,
-    },
-    /// Longer than anything sensible.
-    #[error("`{field}` has {length} {unit}, the limit is {limit}")]
-    TooLong {
-        /// Name in the protocol.
-        field: &'static str,
-        /// What arrived.
-        length: usize,
-        /// What is accepted.
-        limit: usize,
-        /// What is counted.
-        unit: &'static str,
-    },
-    /// A value outside its range.
-    #[error("`{field}` is {value}, it must be {wanted}")]
-    Value {
-        /// Name in the protocol.
-        field: &'static str,
-        /// What arrived, shortened.
-        value: String,
-        /// What is accepted.
-        wanted: &'static str,
-    },
-    /// The two sides are of different versions.
-    #[error(
-        "the other side speaks version {theirs} of the worker protocol and this one version {ours}: use the same \
-         version of fathom for service and workers"
-    )]
-    Protocol {
-        /// What arrived; 0: a version before it was said.
-        theirs: u32,
-        /// What is accepted.
-        ours: u32,
-    },
-    /// The record is not the JSON of a frame record.
-    #[error("`record_json` is no frame record: {0}")]
-    Record(String),
+use crate::rules::{digest, id, length, present, text, value_holds, version};
+use crate::wire::{
+    Artifact, BeatRequest, BeatResponse, Claim, CommitRequest, CommitResponse, FailRequest, Lease,
+    LeaseRequest, LeaseResponse, PutArtifactsRequest, RegisterRequest, RegisterResponse, ReleaseRequest,
+    Style, StylesResponse,
+};
+use crate::{MessageError, limits};
+
+/// A message that knows what its fields must hold.
+pub trait Checked: Message + Default {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`MessageError`] for the first field that holds what it must not.
+    fn check(&self) -> Result<(), MessageError>;
 }
 
-type Checked<T> = Result<T, MessageError>;
-
-pub(crate) fn version(theirs: u32) -> Checked<()> {
-    let ours = crate::VERSION;
-    if theirs == ours {
-        Ok(())
-    } else {
-        Err(MessageError::Protocol { theirs, ours })
+impl Checked for RegisterRequest {
+    fn check(&self) -> Result<(), MessageError> {
+        version(self.protocol)?;
+        present("name", &self.name)?;
+        text("name", &self.name, limits::NAME_BYTES)?;
+        present("slots", &self.slots)?;
+        value_holds("slots", self.slots, self.slots <= limits::SLOTS, "1..=1024")?;
+        text("code_version", &self.code_version, limits::NAME_BYTES)?;
+        text("onnx_runtime", self.onnx_runtime(), limits::NAME_BYTES)?;
+        text("cpu_features", &self.cpu_features, limits::NAME_BYTES)
     }
 }
 
-/// A number that names something: 0 is what an absent field decodes to.
-pub(crate) fn number<T: Default + PartialEq>(field: &'static str, value: T) -> Checked<T> {
-    if value == T::default() {
-        Err(MessageError::Missing { field })
-    } else {
-        Ok(value)
+impl Checked for RegisterResponse {
+    fn check(&self) -> Result<(), MessageError> {
+        version(self.protocol)?;
+        id("worker_id", &self.worker_id)?;
+        present("lease_term_ms", &self.lease_term_ms)?;
+        present("beat_ms", &self.beat_ms)
     }
 }
 
-pub(crate) fn id(field: &'static str, value: String) -> Checked<String> {
-    text(field, number(field, value)?, limits::ID_BYTES)
+impl Checked for LeaseRequest {
+    fn check(&self) -> Result<(), MessageError> {
+        id("worker_id", &self.worker_id)?;
+        let holds = self.frame_ms.is_finite() && self.frame_ms >= 0.0;
+        value_holds("frame_ms", self.frame_ms, holds, "0 or more")
+    }
 }
 
-pub(crate) fn text(field: &'static str, value: String, limit: usize) -> Checked<String> {
-    length(field, value.len(), limit, "bytes")?;
-    Ok(value)
+impl Checked for LeaseResponse {
+    fn check(&self) -> Result<(), MessageError> {
+        self.lease.as_ref().map_or(Ok(()), Lease::check)
+    }
 }
 
-pub(crate) fn length(field: &'static str, length: usize, limit: usize, unit: &'static str) -> Checked<()> {
-    if length > limit {
-        Err(MessageError::TooLong {
-            field,
-            length,
-            limit,
-            unit,
-        })
-    } else {
+impl Checked for Lease {
+    fn check(&self) -> Result<(), MessageError> {
+        present("frames", &self.frames)?;
+        length("frames", self.frames.len(), limits::LEASE_FRAMES, "frames")?;
+        for claim in &self.frames {
+            present("attempt", &claim.attempt)?;
+        }
+        present("token", &self.token)?;
+        id("job_id", &self.job_id)?;
+        digest("spec_digest", &self.spec_digest)?;
+        present("term_ms", &self.term_ms)
+    }
+}
+
+impl Checked for BeatRequest {
+    fn check(&self) -> Result<(), MessageError> {
+        length("tokens", self.tokens.len(), limits::BEAT_TOKENS, "tokens")?;
+        id("worker_id", &self.worker_id)
+    }
+}
+
+impl Checked for BeatResponse {
+    fn check(&self) -> Result<(), MessageError> {
         Ok(())
     }
 }
 
-pub(crate) fn digest(field: &'static str, value: String) -> Checked<String> {
-    let hex = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
-    if value.len() == 64 && value.bytes().all(hex) {
-        return Ok(value);
-    }
-    Err(wrong(field, &value, "64 lower-case hex digits"))
-}
-
-pub(crate) fn finite(field: &'static str, value: f64) -> Checked<f64> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(wrong(field, &value, "a finite number"))
+impl Checked for PutArtifactsRequest {
+    fn check(&self) -> Result<(), MessageError> {
+        length("artifacts", self.artifacts.len(), limits::ARTIFACTS, "artifacts")?;
+        claim(&self.claim)?;
+        self.artifacts.iter().try_for_each(artifact)
     }
 }
 
-pub(crate) fn not_negative(field: &'static str, value: f64) -> Checked<f64> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err(wrong(field, &value, "0 or more"))
+impl Checked for CommitRequest {
+    fn check(&self) -> Result<(), MessageError> {
+        claim(&self.claim)?;
+        let bytes = self.record_json.len();
+        length("record_json", bytes, limits::RECORD_BYTES, "bytes")
     }
 }
 
-pub(crate) fn positive(field: &'static str, value: f64) -> Checked<f64> {
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err(wrong(field, &value, "above 0"))
+impl CommitRequest {
+    /// The record of the claimed frame.
+    ///
+    /// # Errors
+    /// [`MessageError::Record`], also for the record of another frame; [`MessageError::Value`] for a digest.
+    pub fn record(&self) -> Result<FrameRecord, MessageError> {
+        let record: FrameRecord = serde_json::from_slice(&self.record_json)
+            .map_err(|error| MessageError::Record(error.to_string()))?;
+        let claimed = self.claim.as_ref().map_or(0, |claim| claim.frame);
+        if record.frame != claimed {
+            let message = format!("it is of frame {}, the claim is on frame {claimed}", record.frame);
+            return Err(MessageError::Record(message));
+        }
+        for artifact in &record.artifacts {
+            digest("record_json", &artifact.digest)?;
+        }
+        Ok(record)
     }
 }
 
-pub(crate) fn wrong(field: &'static str, value: &impl ToString, wanted: &'static str) -> MessageError {
-    let value = value.to_string();
-    MessageError::Value {
-        field,
-        value: value.chars().take(80).collect(),
-        wanted,
+impl Checked for CommitResponse {
+    fn check(&self) -> Result<(), MessageError> {
+        Ok(())
     }
 }
+
+impl Checked for FailRequest {
+    fn check(&self) -> Result<(), MessageError> {
+        length("timings_ms", self.timings_ms.len(), limits::TIMINGS, "entries")?;
+        for (name, &ms) in &self.timings_ms {
+            text("timings_ms", name, limits::ID_BYTES)?;
+            value_holds("timings_ms", ms, ms.is_finite(), "a finite number")?;
+        }
+        claim(&self.claim)?;
+        text("error", &self.error, limits::ERROR_BYTES)
+    }
+}
+
+impl Checked for ReleaseRequest {
+    fn check(&self) -> Result<(), MessageError> {
+        present("token", &self.token)?;
+        text("reason", &self.reason, limits::ERROR_BYTES)
+    }
+}
+
+impl Checked for StylesResponse {
+    fn check(&self) -> Result<(), MessageError> {
+        length("styles", self.styles.len(), limits::STYLES, "styles")?;
+        for Style { name, card_json } in &self.styles {
+            id("name", name)?;
+            text("card_json", card_json, limits::CARD_BYTES)?;
+        }
+        Ok(())
+    }
+}
+
+/// The empty response.
+impl Checked for () {
+    fn check(&self) -> Result<(), MessageError> {
+        Ok(())
+    }
+}
+
+fn claim(claim: &Option<Claim>) -> Result<(), MessageError> {
+    let claim = claim.as_ref().ok_or(MessageError::Missing { field: "claim" })?;
+    present("token", &claim.token)?;
+    id("job_id", &claim.job_id)?;
+    present("attempt", &claim.attempt)
+}
+
+fn artifact(artifact: &Artifact) -> Result<(), MessageError> {
+    let Artifact { kind, media_type, .. } = artifact;
+    value_holds("kind", kind, is_kind(kind), "an artifact kind")?;
+    value_holds(
+        "media_type",
+        media_type,
+        is_media_type(media_type),
+        "such as image/png",
+    )?;
+    digest("digest", &artifact.digest)
+}
+
+/// The kind becomes part of paths and file names elsewhere, so the name of a method is a plain word here, known or not.
+fn is_kind(text: &str) -> bool {
+    let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-".contains(&byte);
+    text.len() <= limits::ID_BYTES && text.bytes().all(plain) && ArtifactKind::parse(text).is_some()
+}
+
+/// The media type becomes a header of responses, so nothing else may pass.
+fn is_media_type(text: &str) -> bool {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte);
+    let plain = |part: &str| !part.is_empty() && part.bytes().all(plain);
+    let parts = text.split_once('/');
+    text.len() <= limits::ID_BYTES && parts.is_some_and(|(kind, name)| plain(kind) && plain(name))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,27 +1,23 @@
 //! From bytes to a checked message: the only way in.
 
-use prost::Message;
+use crate::check::Checked;
+use crate::error::MessageError;
+use crate::{limits, rules};
 
-use crate::check::{MessageError, length};
-use crate::limits;
-
-/// Reads a message. Its fields are counted before anything is made of them: two bytes of an empty artifact would
+/// Reads a message and checks it. Its fields are counted before they are decoded: two bytes of an empty artifact would
 /// become a hundred in memory.
 ///
 /// # Errors
 /// [`MessageError`]: the bytes are no such message, or a field holds what it must not.
-pub fn decode<W, M>(bytes: &[u8]) -> Result<M, MessageError>
-where
-    W: Message + Default,
-    M: TryFrom<W, Error = MessageError>,
-{
+pub fn decode<M: Checked>(bytes: &[u8]) -> Result<M, MessageError> {
     let fields = count_fields(bytes).ok_or(MessageError::Cut)?;
-    length("message", fields, limits::MESSAGE_FIELDS, "fields")?;
-    let wire = W::decode(bytes).map_err(|error| MessageError::Wire(error.to_string()))?;
-    M::try_from(wire)
+    rules::length("message", fields, limits::MESSAGE_FIELDS, "fields")?;
+    let message = M::decode(bytes).map_err(|error| MessageError::Wire(error.to_string()))?;
+    message.check()?;
+    Ok(message)
 }
 
-/// Fields of the outermost level; none: the bytes end inside of one.
+/// Fields of the outermost level; `None` if the bytes end inside one.
 fn count_fields(mut bytes: &[u8]) -> Option<usize> {
     let mut fields = 0;
     while !bytes.is_empty() {
@@ -30,7 +26,7 @@ fn count_fields(mut bytes: &[u8]) -> Option<usize> {
             0 => varint(&mut bytes).map(|_| 0),
             1 => Some(8),
             2 => varint(&mut bytes),
-            // The form of a group, which no message of ours has: prost finds its own words for it.
+            // A group, which no message of ours has: prost reports it.
             3 | 4 => Some(0),
             5 => Some(4),
             _ => None,
@@ -56,36 +52,36 @@ fn varint(bytes: &mut &[u8]) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    use prost::Message;
+
     use super::*;
-    use crate::message::{BeatOf, PutArtifacts};
     use crate::wire::{BeatRequest, PutArtifactsRequest};
 
     #[test]
     fn fields_are_counted_before_they_are_decoded() {
-        // Field 5, length 0: an artifact without anything.
-        let many = [0x2a, 0].repeat(limits::MESSAGE_FIELDS + 1);
-        let error = decode::<PutArtifactsRequest, PutArtifacts>(&many).unwrap_err();
+        // Field 2, length 0: an empty artifact.
+        let many = [0x12, 0].repeat(limits::MESSAGE_FIELDS + 1);
+        let error = decode::<PutArtifactsRequest>(&many).unwrap_err();
         assert_eq!(error.to_string(), "`message` has 8193 fields, the limit is 8192");
         let beat = BeatRequest {
             worker_id: "wrk_1".to_owned(),
             tokens: vec![1, u64::MAX],
         };
-        let read: BeatOf = decode::<BeatRequest, BeatOf>(&beat.encode_to_vec()).unwrap();
-        assert_eq!(read.tokens, [1, u64::MAX]);
+        assert_eq!(decode(&beat.encode_to_vec()), Ok(beat));
     }
 
     #[test]
     fn bytes_that_end_early_or_have_another_form_are_told_apart_from_wrong_values() {
         for cut in [&[0x0a, 5, b'x'][..], &[0x80], &[0xff; 11], &[0x0f], &[0x09, 1]] {
             assert_eq!(
-                decode::<BeatRequest, BeatOf>(cut).unwrap_err(),
+                decode::<BeatRequest>(cut).unwrap_err(),
                 MessageError::Cut,
                 "{cut:?}"
             );
         }
         // `worker_id` as a number.
         assert!(matches!(
-            decode::<BeatRequest, BeatOf>(&[0x08, 1]),
+            decode::<BeatRequest>(&[0x08, 1]),
             Err(MessageError::Wire(_))
         ));
     }

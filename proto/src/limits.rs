@@ -25,7 +25,7 @@ pub const STYLES: usize = 1024;
 /// Stages of a frame that can have a time.
 pub const TIMINGS: usize = 64;
 
-/// The text without what lies beyond [`ERROR_BYTES`].
+/// Returns the beginning of a text, at most [`ERROR_BYTES`].
 #[must_use]
 pub fn shorten(text: &str) -> String {
     text[..text.floor_char_boundary(ERROR_BYTES)].to_owned()

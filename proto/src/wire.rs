@@ -8,9 +8,9 @@ pub struct RegisterRequest {
     pub slots: u32,
     #[prost(string, tag = "3")]
     pub code_version: ::prost::alloc::string::String,
-    /// Empty: style waters cannot be rendered.
-    #[prost(string, tag = "4")]
-    pub onnx_runtime: ::prost::alloc::string::String,
+    /// Absent: style waters cannot be rendered.
+    #[prost(string, optional, tag = "4")]
+    pub onnx_runtime: ::core::option::Option<::prost::alloc::string::String>,
     #[prost(string, tag = "5")]
     pub cpu_features: ::prost::alloc::string::String,
     #[prost(uint32, tag = "6")]
@@ -51,12 +51,14 @@ pub struct Lease {
     pub token: u64,
     #[prost(string, tag = "2")]
     pub job_id: ::prost::alloc::string::String,
-    #[prost(message, repeated, tag = "4")]
+    /// At least one.
+    #[prost(message, repeated, tag = "3")]
     pub frames: ::prost::alloc::vec::Vec<FrameClaim>,
-    #[prost(uint32, tag = "5")]
+    /// How long the lease lasts without a beat.
+    #[prost(uint32, tag = "4")]
     pub term_ms: u32,
     /// SHA-256 of the job's canonical description, lower-case hex.
-    #[prost(string, tag = "6")]
+    #[prost(string, tag = "5")]
     pub spec_digest: ::prost::alloc::string::String,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
@@ -82,17 +84,25 @@ pub struct BeatResponse {
     #[prost(uint64, repeated, tag = "2")]
     pub lost: ::prost::alloc::vec::Vec<u64>,
 }
-#[derive(Clone, PartialEq, ::prost::Message)]
-pub struct PutArtifactsRequest {
+/// A worker's hold on a frame. A stale claim changes nothing and is refused with 409.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct Claim {
+    /// Changes with every lease.
     #[prost(uint64, tag = "1")]
     pub token: u64,
     #[prost(string, tag = "2")]
     pub job_id: ::prost::alloc::string::String,
     #[prost(uint64, tag = "3")]
     pub frame: u64,
+    /// Which try this is, from 1.
     #[prost(uint32, tag = "4")]
     pub attempt: u32,
-    #[prost(message, repeated, tag = "5")]
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PutArtifactsRequest {
+    #[prost(message, optional, tag = "1")]
+    pub claim: ::core::option::Option<Claim>,
+    #[prost(message, repeated, tag = "2")]
     pub artifacts: ::prost::alloc::vec::Vec<Artifact>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
@@ -107,20 +117,12 @@ pub struct Artifact {
     #[prost(string, tag = "4")]
     pub digest: ::prost::alloc::string::String,
 }
-#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct PutArtifactsResponse {}
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CommitRequest {
-    #[prost(uint64, tag = "1")]
-    pub token: u64,
-    #[prost(string, tag = "2")]
-    pub job_id: ::prost::alloc::string::String,
-    #[prost(uint64, tag = "3")]
-    pub frame: u64,
-    #[prost(uint32, tag = "4")]
-    pub attempt: u32,
+    #[prost(message, optional, tag = "1")]
+    pub claim: ::core::option::Option<Claim>,
     /// The frame's record as JSON.
-    #[prost(bytes = "vec", tag = "5")]
+    #[prost(bytes = "vec", tag = "2")]
     pub record_json: ::prost::alloc::vec::Vec<u8>,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
@@ -131,65 +133,25 @@ pub struct CommitResponse {
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct FailRequest {
-    #[prost(uint64, tag = "1")]
-    pub token: u64,
+    #[prost(message, optional, tag = "1")]
+    pub claim: ::core::option::Option<Claim>,
     #[prost(string, tag = "2")]
-    pub job_id: ::prost::alloc::string::String,
-    #[prost(uint64, tag = "3")]
-    pub frame: u64,
-    #[prost(uint32, tag = "4")]
-    pub attempt: u32,
-    #[prost(string, tag = "5")]
     pub error: ::prost::alloc::string::String,
     /// False: trying again cannot help.
-    #[prost(bool, tag = "6")]
+    #[prost(bool, tag = "3")]
     pub retryable: bool,
-    #[prost(btree_map = "string, double", tag = "7")]
+    #[prost(btree_map = "string, double", tag = "4")]
     pub timings_ms: ::prost::alloc::collections::BTreeMap<
         ::prost::alloc::string::String,
         f64,
     >,
 }
-#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct FailResponse {}
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct ReleaseRequest {
     #[prost(uint64, tag = "1")]
     pub token: u64,
     #[prost(string, tag = "2")]
     pub reason: ::prost::alloc::string::String,
-}
-#[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct ReleaseResponse {}
-/// What an uploaded scene is made of; the files come by digest.
-#[derive(Clone, PartialEq, ::prost::Message)]
-pub struct SceneResponse {
-    #[prost(string, tag = "1")]
-    pub rgb_digest: ::prost::alloc::string::String,
-    #[prost(string, optional, tag = "2")]
-    pub range_digest: ::core::option::Option<::prost::alloc::string::String>,
-    #[prost(enumeration = "RangeKind", tag = "3")]
-    pub range_kind: i32,
-    /// Metres of one unit of the range file.
-    #[prost(double, optional, tag = "4")]
-    pub unit_m: ::core::option::Option<f64>,
-    /// The code that means "no return".
-    #[prost(uint32, optional, tag = "5")]
-    pub invalid_code: ::core::option::Option<u32>,
-    /// Absent: taken from the frame's camera.
-    #[prost(message, optional, tag = "6")]
-    pub intrinsics: ::core::option::Option<Intrinsics>,
-    #[prost(string, optional, tag = "7")]
-    pub instances_digest: ::core::option::Option<::prost::alloc::string::String>,
-}
-#[derive(Clone, Copy, PartialEq, ::prost::Message)]
-pub struct Intrinsics {
-    #[prost(double, tag = "1")]
-    pub focal_px: f64,
-    #[prost(double, tag = "2")]
-    pub cx: f64,
-    #[prost(double, tag = "3")]
-    pub cy: f64,
 }
 /// The style models that jobs may name.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -204,35 +166,4 @@ pub struct Style {
     /// The model's card as JSON; it holds the digest of the ONNX file.
     #[prost(string, tag = "2")]
     pub card_json: ::prost::alloc::string::String,
-}
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
-#[repr(i32)]
-pub enum RangeKind {
-    Unspecified = 0,
-    /// Distance along the line of sight.
-    Range = 1,
-    /// Distance along the optical axis.
-    ZDepth = 2,
-}
-impl RangeKind {
-    /// String value of the enum field names used in the ProtoBuf definition.
-    ///
-    /// The values are not transformed in any way and thus are considered stable
-    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
-    pub fn as_str_name(&self) -> &'static str {
-        match self {
-            Self::Unspecified => "RANGE_KIND_UNSPECIFIED",
-            Self::Range => "RANGE_KIND_RANGE",
-            Self::ZDepth => "RANGE_KIND_Z_DEPTH",
-        }
-    }
-    /// Creates an enum from field names used in the ProtoBuf definition.
-    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
-        match value {
-            "RANGE_KIND_UNSPECIFIED" => Some(Self::Unspecified),
-            "RANGE_KIND_RANGE" => Some(Self::Range),
-            "RANGE_KIND_Z_DEPTH" => Some(Self::ZDepth),
-            _ => None,
-        }
-    }
 }

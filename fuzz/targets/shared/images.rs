@@ -3,7 +3,7 @@
 use std::cell::LazyCell;
 use std::sync::Arc;
 
-use catalogue::{Catalogue, CatalogueError, ImageQuery, synthetic};
+use catalogue::{Catalogue, CatalogueError, ImageQuery};
 use tokio::runtime::Runtime;
 
 struct Asked {

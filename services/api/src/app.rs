@@ -52,7 +52,7 @@ pub enum StartError {
 }
 
 /// The state of each topic; a handler asks for that of its own.
-#[derive(Clone)]
+#[derive(Clone, FromRef)]
 pub(crate) struct App {
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,
@@ -66,21 +66,6 @@ pub(crate) struct App {
     pub(crate) operations: Arc<Operations>,
     /// Cancelled when the service stops: waiting requests then respond with what they have.
     pub(crate) stop: CancellationToken,
-}
-
-macro_rules! topics {
-    ($($field:ident: $topic:ty),+ $(,)?) => {$(
-        impl FromRef<App> for Arc<$topic> {
-            fn from_ref(app: &App) -> Self {
-                Self::clone(&app.$field)
-            }
-        }
-    )+};
-}
-
-topics! {
-    catalogue: Catalogue, bytes: Bytes, leases: Leases, images: Images, jobs: Jobs, scenes: Scenes, waters: Waters,
-    styles: Styles, pictures: Pictures, operations: Operations,
 }
 
 impl App {

@@ -31,7 +31,7 @@ mod waters;
 pub use app::StartError;
 pub use clock::Clock;
 pub use config::{Config, Surroundings};
-pub use data::{Data, DataError, LockError};
+pub use data::{Data, DataError};
 pub use http::auth::TokenError;
 pub use http::problem::Slug;
 pub use leases::table as lease_table;

@@ -64,28 +64,28 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, limits: &Limits) -> Router 
 
 fn probes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
-        .routes(routes!(operations::routes::livez::livez))
-        .routes(routes!(operations::routes::readyz::readyz))
-        .routes(routes!(operations::routes::version::version))
+        .routes(routes!(operations::routes::probes::livez))
+        .routes(routes!(operations::routes::probes::readyz))
+        .routes(routes!(operations::routes::probes::version))
 }
 
 fn reading() -> OpenApiRouter<App> {
     OpenApiRouter::new()
-        .routes(routes!(operations::routes::metrics::metrics))
+        .routes(routes!(operations::routes::probes::metrics))
         .routes(routes!(jobs::routes::list::list))
         .routes(routes!(images::routes::list::list))
-        .routes(routes!(images::routes::get::get))
-        .routes(routes!(images::routes::artifact::artifact))
-        .routes(routes!(images::routes::preview::preview))
+        .routes(routes!(images::routes::image::get))
+        .routes(routes!(images::routes::image::artifact))
+        .routes(routes!(images::routes::image::preview))
         .routes(routes!(scenes::routes::list::list))
-        .routes(routes!(waters::routes::list::list))
-        .routes(routes!(waters::routes::get::get))
+        .routes(routes!(waters::routes::water::list))
+        .routes(routes!(waters::routes::water::get))
         .routes(routes!(styles::routes::list::list))
-        .routes(routes!(datasets::routes::list::list))
-        .routes(routes!(datasets::routes::get::get))
+        .routes(routes!(datasets::routes::dataset::list))
+        .routes(routes!(datasets::routes::dataset::get))
         .routes(routes!(datasets::routes::stats::stats))
         .routes(routes!(datasets::routes::histogram::histogram))
-        .routes(routes!(leases::routes::workers::list))
+        .routes(routes!(leases::routes::worker::list))
 }
 
 fn following() -> OpenApiRouter<App> {
@@ -97,8 +97,8 @@ fn following() -> OpenApiRouter<App> {
 fn streaming() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::events::events))
-        .routes(routes!(jobs::routes::results::results))
-        .routes(routes!(jobs::routes::errors::errors))
+        .routes(routes!(jobs::routes::lines::results))
+        .routes(routes!(jobs::routes::lines::errors))
         .routes(routes!(datasets::routes::metadata::jsonl))
         .routes(routes!(datasets::routes::metadata::csv))
 }
@@ -107,15 +107,15 @@ fn submitting() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::create::create))
         .routes(routes!(jobs::routes::preview::preview))
-        .routes(routes!(jobs::routes::delete::delete))
+        .routes(routes!(jobs::routes::control::delete))
         .routes(routes!(styles::routes::training::delete))
-        .routes(routes!(jobs::routes::cancel::cancel))
-        .routes(routes!(jobs::routes::pause::pause))
-        .routes(routes!(jobs::routes::resume::resume))
-        .routes(routes!(jobs::routes::retry_failed::retry_failed))
-        .routes(routes!(datasets::routes::delete::delete))
+        .routes(routes!(jobs::routes::control::cancel))
+        .routes(routes!(jobs::routes::control::pause))
+        .routes(routes!(jobs::routes::control::resume))
+        .routes(routes!(jobs::routes::control::retry_failed))
+        .routes(routes!(datasets::routes::dataset::delete))
         .routes(routes!(waters::routes::create::create))
-        .routes(routes!(waters::routes::delete::delete))
+        .routes(routes!(waters::routes::water::delete))
 }
 
 fn rendering() -> OpenApiRouter<App> {
@@ -157,11 +157,11 @@ fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<App> 
         body_bytes,
     };
     let calls = OpenApiRouter::new()
-        .route("/v1/worker/register", post(leases::routes::register::register))
-        .route("/v1/worker/beat", post(leases::routes::beat::beat))
-        .route("/v1/worker/commit", post(leases::routes::commit::commit))
-        .route("/v1/worker/fail", post(leases::routes::fail::fail))
-        .route("/v1/worker/release", post(leases::routes::release::release))
+        .route("/v1/worker/register", post(leases::routes::worker::register))
+        .route("/v1/worker/beat", post(leases::routes::worker::beat))
+        .route("/v1/worker/commit", post(leases::routes::frame::commit))
+        .route("/v1/worker/fail", post(leases::routes::frame::fail))
+        .route("/v1/worker/release", post(leases::routes::worker::release))
         .route(
             "/v1/worker/jobs/{id}",
             get(jobs::routes::description::description),
@@ -169,10 +169,9 @@ fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<App> 
         .route("/v1/worker/scenes/{id}", get(scenes::routes::files::scene))
         .route("/v1/worker/styles", get(styles::routes::model::styles))
         .route("/v1/worker/styles/{name}", get(styles::routes::model::style))
-        .route("/v1/worker/blobs/{digest}", get(bytes::routes::blob::blob));
-    let waits = OpenApiRouter::new().route("/v1/worker/lease", post(leases::routes::lease::lease));
-    let uploads =
-        OpenApiRouter::new().route("/v1/worker/artifacts", post(leases::routes::artifacts::artifacts));
+        .route("/v1/worker/blobs/{digest}", get(bytes::routes::blob));
+    let waits = OpenApiRouter::new().route("/v1/worker/lease", post(leases::routes::worker::lease));
+    let uploads = OpenApiRouter::new().route("/v1/worker/artifacts", post(leases::routes::frame::artifacts));
     let waiting = limits::MAX_WAIT + limits::LONG_POLL_GRACE;
     let calls_budget = Budget::new("worker calls", limits.worker_calls);
     let waits_budget = Budget::new("worker waits", limits.worker_waits);

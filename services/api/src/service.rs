@@ -22,7 +22,7 @@ use crate::router;
 
 /// How often ended leases are looked for: a killed worker's frames are offered again this much after their term.
 const EXPIRY_INTERVAL: Duration = Duration::from_millis(200);
-/// How often silent workers are forgotten and the metrics recorder's histograms are tidied up.
+/// How often the metrics recorder's histograms and the announced digests are tidied up.
 const UPKEEP_INTERVAL: Duration = Duration::from_secs(5);
 
 /// A running service.
@@ -173,7 +173,6 @@ async fn expire_leases(leases: Arc<Leases>, end: CancellationToken) {
 async fn tidy_up(app: App, end: CancellationToken) {
     let mut ticks = tokio::time::interval(UPKEEP_INTERVAL);
     while end.run_until_cancelled(ticks.tick()).await.is_some() {
-        app.leases.dispatch.forget_workers();
         app.bytes.naming.tidy_up();
         app.operations.telemetry.run_upkeep();
     }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use catalogue::{Catalogue, CatalogueError, ImageQuery, synthetic};
+use catalogue::{Catalogue, CatalogueError, ImageQuery};
 
 /// Repetitions of each question.
 const TIMES: usize = 200;

@@ -135,24 +135,17 @@ impl Columns {
     pub(crate) fn get(&self, name: &str) -> Option<Column> {
         if let Some((_, sql, kind, unit)) = OWN.iter().find(|(own, ..)| *own == name) {
             return Some(Column {
-                sql: (*sql).to_owned(),
-                binds: Vec::new(),
-                kind: *kind,
                 unit: *unit,
                 always: true,
-                join: None,
+                ..Column::new((*sql).to_owned(), *kind)
             });
         }
         let alias = ALIASES.iter().find(|(alias, _)| *alias == name);
         let name = alias.map_or(name, |(_, name)| name);
         if let Some(leaf) = self.leaves.iter().find(|leaf| leaf.name == name) {
             return Some(Column {
-                sql: format!("images.\"{}\"", stored_name(leaf)),
-                binds: Vec::new(),
-                kind: kind(leaf),
                 unit: leaf.unit,
-                always: false,
-                join: None,
+                ..Column::new(format!("images.\"{}\"", stored_name(leaf)), kind(leaf))
             });
         }
         self.metric(name)
@@ -172,13 +165,10 @@ impl Columns {
         let known = self.metrics.iter().find(|known| *known == metric)?;
         (plain && !subject.is_empty()).then(|| {
             let join = Join::Measured(subject.to_owned());
+            let sql = format!("{}.\"{known}\"", join.alias());
             Column {
-                sql: format!("{}.\"{known}\"", join.alias()),
-                binds: Vec::new(),
-                kind: Kind::Number,
-                unit: None,
-                always: false,
                 join: Some(join),
+                ..Column::new(sql, Kind::Number)
             }
         })
     }
@@ -223,15 +213,11 @@ fn open_family(name: &str) -> Option<Column> {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-');
     let quoted = |key: &str| (!key.is_empty() && key.chars().all(plain)).then(|| format!("\"{key}\""));
     if let Some(kind) = name.strip_prefix("artifacts.") {
+        let sql = "(SELECT a.digest FROM artifacts a
+                    WHERE a.job_id = images.job_id AND a.frame = images.frame AND a.kind = ?)";
         return Some(Column {
-            sql: "(SELECT a.digest FROM artifacts a
-                   WHERE a.job_id = images.job_id AND a.frame = images.frame AND a.kind = ?)"
-                .to_owned(),
             binds: vec![Bind::Text(kind.to_owned())],
-            kind: Kind::Text,
-            unit: None,
-            always: false,
-            join: None,
+            ..Column::new(sql.to_owned(), Kind::Text)
         });
     }
     if let Some(label) = name.strip_prefix("labels.") {
@@ -270,12 +256,10 @@ fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
         ),
     };
     Column {
-        sql,
         binds: vec![Bind::Text(path)],
-        kind,
         unit,
-        always: false,
         join: Some(Join::Record),
+        ..Column::new(sql, kind)
     }
 }
 

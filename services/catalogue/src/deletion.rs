@@ -72,10 +72,7 @@ async fn hide_job(connection: &mut SqliteConnection, id: &str) -> Result<Deleted
     .bind(id)
     .fetch_optional(&mut *connection)
     .await?;
-    let job = found.ok_or_else(|| CatalogueError::NotFound {
-        what: "job",
-        name: id.to_owned(),
-    })?;
+    let job = found.ok_or_else(|| CatalogueError::not_found("job", id))?;
     let (dataset, images, bytes): (String, i64, i64) = (job.try_get(0)?, job.try_get(1)?, job.try_get(2)?);
     sqlx::query("INSERT INTO deletions (job_id) VALUES (?)")
         .bind(id)
@@ -110,10 +107,7 @@ async fn hide_dataset(connection: &mut SqliteConnection, name: &str) -> Result<D
     .fetch_all(&mut *connection)
     .await?;
     if jobs.is_empty() {
-        return Err(CatalogueError::NotFound {
-            what: "dataset",
-            name: name.to_owned(),
-        });
+        return Err(CatalogueError::not_found("dataset", name));
     }
     if let Some((id, state)) = jobs
         .iter()

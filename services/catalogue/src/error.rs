@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// An error of the catalogue.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, thiserror::Error)]
 pub enum CatalogueError {
     /// A filter, order or field list that cannot be read.
     #[error(transparent)]
@@ -81,13 +81,23 @@ pub struct FilterError {
 }
 
 impl CatalogueError {
-    pub(crate) fn from_ref(error: &sqlx::Error) -> Self {
+    pub(crate) fn not_found(what: &'static str, name: &str) -> Self {
+        let name = name.to_owned();
+        Self::NotFound { what, name }
+    }
+
+    /// A question that is refused for another reason than its filter.
+    pub(crate) fn refused(message: String) -> Self {
+        FilterError::new(message).into()
+    }
+}
+
+impl From<sqlx::Error> for CatalogueError {
+    fn from(error: sqlx::Error) -> Self {
         /// FULL, and the shared-memory file of the log that could not grow.
         const FULL: [&str; 2] = ["13", "4874"];
-        let full = error
-            .as_database_error()
-            .and_then(|e| e.code())
-            .is_some_and(|code| FULL.contains(&code.as_ref()));
+        let code = error.as_database_error().and_then(|error| error.code());
+        let full = code.is_some_and(|code| FULL.contains(&code.as_ref()));
         let message = error.to_string();
         if full {
             Self::Full { message }
@@ -95,30 +105,23 @@ impl CatalogueError {
             Self::Failed { message }
         }
     }
-
-    /// The same error for every caller whose change was in a transaction that failed.
-    pub(crate) fn again(&self) -> Self {
-        match self {
-            Self::Full { message } => Self::Full {
-                message: message.clone(),
-            },
-            other => Self::Failed {
-                message: other.to_string(),
-            },
-        }
-    }
-}
-
-impl From<sqlx::Error> for CatalogueError {
-    fn from(error: sqlx::Error) -> Self {
-        Self::from_ref(&error)
-    }
 }
 
 impl From<serde_json::Error> for CatalogueError {
     fn from(error: serde_json::Error) -> Self {
         Self::Failed {
             message: format!("a stored record is damaged: {error}"),
+        }
+    }
+}
+
+impl FilterError {
+    /// Something wrong at no particular place.
+    pub(crate) fn new(message: String) -> Self {
+        Self {
+            position: 0,
+            message,
+            did_you_mean: None,
         }
     }
 }

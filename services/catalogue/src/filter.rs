@@ -15,7 +15,6 @@ pub(crate) use compile::compile;
 
 use std::collections::BTreeSet;
 
-use crate::error::CatalogueError;
 pub use crate::error::FilterError;
 
 /// What a column holds.
@@ -62,13 +61,16 @@ pub(crate) struct Column {
 }
 
 impl Column {
-    /// The same with its numbers as they are meant, rounded to doubles where they are large.
-    pub(crate) fn as_double(&self) -> Self {
-        let sql = match self.kind {
-            Kind::Large => format!("({} + {OFFSET}.0)", self.sql),
-            _ => self.sql.clone(),
-        };
-        Self { sql, ..self.clone() }
+    /// A column of the image's own row that may be missing, without a unit.
+    pub(crate) fn new(sql: String, kind: Kind) -> Self {
+        Self {
+            sql,
+            binds: Vec::new(),
+            kind,
+            unit: None,
+            always: false,
+            join: None,
+        }
     }
 }
 
@@ -98,14 +100,4 @@ pub(crate) struct Compiled {
     pub(crate) sql: String,
     pub(crate) binds: Vec<Bind>,
     pub(crate) joins: BTreeSet<Join>,
-}
-
-/// A question that is refused for another reason than its filter.
-pub(crate) fn refused(message: String) -> CatalogueError {
-    FilterError {
-        position: 0,
-        message,
-        did_you_mean: None,
-    }
-    .into()
 }

@@ -2,17 +2,14 @@
 
 use futures::TryStreamExt;
 use sqlx::sqlite::SqliteConnection;
-use sqlx::{AssertSqlSafe, Row};
 
-use crate::asked::Asked;
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::filter::refused;
-use crate::page::column;
+use crate::page::{column, double};
+use crate::select::Select;
 use crate::stats::check_dataset;
 use crate::types::Histogram;
-use crate::values::bound;
 
 /// Upper limit: wider histograms cannot be displayed.
 const MOST_BINS: u32 = 4096;
@@ -43,7 +40,7 @@ impl Catalogue {
                 return Ok(counted(column, bins, range, &values, missing));
             }
         };
-        Err(refused(message))
+        Err(CatalogueError::refused(message))
     }
 }
 
@@ -58,23 +55,19 @@ async fn values(
     check_dataset(connection, dataset).await?;
     let column = column(columns, name)?;
     if !column.kind.is_number() {
-        return Err(refused(format!("`{name}` is no number")));
+        return Err(CatalogueError::refused(format!("`{name}` is no number")));
     }
-    let mut asked = Asked::of_dataset(columns, dataset, filter)?;
-    asked.select(&column.as_double());
-    let (text, binds) = asked.statement()?;
-    let mut statement = sqlx::query(AssertSqlSafe(text));
-    for bind in &binds {
-        statement = bound(statement, Some(bind));
-    }
+    let kind = column.kind;
+    let sql = Select::new(columns, &[column], filter, Some(dataset))?;
     let (mut values, mut missing) = (Vec::new(), 0);
-    let mut rows = statement.fetch(connection);
+    let mut rows = sql.statement().fetch(connection);
     while let Some(row) = rows.try_next().await? {
-        match row.try_get_unchecked::<Option<f64>, _>(0)? {
+        match double(&row, 0, kind)? {
             Some(value) => values.push(value),
             None => missing += 1,
         }
     }
+    drop(rows);
     Ok((values, missing))
 }
 

@@ -81,10 +81,7 @@ pub(crate) async fn insert(
     let mut new = Vec::with_capacity(images.len());
     for (&image, (dataset, there, was_given_up)) in images.iter().zip(known) {
         answers.push(match dataset {
-            None => Err(CatalogueError::NotFound {
-                what: "job",
-                name: image.job.clone(),
-            }),
+            None => Err(CatalogueError::not_found("job", &image.job)),
             Some(_) if there || !first.insert((&image.job, image.frame)) => Ok(InsertImage::AlreadyThere),
             Some(dataset) => {
                 new.push((image, dataset, was_given_up));

@@ -6,7 +6,6 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use crate::catalogue::{Catalogue, within};
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::filter::refused;
 use crate::job_state::JobState;
 use crate::recovery;
 use crate::types::{InsertJob, JobRow, NewJob, OpenJob, Page, Retried};
@@ -82,7 +81,7 @@ impl Catalogue {
         cursor: Option<String>,
     ) -> Result<Page<JobRow>, CatalogueError> {
         if let Some(Err(message)) = state.as_deref().map(str::parse::<JobState>) {
-            return Err(refused(message));
+            return Err(CatalogueError::refused(message));
         }
         within(list(&mut *self.reader().await?, dataset, state, limit, cursor)).await
     }
@@ -179,10 +178,7 @@ async fn get(connection: &mut SqliteConnection, id: &str) -> Result<Option<JobRo
 async fn known_job(connection: &mut SqliteConnection, id: &str) -> Result<JobRow, CatalogueError> {
     get(connection, id)
         .await?
-        .ok_or_else(|| CatalogueError::NotFound {
-            what: "job",
-            name: id.to_owned(),
-        })
+        .ok_or_else(|| CatalogueError::not_found("job", id))
 }
 
 async fn list(

@@ -4,7 +4,6 @@
 //! wakes them when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
 //! full beside the operation they belong to; values are always bound.
 
-mod asked;
 mod catalogue;
 mod columns;
 mod cursor;
@@ -18,7 +17,6 @@ mod images;
 mod insert;
 mod job_state;
 mod jobs;
-mod joins;
 mod metadata;
 mod migrations;
 mod open;
@@ -26,8 +24,8 @@ mod page;
 mod progress;
 mod recovery;
 mod scenes;
+mod select;
 mod stats;
-pub mod synthetic;
 mod time;
 mod types;
 mod upkeep;
@@ -41,8 +39,8 @@ pub use filter::FilterError;
 pub use job_state::JobState;
 pub use time::UnixMs;
 pub use types::{
-    ColumnInfo, Counts, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
-    InsertImage, InsertJob, JobRow, NamedDigest, NewJob, OpenJob, Page, Retried, SceneRow,
+    ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery, InsertImage,
+    InsertJob, JobRow, NamedDigest, NewJob, OpenJob, Page, Retried, SceneRow,
 };
 pub use waters::WaterRow;
 pub use writer::COMMIT_OPERATIONS;

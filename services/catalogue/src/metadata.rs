@@ -1,7 +1,5 @@
 //! The columns of a dataset, for tables of everything that is known about it.
 
-use std::collections::BTreeSet;
-
 use sqlx::sqlite::SqliteConnection;
 
 use crate::catalogue::{Catalogue, within};
@@ -32,42 +30,46 @@ async fn names(
     columns: &Columns,
     dataset: &str,
 ) -> Result<Vec<String>, CatalogueError> {
-    let labels: Vec<String> = sqlx::query_scalar(
+    let labels = distinct(
+        connection,
+        dataset,
         "SELECT DISTINCT label.key FROM jobs, json_each(jobs.spec, '$.labels') AS label
-         WHERE dataset = ? AND jobs.id NOT IN (SELECT job_id FROM deletions) ORDER BY label.key",
-    )
-    .bind(dataset)
-    .fetch_all(&mut *connection)
-    .await?;
-    let subjects: BTreeSet<String> = sqlx::query_scalar(
+         WHERE dataset = ? AND jobs.id NOT IN (SELECT job_id FROM deletions)",
+    );
+    let labels = labels.await?;
+    let subjects = distinct(
+        connection,
+        dataset,
         "SELECT DISTINCT subject FROM measurements WHERE job_id IN
              (SELECT id FROM jobs WHERE dataset = ? AND id NOT IN (SELECT job_id FROM deletions))",
-    )
-    .bind(dataset)
-    .fetch_all(&mut *connection)
-    .await?
-    .into_iter()
-    .collect();
-    let kinds: BTreeSet<String> = sqlx::query_scalar(
+    );
+    let subjects = subjects.await?;
+    let kinds = distinct(
+        connection,
+        dataset,
         "SELECT DISTINCT kind FROM artifacts WHERE job_id IN
              (SELECT id FROM jobs WHERE dataset = ? AND id NOT IN (SELECT job_id FROM deletions))",
-    )
-    .bind(dataset)
-    .fetch_all(connection)
-    .await?
-    .into_iter()
-    .collect();
+    );
+    let kinds = kinds.await?;
     let mut names = columns.names();
     names.extend(labels.into_iter().map(|label| format!("labels.{label}")));
     for subject in subjects.iter().filter(|subject| *subject != "rgb") {
-        names.extend(
-            columns
-                .metrics()
-                .iter()
-                .map(|metric| format!("{subject}.{metric}")),
-        );
+        let metrics = columns.metrics().iter();
+        names.extend(metrics.map(|metric| format!("{subject}.{metric}")));
     }
     names.extend(kinds.into_iter().map(|kind| format!("artifacts.{kind}")));
+    Ok(names)
+}
+
+/// The names that a statement finds in a dataset, in order.
+async fn distinct(
+    connection: &mut SqliteConnection,
+    dataset: &str,
+    sql: &'static str,
+) -> Result<Vec<String>, CatalogueError> {
+    let names = sqlx::query_scalar(sql).bind(dataset);
+    let mut names: Vec<String> = names.fetch_all(connection).await?;
+    names.sort_unstable();
     Ok(names)
 }
 

@@ -1,19 +1,16 @@
 //! Pages of images: filter, order, fields, and cursors that begin the next page where the last one ended.
 
-use std::collections::BTreeSet;
-
 use serde_json::{Map, Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
-use sqlx::{AssertSqlSafe, Row, TypeInfo, ValueRef};
+use sqlx::{Row, TypeInfo, ValueRef};
 
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::filter::{self, Bind, Column, Compiled, FilterError, Kind, OFFSET};
-use crate::joins::Joins;
+use crate::filter::{Bind, Column, FilterError, Kind, OFFSET};
+use crate::select::Select;
 use crate::types::{ImageQuery, Page};
-use crate::values::bound;
 
 /// Every column of a dataset with ten enhancements are some hundreds; SQLite returns at most 2000.
 const MOST_FIELDS: usize = 1000;
@@ -22,29 +19,12 @@ const MOST_FIELDS: usize = 1000;
 pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueError> {
     columns.get(name).ok_or_else(|| {
         let did_you_mean = spec::nearest(name, &columns.names());
-        FilterError {
-            position: 0,
-            message: format!("unknown column `{name}`"),
+        let unknown = FilterError::new(format!("unknown column `{name}`"));
+        CatalogueError::Filter(FilterError {
             did_you_mean,
-        }
-        .into()
+            ..unknown
+        })
     })
-}
-
-/// A filter as SQL; none is true.
-pub(crate) fn condition(columns: &Columns, text: Option<&str>) -> Result<Compiled, CatalogueError> {
-    match text.filter(|text| !text.trim().is_empty()) {
-        None => Ok(Compiled {
-            sql: "1".to_owned(),
-            binds: Vec::new(),
-            joins: BTreeSet::new(),
-        }),
-        Some(text) => Ok(filter::compile(
-            text,
-            &|name| columns.get(name),
-            &columns.names(),
-        )?),
-    }
 }
 
 impl Catalogue {
@@ -63,11 +43,7 @@ async fn images(
     query: &ImageQuery,
 ) -> Result<Page<Value>, CatalogueError> {
     let question = Question::new(columns, query)?;
-    let mut statement = sqlx::query(AssertSqlSafe(question.sql.text.as_str()));
-    for value in &question.sql.binds {
-        statement = bound(statement, value.as_ref());
-    }
-    let rows = statement.fetch_all(connection).await?;
+    let rows = question.sql.statement().fetch_all(connection).await?;
     let limit = query.limit as usize;
     let next_cursor = match rows.get(limit.wrapping_sub(1)).filter(|_| rows.len() > limit) {
         Some(row) => {
@@ -86,7 +62,7 @@ async fn images(
 
 /// A page as a statement.
 struct Question {
-    sql: Builder,
+    sql: Select,
     /// The fields of an item, with what they hold.
     names: Vec<(String, Kind)>,
     order: Order,
@@ -103,7 +79,7 @@ impl Question {
         };
         if names.len() > MOST_FIELDS {
             let message = format!("{} fields; there may be {MOST_FIELDS}", names.len());
-            return Err(filter::refused(message));
+            return Err(CatalogueError::refused(message));
         }
         let mut selected = names
             .iter()
@@ -115,63 +91,21 @@ impl Question {
         selected.extend([column(columns, "job")?, column(columns, "frame")?]);
         selected.extend(order.column.clone());
 
-        let mut sql = Builder::default();
-        sql.push("SELECT ");
-        for (index, column) in selected.iter().enumerate() {
-            sql.push(if index > 0 { ", " } else { "" });
-            sql.column(column);
-        }
-        let filter = condition(columns, query.filter.as_deref())?;
-        let mut joins = Joins::default();
-        selected.iter().for_each(|column| joins.add(column));
-        joins.add_all(&filter.joins);
-        let (images, subjects) = joins.images()?;
-        sql.push(" FROM ");
-        sql.text.push_str(&images);
-        sql.binds.extend(subjects.into_iter().map(Some));
-        sql.push(" WHERE images.job_id NOT IN (SELECT job_id FROM deletions) AND (");
-        sql.text.push_str(&filter.sql);
-        sql.binds.extend(filter.binds.into_iter().map(Some));
-        sql.push(")");
-        if let Some(dataset) = &query.dataset {
-            sql.push(" AND images.dataset = ?");
-            sql.binds.push(Some(Bind::Text(dataset.clone())));
-        }
-        let identity = cursor::question(&[
-            query.dataset.as_deref(),
-            query.filter.as_deref(),
-            query.order_by.as_deref(),
-        ]);
+        let (filter, dataset) = (query.filter.as_deref(), query.dataset.as_deref());
+        let mut sql = Select::new(columns, &selected, filter, dataset)?;
+        let identity = cursor::question(&[dataset, filter, query.order_by.as_deref()]);
         if let Some(text) = &query.cursor {
             order.after(&mut sql, &cursor::read(&identity, text)?)?;
         }
         order.by(&mut sql);
         sql.push(" LIMIT ?");
-        sql.binds.push(Some(Bind::Number(f64::from(query.limit) + 1.0)));
+        sql.bind(Bind::Whole(i64::from(query.limit) + 1));
         Ok(Self {
             sql,
             names: names.into_iter().zip(kinds).collect(),
             order,
             identity,
         })
-    }
-}
-
-/// SQL with its binds in the order of their places.
-#[derive(Default)]
-struct Builder {
-    text: String,
-    binds: Vec<Option<Bind>>,
-}
-
-impl Builder {
-    fn push(&mut self, sql: &'static str) {
-        self.text.push_str(sql);
-    }
-
-    fn column(&mut self, column: &Column) {
-        self.text.push_str(&column.sql);
-        self.binds.extend(column.binds.iter().cloned().map(Some));
     }
 }
 
@@ -196,7 +130,7 @@ impl Order {
         })
     }
 
-    fn by(&self, sql: &mut Builder) {
+    fn by(&self, sql: &mut Select) {
         sql.push(" ORDER BY ");
         if let Some(column) = &self.column {
             sql.column(column);
@@ -208,11 +142,11 @@ impl Order {
     }
 
     /// Only what comes after a place.
-    fn after(&self, sql: &mut Builder, place: &Value) -> Result<(), CatalogueError> {
+    fn after(&self, sql: &mut Select, place: &Value) -> Result<(), CatalogueError> {
         let (Some(job), Some(frame)) = (place[1].as_str(), place[2].as_f64()) else {
             return Err(CatalogueError::Cursor);
         };
-        let (job, frame) = (Some(Bind::Text(job.to_owned())), Some(Bind::Number(frame)));
+        let (job, frame) = (Bind::Text(job.to_owned()), Bind::Number(frame));
         const BEHIND: &str = "(images.job_id, images.frame) > (?, ?)";
         sql.push(" AND (");
         let key = match &place[0] {
@@ -234,17 +168,18 @@ impl Order {
             (Some(column), Some(key)) => {
                 sql.column(column);
                 sql.push(if self.descending { " < ? OR " } else { " > ? OR " });
-                sql.binds.push(Some(key.clone()));
+                sql.bind(key.clone());
                 sql.column(column);
                 sql.push(" IS NULL OR (");
                 sql.column(column);
                 sql.push(" = ? AND ");
-                sql.binds.push(Some(key));
+                sql.bind(key);
                 sql.push(BEHIND);
                 sql.push(")");
             }
         }
-        sql.binds.extend([job, frame]);
+        sql.bind(job);
+        sql.bind(frame);
         sql.push(")");
         Ok(())
     }
@@ -282,6 +217,18 @@ pub(crate) fn value(row: &SqliteRow, index: usize, kind: Kind) -> Result<Value, 
         (Kind::Whole, None, Some(number)) => json!(number as i64),
         _ => stored,
     })
+}
+
+/// A number as a double, the nearest where it is large.
+pub(crate) fn double(row: &SqliteRow, index: usize, kind: Kind) -> Result<Option<f64>, CatalogueError> {
+    let number = match kind {
+        Kind::Large => {
+            let lowered: Option<i64> = row.try_get_unchecked(index)?;
+            lowered.map(|lowered| (i128::from(lowered) + OFFSET) as f64)
+        }
+        _ => row.try_get_unchecked(index)?,
+    };
+    Ok(number)
 }
 
 /// A value as it is stored, of whatever type it has.

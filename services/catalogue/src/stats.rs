@@ -5,16 +5,13 @@ use std::collections::BTreeMap;
 use futures::TryStreamExt;
 use serde_json::Value;
 use sqlx::sqlite::SqliteConnection;
-use sqlx::{AssertSqlSafe, Row};
 
-use crate::asked::Asked;
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::filter::refused;
-use crate::page::{column, value};
+use crate::page::{column, double, value};
+use crate::select::Select;
 use crate::types::GroupStats;
-use crate::values::bound;
 
 /// What is asked for.
 struct Question<'a> {
@@ -59,36 +56,30 @@ async fn stats(
     check_dataset(connection, question.dataset).await?;
     if question.metrics.len() > MOST_METRICS {
         let message = format!("{} metrics; there may be {MOST_METRICS}", question.metrics.len());
-        return Err(refused(message));
+        return Err(CatalogueError::refused(message));
     }
-    let mut sql = Asked::of_dataset(columns, question.dataset, question.filter)?;
+    let mut selected = Vec::with_capacity(question.metrics.len() + 1);
     for metric in question.metrics {
         let measured = column(columns, metric)?;
         if !measured.kind.is_number() {
-            return Err(refused(format!("`{metric}` is no number")));
+            return Err(CatalogueError::refused(format!("`{metric}` is no number")));
         }
-        sql.select(&measured.as_double());
+        selected.push(measured);
     }
     let group_by = question.group_by.map(|name| column(columns, name)).transpose()?;
-    if let Some(column) = &group_by {
-        sql.select(column);
-    }
+    selected.extend(group_by.clone());
+    let sql = Select::new(columns, &selected, question.filter, Some(question.dataset))?;
     let mut groups = Groups::default();
     let metrics = question.metrics.len();
-    let (text, binds) = sql.statement()?;
-    let mut statement = sqlx::query(AssertSqlSafe(text));
-    for bind in &binds {
-        statement = bound(statement, Some(bind));
-    }
-    let mut rows = statement.fetch(connection);
+    let mut rows = sql.statement().fetch(connection);
     while let Some(row) = rows.try_next().await? {
         let group = match &group_by {
             Some(column) => value(&row, metrics, column.kind)?,
             None => Value::Null,
         };
-        let columns = groups.values_of(group, metrics);
-        for (at, values) in columns.iter_mut().enumerate() {
-            values.extend(row.try_get_unchecked::<Option<f64>, _>(at)?);
+        let measured = groups.values_of(group, metrics).iter_mut();
+        for (at, (values, column)) in measured.zip(&selected).enumerate() {
+            values.extend(double(&row, at, column.kind)?);
         }
     }
     drop(rows);
@@ -136,10 +127,9 @@ pub(crate) async fn check_dataset(
         .bind(name)
         .fetch_optional(connection)
         .await?;
-    there.map(drop).ok_or_else(|| CatalogueError::NotFound {
-        what: "dataset",
-        name: name.to_owned(),
-    })
+    there
+        .map(drop)
+        .ok_or_else(|| CatalogueError::not_found("dataset", name))
 }
 
 fn summary(group: Value, metric: &str, mut values: Vec<f64>) -> GroupStats {

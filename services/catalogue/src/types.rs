@@ -305,26 +305,3 @@ pub struct SceneRow {
     /// When it was stored.
     pub created_at: UnixMs,
 }
-
-/// Number of rows of every table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Counts {
-    /// Jobs.
-    pub jobs: u64,
-    /// Images.
-    pub images: u64,
-    /// Measured pictures.
-    pub measurements: u64,
-    /// Artifact names.
-    pub artifacts: u64,
-    /// Scenes.
-    pub scenes: u64,
-    /// Failed frames.
-    pub failures: u64,
-    /// Idempotency keys.
-    pub idempotency_keys: u64,
-    /// Jobs whose rows still have to go.
-    pub deletions: u64,
-    /// Digests whose bytes may have to go.
-    pub orphans: u64,
-}

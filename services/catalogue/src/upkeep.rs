@@ -9,8 +9,6 @@ use sqlx::{ConnectOptions, Connection};
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::open::wal_path;
-use crate::types::Counts;
-use crate::values::Cells;
 
 /// Most findings of one kind, as many as SQLite lists of its own; a damaged file may have millions.
 const MOST_FINDINGS: u32 = 100;
@@ -63,32 +61,6 @@ impl Catalogue {
         let findings = findings(&mut connection).await?;
         connection.close().await?;
         Ok(findings)
-    }
-
-    /// Rows of every table, also of jobs that are being deleted.
-    ///
-    /// # Errors
-    /// [`CatalogueError`].
-    pub async fn counts(&self) -> Result<Counts, CatalogueError> {
-        let row = sqlx::query(
-            "SELECT (SELECT count(*) FROM jobs), (SELECT count(*) FROM images), (SELECT count(*) FROM measurements),
-                    (SELECT count(*) FROM artifacts), (SELECT count(*) FROM scenes), (SELECT count(*) FROM failures),
-                    (SELECT count(*) FROM idempotency_keys), (SELECT count(*) FROM deletions),
-                    (SELECT count(*) FROM orphans)",
-        );
-        let row = row.fetch_one(&mut *self.reader().await?).await?;
-        let mut cells = Cells::new(&row);
-        Ok(Counts {
-            jobs: cells.count()?,
-            images: cells.count()?,
-            measurements: cells.count()?,
-            artifacts: cells.count()?,
-            scenes: cells.count()?,
-            failures: cells.count()?,
-            idempotency_keys: cells.count()?,
-            deletions: cells.count()?,
-            orphans: cells.count()?,
-        })
     }
 
     /// Bytes of the write-ahead log.

@@ -185,8 +185,8 @@ async fn group(
 /// Tells a caller why nothing is done.
 async fn refuse(call: Call, failure: &CatalogueError) {
     match call {
-        Call::Change(change) => (change(Err(failure.again())).await.reply)(None),
-        Call::Image(image) => drop(image.1.send(Err(failure.again()))),
+        Call::Change(change) => (change(Err(failure.clone())).await.reply)(None),
+        Call::Image(image) => drop(image.1.send(Err(failure.clone()))),
     }
 }
 
@@ -209,7 +209,7 @@ async fn store(
         match within_savepoint(connection, attempt).await {
             Ok(stored) => answers.extend(stored),
             Err((error, kept)) if !kept || matches!(error, CatalogueError::Full { .. }) => {
-                fatal = Some(error.again());
+                fatal = Some(error.clone());
             }
             Err((error, _)) if some.len() == 1 => answers.push(Err(error)),
             Err(_) => {}
@@ -229,7 +229,7 @@ fn reply<T: Send + 'static>(
 ) -> Reply {
     Box::new(move |failure| {
         let told = match failure {
-            Some(failure) => Err(failure.again()),
+            Some(failure) => Err(failure.clone()),
             None => result,
         };
         // The caller may have gone; the change stands all the same.
@@ -252,7 +252,7 @@ async fn enclosed<T: Send + 'static>(
             let result = within_savepoint(connection, change).await;
             result.map_err(|(error, kept)| {
                 if !kept || matches!(error, CatalogueError::Full { .. }) {
-                    fatal = Some(error.again());
+                    fatal = Some(error.clone());
                 }
                 error
             })

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 /// SQLite's result codes that mean "no space": FULL, and the shared-memory file of the WAL that could not grow.
-const FULL: [&str; 2] = ["13", "4874"];
+const FULL: [i32; 2] = [13, 4874];
 
 /// SQLite's primary result codes that mean "these pages are not what was written": CORRUPT, NOTADB, and ERROR, since our
 /// statements are right for the tables that a pack has.
 const DAMAGED: [i32; 3] = [1, 11, 26];
 
 /// An error of the store.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, thiserror::Error)]
 pub enum StoreError {
     /// The disk is full. Nothing of the call is stored; reads go on, and so do writes once there is space again.
     #[error("no space left for artifacts: {message}")]
@@ -64,18 +64,6 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// The same error once more, for every caller whose bytes were in a transaction that failed.
-    pub(crate) fn again(&self) -> Self {
-        match self {
-            Self::Full { message } => Self::Full {
-                message: message.clone(),
-            },
-            other => Self::Failed {
-                message: other.to_string(),
-            },
-        }
-    }
-
     pub(crate) fn pack(path: &Path, reason: impl ToString) -> Self {
         Self::Pack {
             path: path.to_owned(),
@@ -86,12 +74,9 @@ impl StoreError {
 
 impl From<sqlx::Error> for StoreError {
     fn from(error: sqlx::Error) -> Self {
-        let code = error
-            .as_database_error()
-            .and_then(|error| error.code().map(|code| code.into_owned()));
         let message = error.to_string();
-        match code {
-            Some(code) if FULL.contains(&code.as_str()) => Self::Full { message },
+        match code(&error) {
+            Some(code) if FULL.contains(&code) => Self::Full { message },
             _ if is_damage(&error) => Self::Damaged { message },
             _ => Self::Failed { message },
         }
@@ -110,8 +95,10 @@ impl From<std::io::Error> for StoreError {
 
 /// Whether SQLite found that pages are damaged.
 pub(crate) fn is_damage(error: &sqlx::Error) -> bool {
-    let code = error
-        .as_database_error()
-        .and_then(|error| error.code()?.parse::<i32>().ok());
-    code.is_some_and(|code| DAMAGED.contains(&(code & 0xff)))
+    code(error).is_some_and(|code| DAMAGED.contains(&(code & 0xff)))
+}
+
+/// SQLite's extended result code.
+fn code(error: &sqlx::Error) -> Option<i32> {
+    error.as_database_error()?.code()?.parse().ok()
 }

@@ -52,8 +52,7 @@ impl Index {
                     folder.set_aside(pack)?;
                     index.set_aside += 1;
                 }
-                Err(StoreError::Full { message }) => return Err(StoreError::Full { message }),
-                Err(StoreError::Pack { path, reason }) => return Err(StoreError::Pack { path, reason }),
+                Err(error @ (StoreError::Full { .. } | StoreError::Pack { .. })) => return Err(error),
                 Err(other) => return Err(StoreError::pack(&folder.path(pack), other)),
             }
         }

@@ -76,14 +76,8 @@ impl Folder {
         if unfinished.exists() {
             std::fs::remove_file(&unfinished)?;
         }
-        let options = SqliteConnectOptions::new()
-            .filename(&unfinished)
-            .create_if_missing(true);
-        let options = options
-            .page_size(PAGE_BYTES)
-            .synchronous(SqliteSynchronous::Full)
-            .disable_statement_logging();
-        let mut connection = SqliteConnection::connect_with(&options).await?;
+        let options = self.options(pack).filename(&unfinished).create_if_missing(true);
+        let mut connection = options.page_size(PAGE_BYTES).connect().await?;
         let statements = format!(
             "BEGIN; {TABLES} PRAGMA application_id = {APPLICATION_ID}; PRAGMA user_version = {FORMAT}; COMMIT;"
         );
@@ -96,14 +90,11 @@ impl Folder {
     }
 
     /// A connection that writes. WAL, so that readers go on meanwhile; FULL, so that a commit is on the disk.
-    pub(crate) async fn writer(&self, pack: u32) -> Result<SqliteConnection, StoreError> {
-        let options = SqliteConnectOptions::new()
-            .filename(self.path(pack))
-            .busy_timeout(BUSY);
-        let options = options
+    pub(crate) async fn writer(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
+        self.options(pack)
             .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full);
-        Ok(SqliteConnection::connect_with(&options.disable_statement_logging()).await?)
+            .connect()
+            .await
     }
 
     /// A connection to a pack that does not grow. Its log is folded in, so that reading needs no other file: on a full
@@ -116,33 +107,30 @@ impl Folder {
 
     /// A connection to a pack as it is.
     pub(crate) async fn plain(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
-        let options = SqliteConnectOptions::new()
-            .filename(self.path(pack))
-            .busy_timeout(BUSY)
-            .synchronous(SqliteSynchronous::Full);
-        SqliteConnection::connect_with(&options.disable_statement_logging()).await
+        self.options(pack).connect().await
     }
 
     /// A connection that only reads.
     pub(crate) async fn reader(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
-        let options = SqliteConnectOptions::new()
+        self.options(pack).pragma("query_only", "1").connect().await
+    }
+
+    fn options(&self, pack: u32) -> SqliteConnectOptions {
+        SqliteConnectOptions::new()
             .filename(self.path(pack))
-            .busy_timeout(BUSY);
-        SqliteConnection::connect_with(&options.pragma("query_only", "1").disable_statement_logging()).await
+            .busy_timeout(BUSY)
+            .synchronous(SqliteSynchronous::Full)
+            .disable_statement_logging()
     }
 
     /// Takes a pack that cannot be read at all out of the way and keeps it for inspection.
     pub(crate) fn set_aside(&self, pack: u32) -> Result<(), StoreError> {
         let path = self.path(pack);
+        let damaged = path.with_extension("sqlite.damaged");
         for end in ["", "-wal", "-shm"] {
-            let with = |name: &Path| {
-                let mut name = name.as_os_str().to_owned();
-                name.push(end);
-                PathBuf::from(name)
-            };
-            let (from, to) = (with(&path), with(&path.with_extension("sqlite.damaged")));
+            let from = suffixed(&path, end);
             if from.exists() {
-                std::fs::rename(from, to)?;
+                std::fs::rename(from, suffixed(&damaged, end))?;
             }
         }
         self.sync()
@@ -153,9 +141,7 @@ impl Folder {
         let path = self.path(pack);
         std::fs::remove_file(&path)?;
         for end in ["-wal", "-shm"] {
-            let mut name = path.clone().into_os_string();
-            name.push(end);
-            match std::fs::remove_file(name) {
+            match std::fs::remove_file(suffixed(&path, end)) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
                 _ => {}
             }
@@ -173,6 +159,13 @@ impl Folder {
     }
 }
 
+/// SQLite's name for a file beside a database.
+fn suffixed(path: &Path, end: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(end);
+    name.into()
+}
+
 /// Ends the write-ahead log of a pack that no longer grows. When a reader is in the way the log stays, which only
 /// matters on a full disk.
 pub(crate) async fn fold_in(connection: &mut SqliteConnection) {
@@ -187,20 +180,28 @@ pub(crate) async fn fold_in(connection: &mut SqliteConnection) {
 
 /// Takes entries out of a pack; their bytes stay until the pack is rewritten.
 pub(crate) async fn forget(connection: &mut SqliteConnection, digests: &[Digest]) -> Result<(), sqlx::Error> {
-    connection.execute("BEGIN IMMEDIATE").await?;
-    let mut done = Ok(());
-    for digest in digests {
-        let one = sqlx::query("DELETE FROM entry WHERE digest = ?").bind(&digest.0[..]);
-        if let Err(error) = one.execute(&mut *connection).await {
-            done = Err(error);
-            break;
+    transaction(connection, async |connection| {
+        for digest in digests {
+            let entry = sqlx::query("DELETE FROM entry WHERE digest = ?").bind(&digest.0[..]);
+            entry.execute(&mut *connection).await?;
         }
-    }
+        Ok(())
+    })
+    .await
+}
+
+/// Makes a change in a transaction. Not in one of sqlx, which could not begin another after SQLite has rolled back by
+/// itself, as it does on a full disk.
+pub(crate) async fn transaction(
+    connection: &mut SqliteConnection,
+    change: impl AsyncFnOnce(&mut SqliteConnection) -> Result<(), sqlx::Error>,
+) -> Result<(), sqlx::Error> {
+    connection.execute("BEGIN IMMEDIATE").await?;
+    let mut done = change(connection).await;
     if done.is_ok() {
         done = connection.execute("COMMIT").await.map(drop);
     }
     if done.is_err() {
-        // SQLite may have rolled back by itself.
         let _ = connection.execute("ROLLBACK").await;
     }
     done

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use sqlx::{Connection, Executor, SqliteConnection};
+use sqlx::{Connection, SqliteConnection};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
 
 use crate::digest::Digest;
 use crate::error::StoreError;
 use crate::index::{Index, Place};
-use crate::pack::{Folder, fold_in, forget};
+use crate::pack::{Folder, fold_in, forget, transaction};
 use crate::readers::Readers;
 
 /// Calls that may wait; beyond it callers wait to be taken on, which slows them down before memory grows.
@@ -142,7 +142,7 @@ impl Task {
         }
         let result = self.store(blobs).await;
         for answer in answers {
-            let _ = answer.send(result.as_ref().copied().map_err(StoreError::again));
+            let _ = answer.send(result.clone());
         }
         other
     }
@@ -284,24 +284,16 @@ impl Task {
 }
 
 async fn append(connection: &mut SqliteConnection, blobs: &[Put]) -> Result<(), sqlx::Error> {
-    connection.execute("BEGIN IMMEDIATE").await?;
-    let mut done = Ok(());
-    for blob in blobs {
-        done = append_one(connection, blob).await;
-        if done.is_err() {
-            break;
+    let committed = transaction(connection, async |connection| {
+        for blob in blobs {
+            append_one(connection, blob).await?;
         }
-    }
-    if done.is_ok() {
         faults::point("pack.written");
-        done = connection.execute("COMMIT").await.map(drop);
-        faults::point("pack.committed");
-    }
-    if done.is_err() {
-        // SQLite may have rolled back by itself.
-        let _ = connection.execute("ROLLBACK").await;
-    }
-    done
+        Ok(())
+    });
+    committed.await?;
+    faults::point("pack.committed");
+    Ok(())
 }
 
 async fn append_one(connection: &mut SqliteConnection, blob: &Put) -> Result<(), sqlx::Error> {

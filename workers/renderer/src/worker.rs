@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use client::Client;
-use proto::message::Register;
+use proto::wire::RegisterRequest;
 use style::Library;
 
 use crate::engine::Engine;
@@ -86,12 +86,13 @@ struct Shared {
 pub fn run(options: WorkerOptions, stop: Arc<AtomicBool>) -> anyhow::Result<()> {
     let stop = Stop(stop);
     let engine = Arc::new(Engine::new(options.library, options.onnxruntime.as_deref()));
-    let about = Register {
+    let about = RegisterRequest {
         name: options.name,
         slots: u32::try_from(options.slots).context("too many slots")?,
         code_version: CODE_VERSION.to_owned(),
         onnx_runtime: engine.runtime().ok().map(|runtime| runtime.version().to_owned()),
         cpu_features: cpu_features(),
+        protocol: proto::VERSION,
     };
     let client = Client::new(&options.server, options.token.as_deref());
     let joined = Membership::join(&client, about, &stop).context("the service refuses this worker")?;

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::Context;
 use api::{Data, Service};
-use catalogue::{InsertJob, synthetic};
+use catalogue::InsertJob;
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::remote::{Remote, ServerArguments, query_value};
-use proto::message::{Register, WantLease};
+use proto::wire::{LeaseRequest, RegisterRequest};
 use renderer::worker::client::Client;
 use serde_json::{Value, json};
 use style::Library;
@@ -133,23 +133,24 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
 /// A frame at a time, as a worker that does not know yet what a frame costs.
 fn claims(server: &str) -> Result<String, Failure> {
     let client = Client::new(server, None);
-    let about = Register {
+    let about = RegisterRequest {
         name: "bench".to_owned(),
         slots: 1,
         code_version: renderer::CODE_VERSION.to_owned(),
         onnx_runtime: None,
         cpu_features: renderer::cpu_features(),
+        protocol: proto::VERSION,
     };
-    let worker_id = client.register(about).map_err(anyhow::Error::from)?.worker_id;
+    let worker_id = client.register(&about).map_err(anyhow::Error::from)?.worker_id;
     let mut times = Vec::new();
     for _ in 0..TIMES {
-        let want = WantLease {
+        let request = LeaseRequest {
             worker_id: worker_id.clone(),
             wait_ms: 0,
             frame_ms: 0.0,
         };
         let begun = Instant::now();
-        let lease = client.lease(want).map_err(anyhow::Error::from)?;
+        let lease = client.lease(&request).map_err(anyhow::Error::from)?;
         times.push(begun.elapsed());
         let token = lease.context("a frame waits and is not given")?.token;
         client.release(token, "bench").map_err(anyhow::Error::from)?;

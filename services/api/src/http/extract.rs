@@ -1,47 +1,38 @@
 //! Extractors whose refusals are problems that name what was refused.
 
-use std::marker::PhantomData;
 use std::time::Duration;
 
-use axum::RequestPartsExt;
 use axum::body::Bytes;
-use axum::extract::rejection::BytesRejection;
+use axum::extract::rejection::{BytesRejection, PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Multipart, Request};
+use axum::http::header::AsHeaderName;
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use proto::MessageError;
-use serde::de::DeserializeOwned;
 
 use super::auth::Caller;
 use super::problem::{Problem, Slug};
 use crate::limits;
 
 /// Query parameters.
+#[derive(FromRequestParts)]
+#[from_request(via(axum::extract::Query), rejection(Problem))]
 pub(crate) struct Query<T>(pub(crate) T);
 
-impl<T: DeserializeOwned + 'static, S: Send + Sync> FromRequestParts<S> for Query<T> {
-    type Rejection = Problem;
-
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
-        match parts.extract::<axum::extract::Query<T>>().await {
-            Ok(axum::extract::Query(query)) => Ok(Self(query)),
-            Err(rejection) => Err(Problem::new(Slug::InvalidQuery, cause(rejection.body_text()))),
-        }
+impl From<QueryRejection> for Problem {
+    fn from(rejection: QueryRejection) -> Self {
+        Self::new(Slug::InvalidQuery, cause(rejection.body_text()))
     }
 }
 
 /// Parts of the path.
+#[derive(FromRequestParts)]
+#[from_request(via(axum::extract::Path), rejection(Problem))]
 pub(crate) struct Path<T>(pub(crate) T);
 
-impl<T: DeserializeOwned + Send + 'static, S: Send + Sync> FromRequestParts<S> for Path<T> {
-    type Rejection = Problem;
-
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
-        match parts.extract::<axum::extract::Path<T>>().await {
-            Ok(axum::extract::Path(path)) => Ok(Self(path)),
-            Err(rejection) => Err(Problem::new(Slug::InvalidPath, cause(rejection.body_text()))),
-        }
+impl From<PathRejection> for Problem {
+    fn from(rejection: PathRejection) -> Self {
+        Self::new(Slug::InvalidPath, cause(rejection.body_text()))
     }
 }
 
@@ -73,34 +64,22 @@ impl<S: Send + Sync> FromRequest<S> for MultipartBody {
     }
 }
 
-/// A message of a worker, decoded from its wire form and checked: no route sees one that is not.
-pub(crate) struct Checked<W, M>(pub(crate) M, pub(crate) PhantomData<W>);
+/// A protobuf message: checked when it comes from a worker, so no route sees one that breaks the protocol.
+pub(crate) struct Protobuf<M>(pub(crate) M);
 
-impl<W, M, S> FromRequest<S> for Checked<W, M>
-where
-    W: prost::Message + Default,
-    M: TryFrom<W, Error = MessageError>,
-    S: Send + Sync,
-{
+impl<M: proto::Checked, S: Send + Sync> FromRequest<S> for Protobuf<M> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
         media_type(request.headers(), proto::CONTENT_TYPE)?;
-        let bytes = body(request, state).await?;
-        Ok(Self(proto::decode(&bytes)?, PhantomData))
+        Ok(Self(proto::decode(&body(request, state).await?)?))
     }
 }
 
-/// A protobuf message as an answer.
-pub(crate) struct ProtoBody<M>(pub(crate) M);
-
-impl<M: prost::Message> IntoResponse for ProtoBody<M> {
+impl<M: prost::Message> IntoResponse for Protobuf<M> {
     fn into_response(self) -> Response {
-        (
-            [(header::CONTENT_TYPE, proto::CONTENT_TYPE)],
-            self.0.encode_to_vec(),
-        )
-            .into_response()
+        let content_type = [(header::CONTENT_TYPE, proto::CONTENT_TYPE)];
+        (content_type, self.0.encode_to_vec()).into_response()
     }
 }
 
@@ -143,13 +122,8 @@ impl<S: Send + Sync> FromRequestParts<S> for PreferredWait {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
-        let preferences = parts
-            .headers
-            .get_all("prefer")
-            .into_iter()
-            .filter_map(|value| value.to_str().ok());
-        let mut waits = preferences.flat_map(|line| line.split(',')).filter_map(|one| {
-            let (name, value) = one.split_once('=')?;
+        let mut waits = listed(&parts.headers, "prefer").filter_map(|preference| {
+            let (name, value) = preference.split_once('=')?;
             name.trim()
                 .eq_ignore_ascii_case("wait")
                 .then(|| value.trim().to_owned())
@@ -165,6 +139,13 @@ impl<S: Send + Sync> FromRequestParts<S> for PreferredWait {
         })?;
         Ok(Self(Some(Duration::from_secs(seconds).min(limits::MAX_WAIT))))
     }
+}
+
+/// The elements of a header whose value is a list, over all its lines.
+pub(crate) fn listed(headers: &HeaderMap, name: impl AsHeaderName) -> impl Iterator<Item = &str> {
+    let lines = headers.get_all(name).into_iter();
+    let lines = lines.filter_map(|value| value.to_str().ok());
+    lines.flat_map(|line| line.split(',')).map(str::trim)
 }
 
 async fn body<S: Send + Sync>(request: Request, state: &S) -> Result<Bytes, Problem> {

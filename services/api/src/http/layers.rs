@@ -116,7 +116,11 @@ pub(crate) async fn observe(request: Request, next: Next) -> Response {
     let span = tracing::info_span!("request", id);
     let work = async {
         if crosses_sites(&request) {
-            cross_origin()
+            Problem::new(
+                Slug::CrossOrigin,
+                "the page that sent this belongs to another site",
+            )
+            .into_response()
         } else {
             next.run(request).await
         }
@@ -170,14 +174,6 @@ fn crosses_sites(request: &Request) -> bool {
         .and_then(|text| text.split_once("://"))
         .map(|(_, site)| site.as_bytes());
     site.is_none() || site != host
-}
-
-fn cross_origin() -> Response {
-    Problem::new(
-        Slug::CrossOrigin,
-        "the page that sent this belongs to another site",
-    )
-    .into_response()
 }
 
 fn panicked(payload: Box<dyn Any + Send>) -> Response {

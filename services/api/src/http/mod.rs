@@ -14,3 +14,14 @@ pub(crate) mod located;
 mod patient;
 pub(crate) mod problem;
 pub(crate) mod stored;
+
+use std::sync::Arc;
+
+pub(crate) use axum::Json;
+pub(crate) use axum::extract::State;
+
+pub(crate) use extract::{JsonBytes, MultipartBody, Path, Protobuf, Query};
+pub(crate) use problem::{Problem, Slug, found};
+
+/// The state of a topic, for its handlers.
+pub(crate) type Topic<T> = State<Arc<T>>;

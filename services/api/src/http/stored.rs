@@ -6,6 +6,7 @@ use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
+use crate::http::extract::listed;
 use crate::http::problem::{Problem, Slug};
 
 /// Bytes that are named by their digest never change: a copy is good for as long as the standard lets one say.
@@ -59,13 +60,7 @@ impl Stored {
 
 /// Whether the client has a copy with this tag.
 pub(crate) fn is_at_hand(headers: &HeaderMap, tag: &str) -> bool {
-    let lines = headers
-        .get_all(header::IF_NONE_MATCH)
-        .into_iter()
-        .filter_map(|value| value.to_str().ok());
-    let mut tags = lines
-        .flat_map(|line| line.split(','))
-        .map(|one| one.trim().trim_start_matches("W/"));
+    let mut tags = listed(headers, header::IF_NONE_MATCH).map(|one| one.trim_start_matches("W/"));
     tags.any(|one| one == "*" || one.trim_matches('"') == tag)
 }
 

@@ -2,20 +2,20 @@
 //!
 //! The table itself is a pure state machine. It is held for microseconds at a time and never across an await.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use catalogue::{JobState, OpenJob, UnixMs};
-use proto::message::Register;
+use proto::wire::{BeatResponse, RegisterRequest};
 use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
 use uuid::Uuid;
 
 use super::Worker;
 use super::granted::Granted;
-use super::table::{Beat, JobEntry, LeaseTable, Millis, StrikeEvent, WorkerRow};
+use super::table::{JobEntry, LeaseTable, Millis, StrikeEvent};
 use crate::clock::Clock;
 use crate::telemetry;
 
@@ -25,7 +25,6 @@ const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
 struct State {
     table: LeaseTable,
-    about: HashMap<String, Register>,
     open: HashMap<String, Open>,
 }
 
@@ -47,7 +46,6 @@ impl Dispatch {
     pub(crate) fn new(clock: Clock) -> Self {
         let state = State {
             table: LeaseTable::new(),
-            about: HashMap::new(),
             open: HashMap::new(),
         };
         // Tokens only grow, also from one life of the service to the next: the high half of a UUIDv7 is the time in
@@ -100,12 +98,10 @@ impl Dispatch {
         freed
     }
 
-    /// Takes a worker on and returns its id.
-    pub(crate) fn register(&self, about: Register) -> String {
+    /// Registers a worker and returns its id.
+    pub(crate) fn register(&self, about: RegisterRequest) -> String {
         let id = format!("wrk_{}", Uuid::now_v7().simple());
-        let mut state = self.state();
-        state.table.register(&id, &about.name, about.slots, self.now());
-        state.about.insert(id.clone(), about);
+        self.table(|table, now| table.register(&id, about, now));
         id
     }
 
@@ -122,7 +118,7 @@ impl Dispatch {
             bell.as_mut().enable();
             {
                 let mut state = self.state();
-                if !state.about.contains_key(worker) {
+                if !state.table.has_worker(worker) {
                     return Err(Unknown);
                 }
                 let token = self.next_token.fetch_add(1, Ordering::Relaxed);
@@ -143,9 +139,9 @@ impl Dispatch {
     }
 
     /// Prolongs a worker's leases.
-    pub(crate) fn beat(&self, worker: &str, tokens: &[u64]) -> Result<Beat, Unknown> {
+    pub(crate) fn beat(&self, worker: &str, tokens: &[u64]) -> Result<BeatResponse, Unknown> {
         let mut state = self.state();
-        if !state.about.contains_key(worker) {
+        if !state.table.has_worker(worker) {
             return Err(Unknown);
         }
         Ok(state.table.beat(worker, tokens, self.now()))
@@ -165,16 +161,12 @@ impl Dispatch {
     /// registered.
     pub(crate) fn drop_workers_named(&self, name: &str) -> (bool, Vec<StrikeEvent>) {
         let mut state = self.state();
-        let ids: Vec<_> = state
-            .about
-            .iter()
-            .filter(|(_, about)| about.name == name)
-            .map(|(id, _)| id.clone())
-            .collect();
+        let workers = state.table.workers();
+        let named = workers.filter(|(_, about, _)| about.name == name);
+        let ids: Vec<String> = named.map(|(id, ..)| id.to_owned()).collect();
         let registered = !ids.is_empty();
         let mut events = Vec::new();
         for id in ids {
-            state.about.remove(&id);
             events.append(&mut state.table.drop_worker(&id, self.now()));
         }
         drop(state);
@@ -183,46 +175,29 @@ impl Dispatch {
 
     /// Whether a registered worker has the runtime of the style models.
     pub(crate) fn has_style_runtime(&self) -> bool {
-        self.state()
-            .about
-            .values()
-            .any(|about| about.onnx_runtime.is_some())
+        self.table(|table, _| table.workers().any(|(_, about, _)| about.onnx_runtime.is_some()))
     }
 
     /// Frames that all registered workers render side by side.
     pub(crate) fn slots(&self) -> u64 {
-        self.state()
-            .about
-            .values()
-            .map(|about| u64::from(about.slots))
-            .sum()
+        self.table(|table, _| table.workers().map(|(_, about, _)| u64::from(about.slots)).sum())
     }
 
     /// The registered workers.
     pub(crate) fn workers(&self) -> Vec<Worker> {
-        let state = self.state();
-        let now = self.now().0;
-        let worker = |row: WorkerRow| {
-            let about = state.about.get(&row.id)?.clone();
-            Some(Worker {
-                id: row.id,
-                name: about.name,
+        self.table(|table, now| {
+            let worker = |(id, about, seen): (&str, &RegisterRequest, Millis)| Worker {
+                id: id.to_owned(),
+                name: about.name.clone(),
                 slots: about.slots,
-                leased_frames: row.leased_frames,
-                silent_ms: now.saturating_sub(row.last_seen.0),
-                code_version: about.code_version,
-                onnx_runtime: about.onnx_runtime,
-                cpu_features: about.cpu_features,
-            })
-        };
-        state.table.workers().into_iter().filter_map(worker).collect()
-    }
-
-    /// Forgets workers that the table has forgotten.
-    pub(crate) fn forget_workers(&self) {
-        let mut state = self.state();
-        let known: HashSet<String> = state.table.workers().into_iter().map(|row| row.id).collect();
-        state.about.retain(|id, _| known.contains(id));
+                leased_frames: table.held_by(id) as u64,
+                silent_ms: now.0.saturating_sub(seen.0),
+                code_version: about.code_version.clone(),
+                onnx_runtime: about.onnx_runtime.clone(),
+                cpu_features: about.cpu_features.clone(),
+            };
+            table.workers().map(worker).collect()
+        })
     }
 
     /// Updates the gauges.
@@ -261,6 +236,7 @@ mod tests {
     use std::sync::Arc;
 
     use catalogue::JobRow;
+    use proto::wire::FrameClaim;
 
     use super::super::table::TERM_MS;
     use super::*;
@@ -296,13 +272,11 @@ mod tests {
         })
     }
 
-    fn about() -> Register {
-        Register {
+    fn about() -> RegisterRequest {
+        RegisterRequest {
             name: "local-1".to_owned(),
             slots: 1,
-            code_version: String::new(),
-            onnx_runtime: None,
-            cpu_features: String::new(),
+            ..RegisterRequest::default()
         }
     }
 
@@ -329,7 +303,7 @@ mod tests {
             .flatten()
             .unwrap();
         let lease = granted.hand_over();
-        assert_eq!(lease.frames, [(0, 1)]);
+        assert_eq!(lease.frames, [FrameClaim { frame: 0, attempt: 1 }]);
         assert_eq!(lease.spec_digest, "digest of job_a");
     }
 

@@ -1,6 +1,6 @@
 //! A lease between the table and its worker.
 
-use proto::message::Lease;
+use proto::wire::{FrameClaim, Lease};
 
 use super::dispatch::Dispatch;
 use super::table::{Grant, TERM_MS};
@@ -19,11 +19,13 @@ impl<'d> Granted<'d> {
             job_id,
             frames,
         } = grant;
+        let frames = frames.into_iter();
+        let frames = frames.map(|(frame, attempt)| FrameClaim { frame, attempt });
         let lease = Some(Lease {
             token,
             job_id,
             spec_digest,
-            frames,
+            frames: frames.collect(),
             term_ms: TERM_MS,
         });
         Self { dispatch, lease }

@@ -67,21 +67,12 @@ fn law() -> Schema {
             json!({"grid": [0, 0.5, 1]}),
         ),
     ];
-    let variants = kinds
-        .into_iter()
-        .fold(OneOfBuilder::new(), |variants, (name, text, example)| {
-            let list = ArrayBuilder::new().items(any(text));
-            let variant = ObjectBuilder::new()
-                .property(name, list)
-                .required(name)
-                .examples([example]);
-            variants.item(variant)
-        });
-    variants
-        .description(Some(
-            "A law: the value of each frame is a pure function of seed, place and frame.",
-        ))
-        .into()
+    let text = "A law: the value of each frame is a pure function of seed, place and frame.";
+    let variants = kinds.map(|(name, text, example)| {
+        let law = ObjectBuilder::new().property(name, ArrayBuilder::new().items(any(text)));
+        law.required(name).examples([example])
+    });
+    one_of(variants).description(Some(text)).into()
 }
 
 fn object(fields: &[Field]) -> ObjectBuilder {
@@ -139,22 +130,16 @@ fn shape(shape: &Shape) -> RefOr<Schema> {
             .into(),
         Shape::Object(fields) => object(fields).into(),
         Shape::OneOf(fields) => {
-            let variants = fields
-                .iter()
-                .map(|field| object(std::slice::from_ref(field)).required(field.name));
-            variants
-                .fold(OneOfBuilder::new(), |all, variant| all.item(variant))
-                .into()
+            let variant = |field: &Field| object(std::slice::from_ref(field)).required(field.name);
+            one_of(fields.iter().map(variant)).into()
         }
         Shape::Tagged {
             tag,
             presence,
             options,
         } => {
-            let variants = options.iter().map(|option| tagged(tag, *presence, option));
-            variants
-                .fold(OneOfBuilder::new(), |all, variant| all.item(variant))
-                .into()
+            let variant = |option: &Variant| tagged(tag, *presence, option);
+            one_of(options.iter().map(variant)).into()
         }
         Shape::Short(name, fields) => {
             let named = format!("short for {{\"{name}\": …}}");
@@ -170,6 +155,11 @@ fn shape(shape: &Shape) -> RefOr<Schema> {
         Shape::Labels => any(&shape.limit()).into(),
         Shape::Scalar => any(shape.describe()).into(),
     }
+}
+
+fn one_of(variants: impl IntoIterator<Item = ObjectBuilder>) -> OneOfBuilder {
+    let variants = variants.into_iter();
+    variants.fold(OneOfBuilder::new(), |all, variant| all.item(variant))
 }
 
 fn number(range: &Range) -> Object {

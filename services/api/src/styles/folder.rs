@@ -1,7 +1,7 @@
 //! Added styles on the disk: `added-styles/DIGEST.onnx`, and `added-styles/NAME.card.json`, which names the digest and
 //! is written last. A file is written whole under another name, made durable, then renamed.
 
-use std::fs::{self, File};
+use std::fs::{self, DirEntry, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -85,12 +85,7 @@ impl Folder {
     pub(super) fn open(data: &Path) -> Result<Self, AddedStyleError> {
         let path = data.join(FOLDER);
         let (mut bytes, mut styles) = (0, 0);
-        let entries = match fs::read_dir(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            entries => Some(entries.map_err(file_error(&path))?),
-        };
-        for entry in entries.into_iter().flatten() {
-            let entry = entry.map_err(file_error(&path))?;
+        for entry in entries(&path).map_err(file_error(&path))? {
             let name = entry.file_name().to_string_lossy().into_owned();
             if name.starts_with(UNFINISHED) {
                 fs::remove_file(entry.path()).map_err(file_error(&entry.path()))?;
@@ -137,8 +132,7 @@ impl Folder {
         }
         let copy = data.join(FOLDER);
         fs::create_dir_all(&copy)?;
-        for entry in fs::read_dir(&self.path)? {
-            let entry = entry?;
+        for entry in entries(&self.path)? {
             let to = copy.join(entry.file_name());
             fs::copy(entry.path(), &to)?;
             File::open(&to)?.sync_all()?;
@@ -158,15 +152,19 @@ impl Folder {
     }
 }
 
+/// What a folder holds, if it is there.
+fn entries(folder: &Path) -> io::Result<Vec<DirEntry>> {
+    match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        entries => entries?.collect(),
+    }
+}
+
 /// The names of the styles that have a card, in order.
 fn cards(folder: &Path) -> io::Result<Vec<String>> {
-    let entries = match fs::read_dir(folder) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries?,
-    };
     let mut names = Vec::new();
-    for entry in entries {
-        let file = entry?.file_name();
+    for entry in entries(folder)? {
+        let file = entry.file_name();
         let name = file.to_str().and_then(|file| file.strip_suffix(CARD));
         names.extend(name.filter(|name| is_name(name)).map(str::to_owned));
     }

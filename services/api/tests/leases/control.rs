@@ -40,7 +40,7 @@ fn a_paused_job_offers_nothing_and_its_leases_live_on() {
 #[test]
 fn frames_that_come_back_while_a_job_is_paused_wait_for_it() {
     let mut table = table(2);
-    table.register("w", "w", 2, Millis(0));
+    table.register("w", crate::about("w", 2), Millis(0));
     for token in [1, 2] {
         table.grant("w", Millis(0), token, 0.0).unwrap();
     }

@@ -9,10 +9,13 @@ use std::time::{Duration, Instant};
 
 use api::lease_table::{JobEntry, LeaseTable, Millis, TERM_MS};
 use prost::Message;
-use proto::message::{BeatOf, Commit, Fail, Lease, PutArtifacts, Register, Registered, Release, WantLease};
-use proto::wire;
+use proto::decode;
+use proto::wire::{
+    BeatRequest, CommitRequest, CommitResponse, FailRequest, FrameClaim, Lease, LeaseRequest, LeaseResponse,
+    PutArtifactsRequest, RegisterRequest, RegisterResponse, ReleaseRequest,
+};
 use sha2::{Digest, Sha256};
-use spec::{FrameRecord, Job, hex};
+use spec::{FrameRecord, Job, RangeFile, RangeKind, SceneFiles, hex};
 
 #[derive(Default)]
 pub(crate) struct State {
@@ -25,7 +28,7 @@ pub(crate) struct State {
     pub(crate) fetched: u32,
     pub(crate) failures: Vec<(u64, String, bool)>,
     blobs: BTreeMap<String, Vec<u8>>,
-    scene: Option<wire::SceneResponse>,
+    scene: Option<SceneFiles<String>>,
     tokens: u64,
     /// Answers to commits that are lost on the way, from now on.
     pub(crate) lost_answers: u32,
@@ -33,6 +36,8 @@ pub(crate) struct State {
     pub(crate) away: bool,
     /// Whether every call is answered with 401.
     pub(crate) strict: bool,
+    /// Version of the protocol that it speaks, if not that of the worker.
+    pub(crate) protocol: Option<u32>,
 }
 
 /// What a call is answered with.
@@ -82,12 +87,16 @@ impl FakeService {
     pub(crate) fn add_scene(&self, rgb: Vec<u8>, range: Vec<u8>) {
         let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
         let mut state = self.state();
-        state.scene = Some(wire::SceneResponse {
-            rgb_digest: digest(&rgb),
-            range_digest: Some(digest(&range)),
-            range_kind: wire::RangeKind::Range.into(),
-            unit_m: Some(1.0),
-            ..wire::SceneResponse::default()
+        state.scene = Some(SceneFiles {
+            rgb: digest(&rgb),
+            range: Some(RangeFile {
+                file: digest(&range),
+                kind: RangeKind::Range,
+                unit_m: Some(1.0),
+                invalid_code: None,
+            }),
+            instances: None,
+            intrinsics: None,
         });
         state.blobs.extend([(digest(&rgb), rgb), (digest(&range), range)]);
     }
@@ -175,15 +184,6 @@ fn request(reader: &mut BufReader<TcpStream>) -> Option<(String, Vec<u8>)> {
     Some((path?, body))
 }
 
-fn decoded<M, W>(body: &[u8]) -> M
-where
-    W: Message + Default,
-    M: TryFrom<W>,
-    M::Error: std::fmt::Debug,
-{
-    M::try_from(W::decode(body).unwrap()).unwrap()
-}
-
 const STALE: Answer = Answer::Problem(409, "stale-lease");
 const UNKNOWN_WORKER: Answer = Answer::Problem(404, "unknown-worker");
 
@@ -195,20 +195,19 @@ fn answer(state: &mut State, path: &str, body: &[u8], now: Millis) -> Answer {
         return Answer::Problem(401, "unauthorized");
     }
     match path.strip_prefix("/v1/worker/").unwrap() {
-        "register" => register(state, &decoded::<Register, wire::RegisterRequest>(body), now),
-        "lease" => lease(state, &decoded::<WantLease, wire::LeaseRequest>(body), now),
+        "register" => register(state, decode(body).unwrap(), now),
+        "lease" => lease(state, &decode(body).unwrap(), now),
         "beat" => {
-            let beat: BeatOf = decoded::<_, wire::BeatRequest>(body);
+            let beat: BeatRequest = decode(body).unwrap();
             if !state.workers.contains(&beat.worker_id) {
                 return UNKNOWN_WORKER;
             }
-            let api::lease_table::Beat { cancelled, lost } =
-                state.table.beat(&beat.worker_id, &beat.tokens, now);
-            Answer::Message(wire::BeatResponse { cancelled, lost }.encode_to_vec())
+            let beat = state.table.beat(&beat.worker_id, &beat.tokens, now);
+            Answer::Message(beat.encode_to_vec())
         }
         "artifacts" => {
-            let put: PutArtifacts = decoded::<_, wire::PutArtifactsRequest>(body);
-            let claim = put.claim;
+            let put: PutArtifactsRequest = decode(body).unwrap();
+            let claim = put.claim.unwrap();
             if state.table.check(&claim).is_err() {
                 return STALE;
             }
@@ -218,14 +217,15 @@ fn answer(state: &mut State, path: &str, body: &[u8], now: Millis) -> Answer {
             }
             Answer::Message(Vec::new())
         }
-        "commit" => commit(state, decoded::<Commit, wire::CommitRequest>(body), now),
+        "commit" => commit(state, decode(body).unwrap(), now),
         "fail" => {
-            let Fail {
+            let FailRequest {
                 claim,
                 error,
                 retryable,
                 ..
-            } = decoded::<_, wire::FailRequest>(body);
+            } = decode(body).unwrap();
+            let claim = claim.unwrap();
             let frame = claim.frame;
             match state.table.fail(&claim, retryable, &error, now) {
                 Err(_) => STALE,
@@ -236,13 +236,12 @@ fn answer(state: &mut State, path: &str, body: &[u8], now: Millis) -> Answer {
             }
         }
         "release" => {
-            state
-                .table
-                .release(decoded::<Release, wire::ReleaseRequest>(body).token, now);
+            let ReleaseRequest { token, .. } = decode(body).unwrap();
+            state.table.release(token, now);
             Answer::Message(Vec::new())
         }
         get => match get.split_once('/').unwrap() {
-            ("scenes", _) => Answer::Message(state.scene.as_ref().unwrap().encode_to_vec()),
+            ("scenes", _) => Answer::Message(serde_json::to_vec(state.scene.as_ref().unwrap()).unwrap()),
             ("jobs", id) => {
                 state.fetched += 1;
                 Answer::Message(state.specs[id].canonical().into())
@@ -253,20 +252,21 @@ fn answer(state: &mut State, path: &str, body: &[u8], now: Millis) -> Answer {
     }
 }
 
-fn register(state: &mut State, about: &Register, now: Millis) -> Answer {
+fn register(state: &mut State, about: RegisterRequest, now: Millis) -> Answer {
     state.tokens += 1;
     let worker_id = format!("wrk_{}", state.tokens);
-    state.table.register(&worker_id, &about.name, about.slots, now);
+    state.table.register(&worker_id, about, now);
     state.workers.insert(worker_id.clone());
-    let registered = Registered {
+    let registered = RegisterResponse {
         worker_id,
         lease_term_ms: TERM_MS,
         beat_ms: 20,
+        protocol: state.protocol.unwrap_or(proto::VERSION),
     };
-    Answer::Message(wire::RegisterResponse::from(registered).encode_to_vec())
+    Answer::Message(registered.encode_to_vec())
 }
 
-fn lease(state: &mut State, want: &WantLease, now: Millis) -> Answer {
+fn lease(state: &mut State, want: &LeaseRequest, now: Millis) -> Answer {
     if !state.workers.contains(&want.worker_id) {
         return UNKNOWN_WORKER;
     }
@@ -277,23 +277,20 @@ fn lease(state: &mut State, want: &WantLease, now: Millis) -> Answer {
     else {
         return Answer::Message(Vec::new());
     };
+    let frames = grant.frames.into_iter();
+    let frames = frames.map(|(frame, attempt)| FrameClaim { frame, attempt });
     let lease = Lease {
         token: grant.token,
         spec_digest: state.specs[&grant.job_id].digest(),
         job_id: grant.job_id,
-        frames: grant.frames,
+        frames: frames.collect(),
         term_ms: TERM_MS,
     };
-    Answer::Message(
-        wire::LeaseResponse {
-            lease: Some(lease.into()),
-        }
-        .encode_to_vec(),
-    )
+    Answer::Message(LeaseResponse { lease: Some(lease) }.encode_to_vec())
 }
 
-fn commit(state: &mut State, commit: Commit, now: Millis) -> Answer {
-    let Commit { claim, record } = commit;
+fn commit(state: &mut State, commit: CommitRequest, now: Millis) -> Answer {
+    let (record, claim) = (commit.record().unwrap(), commit.claim.unwrap());
     let frame = claim.frame;
     if state.table.begin_commit(&claim, now).is_err() {
         return STALE;
@@ -311,5 +308,5 @@ fn commit(state: &mut State, commit: Commit, now: Millis) -> Answer {
         state.lost_answers -= 1;
         return Answer::Nothing;
     }
-    Answer::Message(wire::CommitResponse { already_there: false }.encode_to_vec())
+    Answer::Message(CommitResponse { already_there: false }.encode_to_vec())
 }

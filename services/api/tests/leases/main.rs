@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use proto::message::Claim;
+use proto::wire::{Claim, RegisterRequest};
 
 fn claim(job: &str, frame: u64, token: u64, attempt: u32) -> Claim {
     Claim {
@@ -10,6 +10,14 @@ fn claim(job: &str, frame: u64, token: u64, attempt: u32) -> Claim {
         job_id: job.to_owned(),
         frame,
         attempt,
+    }
+}
+
+fn about(name: &str, slots: u32) -> RegisterRequest {
+    RegisterRequest {
+        name: name.to_owned(),
+        slots,
+        ..RegisterRequest::default()
     }
 }
 

@@ -140,7 +140,9 @@ fn a_frame_that_kills_its_worker_is_given_up_and_its_neighbours_finish() {
         for worker in 0..=history.pick(3) {
             let slots = 1 + history.pick(4);
             let id = format!("w{worker}");
-            history.table.register(&id, &id, slots as u32, Millis(0));
+            history
+                .table
+                .register(&id, crate::about(&id, slots as u32), Millis(0));
             history.workers.push(Worker {
                 id,
                 slots: vec![None; slots as usize],

@@ -177,8 +177,8 @@ fn ten_million_frames_are_taken_up_without_a_list_of_them() {
 #[test]
 fn what_is_left_of_a_job_is_shared_among_all_slots() {
     let mut table = table(24);
-    table.register("w", "one", 3, Millis(0));
-    table.register("v", "two", 1, Millis(0));
+    table.register("w", crate::about("one", 3), Millis(0));
+    table.register("v", crate::about("two", 1), Millis(0));
     let sizes: Vec<usize> = (1..)
         .map_while(|token| Some(table.grant("w", Millis(0), token, QUICK_MS)?.frames.len()))
         .collect();
@@ -199,7 +199,7 @@ fn a_new_job_waits_for_those_that_wait_already_and_starves_nobody() {
 #[test]
 fn after_a_crash_of_several_slots_a_suspect_has_a_worker_to_itself() {
     let mut table = table(3);
-    table.register("w", "w", 2, Millis(0));
+    table.register("w", crate::about("w", 2), Millis(0));
     for token in [1, 2] {
         assert_eq!(table.grant("w", Millis(0), token, 0.0).unwrap().frames.len(), 1);
     }
@@ -208,7 +208,7 @@ fn after_a_crash_of_several_slots_a_suspect_has_a_worker_to_itself() {
         [],
         "either frame may have done it"
     );
-    table.register("v", "v", 2, Millis(2));
+    table.register("v", crate::about("v", 2), Millis(2));
     assert_eq!(table.grant("v", Millis(2), 3, 0.0).unwrap().frames, [(0, 1)]);
     assert_eq!(
         table.grant("v", Millis(2), 4, 0.0),
@@ -224,7 +224,7 @@ fn after_a_crash_of_several_slots_a_suspect_has_a_worker_to_itself() {
 fn one_busy_worker_is_emptied_for_a_suspect_and_the_others_go_on() {
     let mut table = table(100);
     for (worker, token) in [("dead", 1), ("dead", 2), ("v", 3), ("u", 4)] {
-        table.register(worker, worker, 2, Millis(0));
+        table.register(worker, crate::about(worker, 2), Millis(0));
         table.grant(worker, Millis(0), token, 0.0).unwrap();
     }
     table.drop_worker("dead", Millis(1));

@@ -262,3 +262,20 @@ fn a_worker_that_is_refused_ends_with_the_reason() {
     let error = Worker::start(&service, 1).thread.join().unwrap().unwrap_err();
     assert!(format!("{error:#}").contains("401"), "{error:#}");
 }
+
+#[test]
+fn a_worker_does_not_join_a_service_of_another_version_of_the_protocol() {
+    let (service, _) = service(1);
+    service.state().protocol = Some(proto::VERSION + 1);
+    let worker = Worker::start(&service, 1);
+    let refusal = worker.thread.join().unwrap().unwrap_err();
+    let said = format!("{refusal:#}");
+    let (theirs, ours) = (proto::VERSION + 1, proto::VERSION);
+    assert!(
+        said.contains(&format!(
+            "the other side speaks version {theirs} of the worker protocol"
+        )) && said.contains(&format!("this one version {ours}"))
+            && said.contains("use the same version of fathom"),
+        "{said}"
+    );
+}

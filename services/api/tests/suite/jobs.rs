@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::worker::Fake;
 use crate::common::{job, start, start_on};
-use proto::message::Lease;
+use proto::wire::Lease;
 use renderer::worker::client::ClientError;
 use serde_json::json;
 

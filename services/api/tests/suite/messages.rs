@@ -2,10 +2,9 @@
 
 use crate::bad_input::nothing_changes;
 use crate::common::Running;
-use crate::common::worker::{Fake, claim, record};
+use crate::common::worker::{Fake, claim, commit, record};
 use prost::Message;
 use proto::limits;
-use proto::message::{BeatOf, Commit, Register};
 use proto::wire;
 use serde_json::Value;
 
@@ -49,35 +48,56 @@ fn bytes_that_are_no_message_are_refused() {
 }
 
 #[test]
+fn a_worker_of_another_version_of_the_protocol_is_told_what_to_do() {
+    nothing_changes(|service| {
+        for protocol in [0, proto::VERSION - 1, proto::VERSION + 1] {
+            let about = wire::RegisterRequest {
+                name: "other".to_owned(),
+                slots: 1,
+                protocol,
+                ..wire::RegisterRequest::default()
+            };
+            let problem = refused(service, "register", &about);
+            let said = format!(
+                "the other side speaks version {protocol} of the worker protocol and this one version {}: use the same \
+                 version of fathom for service and workers",
+                proto::VERSION
+            );
+            assert_eq!(detail(&problem), said);
+            assert_eq!(service.get("/v1/workers").json()["items"], serde_json::json!([]));
+        }
+    });
+}
+
+#[test]
 fn a_field_that_is_missing_too_long_or_out_of_its_range_is_named_with_the_limit() {
     nothing_changes(|service| {
-        let about = Register {
+        let about = wire::RegisterRequest {
             name: "n".repeat(limits::NAME_BYTES + 1),
             slots: 1,
-            code_version: String::new(),
-            onnx_runtime: None,
-            cpu_features: String::new(),
+            protocol: proto::VERSION,
+            ..wire::RegisterRequest::default()
         };
-        let problem = refused(service, "register", &wire::RegisterRequest::from(about.clone()));
+        let problem = refused(service, "register", &about);
         assert!(
             detail(&problem).contains("`name` has 257 bytes, the limit is 256"),
             "{problem}"
         );
-        let about = Register {
+        let about = wire::RegisterRequest {
             name: "n".to_owned(),
             slots: limits::SLOTS + 1,
             ..about
         };
-        let problem = refused(service, "register", &wire::RegisterRequest::from(about));
+        let problem = refused(service, "register", &about);
         assert!(
             detail(&problem).contains("`slots` is 1025") && detail(&problem).contains("1024"),
             "{problem}"
         );
-        let beat = BeatOf {
+        let beat = wire::BeatRequest {
             worker_id: "wrk_1".to_owned(),
             tokens: vec![1; limits::BEAT_TOKENS + 1],
         };
-        let problem = refused(service, "beat", &wire::BeatRequest::from(beat));
+        let problem = refused(service, "beat", &beat);
         assert!(detail(&problem).contains("the limit is 4096"), "{problem}");
         let want = wire::LeaseRequest {
             worker_id: "wrk_1".to_owned(),
@@ -98,10 +118,7 @@ fn artifacts_that_are_too_many_or_have_names_like_paths_are_not_stored() {
         let lease = worker.lease(1000).unwrap();
         let held = claim(&lease);
         let put = |artifacts: Vec<wire::Artifact>| wire::PutArtifactsRequest {
-            token: held.token,
-            job_id: held.job_id.clone(),
-            frame: held.frame,
-            attempt: held.attempt,
+            claim: Some(held.clone()),
             artifacts,
         };
         let many = vec![wire::Artifact::default(); limits::ARTIFACTS + 1];
@@ -141,15 +158,12 @@ fn a_record_of_another_frame_or_of_files_that_were_not_stored_is_no_image() {
         let worker = Fake::register(service);
         let lease = worker.lease(1000).unwrap();
         let held = claim(&lease);
-        let commit = Commit {
-            claim: held.clone(),
-            record: record(held.frame, &"ab".repeat(32), 9),
-        };
-        let problem = refused(service, "commit", &wire::CommitRequest::from(commit.clone()));
+        let record = record(held.frame, &"ab".repeat(32), 9);
+        let mut commit = commit(held, &record);
+        let problem = refused(service, "commit", &commit);
         assert!(detail(&problem).contains("was not stored"), "{problem}");
-        let mut other = wire::CommitRequest::from(commit);
-        other.frame += 1;
-        let problem = refused(service, "commit", &other);
+        commit.claim.as_mut().unwrap().frame += 1;
+        let problem = refused(service, "commit", &commit);
         assert!(detail(&problem).contains("no frame record"), "{problem}");
         worker.release(&lease);
     });

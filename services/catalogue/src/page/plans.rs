@@ -3,7 +3,7 @@
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions, Row};
 
-use super::{Question, bound};
+use super::Question;
 use crate::columns::Columns;
 use crate::cursor;
 use crate::fill::add_columns;
@@ -29,10 +29,7 @@ async fn empty() -> SqliteConnection {
 async fn plan(query: &ImageQuery) -> String {
     let question = Question::new(&columns(), query).unwrap();
     let sql = format!("EXPLAIN QUERY PLAN {}", question.sql.text);
-    let mut statement = sqlx::query(AssertSqlSafe(sql));
-    for value in &question.sql.binds {
-        statement = bound(statement, value.as_ref());
-    }
+    let statement = question.sql.bound_to(sqlx::query(AssertSqlSafe(sql)));
     let steps = statement.fetch_all(&mut empty().await).await.unwrap();
     steps
         .iter()

@@ -1,6 +1,6 @@
 //! Pausing, resuming, trying again.
 
-use catalogue::{CatalogueError, InsertImage, InsertJob, JobState, SceneRow, UnixMs, synthetic};
+use catalogue::{CatalogueError, InsertImage, InsertJob, JobState, SceneRow, UnixMs};
 use spec::{Intrinsics, RangeFile, RangeKind, SceneFiles};
 
 use crate::fixture::{Fixture, failure};

@@ -1,9 +1,10 @@
 //! A catalogue in a folder of its own.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use catalogue::{Catalogue, FailureRow, OpenJob, synthetic};
+use catalogue::{Catalogue, FailureRow, OpenJob};
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Executor};
 
@@ -43,13 +44,21 @@ impl Fixture {
         self.catalogue.failures(job, None, u32::MAX).await.unwrap()
     }
 
+    pub(crate) fn file(&self) -> PathBuf {
+        self.folder.path().join("catalogue.sqlite")
+    }
+
+    pub(crate) async fn counts(&self) -> BTreeMap<String, u64> {
+        counts(&self.file()).await
+    }
+
     pub(crate) async fn is_sound(&self) {
         assert_eq!(self.catalogue.integrity_check().await.unwrap(), [""; 0]);
     }
 
     /// Changes the file behind the catalogue's back.
     pub(crate) async fn sabotage(&self, sql: &'static str) {
-        sabotage(&self.folder.path().join("catalogue.sqlite"), sql).await;
+        sabotage(&self.file(), sql).await;
     }
 
     /// As after a kill: nothing is closed in order.
@@ -81,4 +90,25 @@ pub(crate) async fn sabotage(path: &Path, sql: &str) {
     let mut connection = options.connect().await.unwrap();
     connection.execute(AssertSqlSafe(sql.to_owned())).await.unwrap();
     connection.close().await.unwrap();
+}
+
+/// The number of rows of every table in the file of a catalogue, also of jobs that are being deleted.
+async fn counts(file: &Path) -> BTreeMap<String, u64> {
+    let mut connection = SqliteConnectOptions::new()
+        .filename(file)
+        .connect()
+        .await
+        .unwrap();
+    let tables: Vec<String> = sqlx::query_scalar("SELECT name FROM sqlite_schema WHERE type = 'table'")
+        .fetch_all(&mut connection)
+        .await
+        .unwrap();
+    let mut counts = BTreeMap::new();
+    for table in tables {
+        let sql = AssertSqlSafe(format!("SELECT count(*) FROM {table}"));
+        let rows: i64 = sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap();
+        counts.insert(table, rows as u64);
+    }
+    connection.close().await.unwrap();
+    counts
 }

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use catalogue::{Catalogue, CatalogueError, ImageQuery, InsertJob, synthetic};
+use catalogue::{Catalogue, CatalogueError, ImageQuery, InsertJob};
 
 #[path = "../../../../tests/src/small_disk.rs"]
 mod small_disk;

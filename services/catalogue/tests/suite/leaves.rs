@@ -1,6 +1,6 @@
 //! Columns of every leaf: large whole numbers, elements of lists, and images stored before a column was there.
 
-use catalogue::{ImageQuery, synthetic};
+use catalogue::ImageQuery;
 use serde_json::{Value, json};
 use spec::FrameRecord;
 
@@ -176,4 +176,18 @@ async fn columns_of_a_newer_program_are_filled_from_the_records_wherever_the_las
     let filter = "encode.format = 'png' and water.range_scale > 0";
     assert_eq!(rows(&at, filter, "frame", &["frame"]).await.len(), 50);
     at.is_sound().await;
+}
+
+#[tokio::test]
+async fn the_first_edge_of_a_histogram_over_seeds_is_the_least_seed() {
+    let seeds = [5, u64::MAX].into_iter().zip(0..);
+    let records = seeds.map(|(seed, frame)| record(frame, &[("/seed", json!(seed))]));
+    let at = with_records(records.collect()).await;
+    let histogram = at
+        .catalogue
+        .histogram("bay", None, "seed", 2, None)
+        .await
+        .unwrap();
+    assert_eq!((histogram.edges[0], histogram.edges[2]), (5.0, u64::MAX as f64));
+    assert_eq!(histogram.counts, [1, 1]);
 }

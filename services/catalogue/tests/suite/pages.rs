@@ -1,6 +1,6 @@
 //! Pages: every row once and in order, whatever the order, the ties, the gaps, and what arrives meanwhile.
 
-use catalogue::{CatalogueError, ImageQuery, synthetic};
+use catalogue::{CatalogueError, ImageQuery};
 use serde_json::Value;
 
 use crate::fixture::Fixture;

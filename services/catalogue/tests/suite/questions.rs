@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use catalogue::{CatalogueError, ImageQuery, synthetic};
+use catalogue::{CatalogueError, ImageQuery};
 
 use crate::fixture::Fixture;
 

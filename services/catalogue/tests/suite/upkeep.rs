@@ -1,6 +1,6 @@
 //! Copies and checks.
 
-use catalogue::{Catalogue, synthetic};
+use catalogue::Catalogue;
 
 use crate::fixture::Fixture;
 

@@ -1,6 +1,6 @@
 //! One beat for all leases of the worker.
 
-use proto::message::BeatOf;
+use proto::wire::BeatRequest;
 
 use super::Shared;
 use super::client::ClientError;
@@ -15,11 +15,11 @@ pub(crate) fn run(shared: &Shared) {
 
 fn beat(shared: &Shared) {
     let (worker_id, tokens) = (shared.membership.worker_id(), shared.held.tokens());
-    let leases = BeatOf {
+    let leases = BeatRequest {
         worker_id: worker_id.clone(),
         tokens: tokens.clone(),
     };
-    match shared.client.beat(leases) {
+    match shared.client.beat(&leases) {
         Ok(beat) => {
             if !beat.cancelled.is_empty() || !beat.lost.is_empty() {
                 tracing::info!(cancelled = ?beat.cancelled, lost = ?beat.lost, "leases have ended");

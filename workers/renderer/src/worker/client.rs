@@ -3,8 +3,12 @@
 use std::time::Duration;
 
 use prost::Message;
-use proto::message::{Beat, BeatOf, Lease, Register, Registered, Release, Style, WantLease};
-use proto::{CONTENT_TYPE, MessageError, wire};
+use proto::wire::{
+    BeatRequest, BeatResponse, CommitRequest, CommitResponse, FailRequest, Lease, LeaseRequest,
+    LeaseResponse, PutArtifactsRequest, RegisterRequest, RegisterResponse, ReleaseRequest, Style,
+    StylesResponse,
+};
+use proto::{CONTENT_TYPE, Checked, decode};
 use spec::SceneFiles;
 use ureq::http::StatusCode;
 
@@ -54,46 +58,41 @@ impl Client {
     }
 
     /// Introduces the worker.
-    pub fn register(&self, about: Register) -> Outcome<Registered> {
-        let response: wire::RegisterResponse = self.post("register", &wire::RegisterRequest::from(about))?;
-        checked(response.try_into())
+    pub fn register(&self, about: &RegisterRequest) -> Outcome<RegisterResponse> {
+        self.post("register", about)
     }
 
     /// Waits for frames to render.
-    pub fn lease(&self, want: WantLease) -> Outcome<Option<Lease>> {
-        let response: wire::LeaseResponse = self.post("lease", &wire::LeaseRequest::from(want))?;
-        let lease = response.lease.map(|lease| checked(lease.try_into()));
-        lease.transpose()
+    pub fn lease(&self, request: &LeaseRequest) -> Outcome<Option<Lease>> {
+        let response: LeaseResponse = self.post("lease", request)?;
+        Ok(response.lease)
     }
 
     /// Prolongs leases.
-    pub fn beat(&self, beat: BeatOf) -> Outcome<Beat> {
-        let response: wire::BeatResponse = self.post("beat", &wire::BeatRequest::from(beat))?;
-        Ok(response.into())
+    pub fn beat(&self, beat: &BeatRequest) -> Outcome<BeatResponse> {
+        self.post("beat", beat)
     }
 
-    /// Stores the files of a frame. They may be large and are sent again after a failure, so they are encoded once.
-    pub fn put_artifacts(&self, files: &wire::PutArtifactsRequest) -> Outcome<()> {
-        self.post::<wire::PutArtifactsResponse>("artifacts", files)
-            .map(drop)
+    /// Stores the files of a frame.
+    pub fn put_artifacts(&self, files: &PutArtifactsRequest) -> Outcome<()> {
+        self.post("artifacts", files)
     }
 
     /// Makes the image of a frame visible; returns whether it was there already.
-    pub fn commit(&self, commit: &wire::CommitRequest) -> Outcome<bool> {
-        let response: wire::CommitResponse = self.post("commit", commit)?;
+    pub fn commit(&self, commit: &CommitRequest) -> Outcome<bool> {
+        let response: CommitResponse = self.post("commit", commit)?;
         Ok(response.already_there)
     }
 
     /// Reports a failed attempt.
-    pub fn fail(&self, fail: &wire::FailRequest) -> Outcome<()> {
-        self.post::<wire::FailResponse>("fail", fail).map(drop)
+    pub fn fail(&self, fail: &FailRequest) -> Outcome<()> {
+        self.post("fail", fail)
     }
 
     /// Hands a lease back.
     pub fn release(&self, token: u64, reason: &str) -> Outcome<()> {
         let reason = reason.to_owned();
-        let release = wire::ReleaseRequest::from(Release { token, reason });
-        self.post::<wire::ReleaseResponse>("release", &release).map(drop)
+        self.post("release", &ReleaseRequest { token, reason })
     }
 
     /// The canonical description of a job.
@@ -103,14 +102,14 @@ impl Client {
 
     /// The digests of the files of an uploaded scene.
     pub fn scene(&self, id: &str) -> Outcome<SceneFiles<String>> {
-        let response: wire::SceneResponse = decode(&self.get(&format!("scenes/{id}"))?)?;
-        checked(response.try_into())
+        let files = self.get(&format!("scenes/{id}"))?;
+        serde_json::from_slice(&files).map_err(|error| unreadable(&error))
     }
 
     /// The style models that jobs may name.
     pub fn styles(&self) -> Outcome<Vec<Style>> {
-        let response: wire::StylesResponse = decode(&self.get("styles")?)?;
-        checked(response.try_into())
+        let response: StylesResponse = decoded(&self.get("styles")?)?;
+        Ok(response.styles)
     }
 
     /// The ONNX file of a style model.
@@ -123,10 +122,10 @@ impl Client {
         self.get(&format!("blobs/{digest}"))
     }
 
-    fn post<Response: Message + Default>(&self, what: &str, request: &impl Message) -> Outcome<Response> {
+    fn post<Response: Checked>(&self, what: &str, request: &impl Message) -> Outcome<Response> {
         let headers = [("content-type", CONTENT_TYPE)];
         let path = format!("/v1/worker/{what}");
-        decode(&self.0.post(&path, &headers, request.encode_to_vec())?.bytes)
+        decoded(&self.0.post(&path, &headers, request.encode_to_vec())?.bytes)
     }
 
     fn get(&self, what: &str) -> Outcome<Vec<u8>> {
@@ -134,19 +133,15 @@ impl Client {
     }
 }
 
-fn decode<Response: Message + Default>(bytes: &[u8]) -> Outcome<Response> {
-    Response::decode(bytes).map_err(|error| unreadable(&error))
-}
-
-fn checked<T>(message: Result<T, MessageError>) -> Outcome<T> {
-    message.map_err(|error| unreadable(&error))
+fn decoded<Response: Checked>(bytes: &[u8]) -> Outcome<Response> {
+    decode(bytes).map_err(|error| unreadable(&error))
 }
 
 /// A response that makes no sense is as good as a refusal: it would be the same next time.
 fn unreadable(error: &dyn std::error::Error) -> ClientError {
     ClientError::Refused {
         status: 200,
-        problem: format!("the response is no message of this protocol: {error}"),
+        problem: format!("the response cannot be used: {error}"),
     }
 }
 

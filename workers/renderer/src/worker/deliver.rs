@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::mpsc::Receiver;
 
 use proto::limits::shorten;
-use proto::message::{Artifact, Claim, Commit, Fail, PutArtifacts};
-use proto::wire;
+use proto::wire::{Artifact, Claim, CommitRequest, FailRequest, PutArtifactsRequest};
 
 use super::Shared;
 use super::client::{ClientError, Outcome};
@@ -83,15 +82,14 @@ fn deliver(shared: &Shared, claim: Claim, outcome: Result<Rendered, Refusal>, ho
 /// Files first, then the record that names them.
 fn hand_in(shared: &Shared, claim: &Claim, rendered: Rendered, hold: &Hold) -> Outcome<()> {
     let Rendered { files, record } = rendered;
-    let timings_ms = record.timings_ms.clone();
-    let files = wire::PutArtifactsRequest::from(PutArtifacts {
-        claim: claim.clone(),
+    let files = PutArtifactsRequest {
+        claim: Some(claim.clone()),
         artifacts: files.into_iter().map(artifact).collect(),
-    });
-    let commit = wire::CommitRequest::from(Commit {
-        claim: claim.clone(),
-        record,
-    });
+    };
+    let commit = CommitRequest {
+        claim: Some(claim.clone()),
+        record_json: serde_json::to_vec(&record).expect("maps with string keys and numbers always serialize"),
+    };
     faults::point("worker.rendered");
     let stored = insist(shared, hold, || shared.client.put_artifacts(&files)).and_then(|()| {
         faults::point("worker.stored");
@@ -105,7 +103,7 @@ fn hand_in(shared: &Shared, claim: &Claim, rendered: Rendered, hold: &Hold) -> O
                 error: format!("the service refused the image ({status}): {problem}"),
                 retryable: false,
             };
-            report(shared, claim, refusal, timings_ms, hold)
+            report(shared, claim, refusal, record.timings_ms, hold)
         }
         stored => stored,
     }
@@ -127,12 +125,12 @@ fn report(
     timings_ms: BTreeMap<String, f64>,
     hold: &Hold,
 ) -> Outcome<()> {
-    let fail = wire::FailRequest::from(Fail {
-        claim: claim.clone(),
+    let fail = FailRequest {
+        claim: Some(claim.clone()),
         error: shorten(&refusal.error),
         retryable: refusal.retryable,
         timings_ms,
-    });
+    };
     insist(shared, hold, || shared.client.fail(&fail))
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use proto::message::Lease;
+use proto::wire::Lease;
 use spec::Job;
 
 use super::fetch::fetch_bytes;

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use proto::message::{Register, Registered};
+use proto::wire::{RegisterRequest, RegisterResponse};
 
 use super::client::{Client, Outcome};
 use super::patience::persist;
@@ -11,14 +11,14 @@ use super::stop::Stop;
 
 /// What a service knows this worker by.
 pub(crate) struct Membership {
-    about: Register,
-    registered: Mutex<Registered>,
+    about: RegisterRequest,
+    registered: Mutex<RegisterResponse>,
 }
 
 impl Membership {
     /// Joins; waits for a service that is away. `None`: told to stop before that.
-    pub(crate) fn join(client: &Client, about: Register, stop: &Stop) -> Outcome<Option<Self>> {
-        let joined = persist(stop, || !stop.is_set(), || client.register(about.clone())).result;
+    pub(crate) fn join(client: &Client, about: RegisterRequest, stop: &Stop) -> Outcome<Option<Self>> {
+        let joined = persist(stop, || !stop.is_set(), || client.register(&about)).result;
         if stop.is_set() {
             return Ok(None);
         }
@@ -40,14 +40,14 @@ impl Membership {
     pub(crate) fn rejoin(&self, client: &Client, forgotten: &str) -> Outcome<()> {
         let mut registered = self.registered();
         if registered.worker_id == forgotten {
-            *registered = client.register(self.about.clone())?;
+            *registered = client.register(&self.about)?;
             let worker = &registered.worker_id;
             tracing::info!(worker, was = forgotten, "joined the service again");
         }
         Ok(())
     }
 
-    fn registered(&self) -> MutexGuard<'_, Registered> {
+    fn registered(&self) -> MutexGuard<'_, RegisterResponse> {
         self.registered.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

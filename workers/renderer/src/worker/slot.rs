@@ -3,7 +3,7 @@
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
-use proto::message::{Claim, Lease, WantLease};
+use proto::wire::{Claim, FrameClaim, Lease, LeaseRequest};
 use spec::{Job, Scene};
 
 use super::Shared;
@@ -46,12 +46,12 @@ pub(crate) fn run(shared: &Shared, number: usize, parcels: &SyncSender<Parcel>) 
 /// Asks for frames; waits a moment for them.
 fn lease(shared: &Shared, frame_ms: f64) -> Outcome<Option<Lease>> {
     let worker_id = shared.membership.worker_id();
-    let want = WantLease {
+    let request = LeaseRequest {
         worker_id: worker_id.clone(),
         wait_ms: LEASE_WAIT_MS,
         frame_ms,
     };
-    match shared.client.lease(want) {
+    match shared.client.lease(&request) {
         Err(ClientError::UnknownWorker) => {
             shared.membership.rejoin(&shared.client, &worker_id)?;
             Ok(None)
@@ -75,7 +75,7 @@ fn work(
     faults::point("worker.leased");
     let job = shared.jobs.get(shared, &hold, lease).map_err(Refusal::from);
     let mut finished = true;
-    for &(frame, attempt) in &lease.frames {
+    for &FrameClaim { frame, attempt } in &lease.frames {
         if shared.stop.is_set() || hold.is_lost() {
             finished = false;
             break;

@@ -1,16 +1,10 @@
 //! `GET /v1/datasets/{name}/histogram`.
 
-use std::sync::Arc;
+use crate::http::{Json, Path, Problem, Query, Slug, State, Topic, bounds};
 
-use axum::Json;
-use axum::extract::State;
 use catalogue::{Catalogue, Histogram};
 use serde::Deserialize;
 use utoipa::IntoParams;
-
-use crate::http::bounds;
-use crate::http::extract::{Path, Query};
-use crate::http::problem::{Problem, Slug};
 
 /// Which values, in how many bins.
 #[derive(Deserialize, IntoParams)]
@@ -37,7 +31,7 @@ pub(crate) struct Parameters {
     responses((status = 200, description = "The bins.", body = Histogram),
               (status = 422, response = crate::openapi::Problem)))]
 pub(crate) async fn histogram(
-    State(catalogue): State<Arc<Catalogue>>,
+    State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<Histogram>, Problem> {

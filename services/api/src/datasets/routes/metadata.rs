@@ -2,17 +2,14 @@
 
 use std::sync::Arc;
 
-use axum::extract::State;
 use axum::response::Response;
 use catalogue::{Catalogue, ImageQuery};
 use serde::Deserialize;
 use serde_json::Value;
 use utoipa::IntoParams;
 
-use crate::http::bounds;
-use crate::http::extract::{Path, Query};
 use crate::http::lines::{self, Batch};
-use crate::http::problem::Problem;
+use crate::http::{Path, Problem, Query, State, Topic, bounds};
 use crate::limits::ROWS_BATCH;
 
 /// Which images.
@@ -32,7 +29,7 @@ pub(crate) struct Parameters {
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "One object a line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn jsonl(
-    State(catalogue): State<Arc<Catalogue>>,
+    State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Response, Problem> {
@@ -49,7 +46,7 @@ pub(crate) async fn jsonl(
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String)))]
 pub(crate) async fn csv(
-    State(catalogue): State<Arc<Catalogue>>,
+    State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Response, Problem> {
@@ -76,7 +73,7 @@ type Write = fn(&[String], Vec<Value>) -> Result<Vec<u8>, Problem>;
 
 impl Table {
     async fn open(catalogue: Arc<Catalogue>, dataset: String, asked: Parameters) -> Result<Self, Problem> {
-        super::get::row(&catalogue, &dataset).await?;
+        super::dataset::row(&catalogue, &dataset).await?;
         let columns = catalogue.columns(&dataset).await?.into_iter();
         Ok(Self {
             filter: bounds::filter(asked.filter)?,

@@ -1,8 +1,6 @@
 //! Datasets.
 
-pub(crate) mod delete;
-pub(crate) mod get;
+pub(crate) mod dataset;
 pub(crate) mod histogram;
-pub(crate) mod list;
 pub(crate) mod metadata;
 pub(crate) mod stats;

@@ -1,16 +1,10 @@
 //! `GET /v1/datasets/{name}/stats`.
 
-use std::sync::Arc;
+use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
 
-use axum::Json;
-use axum::extract::State;
 use catalogue::{Catalogue, GroupStats};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-
-use crate::http::bounds;
-use crate::http::extract::{Path, Query};
-use crate::http::problem::Problem;
 
 /// Which metrics, over which images, grouped how.
 #[derive(Deserialize, IntoParams)]
@@ -39,7 +33,7 @@ pub(crate) struct Statistics {
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "Statistics per group and metric.", body = Statistics)))]
 pub(crate) async fn stats(
-    State(catalogue): State<Arc<Catalogue>>,
+    State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<Statistics>, Problem> {

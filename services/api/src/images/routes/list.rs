@@ -1,17 +1,11 @@
 //! `GET /v1/images`.
 
-use std::sync::Arc;
+use crate::http::{Json, Problem, Query, State, Topic, bounds};
 
-use axum::Json;
-use axum::extract::State;
 use catalogue::{Catalogue, ImageQuery, Page};
 use serde::Deserialize;
 use serde_json::Value;
 use utoipa::IntoParams;
-
-use crate::http::bounds;
-use crate::http::extract::Query;
-use crate::http::problem::Problem;
 
 /// Which images, which columns, in which order.
 #[derive(Deserialize, IntoParams)]
@@ -40,7 +34,7 @@ pub(crate) struct Parameters {
 #[utoipa::path(get, path = "/v1/images", tag = "images", params(Parameters),
     responses((status = 200, description = "A page of rows.", body = Page<Value>)))]
 pub(crate) async fn list(
-    State(catalogue): State<Arc<Catalogue>>,
+    State(catalogue): Topic<Catalogue>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<Page<Value>>, Problem> {
     let query = ImageQuery {

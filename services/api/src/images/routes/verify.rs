@@ -2,15 +2,12 @@
 
 use std::sync::Arc;
 
-use axum::Json;
-use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use spec::ArtifactEntry;
 use store::StoreError;
 use utoipa::ToSchema;
 
-use crate::http::extract::{JsonBytes, Path};
-use crate::http::problem::{Problem, Slug};
+use crate::http::{Json, JsonBytes, Path, Problem, Slug, State, Topic};
 use crate::images::Images;
 use crate::images::rerender::{Again, difference};
 
@@ -61,7 +58,7 @@ pub(crate) struct Verified {
     request_body(content = Wish, content_type = "application/json"),
     responses((status = 200, description = "What was found.", body = Verified)))]
 pub(crate) async fn verify(
-    State(images): State<Arc<Images>>,
+    State(images): Topic<Images>,
     Path((job, frame)): Path<(String, u64)>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Json<Verified>, Problem> {

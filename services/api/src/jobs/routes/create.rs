@@ -1,15 +1,12 @@
 //! `POST /v1/jobs`.
 
-use std::sync::Arc;
-
-use axum::extract::State;
 use axum::http::StatusCode;
 use catalogue::JobRow;
 use spec::Job;
 
-use crate::http::extract::{JsonBytes, Submitter};
+use crate::http::extract::Submitter;
 use crate::http::located::{Located, located};
-use crate::http::problem::Problem;
+use crate::http::{JsonBytes, Problem, State, Topic};
 use crate::jobs::Jobs;
 use crate::limits;
 use crate::openapi::JobDescription;
@@ -25,7 +22,7 @@ use crate::openapi::JobDescription;
         (status = 202, description = "Accepted and durable; `Location` is the job.", body = JobRow),
         (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
-    State(jobs): State<Arc<Jobs>>,
+    State(jobs): Topic<Jobs>,
     submitter: Submitter,
     JsonBytes(body): JsonBytes,
 ) -> Result<Located<JobRow>, Problem> {

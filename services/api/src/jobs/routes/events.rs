@@ -1,14 +1,10 @@
 //! `GET /v1/jobs/{id}/events`.
 
-use std::sync::Arc;
-
-use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 
-use crate::http::extract::Path;
-use crate::http::problem::{Problem, Slug};
+use crate::http::{Path, Problem, Slug, State, Topic};
 use crate::jobs::Jobs;
 use crate::jobs::follow::{Follow, Seen};
 use crate::limits;
@@ -26,7 +22,7 @@ use crate::limits;
     responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String),
               (status = 204, description = "The job has ended and all of it was told.")))]
 pub(crate) async fn events(
-    State(jobs): State<Arc<Jobs>>,
+    State(jobs): Topic<Jobs>,
     Path(id): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {

@@ -1,16 +1,10 @@
 //! `GET /v1/jobs/{id}`, with long-poll.
 
-use std::sync::Arc;
-
-use axum::Json;
-use axum::extract::State;
 use catalogue::JobRow;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use crate::http::bounds;
-use crate::http::extract::{Path, Query};
-use crate::http::problem::Problem;
+use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
 use crate::jobs::Jobs;
 use crate::jobs::wait::Until;
 
@@ -33,7 +27,7 @@ pub(crate) struct Parameters {
     params(("id" = String, Path, description = "`job_…`"), Parameters),
     responses((status = 200, description = "The job as it is now.", body = JobRow)))]
 pub(crate) async fn get(
-    State(jobs): State<Arc<Jobs>>,
+    State(jobs): Topic<Jobs>,
     Path(id): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<JobRow>, Problem> {

@@ -1,16 +1,10 @@
 //! `GET /v1/jobs`.
 
-use std::sync::Arc;
+use crate::http::{Json, Problem, Query, State, Topic, bounds};
 
-use axum::Json;
-use axum::extract::State;
 use catalogue::{Catalogue, JobRow, Page};
 use serde::Deserialize;
 use utoipa::IntoParams;
-
-use crate::http::bounds;
-use crate::http::extract::Query;
-use crate::http::problem::Problem;
 
 /// Which jobs.
 #[derive(Deserialize, IntoParams)]
@@ -32,7 +26,7 @@ pub(crate) struct Parameters {
 #[utoipa::path(get, path = "/v1/jobs", tag = "jobs", params(Parameters),
     responses((status = 200, description = "A page of jobs.", body = Page<JobRow>)))]
 pub(crate) async fn list(
-    State(catalogue): State<Arc<Catalogue>>,
+    State(catalogue): Topic<Catalogue>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<Page<JobRow>>, Problem> {
     let limit = bounds::rows(asked.limit)?;

@@ -1,18 +1,14 @@
 //! `POST /v1/jobs/preview`.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use axum::Json;
-use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use spec::{Frame, Job, Scene};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::http::bounds::beyond;
-use crate::http::extract::{JsonBytes, Query};
-use crate::http::problem::Problem;
+use crate::http::{Json, JsonBytes, Problem, Query, State, Topic};
 use crate::jobs::Jobs;
 use crate::leases::costs::Sized;
 use crate::openapi::JobDescription;
@@ -77,7 +73,7 @@ pub(crate) struct JobPreview {
     responses((status = 200, description = "The first frames and the cost.", body = JobPreview),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn preview(
-    State(jobs): State<Arc<Jobs>>,
+    State(jobs): Topic<Jobs>,
     Query(asked): Query<Parameters>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Json<JobPreview>, Problem> {

@@ -1,17 +1,13 @@
 //! `POST /v1/renders`.
 
-use std::sync::Arc;
-
-use axum::Json;
-use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use catalogue::{JobRow, JobState};
 use spec::Job;
 
-use crate::http::extract::{JsonBytes, PreferredWait, Submitter};
+use crate::http::extract::{PreferredWait, Submitter, listed};
 use crate::http::located::located;
-use crate::http::problem::{Problem, Slug};
+use crate::http::{Json, JsonBytes, Problem, Slug, State, Topic};
 use crate::jobs::Jobs;
 use crate::jobs::wait::Until;
 use crate::limits;
@@ -35,7 +31,7 @@ const DATASET: &str = "renders";
         (status = 202, description = "Not ready in time; `Location` is the job.", body = JobRow),
         (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
-    State(jobs): State<Arc<Jobs>>,
+    State(jobs): Topic<Jobs>,
     submitter: Submitter,
     PreferredWait(wait): PreferredWait,
     headers: HeaderMap,
@@ -79,13 +75,7 @@ async fn why_failed(jobs: &Jobs, job: &str) -> Result<Problem, Problem> {
 }
 
 fn wants_picture(headers: &HeaderMap) -> bool {
-    let lines = headers
-        .get_all(header::ACCEPT)
-        .into_iter()
-        .filter_map(|value| value.to_str().ok());
-    lines
-        .flat_map(|line| line.split(','))
-        .any(|kind| kind.trim().starts_with("image/"))
+    listed(headers, header::ACCEPT).any(|kind| kind.starts_with("image/"))
 }
 
 /// The description with the usual dataset, if it names none. Text that is no object stays as it is: the description's

@@ -1,6 +1,6 @@
 //! What the holder of a lease says of a frame: it has its image, or it failed. A stale claim changes nothing.
 
-use proto::message::Claim;
+use proto::wire::Claim;
 
 use super::job::Struck;
 use super::types::{Millis, Stale, StrikeEvent};

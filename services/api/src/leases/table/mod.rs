@@ -21,10 +21,12 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
 
+use proto::wire::{BeatResponse, RegisterRequest};
+
 use self::job::{Job, Struck};
 use self::lease::{Lease, Leases};
 use self::suspects::{Suspect, Suspects};
-pub use self::types::{Beat, Grant, JobEntry, Millis, Stale, StrikeEvent, Totals, WorkerRow};
+pub use self::types::{Grant, JobEntry, Millis, Stale, StrikeEvent, Totals};
 
 /// How long a lease lasts without a beat: three of them may be missed.
 pub const TERM_MS: u32 = 15_000;
@@ -50,8 +52,7 @@ pub struct LeaseTable {
 }
 
 struct Worker {
-    name: String,
-    slots: u64,
+    about: RegisterRequest,
     seen: Millis,
 }
 
@@ -99,7 +100,7 @@ impl LeaseTable {
         }
     }
 
-    /// Offers those of these frames again that were given up, one at a time and as if they had never failed. Answers
+    /// Offers those of these frames again that were given up, one at a time and as if they had never failed. Returns
     /// whether the table has the job: one that has ended must be added again.
     pub fn retry(&mut self, job: &str, frames: &[u64]) -> bool {
         let Some(job) = self.jobs.get_mut(job) else {
@@ -109,17 +110,16 @@ impl LeaseTable {
         true
     }
 
-    /// Takes a worker on. `slots`: how many frames it renders at a time.
-    pub fn register(&mut self, worker: &str, name: &str, slots: u32, now: Millis) {
-        let (name, slots) = (name.to_owned(), u64::from(slots.max(1)));
-        self.workers.insert(
-            worker.to_owned(),
-            Worker {
-                name,
-                slots,
-                seen: now,
-            },
-        );
+    /// Registers a worker.
+    pub fn register(&mut self, worker: &str, about: RegisterRequest, now: Millis) {
+        self.workers
+            .insert(worker.to_owned(), Worker { about, seen: now });
+    }
+
+    /// Whether a worker is registered.
+    #[must_use]
+    pub fn has_worker(&self, worker: &str) -> bool {
+        self.workers.contains_key(worker)
     }
 
     /// Leases the next frames to a worker. `token` must be new. `frame_ms` is what a frame costs the worker; not positive:
@@ -143,7 +143,7 @@ impl LeaseTable {
             .workers
             .values()
             .filter(|worker| worker.seen.plus(TERM_MS.into()) > now);
-        let slots: u64 = alive.map(|worker| worker.slots).sum();
+        let slots: u64 = alive.map(|worker| u64::from(worker.about.slots)).sum();
         let found = self.line.iter().find_map(|(_, _, id)| {
             let job = self.jobs.get_mut(id)?;
             // What is left is shared among all slots.
@@ -195,9 +195,9 @@ impl LeaseTable {
     }
 
     /// Prolongs a worker's leases.
-    pub fn beat(&mut self, worker: &str, tokens: &[u64], now: Millis) -> Beat {
+    pub fn beat(&mut self, worker: &str, tokens: &[u64], now: Millis) -> BeatResponse {
         self.saw(worker, now);
-        let mut beat = Beat::default();
+        let mut beat = BeatResponse::default();
         for &token in tokens {
             match self.leases.get_mut(token).filter(|lease| lease.worker == worker) {
                 None => beat.lost.push(token),
@@ -260,21 +260,17 @@ impl LeaseTable {
         self.leases.ended(now).len()
     }
 
-    /// The known workers.
+    /// The registered workers: id, registration, when they were heard of last.
+    pub fn workers(&self) -> impl Iterator<Item = (&str, &RegisterRequest, Millis)> {
+        let workers = self.workers.iter();
+        workers.map(|(id, worker)| (id.as_str(), &worker.about, worker.seen))
+    }
+
+    /// Frames that a worker holds.
     #[must_use]
-    pub fn workers(&self) -> Vec<WorkerRow> {
-        let held = |id: &str| {
-            self.leases
-                .of_worker(id)
-                .map(|lease| lease.frames.len() as u64)
-                .sum()
-        };
-        let row = |(id, worker): (&String, &Worker)| WorkerRow {
-            id: id.clone(),
-            leased_frames: held(id),
-            last_seen: worker.seen,
-        };
-        self.workers.iter().map(row).collect()
+    pub fn held_by(&self, worker: &str) -> usize {
+        let leases = self.leases.of_worker(worker);
+        leases.map(|lease| lease.frames.len()).sum()
     }
 
     /// Frames that wait and frames that are held.
@@ -289,17 +285,9 @@ impl LeaseTable {
 
     /// These leases of a worker are lost; see the top of this file for what that means to their frames.
     fn lose(&mut self, worker: &str, tokens: &[u64], now: Millis) -> Vec<StrikeEvent> {
-        let alone = self
-            .leases
-            .of_worker(worker)
-            .map(|lease| lease.frames.len())
-            .sum::<usize>()
-            == 1;
-        let name = self
-            .workers
-            .get(worker)
-            .map_or(worker, |worker| &worker.name)
-            .to_owned();
+        let alone = self.held_by(worker) == 1;
+        let known = self.workers.get(worker);
+        let name = known.map_or(worker, |known| &known.about.name).to_owned();
         let mut events = Vec::new();
         for &token in tokens {
             let several = self.leases.get(token).is_some_and(|lease| lease.several);
@@ -363,7 +351,12 @@ impl LeaseTable {
         if let Some(known) = self.workers.get_mut(worker) {
             known.seen = now;
         } else {
-            self.register(worker, worker, 1, now);
+            let about = RegisterRequest {
+                name: worker.to_owned(),
+                slots: 1,
+                ..RegisterRequest::default()
+            };
+            self.register(worker, about, now);
         }
     }
 }

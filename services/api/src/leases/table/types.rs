@@ -45,15 +45,6 @@ pub struct Grant {
     pub frames: Vec<(u64, u32)>,
 }
 
-/// What became of the leases of a beat.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Beat {
-    /// Leases of cancelled jobs.
-    pub cancelled: Vec<u64>,
-    /// Leases that ran out.
-    pub lost: Vec<u64>,
-}
-
 /// The token, frame or attempt of a call is not that of a current lease.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the lease is stale")]
@@ -72,17 +63,6 @@ pub struct StrikeEvent {
     pub error: String,
     /// Whether the frame is given up.
     pub quarantined: bool,
-}
-
-/// A worker as the table sees it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct WorkerRow {
-    /// The worker's id.
-    pub id: String,
-    /// Frames that it holds.
-    pub leased_frames: u64,
-    /// When it was heard of last.
-    pub last_seen: Millis,
 }
 
 /// Sums over all jobs.

@@ -3,15 +3,13 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use axum::Json;
-use axum::extract::State;
 use axum::http::StatusCode;
 use serde::Serialize;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
 use crate::http::failure::writing;
-use crate::http::problem::Problem;
+use crate::http::{Json, Problem, State, Topic};
 use crate::operations::Operations;
 use crate::processes::compute::to_the_end;
 
@@ -34,7 +32,7 @@ pub(crate) struct BackupView {
     responses((status = 201, description = "The copy is whole and on the disk.", body = BackupView),
               (status = 507, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
-    State(operations): State<Arc<Operations>>,
+    State(operations): Topic<Operations>,
 ) -> Result<(StatusCode, Json<BackupView>), Problem> {
     // It goes on to its end when the client goes away, and leaves nothing half-done behind.
     let view = to_the_end(async move { copy(&operations).await }).await?;

@@ -1,8 +1,5 @@
 //! `POST /v1/enhance`.
 
-use std::sync::Arc;
-
-use axum::extract::State;
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use enhance::Method;
@@ -10,9 +7,8 @@ use imaging::codec::{encode_png, encode_webp_lossless};
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
-use crate::http::extract::{MultipartBody, Query};
 use crate::http::form::{Form, Kind};
-use crate::http::problem::Problem;
+use crate::http::{MultipartBody, Problem, Query, State, Topic};
 use crate::pictures::{Pictures, required_picture};
 
 /// Codes of what the method is known to do badly with this picture.
@@ -68,7 +64,7 @@ pub(crate) struct EnhanceUpload {
     responses((status = 200, description = "The enhanced picture, 8 bit.",
                content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp")))))]
 pub(crate) async fn enhance(
-    State(pictures): State<Arc<Pictures>>,
+    State(pictures): Topic<Pictures>,
     Query(asked): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Response, Problem> {

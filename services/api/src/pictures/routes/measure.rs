@@ -1,17 +1,13 @@
 //! `POST /v1/measure`.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use axum::Json;
-use axum::extract::State;
 use quality::MetricId;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use crate::http::extract::{MultipartBody, Query};
 use crate::http::form::{Form, Kind};
-use crate::http::problem::Problem;
+use crate::http::{Json, MultipartBody, Problem, Query, State, Topic};
 use crate::pictures::{self, Pictures, required_picture};
 
 /// As in a job that names none.
@@ -55,7 +51,7 @@ pub(crate) struct Measured {
     request_body(content = MeasureUpload, content_type = "multipart/form-data"),
     responses((status = 200, description = "The values.", body = Measured)))]
 pub(crate) async fn measure(
-    State(pictures): State<Arc<Pictures>>,
+    State(pictures): Topic<Pictures>,
     Query(asked): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Json<Measured>, Problem> {

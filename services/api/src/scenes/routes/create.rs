@@ -1,13 +1,9 @@
 //! `POST /v1/scenes`.
 
-use std::sync::Arc;
-
-use axum::extract::State;
 use utoipa::ToSchema;
 
-use crate::http::extract::MultipartBody;
 use crate::http::located::{Located, created, located};
-use crate::http::problem::Problem;
+use crate::http::{MultipartBody, Problem, State, Topic};
 use crate::scenes::Scenes;
 use crate::scenes::upload::SceneForm;
 use crate::scenes::view::SceneView;
@@ -51,7 +47,7 @@ pub(crate) struct SceneUpload {
     responses((status = 201, description = "Stored.", body = SceneView),
               (status = 200, description = "It was there already.", body = SceneView)))]
 pub(crate) async fn create(
-    State(scenes): State<Arc<Scenes>>,
+    State(scenes): Topic<Scenes>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Located<SceneView>, Problem> {
     let (row, new) = scenes.keep(SceneForm::read(body).await?).await?;

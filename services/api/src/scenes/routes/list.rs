@@ -1,16 +1,10 @@
 //! `GET /v1/scenes`.
 
-use std::sync::Arc;
-
-use axum::Json;
-use axum::extract::State;
 use catalogue::{Catalogue, Page};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use crate::http::bounds;
-use crate::http::extract::Query;
-use crate::http::problem::Problem;
+use crate::http::{Json, Problem, Query, State, Topic, bounds};
 use crate::scenes::view::SceneView;
 
 /// Which page.
@@ -29,7 +23,7 @@ pub(crate) struct Parameters {
 #[utoipa::path(get, path = "/v1/scenes", tag = "scenes", params(Parameters),
     responses((status = 200, description = "A page of scenes.", body = Page<SceneView>)))]
 pub(crate) async fn list(
-    State(catalogue): State<Arc<Catalogue>>,
+    State(catalogue): Topic<Catalogue>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<Page<SceneView>>, Problem> {
     let limit = bounds::rows(asked.limit)?;

@@ -1,15 +1,12 @@
 //! `POST /v1/styles`.
 
-use std::sync::Arc;
-
-use axum::extract::{Multipart, State};
+use axum::extract::Multipart;
 use style::Card;
 use utoipa::ToSchema;
 
-use crate::http::extract::MultipartBody;
 use crate::http::form::{Form, Kind};
 use crate::http::located::{Located, created, located};
-use crate::http::problem::Problem;
+use crate::http::{MultipartBody, Problem, State, Topic};
 use crate::styles::{NewStyle, Styles};
 
 const FIELDS: [(&str, Kind); 7] = [
@@ -58,7 +55,7 @@ pub(crate) struct StyleUpload {
               (status = 200, description = "It was there already.", body = Value),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
-    State(styles): State<Arc<Styles>>,
+    State(styles): Topic<Styles>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Located<Card>, Problem> {
     let (card, new) = styles.add(read(body).await?).await?;

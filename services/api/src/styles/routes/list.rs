@@ -1,13 +1,9 @@
 //! `GET /v1/styles`.
 
-use std::sync::Arc;
-
-use axum::Json;
-use axum::extract::State;
 use catalogue::Page;
 use serde_json::Value;
 
-use crate::http::problem::Problem;
+use crate::http::{Json, Problem, State, Topic};
 use crate::styles::Styles;
 
 /// List the style models with their cards, all on one page.
@@ -15,7 +11,7 @@ use crate::styles::Styles;
     responses((status = 200, description = "All style models: name, digest, source, licence, caveats, and whether it takes noise (`takes_noise`). The card of one that a user added warns \
                                            that nobody has measured its stability.",
                body = Page<Value>)))]
-pub(crate) async fn list(State(styles): State<Arc<Styles>>) -> Result<Json<Page<Value>>, Problem> {
+pub(crate) async fn list(State(styles): Topic<Styles>) -> Result<Json<Page<Value>>, Problem> {
     let known = styles.known();
     let cards = known
         .library

@@ -1,37 +1,31 @@
 //! `GET /v1/worker/styles` and `GET /v1/worker/styles/{name}`.
 
-use std::sync::Arc;
-
-use axum::extract::State;
 use axum::response::IntoResponse;
-use proto::message::Style;
-use proto::wire::StylesResponse;
+use proto::wire::{Style, StylesResponse};
 
-use crate::http::extract::{Path, ProtoBody};
-use crate::http::problem::{Problem, found};
 use crate::http::stored::octets;
+use crate::http::{Path, Problem, Protobuf, State, Topic, found};
 use crate::styles::Styles;
 
 /// The style models that jobs may name, for workers that do not know one of them.
-pub(crate) async fn styles(State(styles): State<Arc<Styles>>) -> Result<ProtoBody<StylesResponse>, Problem> {
+pub(crate) async fn styles(State(styles): Topic<Styles>) -> Result<Protobuf<StylesResponse>, Problem> {
     let known = styles.known();
     let names = known.library.names();
     let style = |name: &str| {
         let model = known.library.get(name)?;
-        Some(serde_json::to_string(&model.card).map(|card_json| Style {
+        let card = serde_json::to_string(&model.card).map_err(|error| Problem::internal(&error));
+        Some(card.map(|card_json| Style {
             name: name.to_owned(),
             card_json,
         }))
     };
-    let listed: Result<Vec<Style>, _> = names.into_iter().filter_map(style).collect();
-    Ok(ProtoBody(
-        listed.map_err(|error| Problem::internal(&error))?.into(),
-    ))
+    let styles = names.into_iter().filter_map(style).collect::<Result<_, _>>()?;
+    Ok(Protobuf(StylesResponse { styles }))
 }
 
 /// The ONNX file of a style model.
 pub(crate) async fn style(
-    State(styles): State<Arc<Styles>>,
+    State(styles): Topic<Styles>,
     Path(name): Path<String>,
 ) -> Result<impl IntoResponse, Problem> {
     let model = found(styles.known().library.shared(&name), "style", &name)?;

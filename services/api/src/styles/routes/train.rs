@@ -1,19 +1,16 @@
 //! `POST /v1/styles/train`.
 
-use std::sync::Arc;
-
-use axum::extract::{Multipart, State};
+use axum::extract::Multipart;
 use axum::http::StatusCode;
 use style::is_name;
 use tempfile::TempDir;
 use utoipa::ToSchema;
 
 use super::training::TrainingView;
-use crate::http::extract::MultipartBody;
 use crate::http::failure::writing;
 use crate::http::form::{Form, Kind};
 use crate::http::located::{Located, located};
-use crate::http::problem::Problem;
+use crate::http::{MultipartBody, Problem, State, Topic};
 use crate::limits;
 use crate::styles::Styles;
 use crate::styles::trainings::{Order, photo_name};
@@ -60,7 +57,7 @@ pub(crate) struct TrainingUpload {
     responses((status = 202, description = "Accepted; `Location` is the training.", body = TrainingView),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn train(
-    State(styles): State<Arc<Styles>>,
+    State(styles): Topic<Styles>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Located<TrainingView>, Problem> {
     let training = styles.train(read(body).await?).await?;

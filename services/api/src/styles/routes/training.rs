@@ -1,17 +1,11 @@
 //! `GET /v1/styles/trainings/{id}` and `DELETE` of the same.
 
-use std::sync::Arc;
-
-use axum::Json;
-use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use style::Card;
 use utoipa::{IntoParams, ToSchema};
 
-use crate::http::bounds;
-use crate::http::extract::{Path, Query};
-use crate::http::problem::Problem;
+use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
 use crate::styles::Styles;
 use crate::styles::trainings::{Progress, Training};
 
@@ -87,7 +81,7 @@ pub(crate) struct Parameters {
     params(("id" = String, Path, description = "`trn_…`"), Parameters),
     responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
 pub(crate) async fn get(
-    State(styles): State<Arc<Styles>>,
+    State(styles): Topic<Styles>,
     Path(id): Path<String>,
     Query(asked): Query<Parameters>,
 ) -> Result<Json<TrainingView>, Problem> {
@@ -104,7 +98,7 @@ pub(crate) async fn get(
     params(("id" = String, Path, description = "`trn_…`")),
     responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
 pub(crate) async fn delete(
-    State(styles): State<Arc<Styles>>,
+    State(styles): Topic<Styles>,
     Path(id): Path<String>,
 ) -> Result<Json<TrainingView>, Problem> {
     let training = styles.cancel(&id).await?;

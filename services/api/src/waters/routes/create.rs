@@ -1,14 +1,10 @@
 //! `POST /v1/waters`.
 
-use std::sync::Arc;
-
-use axum::extract::State;
 use axum::http::StatusCode;
 use utoipa::ToSchema;
 
-use crate::http::extract::JsonBytes;
 use crate::http::located::{Located, located};
-use crate::http::problem::Problem;
+use crate::http::{JsonBytes, Problem, State, Topic};
 use crate::waters::Waters;
 use crate::waters::view::WaterView;
 
@@ -55,7 +51,7 @@ pub(crate) struct NewWater {
               (status = 409, description = "The name is taken.", body = crate::openapi::Problem,
                content_type = "application/problem+json")))]
 pub(crate) async fn create(
-    State(waters): State<Arc<Waters>>,
+    State(waters): Topic<Waters>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Located<WaterView>, Problem> {
     let water = waters.create(body.to_vec()).await?;

@@ -1,6 +1,4 @@
 //! Optical waters: the shipped ones, and those of the users' own.
 
 pub(crate) mod create;
-pub(crate) mod delete;
-pub(crate) mod get;
-pub(crate) mod list;
+pub(crate) mod water;

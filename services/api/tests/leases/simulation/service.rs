@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use api::lease_table::{Beat, Grant, JobEntry, LeaseTable, Millis, StrikeEvent, TERM_MS};
+use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, StrikeEvent, TERM_MS};
+use proto::wire::BeatResponse;
 
 /// What the service does wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +42,7 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// As the lease table takes it.
-    pub(crate) fn current(&self) -> proto::message::Claim {
+    pub(crate) fn current(&self) -> proto::wire::Claim {
         crate::claim(&self.frame.0, self.frame.1, self.token, self.attempt)
     }
 }
@@ -145,7 +146,7 @@ impl Service {
         Ok(Some(grant))
     }
 
-    pub(crate) fn beat(&mut self, worker: &str, tokens: &[u64], now: u64) -> Beat {
+    pub(crate) fn beat(&mut self, worker: &str, tokens: &[u64], now: u64) -> BeatResponse {
         let beat = self.table.beat(worker, tokens, Millis(now));
         for token in tokens.iter().filter(|token| !beat.lost.contains(token)) {
             self.ends.insert(*token, now + u64::from(TERM_MS));

@@ -263,7 +263,7 @@ impl World {
         let start = api::lease_table::Millis(self.now + self.ahead);
         self.service
             .table
-            .register(&name(id), &name(id), slots as u32, start);
+            .register(&name(id), crate::about(&name(id), slots as u32), start);
         self.soon(Event::Act(id), 10);
     }
 

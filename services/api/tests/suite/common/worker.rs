@@ -5,7 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use proto::message::{Artifact, Beat, BeatOf, Claim, Commit, Fail, Lease, PutArtifacts, Register, WantLease};
+use proto::wire::{
+    Artifact, BeatRequest, BeatResponse, Claim, CommitRequest, FailRequest, Lease, LeaseRequest,
+    PutArtifactsRequest, RegisterRequest,
+};
 use renderer::worker::client::{Client, ClientError};
 use renderer::worker::{Limits, WorkerOptions};
 use serde_json::{Map, json};
@@ -28,36 +31,37 @@ impl Fake {
     /// A worker that has, or lacks, the runtime of the style models.
     pub(crate) fn with_runtime(service: &Running, onnx_runtime: Option<&str>) -> Self {
         let client = Client::new(&service.url, service.token);
-        let about = Register {
+        let about = RegisterRequest {
             name: "fake".into(),
             slots: 1,
             code_version: "test".into(),
             onnx_runtime: onnx_runtime.map(str::to_owned),
             cpu_features: "none".into(),
+            protocol: proto::VERSION,
         };
-        let id = client.register(about).unwrap().worker_id;
+        let id = client.register(&about).unwrap().worker_id;
         Self { client, id }
     }
 
     pub(crate) fn try_lease(&self, wait_ms: u32) -> Result<Option<Lease>, ClientError> {
-        let want = WantLease {
+        let request = LeaseRequest {
             worker_id: self.id.clone(),
             wait_ms,
             frame_ms: 0.0,
         };
-        self.client.lease(want)
+        self.client.lease(&request)
     }
 
     pub(crate) fn lease(&self, wait_ms: u32) -> Option<Lease> {
         self.try_lease(wait_ms).unwrap()
     }
 
-    pub(crate) fn beat(&self, tokens: &[u64]) -> Beat {
-        let leases = BeatOf {
+    pub(crate) fn beat(&self, tokens: &[u64]) -> BeatResponse {
+        let leases = BeatRequest {
             worker_id: self.id.clone(),
             tokens: tokens.to_vec(),
         };
-        self.client.beat(leases).unwrap()
+        self.client.beat(&leases).unwrap()
     }
 
     pub(crate) fn release(&self, lease: &Lease) {
@@ -66,7 +70,7 @@ impl Fake {
 
     /// Puts and commits the first frame of a lease; says whether it was there already.
     pub(crate) fn finish(&self, lease: &Lease) -> Result<bool, ClientError> {
-        self.finish_with(lease, png(32 + lease.frames[0].0 as usize, 24))
+        self.finish_with(lease, png(32 + lease.frames[0].frame as usize, 24))
     }
 
     /// The same with this picture.
@@ -80,14 +84,11 @@ impl Fake {
             data: picture,
             digest,
         };
-        self.client.put_artifacts(
-            &PutArtifacts {
-                claim: claim.clone(),
-                artifacts: vec![file],
-            }
-            .into(),
-        )?;
-        self.client.commit(&Commit { claim, record }.into())
+        self.client.put_artifacts(&PutArtifactsRequest {
+            claim: Some(claim.clone()),
+            artifacts: vec![file],
+        })?;
+        self.client.commit(&commit(claim, &record))
     }
 
     /// Gives the first frame of a lease up.
@@ -96,14 +97,13 @@ impl Fake {
     }
 
     pub(crate) fn try_fail(&self, lease: &Lease, error: &str) -> Result<(), ClientError> {
-        let claim = claim(lease);
-        let fail = Fail {
-            claim,
+        let fail = FailRequest {
+            claim: Some(claim(lease)),
             error: error.into(),
             retryable: false,
             timings_ms: BTreeMap::new(),
         };
-        self.client.fail(&fail.into())
+        self.client.fail(&fail)
     }
 
     /// Takes and finishes frames until there are none. Leases of an unknown cost have one frame.
@@ -152,12 +152,19 @@ impl Drop for Real {
 
 /// The claim on the first frame of a lease.
 pub(crate) fn claim(lease: &Lease) -> Claim {
-    let (frame, attempt) = lease.frames[0];
+    let first = lease.frames[0];
     Claim {
         token: lease.token,
         job_id: lease.job_id.clone(),
-        frame,
-        attempt,
+        frame: first.frame,
+        attempt: first.attempt,
+    }
+}
+
+pub(crate) fn commit(claim: Claim, record: &FrameRecord) -> CommitRequest {
+    CommitRequest {
+        claim: Some(claim),
+        record_json: serde_json::to_vec(record).unwrap(),
     }
 }
 

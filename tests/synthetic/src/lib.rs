@@ -1,18 +1,14 @@
-//! Images that were never rendered, to fill a catalogue for measurements: shaped and sized like those of a real job,
-//! and a formula of their frame.
+//! Images that were never rendered, to fill a catalogue in tests and measurements: shaped and sized like those of a real
+//! job, and a formula of their frame.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use catalogue::{Catalogue, CatalogueError, NewJob, UnixMs};
 use serde_json::json;
 use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
 use tokio::task::JoinSet;
-
-use crate::catalogue::Catalogue;
-use crate::error::CatalogueError;
-use crate::time::UnixMs;
-use crate::types::NewJob;
 
 /// Commits on their way at one time, as from some dozens of workers.
 const AT_ONCE: u64 = 256;

@@ -1,3 +1,0 @@
-//! `/v1/worker/blobs`.
-
-pub(crate) mod blob;

@@ -1,0 +1,57 @@
+//! `GET /v1/datasets`; `GET` and `DELETE /v1/datasets/{name}`.
+
+use catalogue::{Catalogue, ColumnInfo, DatasetRow, Deleted, Page};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::http::{Json, Path, Problem, State, Topic, found};
+use crate::jobs::Jobs;
+
+/// List datasets by name, all on one page.
+#[utoipa::path(get, path = "/v1/datasets", tag = "datasets",
+    responses((status = 200, description = "All datasets.", body = Page<DatasetRow>)))]
+pub(crate) async fn list(State(catalogue): Topic<Catalogue>) -> Result<Json<Page<DatasetRow>>, Problem> {
+    Ok(Json(Page::whole(catalogue.datasets().await?)))
+}
+
+/// A dataset with its columns.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct DatasetDetail {
+    #[serde(flatten)]
+    dataset: DatasetRow,
+    /// What is known of its images.
+    columns: Vec<ColumnInfo>,
+}
+
+/// See a dataset: its counts, bytes and columns.
+#[utoipa::path(get, path = "/v1/datasets/{name}", tag = "datasets",
+    params(("name" = String, Path, description = "Name of the dataset")),
+    responses((status = 200, description = "The dataset.", body = DatasetDetail)))]
+pub(crate) async fn get(
+    State(catalogue): Topic<Catalogue>,
+    Path(name): Path<String>,
+) -> Result<Json<DatasetDetail>, Problem> {
+    let dataset = row(&catalogue, &name).await?;
+    let columns = catalogue.columns(&name).await?;
+    Ok(Json(DatasetDetail { dataset, columns }))
+}
+
+/// A dataset that exists.
+pub(super) async fn row(catalogue: &Catalogue, name: &str) -> Result<DatasetRow, Problem> {
+    let mut rows = catalogue.datasets().await?.into_iter();
+    found(rows.find(|row| row.name == name), "dataset", name)
+}
+
+/// Delete a dataset with all its jobs and images.
+///
+/// Jobs that have not ended keep it: cancel them first. The space comes back in the background. Scenes stay.
+#[utoipa::path(delete, path = "/v1/datasets/{name}", tag = "datasets",
+    params(("name" = String, Path, description = "Name of the dataset")),
+    responses((status = 200, description = "It is gone.", body = Deleted),
+              (status = 409, response = crate::openapi::Problem)))]
+pub(crate) async fn delete(
+    State(jobs): Topic<Jobs>,
+    Path(name): Path<String>,
+) -> Result<Json<Deleted>, Problem> {
+    Ok(Json(jobs.delete_dataset(name).await?))
+}

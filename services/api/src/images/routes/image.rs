@@ -1,0 +1,73 @@
+//! `GET /v1/images/{job}/{frame}`, its artifacts and its preview.
+
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+use imaging::codec;
+use serde_json::Value;
+
+use crate::http::{Json, Path, Problem, State, Topic, stored};
+use crate::images::Images;
+use crate::limits;
+
+/// The record of an image: resolved parameters, optics, plan, metrics, artifacts, timings, provenance.
+#[utoipa::path(get, path = "/v1/images/{job}/{frame}", tag = "images",
+    params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
+    responses((status = 200, description = "The record.", body = Value)))]
+pub(crate) async fn get(
+    State(images): Topic<Images>,
+    Path((job, frame)): Path<(String, u64)>,
+) -> Result<Json<Value>, Problem> {
+    Ok(Json(images.get(&job, frame).await?))
+}
+
+/// The bytes of an artifact.
+///
+/// The entity tag is the SHA-256 of the bytes, so a copy never goes stale. Single ranges are answered.
+#[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts/{kind}", tag = "images",
+    params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"),
+           ("kind" = String, Path, description = "Such as `rgb`, `range`, `enhanced.hscm`"),
+           ("If-None-Match" = Option<String>, Header, description = "Entity tags of copies at hand"),
+           ("Range" = Option<String>, Header, description = "One range of bytes")),
+    responses((status = 200, description = "The bytes, verified against their digest.", content_type = "image/png"),
+              (status = 206, description = "A range of the bytes.", content_type = "image/png"),
+              (status = 304, description = "The copy at hand is right."),
+              (status = 416, response = crate::openapi::Problem)))]
+pub(crate) async fn artifact(
+    State(images): Topic<Images>,
+    Path((job, frame, kind)): Path<(String, u64, String)>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let entry = images.artifact(&job, frame, &kind).await?;
+    if stored::is_at_hand(&headers, &entry.digest) {
+        return Ok(stored::not_modified(&entry.digest));
+    }
+    images.stored(entry).await?.response(&headers)
+}
+
+/// A thumbnail of the result: a PNG of at most 256 px a side.
+#[utoipa::path(get, path = "/v1/images/{job}/{frame}/preview", tag = "images",
+    params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
+    responses((status = 200, description = "The thumbnail.", content_type = "image/png"),
+              (status = 304, description = "The copy at hand is right.")))]
+pub(crate) async fn preview(
+    State(images): Topic<Images>,
+    Path((job, frame)): Path<(String, u64)>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let entry = images.artifact(&job, frame, "rgb").await?;
+    let tag = format!("{}-{}", entry.digest, limits::PREVIEW_PX);
+    if stored::is_at_hand(&headers, &tag) {
+        return Ok(stored::not_modified(&tag));
+    }
+    let bytes = images.stored(entry).await?.bytes;
+    let thumbnail = images.processes.compute.run(move || thumbnail(&bytes)).await?;
+    let thumbnail = thumbnail.map_err(|error| Problem::internal(&error))?;
+    let png = [(header::CONTENT_TYPE, HeaderValue::from_static("image/png"))];
+    Ok((stored::immutable(&tag), png, thumbnail).into_response())
+}
+
+fn thumbnail(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let picture = codec::decode_picture(bytes).map_err(|error| error.to_string())?;
+    let small = codec::downscale(&picture.to_rgb8(), limits::PREVIEW_PX);
+    codec::encode_png(&small.into()).map_err(|error| error.to_string())
+}

@@ -1,0 +1,71 @@
+//! `GET /livez`, `/readyz`, `/version` and `/metrics`.
+
+use axum::http::header;
+use axum::response::IntoResponse;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::http::{Json, Problem, Slug, State, Topic};
+use crate::operations::Operations;
+use crate::telemetry;
+
+/// Whether the process answers at all.
+#[utoipa::path(get, path = "/livez", tag = "operations", security(()),
+    responses((status = 200, description = "The process answers.", body = String)))]
+pub(crate) async fn livez() -> &'static str {
+    "ok\n"
+}
+
+/// Whether requests can be answered: the catalogue is readable, there is space, and the service is not stopping.
+///
+/// A full disk is looked at again each time: as soon as there is space the answer is 200.
+#[utoipa::path(get, path = "/readyz", tag = "operations", security(()),
+    responses((status = 200, description = "Ready.", body = String),
+              (status = 507, response = crate::openapi::Problem)))]
+pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<&'static str, Problem> {
+    if operations.stop.is_cancelled() {
+        return Err(Problem::overloaded("the service is stopping"));
+    }
+    if operations.bytes.space.is_full().await {
+        let detail = "there is no space left for the data directory; reading goes on";
+        return Err(Problem::new(Slug::StorageFull, detail));
+    }
+    operations
+        .catalogue
+        .job("")
+        .await
+        .map_err(|error| Problem::overloaded(error.to_string()))?;
+    Ok("ready\n")
+}
+
+/// What runs here.
+#[derive(Serialize, ToSchema)]
+pub(crate) struct Version {
+    /// Version of the code.
+    code_version: &'static str,
+    /// Version of the ONNX Runtime that this machine's workers find; null: none, jobs with a style need a worker
+    /// that has one.
+    onnx_runtime: Option<String>,
+}
+
+/// Versions of the code and of the style runtime.
+#[utoipa::path(get, path = "/version", tag = "operations", security(()),
+    responses((status = 200, description = "Versions.", body = Version)))]
+pub(crate) async fn version(State(operations): Topic<Operations>) -> Json<Version> {
+    Json(Version {
+        code_version: env!("CARGO_PKG_VERSION"),
+        onnx_runtime: operations.styles.runtime.clone().ok(),
+    })
+}
+
+/// What the service counts, in Prometheus' text form.
+#[utoipa::path(get, path = "/metrics", tag = "operations",
+    responses((status = 200, description = "Metrics named `fathom_…`, in base units.", body = String)))]
+pub(crate) async fn metrics(State(operations): Topic<Operations>) -> impl IntoResponse {
+    operations.leases.dispatch.measure();
+    telemetry::stored(&operations.bytes.store.stats(), operations.catalogue.wal_bytes());
+    (
+        [(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")],
+        operations.telemetry.render(),
+    )
+}
