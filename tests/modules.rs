@@ -15,31 +15,6 @@ const KNOWN: &[(&str, &[&str])] = &[
         &["chain", "forward_scatter", "plan", "preset", "setting", "water"],
     ),
     ("workers/optics", &["lamp", "turbidity"]),
-    // A registry lists the functions, and they take the types that stand beside it.
-    (
-        "workers/enhance",
-        &[
-            "baseline", "blocks", "hscm", "ibla", "method", "rd", "registry", "rghs", "signs", "suir", "ulap",
-        ],
-    ),
-    (
-        "workers/quality",
-        &[
-            "ciede2000",
-            "corners",
-            "entropy",
-            "light_uniformity",
-            "psnr",
-            "registry",
-            "ssim",
-            "uciqe",
-            "uicm",
-            "uiconm",
-            "uiqm",
-            "uism",
-            "work",
-        ],
-    ),
 ];
 
 /// Which top-level modules each of them uses.

@@ -2,7 +2,7 @@
 
 use enhance::Variant;
 use enhance::hscm::homomorphic::homomorphic as filter;
-use enhance::hscm::{Luma, Options, Settings};
+use enhance::hscm::{CUTOFF, Luma};
 use imaging::{Plane, Raster, Rgb, transfer};
 use spec::{Haze, HazeBlend, HazeSpace};
 
@@ -104,18 +104,11 @@ impl FromDouble for f64 {
 #[must_use]
 pub fn homomorphic(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let picture = Raster::from(transfer::encode_rgb8(&scene.radiance).0);
-    let luma = Luma::of(&picture);
+    let luma = Luma::new(&picture);
     let mut points = Vec::new();
     for cutoff in [8.0, 32.0, 96.0] {
-        let settings = Settings {
-            cutoff,
-            ..Settings::default()
-        };
-        let Ok(options) = Options::new(settings) else {
-            continue;
-        };
-        let (slow, exact) = time(runs, || filter(&luma, &options, Variant::Reference));
-        let (fast, codes) = time(runs, || filter(&luma, &options, Variant::Fast));
+        let (slow, exact) = time(runs, || filter(&luma, cutoff, Variant::Reference));
+        let (fast, codes) = time(runs, || filter(&luma, cutoff, Variant::Fast));
         for (variant, times, result) in [("separable", fast, &codes), ("transform in f64", slow, &exact)] {
             let difference = Some(grey(result, &exact));
             let terms = Some(cutoff as usize);
@@ -127,7 +120,7 @@ pub fn homomorphic(scene: &ChartScene, runs: usize) -> Vec<Point> {
                 times,
                 difference,
             );
-            point.default = variant == "separable" && cutoff == Settings::default().cutoff;
+            point.default = variant == "separable" && cutoff == CUTOFF;
             points.push(point);
         }
     }

@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use enhance::hscm::{self, Luma, Options, circle, clahe, homomorphic, median, merge};
-use enhance::{self as enhance, Method, Variant};
+use enhance::hscm::{CLIP_LIMIT, CUTOFF, GRID, Luma, circle, clahe, homomorphic, median, merge};
+use enhance::{Method, Variant};
 use imaging::{Raster, Rgb8};
 
 const WIDTH: usize = 869;
@@ -27,43 +27,41 @@ fn picture() -> Rgb8 {
 fn stages(criterion: &mut Criterion) {
     let colors = picture();
     let raster = Raster::from(colors.clone());
-    let options = Options::default();
-    let settings = options.settings();
-    let luma = Luma::of(&raster);
-    let filtered = homomorphic::homomorphic(&luma, &options, Variant::Fast);
-    let smoothed = median::median(&filtered, settings.median, Variant::Fast);
-    let equalized = clahe::clahe(&smoothed, settings.grid, settings.clip_limit);
+    let luma = Luma::new(&raster);
+    let filtered = homomorphic::homomorphic(&luma, CUTOFF, Variant::Fast);
+    let smoothed = median::median(&filtered, Variant::Fast);
+    let equalized = clahe::clahe(&smoothed, GRID, CLIP_LIMIT);
 
     let mut group = criterion.benchmark_group("hscm");
     group
         .sample_size(20)
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(2));
-    group.bench_function("luma", |b| b.iter(|| Luma::of(black_box(&raster))));
+    group.bench_function("luma", |b| b.iter(|| Luma::new(black_box(&raster))));
     for (name, variant) in [
         ("homomorphic", Variant::Fast),
         ("homomorphic_reference", Variant::Reference),
     ] {
         group.bench_function(name, |b| {
-            b.iter(|| homomorphic::homomorphic(black_box(&luma), &options, variant));
+            b.iter(|| homomorphic::homomorphic(black_box(&luma), CUTOFF, variant));
         });
     }
     group.bench_function("homomorphic_log", |b| {
-        b.iter(|| homomorphic::filtered_log(black_box(&luma), &options, Variant::Fast));
+        b.iter(|| homomorphic::filtered_log(black_box(&luma), CUTOFF, Variant::Fast));
     });
     group.bench_function("median_5", |b| {
-        b.iter(|| median::median(black_box(&filtered), 5, Variant::Fast))
+        b.iter(|| median::median(black_box(&filtered), Variant::Fast))
     });
     group.bench_function("clahe", |b| {
-        b.iter(|| clahe::clahe(black_box(&smoothed), settings.grid, settings.clip_limit));
+        b.iter(|| clahe::clahe(black_box(&smoothed), GRID, CLIP_LIMIT));
     });
     group.bench_function("merge", |b| {
         b.iter(|| merge::merge(black_box(colors.data()), equalized.data()))
     });
     group.bench_function("circle", |b| {
-        b.iter(|| circle::plane(WIDTH, HEIGHT, black_box(&hscm::Circle::default())));
+        b.iter(|| circle::plane(WIDTH, HEIGHT, black_box(&circle::HSCM)));
     });
-    let method = Method::Hscm(options);
+    let method = Method::parse("hscm").expect("a name of the table");
     group.bench_function("whole", |b| b.iter(|| enhance::run(&method, black_box(&raster))));
     group.finish();
 }

@@ -7,7 +7,7 @@ mod content;
 use std::error::Error;
 
 use content::{SIZES, pictures};
-use enhance::hscm::{Luma, Options, homomorphic};
+use enhance::hscm::{CUTOFF, Luma, homomorphic};
 use enhance::{METHODS, Method, Variant, run_variant};
 use imaging::Raster;
 
@@ -64,16 +64,15 @@ fn sizes() -> impl Iterator<Item = (usize, usize)> {
 
 /// The largest differences of the filter, of its logarithm and of its codes.
 fn homomorphic_filter() -> (f32, u8) {
-    let options = Options::default();
     let (mut logs, mut codes) = (0.0f32, 0u8);
     for (width, height) in sizes() {
         for (_, picture) in pictures(width, height) {
-            let luma = Luma::of(&Raster::from(picture));
+            let luma = Luma::new(&Raster::from(picture));
             let variants = [Variant::Fast, Variant::Reference];
-            let [fast, exact] = variants.map(|variant| homomorphic::filtered_log(&luma, &options, variant));
+            let [fast, exact] = variants.map(|variant| homomorphic::filtered_log(&luma, CUTOFF, variant));
             let off = fast.data().iter().zip(exact.data()).map(|(a, b)| (a - b).abs());
             logs = off.fold(logs, f32::max);
-            let [fast, exact] = variants.map(|variant| homomorphic::homomorphic(&luma, &options, variant));
+            let [fast, exact] = variants.map(|variant| homomorphic::homomorphic(&luma, CUTOFF, variant));
             let off = fast.data().iter().zip(exact.data()).map(|(a, b)| a.abs_diff(*b));
             codes = off.fold(codes, u8::max);
         }

@@ -1,5 +1,5 @@
 //! Times HSCM for `scripts/compare-opencv.sh`: reads a picture, then for every line on standard input, a number of runs,
-//! answers one line with the milliseconds of each run. A second argument names a file for the result, without its mask.
+//! prints one line with the milliseconds of each run. A second argument names a file for the result, without its mask.
 
 use std::error::Error;
 use std::io::{self, BufRead, Write};

@@ -2,29 +2,22 @@
 //! compared with.
 //!
 //! [`hscm`] is the homomorphic filter, median, CLAHE, color merge and circular mask. Beside it stand the methods of the
-//! published comparison and two baselines; [`registry`] lists all of them with their sources. Every method takes any
-//! decoded raster of at least one pixel and returns an 8-bit one; alpha is not computed with and comes back beside the
-//! result. A picture on which a method is known to fail comes back with a [`Warning`].
+//! published comparison and two baselines; [`METHODS`] lists all of them. Every method takes any decoded raster of at least
+//! one pixel and returns an 8-bit one; alpha is not computed with and is returned beside the result. A picture on which a
+//! method is known to fail comes with a [`Warning`].
 //!
-//! Nothing here knows the water: an enhancement must not see the ground truth that it is judged by.
+//! A new method is one file in `methods` and one row of the table there. Nothing here knows the water: an enhancement must
+//! not see the ground truth that it is judged by.
 
-pub mod baseline;
 pub mod blocks;
 mod elementary;
-pub mod hscm;
-pub mod ibla;
-mod method;
-pub mod rd;
-mod reflect;
-mod registry;
+mod methods;
 mod result;
-pub mod rghs;
 mod signs;
-pub mod suir;
-pub mod ulap;
+mod variant;
 mod warning;
 
-pub use method::{Method, Variant, run, run_variant};
-pub use registry::{GUIDED_PIXELS_MAX, METHODS, MethodInfo, registry};
+pub use methods::{METHODS, Method, hscm, run, run_variant};
 pub use result::{EnhanceError, Enhanced};
+pub use variant::Variant;
 pub use warning::Warning;

@@ -7,7 +7,7 @@ use crate::warning::Warning;
 /// What a method returns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enhanced {
-    /// The result, 8 bit, masked where the options ask for a mask.
+    /// The result, 8 bit, masked where the method has a mask.
     pub picture: Raster,
     /// The same result before the mask: what metrics are taken from.
     pub unmasked: Raster,
@@ -18,7 +18,7 @@ pub struct Enhanced {
     pub warnings: Vec<Warning>,
 }
 
-/// A picture that cannot be enhanced. Options cannot be wrong here: they are checked when made.
+/// A picture that cannot be enhanced.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EnhanceError {
     /// The picture has no pixel.
@@ -45,7 +45,7 @@ pub enum EnhanceError {
     },
 }
 
-/// What a method makes of a gray picture.
+/// What a method returns for a gray picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum OfGray {
     /// The gray codes of the colored result.
@@ -55,18 +55,8 @@ pub(crate) enum OfGray {
 }
 
 impl Enhanced {
-    /// The result of a method without a mask, from its colors.
-    pub(crate) fn unmasked(source: &Raster, colors: Rgb8, of_gray: OfGray, warnings: Vec<Warning>) -> Self {
-        let alpha = source.alpha().map(|alpha| Samples::U8(alpha.to_u8()));
-        let gray = source.channels() == Channels::Gray && of_gray == OfGray::Gray;
-        let (width, height) = (colors.width(), colors.height());
-        let (channels, codes) = if gray {
-            (Channels::Gray, colors.to_gray8().into_data())
-        } else {
-            (Channels::Rgb, colors.data().to_vec())
-        };
-        let picture = Raster::new(width, height, channels, Samples::U8(codes), alpha)
-            .expect("a method keeps the size of its picture");
+    /// The result of a method without a mask.
+    pub(crate) fn new(picture: Raster, warnings: Vec<Warning>) -> Self {
         Self {
             unmasked: picture.clone(),
             picture,
@@ -74,4 +64,33 @@ impl Enhanced {
             warnings,
         }
     }
+
+    /// The result of a method without a mask, from its colors.
+    pub(crate) fn from_colors(
+        source: &Raster,
+        colors: &Rgb8,
+        of_gray: OfGray,
+        warnings: Vec<Warning>,
+    ) -> Self {
+        let is_gray = source.channels() == Channels::Gray && of_gray == OfGray::Gray;
+        let picture = if is_gray {
+            raster(source, Channels::Gray, colors.to_gray8().into_data())
+        } else {
+            raster(source, Channels::Rgb, colors.data().to_vec())
+        };
+        Self::new(picture, warnings)
+    }
+}
+
+/// A raster of 8-bit codes with the sides and the alpha of the source.
+pub(crate) fn raster(source: &Raster, channels: Channels, codes: Vec<u8>) -> Raster {
+    let alpha = source.alpha().map(|alpha| Samples::U8(alpha.to_u8()));
+    Raster::new(
+        source.width(),
+        source.height(),
+        channels,
+        Samples::U8(codes),
+        alpha,
+    )
+    .expect("a method keeps the size of its picture")
 }

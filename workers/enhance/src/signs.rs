@@ -16,80 +16,94 @@ const BLACKENED_PART: f64 = 0.2;
 const RED_FACTOR: f64 = 1.2;
 const RED_CODES: f64 = 5.0;
 
-/// Counts of the codes of red, green and blue.
-pub(crate) type Histograms = [Histogram; 3];
-
-/// What a picture's codes say.
+/// What the codes of a picture show, before and after a method.
 pub(crate) struct Signs {
-    pub(crate) histograms: Histograms,
     pixels: usize,
-    gray: bool,
-    dark: bool,
+    /// Pixels that are nearly black.
+    dark: usize,
+    /// Red, green and blue are equal everywhere.
+    has_equal_channels: bool,
+    before: [Histogram; 3],
+    after: [Histogram; 3],
+}
+
+/// A warning and its test.
+pub(crate) type Sign = (Warning, fn(&Signs) -> bool);
+
+/// Returns the warnings that every method gives, then those of `others` whose test is positive, for a picture with pixels
+/// and what a method made of it.
+pub(crate) fn warnings(picture: &Rgb8, result: &Rgb8, others: &[Sign]) -> Vec<Warning> {
+    let bound = dark_below(255_000);
+    // Runs of pixels keep the test cheap and let it stop early.
+    let has_equal_channels = picture.data().chunks(3 * 64).all(|run| {
+        let unequal = run.chunks_exact(3).map(|p| (p[0] ^ p[1]) | (p[1] ^ p[2]));
+        unequal.fold(0, |all, bits| all | bits) == 0
+    });
+    let signs = Signs {
+        pixels: picture.pixels().len(),
+        dark: picture.pixels().filter(|&pixel| luma1000(pixel) < bound).count(),
+        has_equal_channels,
+        before: histograms(picture),
+        after: histograms(result),
+    };
+    let common: [Sign; 4] = [
+        (Warning::Constant, Signs::is_constant),
+        (Warning::FewPixels, Signs::has_few_pixels),
+        (Warning::Dark, Signs::is_dark),
+        (Warning::Blackened, Signs::is_blackened),
+    ];
+    found(
+        common
+            .iter()
+            .chain(others)
+            .map(|(warning, test)| (test(&signs), *warning)),
+    )
 }
 
 impl Signs {
-    /// The signs of a picture with pixels.
-    pub(crate) fn of(picture: &Rgb8) -> Self {
-        let pixels = picture.data().len() / 3;
-        // Whole rows keep the test cheap and let it stop early.
-        let gray = picture.data().chunks(3 * 64).all(|run| {
-            let unequal = run.chunks_exact(3).map(|p| (p[0] ^ p[1]) | (p[1] ^ p[2]));
-            unequal.fold(0, |all, bits| all | bits) == 0
-        });
-        let bound = dark_below(255_000);
-        let dark = picture.pixels().filter(|&pixel| luma1000(pixel) < bound).count();
-        Self {
-            histograms: histograms(picture),
-            pixels,
-            gray,
-            dark: is_dark(dark, pixels),
-        }
+    fn is_constant(&self) -> bool {
+        self.before.iter().map(ends).all(|(low, high)| low == high)
     }
 
-    /// Every channel has one code.
-    pub(crate) fn constant(&self) -> bool {
-        self.histograms.iter().map(ends).all(|(low, high)| low == high)
+    fn has_few_pixels(&self) -> bool {
+        self.pixels < FEW_PIXELS
     }
 
-    /// What any method that measures the whole picture should say of a result with these codes.
-    pub(crate) fn common(&self, after: &Histograms) -> Vec<Warning> {
-        found([
-            (self.constant(), Warning::Constant),
-            (self.pixels < FEW_PIXELS, Warning::FewPixels),
-            (self.dark, Warning::Dark),
-            (self.blackened(after), Warning::Blackened),
-        ])
+    fn is_dark(&self) -> bool {
+        is_dark(self.dark, self.pixels)
     }
 
-    /// What a restoration should say besides.
-    pub(crate) fn of_restoration(&self, after: &Histograms) -> Vec<Warning> {
-        let mut warnings = self.common(after);
-        warnings.extend(found([(self.gray && !self.constant(), Warning::Gray)]));
-        warnings
+    /// A fifth of a channel became 0.
+    fn is_blackened(&self) -> bool {
+        self.before
+            .iter()
+            .zip(&self.after)
+            .any(|(before, after)| after[0] as f64 > before[0] as f64 + BLACKENED_PART * total(before) as f64)
+    }
+
+    /// Red, green and blue are equal everywhere, and there are several grays.
+    pub(crate) fn is_gray(&self) -> bool {
+        self.has_equal_channels && !self.is_constant()
     }
 
     /// A channel is black everywhere while another is not.
-    pub(crate) fn channel_without_light(&self) -> bool {
-        let black = self.histograms.each_ref().map(|histogram| ends(histogram).1 == 0);
+    pub(crate) fn lacks_a_channel(&self) -> bool {
+        let black = self.before.each_ref().map(|histogram| ends(histogram).1 == 0);
         black.contains(&true) && black.contains(&false)
     }
 
     /// The result is red on the mean and the picture is not.
-    pub(crate) fn red_cast(&self, after: &Histograms) -> bool {
-        let red = |[r, g, b]: [f64; 3]| r > RED_FACTOR * g.max(b) + RED_CODES;
-        red(after.each_ref().map(mean)) && !red(self.histograms.each_ref().map(mean))
-    }
-
-    fn blackened(&self, after: &Histograms) -> bool {
-        self.histograms
-            .iter()
-            .zip(after)
-            .any(|(before, after)| after[0] as f64 > before[0] as f64 + BLACKENED_PART * total(before) as f64)
+    pub(crate) fn turned_red(&self) -> bool {
+        let is_red = |histograms: &[Histogram; 3]| {
+            let [r, g, b] = histograms.each_ref().map(mean);
+            r > RED_FACTOR * g.max(b) + RED_CODES
+        };
+        is_red(&self.after) && !is_red(&self.before)
     }
 
     /// The most frequent code of a channel is 0 although it has others.
-    pub(crate) fn black_mode(&self) -> bool {
-        self.histograms.iter().any(|histogram| {
+    pub(crate) fn has_black_mode(&self) -> bool {
+        self.before.iter().any(|histogram| {
             let most = histogram.iter().copied().max().unwrap_or(0);
             histogram[0] == most && code_at(histogram, total(histogram) - 1) > 0
         })
@@ -114,9 +128,13 @@ mod tests {
         Rgb8::from_fn(40, 30, |_, _| pixel)
     }
 
+    fn only(sign: Sign, before: &Rgb8, after: &Rgb8) -> bool {
+        warnings(before, after, &[sign]).contains(&sign.0)
+    }
+
     #[test]
     fn one_color_few_pixels_and_darkness_are_seen() {
-        let common = |picture: &Rgb8| Signs::of(picture).common(&histograms(picture));
+        let common = |picture: &Rgb8| warnings(picture, picture, &[]);
         assert_eq!(common(&flat([9, 80, 90])), [Warning::Constant]);
         assert_eq!(common(&flat([15; 3])), [Warning::Constant, Warning::Dark]);
         let ramp = |width: usize| Rgb8::from_fn(width, 10, |x, _| [x as u8, 99, 99]);
@@ -126,11 +144,8 @@ mod tests {
 
     #[test]
     fn a_gray_picture_and_a_missing_channel_are_seen() {
+        let is_gray = |picture: &Rgb8| only((Warning::Gray, Signs::is_gray), picture, picture);
         let gray = Rgb8::from_fn(40, 30, |x, _| [x as u8 + 40; 3]);
-        assert_eq!(
-            Signs::of(&gray).of_restoration(&histograms(&gray)),
-            [Warning::Gray]
-        );
         let one_off = Rgb8::from_fn(40, 30, |x, y| {
             if (x, y) == (39, 29) {
                 [80, 80, 81]
@@ -138,28 +153,32 @@ mod tests {
                 gray.at(x, y)
             }
         });
-        assert_eq!(Signs::of(&one_off).of_restoration(&histograms(&one_off)), []);
-        assert!(Signs::of(&flat([0, 4, 4])).channel_without_light());
-        assert!(!Signs::of(&flat([0; 3])).channel_without_light());
+        assert!(is_gray(&gray) && !is_gray(&one_off));
+        let lacks = |picture: &Rgb8| {
+            let sign = (
+                Warning::ChannelWithoutLight,
+                Signs::lacks_a_channel as fn(&Signs) -> bool,
+            );
+            only(sign, picture, picture)
+        };
+        assert!(lacks(&flat([0, 4, 4])) && !lacks(&flat([0; 3])));
     }
 
     #[test]
     fn red_and_black_results_are_seen() {
-        let signs = Signs::of(&flat([60, 120, 140]));
-        assert!(
-            signs.red_cast(&histograms(&flat([180, 120, 140])))
-                && !signs.red_cast(&histograms(&flat([150, 120, 140])))
-        );
+        let water = flat([60, 120, 140]);
+        let turned = |after: [u8; 3]| only((Warning::RedCast, Signs::turned_red), &water, &flat(after));
+        assert!(turned([180, 120, 140]) && !turned([150, 120, 140]));
         assert_eq!(
-            signs.of_restoration(&histograms(&flat([60, 0, 140]))),
+            warnings(&water, &flat([60, 0, 140]), &[]),
             [Warning::Constant, Warning::Blackened]
         );
     }
 
     #[test]
     fn a_black_mode_needs_other_codes() {
+        let has = |picture: &Rgb8| only((Warning::BlackMode, Signs::has_black_mode), picture, picture);
         let mostly_black = Rgb8::from_fn(40, 30, |x, _| [if x < 25 { 0 } else { x as u8 }, 7, 7]);
-        assert!(Signs::of(&mostly_black).black_mode());
-        assert!(!Signs::of(&flat([0; 3])).black_mode());
+        assert!(has(&mostly_black) && !has(&flat([0; 3])));
     }
 }

@@ -1,20 +1,20 @@
-//! Pictures and options on which naive implementations fail.
+//! Pictures and cutoffs on which naive implementations of HSCM fail.
 
-use enhance::hscm::{Circle, Luma, Options, Output, Profile, Settings, enhance, homomorphic};
-use enhance::{EnhanceError, Variant};
+use enhance::hscm::{CUTOFF, Luma, homomorphic};
+use enhance::{EnhanceError, Enhanced, Method, Variant, run_variant};
 use imaging::{Channels, Plane, Raster, Rgb8, Samples};
 use proptest::prelude::*;
 
 const VARIANTS: [Variant; 2] = [Variant::Fast, Variant::Reference];
 
-fn options(settings: Settings) -> Options {
-    Options::new(settings).expect("options within their ranges")
+fn filtered(picture: &Rgb8, cutoff: f64, variant: Variant) -> Plane<u8> {
+    homomorphic::homomorphic(&Luma::new(&Raster::from(picture.clone())), cutoff, variant)
 }
 
-fn filtered(picture: &Rgb8, settings: Settings, variant: Variant) -> Plane<u8> {
-    homomorphic::homomorphic(
-        &Luma::of(&Raster::from(picture.clone())),
-        &options(settings),
+fn enhance(picture: &Raster, variant: Variant) -> Result<Enhanced, EnhanceError> {
+    run_variant(
+        &Method::parse("hscm").expect("a name of the table"),
+        picture,
         variant,
     )
 }
@@ -41,8 +41,8 @@ fn one_black_pixel_changes_only_its_surroundings() {
         }
     });
     for variant in VARIANTS {
-        let before = filtered(&plain, Settings::default(), variant);
-        let after = filtered(&pierced, Settings::default(), variant);
+        let before = filtered(&plain, CUTOFF, variant);
+        let after = filtered(&pierced, CUTOFF, variant);
         for y in 0..150usize {
             for x in 0..200usize {
                 if x.abs_diff(100).max(y.abs_diff(75)) > 30 {
@@ -59,7 +59,7 @@ fn an_all_black_picture_becomes_one_code_at_the_tie_of_its_gain() {
         for variant in VARIANTS {
             let black = Rgb8::from_fn(width, height, |_, _| [0; 3]);
             // 255 exp(0.5 ln 0.01) = 25.5.
-            let code = single_code(&filtered(&black, Settings::default(), variant));
+            let code = single_code(&filtered(&black, CUTOFF, variant));
             assert!(matches!(code, Some(25 | 26)), "{width}×{height}: {code:?}");
         }
     }
@@ -69,8 +69,8 @@ fn an_all_black_picture_becomes_one_code_at_the_tie_of_its_gain() {
 fn a_constant_picture_stays_constant_through_the_filter_and_is_no_error() {
     let constant = Rgb8::from_fn(97, 61, |_, _| [60, 120, 140]);
     for variant in VARIANTS {
-        assert!(single_code(&filtered(&constant, Settings::default(), variant)).is_some());
-        assert!(enhance(&Raster::from(constant.clone()), &Options::default(), variant).is_ok());
+        assert!(single_code(&filtered(&constant, CUTOFF, variant)).is_some());
+        assert!(enhance(&Raster::from(constant.clone()), variant).is_ok());
     }
 }
 
@@ -78,12 +78,7 @@ fn a_constant_picture_stays_constant_through_the_filter_and_is_no_error() {
 fn sides_of_one_and_sides_below_the_grid_are_enhanced() {
     for (width, height) in [(1, 1), (1, 40), (40, 1), (3, 5), (7, 7)] {
         for variant in VARIANTS {
-            let enhanced = enhance(
-                &Raster::from(textured(width, height)),
-                &Options::default(),
-                variant,
-            )
-            .unwrap();
+            let enhanced = enhance(&Raster::from(textured(width, height)), variant).unwrap();
             assert_eq!(
                 (enhanced.picture.width(), enhanced.picture.height()),
                 (width, height)
@@ -93,29 +88,16 @@ fn sides_of_one_and_sides_below_the_grid_are_enhanced() {
 }
 
 #[test]
-fn a_narrow_picture_keeps_a_cutoff_of_one_bin_and_an_explicit_cutoff_of_none_is_refused() {
-    let high = options(Settings {
-        cutoff: 1e6,
-        ..Settings::default()
-    });
-    assert_eq!(high.delta_bins(4), 1.0);
-    let errors = Options::new(Settings {
-        delta: Some(0.0),
-        ..Settings::default()
-    })
-    .unwrap_err();
-    assert_eq!(errors[0].field, "delta");
+fn a_narrow_picture_keeps_a_cutoff_of_one_bin() {
+    assert_eq!(homomorphic::delta_bins(4, CUTOFF), 1.0);
+    assert_eq!(homomorphic::delta_bins(96, CUTOFF), 3.0);
 }
 
 #[test]
-fn a_very_large_cutoff_leaves_a_gamma_curve() {
+fn a_cutoff_beyond_all_bins_leaves_a_gamma_curve() {
     let picture = textured(64, 48);
-    let settings = Settings {
-        delta: Some(1e6),
-        ..Settings::default()
-    };
     for variant in VARIANTS {
-        let codes = filtered(&picture, settings, variant);
+        let codes = filtered(&picture, 64.0 / 1e6, variant);
         for (code, pixel) in codes.data().iter().zip(picture.pixels()) {
             let y = f64::from(imaging::luma1000(pixel)) / 255_000.0;
             let gamma = 255.0 * (y + 0.01).sqrt().min(1.0);
@@ -128,32 +110,13 @@ fn a_very_large_cutoff_leaves_a_gamma_curve() {
 }
 
 #[test]
-fn a_very_large_gain_drives_codes_to_the_ends_without_overflow() {
-    let settings = Settings {
-        r_high: 1e6,
-        ..Settings::default()
-    };
-    for variant in VARIANTS {
-        let codes = filtered(&textured(97, 61), settings, variant);
-        assert!(
-            codes
-                .data()
-                .iter()
-                .filter(|&&code| code == 0 || code == 255)
-                .count()
-                > 97 * 61 * 9 / 10
-        );
-    }
-}
-
-#[test]
 fn an_odd_side_is_filtered_without_a_shift() {
     // A mirror image must give the mirrored result: a filter half a bin off center would not.
     let picture = textured(45, 27);
     let mirrored = Rgb8::from_fn(45, 27, |x, y| picture.at(44 - x, y));
     for variant in VARIANTS {
-        let codes = filtered(&picture, Settings::default(), variant);
-        let codes_mirrored = filtered(&mirrored, Settings::default(), variant);
+        let codes = filtered(&picture, CUTOFF, variant);
+        let codes_mirrored = filtered(&mirrored, CUTOFF, variant);
         for y in 0..27 {
             for x in 0..45 {
                 assert!(
@@ -174,41 +137,15 @@ fn values_above_white_saturate() {
             [1; 3]
         }
     });
-    for settings in [
-        Settings::default(),
-        Settings {
-            r_high: 16.0,
-            eps: 1e-6,
-            ..Settings::default()
-        },
-    ] {
-        for variant in VARIANTS {
-            assert_eq!(filtered(&lamp, settings, variant).at(41, 1), 255);
-        }
+    for variant in VARIANTS {
+        assert_eq!(filtered(&lamp, CUTOFF, variant).at(41, 1), 255);
     }
-}
-
-#[test]
-fn a_circle_outside_the_picture_leaves_black_and_an_empty_mask() {
-    let outside = Circle {
-        center_x: -3.0,
-        center_y: 9.0,
-        radius: 0.4,
-    };
-    let settings = Settings {
-        mask: Some(outside),
-        ..Settings::default()
-    };
-    let enhanced = enhance(&Raster::from(textured(20, 10)), &options(settings), Variant::Fast).unwrap();
-    assert!(enhanced.picture.to_rgb8().data().iter().all(|&code| code == 0));
-    assert!(enhanced.unmasked.to_rgb8().data().iter().any(|&code| code > 0));
-    assert!(enhanced.mask.unwrap().data().iter().all(|&code| code == 0));
 }
 
 #[test]
 fn a_picture_without_pixels_is_an_error_that_gives_its_size() {
     let empty = Raster::new(3, 0, Channels::Rgb, Samples::U8(Vec::new()), None).unwrap();
-    let error = enhance(&empty, &Options::default(), Variant::Fast).unwrap_err();
+    let error = enhance(&empty, Variant::Fast).unwrap_err();
     assert_eq!(error, EnhanceError::Empty { width: 3, height: 0 });
     assert_eq!(error.to_string(), "picture is 3×0 but needs at least 1×1");
 }
@@ -218,8 +155,8 @@ fn gray_stays_gray_and_equals_the_color_result_of_a_gray_picture() {
     let plane = Plane::from_fn(40, 30, |x, y| (x * y) as u8);
     let gray = Raster::from(plane);
     let color = Raster::from(gray.to_rgb8());
-    let from_gray = enhance(&gray, &Options::default(), Variant::Fast).unwrap();
-    let from_color = enhance(&color, &Options::default(), Variant::Fast).unwrap();
+    let from_gray = enhance(&gray, Variant::Fast).unwrap();
+    let from_color = enhance(&color, Variant::Fast).unwrap();
     assert_eq!(from_gray.picture.channels(), Channels::Gray);
     assert_eq!(from_gray.picture.to_rgb8(), from_color.picture.to_rgb8());
 }
@@ -237,66 +174,30 @@ fn alpha_comes_back_and_changes_nothing() {
         Some(alpha.clone()),
     )
     .unwrap();
-    let expected = enhance(&opaque, &Options::default(), Variant::Fast).unwrap();
-    let actual = enhance(&clear, &Options::default(), Variant::Fast).unwrap();
+    let expected = enhance(&opaque, Variant::Fast).unwrap();
+    let actual = enhance(&clear, Variant::Fast).unwrap();
     assert_eq!(actual.picture.samples(), expected.picture.samples());
     assert_eq!(actual.picture.alpha(), Some(&alpha));
     assert_eq!(actual.unmasked.alpha(), Some(&alpha));
-}
-
-#[test]
-fn table_1_truncates_and_lets_a_bright_band_in_from_the_padding() {
-    let dark = Rgb8::from_fn(97, 61, |_, _| [40; 3]);
-    let table1 = Settings {
-        profile: Profile::Table1,
-        ..Settings::default()
-    };
-    for variant in VARIANTS {
-        let codes = filtered(&dark, table1, variant);
-        // The white band in the padding darkens the border next to it, since the high gain takes it off.
-        assert!(codes.at(96, 30) < codes.at(48, 30));
-        // A picture that needs no padding is flat: 255 · sqrt(40 / 255) = 100.996 is cut, not rounded.
-        let even = Rgb8::from_fn(100, 64, |_, _| [40; 3]);
-        assert_eq!(single_code(&filtered(&even, table1, variant)), Some(100));
-    }
-}
-
-#[test]
-fn gray_output_of_a_color_picture_is_its_luma_alone() {
-    let settings = Settings {
-        output: Output::Gray,
-        mask: None,
-        ..Settings::default()
-    };
-    let enhanced = enhance(&Raster::from(textured(30, 20)), &options(settings), Variant::Fast).unwrap();
-    assert_eq!(enhanced.picture.channels(), Channels::Gray);
-    assert_eq!(enhanced.picture, enhanced.unmasked);
-    assert_eq!(enhanced.mask, None);
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn any_picture_and_any_options_give_a_picture_of_the_same_size(
+    fn any_picture_and_any_cutoff_give_finite_logarithms_and_a_picture_of_the_same_size(
         width in 1usize..40, height in 1usize..40, seed in any::<u32>(), levels in 1u32..=256,
-        r_high in 0.5f64..1e3, delta in prop::option::of(1e-12f64..1e6), eps in 1e-12f64..1e3,
-        median in 0usize..16, clip_limit in 0.0f64..50.0, across in 1usize..60, down in 1usize..60,
-        table1 in any::<bool>(),
+        cutoff in 1e-5f64..1e12,
     ) {
         let picture = Rgb8::from_fn(width, height, |x, y| {
             let hash = (x as u32 + 1).wrapping_mul(seed | 1) ^ (y as u32 + 7).wrapping_mul(0x9e37_79b1);
             [hash, hash >> 8, hash >> 16].map(|code| (code % levels) as u8)
         });
-        let profile = if table1 { Profile::Table1 } else { Profile::Standard };
-        let options = options(Settings {
-            r_high, delta, eps, median: 2 * median + 1, clip_limit, grid: (across, down), profile,
-            ..Settings::default()
-        });
+        let picture = Raster::from(picture);
         for variant in VARIANTS {
-            let x = homomorphic::filtered_log(&Luma::of(&Raster::from(picture.clone())), &options, variant);
+            let x = homomorphic::filtered_log(&Luma::new(&picture), cutoff, variant);
             prop_assert!(x.data().iter().all(|value| value.is_finite()));
-            let enhanced = enhance(&Raster::from(picture.clone()), &options, variant).unwrap();
+            let enhanced = enhance(&picture, variant).unwrap();
             prop_assert_eq!((enhanced.picture.width(), enhanced.picture.height()), (width, height));
         }
     }

@@ -1,5 +1,5 @@
 //! CIE Lab of linear light and back (CIE 15:2004, sections 8.2.1 and 8.2.1.4), white (0.95047, 1, 1.08883), in parts that a
-//! loop can vectorise.
+//! loop can vectorize.
 //!
 //! Linear light → XYZ with the sRGB primaries (IEC 61966-2-1) → `f(t) = cbrt t` above (6/29)³ and `t / (3 (6/29)²) + 4/29` below →
 //! `L = 116 f(Y) - 16`, `a = 500 (f(X) - f(Y))`, `b = 200 (f(Y) - f(Z))` with X, Y, Z relative to the white. L is 0..=100 for
@@ -8,7 +8,7 @@
 use std::sync::LazyLock;
 
 /// Rows of linear sRGB → XYZ relative to the white.
-pub const TO_XYZ: [[f64; 3]; 3] = [
+const TO_XYZ: [[f64; 3]; 3] = [
     [
         0.412_456_4 / 0.950_47,
         0.357_576_1 / 0.950_47,
@@ -42,8 +42,7 @@ pub fn from_xyz() -> &'static [[f64; 3]; 3] {
 
 /// `f(t)` of CIE Lab: the cube root, and a straight line near 0.
 #[inline(always)]
-#[must_use]
-pub fn response(t: f64) -> f64 {
+fn response(t: f64) -> f64 {
     const THRESHOLD: f64 = KNEE * KNEE * KNEE;
     const SLOPE: f64 = 1.0 / (3.0 * KNEE * KNEE);
     let root = cube_root(t.max(THRESHOLD));
@@ -73,6 +72,27 @@ pub fn of_linear(light: [f64; 3]) -> [f64; 3] {
     let [r, g, b] = light;
     let [x, y, z] = TO_XYZ.map(|row| response(row[0] * r + row[1] * g + row[2] * b));
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// L, a, b of at most `N` pixels of interleaved codes, black beyond them; `linear` is the light of the codes of red, green
+/// and blue.
+#[inline(always)]
+#[must_use]
+pub fn of_codes<const N: usize>(codes: &[u8], linear: [&[f64; 256]; 3]) -> [[f64; N]; 3] {
+    let mut light = [[0.0f64; N]; 3];
+    for (channel, light) in light.iter_mut().enumerate() {
+        for (light, pixel) in light.iter_mut().zip(codes.chunks_exact(3)) {
+            *light = linear[channel][usize::from(pixel[channel])];
+        }
+    }
+    let mut lab = [[0.0f64; N]; 3];
+    for x in 0..N {
+        let [l, a, b] = of_linear([light[0][x], light[1][x], light[2][x]]);
+        lab[0][x] = l;
+        lab[1][x] = a;
+        lab[2][x] = b;
+    }
+    lab
 }
 
 /// Linear light of L, a, b; colors outside sRGB leave 0..=1.

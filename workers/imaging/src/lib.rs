@@ -2,6 +2,7 @@
 //!
 //! Everything here is a pure function of its arguments: no file, clock, environment or global state.
 
+mod border;
 pub mod codec;
 pub mod dct;
 pub mod digest;
@@ -15,6 +16,7 @@ pub mod simd;
 pub mod transfer;
 pub mod vector;
 
+pub use border::reflected;
 pub use plane::{Plane, SizeError};
 pub use raster::{Channels, Raster, Rgb8, Samples, luma1000};
 pub use rgb::Rgb;

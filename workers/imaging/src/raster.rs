@@ -1,6 +1,7 @@
 //! What a picture file holds: interleaved integer samples, 8 or 16 bit, gray or color, with or without alpha.
 
 use crate::plane::{Plane, SizeError};
+use crate::vectorized;
 
 /// Integer samples of one depth, interleaved.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -248,16 +249,38 @@ impl Rgb8 {
     /// `gray8 = (299 R + 587 G + 114 B + 500) div 1000`, the integer luma rounded to nearest.
     #[must_use]
     pub fn to_gray8(&self) -> Plane<u8> {
-        let codes = self
-            .pixels()
-            .map(|p| ((luma1000(p) + 500) / 1000) as u8)
-            .collect();
-        Plane::new(self.width, self.height, codes).expect("one code for each pixel")
+        let mut gray = Plane::filled(self.width, self.height, 0);
+        vectorized!(gray_codes(&self.data, gray.data_mut()));
+        gray
+    }
+
+    /// Red, green and blue apart.
+    #[must_use]
+    pub fn to_planes(&self) -> [Plane<u8>; 3] {
+        let mut planes = [0; 3].map(|_| Plane::filled(self.width, self.height, 0));
+        let [r, g, b] = planes.each_mut().map(Plane::data_mut);
+        vectorized!(split(&self.data, r, g, b));
+        planes
+    }
+}
+
+#[inline(always)]
+fn gray_codes(codes: &[u8], gray: &mut [u8]) {
+    for (gray, p) in gray.iter_mut().zip(codes.chunks_exact(3)) {
+        *gray = ((luma1000([p[0], p[1], p[2]]) + 500) / 1000) as u8;
+    }
+}
+
+#[inline(always)]
+fn split(codes: &[u8], r: &mut [u8], g: &mut [u8], b: &mut [u8]) {
+    for (((r, g), b), p) in r.iter_mut().zip(g).zip(b).zip(codes.chunks_exact(3)) {
+        (*r, *g, *b) = (p[0], p[1], p[2]);
     }
 }
 
 /// `299 R + 587 G + 114 B`, 0..=255000: thousandths of the luma (ITU-R BT.601 weights), exact in integers.
 #[must_use]
+#[inline(always)]
 pub fn luma1000([r, g, b]: [u8; 3]) -> u32 {
     299 * u32::from(r) + 587 * u32::from(g) + 114 * u32::from(b)
 }

@@ -22,6 +22,18 @@ pub fn vectorize<R>(work: impl FnMut() -> R) -> R {
     Arch::new().dispatch(Work(work))
 }
 
+/// The larger of two values; `max` takes extra instructions for NaN.
+#[inline(always)]
+pub fn larger<T: PartialOrd>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two values; `min` takes extra instructions for NaN.
+#[inline(always)]
+pub fn smaller<T: PartialOrd>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
 /// A plain closure would be called through a shim that is compiled apart, without the instructions.
 struct Work<F>(F);
 
@@ -36,8 +48,6 @@ impl<R, F: FnMut() -> R> WithSimd for Work<F> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[test]
     fn a_loop_gives_the_same_bits_as_without() {
         let plain: Vec<f32> = (0..1000).map(|i| (i as f32).sqrt() * 0.1 + 0.7).collect();

@@ -1,5 +1,7 @@
 //! Square blocks from the top left corner; what is left over at the right and at the bottom is not looked at.
 
+use imaging::simd::{larger, smaller};
+
 /// The block grid over a picture.
 pub(crate) struct Blocks {
     width_px: usize,
@@ -10,7 +12,7 @@ pub(crate) struct Blocks {
 
 impl Blocks {
     /// Blocks of `side` pixels; along an axis that is shorter there is one block as long as the axis.
-    pub(crate) fn of((width, height): (usize, usize), side: usize) -> Self {
+    pub(crate) fn new((width, height): (usize, usize), side: usize) -> Self {
         let (width_px, height_px) = (side.min(width), side.min(height));
         Self {
             width_px,
@@ -50,8 +52,8 @@ impl Blocks {
             } else {
                 fill(y, &mut row);
                 for ((low, high), &value) in low.iter_mut().zip(&mut high).zip(&row) {
-                    *low = if value < *low { value } else { *low };
-                    *high = if value > *high { value } else { *high };
+                    *low = smaller(value, *low);
+                    *high = larger(value, *high);
                 }
             }
             if y % self.height_px == self.height_px - 1 {
@@ -59,12 +61,8 @@ impl Blocks {
                     low.chunks_exact(block)
                         .zip(high.chunks_exact(block))
                         .map(|(low, high)| {
-                            let least = low
-                                .iter()
-                                .fold(low[0], |least, &v| if v < least { v } else { least });
-                            let greatest = high
-                                .iter()
-                                .fold(high[0], |most, &v| if v > most { v } else { most });
+                            let least = low.iter().copied().fold(low[0], smaller);
+                            let greatest = high.iter().copied().fold(high[0], larger);
                             (least, greatest)
                         }),
                 );
@@ -80,7 +78,7 @@ mod tests {
 
     #[test]
     fn left_over_columns_and_rows_belong_to_no_block() {
-        let blocks = Blocks::of((5, 3), 2);
+        let blocks = Blocks::new((5, 3), 2);
         let extremes = blocks.extremes(1, |y, row: &mut [u8]| {
             for (x, sample) in row.iter_mut().enumerate() {
                 *sample = (10 * y + x) as u8;
@@ -92,7 +90,7 @@ mod tests {
 
     #[test]
     fn a_short_axis_is_one_block_long() {
-        let blocks = Blocks::of((25, 3), 10);
+        let blocks = Blocks::new((25, 3), 10);
         assert_eq!((blocks.count(), blocks.rows()), (2.0, 3));
     }
 }

@@ -8,8 +8,8 @@
 //! multiples from sums of angles, and the mean hue is the direction half-way between the two. The one angle in the
 //! formula is a polynomial. Exactly opposite hues have no mean; 0 is taken.
 
-use imaging::vectorized;
-use imaging::{Rgb8, lab};
+use imaging::simd::larger;
+use imaging::{Rgb8, lab, vectorized};
 
 use crate::linear::LINEAR;
 use crate::work::Work;
@@ -34,32 +34,13 @@ fn total(codes: &[u8], clean: &[u8]) -> f64 {
     // A sum for each place in a block, added in order: the same on every machine.
     let mut sums = [0.0f64; BLOCK];
     for (codes, clean) in codes.chunks(3 * BLOCK).zip(clean.chunks(3 * BLOCK)) {
-        let (one, other) = (lab(linear, codes), lab(linear, clean));
+        let [seen, wanted] = [codes, clean].map(|codes| lab::of_codes::<BLOCK>(codes, [linear; 3]));
         for x in 0..BLOCK {
             let color = |lab: &[[f64; BLOCK]; 3]| [lab[0][x], lab[1][x], lab[2][x]];
-            sums[x] += difference(color(&one), color(&other));
+            sums[x] += difference(color(&seen), color(&wanted));
         }
     }
     sums.iter().sum()
-}
-
-/// L, a and b of a block of pixels; black, of which there is no difference, beyond its end.
-#[inline(always)]
-fn lab(linear: &[f64; 256], codes: &[u8]) -> [[f64; BLOCK]; 3] {
-    let mut light = [[0.0f64; BLOCK]; 3];
-    for (channel, light) in light.iter_mut().enumerate() {
-        for (light, pixel) in light.iter_mut().zip(codes.chunks_exact(3)) {
-            *light = linear[usize::from(pixel[channel])];
-        }
-    }
-    let mut lab = [[0.0f64; BLOCK]; 3];
-    for x in 0..BLOCK {
-        let [l, a, b] = lab::of_linear([light[0][x], light[1][x], light[2][x]]);
-        lab[0][x] = l;
-        lab[1][x] = a;
-        lab[2][x] = b;
-    }
-    lab
 }
 
 const POW_25_7: f64 = 6_103_515_625.0;
@@ -75,13 +56,13 @@ fn difference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
     // 2 sqrt(C1 C2) sin(Δh / 2) from the cross and the dot product; the form that does not cancel is taken.
     let (cross, dot) = (a1 * b2 - a2 * b1, a1 * a2 + b1 * b2);
     let product = c1 * c2;
-    let near = cross * (2.0 / at_least(product + dot, 1e-300)).sqrt();
-    let far = at_least(2.0 * (product - dot), 0.0).sqrt();
+    let near = cross * (2.0 / larger(product + dot, 1e-300)).sqrt();
+    let far = larger(2.0 * (product - dot), 0.0).sqrt();
     let far = if cross < 0.0 { -far } else { far };
     let hue = if dot > 0.0 { near } else { far };
 
     // The direction half-way between the hues.
-    let (n1, n2) = (1.0 / at_least(c1, 1e-300), 1.0 / at_least(c2, 1e-300));
+    let (n1, n2) = (1.0 / larger(c1, 1e-300), 1.0 / larger(c2, 1e-300));
     let (x, y) = (a1 * n1 + a2 * n2, b1 * n1 + b2 * n2);
     let length = (x * x + y * y).sqrt();
     let known = length > 1e-9;
@@ -104,7 +85,7 @@ fn difference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
     let s_h = 1.0 + 0.015 * chroma * t;
     let r_t = -2.0 * chroma_share(chroma) * sine_of_rotation(c, s);
     let (dl, dc, dh) = ((l2 - l1) / s_l, (c2 - c1) / s_c, hue / s_h);
-    at_least(dl * dl + dc * dc + dh * dh + r_t * dc * dh, 0.0).sqrt()
+    larger(dl * dl + dc * dc + dh * dh + r_t * dc * dh, 0.0).sqrt()
 }
 
 const COS_30: f64 = 0.866_025_403_784_438_6;
@@ -115,11 +96,6 @@ const COS_63: f64 = 0.453_990_499_739_546_8;
 const SIN_63: f64 = 0.891_006_524_188_367_9;
 const COS_275: f64 = 0.087_155_742_747_658_17;
 const SIN_275: f64 = -0.996_194_698_091_745_5;
-
-#[inline(always)]
-fn at_least(value: f64, least: f64) -> f64 {
-    if value > least { value } else { least }
-}
 
 /// `sqrt(C⁷ / (C⁷ + 25⁷))`.
 #[inline(always)]
@@ -134,7 +110,7 @@ fn chroma_share(chroma: f64) -> f64 {
 fn sine_of_rotation(c: f64, s: f64) -> f64 {
     // The angle from 275°, by its quarter: |tan| is below 0.61 where the result is not 0.
     let (x, y) = (c * COS_275 + s * SIN_275, s * COS_275 - c * SIN_275);
-    let half = y / at_least(1.0 + x, 1e-9);
+    let half = y / larger(1.0 + x, 1e-9);
     let quarter = half / (1.0 + (1.0 + half * half).sqrt());
     let square = quarter * quarter;
     let mut series = 0.0;

@@ -1,6 +1,6 @@
 //! The distinct colors of a picture: most pictures have far fewer of them than pixels.
 
-use imaging::Rgb8;
+use crate::work::{Part, Work};
 
 /// Every color that occurs, in the order of R, then G, then B, and how often.
 pub(crate) struct Colors {
@@ -11,8 +11,9 @@ pub(crate) struct Colors {
     pub(crate) pixels: usize,
 }
 
-impl Colors {
-    pub(crate) fn of(picture: &Rgb8) -> Self {
+impl Part for Colors {
+    fn new(work: &Work) -> Self {
+        let picture = work.picture();
         let pixels = picture.data().len() / 3;
         // Sorted by red and green in one pass over their pairs; the blues of a pair are few.
         let pair = |pixel: &[u8; 3]| usize::from(pixel[0]) << 8 | usize::from(pixel[1]);
@@ -51,6 +52,8 @@ impl Colors {
 
 #[cfg(test)]
 mod tests {
+    use imaging::Rgb8;
+
     use super::*;
 
     #[test]
@@ -58,7 +61,7 @@ mod tests {
         let picture = Rgb8::from_fn(5, 1, |x, _| {
             [[9, 0, 5], [0, 255, 3], [9, 0, 2], [0, 255, 3], [9, 0, 5]][x]
         });
-        let colors = Colors::of(&picture);
+        let colors = Colors::new(&Work::new(&picture, None));
         assert_eq!(colors.codes, [0, 255, 3, 9, 0, 2, 9, 0, 5]);
         assert_eq!((colors.counts, colors.pixels), (vec![2, 1, 2], 5));
     }

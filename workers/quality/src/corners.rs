@@ -10,11 +10,11 @@
 //! `repeatability = found again / corners of the clean picture`, 0..=1; 1 when the clean picture has none, since none is
 //! lost. Corners closer than 4 pixels to the border are not looked for, since their windows would reach over it.
 
-use imaging::Plane;
-use imaging::vectorized;
+use imaging::simd::larger;
+use imaging::{Plane, vectorized};
 
 use crate::sobel::{Border, Sobel};
-use crate::work::Work;
+use crate::work::{Gray, Work};
 
 /// Pixels for each corner, and the bounds of their number.
 const PIXELS_PER_CORNER: usize = 1024;
@@ -33,9 +33,10 @@ pub(crate) fn repeatability(work: &Work) -> f64 {
     if clean.is_empty() {
         return 1.0;
     }
-    let (width, height) = work.gray().size();
+    let gray = &work.part::<Gray>().0;
+    let (width, height) = gray.size();
     let mut near = Plane::filled(width, height, false);
-    for (x, y) in corners(work.gray()) {
+    for (x, y) in corners(gray) {
         for j in y - NEAR_PX..=y + NEAR_PX {
             near.row_mut(j)[x - NEAR_PX..=x + NEAR_PX].fill(true);
         }
@@ -88,11 +89,6 @@ fn mark_highest([above, here, below]: [&[f64]; 3], highest: &mut [bool]) {
         );
         *highest = (here[x + 1] > 0.0) & (here[x + 1] >= most);
     }
-}
-
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 /// Not below any neighbor, and above those that come first: a plateau has one peak.

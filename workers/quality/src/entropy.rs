@@ -1,37 +1,38 @@
 //! Shannon entropy, `H = -Σ p log2 p` in bits, of several distributions of a picture's codes.
 
-use crate::work::Work;
+use crate::colors::Colors;
+use crate::work::{Channels, Gray, Work};
 
 /// Entropy of the 256-bin histogram of gray codes, 0..=8.
 pub(crate) fn gray(work: &Work) -> f64 {
-    of_codes(work.gray().data().iter().copied())
+    of_codes(work.part::<Gray>().0.data())
 }
 
 /// Entropy of the red channel, 0..=8.
 pub(crate) fn red(work: &Work) -> f64 {
-    of_codes(work.channels()[0].data().iter().copied())
+    of_codes(work.part::<Channels>().0[0].data())
 }
 
 /// Entropy of the green channel, 0..=8.
 pub(crate) fn green(work: &Work) -> f64 {
-    of_codes(work.channels()[1].data().iter().copied())
+    of_codes(work.part::<Channels>().0[1].data())
 }
 
 /// Entropy of the blue channel, 0..=8.
 pub(crate) fn blue(work: &Work) -> f64 {
-    of_codes(work.channels()[2].data().iter().copied())
+    of_codes(work.part::<Channels>().0[2].data())
 }
 
 /// Entropy over distinct colors, 0..=24 and never above `log2` of the number of pixels.
 pub(crate) fn joint(work: &Work) -> f64 {
-    let colors = work.colors();
+    let colors = work.part::<Colors>();
     of_counts(colors.counts.iter().copied(), colors.pixels)
 }
 
 /// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighborhood rounded down), 0..=16. The center counts
 /// to its neighborhood and the border is replicated.
 pub(crate) fn with_neighborhood(work: &Work) -> f64 {
-    let gray = work.gray();
+    let gray = &work.part::<Gray>().0;
     let (width, height) = gray.size();
     let mut counts = vec![0u32; 1 << 16];
     let mut sums = vec![0u16; width];
@@ -52,14 +53,12 @@ pub(crate) fn with_neighborhood(work: &Work) -> f64 {
     of_counts(counts.into_iter(), gray.data().len())
 }
 
-fn of_codes(codes: impl Iterator<Item = u8>) -> f64 {
+fn of_codes(codes: &[u8]) -> f64 {
     let mut counts = [0u32; 256];
-    let mut total = 0;
-    for code in codes {
+    for &code in codes {
         counts[usize::from(code)] += 1;
-        total += 1;
     }
-    of_counts(counts.into_iter(), total)
+    of_counts(counts.into_iter(), codes.len())
 }
 
 /// `-Σ p log2 p` with `p = count / total`, in the order given; `0 log 0` is 0.

@@ -1,14 +1,14 @@
 //! Image quality metrics in their published profiles, and the registry that names them.
 //!
 //! Most metrics need no reference picture: entropies, UICM, UISM, UIConM and UIQM (Panetta, Gao and Agaian 2016),
-//! UCIQE (Yang and Sowmya 2015). PSNR, SSIM, CIEDE2000 and corner
-//! repeatability compare with a clean picture; light uniformity does not. Published programs disagree, so UIQM and
+//! UCIQE (Yang and Sowmya 2015), light uniformity. PSNR, SSIM, CIEDE2000 and corner repeatability compare with a clean
+//! picture. Published programs disagree, so UIQM and
 //! its parts come in three named [`Profile`]s, and a value is only worth something beside its profile.
 //!
 //! Every metric of every picture of at least one pixel is finite and never -0. Sums have a fixed order: the same
 //! picture gives the same bits anywhere.
 //!
-//! A new metric is one file with a function of the picture's shared work and one row in the registry.
+//! A new metric is one file with a function of [`Work`](work::Work), declared here, and one row in the registry.
 
 mod blocks;
 mod ciede2000;
@@ -18,6 +18,7 @@ mod entropy;
 mod error;
 mod light_uniformity;
 mod linear;
+mod measure;
 mod psnr;
 mod registry;
 mod sobel;
@@ -31,6 +32,6 @@ mod work;
 
 pub use ciede2000::ciede2000_reference;
 pub use error::QualityError;
-pub use registry::{Better, MetricId, MetricInfo, Profile, Range, registry};
+pub use measure::measure;
+pub use registry::{MetricId, MetricInfo, Profile};
 pub use ssim::ssim_reference;
-pub use work::measure;

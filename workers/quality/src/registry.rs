@@ -1,6 +1,7 @@
 //! The list of all metrics.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use crate::work::Work;
 use crate::{ciede2000, corners, entropy, light_uniformity, psnr, ssim, uciqe, uicm, uiconm, uiqm, uism};
@@ -28,24 +29,13 @@ impl Profile {
     }
 }
 
-/// In which direction a value gets better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Better {
-    /// More is better.
-    Higher,
-    /// Less is better.
-    Lower,
-    /// Neither: the value describes, it does not judge.
-    None,
-}
-
-/// Bounds that no 8-bit picture leaves; `None` where no bound is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Range {
-    /// Least value.
-    pub low: Option<f64>,
-    /// Greatest value.
-    pub high: Option<f64>,
+/// How a metric is computed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Compute {
+    /// From the picture.
+    Direct(fn(&Work) -> f64),
+    /// As a sum of other metrics of the same profile, by their names and weights.
+    Sum(&'static [(&'static str, f64)]),
 }
 
 /// One row of the registry.
@@ -55,17 +45,11 @@ pub struct MetricInfo {
     pub name: &'static str,
     /// Profile, for metrics that have several.
     pub profile: Option<Profile>,
-    /// Counts up when the arithmetic changes: values of different versions are not compared.
-    pub version: u32,
-    /// Unit; empty where there is none.
-    pub unit: &'static str,
-    /// Direction.
-    pub better: Better,
-    /// Bounds.
-    pub range: Range,
+    /// Bounds that no 8-bit picture leaves; infinite where no bound is known.
+    pub range: RangeInclusive<f64>,
     /// Whether a clean picture is needed.
     pub needs_reference: bool,
-    pub(crate) compute: fn(&Work) -> f64,
+    pub(crate) compute: Compute,
 }
 
 /// A metric of the registry, by its row.
@@ -90,7 +74,7 @@ impl MetricId {
         Some(Self(row as u8))
     }
 
-    /// Every metric, in the order of the registry.
+    /// Returns every metric, in the order of the registry.
     pub fn all() -> impl Iterator<Item = Self> {
         (0..REGISTRY.len()).map(|row| Self(row as u8))
     }
@@ -98,11 +82,16 @@ impl MetricId {
     /// The metric's row.
     #[must_use]
     pub fn info(self) -> &'static MetricInfo {
-        &REGISTRY[self.row()]
+        &REGISTRY[usize::from(self.0)]
     }
 
-    pub(crate) fn row(self) -> usize {
-        usize::from(self.0)
+    /// The metric of another name and the same profile.
+    pub(crate) fn sibling(self, name: &str) -> Self {
+        let profile = self.info().profile;
+        let row = REGISTRY
+            .iter()
+            .position(|info| info.name == name && info.profile == profile);
+        Self(row.expect("the parts of a sum are in the registry") as u8)
     }
 }
 
@@ -118,113 +107,80 @@ impl fmt::Display for MetricId {
     }
 }
 
-/// All metrics.
-#[must_use]
-pub fn registry() -> &'static [MetricInfo] {
-    REGISTRY
-}
-
-const fn row(name: &'static str, unit: &'static str, range: Range, compute: fn(&Work) -> f64) -> MetricInfo {
+const fn row(name: &'static str, range: RangeInclusive<f64>, compute: fn(&Work) -> f64) -> MetricInfo {
     MetricInfo {
         name,
         profile: None,
-        version: 1,
-        unit,
-        better: Better::Higher,
         range,
         needs_reference: false,
-        compute,
+        compute: Compute::Direct(compute),
     }
 }
 
-const fn profiled(
+impl MetricInfo {
+    const fn with(self, profile: Profile) -> Self {
+        Self {
+            profile: Some(profile),
+            ..self
+        }
+    }
+
+    const fn comparing(self) -> Self {
+        Self {
+            needs_reference: true,
+            ..self
+        }
+    }
+}
+
+const fn sum(
     name: &'static str,
     profile: Profile,
-    range: Range,
-    compute: fn(&Work) -> f64,
+    range: RangeInclusive<f64>,
+    terms: &'static [(&'static str, f64)],
 ) -> MetricInfo {
     MetricInfo {
+        name,
         profile: Some(profile),
-        ..row(name, "", range, compute)
+        range,
+        needs_reference: false,
+        compute: Compute::Sum(terms),
     }
 }
 
-const fn compared(
-    name: &'static str,
-    unit: &'static str,
-    range: Range,
-    compute: fn(&Work) -> f64,
-) -> MetricInfo {
-    MetricInfo {
-        needs_reference: true,
-        ..row(name, unit, range, compute)
-    }
-}
-
-const fn within(low: f64, high: f64) -> Range {
-    Range {
-        low: Some(low),
-        high: Some(high),
-    }
-}
-
-const UNBOUNDED: Range = Range {
-    low: None,
-    high: None,
-};
-
-const FROM_ZERO: Range = Range {
-    low: Some(0.0),
-    high: None,
-};
+const INFINITY: f64 = f64::INFINITY;
 
 use Profile::{Funie, Panetta, Table1};
 
 static REGISTRY: &[MetricInfo] = &[
-    row("entropy", "bit", within(0.0, 8.0), entropy::gray),
-    row("entropy_rgb_r", "bit", within(0.0, 8.0), entropy::red),
-    row("entropy_rgb_g", "bit", within(0.0, 8.0), entropy::green),
-    row("entropy_rgb_b", "bit", within(0.0, 8.0), entropy::blue),
-    row("entropy_joint_rgb", "bit", within(0.0, 24.0), entropy::joint),
-    row("entropy_2d", "bit", within(0.0, 16.0), entropy::with_neighborhood),
-    profiled("uicm", Panetta, within(-7.7, 58.0), uicm::panetta),
-    profiled("uicm", Funie, within(-7.7, 58.0), uicm::funie),
-    profiled("uicm", Table1, within(-7.7, 58.0), uicm::table1),
-    profiled("uism", Panetta, within(0.0, 26.0), uism::panetta),
-    profiled("uism", Funie, within(0.0, 26.8), uism::funie),
-    profiled("uism", Table1, within(0.0, 11.1), uism::table1),
-    profiled("uiconm", Panetta, within(0.0, 0.368), uiconm::panetta),
-    profiled("uiconm", Funie, within(0.0, 0.368), uiconm::funie),
-    MetricInfo {
-        better: Better::None,
-        ..profiled("uiconm", Table1, UNBOUNDED, uiconm::table1)
-    },
-    profiled("uiqm", Panetta, within(-0.3, 10.7), uiqm::panetta),
-    profiled("uiqm", Funie, within(-0.3, 10.9), uiqm::funie),
-    profiled("uiqm", Table1, UNBOUNDED, uiqm::table1),
-    row("uciqe", "", within(0.0, 1.2), uciqe::uciqe),
-    row("uciqe_sigma_c", "", within(0.0, 1.0), uciqe::sigma_c),
+    row("entropy", 0.0..=8.0, entropy::gray),
+    row("entropy_rgb_r", 0.0..=8.0, entropy::red),
+    row("entropy_rgb_g", 0.0..=8.0, entropy::green),
+    row("entropy_rgb_b", 0.0..=8.0, entropy::blue),
+    row("entropy_joint_rgb", 0.0..=24.0, entropy::joint),
+    row("entropy_2d", 0.0..=16.0, entropy::with_neighborhood),
+    row("uicm", -7.7..=58.0, uicm::panetta).with(Panetta),
+    row("uicm", -7.7..=58.0, uicm::funie).with(Funie),
+    row("uicm", -7.7..=58.0, uicm::table1).with(Table1),
+    row("uism", 0.0..=26.0, uism::panetta).with(Panetta),
+    row("uism", 0.0..=26.8, uism::funie).with(Funie),
+    row("uism", 0.0..=11.1, uism::table1).with(Table1),
+    row("uiconm", 0.0..=0.368, uiconm::panetta).with(Panetta),
+    row("uiconm", 0.0..=0.368, uiconm::funie).with(Funie),
+    row("uiconm", -INFINITY..=INFINITY, uiconm::table1).with(Table1),
+    sum("uiqm", Panetta, -0.3..=10.7, &uiqm::PANETTA),
+    sum("uiqm", Funie, -0.3..=10.9, &uiqm::PANETTA),
+    sum("uiqm", Table1, -INFINITY..=INFINITY, &uiqm::TABLE1),
+    row("uciqe", 0.0..=1.2, uciqe::uciqe),
+    row("uciqe_sigma_c", 0.0..=1.0, uciqe::sigma_c),
     // White comes out at 1 + 4e-8: the rows of the matrix do not add up to the white exactly.
-    row("uciqe_con_l", "", within(0.0, 1.000_001), uciqe::con_l),
-    row("uciqe_mu_s", "", within(0.0, 1.0), uciqe::mu_s),
-    row(
-        "light_uniformity",
-        "",
-        within(0.0, 1.0),
-        light_uniformity::light_uniformity,
-    ),
-    compared("psnr", "dB", within(0.0, psnr::CAP_DB), psnr::psnr),
-    compared("ssim", "", within(-1.0, 1.0), ssim::ssim),
-    MetricInfo {
-        better: Better::Lower,
-        ..compared("ciede2000", "ΔE00", FROM_ZERO, ciede2000::ciede2000)
-    },
-    compared(
-        "corner_repeatability",
-        "",
-        within(0.0, 1.0),
-        corners::repeatability,
-    ),
+    row("uciqe_con_l", 0.0..=1.000_001, uciqe::con_l),
+    row("uciqe_mu_s", 0.0..=1.0, uciqe::mu_s),
+    row("light_uniformity", 0.0..=1.0, light_uniformity::light_uniformity),
+    row("psnr", 0.0..=psnr::CAP_DB, psnr::psnr).comparing(),
+    row("ssim", -1.0..=1.0, ssim::ssim).comparing(),
+    row("ciede2000", 0.0..=INFINITY, ciede2000::ciede2000).comparing(),
+    row("corner_repeatability", 0.0..=1.0, corners::repeatability).comparing(),
 ];
 
 #[cfg(test)]
@@ -236,7 +192,7 @@ mod tests {
     #[test]
     fn every_metric_has_its_own_name_which_parses_back() {
         let names: HashSet<String> = MetricId::all().map(|id| id.to_string()).collect();
-        assert_eq!(names.len(), registry().len());
+        assert_eq!(names.len(), REGISTRY.len());
         for id in MetricId::all() {
             assert_eq!(MetricId::parse(&id.to_string()), Some(id));
         }

@@ -8,10 +8,9 @@
 
 use std::borrow::Cow;
 
-use imaging::Plane;
-use pulp::{Simd, WithSimd};
+use imaging::{Plane, reflected, vectorized};
 
-use crate::work::Work;
+use crate::work::{Gray, Work};
 
 const WINDOW_PX: usize = 11;
 const RADIUS_PX: usize = WINDOW_PX / 2;
@@ -21,11 +20,9 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
 /// Structural similarity, -1..=1.
 pub(crate) fn ssim(work: &Work) -> f64 {
-    let (x, y) = (extended(work.gray()), work.clean().to_gray8());
-    pulp::Arch::new().dispatch(Separable {
-        x: &x,
-        y: &extended(&y),
-    })
+    let (x, y) = (work.part::<Gray>(), work.clean().to_gray8());
+    let (x, y) = (extended(&x.0), extended(&y));
+    vectorized!(separable(&x, &y))
 }
 
 /// The definition, window by window: what the fast variant is compared with.
@@ -79,52 +76,44 @@ impl Moments {
     }
 }
 
-struct Separable<'a> {
-    x: &'a Plane<u8>,
-    y: &'a Plane<u8>,
-}
-
-impl WithSimd for Separable<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let weights = weights();
-        let (width, height) = self.x.size();
-        let (columns, rows) = (width - 2 * RADIUS_PX, height - 2 * RADIUS_PX);
-        let [mut x, mut y, mut squares, mut product] = [const { Vec::new() }; 4];
-        let mut similarities = vec![0.0; columns];
-        let mut sum = 0.0;
-        for top in 0..rows {
-            for line in [&mut x, &mut y, &mut squares, &mut product] {
-                line.clear();
-                line.resize(width, 0.0f64);
-            }
-            for (j, &weight) in weights.iter().enumerate() {
-                let codes = self.x.row(top + j).iter().zip(self.y.row(top + j));
-                let sums = x.iter_mut().zip(&mut y).zip(squares.iter_mut().zip(&mut product));
-                for ((&a, &b), ((x, y), (squares, product))) in codes.zip(sums) {
-                    let (a, b) = (f64::from(a), f64::from(b));
-                    *x += weight * a;
-                    *y += weight * b;
-                    *squares += weight * (a * a + b * b);
-                    *product += weight * (a * b);
-                }
-            }
-            for (left, similarity) in similarities.iter_mut().enumerate() {
-                let mut moments = Moments::default();
-                for (i, &weight) in weights.iter().enumerate() {
-                    moments.x += weight * x[left + i];
-                    moments.y += weight * y[left + i];
-                    moments.squares += weight * squares[left + i];
-                    moments.product += weight * product[left + i];
-                }
-                *similarity = moments.similarity();
-            }
-            sum += similarities.iter().sum::<f64>();
+/// The same down the columns, then along the rows.
+#[inline(always)]
+fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
+    let weights = weights();
+    let (width, height) = picture.size();
+    let (columns, rows) = (width - 2 * RADIUS_PX, height - 2 * RADIUS_PX);
+    let [mut x, mut y, mut squares, mut product] = [const { Vec::new() }; 4];
+    let mut similarities = vec![0.0; columns];
+    let mut sum = 0.0;
+    for top in 0..rows {
+        for line in [&mut x, &mut y, &mut squares, &mut product] {
+            line.clear();
+            line.resize(width, 0.0f64);
         }
-        sum / (columns * rows) as f64
+        for (j, &weight) in weights.iter().enumerate() {
+            let codes = picture.row(top + j).iter().zip(clean.row(top + j));
+            let sums = x.iter_mut().zip(&mut y).zip(squares.iter_mut().zip(&mut product));
+            for ((&a, &b), ((x, y), (squares, product))) in codes.zip(sums) {
+                let (a, b) = (f64::from(a), f64::from(b));
+                *x += weight * a;
+                *y += weight * b;
+                *squares += weight * (a * a + b * b);
+                *product += weight * (a * b);
+            }
+        }
+        for (left, similarity) in similarities.iter_mut().enumerate() {
+            let mut moments = Moments::default();
+            for (i, &weight) in weights.iter().enumerate() {
+                moments.x += weight * x[left + i];
+                moments.y += weight * y[left + i];
+                moments.squares += weight * squares[left + i];
+                moments.product += weight * product[left + i];
+            }
+            *similarity = moments.similarity();
+        }
+        sum += similarities.iter().sum::<f64>();
     }
+    sum / (columns * rows) as f64
 }
 
 /// Gaussian weights along one axis, of sum 1.
@@ -140,11 +129,7 @@ fn extended(plane: &Plane<u8>) -> Cow<'_, Plane<u8>> {
     if width.min(height) >= WINDOW_PX {
         return Cow::Borrowed(plane);
     }
-    let source = |i: usize, n: usize| {
-        let period = (2 * n - 2).max(1) as isize;
-        let folded = (i as isize - RADIUS_PX as isize).rem_euclid(period);
-        folded.min(period - folded) as usize
-    };
+    let source = |i: usize, n: usize| reflected(i as isize - RADIUS_PX as isize, n);
     Cow::Owned(Plane::from_fn(
         width + 2 * RADIUS_PX,
         height + 2 * RADIUS_PX,
@@ -157,11 +142,7 @@ mod tests {
     use super::*;
 
     fn fast(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
-        Separable {
-            x: &extended(x),
-            y: &extended(y),
-        }
-        .with_simd(pulp::Scalar)
+        separable(&extended(x), &extended(y))
     }
 
     #[test]

@@ -5,44 +5,44 @@
 //! `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the standard deviation of C; con_l the mean of the k largest l
 //! less the mean of the k smallest, k one hundredth of the pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
 
-use imaging::lab::{self, TO_XYZ};
-use pulp::{Simd, WithSimd};
+use imaging::{lab, vectorized};
 
 use crate::colors::Colors;
 use crate::linear::LINEAR;
-use crate::work::Work;
+use crate::work::{Part, Work};
 
 /// UCIQE itself.
 pub(crate) fn uciqe(work: &Work) -> f64 {
-    let Terms { sigma_c, con_l, mu_s } = work.colorfulness();
+    let Terms { sigma_c, con_l, mu_s } = *work.part();
     0.4680 * sigma_c + 0.2745 * con_l + 0.2576 * mu_s
 }
 
 /// Standard deviation of chroma.
 pub(crate) fn sigma_c(work: &Work) -> f64 {
-    work.colorfulness().sigma_c
+    work.part::<Terms>().sigma_c
 }
 
 /// Contrast of lightness.
 pub(crate) fn con_l(work: &Work) -> f64 {
-    work.colorfulness().con_l
+    work.part::<Terms>().con_l
 }
 
 /// Mean saturation.
 pub(crate) fn mu_s(work: &Work) -> f64 {
-    work.colorfulness().mu_s
+    work.part::<Terms>().mu_s
 }
 
 /// The three terms of a picture.
-pub(crate) struct Terms {
+struct Terms {
     sigma_c: f64,
     con_l: f64,
     mu_s: f64,
 }
 
-impl Terms {
-    pub(crate) fn of(colors: &Colors) -> Self {
-        pulp::Arch::new().dispatch(Measure { colors })
+impl Part for Terms {
+    fn new(work: &Work) -> Self {
+        let colors = work.part::<Colors>();
+        vectorized!(terms(&colors, &LINEAR))
     }
 }
 
@@ -51,58 +51,40 @@ const BATCH: usize = 64;
 /// Independent partial sums, added up in this order whatever the vector unit.
 const LANES: usize = 8;
 
-struct Measure<'a> {
-    colors: &'a Colors,
-}
-
-impl WithSimd for Measure<'_> {
-    type Output = Terms;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Terms {
-        let linear: &[f64; 256] = &LINEAR;
-        let Colors {
-            codes,
-            counts,
-            pixels,
-        } = self.colors;
-        let mut lightness = vec![0.0f64; counts.len()];
-        // Chroma is taken relative to the first color's, so that its variance does not cancel.
-        let origin = chroma_of(linear, &codes[..3]);
-        let [mut chroma_sums, mut square_sums, mut saturation_sums] = [[0.0f64; LANES]; 3];
-        let weighted = lightness.chunks_mut(BATCH).zip(counts.chunks(BATCH));
-        for (codes, (lightness, counts)) in codes.chunks(3 * BATCH).zip(weighted) {
-            let mut batch = Batch::load(linear, codes);
-            batch.convert();
-            let count = lightness.len();
-            lightness.copy_from_slice(&batch.lightness[..count]);
-            for i in 0..count {
-                let (offset, count) = (batch.chroma[i] - origin, f64::from(counts[i]));
-                chroma_sums[i % LANES] += count * offset;
-                square_sums[i % LANES] += count * (offset * offset);
-                saturation_sums[i % LANES] += count * batch.saturation[i];
-            }
+#[inline(always)]
+fn terms(colors: &Colors, linear: &[f64; 256]) -> Terms {
+    let Colors {
+        codes,
+        counts,
+        pixels,
+    } = colors;
+    let mut lightness = vec![0.0f64; counts.len()];
+    // Chroma is taken relative to the first color's, so that its variance does not cancel.
+    let origin = Batch::new(linear, &codes[..3]).chroma[0];
+    let [mut chroma_sums, mut square_sums, mut saturation_sums] = [[0.0f64; LANES]; 3];
+    let weighted = lightness.chunks_mut(BATCH).zip(counts.chunks(BATCH));
+    for (codes, (lightness, counts)) in codes.chunks(3 * BATCH).zip(weighted) {
+        let batch = Batch::new(linear, codes);
+        let count = lightness.len();
+        lightness.copy_from_slice(&batch.lightness[..count]);
+        for i in 0..count {
+            let (offset, count) = (batch.chroma[i] - origin, f64::from(counts[i]));
+            chroma_sums[i % LANES] += count * offset;
+            square_sums[i % LANES] += count * (offset * offset);
+            saturation_sums[i % LANES] += count * batch.saturation[i];
         }
-        let [chroma, square, saturation] = [chroma_sums, square_sums, saturation_sums]
-            .map(|lanes| lanes.iter().sum::<f64>() / *pixels as f64);
-        Terms {
-            sigma_c: (square - chroma * chroma).max(0.0).sqrt(),
-            con_l: contrast(&lightness, counts),
-            mu_s: saturation,
-        }
+    }
+    let [chroma, square, saturation] =
+        [chroma_sums, square_sums, saturation_sums].map(|lanes| lanes.iter().sum::<f64>() / *pixels as f64);
+    Terms {
+        sigma_c: (square - chroma * chroma).max(0.0).sqrt(),
+        con_l: contrast(&lightness, counts),
+        mu_s: saturation,
     }
 }
 
-#[inline(always)]
-fn chroma_of(linear: &[f64; 256], pixel: &[u8]) -> f64 {
-    let mut batch = Batch::load(linear, pixel);
-    batch.convert();
-    batch.chroma[0]
-}
-
-/// Linear light in, lightness, chroma and saturation out.
+/// What is measured of each color.
 struct Batch {
-    linear: [[f64; BATCH]; 3],
     lightness: [f64; BATCH],
     chroma: [f64; BATCH],
     saturation: [f64; BATCH],
@@ -110,39 +92,22 @@ struct Batch {
 
 impl Batch {
     #[inline(always)]
-    fn load(table: &[f64; 256], codes: &[u8]) -> Self {
-        let zero = [0.0; BATCH];
-        let mut linear = [zero; 3];
-        let [r, g, b] = &mut linear;
-        for (((r, g), b), pixel) in r.iter_mut().zip(g).zip(b).zip(codes.chunks_exact(3)) {
-            (*r, *g, *b) = (
-                table[usize::from(pixel[0])],
-                table[usize::from(pixel[1])],
-                table[usize::from(pixel[2])],
-            );
+    fn new(linear: &[f64; 256], codes: &[u8]) -> Self {
+        let [l, a, b] = lab::of_codes::<BATCH>(codes, [linear; 3]);
+        let [mut lightness, mut chroma, mut saturation] = [[0.0; BATCH]; 3];
+        for i in 0..BATCH {
+            let l = l[i] / 100.0;
+            let length = (a[i] * a[i] + b[i] * b[i]).sqrt() / 100.0;
+            let length = if length < 1e-6 { 0.0 } else { length };
+            let norm = (length * length + l * l).sqrt();
+            lightness[i] = l;
+            chroma[i] = length;
+            saturation[i] = if length > 0.0 { length / norm } else { 0.0 };
         }
         Self {
-            linear,
-            lightness: zero,
-            chroma: zero,
-            saturation: zero,
-        }
-    }
-
-    #[inline(always)]
-    fn convert(&mut self) {
-        let [r, g, b] = &self.linear;
-        for i in 0..BATCH {
-            let response = |row: [f64; 3]| lab::response(row[0] * r[i] + row[1] * g[i] + row[2] * b[i]);
-            let (x, y, z) = (response(TO_XYZ[0]), response(TO_XYZ[1]), response(TO_XYZ[2]));
-            let l = (116.0 * y - 16.0) / 100.0;
-            let (a, b) = (500.0 * (x - y), 200.0 * (y - z));
-            let chroma = (a * a + b * b).sqrt() / 100.0;
-            let chroma = if chroma < 1e-6 { 0.0 } else { chroma };
-            let norm = (chroma * chroma + l * l).sqrt();
-            self.lightness[i] = l;
-            self.chroma[i] = chroma;
-            self.saturation[i] = if chroma > 0.0 { chroma / norm } else { 0.0 };
+            lightness,
+            chroma,
+            saturation,
         }
     }
 }
@@ -244,7 +209,7 @@ mod tests {
     #[test]
     fn gray_has_no_chroma() {
         let gray = Rgb8::from_fn(16, 16, |x, y| [(16 * y + x) as u8; 3]);
-        let terms = Terms::of(&Colors::of(&gray));
+        let terms = Work::new(&gray, None).part::<Terms>();
         assert_eq!((terms.sigma_c, terms.mu_s), (0.0, 0.0));
         // Black and white, three of 256 at either end.
         assert!(terms.con_l > 0.98 && terms.con_l < 1.0);

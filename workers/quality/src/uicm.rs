@@ -7,25 +7,23 @@
 //!
 //! `funie` drops one more value from the sum of μ but divides by the same number. `table1` rounds YB down.
 
-use imaging::Rgb8;
-
-use crate::work::Work;
+use crate::work::{Part, Work};
 
 /// UICM of the article.
 pub(crate) fn panetta(work: &Work) -> f64 {
-    let Opponents { rg, yb } = work.opponents();
+    let Opponents { rg, yb } = &*work.part();
     uicm(rg.moments(0), yb.moments(0))
 }
 
 /// UICM with one value too few in the mean.
 pub(crate) fn funie(work: &Work) -> f64 {
-    let Opponents { rg, yb } = work.opponents();
+    let Opponents { rg, yb } = &*work.part();
     uicm(rg.moments(1), yb.moments(1))
 }
 
 /// UICM with YB in whole numbers.
 pub(crate) fn table1(work: &Work) -> f64 {
-    let Opponents { rg, yb } = work.opponents();
+    let Opponents { rg, yb } = &*work.part();
     uicm(rg.moments(0), yb.rounded_down().moments(0))
 }
 
@@ -39,11 +37,11 @@ pub(crate) struct Opponents {
     yb: Histogram,
 }
 
-impl Opponents {
-    pub(crate) fn of(picture: &Rgb8) -> Self {
+impl Part for Opponents {
+    fn new(work: &Work) -> Self {
         let mut rg = vec![0u32; 511];
         let mut yb = vec![0u32; 1021];
-        for [r, g, b] in picture.pixels() {
+        for [r, g, b] in work.picture().pixels() {
             // Wide before the subtraction: 8 bits would wrap around.
             let [r, g, b] = [r, g, b].map(usize::from);
             rg[255 + r - g] += 1;
@@ -132,6 +130,8 @@ impl Histogram {
 
 #[cfg(test)]
 mod tests {
+    use imaging::Rgb8;
+
     use super::*;
 
     fn ten() -> Histogram {
@@ -159,14 +159,14 @@ mod tests {
 
     #[test]
     fn one_pixel_has_its_own_value_as_mean() {
-        let one = Histogram {
+        let single = Histogram {
             counts: vec![0, 0, 1],
             lowest: -1,
             step: 1.0,
         };
         for missing in [0, 1] {
             assert_eq!(
-                (one.moments(missing).mean, one.moments(missing).variance),
+                (single.moments(missing).mean, single.moments(missing).variance),
                 (1.0, 0.0)
             );
         }
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn differences_do_not_wrap_around() {
         let picture = Rgb8::from_fn(2, 1, |x, _| if x == 0 { [0, 255, 255] } else { [255, 0, 0] });
-        let Opponents { rg, yb } = Opponents::of(&picture);
+        let Opponents { rg, yb } = Opponents::new(&Work::new(&picture, None));
         assert_eq!((rg.counts[0], rg.counts[510]), (1, 1));
         assert_eq!((yb.counts[510 - 255], yb.counts[510 + 255]), (1, 1));
     }

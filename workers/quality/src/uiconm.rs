@@ -1,7 +1,7 @@
 //! UIConM, contrast of blocks as an entropy-like mean (Panetta, Gao and Agaian 2016, eq. 7-8).
 //!
 //! For a block with greatest intensity M and least m, of `I = (R + G + B) / 3` in blocks of 10 × 10,
-//! `q = [γ (M - m) / (γ - m)] / [M + m - M m / γ]` with γ = 1026: a difference over a sum of the parameterised
+//! `q = [γ (M - m) / (γ - m)] / [M + m - M m / γ]` with γ = 1026: a difference over a sum of the parameterized
 //! logarithmic image model. `UIConM = -1 / (k1 k2) Σ q ln q`, 0 where M = m.
 //!
 //! `funie` takes M and m over the three channels together and the ordinary `q = (M - m) / (M + m)`, so a plain color
@@ -79,7 +79,7 @@ fn table1_term(m: f64, top: f64) -> f64 {
 }
 
 fn blocks(work: &Work, side: usize) -> Blocks {
-    Blocks::of((work.picture().width(), work.picture().height()), side)
+    Blocks::new((work.picture().width(), work.picture().height()), side)
 }
 
 /// `-q ln q`.

@@ -7,132 +7,119 @@
 //! `funie` weighs blue by 0.144, a transposition of its program. `table1` takes blocks of 4 × 4 and the vertical
 //! derivative in place of both, cut at 255; it rescales each channel to codes, and there a block that holds a 0 adds 1.
 
-use imaging::Plane;
-use pulp::{Simd, WithSimd};
+use imaging::simd::{larger, smaller};
+use imaging::{Plane, vectorized};
 
 use crate::blocks::Blocks;
 use crate::sobel::{Border, Sobel};
-use crate::work::Work;
+use crate::work::{Channels, Part, Work};
 
 const BLOCK_PX: usize = 10;
 const TABLE1_BLOCK_PX: usize = 4;
 
 /// UISM of the article.
 pub(crate) fn panetta(work: &Work) -> f64 {
-    let [r, g, b] = work.sharpness();
+    let Sharpness([r, g, b]) = *work.part();
     0.299 * r + 0.587 * g + 0.114 * b
 }
 
 /// UISM with more blue.
 pub(crate) fn funie(work: &Work) -> f64 {
-    let [r, g, b] = work.sharpness();
+    let Sharpness([r, g, b]) = *work.part();
     0.299 * r + 0.587 * g + 0.144 * b
 }
 
 /// UISM of vertical derivatives in small blocks.
 pub(crate) fn table1(work: &Work) -> f64 {
-    let [r, g, b] = work
-        .channels()
+    let channels = work.part::<Channels>();
+    let [r, g, b] = channels
+        .0
         .each_ref()
-        .map(|channel| pulp::Arch::new().dispatch(Vertical { channel }));
+        .map(|channel| vectorized!(vertical(channel)));
     0.299 * r + 0.587 * g + 0.114 * b
 }
 
 /// EME of the three channels.
-pub(crate) fn sharpness(channels: &[Plane<u8>; 3]) -> [f64; 3] {
-    channels
-        .each_ref()
-        .map(|channel| pulp::Arch::new().dispatch(Edges { channel }))
-}
+struct Sharpness([f64; 3]);
 
-struct Edges<'a> {
-    channel: &'a Plane<u8>,
-}
-
-impl WithSimd for Edges<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let channel = self.channel;
-        let blocks = Blocks::of(channel.size(), BLOCK_PX);
-        let mut sobel = Sobel::new(channel, Border::Replicate);
-        let (mut gx, mut gy) = (vec![0i16; channel.width()], vec![0i16; channel.width()]);
-        // E² is a whole number below 2^38: f64 holds it, and the order of its blocks' extremes is that of E.
-        let extremes = blocks.extremes(1, |y, row: &mut [f64]| {
-            let count = row.len();
-            sobel.row(y, &mut gx[..count], &mut gy[..count]);
-            for (((square, &gx), &gy), &code) in row.iter_mut().zip(&gx).zip(&gy).zip(channel.row(y)) {
-                let (gx, gy, code) = (i32::from(gx), i32::from(gy), i32::from(code));
-                *square = f64::from(gx * gx + gy * gy) * f64::from(code * code);
-            }
-        });
-        let sum: f64 = extremes
-            .iter()
-            .filter(|(low, _)| *low > 0.0)
-            .map(|(low, high)| 0.5 * (high / low).ln())
-            .sum();
-        2.0 / blocks.count() * sum
+impl Part for Sharpness {
+    fn new(work: &Work) -> Self {
+        let channels = work.part::<Channels>();
+        Self(channels.0.each_ref().map(|channel| vectorized!(eme(channel))))
     }
 }
 
-struct Vertical<'a> {
-    channel: &'a Plane<u8>,
+#[inline(always)]
+fn eme(channel: &Plane<u8>) -> f64 {
+    let blocks = Blocks::new(channel.size(), BLOCK_PX);
+    let mut sobel = Sobel::new(channel, Border::Replicate);
+    let (mut gx, mut gy) = (vec![0i16; channel.width()], vec![0i16; channel.width()]);
+    // E² is a whole number below 2^38: f64 holds it, and the order of its blocks' extremes is that of E.
+    let extremes = blocks.extremes(1, |y, row: &mut [f64]| {
+        let count = row.len();
+        sobel.row(y, &mut gx[..count], &mut gy[..count]);
+        for (((square, &gx), &gy), &code) in row.iter_mut().zip(&gx).zip(&gy).zip(channel.row(y)) {
+            let (gx, gy, code) = (i32::from(gx), i32::from(gy), i32::from(code));
+            *square = f64::from(gx * gx + gy * gy) * f64::from(code * code);
+        }
+    });
+    let sum: f64 = extremes
+        .iter()
+        .filter(|(low, _)| *low > 0.0)
+        .map(|(low, high)| 0.5 * (high / low).ln())
+        .sum();
+    2.0 / blocks.count() * sum
 }
 
-impl WithSimd for Vertical<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let channel = self.channel;
-        let (width, height) = channel.size();
-        let blocks = Blocks::of((width, height), TABLE1_BLOCK_PX);
-        let mut sobel = Sobel::new(channel, Border::Reflect);
-        let (mut gx, mut gy) = (vec![0i16; width], vec![0i16; width]);
-        let mut strength = vec![0.0f64; width];
-        // The extremes of what lies beside and below the blocks; those of the blocks are known anyway.
-        let (mut least, mut greatest) = (f64::INFINITY, 0.0f64);
-        let mut measure_row = |y: usize, row: &mut [f64]| {
-            sobel.row(y, &mut gx, &mut gy);
-            // Ties of the rounding below depend on this order of the products.
-            for ((strength, &gy), &code) in strength.iter_mut().zip(&gy).zip(channel.row(y)) {
-                let cut = i32::from(gy).abs().min(255);
-                *strength = f64::from(code) * (std::f64::consts::SQRT_2 * f64::from(cut));
-            }
-            let (inside, beside) = strength.split_at(row.len());
-            row.copy_from_slice(inside);
-            for &value in beside {
-                least = if value < least { value } else { least };
-                greatest = if value > greatest { value } else { greatest };
-            }
-        };
-        let extremes = blocks.extremes(1, &mut measure_row);
-        for y in blocks.rows()..height {
-            measure_row(y, &mut []);
+/// EME of vertical derivatives, rescaled to codes.
+#[inline(always)]
+fn vertical(channel: &Plane<u8>) -> f64 {
+    let (width, height) = channel.size();
+    let blocks = Blocks::new((width, height), TABLE1_BLOCK_PX);
+    let mut sobel = Sobel::new(channel, Border::Reflect);
+    let (mut gx, mut gy) = (vec![0i16; width], vec![0i16; width]);
+    let mut strength = vec![0.0f64; width];
+    // The extremes of what lies beside and below the blocks; those of the blocks are known anyway.
+    let (mut least, mut greatest) = (f64::INFINITY, 0.0f64);
+    let mut measure_row = |y: usize, row: &mut [f64]| {
+        sobel.row(y, &mut gx, &mut gy);
+        // Ties of the rounding below depend on this order of the products.
+        for ((strength, &gy), &code) in strength.iter_mut().zip(&gy).zip(channel.row(y)) {
+            let cut = i32::from(gy).abs().min(255);
+            *strength = f64::from(code) * (std::f64::consts::SQRT_2 * f64::from(cut));
         }
-        for &(low, high) in &extremes {
-            least = least.min(low);
-            greatest = greatest.max(high);
+        let (inside, beside) = strength.split_at(row.len());
+        row.copy_from_slice(inside);
+        for &value in beside {
+            least = smaller(value, least);
+            greatest = larger(value, greatest);
         }
-        let spread = greatest - least;
-        // Rescaling keeps the order, so only the extremes of the blocks need it.
-        let code = |value: f64| {
-            if spread > 0.0 {
-                (value * 255.0 / spread - least)
-                    .round_ties_even()
-                    .clamp(0.0, 255.0)
-            } else {
-                0.0
-            }
-        };
-        let sum: f64 = extremes
-            .iter()
-            .map(|&(low, high)| {
-                let (low, high) = (code(low), code(high));
-                if low > 0.0 { (high / low).ln() } else { 1.0 }
-            })
-            .sum();
-        2.0 / blocks.count() * sum
+    };
+    let extremes = blocks.extremes(1, &mut measure_row);
+    for y in blocks.rows()..height {
+        measure_row(y, &mut []);
     }
+    for &(low, high) in &extremes {
+        least = least.min(low);
+        greatest = greatest.max(high);
+    }
+    let spread = greatest - least;
+    // Rescaling keeps the order, so only the extremes of the blocks need it.
+    let code = |value: f64| {
+        if spread > 0.0 {
+            (value * 255.0 / spread - least)
+                .round_ties_even()
+                .clamp(0.0, 255.0)
+        } else {
+            0.0
+        }
+    };
+    let sum: f64 = extremes
+        .iter()
+        .map(|&(low, high)| {
+            let (low, high) = (code(low), code(high));
+            if low > 0.0 { (high / low).ln() } else { 1.0 }
+        })
+        .sum();
+    2.0 / blocks.count() * sum
 }

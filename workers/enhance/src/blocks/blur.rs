@@ -1,9 +1,8 @@
 //! A Gaussian window along rows and columns, the border reflected without repeating the edge.
 
-use imaging::{Plane, vectorized};
+use imaging::{Plane, reflected, vectorized};
 
-use crate::method::Variant;
-use crate::reflect::reflected;
+use crate::variant::Variant;
 
 /// The mean over a window of `2 radius + 1` pixels a side with the weights `exp(-(i² + j²) / (2 σ²))`, which add up
 /// to 1.
@@ -25,19 +24,14 @@ fn weights(radius: usize, sigma_px: f64) -> Vec<f64> {
 
 /// What stands `i - radius` samples from the start of `0..n`.
 fn around(i: usize, radius: usize, n: usize) -> usize {
-    if n == 1 {
-        return 0;
-    }
-    // A whole number of periods keeps the index positive.
-    let period = 2 * n - 2;
-    reflected(i + radius.div_ceil(period) * period - radius, n)
+    reflected(i as isize - radius as isize, n)
 }
 
 fn reference(plane: &Plane<f64>, weights: &[f64]) -> Plane<f64> {
     let (width, height) = plane.size();
     let radius = weights.len() - 1;
-    let weighted = |at: &dyn Fn(usize) -> f64| {
-        let window = (0..=2 * radius).map(|i| weights[i.abs_diff(radius)] * at(i));
+    let weighted = |sample: &dyn Fn(usize) -> f64| {
+        let window = (0..=2 * radius).map(|i| weights[i.abs_diff(radius)] * sample(i));
         window.sum::<f64>()
     };
     let along = Plane::from_fn(width, height, |x, y| {

@@ -1,8 +1,9 @@
 //! The largest and the smallest value in a square window; what lies outside the picture is ignored.
 
+use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
 
-use crate::method::Variant;
+use crate::variant::Variant;
 
 /// The largest sample within `radius` columns and rows of each sample.
 #[must_use]
@@ -14,16 +15,6 @@ pub fn window_max<T: Copy + PartialOrd>(plane: &Plane<T>, radius: usize, variant
 #[must_use]
 pub fn window_min<T: Copy + PartialOrd>(plane: &Plane<T>, radius: usize, variant: Variant) -> Plane<T> {
     extremes(plane, radius, variant, smaller)
-}
-
-#[inline(always)]
-fn larger<T: PartialOrd>(a: T, b: T) -> T {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn smaller<T: PartialOrd>(a: T, b: T) -> T {
-    if a < b { a } else { b }
 }
 
 #[inline(always)]

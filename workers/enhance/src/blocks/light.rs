@@ -3,7 +3,7 @@
 use imaging::{Plane, Rgb8, vectorized};
 
 use super::rank::largest;
-use crate::method::Variant;
+use crate::variant::Variant;
 
 /// Part of the pixels that the background light is sought in.
 pub const TOP_SHARE: f64 = 0.001;

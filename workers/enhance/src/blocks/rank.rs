@@ -3,7 +3,7 @@
 use imaging::Plane;
 
 use super::norm::range;
-use crate::method::Variant;
+use crate::variant::Variant;
 
 /// Values whose distances from the largest agree to this many binary places are equal: windows with the same content
 /// must tie, and running sums leave 1e-13 of noise on them.

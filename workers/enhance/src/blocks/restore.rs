@@ -3,7 +3,7 @@
 use imaging::{Plane, Rgb8, vectorized};
 
 use crate::elementary::exp_nonpositive;
-use crate::method::Variant;
+use crate::variant::Variant;
 
 /// What lies between the scene and the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]

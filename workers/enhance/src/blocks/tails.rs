@@ -1,7 +1,7 @@
 //! Stretching values between the ends of their distribution.
 
 use super::norm::range_of;
-use crate::method::Variant;
+use crate::variant::Variant;
 
 /// The values at positions `floor(share · K)` and `K - 1 - floor(share · K)` of the K sorted values, K at least 1.
 /// A share of 0.5 or more puts the first above the second.

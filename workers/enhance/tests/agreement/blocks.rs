@@ -35,7 +35,7 @@ fn guided_filters() {
                 for (radius, regularization) in
                     radii.filter(|(radius, _)| width * height * radius < 2_000_000)
                 {
-                    let guide = Guide::of(&picture).window(radius, regularization);
+                    let guide = Guide::new(&picture).window(radius, regularization);
                     let what = format!("{width}×{height} {content}, radius {radius}");
                     let [fast, exact] = [Fast, Reference].map(|variant| guided(&guide, &plane, variant));
                     assert_close(&fast, &exact, GUIDED_AGREEMENT, &what);

@@ -40,7 +40,7 @@ pub(crate) fn pictures(width: usize, height: usize) -> [(&'static str, Rgb8); 8]
         ("edge", |x, _| if x % 40 < 20 { [0; 3] } else { [255; 3] }),
         ("constant", |_, _| [60, 120, 140]),
         ("black", |_, _| [0; 3]),
-        ("nearly one colour", |x, y| {
+        ("nearly one color", |x, y| {
             [60, 120 + u8::from(noise(x, y) > 250), 140]
         }),
         ("hazed", |x, y| {

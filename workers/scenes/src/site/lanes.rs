@@ -1,6 +1,7 @@
 //! Groups of surface points that are shaded together, one array per quantity, so that every loop over them
 //! turns into vector instructions.
 
+pub(crate) use imaging::simd::{larger, smaller};
 use imaging::vector::{Vec3, vec3};
 
 /// Points in a group.
@@ -39,16 +40,6 @@ pub(crate) fn ramp(value: f32, low: f32, high: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn clamp01(value: f32) -> f32 {
     larger(smaller(value, 1.0), 0.0)
-}
-
-#[inline(always)]
-pub(crate) fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-pub(crate) fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }
 
 /// The largest component.

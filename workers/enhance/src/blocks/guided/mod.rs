@@ -14,7 +14,7 @@ mod reference;
 
 use imaging::{Plane, Rgb8};
 
-use crate::method::Variant;
+use crate::variant::Variant;
 
 /// Radius of the methods' windows, pixels.
 pub const RADIUS_PX: usize = 50;
@@ -36,14 +36,9 @@ pub struct Guide {
 impl Guide {
     /// The picture itself as guide, `I = code / 255`, with the methods' radius and ε.
     #[must_use]
-    pub fn of(picture: &Rgb8) -> Self {
-        let (width, height) = (picture.width(), picture.height());
-        let channels = [0, 1, 2].map(|channel| {
-            let codes = picture.data().iter().skip(channel).step_by(3).copied().collect();
-            Plane::new(width, height, codes).expect("a code for each pixel")
-        });
+    pub fn new(picture: &Rgb8) -> Self {
         Self {
-            channels,
+            channels: picture.to_planes(),
             scale: 1.0 / 255.0,
             radius_px: RADIUS_PX,
             regularization: REGULARIZATION,
@@ -137,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_flat_guide_leaves_two_box_means() {
-        let flat = Guide::of(&Rgb8::from_fn(30, 20, |_, _| [9, 80, 200])).window(3, 1e-3);
+        let flat = Guide::new(&Rgb8::from_fn(30, 20, |_, _| [9, 80, 200])).window(3, 1e-3);
         let plane = Plane::from_fn(30, 20, |x, y| (x * y % 7) as f64);
         let mean = |plane| reference::box_mean(plane, 3);
         let expected = mean(&mean(&plane));
@@ -155,7 +150,7 @@ mod tests {
             let [r, g, b] = picture.at(x, y).map(f64::from);
             0.3 + (2.0 * r - g + 0.5 * b) / 255.0
         });
-        let guide = Guide::of(&picture).window(8, 1e-12);
+        let guide = Guide::new(&picture).window(8, 1e-12);
         for variant in [Variant::Fast, Variant::Reference] {
             for (got, expected) in guided(&guide, &plane, variant).data().iter().zip(plane.data()) {
                 assert!((got - expected).abs() < 1e-5, "{got} for {expected}");
@@ -168,8 +163,8 @@ mod tests {
         let low = Rgb8::from_fn(25, 25, |x, y| textured(25, 25).at(x, y).map(|code| code / 2));
         let high = Rgb8::from_fn(25, 25, |x, y| low.at(x, y).map(|code| code + 100));
         let plane = Plane::from_fn(25, 25, |x, y| ((x * 7 + y * y) % 11) as f64);
-        let of = |picture| guided(&Guide::of(picture), &plane, Variant::Fast);
-        for (a, b) in of(&low).data().iter().zip(of(&high).data()) {
+        let filtered = |picture| guided(&Guide::new(picture), &plane, Variant::Fast);
+        for (a, b) in filtered(&low).data().iter().zip(filtered(&high).data()) {
             assert!((a - b).abs() < 1e-5);
         }
     }

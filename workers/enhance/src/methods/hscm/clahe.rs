@@ -1,0 +1,235 @@
+//! Contrast-limited adaptive histogram equalization (Zuiderveld 1994), in the form that OpenCV made common.
+//!
+//! The picture is covered by a grid of tiles. Each tile's histogram is clipped at a multiple of its mean bin, what
+//! was cut is spread over all bins, and the cumulative histogram becomes the tile's table. A pixel takes the tables
+//! of the four nearest tile centers, weighted bilinearly.
+
+use imaging::{Plane, reflected, vectorized};
+
+type Table = [u8; 256];
+
+/// Equalizes a plane of at least one pixel. `grid` is the number of tiles across and down, at least one each;
+/// `clip_limit` is in mean bins, and 0 does not clip.
+///
+/// When either side is not a multiple of its number of tiles, both are extended by reflection for the histograms:
+/// by `tiles - side mod tiles`, which is a whole row of pixels per tile on a side that did divide.
+#[must_use]
+pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f64) -> Plane<u8> {
+    let tiles = Tiles::new(picture.size(), across, down);
+    let tables = tiles.tables(picture, clip_limit);
+    let (width, height) = picture.size();
+    let neighbors = |x| Neighbors::new(x, tiles.width_px, across);
+    let columns: Vec<Neighbors> = (0..width).map(neighbors).collect();
+    let mut equalized = Plane::filled(width, height, 0u8);
+    let mut blends = Vec::new();
+    let mut blended_rows = None;
+    for y in 0..height {
+        let row = Neighbors::new(y, tiles.height_px, down);
+        if blended_rows != Some((row.first, row.second)) {
+            let (upper, lower) = (&tables[row.first * across..], &tables[row.second * across..]);
+            blends = blend_tables(&upper[..across], &lower[..across]);
+            blended_rows = Some((row.first, row.second));
+        }
+        let (from, to) = (picture.row(y), equalized.row_mut(y));
+        vectorized!(blend_row(from, &columns, &blends, row.weight, to));
+    }
+    equalized
+}
+
+/// The grid over the extended picture.
+struct Tiles {
+    across: usize,
+    down: usize,
+    width_px: usize,
+    height_px: usize,
+}
+
+impl Tiles {
+    fn new((width, height): (usize, usize), across: usize, down: usize) -> Self {
+        let (mut extended_width, mut extended_height) = (width, height);
+        if !width.is_multiple_of(across) || !height.is_multiple_of(down) {
+            extended_width += across - width % across;
+            extended_height += down - height % down;
+        }
+        Self {
+            across,
+            down,
+            width_px: extended_width / across,
+            height_px: extended_height / down,
+        }
+    }
+
+    /// One table per tile, row by row.
+    fn tables(&self, picture: &Plane<u8>, clip_limit: f64) -> Vec<Table> {
+        let (width, height) = picture.size();
+        let extended_width = self.across * self.width_px;
+        let columns: Vec<usize> = (0..extended_width)
+            .map(|x| reflected(x as isize, width))
+            .collect();
+        let inside = width / self.width_px;
+        let mut tables = Vec::with_capacity(self.across * self.down);
+        for tile_row in 0..self.down {
+            let mut histograms = vec![[0u32; 256]; self.across];
+            for y in tile_row * self.height_px..(tile_row + 1) * self.height_px {
+                let row = picture.row(reflected(y as isize, height));
+                let (whole, partial) = histograms.split_at_mut(inside.min(self.across));
+                for (histogram, codes) in whole.iter_mut().zip(row.chunks_exact(self.width_px)) {
+                    for &code in codes {
+                        histogram[usize::from(code)] += 1;
+                    }
+                }
+                let rest = &columns[whole.len() * self.width_px..];
+                for (histogram, columns) in partial.iter_mut().zip(rest.chunks_exact(self.width_px)) {
+                    for &column in columns {
+                        histogram[usize::from(row[column])] += 1;
+                    }
+                }
+            }
+            let histograms = histograms.into_iter();
+            tables.extend(histograms.map(|histogram| self.table(histogram, clip_limit)));
+        }
+        tables
+    }
+
+    fn table(&self, mut histogram: [u32; 256], clip_limit: f64) -> Table {
+        let area = self.width_px * self.height_px;
+        if clip_limit > 0.0 {
+            let limit = ((clip_limit * area as f64 / 256.0) as u32).max(1);
+            clip(&mut histogram, limit);
+        }
+        let scale = 255.0 / area as f32;
+        let mut cumulative = 0u32;
+        histogram.map(|count| {
+            cumulative += count;
+            round_ties_even(f64::from(cumulative as f32 * scale))
+        })
+    }
+}
+
+/// Cuts every bin at `limit` and spreads the excess: equally, then one by one at equal steps.
+fn clip(histogram: &mut [u32; 256], limit: u32) {
+    let excess: u32 = histogram.iter().map(|count| count.saturating_sub(limit)).sum();
+    for count in histogram.iter_mut() {
+        *count = (*count).min(limit) + excess / 256;
+    }
+    let residual = (excess % 256) as usize;
+    if let Some(step) = 256usize.checked_div(residual) {
+        for count in histogram.iter_mut().step_by(step).take(residual) {
+            *count += 1;
+        }
+    }
+}
+
+/// The two tiles along one axis whose centers enclose a pixel, and the share of the second.
+#[derive(Clone, Copy)]
+struct Neighbors {
+    first: usize,
+    second: usize,
+    weight: f64,
+    /// `first` before it was clamped to the grid, plus one: which gap between tile centers the pixel lies in.
+    gap: usize,
+}
+
+impl Neighbors {
+    fn new(position: usize, tile_px: usize, tiles: usize) -> Self {
+        let centered = position as f64 / tile_px as f64 - 0.5;
+        let floor = centered.floor();
+        let gap = (floor + 1.0) as usize;
+        Self {
+            first: gap.saturating_sub(1),
+            second: gap.min(tiles - 1),
+            weight: centered - floor,
+            gap,
+        }
+    }
+}
+
+/// For each gap between tile centers and each code: the four table entries in one word, low byte first in the order
+/// upper left, upper right, lower left, lower right. One look-up a pixel instead of four.
+fn blend_tables(upper: &[Table], lower: &[Table]) -> Vec<[u32; 256]> {
+    let last = upper.len() - 1;
+    let table = |gap: usize| {
+        let (left, right) = (gap.saturating_sub(1), gap.min(last));
+        let tables = [&upper[left], &upper[right], &lower[left], &lower[right]];
+        std::array::from_fn(|code| u32::from_le_bytes(tables.map(|table| table[code])))
+    };
+    (0..=upper.len()).map(table).collect()
+}
+
+#[inline(always)]
+fn blend_row(from: &[u8], columns: &[Neighbors], blends: &[[u32; 256]], b: f64, to: &mut [u8]) {
+    const BLOCK: usize = 64;
+    let blocks = from.chunks(BLOCK).zip(to.chunks_mut(BLOCK));
+    for ((from, to), columns) in blocks.zip(columns.chunks(BLOCK)) {
+        let mut entries = [0u32; BLOCK];
+        let mut weights = [0f64; BLOCK];
+        let gathered = entries.iter_mut().zip(&mut weights);
+        for (((entry, weight), &code), column) in gathered.zip(from).zip(columns) {
+            *entry = blends[column.gap][usize::from(code)];
+            *weight = column.weight;
+        }
+        let mut codes = [0u8; BLOCK];
+        for ((code, &entry), &a) in codes.iter_mut().zip(&entries).zip(&weights) {
+            let entry_at = |byte: u32| ((entry >> (8 * byte)) & 255) as i32 as f64;
+            let upper = (1.0 - a) * entry_at(0) + a * entry_at(1);
+            let lower = (1.0 - a) * entry_at(2) + a * entry_at(3);
+            *code = round_ties_even((1.0 - b) * upper + b * lower);
+        }
+        to.copy_from_slice(&codes[..to.len()]);
+    }
+}
+
+/// Rounds a value within 0..=255: adding 2^52 leaves no bit for the fraction.
+#[inline(always)]
+fn round_ties_even(value: f64) -> u8 {
+    (value + 4_503_599_627_370_496.0).to_bits() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn excess_is_spread_equally_and_its_rest_at_equal_steps() {
+        let mut histogram = [0u32; 256];
+        histogram[7] = 256 + 3 + 10;
+        clip(&mut histogram, 10);
+        // 259 over the limit: one for every bin, and the three left go to bins 0, 85 and 170.
+        assert_eq!(histogram[7], 11);
+        assert_eq!(
+            (histogram[0], histogram[85], histogram[170], histogram[255]),
+            (2, 2, 2, 1)
+        );
+        assert_eq!(histogram.iter().sum::<u32>(), 269);
+    }
+
+    #[test]
+    fn a_divisible_side_is_extended_when_the_other_is_not() {
+        let both = Tiles::new((80, 60), 8, 8);
+        assert_eq!((both.width_px, both.height_px), (11, 8));
+        let neither = Tiles::new((80, 64), 8, 8);
+        assert_eq!((neither.width_px, neither.height_px), (10, 8));
+    }
+
+    #[test]
+    fn one_tile_without_clipping_is_plain_equalization() {
+        let picture = Plane::new(4, 1, vec![10u8, 20, 30, 40]).unwrap();
+        // Cumulative counts 1..4 of 4, in steps of 63.75.
+        assert_eq!(clahe(&picture, (1, 1), 0.0).data(), &[64, 128, 191, 255]);
+    }
+
+    #[test]
+    fn a_picture_of_one_pixel_goes_through_a_grid_of_any_size() {
+        for grid in [(1, 1), (8, 8), (256, 3)] {
+            assert_eq!(clahe(&Plane::filled(1, 1, 9u8), grid, 2.0).size(), (1, 1));
+        }
+    }
+
+    #[test]
+    fn values_are_rounded_half_to_even() {
+        assert_eq!(
+            [0.5, 1.5, 2.5, 254.5, 255.0].map(round_ties_even),
+            [0, 2, 2, 254, 255]
+        );
+    }
+}

@@ -1,0 +1,26 @@
+//! The logarithm of a row of luma, in single precision.
+
+use super::EPS;
+use crate::elementary::ln;
+use crate::methods::hscm::luma::Luma;
+
+/// `ln(code / white + eps)`.
+#[derive(Clone, Copy)]
+pub(super) struct Logarithm {
+    scale: f32,
+}
+
+impl Logarithm {
+    pub(super) fn new(luma: &Luma) -> Self {
+        let scale = 1.0 / luma.white() as f32;
+        Self { scale }
+    }
+
+    #[inline(always)]
+    pub(super) fn row(self, codes: &[u32], logs: &mut [f32]) {
+        // Codes stay below 2^26, and the signed conversion is the one that vector units have.
+        for (log, &code) in logs.iter_mut().zip(codes) {
+            *log = ln(code as i32 as f32 * self.scale + EPS as f32);
+        }
+    }
+}

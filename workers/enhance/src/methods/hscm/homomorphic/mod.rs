@@ -1,0 +1,155 @@
+//! Homomorphic filter: illumination is slow and multiplies, so its logarithm is a low frequency and is turned down.
+//!
+//! `l = ln(y + eps)`; `x = IDFT(H · DFT(l))`; `s = 255 exp(min(x, 0))`, rounded, with
+//! `H(u, v) = (r_high - r_low)(1 - exp(-(u² + v²) / (2 delta²))) + r_low`.
+//!
+//! Symbols: `y` luma in 0..=1; `eps` = 0.01; `r_high` = 2.5 and `r_low` = 0.5 the gains of high and low frequencies; `u`, `v`
+//! signed bin numbers of the rows and columns of the padded picture; `delta` the cutoff in bins, the width over a constant
+//! ([`CUTOFF`](super::CUTOFF)), the same on both axes (so the cut is elliptical in cycles per pixel unless the picture is
+//! square). Each side is padded at its end to the next size without a prime factor above 5 (fast to transform).
+//!
+//! Three implementations. [`Variant::Reference`] is the definition in double precision. [`Variant::Fast`] uses that the
+//! filter is `r_high · l - (r_high - r_low) · (Gaussian ∗ l)`, that the circular Gaussian is separable, and that it leaves
+//! nothing of the upper half of the frequencies when it is several pixels wide: two short passes in single precision, on
+//! every second sample where what that changes is far below a code. [`Recipe`] says which holds where.
+
+mod decimated;
+mod logarithm;
+mod padding;
+mod recipe;
+mod reference;
+mod separable;
+
+use imaging::{Plane, vectorized};
+
+pub use padding::padded_side;
+pub use recipe::{Kernels, Recipe};
+
+use crate::elementary::exp_nonpositive;
+use crate::methods::hscm::luma::Luma;
+use crate::variant::Variant;
+
+/// Logarithms closer together than this are one value: a transform would leave noise on both sides of a rounding tie.
+const FLAT_LOG: f64 = 1e-6;
+/// Gain of high frequencies.
+const R_HIGH: f64 = 2.5;
+/// Gain of low frequencies.
+const R_LOW: f64 = 0.5;
+/// Added to the luma before the logarithm, so that black has one.
+const EPS: f64 = 0.01;
+
+/// The filtered luma, 8 bit, for `delta = max(width / cutoff, 1)`. `luma` must hold at least one pixel.
+#[must_use]
+pub fn homomorphic(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<u8> {
+    let recipe = choose(luma, cutoff, variant);
+    if let Some(exact) = exact(&recipe, luma) {
+        return exact.map(|&x| reference::code(x));
+    }
+    let (width, height) = luma.codes().size();
+    let mut codes = Plane::filled(width, height, 0u8);
+    // Compiled on its own: a closure that is called in two places is not inlined into either.
+    sweep(&recipe, luma, &mut |y: usize, row: &[f32]| {
+        let codes = codes.row_mut(y);
+        vectorized!(encode(row, codes));
+    });
+    codes
+}
+
+/// The filtered logarithm in double precision, for recipes that need it.
+fn exact(recipe: &Recipe, luma: &Luma) -> Option<Plane<f64>> {
+    match recipe {
+        Recipe::Flat => Some(luma.map(|y| R_LOW * log(y))),
+        Recipe::Transform { delta } => Some(reference::filtered_log(luma, *delta)),
+        Recipe::Separable(_) | Recipe::Decimated(_) => None,
+    }
+}
+
+/// Hands each row of the filtered logarithm to `finish`, for recipes of two passes.
+fn sweep(recipe: &Recipe, luma: &Luma, finish: &mut impl FnMut(usize, &[f32])) {
+    match recipe {
+        Recipe::Flat | Recipe::Transform { .. } => {}
+        Recipe::Separable(kernels) => vectorized!(separable::sweep(luma, kernels, finish)),
+        Recipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, kernels, finish)),
+    }
+}
+
+/// `255 exp(min(x, 0))` along a row, rounded.
+#[inline(always)]
+fn encode(row: &[f32], codes: &mut [u8]) {
+    for (code, &x) in codes.iter_mut().zip(row) {
+        *code = floor_code(255.0 * exp_nonpositive(x.min(0.0)) + 0.5);
+    }
+}
+
+/// The integer part of a value in 0..=255.5. Adding 2^23 rounds to an integer and leaves it in the low bits; a cast
+/// would take five times as long, since it promises something for every float.
+#[inline(always)]
+fn floor_code(value: f32) -> u8 {
+    const ROUND: f32 = 8_388_608.0;
+    let rounded = (value + ROUND) - ROUND;
+    let floor = if rounded > value { rounded - 1.0 } else { rounded };
+    (floor + ROUND).to_bits() as u8
+}
+
+/// The filtered logarithm `x` itself, before the exponential. `luma` must hold at least one pixel.
+#[must_use]
+pub fn filtered_log(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<f32> {
+    filtered_by(&choose(luma, cutoff, variant), luma)
+}
+
+/// The filtered logarithm, computed as this recipe says, which must have been chosen for this picture.
+#[must_use]
+pub fn filtered_by(recipe: &Recipe, luma: &Luma) -> Plane<f32> {
+    if let Some(exact) = exact(recipe, luma) {
+        return exact.map(|&x| x as f32);
+    }
+    let (width, height) = luma.codes().size();
+    let mut logs = Plane::filled(width, height, 0.0f32);
+    let mut finish = |y: usize, row: &[f32]| logs.row_mut(y).copy_from_slice(row);
+    sweep(recipe, luma, &mut finish);
+    logs
+}
+
+fn choose(luma: &Luma, cutoff: f64, variant: Variant) -> Recipe {
+    let (low, high) = luma.extremes();
+    let size = luma.codes().size();
+    let delta = delta_bins(size.0, cutoff);
+    match variant {
+        _ if log(high) - log(low) < FLAT_LOG => Recipe::Flat,
+        Variant::Reference => Recipe::Transform { delta },
+        Variant::Fast => Recipe::choose(size, delta),
+    }
+}
+
+/// The cutoff in bins for a picture of this width: `max(width / cutoff, 1)`.
+#[must_use]
+pub fn delta_bins(width: usize, cutoff: f64) -> f64 {
+    (width as f64 / cutoff).max(1.0)
+}
+
+/// The logarithm of the luma `y`.
+fn log(y: f64) -> f64 {
+    (y + EPS).ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::floor_code;
+
+    #[test]
+    fn codes_are_cut_like_a_cast_does() {
+        for i in 0..=255u16 {
+            let whole = f32::from(i);
+            for value in [
+                whole,
+                whole + 0.25,
+                whole + 0.5,
+                f32::from_bits((whole + 0.5).to_bits() - 1),
+            ] {
+                assert_eq!(floor_code(value), value as u8, "{value}");
+            }
+            let below = f32::from_bits(whole.max(0.25).to_bits() - 1);
+            assert_eq!(floor_code(below), below as u8, "{below}");
+        }
+    }
+}

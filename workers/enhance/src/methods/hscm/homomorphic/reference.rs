@@ -1,0 +1,57 @@
+//! The definition, in double precision: pad, transform, multiply, transform back, crop.
+
+use imaging::{Plane, reflected};
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlannerScalar};
+
+use super::padding::padded_side;
+use super::{R_HIGH, R_LOW};
+use crate::methods::hscm::luma::Luma;
+
+/// The filtered logarithm `x`. The scalar planner is used so that every machine computes the same bits.
+pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
+    let (width, height) = luma.codes().size();
+    let (padded_width, padded_height) = (padded_side(width), padded_side(height));
+    let logs = luma.map(super::log);
+    let mut bins = Plane::from_fn(padded_width, padded_height, |x, y| {
+        Complex::new(
+            logs.at(reflected(x as isize, width), reflected(y as isize, height)),
+            0.0,
+        )
+    });
+
+    let mut planner = FftPlannerScalar::new();
+    let [along_x, along_y] = [padded_width, padded_height].map(|side| planner.plan_fft_forward(side));
+    transform(&mut bins, along_x.as_ref(), along_y.as_ref());
+    for v in 0..padded_height {
+        for (u, bin) in bins.row_mut(v).iter_mut().enumerate() {
+            // Signed bin numbers: the second half of a side counts back from its end.
+            let signed = |k: usize, side: usize| k.min(side - k) as f64 / delta;
+            let (u, v) = (signed(u, padded_width), signed(v, padded_height));
+            *bin *= (R_HIGH - R_LOW) * (1.0 - (-0.5 * (u * u + v * v)).exp()) + R_LOW;
+        }
+    }
+    let [along_x, along_y] = [padded_width, padded_height].map(|side| planner.plan_fft_inverse(side));
+    transform(&mut bins, along_x.as_ref(), along_y.as_ref());
+
+    let scale = 1.0 / (padded_width * padded_height) as f64;
+    Plane::from_fn(width, height, |x, y| bins.at(x, y).re * scale)
+}
+
+/// Transforms every row, then every column.
+fn transform(bins: &mut Plane<Complex<f64>>, along_x: &dyn Fft<f64>, along_y: &dyn Fft<f64>) {
+    let (width, height) = bins.size();
+    along_x.process(bins.data_mut());
+    let mut columns = Plane::from_fn(height, width, |y, x| bins.at(x, y));
+    along_y.process(columns.data_mut());
+    for y in 0..height {
+        for (x, bin) in bins.row_mut(y).iter_mut().enumerate() {
+            *bin = columns.at(y, x);
+        }
+    }
+}
+
+/// The 8-bit code of `exp(x)`; values above white saturate.
+pub(super) fn code(x: f64) -> u8 {
+    (255.0 * x.min(0.0).exp() + 0.5) as u8
+}

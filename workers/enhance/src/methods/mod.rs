@@ -1,0 +1,128 @@
+//! The methods that a user chooses from: a file or folder for each, and a row in the table.
+
+mod clahe;
+mod gray_world;
+pub mod hscm;
+mod ibla;
+mod rd;
+mod rghs;
+mod suir;
+mod ulap;
+
+use imaging::Raster;
+
+use crate::result::{EnhanceError, Enhanced};
+use crate::variant::Variant;
+
+/// An enhancement method.
+#[derive(Debug, Clone, Copy)]
+pub struct Method {
+    name: &'static str,
+    /// Most pixels of a picture; `None` where only memory limits it.
+    pixels_max: Option<usize>,
+    enhance: fn(&Raster, Variant) -> Enhanced,
+}
+
+const TABLE: [Method; 8] = [
+    Method::new("hscm", hscm::enhance),
+    Method::new("clahe", clahe::enhance),
+    Method::new("grey_world", gray_world::enhance),
+    Method::new("ulap", ulap::enhance).guided(),
+    Method::new("suir", suir::enhance).guided(),
+    Method::new("ibla", ibla::enhance).guided(),
+    Method::new("rd", rd::enhance),
+    Method::new("rghs", rghs::enhance),
+];
+
+/// Names of all methods, as [`Method::parse`] reads them.
+pub const METHODS: &[&str] = &{
+    let mut names = [""; TABLE.len()];
+    let mut row = 0;
+    while row < names.len() {
+        names[row] = TABLE[row].name;
+        row += 1;
+    }
+    names
+};
+
+/// Most pixels for the methods with a color guided filter, which hold several planes in double precision.
+const GUIDED_PIXELS_MAX: usize = 16_000_000;
+
+impl Method {
+    const fn new(name: &'static str, enhance: fn(&Raster, Variant) -> Enhanced) -> Self {
+        Self {
+            name,
+            pixels_max: None,
+            enhance,
+        }
+    }
+
+    /// Limited to the pixels of the guided filter.
+    const fn guided(self) -> Self {
+        Self {
+            pixels_max: Some(GUIDED_PIXELS_MAX),
+            ..self
+        }
+    }
+
+    /// Returns the method of this name, if there is one.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        TABLE.into_iter().find(|method| method.name == name)
+    }
+
+    /// The name that [`Method::parse`] reads.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Most pixels of a picture; `None` where only memory limits it.
+    #[must_use]
+    pub fn pixels_max(&self) -> Option<usize> {
+        self.pixels_max
+    }
+}
+
+/// Enhances one picture by the fast variant of a method.
+///
+/// # Errors
+/// [`EnhanceError::Empty`] for a picture without a pixel; [`EnhanceError::TooLarge`] for one beyond the method's limit.
+pub fn run(method: &Method, picture: &Raster) -> Result<Enhanced, EnhanceError> {
+    run_variant(method, picture, Variant::Fast)
+}
+
+/// Enhances one picture by the chosen variant.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Result<Enhanced, EnhanceError> {
+    let (width, height) = (picture.width(), picture.height());
+    if width == 0 || height == 0 {
+        return Err(EnhanceError::Empty { width, height });
+    }
+    let pixels = width.saturating_mul(height);
+    match method.pixels_max {
+        Some(limit) if pixels > limit => Err(EnhanceError::TooLarge {
+            method: method.name,
+            width,
+            height,
+            pixels,
+            limit,
+        }),
+        _ => Ok((method.enhance)(picture, variant)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_listed_method_parses_to_its_own_name() {
+        for name in METHODS {
+            assert_eq!(Method::parse(name).map(|method| method.name()), Some(*name));
+        }
+        assert!(Method::parse("HSCM").is_none());
+    }
+}
