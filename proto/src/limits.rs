@@ -1,4 +1,4 @@
-//! How large the parts of a message may be.
+//! Limits on the parts of a message.
 
 /// Fields of a message, repeated ones counted each time: a beat with all its tokens has half as many.
 pub const MESSAGE_FIELDS: usize = 8192;

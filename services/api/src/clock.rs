@@ -1,11 +1,11 @@
-//! The two clocks of the service, passed in so that tests can turn them.
+//! The two clocks of the service, passed in so that tests can set them.
 
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use catalogue::UnixMs;
 
-/// Where the service reads the time.
+/// The source of the time.
 #[derive(Clone)]
 pub struct Clock {
     monotonic: Arc<dyn Fn() -> u64 + Send + Sync>,
@@ -28,8 +28,8 @@ impl Clock {
         }
     }
 
-    /// Clocks that read whatever these functions answer: milliseconds that never go back, and milliseconds since
-    /// 1970 in UTC.
+    /// Clocks that read what these functions return: milliseconds that never go back, and milliseconds since 1970 in
+    /// UTC.
     pub fn from_functions(
         monotonic: impl Fn() -> u64 + Send + Sync + 'static,
         wall: impl Fn() -> u64 + Send + Sync + 'static,
@@ -40,7 +40,7 @@ impl Clock {
         }
     }
 
-    /// Milliseconds since some moment; leases are measured in it.
+    /// Milliseconds since an arbitrary moment, for leases.
     pub(crate) fn monotonic_ms(&self) -> u64 {
         (self.monotonic)()
     }

@@ -1,4 +1,4 @@
-//! What the service is told at its start.
+//! The configuration of the service.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -9,13 +9,13 @@ use style::{Library, Runtime};
 use crate::clock::Clock;
 use crate::limits::Limits;
 
-/// What the user decides.
+/// What the user configures.
 pub struct Config {
     /// Folder of the catalogue and the artifact packs; created if missing, held by one service at a time.
     pub data: PathBuf,
     /// Where to listen. Port 0 takes a free one. Anything but loopback needs a token.
     pub listen: SocketAddr,
-    /// Worker processes to start and to keep alive; 0: only remote workers.
+    /// Worker processes to start and to keep running; 0: only remote workers.
     pub workers: usize,
     /// Slots of each worker process.
     pub slots_per_worker: usize,
@@ -35,7 +35,7 @@ pub struct Config {
 }
 
 impl Config {
-    /// Where the service's processes find styles and their runtime.
+    /// Options that tell the service's processes where to find styles and their runtime.
     pub(crate) fn style_options(&self) -> Vec<(&'static str, PathBuf)> {
         let options = [("--styles", &self.styles), ("--onnxruntime", &self.onnxruntime)];
         let given = options.into_iter();
@@ -45,13 +45,13 @@ impl Config {
     }
 }
 
-/// What the service finds around it: passed in by tests, read from the machine otherwise.
+/// The environment of the service: passed in by tests, read from the machine otherwise.
 pub struct Surroundings {
     /// Where the time comes from.
     pub clock: Clock,
     /// Version of the ONNX Runtime that this machine's workers will find, or why there is none.
     pub style_runtime: Result<String, String>,
-    /// Sizes and numbers that must not be exceeded.
+    /// Limits on sizes and numbers.
     pub limits: Limits,
 }
 

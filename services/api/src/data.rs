@@ -37,7 +37,7 @@ pub enum DataError {
     Store(#[from] StoreError),
 }
 
-/// What a data folder holds. While this value lives, no other process gets it.
+/// An open data folder, locked while this value lives.
 pub struct Data {
     /// Jobs, images, scenes.
     pub catalogue: Catalogue,

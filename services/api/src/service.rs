@@ -20,7 +20,7 @@ use crate::leases::Leases;
 use crate::processes::fleet::{Fleet, OnExit, Recipe};
 use crate::router;
 
-/// How often ended leases are looked for: a killed worker's frames are offered again this much after their term.
+/// How often expired leases are collected: a killed worker's frames are offered again this long after their term.
 const EXPIRY_INTERVAL: Duration = Duration::from_millis(200);
 /// How often the metrics recorder's histograms and the announced digests are tidied up.
 const UPKEEP_INTERVAL: Duration = Duration::from_secs(5);
@@ -93,8 +93,8 @@ impl Service {
         self.address
     }
 
-    /// Ends it in order: waiting requests are answered, the service's workers hand their leases back and stop, open
-    /// requests finish, the catalogue and the store are closed.
+    /// Stops the service in order: waiting requests get their response, the service's workers hand their leases back and
+    /// stop, open requests finish, the catalogue and the store are closed.
     ///
     /// # Errors
     /// A task of the service had failed before. Nothing that was acknowledged is lost.
@@ -147,7 +147,7 @@ fn recipe(config: &Config, address: SocketAddr, token: Option<String>) -> Recipe
     }
 }
 
-/// What happens when one of the service's workers has ended: its frames are offered again at once.
+/// Offers the frames of one of the service's workers again as soon as its process has ended.
 fn frames_back(leases: &Arc<Leases>) -> OnExit {
     let leases = Arc::clone(leases);
     Arc::new(move |name, tail| {

@@ -12,7 +12,7 @@ use crate::filter::{Bind, Column, Join, Kind, OFFSET};
 const WATER: &str = "water.optics";
 const OWN_WATER: &str = "/parameters/water/optics/name";
 
-/// Names that questions used before every leaf had a column under its own.
+/// Names from before every leaf had a column of its own name.
 const ALIASES: &[(&str, &str)] = &[
     ("snow.density_per_m3", "water.snow.density_per_m3"),
     ("snow.radius_m", "water.snow.radius_m"),
@@ -39,7 +39,7 @@ const OWN: &[(&str, &str, Kind, Option<&str>)] = &[
     ("warned", "(images.warnings > 0)", Kind::Bool, None),
 ];
 
-/// What is measured unless a question says otherwise.
+/// The picture whose measurements are meant where a name has no subject.
 const MAIN_SUBJECT: &str = "rgb";
 
 /// All columns of one catalogue.

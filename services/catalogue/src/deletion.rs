@@ -1,4 +1,4 @@
-//! Deleting jobs of any size without holding the writer up.
+//! Deletion of jobs of any size without blocking the writer.
 //!
 //! Three steps, each durable, each taken up again after a crash: a job is hidden, so that no reader sees it or its images
 //! any more; its rows go in small transactions, and the digests they named become orphans; what no other row names
@@ -11,7 +11,7 @@ use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::types::Deleted;
 
-/// Rows of one table that one transaction takes away: some 20 ms of the writer's time.
+/// Rows of one table that one transaction removes: some 20 ms of the writer's time.
 const SWEEP_ROWS: u32 = 1000;
 
 impl Catalogue {

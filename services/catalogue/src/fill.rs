@@ -11,7 +11,7 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::values::bound;
 
-/// Images of one transaction: some megabytes of log, and little to do again after a kill.
+/// Images of one transaction: some megabytes of log, and little to repeat after a kill.
 const BATCH: i64 = 2000;
 
 /// Adds the wide columns that are not there yet, all or none, and notes those of images that have to be filled. One that

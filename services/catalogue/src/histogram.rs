@@ -90,7 +90,7 @@ fn counted(column: &str, bins: u32, range: Option<(f64, f64)>, values: &[f64], m
         } else if value > high {
             above += 1;
         } else {
-            // Compared with the very edges that are answered, so that no rounding puts a value beside its bin.
+            // Compared with the very edges that are returned, so that no rounding puts a value beside its bin.
             let bin = edges.partition_point(|&edge| edge <= value);
             counts[bin.clamp(1, bins) - 1] += 1;
         }

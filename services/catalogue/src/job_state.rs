@@ -1,11 +1,11 @@
-//! Where a job stands.
+//! The state of a job.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
-/// Where a job stands.
+/// The state of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JobState {
     /// No frame has ended yet.
@@ -32,7 +32,7 @@ impl JobState {
         (Self::DoneWithFailures, "done_with_failures"),
     ];
 
-    /// Whether nothing more will happen to the job.
+    /// Returns whether nothing more will happen to the job.
     #[must_use]
     pub fn has_ended(self) -> bool {
         matches!(self, Self::Cancelled | Self::Done | Self::DoneWithFailures)

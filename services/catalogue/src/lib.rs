@@ -1,7 +1,7 @@
 //! The SQLite catalogue of jobs, scenes, images, measurements and artifacts.
 //!
-//! One process opens it. One task writes: it gathers what callers bring within a few milliseconds into one transaction and
-//! wakes them when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
+//! One process opens it. One task writes: it gathers changes that arrive within a few milliseconds into one transaction
+//! and replies when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
 //! full beside the operation they belong to; values are always bound.
 
 mod catalogue;

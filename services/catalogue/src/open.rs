@@ -47,7 +47,7 @@ impl Catalogue {
             .foreign_keys(true)
             .busy_timeout(LOCK_WAIT)
             .pragma("cache_size", CACHE)
-            // The writer folds the log in, after it has answered; it is then begun anew, and its size tells its length.
+            // The writer folds the log in after it has replied; the log then starts anew, and its size is its length.
             .pragma("wal_autocheckpoint", "0")
             .pragma("journal_size_limit", "0")
             .disable_statement_logging();

@@ -241,7 +241,7 @@ fn stored(row: &SqliteRow, index: usize) -> Result<Value, CatalogueError> {
         "INTEGER" => Ok(json!(row.try_get_unchecked::<i64, _>(index)?)),
         "REAL" => {
             let number = row.try_get_unchecked::<f64, _>(index)?;
-            // Whole ones read better as whole numbers, and so they were answered when all numbers were doubles.
+            // Whole ones read better as whole numbers, and were returned so when all numbers were doubles.
             let whole = number.fract() == 0.0 && number.abs() < 9e15;
             Ok(if whole {
                 json!(number as i64)

@@ -1,4 +1,4 @@
-//! What an earlier life of the service left open, and what failed.
+//! What an earlier run of the service left open, and what failed.
 
 use std::ops::Range;
 

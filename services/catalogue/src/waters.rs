@@ -1,4 +1,4 @@
-//! Waters of the users' own, each under a name of its own.
+//! The users' own waters, each under its own name.
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;

@@ -1,4 +1,4 @@
-//! The one task that writes. What callers bring within a few milliseconds shares a transaction and a flush to the disk.
+//! The one task that writes. Changes that arrive within a few milliseconds share a transaction and a flush to the disk.
 
 use std::path::{Path, PathBuf};
 use std::pin::Pin;
@@ -55,7 +55,7 @@ struct Applied {
     fatal: Option<CatalogueError>,
 }
 
-/// The way to the writer.
+/// A handle to the writer.
 #[derive(Clone)]
 pub(crate) struct Writer(mpsc::Sender<Call>);
 
@@ -73,7 +73,7 @@ impl Writer {
         )
     }
 
-    /// Brings a change and waits until it is durable.
+    /// Sends a change and waits until it is durable.
     pub(crate) async fn write<T: Send + 'static>(
         &self,
         change: impl for<'c> FnOnce(&'c mut SqliteConnection) -> Running<'c, Result<T, CatalogueError>>
@@ -87,7 +87,7 @@ impl Writer {
         receiver.await.map_err(|_| CatalogueError::Closed)?
     }
 
-    /// Brings an image and waits until it is durable.
+    /// Sends an image and waits until it is durable.
     pub(crate) async fn insert(&self, image: NewImage) -> Result<InsertImage, CatalogueError> {
         let (sender, receiver) = oneshot::channel();
         let sent = self.0.send(Call::Image(Box::new((image, sender)))).await;
@@ -175,14 +175,14 @@ async fn group(
         metrics::histogram!(COMMIT_OPERATIONS).record(replies.len() as f64);
     }
     if failure.is_some() {
-        // SQLite may have rolled back by itself; then there is nothing to roll back and this says so.
+        // SQLite may have rolled back by itself; then this fails because there is nothing to roll back.
         let _ = connection.execute("ROLLBACK").await;
     }
     replies.into_iter().for_each(|reply| reply(failure.as_ref()));
     failure.map_or(Ok(()), Err)
 }
 
-/// Tells a caller why nothing is done.
+/// Replies to a caller whose call cannot be carried out.
 async fn refuse(call: Call, failure: &CatalogueError) {
     match call {
         Call::Change(change) => (change(Err(failure.clone())).await.reply)(None),

@@ -1,4 +1,4 @@
-//! Rewriting packs that hold little, and copying all of them.
+//! Compaction of packs that hold little, and backup of all packs.
 
 use std::path::Path;
 

@@ -107,7 +107,7 @@ impl Index {
         self.places.get(digest).copied()
     }
 
-    /// Whether the blob is there and not known to be damaged.
+    /// Returns whether the blob is stored and not known to be damaged.
     pub(crate) fn holds(&self, digest: &Digest) -> bool {
         self.places.contains_key(digest) && !self.damaged.contains(digest)
     }

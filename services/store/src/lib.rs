@@ -1,8 +1,8 @@
 //! Artifacts by digest in append-only SQLite packs.
 //!
 //! Bytes are named by their SHA-256 and live in `packs/pack-000001.sqlite`, `packs/pack-000002.sqlite`, …: databases
-//! with 64 KiB pages that only ever grow, until a limit closes one and opens the next. One task writes; it gathers
-//! what many callers bring into one transaction, and [`Store::put_all`] returns when that transaction is on the disk.
+//! with 64 KiB pages that only ever grow, until a limit closes one and opens the next. One task writes; it gathers the
+//! blobs of many callers into one transaction, and [`Store::put_all`] returns when that transaction is on the disk.
 //! Readers have their own connections and never wait for the writer.
 //!
 //! Bytes are hashed when they come in and again whenever they go out: what no longer has its name is

@@ -40,7 +40,7 @@ impl Folder {
         self.0.join(format!("pack-{pack:06}.sqlite"))
     }
 
-    /// Numbers of the packs there are, in order. What a crash left of a pack is taken away.
+    /// Numbers of the existing packs, in order. What a crash left of a pack is removed.
     pub(crate) fn packs(&self) -> Result<Vec<u32>, StoreError> {
         let mut packs = Vec::new();
         for entry in std::fs::read_dir(&self.0)? {
@@ -123,7 +123,7 @@ impl Folder {
             .disable_statement_logging()
     }
 
-    /// Takes a pack that cannot be read at all out of the way and keeps it for inspection.
+    /// Renames a pack that cannot be read at all and keeps it for inspection.
     pub(crate) fn set_aside(&self, pack: u32) -> Result<(), StoreError> {
         let path = self.path(pack);
         let damaged = path.with_extension("sqlite.damaged");
@@ -136,7 +136,7 @@ impl Folder {
         self.sync()
     }
 
-    /// Takes a pack away for good.
+    /// Removes a pack permanently.
     pub(crate) fn remove(&self, pack: u32) -> Result<(), StoreError> {
         let path = self.path(pack);
         std::fs::remove_file(&path)?;

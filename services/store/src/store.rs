@@ -1,4 +1,4 @@
-//! The store as its users see it.
+//! The public interface of the store.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -37,7 +37,7 @@ pub struct StoreStats {
     pub set_aside: u64,
 }
 
-/// How a stored blob is.
+/// The condition of a stored blob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scrubbed {
     /// Its bytes have the digest that names them.
@@ -53,7 +53,7 @@ pub struct Store {
     pub(crate) shared: Arc<Shared>,
     writer: Mutex<Option<Writer>>,
     task: Mutex<Option<JoinHandle<()>>>,
-    /// Held by what must not meet itself: rewriting packs and copying them.
+    /// Held while packs are rewritten or copied, which must not overlap.
     pub(crate) upkeep: tokio::sync::Mutex<()>,
 }
 

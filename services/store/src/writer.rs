@@ -1,4 +1,4 @@
-//! The one task that writes. What callers bring while it is busy shares the next transaction and its flush to the disk.
+//! The one task that writes. Calls that arrive while it is busy share the next transaction and its flush to the disk.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,7 +13,7 @@ use crate::index::{Index, Place};
 use crate::pack::{Folder, fold_in, forget, transaction};
 use crate::readers::Readers;
 
-/// Calls that may wait; beyond it callers wait to be taken on, which slows them down before memory grows.
+/// Calls that may be queued; further callers wait to be queued, which slows them down before memory grows.
 const QUEUE: usize = 64;
 /// Bytes of one transaction: a larger one would only delay its first caller.
 const GROUP_BYTES: usize = 64 << 20;
@@ -35,7 +35,7 @@ enum Call {
     Remove(u32, Answer<bool>),
 }
 
-/// The way to the writer.
+/// A handle to the writer.
 #[derive(Clone)]
 pub(crate) struct Writer(mpsc::Sender<Call>);
 

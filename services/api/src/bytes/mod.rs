@@ -1,4 +1,4 @@
-//! Stored bytes: the space that they take, who is about to name them, and how they are reclaimed.
+//! Stored bytes: their space on the disk, the digests about to be named, and how space is reclaimed.
 
 pub(crate) mod naming;
 pub(crate) mod reclaim;
@@ -20,9 +20,9 @@ pub(crate) struct Bytes {
     pub(crate) store: Store,
     pub(crate) naming: Naming,
     pub(crate) space: Arc<Space>,
-    /// Held while rows and bytes of deleted jobs are taken away, and while everything is copied.
+    /// Held while rows and bytes of deleted jobs are removed, and during a backup.
     pub(crate) upkeep: Mutex<()>,
-    /// Rung when something was deleted.
+    /// Notified after each deletion.
     pub(crate) reclaim: Notify,
     catalogue: Arc<Catalogue>,
 }

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-/// How long the files of a frame are kept for its commit, which usually comes at once. Later it is refused, and the
-/// frame is given up: nothing wrong is ever stored.
+/// How long a frame's artifacts are kept for its commit, which usually follows at once. A later commit is refused, and
+/// the frame is given up: nothing wrong is ever stored.
 const FRESH: Duration = Duration::from_secs(600);
 
-/// The digests that were stored and are not named yet.
+/// The digests that are stored and not yet named.
 #[derive(Default)]
 pub(crate) struct Naming {
     turns: RwLock<()>,
@@ -28,7 +28,7 @@ impl Naming {
         self.turns.write().await
     }
 
-    /// These are about to be stored and then to be named.
+    /// Announces digests that are about to be stored and then named.
     pub(crate) async fn announce(&self, digests: impl IntoIterator<Item = String>) {
         let _turn = self.beside_others().await;
         let now = Instant::now();
@@ -36,7 +36,7 @@ impl Naming {
             .extend(digests.into_iter().map(|digest| (digest, now)));
     }
 
-    /// These have been named.
+    /// Removes digests that have been named.
     pub(crate) fn named<'a>(&self, digests: impl IntoIterator<Item = &'a str>) {
         let mut fresh = self.digests();
         for digest in digests {

@@ -10,10 +10,10 @@ use crate::http::problem::{Problem, Slug};
 
 /// Digests of one batch: a commit waits at most for one, some tens of milliseconds.
 const BATCH: u32 = 256;
-/// Bytes that could not be deleted, since a commit was about to name them or the disk was full, are retried after this.
+/// Pause before retrying bytes that could not be deleted because a commit was about to name them or the disk was full.
 const AGAIN: Duration = Duration::from_secs(60);
 
-/// Reclaims whenever something was deleted, and once at the start for what an earlier life of the service left.
+/// Reclaims after each deletion, and once at startup for what an earlier run of the service left.
 pub(crate) async fn run(bytes: Arc<Bytes>, end: CancellationToken) {
     loop {
         let left = match reclaim(&bytes, &end).await {
@@ -62,9 +62,9 @@ async fn reclaim(bytes: &Bytes, end: &CancellationToken) -> Result<bool, Problem
 }
 
 enum Step {
-    /// Bytes of what is gone.
+    /// Bytes deleted.
     Deleted(u64),
-    /// What is left is about to be named again.
+    /// The remaining orphans are about to be named again.
     Waiting,
     Finished,
 }

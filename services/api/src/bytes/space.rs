@@ -1,4 +1,4 @@
-//! Whether there is space on the disk, as far as the service has noticed.
+//! Whether the disk is full, as far as the service has noticed, and the reserve for deletions.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -13,27 +13,27 @@ use axum::response::Response;
 use crate::http::failure::storage_full;
 use crate::http::problem::{Problem, Slug};
 
-/// Written to see whether there is space again: as much as a few frames need.
+/// Bytes written to find out whether there is space again: as much as a few frames need.
 const PROBE_BYTES: usize = 4 << 20;
 /// Its file, overwritten each time and removed.
 const PROBE: &str = "space.probe";
 
-/// Bytes that are kept so that a deletion, which must write before it frees anything, can be done on a full disk.
+/// A file whose space is released for a deletion on a full disk: a deletion must write before it frees anything.
 const RESERVE: &str = "space.reserve";
 
-/// What is known of the space.
+/// The state of the disk space.
 pub(crate) struct Space {
     folder: PathBuf,
     full: AtomicBool,
     reserve_bytes: u64,
-    /// The reserve is given to a deletion: until it is there again nothing else may be written.
+    /// Whether a deletion has the reserve: until it is restored nothing else may be written.
     given: AtomicBool,
-    /// The deletion is still at it.
+    /// Whether that deletion is still running.
     in_use: AtomicBool,
 }
 
 impl Space {
-    /// Lays the reserve aside, if there is room for it.
+    /// Writes the reserve, if there is room for it.
     pub(crate) fn new(folder: &Path, reserve_bytes: u64) -> Self {
         let space = Self {
             folder: folder.to_owned(),
@@ -48,7 +48,7 @@ impl Space {
         space
     }
 
-    /// Gives the reserve to a deletion; false if there is none.
+    /// Releases the reserve for a deletion; returns false if there is none.
     pub(crate) fn give_reserve(&self) -> bool {
         let given = std::fs::remove_file(self.folder.join(RESERVE)).is_ok();
         if given {
@@ -60,13 +60,13 @@ impl Space {
         given
     }
 
-    /// The deletion is done, or cannot go on: the reserve is laid aside again as soon as there is room.
+    /// Ends the deletion's use of the reserve, which is written again as soon as there is room.
     pub(crate) async fn take_reserve_back(self: &Arc<Self>) {
         self.in_use.store(false, Ordering::SeqCst);
         self.is_full().await;
     }
 
-    /// Whether something may be written: not while the reserve is given to a deletion and cannot be laid aside again.
+    /// Refuses writes while a deletion has the reserve and it cannot be restored.
     pub(crate) async fn room(self: &Arc<Self>) -> Result<(), Problem> {
         if self.given.load(Ordering::SeqCst) && self.is_full().await {
             return Err(storage_full(&"the reserve is in use"));
@@ -130,7 +130,7 @@ fn fill(mut file: File, bytes: u64) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Notes responses that report a full disk.
+/// Middleware that notices responses reporting a full disk.
 pub(crate) async fn note(State(space): State<Arc<Space>>, request: Request, next: Next) -> Response {
     let response = next.run(request).await;
     let problem = response.extensions().get::<Problem>();

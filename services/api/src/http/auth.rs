@@ -74,7 +74,7 @@ struct Entry {
     scopes: Vec<Scope>,
 }
 
-/// The known tokens; none: everybody may do everything.
+/// The known tokens; if there are none, every request may do everything.
 pub(crate) struct Tokens(Vec<Entry>);
 
 impl Tokens {
@@ -94,12 +94,12 @@ impl Tokens {
         Ok(Self(entries.collect::<Result<_, _>>()?))
     }
 
-    /// Whether requests need a token.
+    /// Returns whether requests need a token.
     pub(crate) fn are_needed(&self) -> bool {
         !self.0.is_empty()
     }
 
-    /// Lets one more secret work as a worker.
+    /// Adds a secret with the scope of a worker.
     pub(crate) fn add_worker(&mut self, secret: &str) {
         self.0.push(Entry {
             hash: Sha256::digest(secret).into(),
@@ -120,7 +120,7 @@ impl Tokens {
             ));
         };
         let hash: [u8; 32] = Sha256::digest(secret).into();
-        // Every entry is looked at, whichever matches.
+        // Every entry is compared, whichever matches.
         let known = self.0.iter().fold(None, |found, entry| {
             if same(&entry.hash, &hash) {
                 Some(entry)
@@ -181,14 +181,14 @@ fn same(a: &[u8; 32], b: &[u8; 32]) -> bool {
     a.iter().zip(b).fold(0, |difference, (x, y)| difference | (x ^ y)) == 0
 }
 
-/// What a group of routes needs of its callers.
+/// The scope that a group of routes requires.
 #[derive(Clone)]
 pub(crate) struct Guard {
     pub(crate) tokens: std::sync::Arc<Tokens>,
     pub(crate) scope: Scope,
 }
 
-/// Lets requests through that carry a token with the scope; marks them with their [`Caller`].
+/// Passes requests whose token has the scope, with their [`Caller`] as an extension.
 pub(crate) async fn require(
     State(guard): State<Guard>,
     mut request: Request,

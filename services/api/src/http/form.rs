@@ -84,7 +84,7 @@ impl Form {
             .map(|bytes| String::from_utf8_lossy(bytes).into_owned())
     }
 
-    /// A text, or what stands for it where it is absent.
+    /// A text, or a default where it is absent.
     pub(crate) fn text_or(&self, name: &str, otherwise: &str) -> String {
         self.texts(name).next().unwrap_or_else(|| otherwise.to_owned())
     }
@@ -115,7 +115,7 @@ impl Form {
         self.errors.push(FieldError::new(&format!("/{name}"), message));
     }
 
-    /// Everything that was refused, if anything was.
+    /// Returns all refusals together, if there are any.
     pub(crate) fn check(&mut self) -> Result<(), Problem> {
         match std::mem::take(&mut self.errors) {
             errors if errors.is_empty() => Ok(()),

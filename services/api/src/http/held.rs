@@ -7,7 +7,7 @@ use axum::body::{Body, Bytes};
 use hyper::body::{Frame, SizeHint};
 use tokio::sync::OwnedSemaphorePermit;
 
-/// What is handed to the connection at a time: a client that does not read keeps the rest, and the place, here.
+/// Bytes passed to the connection at a time: while a client does not read, the rest and the place stay here.
 const PIECE_BYTES: usize = 64 << 10;
 
 /// A body and the place that it holds.

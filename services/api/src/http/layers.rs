@@ -24,10 +24,10 @@ use crate::telemetry;
 /// How long a request waits for a place before it is shed: long enough for a burst of submissions to pass in group
 /// commits, short enough for a client to notice. Those who wait have sent no more than their head.
 const SHED_AFTER: Duration = Duration::from_millis(500);
-/// A request id from the client is taken over up to this length.
+/// Longest request id accepted from a client.
 const REQUEST_ID_BYTES: usize = 64;
 
-/// What a group of routes has in common.
+/// The layers of a group of routes.
 pub(crate) struct Group {
     pub(crate) scope: Option<Scope>,
     pub(crate) budget: Budget,
@@ -59,8 +59,8 @@ impl Group {
     }
 }
 
-/// How many requests of a kind may be at work at the same time. Clones share the places: a layer is cloned for
-/// each route, and the limit must hold over all of them.
+/// How many requests of a kind may run at the same time. Clones share the places: a layer is cloned for each route,
+/// and the limit must hold over all of them.
 #[derive(Clone)]
 pub(crate) struct Budget {
     name: &'static str,
@@ -102,7 +102,7 @@ async fn in_time(State(limit): State<Duration>, request: Request, next: Next) ->
     })
 }
 
-/// The outermost layer: gives the request its id, turns problems and panics into answers, writes the log line.
+/// The outermost layer: assigns the request id, turns problems and panics into responses, writes the log line.
 pub(crate) async fn observe(request: Request, next: Next) -> Response {
     let id = request_id(request.headers());
     let method = request.method().clone();
@@ -134,7 +134,7 @@ pub(crate) async fn observe(request: Request, next: Next) -> Response {
     let status = response.status().as_u16();
     telemetry::request(&method, &route, status, seconds);
     let ms = seconds * 1e3;
-    // Workers and probes call all the time: their lines are for those who look for them.
+    // Workers and probes call all the time, so their lines are logged at debug level.
     if route.starts_with("/v1/worker/") || !route.starts_with("/v1/") {
         span.in_scope(|| tracing::debug!(%method, path, status, ms, "answered"));
     } else {
@@ -182,7 +182,7 @@ fn panicked(payload: Box<dyn Any + Send>) -> Response {
     Problem::internal(&format!("panic: {}", text.unwrap_or_default())).into_response()
 }
 
-/// Writes a problem's body; an error that is none yet, such as an unsupported method, becomes one.
+/// Renders a problem; any other error response, such as an unsupported method, becomes one.
 fn as_problem(mut response: Response, id: &str) -> Response {
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
         return problem.render(Some(id));

@@ -21,7 +21,7 @@ pub(crate) struct Batch<C> {
     pub(crate) next: Option<C>,
 }
 
-/// Sends a first batch and then the following ones. A fault in between cuts the response short, so that the client
+/// Sends a first batch and then the following ones. An error in between cuts the response short, so that the client
 /// notices.
 pub(crate) fn respond<C, F>(
     media_type: &'static str,

@@ -17,7 +17,7 @@ use tokio_util::sync::CancellationToken;
 use crate::http::patient::Patient;
 use crate::limits::{self, Limits};
 
-/// Out of file descriptors: closing connections free some within this time.
+/// Pause when out of file descriptors: closing connections free some within this time.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// Serves connections until the token is cancelled, then lets open requests finish for a while.

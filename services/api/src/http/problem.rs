@@ -125,7 +125,7 @@ impl Problem {
         }
     }
 
-    /// Whether it is of this kind.
+    /// Returns whether the problem is of this kind.
     pub(crate) fn is(&self, slug: Slug) -> bool {
         self.slug == slug
     }
@@ -149,7 +149,7 @@ impl Problem {
         Self::new(Slug::Validation, message).with("errors", errors)
     }
 
-    /// A fault that the client cannot do anything about: logged here with its cause, told without it.
+    /// A fault that the client cannot fix: logged here with its cause, reported without it.
     pub(crate) fn internal(error: &dyn std::fmt::Display) -> Self {
         tracing::error!(%error, "the service failed");
         Self::new(
@@ -166,7 +166,7 @@ impl Problem {
         Self::new(Slug::NotFound, detail)
     }
 
-    /// The answer; `instance` is the request id.
+    /// Renders the response; `instance` is the request id.
     pub(crate) fn render(self, instance: Option<&str>) -> Response {
         let status = self.slug.status();
         let mut body = self.more;
@@ -188,7 +188,7 @@ impl Problem {
     }
 }
 
-/// A row that there is, or the problem that names what there is not.
+/// Returns the row, or the problem that names what is missing.
 pub(crate) fn found<T>(row: Option<T>, what: &str, name: impl fmt::Display) -> Result<T, Problem> {
     row.ok_or_else(|| Problem::not_found(format!("no {what} `{name}`")))
 }

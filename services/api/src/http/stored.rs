@@ -12,7 +12,7 @@ use crate::http::problem::{Problem, Slug};
 /// Bytes that are named by their digest never change: a copy is good for as long as the standard lets one say.
 const IMMUTABLE: &str = "private, max-age=31536000, immutable";
 
-/// Stored bytes on their way out.
+/// Stored bytes to be sent.
 pub(crate) struct Stored {
     pub(crate) digest: String,
     pub(crate) media_type: String,
@@ -20,7 +20,7 @@ pub(crate) struct Stored {
 }
 
 impl Stored {
-    /// All of them, or the range that is asked for.
+    /// The whole content, or the requested range.
     pub(crate) fn response(self, headers: &HeaderMap) -> Result<Response, Problem> {
         let media_type = HeaderValue::from_str(&self.media_type);
         let media_type = media_type.unwrap_or(HeaderValue::from_static("application/octet-stream"));
@@ -58,7 +58,7 @@ impl Stored {
     }
 }
 
-/// Whether the client has a copy with this tag.
+/// Returns whether the client has a copy with this tag.
 pub(crate) fn is_at_hand(headers: &HeaderMap, tag: &str) -> bool {
     let mut tags = listed(headers, header::IF_NONE_MATCH).map(|one| one.trim_start_matches("W/"));
     tags.any(|one| one == "*" || one.trim_matches('"') == tag)

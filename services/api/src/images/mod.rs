@@ -15,7 +15,7 @@ use crate::http::problem::{Problem, Slug, found};
 use crate::http::stored::Stored;
 use crate::processes::Processes;
 
-/// What is stored of images, and what it takes to check it.
+/// Stored images and their verification.
 pub(crate) struct Images {
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,

@@ -77,7 +77,7 @@ impl Images {
         Ok(Again { folder, record })
     }
 
-    /// Writes the files of an uploaded scene; returns what is known of them.
+    /// Writes the files of an uploaded scene; returns its description.
     async fn lay_out(&self, id: &str, folder: &Path) -> Result<Value, Problem> {
         let row = found(self.catalogue.scene(id).await?, "scene", id)?;
         for (name, digest) in row.files.named() {

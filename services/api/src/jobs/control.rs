@@ -1,5 +1,5 @@
-//! Changing where a job stands: in the catalogue first, then in the lease table. One change at a time, so that both
-//! always see them in the same order; each goes on to its end when the client goes away.
+//! Changes of a job's state: in the catalogue first, then in the lease table. One change at a time, so that both see
+//! them in the same order; each completes even if the client disconnects.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ impl Jobs {
         .await
     }
 
-    /// Offers nothing more of a job for now; frames that workers hold are finished.
+    /// Stops offering a job's frames for now; frames that workers hold are finished.
     pub(crate) async fn pause(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
             let row = jobs.catalogue.set_state(&id, JobState::Paused).await?;
@@ -45,7 +45,7 @@ impl Jobs {
         .await
     }
 
-    /// Offers the frames again that were given up.
+    /// Offers the quarantined frames again.
     pub(crate) async fn retry_failed(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
             let again = jobs.catalogue.retry_failed(&id).await?;
@@ -84,7 +84,7 @@ impl Jobs {
         .await
     }
 
-    /// Deletes, on a full disk with the reserve. The reclaiming that follows lays the reserve aside again.
+    /// Deletes, on a full disk with the help of the reserve, which the reclaiming that follows restores.
     async fn with_reserve<F>(&self, delete: impl Fn() -> F) -> Result<Deleted, CatalogueError>
     where
         F: Future<Output = Result<Deleted, CatalogueError>>,

@@ -1,5 +1,5 @@
-//! Following a job: events made from what the catalogue says, when a client is ready for the next one. Nothing is
-//! stored for a client, so one that reads slowly costs nothing and one that comes back misses nothing.
+//! Following a job: events are made from the catalogue when the client is ready for the next one. Nothing is stored for
+//! a client, so one that reads slowly costs nothing and one that reconnects misses nothing.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -43,10 +43,10 @@ impl Seen {
     }
 }
 
-/// What was told last.
+/// What was sent last.
 struct Told {
     seen: Seen,
-    /// None: told in an earlier connection.
+    /// `None`: sent over an earlier connection.
     state: Option<JobState>,
     done: Option<u64>,
 }
@@ -111,7 +111,7 @@ impl Follow {
         }
     }
 
-    /// Makes the events that say what is new.
+    /// Queues the events for what is new.
     async fn look(&mut self) -> Result<(), CatalogueError> {
         let Some(job) = self.jobs.catalogue.job(&self.id).await? else {
             self.ended = true;

@@ -22,7 +22,7 @@ use crate::processes::Processes;
 use crate::styles::Styles;
 use crate::waters::Waters;
 
-/// What a job needs from its submission to its end.
+/// Everything that handles a job from its submission to its end.
 pub(crate) struct Jobs {
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) leases: Arc<Leases>,
@@ -38,7 +38,7 @@ pub(crate) struct Jobs {
 }
 
 impl Jobs {
-    /// The words that descriptions may use now.
+    /// The current vocabulary of descriptions.
     pub(crate) fn vocabulary(&self) -> Vocabulary {
         self.styles.vocabulary(&self.waters)
     }
@@ -48,7 +48,7 @@ impl Jobs {
         found(self.catalogue.job(id).await?, "job", id)
     }
 
-    /// Offers the frames that an earlier life of the service left open.
+    /// Offers the frames that an earlier run of the service left open.
     pub(crate) async fn resume_all(&self) -> Result<(), catalogue::CatalogueError> {
         let jobs = self.catalogue.open_jobs().await?;
         if !jobs.is_empty() {

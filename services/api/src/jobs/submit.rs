@@ -1,4 +1,4 @@
-//! Taking a job up: checked, stored, then offered to workers. Shared by jobs and direct renders.
+//! Submission of a job: checked, stored, then offered to workers. Shared by jobs and direct renders.
 
 use std::sync::Arc;
 
@@ -20,8 +20,8 @@ pub(super) struct Submitted {
 }
 
 impl Jobs {
-    /// Stores the job and offers it to workers, or finds the one that the same key made before. Goes on to its end when
-    /// the client goes away: a stored job that no worker is offered would wait for the next start of the service.
+    /// Stores the job and offers it to workers, or finds the one that the same key created before. Completes even if the
+    /// client disconnects: a stored job that is not offered would wait for the next start of the service.
     pub(super) async fn submit(
         self: &Arc<Self>,
         job: Job,
@@ -34,7 +34,7 @@ impl Jobs {
         to_the_end(async move { jobs.store(&job, priority, submitter).await }).await
     }
 
-    /// What a description alone does not tell: whether its scenes and its runtime are there.
+    /// Checks what a description alone does not show: that its scenes and its runtime exist.
     pub(super) async fn check(&self, job: &Job) -> Result<(), Problem> {
         self.check_runtime(job)?;
         self.check_scenes(job).await
@@ -83,7 +83,7 @@ impl Jobs {
         }
     }
 
-    /// A job with a style that runs on ONNX Runtime only needs a worker that has it.
+    /// Refuses a style that only runs on ONNX Runtime when no worker has it.
     fn check_runtime(&self, job: &Job) -> Result<(), Problem> {
         let known = self.styles.known();
         let needed = || job.styles().iter().any(|name| known.library.needs_runtime(name));
@@ -96,7 +96,7 @@ impl Jobs {
         }
     }
 
-    /// Every uploaded scene that a frame can ask for must be there.
+    /// Refuses uploaded scenes that do not exist.
     async fn check_scenes(&self, job: &Job) -> Result<(), Problem> {
         let mut missing = Vec::new();
         for id in job.uploaded_scene_ids() {

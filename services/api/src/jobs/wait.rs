@@ -26,7 +26,7 @@ impl Until {
 }
 
 impl Jobs {
-    /// The job when what is waited for has come, when the time is over, or when the service stops.
+    /// Returns the job once the condition holds, the time is over, or the service stops.
     pub(super) async fn wait(&self, id: &str, limit: Duration, until: Until) -> Result<JobRow, Problem> {
         let changes = self.leases.changes.subscribe(id);
         let row = self.get(id).await?;

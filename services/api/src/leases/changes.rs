@@ -1,4 +1,4 @@
-//! Wakes requests that wait for a job to change.
+//! Notifies requests that wait for a job to change.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -1,4 +1,4 @@
-//! What a job will cost: from typical figures at first, from what was rendered here as soon as there is something.
+//! Cost estimates: from typical figures at first, from the frames rendered here once there are any.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -67,7 +67,7 @@ pub(crate) struct Cost {
 }
 
 impl Costs {
-    /// Takes note of a rendered frame.
+    /// Learns from a rendered frame.
     pub(crate) fn learn(&self, record: &FrameRecord) {
         let side = |name: &str| record.parameters.pointer(&format!("/camera/{name}"))?.as_f64();
         let (Some(width), Some(height)) = (side("width"), side("height")) else {
@@ -84,7 +84,7 @@ impl Costs {
         let mut learned = self.learned();
         for (stage, typical) in TYPICAL_NS {
             let units = if stage == "lamps" { lamps } else { 1.0 };
-            // A stage that was passed by has a time of nearly nothing, which says nothing of its cost.
+            // A skipped stage takes nearly no time, which says nothing about its cost.
             let ms = record.timings_ms.get(stage).copied().unwrap_or(0.0);
             let ns = ms * 1e6 / pixels / units;
             if ns > typical / 100.0 {

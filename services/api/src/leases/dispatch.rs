@@ -19,8 +19,8 @@ use super::table::{JobEntry, LeaseTable, Millis, StrikeEvent};
 use crate::clock::Clock;
 use crate::telemetry;
 
-/// A waiting worker looks again after this time: frames become free when a pause after a failure ends, which rings
-/// no bell.
+/// A waiting worker checks again after this time: frames become free when a pause after a failure ends, which sends no
+/// notification.
 const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
 struct State {
@@ -86,12 +86,12 @@ impl Dispatch {
         self.work.notify_waiters();
     }
 
-    /// Reads or changes the table in a way that frees no frame.
+    /// Reads or changes the table without freeing a frame.
     pub(crate) fn table<T>(&self, work: impl FnOnce(&mut LeaseTable, Millis) -> T) -> T {
         work(&mut self.state().table, self.now())
     }
 
-    /// Changes the table in a way that may free frames: workers that wait look again.
+    /// Changes the table in a way that may free frames, and wakes waiting workers.
     pub(crate) fn free<T>(&self, work: impl FnOnce(&mut LeaseTable, Millis) -> T) -> T {
         let freed = self.table(work);
         self.work.notify_waiters();
@@ -147,7 +147,7 @@ impl Dispatch {
         Ok(state.table.beat(worker, tokens, self.now()))
     }
 
-    /// Takes back the leases that have ended.
+    /// Takes back expired leases.
     pub(crate) fn expire(&self) -> Vec<StrikeEvent> {
         let mut state = self.state();
         let now = self.now();
@@ -157,8 +157,8 @@ impl Dispatch {
         self.after_loss(events)
     }
 
-    /// Takes back all leases of the workers of this name, at once: their process has ended. Returns also whether one was
-    /// registered.
+    /// Takes back all leases of the workers of this name immediately: their process has ended. Also returns whether one
+    /// was registered.
     pub(crate) fn drop_workers_named(&self, name: &str) -> (bool, Vec<StrikeEvent>) {
         let mut state = self.state();
         let workers = state.table.workers();

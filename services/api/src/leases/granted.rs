@@ -5,8 +5,8 @@ use proto::wire::{FrameClaim, Lease};
 use super::dispatch::Dispatch;
 use super::table::{Grant, TERM_MS};
 
-/// A lease on its way to its worker. If the worker hangs up before that, the frames are free again at once, and the
-/// loss counts as no strike.
+/// A lease on its way to its worker. If the worker disconnects first, the frames are free again at once, without a
+/// strike.
 pub(crate) struct Granted<'d> {
     dispatch: &'d Dispatch,
     lease: Option<Lease>,
@@ -31,7 +31,7 @@ impl<'d> Granted<'d> {
         Self { dispatch, lease }
     }
 
-    /// From here on only the worker, or time, ends the lease.
+    /// Hands the lease over: from here on only the worker or its expiry ends it.
     pub(crate) fn hand_over(mut self) -> Lease {
         self.lease
             .take()

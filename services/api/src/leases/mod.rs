@@ -1,4 +1,4 @@
-//! Who renders which frames: the lease table, the workers, and what they report.
+//! Which worker renders which frames: the lease table, the workers, and their reports.
 
 pub(crate) mod changes;
 pub(crate) mod costs;
@@ -21,7 +21,7 @@ use changes::Changes;
 use costs::Costs;
 use dispatch::Dispatch;
 
-/// The frames on offer, and what is learned from those that come back.
+/// Leased and queued frames, and the costs learned from finished ones.
 pub(crate) struct Leases {
     pub(crate) dispatch: Dispatch,
     pub(crate) changes: Changes,

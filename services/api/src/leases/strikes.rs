@@ -7,8 +7,8 @@ use super::table::StrikeEvent;
 use crate::telemetry;
 
 impl Leases {
-    /// Records events and wakes those who follow the jobs. A fault is logged: the table in memory stays right, and
-    /// after a restart the frame merely gets one more try.
+    /// Records events and notifies followers of the jobs. An error is only logged: the table in memory stays right, and
+    /// after a restart the frame merely gets one more attempt.
     pub(crate) async fn record_strikes(&self, events: Vec<StrikeEvent>) {
         for event in events {
             let StrikeEvent {

@@ -11,7 +11,7 @@ use tokio::sync::Semaphore;
 
 use crate::http::problem::Problem;
 
-/// How often the memory of a child is looked at.
+/// How often the memory of a child is measured.
 const LOOK: Duration = Duration::from_millis(50);
 /// What is kept of what a child prints to standard error.
 const TAIL_BYTES: usize = 4096;
@@ -55,7 +55,7 @@ impl Children {
         }
     }
 
-    /// Runs `PROGRAM COMMAND ARGUMENTS` to its end. It is killed when the caller goes away.
+    /// Runs `PROGRAM COMMAND ARGUMENTS` to its end. It is killed when this future is dropped.
     pub(crate) async fn run(
         &self,
         command: &str,
@@ -107,7 +107,7 @@ async fn watched(mut child: Child, allowance: Allowance) -> Ended {
     }
 }
 
-/// Waits until a child has taken more than it may, and says what.
+/// Waits until a child exceeds its allowance; returns what it exceeded.
 async fn exceeded(id: Option<u32>, allowance: Allowance) -> String {
     let looking = async {
         loop {

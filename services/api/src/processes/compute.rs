@@ -6,7 +6,7 @@ use tokio::sync::Semaphore;
 
 use crate::http::problem::Problem;
 
-/// Runs a change to its end, also when the client that asked for it goes away.
+/// Completes a change even if the client disconnects.
 pub(crate) async fn to_the_end<T: Send + 'static>(
     change: impl Future<Output = Result<T, Problem>> + Send + 'static,
 ) -> Result<T, Problem> {
@@ -23,7 +23,7 @@ impl Compute {
         Self(Arc::new(Semaphore::new(threads)))
     }
 
-    /// Runs a computation. It goes on to its end, and keeps its place, when the caller goes away.
+    /// Runs a computation. It completes, and keeps its place, even if the caller is dropped.
     pub(crate) async fn run<T: Send + 'static>(
         &self,
         computation: impl FnOnce() -> T + Send + 'static,

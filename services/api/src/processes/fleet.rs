@@ -1,7 +1,7 @@
 //! The service's own workers: child processes that are started again when they end.
 //!
-//! A child is a worker like any other, over loopback. It stops when its standard input closes: on the service's wish,
-//! and also when the service is killed, since the kernel then closes the other end. Nobody is left behind.
+//! A child is a worker like any other, over loopback. It stops when its standard input closes: when the service asks it
+//! to, and also when the service is killed, since the kernel then closes the other end. No process is left behind.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;

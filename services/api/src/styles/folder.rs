@@ -17,7 +17,7 @@ const CARD: &str = ".card.json";
 /// Beginning of the name of a file that is not whole yet.
 const UNFINISHED: &str = ".new-";
 
-/// Why the added styles of a service cannot be taken up.
+/// Why the added styles of a service cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum AddedStyleError {
     /// The folder or a file of it.
@@ -50,7 +50,7 @@ pub(super) struct Folder {
 }
 
 /// The library with the styles that were added to a service, from the service's folder. A file that is damaged or gone
-/// is told in the log and left out: jobs that do not need it go on.
+/// is logged and left out: jobs that do not need it go on.
 ///
 /// # Errors
 /// [`AddedStyleError`].

@@ -108,7 +108,7 @@ impl Styles {
         })
     }
 
-    /// The words that descriptions may use now: these styles, and the waters of the users' own.
+    /// The current vocabulary: these styles, and the users' own waters.
     pub(crate) fn vocabulary(&self, waters: &Waters) -> Vocabulary {
         Vocabulary {
             waters: waters.words(),

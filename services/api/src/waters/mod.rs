@@ -45,7 +45,7 @@ impl Own {
 }
 
 impl Waters {
-    /// Reads them from the catalogue. One that today's tests refuse stays stored and is left out with a word in the log.
+    /// Reads the waters from the catalogue. One that today's tests refuse stays stored, is logged and left out.
     pub(crate) async fn open(catalogue: Arc<Catalogue>, clock: Clock) -> Result<Self, CatalogueError> {
         let mut own: Vec<Own> = Vec::new();
         for WaterRow {
@@ -75,7 +75,7 @@ impl Waters {
         })
     }
 
-    /// What stands for each name in a job.
+    /// The optics that each name stands for in a job.
     pub(crate) fn words(&self) -> BTreeMap<String, Map<String, Value>> {
         let words = |own: Own| (own.name().to_owned(), own.water.optics());
         self.own().into_iter().map(words).collect()

@@ -7,10 +7,10 @@ use super::{Bind, Column, Compiled, FilterError, Join, Kind, OFFSET};
 
 /// Deeper nesting is refused, so that no filter exhausts the stack.
 const MOST_DEPTH: usize = 64;
-/// Values of one filter: SQLite binds far more, but nobody needs them.
+/// Most values of one filter; SQLite could bind far more.
 const MOST_VALUES: usize = 256;
 
-/// Compiles a filter. `lookup` answers a column by its name; `names` are the names to suggest.
+/// Compiles a filter. `lookup` returns a column by its name; `names` are the names to suggest.
 pub(crate) fn compile(
     text: &str,
     lookup: &dyn Fn(&str) -> Option<Column>,

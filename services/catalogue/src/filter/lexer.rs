@@ -2,7 +2,7 @@
 
 use super::FilterError;
 
-/// Longer filters are refused: nobody types them, and parsing must stay cheap.
+/// Longer filters are refused, so that parsing stays cheap.
 const MOST_BYTES: usize = 4096;
 
 #[derive(Debug, Clone, PartialEq)]

@@ -78,8 +78,8 @@ fn wants_picture(headers: &HeaderMap) -> bool {
     listed(headers, header::ACCEPT).any(|kind| kind.starts_with("image/"))
 }
 
-/// The description with the usual dataset, if it names none. Text that is no object stays as it is: the description's
-/// own reader says what is wrong with it.
+/// The description with the default dataset, if it names none. Text that is no object is left unchanged: parsing the
+/// description reports what is wrong with it.
 fn in_dataset(body: &[u8]) -> Vec<u8> {
     let parsed: Result<serde_json::Map<_, _>, _> = serde_json::from_slice(body);
     match (parsed, body.iter().position(|byte| *byte == b'{')) {

@@ -1,4 +1,4 @@
-//! What the holder of a lease says of a frame: it has its image, or it failed. A stale claim changes nothing.
+//! What the holder of a lease reports of a frame: its image, or a failure. A stale claim changes nothing.
 
 use proto::wire::Claim;
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::types::{JobEntry, Millis};
 
-/// A frame that kills its worker or fails this often is given up.
+/// A frame that kills its worker or fails this often is quarantined.
 const STRIKES: u32 = 3;
 /// First pause after a failure; it doubles with each strike, so that a fault which passes has time to pass.
 const PAUSE_MS: u64 = 1000;
@@ -128,7 +128,7 @@ impl Job {
         self.fresh(most)
     }
 
-    /// A frame that the table keeps apart leaves like any other.
+    /// Leases out a suspect.
     pub(crate) fn take_suspect(&mut self, frame: u64) -> Range<u64> {
         self.leave(frame..frame + 1)
     }
@@ -158,14 +158,14 @@ impl Job {
         frames
     }
 
-    /// A frame has its image.
+    /// Marks a frame as done.
     pub(crate) fn complete(&mut self, frame: u64) {
         self.leased -= 1;
         self.finished += 1;
         self.strikes.remove(&frame);
     }
 
-    /// A frame comes back unharmed.
+    /// Takes a frame back without a strike.
     pub(crate) fn give_back(&mut self, frame: u64) {
         self.leased -= 1;
         if self.strikes.contains_key(&frame) {
@@ -181,18 +181,18 @@ impl Job {
         self.returned.insert(start, frame + 1);
     }
 
-    /// A frame was in a lease of several that was lost.
+    /// Offers a frame alone from now on: a lease of several with it was lost.
     pub(crate) fn single_out(&mut self, frame: u64) {
         self.leased -= 1;
         self.alone.insert(frame);
     }
 
-    /// A frame comes back to the table, which keeps it apart.
+    /// Returns the frame to the lease table, which quarantines it as a suspect.
     pub(crate) fn suspect(&mut self) {
         self.leased -= 1;
     }
 
-    /// An attempt at a frame failed; where it waits is the caller's to say.
+    /// Counts a failed attempt; the caller decides where the frame waits.
     pub(crate) fn strike(&mut self, frame: u64, retryable: bool, now: Millis) -> Struck {
         self.leased -= 1;
         let strikes = self.attempt(frame);
@@ -210,7 +210,7 @@ impl Job {
         }
     }
 
-    /// A frame that was given up is offered again, as if it had never failed. Any other stays as it is.
+    /// Offers a frame that was given up again, as if it had never failed. Other frames are left alone.
     pub(crate) fn retry(&mut self, frame: u64) {
         if self.given_up.remove(&frame) {
             self.finished -= 1;

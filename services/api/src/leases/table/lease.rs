@@ -13,7 +13,7 @@ pub(crate) struct Lease {
     pub(crate) several: bool,
     /// Whether its worker must hold nothing beside it.
     pub(crate) apart: bool,
-    /// Whether its job was cancelled; it stays until its worker has been told.
+    /// Whether its job was cancelled; the lease stays until its worker has been notified.
     pub(crate) cancelled: bool,
     pub(crate) ends: Millis,
 }

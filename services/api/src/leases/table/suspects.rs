@@ -20,13 +20,13 @@ impl Suspects {
         self.waiting.insert((from, job, frame));
     }
 
-    /// The suspect that waits longest among those whose pause is over and whose job is not held back.
+    /// The longest waiting suspect among those whose pause is over and whose job is not paused.
     pub(crate) fn due(&self, now: Millis, offered: impl Fn(&str) -> bool) -> Option<Suspect> {
         let over = self.waiting.iter().take_while(|(from, ..)| *from <= now);
         over.into_iter().find(|(_, job, _)| offered(job)).cloned()
     }
 
-    /// A suspect has found its worker.
+    /// Removes a suspect that is leased to a worker.
     pub(crate) fn take(&mut self, suspect: &Suspect) {
         self.waiting.remove(suspect);
         self.emptied = None;

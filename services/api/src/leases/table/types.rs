@@ -1,4 +1,4 @@
-//! What goes in and out of the lease table.
+//! The inputs and outputs of the lease table.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -39,13 +39,13 @@ pub(crate) struct Order {
 /// How far a training is.
 #[derive(Clone)]
 pub(crate) enum Progress {
-    /// Others are before it, or it works.
+    /// Waiting for others, or running.
     Open,
     /// Its style can be used.
     Done(Box<Card>),
     /// Why there is no style.
     Failed(String),
-    /// Somebody wanted no more of it.
+    /// A user cancelled it, or the service stopped.
     Cancelled,
 }
 
@@ -63,7 +63,7 @@ impl Training {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What the process says of its progress; nothing while others are before it.
+    /// The progress that the process reports; `None` while it waits for others.
     pub(crate) fn progress(&self) -> Option<Value> {
         let text = std::fs::read(self.order.folder.path().join(process::PROGRESS)).ok()?;
         serde_json::from_slice(&text).ok()
@@ -115,7 +115,7 @@ impl Trainings {
         self.list.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes an order up, if its name is free and there is room.
+    /// Accepts an order, if its name is free and there is room.
     fn take(&self, styles: &Styles, order: Order) -> Result<Arc<Training>, Problem> {
         let taken = |why: String| Err(Problem::new(Slug::NameTaken, why));
         if styles.known().library.get(&order.name).is_some() {
@@ -154,7 +154,7 @@ impl Trainings {
 }
 
 impl Styles {
-    /// Validates the photos of an order and takes it up. The training goes on when the caller goes away.
+    /// Validates the photos of an order and accepts it. The training goes on if the caller disconnects.
     pub(super) async fn train(self: &Arc<Self>, order: Order) -> Result<Arc<Training>, Problem> {
         process::validate(&self.trainings.lookers, &order).await?;
         let training = self.trainings.take(self, order)?;

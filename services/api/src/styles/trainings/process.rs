@@ -56,7 +56,7 @@ pub(super) async fn validate(children: &Children, order: &Order) -> Result<(), P
     }
 }
 
-/// Trains, and adds the style; an error is told to whoever asks for the training.
+/// Trains, and adds the style; an error is shown to whoever asks for the training.
 pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<Card, String> {
     let folder = order.folder.path();
     let out = folder.join(OUT);
