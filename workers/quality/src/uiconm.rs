@@ -19,56 +19,57 @@ const TABLE1_BLOCK_PX: usize = 4;
 
 /// UIConM of the article.
 pub(crate) fn panetta(work: &Work) -> f64 {
-    let blocks = blocks(work, BLOCK_PX);
-    let extremes = blocks.extremes(1, |y, row: &mut [u16]| {
-        for (sum, p) in row.iter_mut().zip(work.picture_row(y).chunks_exact(3)) {
+    let sum = |codes: &[u8], sums: &mut [u16]| {
+        for (sum, p) in sums.iter_mut().zip(codes.chunks_exact(3)) {
             *sum = u16::from(p[0]) + u16::from(p[1]) + u16::from(p[2]);
         }
-    });
-    let terms = extremes
-        .into_iter()
-        .filter(|(low, high)| low < high)
-        .map(|(low, high)| {
-            let (m, top) = (f64::from(low) / 3.0, f64::from(high) / 3.0);
-            weighted_log((GAMMA * (top - m) / (GAMMA - m)) / (top + m - top * m / GAMMA))
-        });
-    terms.sum::<f64>() / blocks.count()
+    };
+    mean(work, BLOCK_PX, 1, sum, |low, high| {
+        let (m, top) = (f64::from(low) / 3.0, f64::from(high) / 3.0);
+        weighted_log((GAMMA * (top - m) / (GAMMA - m)) / (top + m - top * m / GAMMA))
+    })
 }
 
 /// UIConM over the channels together.
 pub(crate) fn funie(work: &Work) -> f64 {
-    let blocks = blocks(work, BLOCK_PX);
-    let extremes = blocks.extremes(3, |y, row: &mut [u8]| {
-        row.copy_from_slice(&work.picture_row(y)[..row.len()])
-    });
-    let terms = extremes
-        .into_iter()
-        .filter(|(low, high)| low < high)
-        .map(|(low, high)| {
-            let (m, top) = (f64::from(low), f64::from(high));
-            weighted_log((top - m) / (top + m))
-        });
-    terms.sum::<f64>() / blocks.count()
+    let copy = |codes: &[u8], row: &mut [u8]| row.copy_from_slice(&codes[..row.len()]);
+    mean(work, BLOCK_PX, 3, copy, |low, high| {
+        let (m, top) = (f64::from(low), f64::from(high));
+        weighted_log((top - m) / (top + m))
+    })
 }
 
 /// UIConM of the comparison table.
 pub(crate) fn table1(work: &Work) -> f64 {
-    let blocks = blocks(work, TABLE1_BLOCK_PX);
-    let extremes = blocks.extremes(1, |y, row: &mut [u8]| {
-        for (sum, p) in row.iter_mut().zip(work.picture_row(y).chunks_exact(3)) {
+    let thirds = |codes: &[u8], sums: &mut [u8]| {
+        for (sum, p) in sums.iter_mut().zip(codes.chunks_exact(3)) {
             *sum = p[0] / 3 + p[1] / 3 + p[2] / 3;
         }
-    });
+    };
     // Many blocks share their extremes: a term is computed once for each pair.
     let mut known = vec![None; 1 << 16];
-    let terms = extremes
-        .into_iter()
-        .filter(|(low, high)| 0 < *low && low < high)
-        .map(|(low, high)| {
-            let pair = usize::from(low) << 8 | usize::from(high);
-            *known[pair].get_or_insert_with(|| table1_term(f64::from(low), f64::from(high)))
-        });
-    terms.sum::<f64>() / blocks.count()
+    mean(work, TABLE1_BLOCK_PX, 1, thirds, |low, high| {
+        let pair = usize::from(low) << 8 | usize::from(high);
+        *known[pair].get_or_insert_with(|| match low {
+            0 => 0.0,
+            _ => table1_term(f64::from(low), f64::from(high)),
+        })
+    })
+}
+
+/// The mean over blocks of what `term` returns for the least and the greatest sample, 0 where they are equal. `fill` makes the
+/// samples of a row, this many for each pixel, of its codes.
+fn mean<T: Copy + PartialOrd + Default>(
+    work: &Work,
+    side_px: usize,
+    samples: usize,
+    fill: impl Fn(&[u8], &mut [T]),
+    mut term: impl FnMut(T, T) -> f64,
+) -> f64 {
+    let blocks = Blocks::new((work.picture().width(), work.picture().height()), side_px);
+    let extremes = blocks.extremes(samples, |y, row: &mut [T]| fill(work.picture_row(y), row));
+    let uneven = extremes.into_iter().filter(|(low, high)| low < high);
+    uneven.map(|(low, high)| term(low, high)).sum::<f64>() / blocks.count()
 }
 
 /// The term of a block with these extremes.
@@ -76,10 +77,6 @@ fn table1_term(m: f64, top: f64) -> f64 {
     let t = GAMMA * (m - top) / m / (GAMMA - top * m / GAMMA);
     let phi = |z: f64| -GAMMA * (1.0 - z / GAMMA).ln();
     GAMMA * (1.0 - (-phi(t) * phi(t.abs().ln()) / GAMMA).exp())
-}
-
-fn blocks(work: &Work, side: usize) -> Blocks {
-    Blocks::new((work.picture().width(), work.picture().height()), side)
 }
 
 /// `-q ln q`.

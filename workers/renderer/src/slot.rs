@@ -41,7 +41,7 @@ pub struct Rendered {
 struct SceneKey {
     scene: Scene,
     camera: Camera,
-    labelled: bool,
+    labeled: bool,
 }
 
 impl Slot {
@@ -131,7 +131,7 @@ impl Slot {
         let key = SceneKey {
             scene: frame.scene.clone(),
             camera: frame.camera,
-            labelled: scene::needs_labels(frame),
+            labeled: scene::needs_labels(frame),
         };
         if let Some((last, prepared)) = &self.last_scene
             && *last == key

@@ -20,7 +20,7 @@ fn frames(c: &mut Criterion) {
         c.bench_function(&format!("{family} 768x492 with labels"), |b| {
             b.iter(|| {
                 seed = (seed + 1) % SEEDS;
-                World::new(family, seed).map(|world| world.render_labelled(&world.pose(), SIZE, &lens))
+                World::new(family, seed).map(|world| world.render_labeled(&world.pose(), SIZE, &lens))
             });
         });
     }

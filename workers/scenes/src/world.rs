@@ -119,7 +119,7 @@ impl World {
 
     /// [`World::render`] with labels: the same scene, bit for bit, in somewhat more time.
     #[must_use]
-    pub fn render_labelled(
+    pub fn render_labeled(
         &self,
         pose: &CameraPose,
         size: (usize, usize),

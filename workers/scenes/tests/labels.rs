@@ -9,9 +9,9 @@ use scenes::{FAMILIES, Labels, Scene, World};
 const SEEDS: std::ops::Range<u64> = 0..24;
 const SIZE: (usize, usize) = (193, 123);
 
-fn labelled(family: &str, seed: u64, size: (usize, usize)) -> (Scene, Labels) {
+fn labeled(family: &str, seed: u64, size: (usize, usize)) -> (Scene, Labels) {
     let world = World::new(family, seed).unwrap();
-    world.render_labelled(&world.pose(), size, &lens(size))
+    world.render_labeled(&world.pose(), size, &lens(size))
 }
 
 fn lens((width, height): (usize, usize)) -> Intrinsics {
@@ -27,7 +27,7 @@ fn normal_at(labels: &Labels, x: usize, y: usize) -> DVec3 {
 fn every_frame(mut check: impl FnMut(&str, u64, &Scene, &Labels)) {
     for family in FAMILIES {
         for seed in SEEDS {
-            let (scene, labels) = labelled(family, seed, SIZE);
+            let (scene, labels) = labeled(family, seed, SIZE);
             check(family, seed, &scene, &labels);
         }
     }
@@ -38,7 +38,7 @@ fn labels_do_not_change_the_picture_and_have_its_size() {
     for family in FAMILIES {
         for size in [(1, 1), (7, 3), (97, 61)] {
             let world = World::new(family, 4).unwrap();
-            let (scene, labels) = world.render_labelled(&world.pose(), size, &lens(size));
+            let (scene, labels) = world.render_labeled(&world.pose(), size, &lens(size));
             assert_eq!(scene, world.render(&world.pose(), size, &lens(size)));
             assert!(labels.normals.iter().all(|plane| plane.size() == size));
             assert_eq!((labels.semantics.size(), labels.findings.size()), (size, size));
@@ -134,8 +134,8 @@ fn normals_agree_with_the_range() {
             |x: usize, y: usize| lens.ray(x as f64, y as f64).normalized() * f64::from(range.at(x, y));
         for y in (1..SIZE.1 - 1).step_by(3) {
             for x in (1..SIZE.0 - 1).step_by(3) {
-                let neighbours = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
-                if mask.at(x, y) == 0 || neighbours.iter().any(|&(a, b)| mask.at(a, b) != mask.at(x, y)) {
+                let neighbors = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+                if mask.at(x, y) == 0 || neighbors.iter().any(|&(a, b)| mask.at(a, b) != mask.at(x, y)) {
                     continue;
                 }
                 let along = point(x + 1, y) - point(x - 1, y);

@@ -23,7 +23,7 @@ fn lens() -> Intrinsics {
 }
 
 fn frame(world: &World, pose: &CameraPose) -> (Scene, Labels) {
-    world.render_labelled(pose, SIZE, &lens())
+    world.render_labeled(pose, SIZE, &lens())
 }
 
 /// Every point that a frame shows is where the next frame shows it, with the same category and, mostly, the same findings.
@@ -111,7 +111,7 @@ fn odd_cameras_still_give_finite_frames() {
         let world = World::new(family, 2).unwrap();
         for lens in lenses {
             for pose in &poses {
-                let (scene, labels) = world.render_labelled(pose, (31, 17), &lens);
+                let (scene, labels) = world.render_labeled(pose, (31, 17), &lens);
                 let light = scene.radiance.planes().iter().flat_map(|plane| plane.data());
                 assert!(
                     light.into_iter().all(|v| v.is_finite() && *v >= 0.0),
@@ -128,7 +128,7 @@ fn odd_cameras_still_give_finite_frames() {
 fn a_frame_without_pixels_is_empty() {
     let world = World::new("shaft", 1).unwrap();
     for size in [(0, 0), (0, 5), (5, 0)] {
-        let (scene, labels) = world.render_labelled(&world.pose(), size, &lens());
+        let (scene, labels) = world.render_labeled(&world.pose(), size, &lens());
         assert_eq!(scene.radiance.size(), size);
         assert!(labels.instances.is_empty());
     }

@@ -5,14 +5,9 @@ use imaging::Plane;
 /// A plane whose values span no more than this is flat.
 pub const FLAT: f64 = 1e-6;
 
-/// The least and the greatest value of a plane that holds some.
-#[must_use]
-pub fn range(plane: &Plane<f64>) -> (f64, f64) {
-    range_of(plane.data())
-}
-
 /// The least and the greatest of some values.
-pub(super) fn range_of(values: &[f64]) -> (f64, f64) {
+#[must_use]
+pub fn range(values: &[f64]) -> (f64, f64) {
     // Lanes of their own let the loop become vector code; the order of minima does not matter.
     const LANES: usize = 8;
     let first = values[0];
@@ -32,7 +27,7 @@ pub(super) fn range_of(values: &[f64]) -> (f64, f64) {
 /// `(z - min) / (max - min)`, 0 everywhere when `max - min` is at most [`FLAT`]. The plane must hold a value.
 #[must_use]
 pub fn normalized(mut plane: Plane<f64>) -> Plane<f64> {
-    let (low, high) = range(&plane);
+    let (low, high) = range(plane.data());
     let scale = if high - low > FLAT {
         1.0 / (high - low)
     } else {
@@ -61,7 +56,7 @@ mod tests {
     #[test]
     fn the_ends_become_zero_and_one() {
         let plane = Plane::from_fn(5, 3, |x, y| (3 * x + y) as f64 - 4.0);
-        assert_eq!(range(&plane), (-4.0, 10.0));
+        assert_eq!(range(plane.data()), (-4.0, 10.0));
         let normalized = normalized(plane);
         assert_eq!((normalized.at(0, 0), normalized.at(4, 2)), (0.0, 1.0));
     }

@@ -30,7 +30,7 @@ fn candidates(plane: &Plane<f64>, count: usize) -> Vec<usize> {
     if plane.data().is_empty() {
         return Vec::new();
     }
-    let (low, high) = range(plane);
+    let (low, high) = range(plane.data());
     // A bin is at least as wide as what counts as equal.
     let scale = ((BINS - 1) as f64 / (high - low)).min(2f64.powi(EQUAL_BITS));
     let bin = |value: f64| ((value - low) * scale) as usize;

@@ -1,6 +1,6 @@
 //! Stretching values between the ends of their distribution.
 
-use super::norm::range_of;
+use super::norm::range;
 use crate::variant::Variant;
 
 /// The values at positions `floor(share · K)` and `K - 1 - floor(share · K)` of the K sorted values, K at least 1.
@@ -33,7 +33,7 @@ struct Counts {
 
 impl Counts {
     fn new(values: &[f64]) -> Self {
-        let (low, high) = range_of(values);
+        let (low, high) = range(values);
         let flat = high <= low;
         let mut counts = Self {
             low,

@@ -128,7 +128,7 @@ fn dehazed(guide: &Guide, stretch: &Stretch, channel: usize, light: f64, variant
 
 /// Step 4.
 fn normalized_together(red: &Plane<f64>, planes: [Plane<f64>; 2]) -> [Plane<f64>; 2] {
-    let ranges = [range(red), range(&planes[0]), range(&planes[1])];
+    let ranges = [red, &planes[0], &planes[1]].map(|plane| range(plane.data()));
     let low = ranges.iter().fold(f64::MAX, |low, range| low.min(range.0));
     let high = ranges.iter().fold(f64::MIN, |high, range| high.max(range.1));
     if high - low <= FLAT {
@@ -145,7 +145,7 @@ fn normalized_together(red: &Plane<f64>, planes: [Plane<f64>; 2]) -> [Plane<f64>
 /// What red is multiplied by in step 5; `None` where there is nothing to multiply.
 fn red_gain(red: &Plane<f64>, green: &Plane<f64>, blue: &Plane<f64>) -> Option<f64> {
     let mean = |plane: &Plane<f64>| plane.data().iter().sum::<f64>() / plane.data().len() as f64;
-    let (low, high) = range(red);
+    let (low, high) = range(red.data());
     let red_mean = mean(red);
     if red_mean <= 0.0 || high - low <= FLAT {
         return None;

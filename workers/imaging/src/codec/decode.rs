@@ -1,7 +1,7 @@
 //! Decoding of pictures, range files and float radiance.
 
 use super::DecodeError;
-use super::npy::{self, NpyValues, Sheet};
+use super::npy::{self, NpyArray, NpyValues};
 use super::picture::Format;
 use crate::{Channels, Plane, Raster, Rgb, Samples};
 
@@ -39,7 +39,7 @@ pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
 
 /// Decodes a picture; of bytes in no picture format the error says what else would have done.
 fn decode_or(bytes: &[u8], expected: &'static [&'static str]) -> Result<Raster, DecodeError> {
-    let format = Format::of(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
+    let format = Format::detect(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
     format.decode(bytes)
 }
 
@@ -51,7 +51,7 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     if npy::is_npy(bytes) {
         return array_plane(npy::decode_sheet(bytes)?);
     }
-    if Format::of(bytes) != Some(Format::Png) {
+    if Format::detect(bytes) != Some(Format::Png) {
         return Err(DecodeError::UnknownFormat {
             expected: PLANE_FORMATS,
         });
@@ -83,20 +83,14 @@ fn png_depth(bytes: &[u8]) -> Option<u8> {
     bytes.get(PLACE).copied()
 }
 
-fn array_plane(array: Sheet) -> Result<FilePlane, DecodeError> {
-    let Sheet {
-        width,
-        height,
-        channels,
-        values,
-    } = array;
-    if let Some(channels) = channels {
+fn array_plane(array: NpyArray) -> Result<FilePlane, DecodeError> {
+    let [height, width] = array.shape[..] else {
         return Err(DecodeError::Unsuitable {
-            found: format!("an array of shape [{height}, {width}, {channels}]"),
+            found: format!("an array of shape {:?}", array.shape),
             wanted: "one of shape [height, width]",
         });
-    }
-    Ok(match values {
+    };
+    Ok(match array.values {
         NpyValues::F32(data) => FilePlane::Floats(plane(width, height, data)?),
         NpyValues::F64(data) => FilePlane::Floats(plane(width, height, narrowed(&data))?),
         NpyValues::U8(data) => FilePlane::Codes(plane(width, height, widened(&data))?),
@@ -122,26 +116,26 @@ pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
         let picture = decode_or(bytes, RADIANCE_FORMATS)?;
         return Ok(Radiance::Encoded(picture));
     }
-    let Sheet {
-        width,
-        height,
-        channels,
-        values,
-    } = npy::decode_sheet(bytes)?;
+    let NpyArray { shape, values } = npy::decode_sheet(bytes)?;
     let unsuitable = |found: String| DecodeError::Unsuitable {
         found,
         wanted: "an array of floats of shape [height, width, 3]",
     };
-    let data = match (channels, values) {
-        (Some(3), NpyValues::F32(data)) => data,
-        (Some(3), NpyValues::F64(data)) => narrowed(&data),
-        (Some(3), NpyValues::U8(_) | NpyValues::U16(_)) => {
+    let data = match (&shape[..], values) {
+        ([_, _, 3], NpyValues::F32(data)) => data,
+        ([_, _, 3], NpyValues::F64(data)) => narrowed(&data),
+        ([_, _, 3], NpyValues::U8(_) | NpyValues::U16(_)) => {
             return Err(unsuitable("an array of integers".to_owned()));
         }
-        (Some(n), _) => return Err(unsuitable(format!("an array of shape [{height}, {width}, {n}]"))),
-        (None, _) => return Err(unsuitable(format!("an array of shape [{height}, {width}]"))),
+        _ => return Err(unsuitable(format!("an array of shape {shape:?}"))),
     };
-    let band = |c: usize| plane(width, height, data.iter().skip(c).step_by(3).copied().collect());
+    let band = |c: usize| {
+        plane(
+            shape[1],
+            shape[0],
+            data.iter().skip(c).step_by(3).copied().collect(),
+        )
+    };
     Rgb::new([band(0)?, band(1)?, band(2)?])
         .map(Radiance::Linear)
         .map_err(|error| DecodeError::Damaged {

@@ -55,32 +55,15 @@ pub fn decode_npy(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
     Header::read(bytes)?.decode()
 }
 
-/// An array of two or three dimensions, its sides within the limits of pictures.
-pub(super) struct Sheet {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    /// Length of the third dimension, if there is one.
-    pub(super) channels: Option<usize>,
-    pub(super) values: NpyValues,
-}
-
-pub(super) fn decode_sheet(bytes: &[u8]) -> Result<Sheet, DecodeError> {
+/// Decodes an array of two or three dimensions whose sides lie within the limits of pictures.
+pub(super) fn decode_sheet(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
     let header = Header::read(bytes)?;
-    let (height, width, channels) = match header.shape[..] {
-        [height, width] => (height, width, None),
-        [height, width, channels @ 1..=4] => (height, width, Some(channels)),
-        _ => {
-            let found = format!("an array of shape {:?}", header.shape);
-            return Err(unsuitable(found, "shape [height, width] or [height, width, 3]"));
-        }
+    let ([height, width] | [height, width, 1..=4]) = header.shape[..] else {
+        let found = format!("an array of shape {:?}", header.shape);
+        return Err(unsuitable(found, "shape [height, width] or [height, width, 3]"));
     };
     check_size(width, height)?;
-    Ok(Sheet {
-        width,
-        height,
-        channels,
-        values: header.decode()?.values,
-    })
+    header.decode()
 }
 
 /// What the header says, and the data behind it.
@@ -139,24 +122,11 @@ impl<'a> Header<'a> {
         if self.is_fortran {
             return Err(unsuitable("an array in Fortran order", "C order"));
         }
-        let swapped = self.kind.starts_with('>');
         let values = match self.kind.trim_start_matches(['<', '>', '|', '=']) {
-            "f4" => NpyValues::F32(self.numbers(if swapped {
-                f32::from_be_bytes
-            } else {
-                f32::from_le_bytes
-            })?),
-            "f8" => NpyValues::F64(self.numbers(if swapped {
-                f64::from_be_bytes
-            } else {
-                f64::from_le_bytes
-            })?),
-            "u2" => NpyValues::U16(self.numbers(if swapped {
-                u16::from_be_bytes
-            } else {
-                u16::from_le_bytes
-            })?),
-            "u1" => NpyValues::U8(self.numbers(u8::from_le_bytes)?),
+            "f4" => NpyValues::F32(self.numbers(f32::from_le_bytes, f32::from_be_bytes)?),
+            "f8" => NpyValues::F64(self.numbers(f64::from_le_bytes, f64::from_be_bytes)?),
+            "u2" => NpyValues::U16(self.numbers(u16::from_le_bytes, u16::from_be_bytes)?),
+            "u1" => NpyValues::U8(self.numbers(u8::from_le_bytes, u8::from_be_bytes)?),
             _ => {
                 let found = format!("values of type {}", self.kind);
                 return Err(unsuitable(found, "float32, float64, uint8 or uint16"));
@@ -168,7 +138,13 @@ impl<'a> Header<'a> {
         })
     }
 
-    fn numbers<T, const BYTES: usize>(&self, number: fn([u8; BYTES]) -> T) -> Result<Vec<T>, DecodeError> {
+    fn numbers<T, const BYTES: usize>(
+        &self,
+        little_endian: fn([u8; BYTES]) -> T,
+        big_endian: fn([u8; BYTES]) -> T,
+    ) -> Result<Vec<T>, DecodeError> {
+        let is_big = self.kind.starts_with('>');
+        let number = if is_big { big_endian } else { little_endian };
         let count = self
             .shape
             .iter()

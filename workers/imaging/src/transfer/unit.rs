@@ -60,13 +60,13 @@ impl Curve {
     pub(super) fn apply(&self, values: &[f32]) -> Vec<f32> {
         values
             .iter()
-            .map(|&value| self.at(value.clamp(0.0, 1.0)))
+            .map(|&value| self.value(value.clamp(0.0, 1.0)))
             .collect()
     }
 
     #[inline]
-    fn at(&self, x: f32) -> f32 {
-        // `max` answers the other operand for NaN, so that every value has a bucket.
+    fn value(&self, x: f32) -> f32 {
+        // `max` returns the other operand for NaN, so that every value has a bucket.
         let bits = x.max(self.foot).to_bits();
         let [start, slope, bend] = self.parabolas[((bits >> SHIFT) - self.first) as usize];
         // The bits below the bucket's, as the fraction of a float in 1..2.

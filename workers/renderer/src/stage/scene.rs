@@ -57,7 +57,7 @@ pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, R
             let world = World::new(family, *seed)?;
             let pose = pose(frame, &world)?;
             let (scene, labels) = if needs_labels(frame) {
-                let (scene, labels) = world.render_labelled(&pose, (width, height), &camera);
+                let (scene, labels) = world.render_labeled(&pose, (width, height), &camera);
                 (scene, Some(labels))
             } else {
                 (world.render(&pose, (width, height), &camera), None)

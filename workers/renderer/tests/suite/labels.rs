@@ -18,7 +18,7 @@ fn job(fields: &Value) -> Value {
     description
 }
 
-fn labelled(optics: Value) -> Rendered {
+fn labeled(optics: Value) -> Rendered {
     let artifacts = json!(["instances", "semantics", "findings", "normals", "boxes"]);
     render(&parse(&job(
         &json!({"water": {"optics": optics}, "artifacts": artifacts}),
@@ -27,7 +27,7 @@ fn labelled(optics: Value) -> Rendered {
 
 #[test]
 fn masks_boxes_and_record_speak_of_the_same_objects() {
-    let rendered = labelled(json!("jerlov-IB"));
+    let rendered = labeled(json!("jerlov-IB"));
     let boxes: Value = serde_json::from_slice(file(&rendered, "boxes")).unwrap();
     let scene = rendered.record.scene.unwrap();
     assert_eq!(boxes, json!(scene));
@@ -63,7 +63,7 @@ fn file_of<'a>(files: &'a [renderer::File], kind: &str) -> &'a [u8] {
 
 #[test]
 fn turbid_water_leaves_less_to_be_seen() {
-    let of = |optics: Value| labelled(optics).record.scene.unwrap();
+    let of = |optics: Value| labeled(optics).record.scene.unwrap();
     let (clear, murky) = (of(json!("jerlov-IB")), of(json!("jerlov-9C")));
     assert!(murky.mean_visibility.unwrap() < clear.mean_visibility.unwrap());
     assert!(murky.visible.unwrap() <= clear.visible.unwrap());

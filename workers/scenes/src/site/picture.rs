@@ -131,9 +131,9 @@ fn meet_ground(
 ) {
     for (i, (parameter, owner)) in parameter.iter_mut().zip(owner).enumerate() {
         let ray = start + step * (i as i32 as f32);
-        let at = -height / ray.z;
-        let met = (at > 0.0) & (at * ray.length() < FAR_M);
-        *parameter = if met { at } else { f32::INFINITY };
+        let reach = -height / ray.z;
+        let met = (reach > 0.0) & (reach * ray.length() < FAR_M);
+        *parameter = if met { reach } else { f32::INFINITY };
         *owner = if met { ground } else { ground + 1 };
     }
 }

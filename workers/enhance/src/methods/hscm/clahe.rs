@@ -18,17 +18,19 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
     let tiles = Tiles::new(picture.size(), across, down);
     let tables = tiles.tables(picture, clip_limit);
     let (width, height) = picture.size();
-    let neighbors = |x| Neighbors::new(x, tiles.width_px, across);
-    let columns: Vec<Neighbors> = (0..width).map(neighbors).collect();
+    let columns: Vec<Neighbors> = (0..width).map(|x| Neighbors::new(x, tiles.width_px)).collect();
     let mut equalized = Plane::filled(width, height, 0u8);
     let mut blends = Vec::new();
-    let mut blended_rows = None;
+    let mut blended_gap = None;
     for y in 0..height {
-        let row = Neighbors::new(y, tiles.height_px, down);
-        if blended_rows != Some((row.first, row.second)) {
-            let (upper, lower) = (&tables[row.first * across..], &tables[row.second * across..]);
-            blends = blend_tables(&upper[..across], &lower[..across]);
-            blended_rows = Some((row.first, row.second));
+        let row = Neighbors::new(y, tiles.height_px);
+        if blended_gap != Some(row.gap) {
+            let tile_row = |row: usize| &tables[row * across..][..across];
+            blends = blend_tables(
+                tile_row(row.gap.saturating_sub(1)),
+                tile_row(row.gap.min(down - 1)),
+            );
+            blended_gap = Some(row.gap);
         }
         let (from, to) = (picture.row(y), equalized.row_mut(y));
         vectorized!(blend_row(from, &columns, &blends, row.weight, to));
@@ -120,26 +122,22 @@ fn clip(histogram: &mut [u32; 256], limit: u32) {
     }
 }
 
-/// The two tiles along one axis whose centers enclose a pixel, and the share of the second.
+/// Where a pixel lies between the centers of the tiles along one axis.
 #[derive(Clone, Copy)]
 struct Neighbors {
-    first: usize,
-    second: usize,
-    weight: f64,
-    /// `first` before it was clamped to the grid, plus one: which gap between tile centers the pixel lies in.
+    /// The gap between centers, which is the number of the tile behind it; before the first center it is 0.
     gap: usize,
+    /// Share of the tile behind the gap.
+    weight: f64,
 }
 
 impl Neighbors {
-    fn new(position: usize, tile_px: usize, tiles: usize) -> Self {
+    fn new(position: usize, tile_px: usize) -> Self {
         let centered = position as f64 / tile_px as f64 - 0.5;
         let floor = centered.floor();
-        let gap = (floor + 1.0) as usize;
         Self {
-            first: gap.saturating_sub(1),
-            second: gap.min(tiles - 1),
+            gap: (floor + 1.0) as usize,
             weight: centered - floor,
-            gap,
         }
     }
 }

@@ -113,13 +113,12 @@ fn merged_by_pixels(values: &[f64; 256], picture: &Rgb8, channel: usize) -> [f64
         up_to as f64 / set.len().max(1) as f64
     };
     values.map(|value| {
-        if value <= mean + EQUAL {
-            let (low_picture, high_picture) = (rayleigh(share(&lower, value)), 0.0);
-            (low_picture + high_picture) / 2.0
+        let (set, other_picture) = if value <= mean + EQUAL {
+            (&lower, 0.0)
         } else {
-            let (low_picture, high_picture) = (255.0, rayleigh(share(&upper, value)));
-            (low_picture + high_picture) / 2.0
-        }
+            (&upper, 255.0)
+        };
+        (rayleigh(share(set, value)) + other_picture) / 2.0
     })
 }
 

@@ -17,11 +17,10 @@ pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rg
     let pixels = picture.data().len() / 3;
     let (mut saturation, mut value) = (vec![0.0f64; pixels], vec![0.0f64; pixels]);
     let mut result = picture.clone();
-    let measure = |saturation: &mut [f64], value: &mut [f64]| match variant {
-        Variant::Fast => vectorized!(hsv(picture.data(), curves, saturation, value)),
-        Variant::Reference => hsv_reference(picture, curves, saturation, value),
-    };
-    measure(&mut saturation, &mut value);
+    match variant {
+        Variant::Fast => vectorized!(hsv(picture.data(), curves, &mut saturation, &mut value)),
+        Variant::Reference => hsv_reference(picture, curves, &mut saturation, &mut value),
+    }
     let stretch = Stretch {
         saturation: tails(&saturation, TAIL, variant),
         value: tails(&value, TAIL, variant),

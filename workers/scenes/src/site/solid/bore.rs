@@ -21,10 +21,10 @@ impl Form for Bore {
         let along = d.x * o.x + d.y * o.y;
         let aside = d.x * o.y - d.y * o.x;
         let discriminant = self.radius * self.radius * square - aside * aside;
-        let at = (larger(discriminant, 0.0).sqrt() - along) / square;
-        let height = o.z + at * d.z;
-        if (discriminant > 0.0) & (at > 0.0) & (height >= 0.0) & (height <= self.length) {
-            at
+        let parameter = (larger(discriminant, 0.0).sqrt() - along) / square;
+        let height = o.z + parameter * d.z;
+        if (discriminant > 0.0) & (parameter > 0.0) & (height >= 0.0) & (height <= self.length) {
+            parameter
         } else {
             f32::INFINITY
         }

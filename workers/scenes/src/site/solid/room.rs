@@ -20,10 +20,10 @@ impl Form for Room {
             let inverse = 1.0 / if d.abs() < 1e-12 { 1e-12 } else { d };
             half * inverse.abs() - o * inverse
         };
-        let at = smaller(leave(o.x, d.x, self.half.x), leave(o.y, d.y, self.half.y));
-        let height = o.z + at * d.z;
-        if (at > 0.0) & (height.abs() <= self.half.z) {
-            at
+        let parameter = smaller(leave(o.x, d.x, self.half.x), leave(o.y, d.y, self.half.y));
+        let height = o.z + parameter * d.z;
+        if (parameter > 0.0) & (height.abs() <= self.half.z) {
+            parameter
         } else {
             f32::INFINITY
         }

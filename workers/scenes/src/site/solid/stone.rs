@@ -44,9 +44,9 @@ impl Form for Stone {
         let (mut enter, mut leave) = (0.0, f32::INFINITY);
         for (normal, offset) in &self.planes {
             let (toward, above) = (normal.dot(d), normal.dot(o) - offset);
-            let at = -above / toward;
-            enter = if toward < 0.0 { larger(at, enter) } else { enter };
-            leave = if toward > 0.0 { smaller(at, leave) } else { leave };
+            let t = -above / toward;
+            enter = if toward < 0.0 { larger(t, enter) } else { enter };
+            leave = if toward > 0.0 { smaller(t, leave) } else { leave };
         }
         if (enter < leave) & (enter > 0.0) {
             enter
