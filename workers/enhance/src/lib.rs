@@ -1,7 +1,7 @@
 //! Image enhancement: methods that make an underwater picture easier to see, and the restorations that they are
 //! compared with.
 //!
-//! [`hscm`] is the homomorphic filter, median, CLAHE, color merge and circular mask. Beside it stand the methods of the
+//! [`hscm`] is the homomorphic filter, median, CLAHE, color merge and circular mask. The others are the methods of the
 //! published comparison and two baselines; [`METHODS`] lists all of them. Every method takes any decoded raster of at least
 //! one pixel and returns an 8-bit one; alpha is not computed with and is returned beside the result. A picture on which a
 //! method is known to fail comes with a [`Warning`].

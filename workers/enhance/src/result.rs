@@ -11,7 +11,7 @@ pub struct Enhanced {
     pub picture: Raster,
     /// The same result before the mask: what metrics are taken from.
     pub unmasked: Raster,
-    /// 255 where a pixel is kept and 0 where it is blacked out; `None` without a mask. A feature extractor wants
+    /// 255 where a pixel is kept and 0 where it is blacked out; `None` without a mask. Feature extractors need
     /// this plane, since the hard edge in the masked picture makes key points along the circle.
     pub mask: Option<Plane<u8>>,
     /// Where the method is known to fail on pictures like this one; empty where no test found anything.

@@ -95,7 +95,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The warnings whose test was positive.
+/// Returns the warnings whose test was positive.
 pub(crate) fn found(tests: impl IntoIterator<Item = (bool, Warning)>) -> Vec<Warning> {
     let found = tests.into_iter().filter(|(found, _)| *found);
     found.map(|(_, warning)| warning).collect()

@@ -1,7 +1,7 @@
 //! Files as values: bytes in, pictures out, and back. No file is opened here.
 //!
 //! Whatever the bytes are, decoding returns a value or an error. Sides, pixels and the decoder's memory are limited
-//! before anything is allocated, from what the header says.
+//! from the header, before anything is allocated.
 
 mod decode;
 mod encode;
@@ -28,7 +28,7 @@ pub enum DecodeError {
     /// The first bytes belong to no known format.
     #[error("the file is neither {}", expected.join(" nor "))]
     UnknownFormat {
-        /// Formats that would do.
+        /// The accepted formats.
         expected: &'static [&'static str],
     },
     /// A side of the picture is 0.
@@ -54,10 +54,10 @@ pub enum DecodeError {
     Damaged {
         /// The format that the first bytes announce.
         format: &'static str,
-        /// What the decoder says.
+        /// The decoder's message.
         reason: String,
     },
-    /// The file is whole but holds something else than what is wanted.
+    /// The file is intact but holds something else than required.
     #[error("the file holds {found} but {wanted} is needed")]
     Unsuitable {
         /// What it holds.

@@ -44,7 +44,7 @@ impl SizeError {
     }
 }
 
-/// One band of a picture. May be empty; every consumer says what it does with an empty plane.
+/// One band of a picture. May be empty; every consumer documents how it treats an empty plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane<T> {
     width: usize,

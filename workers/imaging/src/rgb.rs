@@ -2,7 +2,7 @@
 
 use crate::plane::{Plane, SizeError};
 
-/// A planar color picture. What the samples mean (linear radiance, encoded values) is the user's to say.
+/// A planar color picture. What the samples mean (linear radiance, encoded values) is up to the user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rgb<T> {
     planes: [Plane<T>; 3],

@@ -80,7 +80,7 @@ pub fn decode_rgb8(picture: &Rgb8) -> Rgb<f32> {
     })
 }
 
-/// Linear light of a file's samples; gray becomes three equal planes, alpha is not looked at.
+/// Linear light of a file's samples; gray becomes three equal planes, alpha is ignored.
 #[must_use]
 pub fn decode_raster(raster: &Raster, transfer: Transfer) -> Rgb<f32> {
     match (raster.samples(), transfer) {

@@ -1,4 +1,4 @@
-//! Square blocks from the top left corner; what is left over at the right and at the bottom is not looked at.
+//! Square blocks from the top left corner; the remainder at the right and at the bottom is ignored.
 
 use imaging::simd::{larger, smaller};
 
@@ -33,7 +33,7 @@ impl Blocks {
     }
 
     /// Least and greatest sample of each block, row by row. A picture's row holds `samples` values for each pixel, and
-    /// `fill(y, row)` writes that part of row y that lies in blocks. Rows are asked for once, from the top down.
+    /// `fill(y, row)` writes that part of row y that lies in blocks. Each row is requested once, from the top down.
     #[inline(always)]
     pub(crate) fn extremes<T: Copy + PartialOrd + Default>(
         &self,

@@ -8,7 +8,7 @@
 //! pixel beside it in each direction; by chance alone that happens to one in a hundred.
 //!
 //! `repeatability = found again / corners of the clean picture`, 0..=1; 1 when the clean picture has none, since none is
-//! lost. Corners closer than 4 pixels to the border are not looked for, since their windows would reach over it.
+//! lost. Corners closer than 4 pixels to the border are ignored, since their windows would reach over it.
 
 use imaging::simd::larger;
 use imaging::{Plane, vectorized};

@@ -2,7 +2,7 @@
 
 use imaging::Plane;
 
-/// What stands beyond the border.
+/// Continuation beyond the border.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Border {
     /// The edge pixel.
@@ -68,7 +68,7 @@ impl<'a> Sobel<'a> {
         }
     }
 
-    /// Which of `n` samples stand before and after sample `i`.
+    /// The samples before and after sample `i` of `n`.
     #[inline(always)]
     fn neighbors(&self, i: usize, n: usize) -> (usize, usize) {
         let (beyond_first, beyond_last) = match self.border {

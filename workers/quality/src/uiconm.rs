@@ -8,7 +8,7 @@
 //! has contrast. `table1` takes whole thirds of the channels and blocks of 4 × 4; with
 //! `t = γ (m - M) / m / (γ - M m / γ)` and `φ(z) = -γ ln(1 - z / γ)` it is the mean of
 //! `γ (1 - exp(-φ(t) φ(ln |t|) / γ))` over blocks with 0 < m < M. It falls without a bound worth naming where one dark
-//! pixel stands beside a bright one, and more is not better.
+//! pixel stands beside a bright one, and higher is not better.
 
 use crate::blocks::Blocks;
 use crate::work::Work;

@@ -32,7 +32,7 @@ impl<'a> Work<'a> {
         self.picture
     }
 
-    /// The clean picture, of the same size. Only metrics whose row says that they need it may ask.
+    /// The clean picture, of the same size. Only metrics that declare `needs_reference` may call this.
     pub(crate) fn clean(&self) -> &'a Rgb8 {
         self.clean
             .expect("metrics that compare run only with a clean picture")

@@ -63,7 +63,7 @@ vocabulary! {
 }
 
 vocabulary! {
-    /// What an inspection looks for. A pixel can show several; bit `1 << number` of the findings mask says whether it shows one.
+    /// What an inspection looks for. A pixel can show several; bit `1 << number` of the findings mask tells whether it shows one.
     Finding,
     /// All findings with the names that masks and tables use, in the order of their bits.
     FINDINGS:

@@ -10,7 +10,7 @@ pub enum SceneError {
     /// No such procedural family.
     #[error("scene family `{family}` does not exist; there is {}", FAMILIES.join(", "))]
     UnknownFamily {
-        /// The name that was asked for.
+        /// The requested name.
         family: String,
     },
     /// A file is damaged, too large, or of a type that the field does not take.
@@ -74,7 +74,7 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// The field that is to blame, by the API's name.
+    /// The API's name of the field at fault.
     #[must_use]
     pub fn field(&self) -> &'static str {
         match self {

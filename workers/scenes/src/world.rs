@@ -1,4 +1,4 @@
-//! A procedural world: what stands where, whatever camera looks at it.
+//! A procedural world: its objects and their places, independent of any camera.
 
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
@@ -12,7 +12,7 @@ use crate::{CameraPose, LEAST_CLEARANCE_M, Scene, SceneError, pipeline, shaft, s
 
 /// What [`World::path`] keeps free, m.
 const CLEAR_M: f64 = 0.2;
-/// Places looked at on each side of the usual pose.
+/// Places tested on each side of the usual pose.
 const STEPS: usize = 60;
 /// A path is no shorter than this share of its usual length.
 const SHORTEST_SHARE: f64 = 0.02;
@@ -95,7 +95,7 @@ impl World {
         (waypoint(first), waypoint(last))
     }
 
-    /// Whether a camera on the path stays clear of everything; looked at in at most 1000 of its frames.
+    /// Checks that a camera on the path stays clear of everything, in at most 1000 of its frames.
     ///
     /// # Errors
     /// [`SceneError::Blocked`], naming the first such frame.
@@ -153,7 +153,7 @@ fn scene(picture: Picture, (width, height): (usize, usize), intrinsics: &Intrins
     (scene, shown)
 }
 
-/// Numbers the objects in view without gaps, in the order of their own numbers; the ground keeps 1. Gives the objects by
+/// Numbers the objects in view without gaps, in the order of their own numbers; the ground keeps 1. Returns the objects by
 /// their new numbers, from 1 on.
 fn renumber(instances: &mut [u16]) -> Vec<u16> {
     let most = instances.iter().copied().max().unwrap_or(0);

@@ -22,7 +22,7 @@ fn weights(radius: usize, sigma_px: f64) -> Vec<f64> {
     (0..=radius).map(|i| weight(i) / sum).collect()
 }
 
-/// What stands `i - radius` samples from the start of `0..n`.
+/// The sample at `i - radius` of `0..n`, reflected at its ends.
 fn around(i: usize, radius: usize, n: usize) -> usize {
     reflected(i as isize - radius as isize, n)
 }

@@ -24,7 +24,7 @@ pub fn largest(plane: &Plane<f64>, count: usize, variant: Variant) -> Vec<usize>
     chosen
 }
 
-/// A few more positions than asked for: those from a bound on that a histogram gives.
+/// A few more positions than requested: all values above a bound found by a histogram.
 fn candidates(plane: &Plane<f64>, count: usize) -> Vec<usize> {
     const BINS: usize = 4096;
     if plane.data().is_empty() {

@@ -10,7 +10,7 @@
 //! Symbols: `c` a channel in 0..=1; `d` relative distance; `N_c` residual energy of a channel per unit of distance.
 //!
 //! Where it fails: a small `t_R` multiplies what red is left and makes the picture red; in a gray picture d is a function
-//! of brightness alone, so bright is taken for far. One color comes back as it was.
+//! of brightness alone, so bright is taken for far. A picture of one color is unchanged.
 
 use imaging::{Plane, Raster, vectorized};
 

@@ -28,16 +28,16 @@ pub enum Radiance {
 }
 
 /// Decodes a PNG, JPEG or WebP picture: 8 or 16 bit, gray or color, palettes and fewer bits expanded, alpha apart.
-/// Of an animation the first picture. Color profiles and orientation tags are not applied.
+/// An animation yields its first picture. Color profiles and orientation tags are not applied.
 ///
 /// # Errors
-/// [`DecodeError`]: unknown format, sides beyond the limits (told from the header alone), damaged data, a file that was
-/// cut off.
+/// [`DecodeError`]: unknown format, sides beyond the limits (read from the header alone), damaged data, a truncated
+/// file.
 pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
     decode_or(bytes, PICTURE_FORMATS)
 }
 
-/// Decodes a picture; of bytes in no picture format the error says what else would have done.
+/// Decodes a picture; for an unknown format the error lists the expected ones.
 fn decode_or(bytes: &[u8], expected: &'static [&'static str]) -> Result<Raster, DecodeError> {
     let format = Format::detect(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
     format.decode(bytes)
@@ -77,7 +77,7 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     Ok(FilePlane::Codes(plane(raster.width(), raster.height(), codes)?))
 }
 
-/// Bits of a sample, as the header of a PNG file says.
+/// Bits per sample in the header of a PNG file.
 fn png_depth(bytes: &[u8]) -> Option<u8> {
     const PLACE: usize = 24;
     bytes.get(PLACE).copied()

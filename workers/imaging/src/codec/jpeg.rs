@@ -1,4 +1,4 @@
-//! Whether a JPEG file is whole. The decoder fills what is missing of a file that was cut off with gray and says nothing.
+//! Whether a JPEG file is whole. The decoder silently fills the missing part of a truncated file with gray.
 
 /// Whether the file reaches its end-of-image marker, walking from segment to segment.
 pub(super) fn is_whole(file: &[u8]) -> bool {

@@ -3,7 +3,7 @@
 use super::{DecodeError, check_size};
 use crate::{Plane, Rgb};
 
-/// An array as it stands in the file.
+/// An array as stored in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NpyArray {
     /// Lengths of the dimensions, the slowest first.
@@ -66,7 +66,7 @@ pub(super) fn decode_sheet(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
     header.decode()
 }
 
-/// What the header says, and the data behind it.
+/// The header, and the data after it.
 struct Header<'a> {
     kind: &'a str,
     is_fortran: bool,
@@ -160,7 +160,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// What stands behind a key of the header's dictionary.
+/// The text after a key of the header's dictionary.
 fn entry<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = text.split_once(key)?;
     let rest = rest.strip_prefix(['\'', '"'])?.trim_start();

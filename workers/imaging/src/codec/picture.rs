@@ -9,7 +9,7 @@ use zune_core::options::DecoderOptions;
 use super::{DecodeError, MAX_DECODER_BYTES, check_size, jpeg};
 use crate::{Channels, Raster, Samples};
 
-/// Formats of pictures, told apart by their first bytes.
+/// Formats of pictures, recognized by their first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Format {
     Png,
@@ -101,7 +101,7 @@ fn decode_png(bytes: &[u8]) -> Result<Pixels, DecodeError> {
 
 fn decode_jpeg(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     let damaged = |error: zune_jpeg::errors::DecodeErrors| Format::Jpeg.damaged(error);
-    // Of the sides nothing yet: they are checked below, so that the error tells them.
+    // Sides are not limited here: they are checked below, so that the error names them.
     let options = DecoderOptions::default()
         .set_strict_mode(false)
         .set_max_width(usize::MAX)

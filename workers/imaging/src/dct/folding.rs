@@ -1,7 +1,7 @@
 //! The order of samples in which a cosine transform becomes a Fourier transform of the same length.
 
-/// On both axes of a plane: samples of even index forward, then those of odd index backward. Who transforms the same plane
-/// several times folds it once.
+/// On both axes of a plane: samples of even index forward, then those of odd index backward. A plane that is transformed several
+/// times is folded once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Folding {
     width: usize,
@@ -36,7 +36,7 @@ impl Folding {
         }
     }
 
-    /// The row that stands at a place of the folded order.
+    /// The row at a place of the folded order.
     #[must_use]
     pub fn row(&self, place: usize) -> usize {
         if place < self.height.div_ceil(2) {

@@ -1,7 +1,7 @@
 //! The transform for speed: two real planes travel as the real and the imaginary part of one complex plane.
 //!
 //! The cosine transform is linear, so one complex FFT per axis serves both. Samples come in folded order on both axes, see
-//! [`Folding`]. Rows and columns of coefficients are handed over one by one while they are in the nearest
+//! [`Folding`]. Rows and columns of coefficients are passed on one by one while they are in the nearest
 //! cache: a plane of a frame does not fit there, and writing it out and reading it again would take longer than the FFT.
 
 use std::sync::Arc;
@@ -81,8 +81,8 @@ impl PairDct {
         size_of_val(self.plane.as_slice()) + size_of_val(self.tile.as_slice())
     }
 
-    /// From two planes to the first `columns` columns of their spectra: who needs low frequencies only, need not wait for
-    /// the others. `fill` writes a row of both in folded order, given its place in that order; `take` is given each column
+    /// From two planes to the first `columns` columns of their spectra: a caller that needs low frequencies only does not pay
+    /// for the others. `fill` writes a row of both in folded order, given its place in that order; `take` is given each column
     /// p of coefficients, of frequencies q upwards, in some order.
     pub fn forward(
         &mut self,

@@ -13,7 +13,7 @@ pub(crate) struct Noise {
     pub(crate) slope: Lane3,
 }
 
-/// Where noise is asked for. A point's noise depends on its own position and footprint only.
+/// Where noise is evaluated. A point's noise depends on its own position and footprint only.
 #[derive(Clone, Copy)]
 pub(crate) struct Place<'a> {
     /// Position in meters.

@@ -13,7 +13,7 @@ use super::shade::Shader;
 use super::solid::{Nearest, Rays};
 use crate::CameraPose;
 
-/// The ground ends here: beyond it nothing comes back to a lamp at the camera.
+/// The ground ends here: beyond it no light of a lamp at the camera returns.
 pub(super) const FAR_M: f32 = 60.0;
 
 /// Some rows of a picture, all planes by rows.
@@ -27,7 +27,7 @@ pub(crate) struct Picture {
     pub(crate) labels: Option<Surfaces>,
 }
 
-/// What labels need to know about surfaces.
+/// Surface data for labels.
 pub(crate) struct Surfaces {
     /// Depth along the optical axis in meters, infinite where nothing is met.
     pub(crate) z_depth: Vec<f32>,

@@ -19,7 +19,7 @@ pub struct Luma {
 }
 
 impl Luma {
-    /// The luma of a raster; alpha is not looked at.
+    /// The luma of a raster; alpha is ignored.
     #[must_use]
     pub fn new(picture: &Raster) -> Self {
         let white = match picture.samples() {

@@ -1,7 +1,7 @@
 //! HSCM: homomorphic filter, spatial median, CLAHE and circular mask.
 //!
 //! The chain is plain calls in this order: [`Luma`] → [`homomorphic`] → [`median`] → [`clahe`] → [`merge`] →
-//! [`circle`]. The first stages work on luma alone; colors come back in the merge, which keeps the chroma of the
+//! [`circle`]. The first stages work on luma alone; colors return in the merge, which keeps the chroma of the
 //! input. Every stage is public, so that each can be compared with a reference given the stage before it.
 
 pub mod circle;
@@ -68,7 +68,7 @@ pub(super) fn warnings(luma: &Luma) -> Vec<Warning> {
     ])
 }
 
-/// Codes with a new luma: it stands alone for a gray picture, and beside the chroma of a color one.
+/// Codes with a new luma: the luma alone for a gray picture, with the chroma of the picture for a color one.
 pub(super) fn with_luma(picture: &Raster, luma: Plane<u8>) -> (Channels, Vec<u8>) {
     let codes = match (picture.channels(), picture.samples()) {
         (Channels::Gray, _) => luma.into_data(),

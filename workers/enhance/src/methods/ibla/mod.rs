@@ -14,7 +14,7 @@
 //! `sig(a, b) = 1 / (1 + exp(-32 (a - b)))`; d0 is [`distance_offset`]; channels lie in 0..=1.
 //!
 //! Where it fails, by design: with a lamp in view more than a fifth of a channel is bright, the lamp is taken for the
-//! background light, and most of the picture turns black. One color comes back as it was.
+//! background light, and most of the picture turns black. A picture of one color is unchanged.
 
 mod light;
 

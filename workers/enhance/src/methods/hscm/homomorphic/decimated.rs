@@ -81,7 +81,7 @@ pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usiz
 struct Narrowing<'a> {
     luma: &'a Luma,
     logarithm: Logarithm,
-    /// Which column of the picture stands beyond it on the padded circle.
+    /// Columns of the picture that follow it on the padded circle.
     beyond: Vec<usize>,
     line: Vec<f32>,
     /// Even and odd samples apart, each with its neighbors on the circle.

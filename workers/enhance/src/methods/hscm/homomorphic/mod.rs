@@ -11,7 +11,7 @@
 //! Three implementations. [`Variant::Reference`] is the definition in double precision. [`Variant::Fast`] uses that the
 //! filter is `r_high · l - (r_high - r_low) · (Gaussian ∗ l)`, that the circular Gaussian is separable, and that it leaves
 //! nothing of the upper half of the frequencies when it is several pixels wide: two short passes in single precision, on
-//! every second sample where what that changes is far below a code. [`Recipe`] says which holds where.
+//! every second sample where what that changes is far below a code. [`Recipe`] decides which one applies.
 
 mod decimated;
 mod logarithm;
@@ -97,7 +97,7 @@ pub fn filtered_log(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<f32> {
     filtered_by(&choose(luma, cutoff, variant), luma)
 }
 
-/// The filtered logarithm, computed as this recipe says, which must have been chosen for this picture.
+/// The filtered logarithm by a recipe, which must have been chosen for this picture.
 #[must_use]
 pub fn filtered_by(recipe: &Recipe, luma: &Luma) -> Plane<f32> {
     if let Some(exact) = exact(recipe, luma) {

@@ -1,7 +1,7 @@
 //! The fast variant: the circular Gaussian as two short passes, in single precision.
 //!
 //! One sweep down the picture. The rows that a column sum needs are kept in a ring, so nothing leaves the cache
-//! between the logarithm and the finished row. Padding never exists in memory: each pass asks which sample stands at
+//! between the logarithm and the finished row. Padding is never stored: each pass looks up which sample lies at
 //! a padded position.
 
 use imaging::reflected;
@@ -81,10 +81,10 @@ struct RowPass<'a> {
     luma: &'a Luma,
     kernel: &'a [f32],
     logarithm: Logarithm,
-    /// Columns of the picture that stand before and after it on the padded circle.
+    /// Columns of the picture that precede and follow it on the padded circle.
     before: Vec<usize>,
     after: Vec<usize>,
-    /// A row with what stands before and after it, rounded up to whole blocks.
+    /// A row with its neighbors on both sides, rounded up to whole blocks.
     line: Vec<f32>,
     /// Width rounded up to whole blocks.
     stride: usize,
