@@ -97,7 +97,7 @@ fn label_tiles(arguments: &Arguments) -> Result<Vec<Rgb8>, Failure> {
     let mut tiles = Vec::new();
     for family in FAMILIES {
         let world = World::new(family, seed).map_err(Failure::input)?;
-        let (scene, labels) = world.render_labelled(&world.pose(), SIZE, &lens);
+        let (scene, labels) = world.render_labeled(&world.pose(), SIZE, &lens);
         let picture = transfer::encode_rgb8(&scene.radiance).0;
         let instances = scene.instances.expect("procedural scenes have instances");
         let part = |v: f32| ((0.5 + 0.5 * v) * 255.0) as u8;

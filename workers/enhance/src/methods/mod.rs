@@ -76,12 +76,6 @@ impl Method {
     pub fn name(&self) -> &'static str {
         self.name
     }
-
-    /// Most pixels of a picture; `None` where only memory limits it.
-    #[must_use]
-    pub fn pixels_max(&self) -> Option<usize> {
-        self.pixels_max
-    }
 }
 
 /// Enhances one picture by the fast variant of a method.

@@ -89,7 +89,7 @@ mod tests {
 
     fn largest_error(curve: &Curve, reference: fn(f64) -> f64) -> f64 {
         let bits = (0..ONE).step_by(487).chain([ONE]);
-        let error = |x: f32| (f64::from(curve.at(x)) - reference(f64::from(x))).abs();
+        let error = |x: f32| (f64::from(curve.value(x)) - reference(f64::from(x))).abs();
         bits.map(|bits| error(f32::from_bits(bits))).fold(0.0, f64::max)
     }
 
