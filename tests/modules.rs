@@ -6,17 +6,6 @@ use std::path::{Path, PathBuf};
 
 use fathom_tests::root;
 
-/// Circles that stand, with the crate. A line of which nothing is left fails the test.
-const KNOWN: &[(&str, &[&str])] = &[
-    // To be taken apart.
-    ("services/spec", &["draw", "node"]),
-    (
-        "workers/optics",
-        &["chain", "forward_scatter", "plan", "preset", "setting", "water"],
-    ),
-    ("workers/optics", &["lamp", "turbidity"]),
-];
-
 /// Which top-level modules each of them uses.
 type Uses = BTreeMap<String, BTreeSet<String>>;
 
@@ -182,22 +171,7 @@ fn no_crate_has_a_circle_among_its_top_level_modules() {
                 .map(|circle| (member.to_owned(), circle)),
         );
     }
-    let is_part = |(member, circle): &(String, BTreeSet<String>), known: &(&str, &[&str])| {
-        member == known.0 && circle.iter().all(|name| known.1.contains(&name.as_str()))
-    };
-    let new: Vec<_> = found
-        .iter()
-        .filter(|circle| !KNOWN.iter().any(|known| is_part(circle, known)))
-        .collect();
-    let gone: Vec<_> = KNOWN
-        .iter()
-        .filter(|known| !found.iter().any(|circle| is_part(circle, known)))
-        .collect();
-    assert!(new.is_empty(), "these modules use each other: {new:#?}");
-    assert!(
-        gone.is_empty(),
-        "nothing is left of these circles, take them out of KNOWN: {gone:#?}"
-    );
+    assert!(found.is_empty(), "these modules use each other: {found:#?}");
 }
 
 #[test]

@@ -4,9 +4,9 @@ use imaging::{Plane, Rgb, transfer};
 use optics::chain;
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Plan, SceneStats};
-use optics::preset::{Channels, Preset, all_known, find, presets, properties};
+use optics::preset::{Channels, Preset, all_known, find, presets};
 use optics::visibility;
-use optics::water::Water;
+use optics::water::{Water, properties};
 use plotters::style::RGBColor;
 use spec::{Fidelity, Optics};
 

@@ -70,7 +70,7 @@ pub fn glow(scene: &ChartScene, runs: usize) -> Vec<Point> {
     for tolerance in TOLERANCES {
         let name = format!("by tolerance ({tolerance:.0e})");
         add((&name, None), &mut || {
-            airlight(&scene.range, &lighting, tolerance)
+            airlight(&scene.range, &lighting, tolerance).light
         });
     }
     let default = format!("by tolerance ({DEFAULT_TOLERANCE:.0e})");

@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         });
         let chosen = TOLERANCES.map(|tolerance| {
             measure(&format!("by tolerance {tolerance:e}"), &|z, lights| {
-                airlight(z, lights, tolerance)
+                airlight(z, lights, tolerance).light
             })
         });
         let unnamed = |mark: Mark| Mark {

@@ -6,12 +6,11 @@ use imaging::digest::sha256;
 use serde_json::Value;
 
 use crate::check::{Checker, Place, places, whole};
-use crate::draw::Law;
 use crate::fields::{DOCUMENT, MAX_FRAMES};
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
 use crate::json::{self, MAX_BYTES};
-use crate::node::Node;
+use crate::node::{Law, Node};
 use crate::vocabulary::Vocabulary;
 use crate::warnings;
 
@@ -59,16 +58,8 @@ impl Job {
         if !checker.errors.is_empty() {
             return Err(Invalid(checker.errors));
         }
-        job.warnings = warnings::of(&job.document, &value, vocabulary);
+        job.warnings = warnings::find(&job.document, &value, vocabulary);
         Ok(job)
-    }
-
-    /// Reads a canonical description again, with the same checks as [`Job::parse`].
-    ///
-    /// # Errors
-    /// As [`Job::parse`].
-    pub fn from_canonical(json: &str, vocabulary: &Vocabulary) -> Result<Self, Invalid> {
-        Self::parse(json.as_bytes(), vocabulary)
     }
 
     /// Reads the canonical text of a job that was accepted before. Its names and numbers are believed, so that it renders
@@ -154,11 +145,11 @@ impl Job {
     pub fn resolve(&self, index: u64) -> Result<Frame, Invalid> {
         if index >= self.frames {
             let message = format!("frame {index} does not exist, the job has {} frames", self.frames);
-            return Err(one(
-                FieldError::new("", message).limit(format!("0..{}", self.frames))
+            return Err(single(
+                FieldError::new("", message).limit(format!("0..{}", self.frames)),
             ));
         }
-        let mut parameters = self.document.value(&|law| law.at(index));
+        let mut parameters = self.document.value(&|law| law.draw(index));
         // Each cell of the grid goes through the whole path, and then again.
         if let Some(Value::Object(path)) = parameters.pointer_mut("/camera/path")
             && !path.contains_key("frame")
@@ -167,7 +158,7 @@ impl Job {
             path.insert("frame".to_owned(), (index / self.cells % frames).into());
         }
         Frame::read(index, parameters)
-            .map_err(|error| one(FieldError::new("", format!("frame {index}: {error}"))))
+            .map_err(|error| single(FieldError::new("", format!("frame {index}: {error}"))))
     }
 
     /// Names of all style models that a frame can ask for, sorted.
@@ -206,7 +197,7 @@ fn seed(description: &Value) -> u64 {
     written.and_then(|seed| u64::try_from(seed).ok()).unwrap_or(0)
 }
 
-fn one(error: FieldError) -> Invalid {
+fn single(error: FieldError) -> Invalid {
     Invalid(vec![error])
 }
 

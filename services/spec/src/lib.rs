@@ -7,7 +7,6 @@ mod artifact;
 mod camera;
 mod check;
 mod described;
-mod draw;
 pub mod fields;
 mod frame;
 mod invalid;

@@ -1,8 +1,12 @@
 //! The checked description as a tree whose leaves are constants and laws.
 
-use serde_json::{Map, Value};
+mod draw;
 
-use crate::draw::{Drawn, LawNode};
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+pub(crate) use draw::{Drawn, Law, LawNode};
 
 /// A place of the checked description.
 #[derive(Debug, Clone)]
@@ -20,24 +24,29 @@ pub(crate) enum Node {
 impl Node {
     /// The value with every law replaced by what `draw` yields for it.
     pub(crate) fn value(&self, draw: &impl Fn(&LawNode) -> Drawn) -> Value {
-        match self {
-            Self::Constant(value) => value.clone(),
-            Self::List(items) => items.iter().map(|item| item.value(draw)).collect(),
-            Self::Object(fields) => object(fields, |node| node.value(draw)),
-            Self::Law(law) => match draw(law) {
-                Drawn::Number(number) => number,
-                Drawn::One(position) => law.values()[position].value(draw),
-            },
-        }
+        self.with_laws(&|law| match draw(law) {
+            Drawn::Number(number) => number,
+            Drawn::One(position) => law.values()[position].value(draw),
+        })
     }
 
     /// The canonical form: laws kept.
     pub(crate) fn canonical(&self) -> Value {
+        self.with_laws(&LawNode::canonical)
+    }
+
+    /// The value with this in place of each law that is not inside another; keys sorted.
+    fn with_laws(&self, law_value: &dyn Fn(&LawNode) -> Value) -> Value {
         match self {
             Self::Constant(value) => value.clone(),
-            Self::List(items) => items.iter().map(Self::canonical).collect(),
-            Self::Object(fields) => object(fields, Self::canonical),
-            Self::Law(law) => law.canonical(),
+            Self::List(items) => items.iter().map(|item| item.with_laws(law_value)).collect(),
+            Self::Object(fields) => fields
+                .iter()
+                .map(|(key, node)| (key.clone(), node.with_laws(law_value)))
+                .collect::<BTreeMap<_, _>>()
+                .into_iter()
+                .collect(),
+            Self::Law(law) => law_value(law),
         }
     }
 
@@ -123,36 +132,27 @@ impl Node {
 
     /// The greatest number that can stand here.
     pub(crate) fn greatest(&self) -> Option<f64> {
-        self.ends(LawNode::greatest).into_iter().reduce(f64::max)
+        self.numbers().into_iter().reduce(f64::max)
     }
 
     /// The least number that can stand here.
     pub(crate) fn least(&self) -> Option<f64> {
-        self.ends(LawNode::least).into_iter().reduce(f64::min)
+        self.numbers().into_iter().reduce(f64::min)
     }
 
-    fn ends(&self, end: impl Fn(&LawNode) -> Option<f64>) -> Vec<f64> {
-        let number = |(_, node): (String, &Self)| match node {
-            Self::Constant(value) => value.as_f64(),
-            Self::Law(law) => end(law),
-            _ => None,
+    /// Every number that can stand here, of an interval its ends.
+    fn numbers(&self) -> Vec<f64> {
+        let ends = |(_, node): (String, &Self)| match node {
+            Self::Constant(value) => vec![value.clone()],
+            Self::Law(law) => law.ends().map(Vec::from).unwrap_or_default(),
+            _ => Vec::new(),
         };
-        self.alternatives("").into_iter().filter_map(number).collect()
+        let values = self.alternatives("").into_iter().flat_map(ends);
+        values.filter_map(|value| value.as_f64()).collect()
     }
 }
 
 /// A number as number fields have it: always with a point or an exponent, and no negative zero.
 pub(crate) fn float(number: f64) -> Value {
     Value::from(number + 0.0)
-}
-
-fn object(fields: &[(String, Node)], value: impl Fn(&Node) -> Value) -> Value {
-    let sorted: std::collections::BTreeMap<_, _> =
-        fields.iter().map(|(key, node)| (key, value(node))).collect();
-    Value::Object(
-        sorted
-            .into_iter()
-            .map(|(key, value)| (key.clone(), value))
-            .collect::<Map<_, _>>(),
-    )
 }

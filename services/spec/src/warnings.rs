@@ -4,13 +4,12 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::check::places;
-use crate::draw::{Law, LawNode};
-use crate::node::Node;
+use crate::node::{Law, LawNode, Node};
 use crate::vocabulary::Vocabulary;
 use crate::water::Optics;
 
 /// The warnings of a checked description; `written` is what was submitted.
-pub(crate) fn of(document: &Node, written: &Value, vocabulary: &Vocabulary) -> Vec<String> {
+pub(crate) fn find(document: &Node, written: &Value, vocabulary: &Vocabulary) -> Vec<String> {
     let mut warnings = Vec::new();
     let waters = places(document, "water");
     let none_has = |name| waters.iter().all(|(_, water)| water.get(name).is_none());
@@ -52,7 +51,7 @@ pub(crate) fn of(document: &Node, written: &Value, vocabulary: &Vocabulary) -> V
 fn optics(water: &Node, vocabulary: &Vocabulary) -> Option<String> {
     let optics = water.get("optics")?.alternatives("");
     optics.iter().find_map(|(_, optics)| {
-        let numbers = Optics::deserialize(optics.value(&|law| law.at(0))).ok()?;
+        let numbers = Optics::deserialize(optics.value(&|law| law.draw(0))).ok()?;
         (vocabulary.rules.warning)(&numbers)
     })
 }

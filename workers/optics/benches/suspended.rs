@@ -41,7 +41,7 @@ fn suspended(bench: &mut Criterion) {
             range: &range,
             eye: &eye,
             attenuation: [0.5, 0.2, 0.2],
-            path: &|_, metres| metres,
+            path: &|_, meters| meters,
             light: &|_| [1.0; 3],
         };
         let count = flakes(&eye, &law, WORLD, SIZE).len();

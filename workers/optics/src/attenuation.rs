@@ -11,7 +11,7 @@ use imaging::vectorized;
 pub(crate) const OPAQUE: f32 = 87.0;
 const SHORTEST_M: f32 = crate::range::SHORTEST_M as f32;
 
-/// `exp(−x)` for x ≥ 0, relative error below 3e-7; 0 from x = 87 on. Plain arithmetic, so that a loop over it vectorises.
+/// `exp(−x)` for x ≥ 0, relative error below 3e-7; 0 from x = 87 on. Plain arithmetic, so that a loop over it vectorizes.
 #[inline(always)]
 #[must_use]
 pub fn exp_negative(x: f32) -> f32 {

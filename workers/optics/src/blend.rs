@@ -2,7 +2,7 @@
 
 use imaging::{Rgb, transfer};
 
-/// Blends a styled picture (sRGB-encoded, 0..=1) into a linear one and answers linear light. α is clamped to 0..=1; at 0
+/// Blends a styled picture (sRGB-encoded, 0..=1) into a linear one and returns linear light. α is clamped to 0..=1; at 0
 /// nothing changes, at 1 the styled picture is all. A styled picture larger than the frame (a network that pads) is cropped
 /// from the top left.
 ///

@@ -39,7 +39,7 @@ pub struct Layers<T = f32> {
 }
 
 /// Takes a scene under water as planned. `radiance` is linear, finite and not negative ([`check_radiance`]); `range` is in
-/// metres along the ray.
+/// meters along the ray.
 ///
 /// # Errors
 /// [`ChainError`]: sizes differ, the frame is empty, holes under the rule `reject`, a reference frame too large.
@@ -86,6 +86,21 @@ pub fn water(
     Ok(layers(bands, holes))
 }
 
+impl KernelCache {
+    /// Takes the planes of layers that are no longer needed, for the next frame to be written into. Saves some milliseconds
+    /// a frame; nothing else depends on it.
+    pub fn recycle(&mut self, layers: Layers) {
+        for layer in [
+            layers.direct,
+            layers.forward_scatter,
+            layers.backscatter,
+            layers.scattered,
+        ] {
+            self.buffers.give(layer.into_planes().map(Plane::into_data));
+        }
+    }
+}
+
 /// One channel of [`Layers`].
 struct Band<T> {
     direct: Plane<T>,
@@ -108,8 +123,8 @@ fn layers<T>([r, g, b]: [Band<T>; 3], holes: u64) -> Layers<T> {
 /// The range with holes replaced where the rule names a distance.
 fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
     match holes {
-        HoleRule::RangeM(metres) => {
-            Cow::Owned(range.map(|&z| if is_hole(z) { T::from_metres(metres) } else { z }))
+        HoleRule::RangeM(meters) => {
+            Cow::Owned(range.map(|&z| if is_hole(z) { T::from_meters(meters) } else { z }))
         }
         HoleRule::Background | HoleRule::Reject => Cow::Borrowed(range),
     }
@@ -117,18 +132,18 @@ fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
 
 /// f32 or f64.
 trait Sample: Copy + Into<f64> {
-    fn from_metres(metres: f64) -> Self;
+    fn from_meters(meters: f64) -> Self;
 }
 
 impl Sample for f32 {
-    fn from_metres(metres: f64) -> Self {
-        metres as f32
+    fn from_meters(meters: f64) -> Self {
+        meters as f32
     }
 }
 
 impl Sample for f64 {
-    fn from_metres(metres: f64) -> Self {
-        metres
+    fn from_meters(meters: f64) -> Self {
+        meters
     }
 }
 

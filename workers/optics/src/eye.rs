@@ -7,7 +7,7 @@ use imaging::geometry::Intrinsics;
 pub struct Eye {
     /// Its lens.
     pub camera: Intrinsics,
-    /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world, metres; its first three columns are of length 1
+    /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world, meters; its first three columns are of length 1
     /// and at right angles.
     pub world_from_camera: [[f64; 4]; 4],
 }

@@ -21,7 +21,7 @@ pub use cache::KernelCache;
 pub(crate) use channel::Channel;
 pub use chebyshev::{gather, scatter};
 pub(crate) use chebyshev::{gather_channels, scatter_channels};
-pub use nodes::{Nodes, closed_form_terms};
+pub use nodes::Nodes;
 pub(crate) use nodes::{place, scale_at};
 pub use reference::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference};
 

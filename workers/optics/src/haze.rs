@@ -1,7 +1,7 @@
 //! Haze from lights: the paper's Gaussian overlay (Algorithm 1, with the lights laid one over the other).
 //!
-//! `α_l(x) = k exp(−|x − p|² / 2σ²)`, distances in image heights; `over`: `I ← I (1 − α_l) + colour α_l` in list order;
-//! `add`: `I ← I + colour α_l`. It is an overlay, not physics: it knows neither range nor water.
+//! `α_l(x) = k exp(−|x − p|² / 2σ²)`, distances in image heights; `over`: `I ← I (1 − α_l) + color α_l` in list order;
+//! `add`: `I ← I + color α_l`. It is an overlay, not physics: it knows neither range nor water.
 
 use imaging::{Rgb, transfer};
 use spec::{Haze, HazeBlend, HazeSpace};
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_of_a_full_light_has_its_colour() {
+    fn the_middle_of_a_full_light_has_its_color() {
         let image = Rgb::from_fn(1, 1, |_, _| [0.1f32; 3]);
         let lit = haze(image, &[light(0.5, [1.0, 0.5, 2.0], HazeBlend::Over)]);
         assert_eq!(lit.at(0, 0), [1.0, 0.5, 2.0]);

@@ -36,7 +36,7 @@ const FAR_R2: f64 = 400.0;
 
 /// Light that stays on its own pixel: `k(0,0) = (2/π) atan(1 / (4γ √(γ² + ½)))`.
 #[must_use]
-pub fn centre(gamma: f64) -> f64 {
+pub fn center(gamma: f64) -> f64 {
     if gamma <= 0.0 {
         1.0
     } else {
@@ -84,8 +84,8 @@ mod tests {
 
     #[test]
     fn a_kernel_without_width_is_a_delta() {
-        assert_eq!((pixel(0, 0, 0.0), pixel(1, 0, 0.0), centre(0.0)), (1.0, 0.0, 1.0));
-        assert!((centre(0.01) - (1.0 - 1.80 * 0.01)).abs() < 1e-4);
-        assert!((centre(2.5) - pixel(0, 0, 2.5)).abs() < 1e-15);
+        assert_eq!((pixel(0, 0, 0.0), pixel(1, 0, 0.0), center(0.0)), (1.0, 0.0, 1.0));
+        assert!((center(0.01) - (1.0 - 1.80 * 0.01)).abs() < 1e-4);
+        assert!((center(2.5) - pixel(0, 0, 2.5)).abs() < 1e-15);
     }
 }

@@ -8,13 +8,11 @@
 //! add 3 % in clear water, 10-20 % in coastal water and more than all of the single in a harbour.
 //!
 //! In patches of turbidity b and c are multiplied by means of the field along the ray: for the glow, b over the stretch of
-//! [`glow_within`], from which most of it comes, and c from the camera to its end; for the way to a surface, c over as many metres
+//! [`glow_within`], from which most of it comes, and c from the camera to its end; for the way to a surface, c over as many meters
 //! before it. The field along both legs of every node would cost a hundred times as much.
 
 mod airlight;
-mod elementary;
-mod legendre;
-mod limits;
+mod beam;
 mod nodes;
 mod normals;
 mod patches;
@@ -23,10 +21,7 @@ mod point;
 mod reference;
 mod surface;
 
-pub use airlight::{airlight, airlight_with_nodes};
-pub(crate) use elementary::small_sin_cos;
-pub use legendre::gauss_legendre;
-pub use limits::{brightest_glow, glow_left, glow_rounding};
+pub use airlight::{Airlight, airlight, airlight_with_nodes};
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;
 pub use patches::glow_within;
@@ -35,12 +30,16 @@ pub use point::{most_white, white_at};
 pub use reference::{REFERENCE_NODES, airlight_reference, irradiance_reference};
 pub use surface::{Irradiance, irradiance, lit, lit_rounding};
 
+pub use crate::legendre::gauss_legendre;
+
 use imaging::geometry::Intrinsics;
+use imaging::vector::dot;
 use spec::{Beyond, Light, PointLamp, SpotLamp};
 
 use crate::turbidity::Field;
+use beam::Beam;
 
-/// Radius of a lamp in metres: nothing is nearer to it, or its light had no bound.
+/// Radius of a lamp in meters: nothing is nearer to it, or its light had no bound.
 pub const LAMP_RADIUS_M: f64 = 0.02;
 /// A shorter axis has no direction.
 const SHORTEST_AXIS: f64 = 1e-6;
@@ -53,17 +52,8 @@ pub struct Lamp {
     beam: Beam,
 }
 
-/// Where a lamp shines.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Beam {
-    /// In all directions.
-    Point,
-    /// About a unit axis, down to nothing at the angle of this cosine.
-    Spot { axis: [f64; 3], cos_cone: f64 },
-}
-
 impl Lamp {
-    /// A lamp that shines in all directions. `position_m` in metres (right, down, ahead of the camera), `intensity` in linear
+    /// A lamp that shines in all directions. `position_m` in meters (right, down, ahead of the camera), `intensity` in linear
     /// radiance times m² for red, green and blue.
     ///
     /// # Errors
@@ -140,10 +130,15 @@ impl Lamp {
         if errors.is_empty() { Ok(lamps) } else { Err(errors) }
     }
 
-    /// Where it is, in metres: right, down, ahead of the camera.
+    /// Where it is, in meters: right, down, ahead of the camera.
     #[must_use]
     pub fn position_m(&self) -> [f64; 3] {
         self.position_m
+    }
+
+    /// Its distance from the camera, m.
+    fn distance_m(&self) -> f64 {
+        dot(self.position_m, self.position_m).sqrt()
     }
 }
 

@@ -1,17 +1,20 @@
 //! Image formation in water: attenuation, forward scatter, style blend, haze, presets and the plan.
 //!
-//! All light is linear; planes are row-major; per-metre quantities are in 1/m, arrays in the order red, green, blue. The
+//! All light is linear; planes are row-major; per-meter quantities are in 1/m, arrays in the order red, green, blue. The
 //! order of the stages is physics and therefore plain calls: [`chain::water`], then [`style_blend`], then [`haze`].
 
 pub mod attenuation;
 mod blend;
 pub mod chain;
+mod elementary;
 mod extremes;
 pub mod eye;
 pub mod forward_scatter;
 mod haze;
 pub mod kernel;
 pub mod lamp;
+mod legendre;
+pub mod own_water;
 pub mod plan;
 pub mod preset;
 pub mod range;

@@ -19,6 +19,7 @@ mod water;
 pub use levels::display_tolerance;
 pub use line::Line;
 pub use scatter::MOST_TERMS;
+pub use shares::glow_share;
 pub use stats::{RangeBin, SceneStats};
 
 use spec::{Fidelity, Frame, Haze, Snow};
@@ -119,6 +120,19 @@ pub struct Plan {
     amounts: cost::Amounts,
 }
 
+/// The light of lamps, which is computed before the plan, as far as the plan depends on it. All 0 without lamps.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LampLight {
+    /// What f32 may have lost of the light on surfaces.
+    pub surface_rounding: f64,
+    /// What the quadrature may have left of the glow.
+    pub glow_left: f64,
+    /// What f32 may have lost of the glow.
+    pub glow_rounding: f64,
+    /// The largest glow of a pixel.
+    pub glow_peak: f64,
+}
+
 /// What a plan is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a> {
@@ -128,6 +142,8 @@ pub struct Given<'a> {
     pub setting: &'a Setting,
     /// What was measured of the scene in its light.
     pub stats: &'a SceneStats,
+    /// The light of its lamps.
+    pub lamps: LampLight,
     /// Largest distance of the style's color table from its network, 8-bit codes; none without a table.
     pub table_max_255: Option<f64>,
 }
@@ -186,7 +202,7 @@ impl Plan {
             lamps: rounded(setting.lighting.is_some(), shares.surfaces),
             attenuation: water.attenuation,
             scatter: water.scatter,
-            glow: glow(given, &shares),
+            glow: glow(given),
             snow: fall(given, &shares),
             style: style::choose(given),
             haze: Stage::exact(Form::Fast.when(frame.haze().iter().any(Haze::shines))),
@@ -195,7 +211,7 @@ impl Plan {
             amounts: cost::Amounts::new(frame, setting),
         };
         Self {
-            exceeds: plan.excess(&shares, water.rounding),
+            exceeds: plan.excess(given, &shares, water.rounding),
             ..plan
         }
     }
@@ -252,7 +268,7 @@ impl Plan {
     }
 
     /// Why the bounds exceed the tolerance.
-    fn excess(&self, shares: &Shares, rounding: f64) -> Option<String> {
+    fn excess(&self, given: &Given<'_>, shares: &Shares, rounding: f64) -> Option<String> {
         let tolerance = self.tolerance?;
         let whole = (0..3)
             .filter_map(|channel| self.bound(channel))
@@ -260,7 +276,7 @@ impl Plan {
         if whole <= tolerance * (1.0 + 1e-9) {
             return None;
         }
-        let rounding = shares.path + shares.surfaces + shares.glow_rounding + rounding;
+        let rounding = shares.path + shares.surfaces + given.lamps.glow_rounding + rounding;
         let kernels = self
             .scatter
             .iter()
@@ -273,7 +289,7 @@ impl Plan {
         }
         reasons.extend(kernels.then(|| format!("{MOST_TERMS} kernels are the most")));
         reasons.extend(
-            (shares.glow_left > 0.0)
+            (given.lamps.glow_left > glow_share(given.frame))
                 .then(|| format!("{} nodes are the most on a ray to a lamp", lamp::MOST_NODES)),
         );
         Some(reasons.join(", "))
@@ -281,14 +297,14 @@ impl Plan {
 }
 
 /// The glow of the water before the lamps; none where the water scatters nothing.
-fn glow(given: &Given<'_>, shares: &Shares) -> Stage {
+fn glow(given: &Given<'_>) -> Stage {
     let lighting = given.setting.lighting.as_ref();
     let glows = lighting.is_some_and(|lighting| lighting.scattering != [0.0; 3]);
     let form = Form::asked_by(given.frame.fidelity).when(glows);
     Stage {
         form,
-        share: glows.then_some(shares.glow_nodes),
-        bound: (form == Form::Fast).then_some(shares.glow_nodes + shares.glow_left + shares.glow_rounding),
+        share: glows.then_some(glow_share(given.frame)),
+        bound: (form == Form::Fast).then_some(given.lamps.glow_left + given.lamps.glow_rounding),
     }
 }
 
@@ -307,21 +323,14 @@ fn fall(given: &Given<'_>, shares: &Shares) -> Stage {
 }
 
 fn is_needless(given: &Given<'_>, law: &Snow, share: f64) -> bool {
-    let Given {
-        frame,
-        setting,
-        stats,
-        ..
-    } = given;
+    let Given { frame, setting, .. } = given;
     // The clearest patch lets the most through.
     let clearest = 1.0 - frame.water.turbidity.map_or(0.0, |patches| patches.contrast);
     let least = setting.attenuation().into_iter().fold(f64::INFINITY, f64::min) * clearest;
     let lamps = setting.lighting.as_ref().map_or([0.0; 3], lamp::most_white);
     let gain = setting.gain();
     let colors = [0, 1, 2].map(|i| law.albedo[i] * (gain[i] + lamps[i]));
-    let contrast = colors
-        .into_iter()
-        .fold(levels::brightest_behind(stats, setting), f64::max);
+    let contrast = colors.into_iter().fold(levels::brightest_behind(given), f64::max);
     snow::is_needless(law, setting.size.0 * setting.size.1, least, contrast, share)
 }
 

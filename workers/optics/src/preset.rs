@@ -3,20 +3,18 @@
 //! A number that a source does not give is absent, never guessed. Absorption and scattering are stored; beam attenuation is
 //! their sum. K_d, the decay of daylight with depth, stands beside them and never attenuates along a camera ray.
 
-mod behaviour;
 mod diffuse;
 mod jerlov;
-mod own;
-mod properties;
 mod pure_water;
 mod registry;
 mod self_test;
 mod single;
 
-pub use own::{OwnError, own, parse_own};
-pub use properties::{Properties, properties};
+pub(crate) use pure_water::warnings;
 pub use registry::{diffuse_in_disguise, expected_defects, find, presets};
 pub use self_test::{Defect, self_test};
+
+use spec::Optics;
 
 /// Red, green, blue; a channel that is not known is absent.
 pub type Channels = [Option<f64>; 3];
@@ -35,7 +33,7 @@ pub fn all_known(channels: Channels) -> Option<[f64; 3]> {
 pub struct Preset {
     /// Full name: water and source, such as `jerlov-3C/williamson2022`.
     pub name: String,
-    /// Jerlov's type, such as `3C`, if it is one of them: the self-tests hold it against its neighbours.
+    /// Jerlov's type, such as `3C`, if it is one of them: the self-tests hold it against its neighbors.
     pub jerlov_type: Option<String>,
     /// Where the numbers come from.
     pub source: String,
@@ -86,6 +84,22 @@ impl Preset {
             warnings: Vec::new(),
             defects: Vec::new(),
         }
+    }
+
+    /// The description of this water by its numbers.
+    #[must_use]
+    pub fn description(&self) -> spec::Water {
+        let parts = all_known(self.absorption).zip(all_known(self.scattering));
+        let optics = Optics {
+            absorption_per_m: all_known(self.absorption),
+            scattering_per_m: all_known(self.scattering),
+            beam_attenuation_per_m: all_known(self.beam_attenuation).filter(|_| parts.is_none()),
+            diffuse_attenuation_per_m: all_known(self.diffuse_attenuation),
+            veiling_light: self.veiling_light,
+            backscatter_fraction: self.backscatter_fraction,
+            ..Optics::default()
+        };
+        optics.into()
     }
 
     /// Why a frame cannot be rendered with this preset alone, if so.

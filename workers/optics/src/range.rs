@@ -2,7 +2,7 @@
 
 use imaging::vectorized;
 
-/// The shortest range that is one, in metres: below it, and where it is not finite, the pixel is a hole.
+/// The shortest range that is one, in meters: below it, and where it is not finite, the pixel is a hole.
 pub const SHORTEST_M: f64 = 1e-3;
 
 /// Whether a pixel's range is none: NaN, infinite, negative, zero or below a millimetre.
@@ -13,10 +13,10 @@ pub fn is_hole(range: impl Into<f64>) -> bool {
     !(range.is_finite() && range >= SHORTEST_M)
 }
 
-/// Several bounds at once, so that the loop vectorises.
+/// Several bounds at once, so that the loop vectorizes.
 const LANES: usize = 16;
 
-/// Nearest and farthest range up to `most_m` metres among the pixels that are no holes and have light; none if there are none.
+/// Nearest and farthest range up to `most_m` meters among the pixels that are no holes and have light; none if there are none.
 pub(crate) fn bounds(light: &[f32], range: &[f32], most_m: f32) -> Option<(f32, f32)> {
     let (nearest, farthest) = vectorized!(lane_bounds(light, range, most_m.min(f32::MAX)));
     let nearest = nearest.into_iter().fold(f32::INFINITY, f32::min);

@@ -4,7 +4,7 @@
 //! r. Every number has an address (seed, world, cell, particle), so the same particles are met from any camera, in any order and
 //! by any number of threads. A particle at the depth z along the axis and the range R along its ray is a Gaussian disc with
 //! `σ = max(f r/z, 1/2)` pixels, of the opacity `(f r/(z σ))² e^{−c R}` in its middle: one smaller than a pixel is dimmed by its
-//! share of the area. Its colour is albedo × the light that meets it, and it is laid over what is behind it, the farthest first,
+//! share of the area. Its color is albedo × the light that meets it, and it is laid over what is behind it, the farthest first,
 //! where R is less than the range of the pixel. The attenuation of the opacity stands for the water in front; the sprites of
 //! UWSim fade in the same way (Prats, Pérez, Fernández, Sanz 2012).
 

@@ -1,7 +1,7 @@
 //! Patches of murkier and clearer water: a smooth field that multiplies every coefficient along the ray.
 //!
 //! With K waves of random direction and phase, `m(p) = 1 + k (|Σ e^{i(κ_j·p + φ_j)}|²/K − 1)`, k the contrast within 0..=1 and κ_j
-//! of normal components with the standard deviation 1/ℓ, ℓ the scale in metres. It is never negative, its mean is 1, its
+//! of normal components with the standard deviation 1/ℓ, ℓ the scale in meters. It is never negative, its mean is 1, its
 //! standard deviation `k √(1 − 1/K)`, and the correlation of two places falls as e^{−r²/ℓ²}; most of the water is somewhat
 //! clearer than the mean, some patches are several times as murky (the statistics of speckle: Goodman 1976). The field stands
 //! in the world: a moving camera meets the same patches.
@@ -99,7 +99,7 @@ impl Field {
 
     /// m at a point of the world: the factor of every coefficient there.
     #[must_use]
-    pub fn at(&self, point: [f64; 3]) -> f64 {
+    pub fn factor_at(&self, point: [f64; 3]) -> f64 {
         let sum: f64 = self
             .pairs
             .iter()
@@ -119,19 +119,19 @@ impl Field {
         Self { pairs, ..*self }
     }
 
-    /// τ in metres from the origin of the field's axes to a distance along a unit vector, in closed form.
+    /// τ in meters from the origin of the field's axes to a distance along a unit vector, in closed form.
     #[must_use]
-    pub fn path_m(&self, direction: [f64; 3], metres: f64) -> f64 {
+    pub fn path_m(&self, direction: [f64; 3], meters: f64) -> f64 {
         let sum: f64 = self
             .pairs
             .iter()
             .map(|wave| {
-                let half = 0.5 * metres * dot(wave.vector, direction);
+                let half = 0.5 * meters * dot(wave.vector, direction);
                 let share = if half.abs() < 1e-8 { 1.0 } else { half.sin() / half };
                 (wave.phase + half).cos() * share
             })
             .sum();
-        metres * (1.0 + self.gain * sum).max(0.0)
+        meters * (1.0 + self.gain * sum).max(0.0)
     }
 }
 

@@ -99,7 +99,7 @@ fn contrast(object: [f64; 3], surround: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A bright card on a wall, both at one range in a grey water.
+    /// A bright card on a wall, both at one range in a gray water.
     fn card(range: f64, turbidity: f64) -> Visibility {
         let numbers = Plane::from_fn(40, 30, |x, y| {
             u16::from((15..25).contains(&x) && (10..20).contains(&y))

@@ -2,26 +2,28 @@
 
 mod derive;
 mod error;
+mod properties;
 mod rules;
 
 pub use error::WaterError;
+pub use properties::{Properties, properties};
 pub use rules::RULES;
 
 use spec::{HoleRule, Optics, ScatterSource};
 
 use derive::Request;
 
-/// Width of the forward-scatter kernel: `γ(Z) = offset + per_metre · Z` in pixels, for each channel.
+/// Width of the forward-scatter kernel: `γ(Z) = offset + per_meter · Z` in pixels, for each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     /// γ₀ in pixels, at least 0.
     pub offset_px: [f64; 3],
-    /// k in pixels per metre, at least 0.
+    /// k in pixels per meter, at least 0.
     pub per_m: [f64; 3],
 }
 
 impl Spread {
-    /// `min(γ₀ + k Z, widest)` in pixels, in one channel at a range in metres. Planner and executor both take it from here:
+    /// `min(γ₀ + k Z, widest)` in pixels, in one channel at a range in meters. Planner and executor both take it from here:
     /// they must agree to the last bit on which scales a frame has.
     #[must_use]
     pub fn gamma(&self, channel: usize, range_m: f64, widest_px: f64) -> f64 {

@@ -97,7 +97,7 @@ fn largest_error(fast: &Layers, exact: &Layers<f64>) -> f64 {
         .fold(0.0, |worst, e| if e <= worst { worst } else { e })
 }
 
-/// Runs every scene, form and size, and answers what exceeds its limit.
+/// Runs every scene, form and size, and returns what exceeds its limit.
 fn sweep(scenes: &[Scene], cases: impl Fn(&Scene, &Rgb<f32>) -> Vec<(Fidelity, f64)>) -> Vec<String> {
     let mut failures = Vec::new();
     let mut cache = KernelCache::new();

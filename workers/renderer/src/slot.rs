@@ -114,6 +114,7 @@ impl Slot {
                 frame,
                 setting: &setting,
                 stats: &lit.measure(&setting),
+                lamps: lit.lamps,
                 table_max_255,
             })
         });

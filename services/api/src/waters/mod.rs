@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use catalogue::{Catalogue, CatalogueError, UnixMs, WaterRow};
-use optics::preset::{self, Preset, parse_own};
+use optics::own_water::parse_own;
+use optics::preset::{self, Preset};
 use serde_json::{Map, Value};
 use spec::OwnWater;
 use tokio::sync::Mutex;

@@ -1,7 +1,8 @@
 //! A water as the service and the command line show it.
 
 use catalogue::UnixMs;
-use optics::preset::{self, Channels, Preset};
+use optics::preset::{Channels, Preset};
+use optics::water::properties;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -58,7 +59,7 @@ impl WaterView {
     /// A water with all that follows from it.
     #[must_use]
     pub fn new(preset: &Preset, created_at: Option<UnixMs>) -> Self {
-        let all = preset::properties(preset);
+        let all = properties(preset);
         let some = |values: Channels| values.iter().any(Option::is_some).then_some(values);
         Self {
             name: preset.name.clone(),

@@ -4,10 +4,9 @@ use imaging::random::Stream;
 use serde_json::{Map, Value};
 
 use super::{Checker, Place, whole};
-use crate::draw::{Law, LawNode};
 use crate::invalid::FieldError;
 use crate::json::describe;
-use crate::node::Node;
+use crate::node::{Law, LawNode, Node};
 use crate::schema::{EXACT, Shape};
 
 /// The keys that make an object a law.

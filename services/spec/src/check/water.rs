@@ -6,9 +6,8 @@ use serde::Deserialize;
 
 use super::Checker;
 use super::across::{has_lamps, places};
-use crate::draw::{Drawn, LawNode};
 use crate::invalid::FieldError;
-use crate::node::Node;
+use crate::node::{Drawn, LawNode, Node};
 use crate::rules::Sight;
 use crate::water::Water;
 
@@ -29,7 +28,7 @@ struct Extremes<'a> {
 }
 
 impl Extremes<'_> {
-    fn of(&self, law: &LawNode) -> Drawn {
+    fn draw(&self, law: &LawNode) -> Drawn {
         let named = self
             .named
             .iter()
@@ -62,7 +61,7 @@ impl Checker<'_> {
         };
         let mut found = BTreeSet::new();
         for extremes in extremes(water) {
-            self.try_water(water, sight, &|law: &LawNode| extremes.of(law), &mut found);
+            self.try_water(water, sight, &|law: &LawNode| extremes.draw(law), &mut found);
         }
         let tried = if water.laws().is_empty() {
             0
@@ -70,7 +69,7 @@ impl Checker<'_> {
             frames.min(FRAMES_TRIED)
         };
         for frame in 0..tried {
-            self.try_water(water, sight, &|law: &LawNode| law.at(frame), &mut found);
+            self.try_water(water, sight, &|law: &LawNode| law.draw(frame), &mut found);
         }
     }
 

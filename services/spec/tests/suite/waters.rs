@@ -1,6 +1,6 @@
 //! Waters: what must fit together, and what the optics are asked for.
 
-use optics::preset::parse_own;
+use optics::own_water::parse_own;
 use serde_json::{Value, json};
 use spec::{
     Ambient, ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel, ScatterSource, Water,
@@ -198,7 +198,7 @@ fn a_water_of_the_users_own_is_written_out_in_numbers() {
     assert_eq!(canonical["water"]["optics"], written);
     let mut forgetful = vocabulary(false);
     forgetful.waters.clear();
-    let again = spec::Job::from_canonical(short.canonical(), &forgetful).unwrap();
+    let again = spec::Job::parse(short.canonical().as_bytes(), &forgetful).unwrap();
     assert_eq!(again.canonical(), short.canonical(), "no worker needs to know it");
     assert_eq!(
         again.resolve(0).unwrap().water.optics.unwrap().name.as_deref(),

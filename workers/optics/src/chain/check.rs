@@ -56,7 +56,7 @@ pub enum ChainError {
     },
 }
 
-/// Makes radiance fit for the chain: negative samples become 0; answers how many.
+/// Makes radiance fit for the chain: negative samples become 0. Returns how many.
 ///
 /// # Errors
 /// [`ChainError::NotFinite`] naming the first pixel in row order, so that one bad sample never spreads over a frame.

@@ -13,7 +13,7 @@ use crate::water::{Scatter, Spread, Water};
 /// What all channels of a frame share.
 pub(super) struct Frame<'a> {
     pub(super) range: &'a Plane<f32>,
-    /// The largest valid range in metres, where holes take their kernel from.
+    /// The largest valid range in meters, where holes take their kernel from.
     pub(super) farthest: Option<f32>,
     pub(super) water: &'a Water,
     /// Attenuation is left out.
@@ -134,8 +134,8 @@ fn scales(range: &Plane<f32>, spread: Spread, channel: usize, farthest: f32, gam
     let widest = widest_px(range.width(), range.height());
     for (gamma, &z) in gamma.iter_mut().zip(range.data()) {
         let (valid, z) = masked(z);
-        let metres = if valid { z } else { farthest };
-        *gamma = spread.gamma(channel, f64::from(metres), widest) as f32;
+        let meters = if valid { z } else { farthest };
+        *gamma = spread.gamma(channel, f64::from(meters), widest) as f32;
     }
 }
 

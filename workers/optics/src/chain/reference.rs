@@ -76,7 +76,7 @@ fn band(radiance: &Plane<f64>, range: &Plane<f64>, water: &Water, channel: usize
     }
 }
 
-/// The largest valid range in metres, where holes take their kernel from; none if there is no valid range.
+/// The largest valid range in meters, where holes take their kernel from; none if there is no valid range.
 fn farthest(range: &Plane<f64>) -> Option<f64> {
     range
         .data()
@@ -92,7 +92,7 @@ fn gamma(range: &Plane<f64>, spread: &Spread, channel: usize, farthest: f64) -> 
     range.map(|&z| spread.gamma(channel, if is_hole(z) { farthest } else { z }, widest))
 }
 
-/// Maps light together with the range in metres, which is none at a hole.
+/// Maps light together with the range in meters, which is none at a hole.
 fn with_range(light: &Plane<f64>, range: &Plane<f64>, map: impl Fn(f64, Option<f64>) -> f64) -> Plane<f64> {
     zipped(light, range, |light, z| map(light, (!is_hole(z)).then_some(z)))
 }

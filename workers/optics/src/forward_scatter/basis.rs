@@ -92,7 +92,7 @@ impl Basis {
                     return shares.fill(0.0);
                 };
                 for (shares, located) in shares.chunks_mut(LANES).zip(located.chunks(LANES)) {
-                    let products = Products::of(located, &nodes[..k], &nodes[k + 1..]);
+                    let products = Products::new(located, &nodes[..k], &nodes[k + 1..]);
                     products.times(|_, product| weight * product, shares);
                 }
             }
@@ -109,7 +109,7 @@ impl Basis {
         let (one, other) = ((nodes[k], weights[k]), (nodes[k + 1], weights[k + 1]));
         let pixels = first.chunks_mut(LANES).zip(second.chunks_mut(LANES));
         for ((first, second), located) in pixels.zip(located.chunks(LANES)) {
-            let products = Products::of(located, &nodes[..k], &nodes[k + 2..]);
+            let products = Products::new(located, &nodes[..k], &nodes[k + 2..]);
             products.times(|t, product| one.1 * (product * (t - other.0)), first);
             products.times(|t, product| other.1 * (product * (t - one.0)), second);
         }
@@ -127,7 +127,7 @@ struct Products {
 
 impl Products {
     #[inline(always)]
-    fn of(located: &[f32], below: &[f32], above: &[f32]) -> Self {
+    fn new(located: &[f32], below: &[f32], above: &[f32]) -> Self {
         let mut t = [0.0f32; LANES];
         t[..located.len()].copy_from_slice(located);
         let mut product = [1.0f32; LANES];

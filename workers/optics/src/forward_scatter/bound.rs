@@ -2,7 +2,7 @@
 //!
 //! With `E(d; γ) = k(d; γ) − Σ_k l_k(γ) k(d; γ_k)` the error at a pixel is `Σ_y U(y) E(x − y; γ(y))`. A scene that gives every
 //! offset the worst scale would reach `Σ_d max_γ u(γ) |E(d; γ)|`, u(γ) the largest light of that scale; real scenes, and noise,
-//! stay far below, since neighbours have similar scales and E of one scale sums to 0. Offsets are single pixels up to
+//! stay far below, since neighbors have similar scales and E of one scale sums to 0. Offsets are single pixels up to
 //! eight and rings beyond, for the kernel is round there.
 
 use super::nodes::place;

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use imaging::dct::PairDct;
 
 use super::buffers::{Buffers, MOST_KEPT_BYTES};
-use crate::chain::Layers;
 use crate::kernel::Transfer;
 
 /// Memory that cached transfer functions may take: at least 40 of a 768×492 frame, a few frames' worth of nodes. Beyond it the
@@ -66,22 +65,6 @@ impl KernelCache {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// Takes the planes of layers that are no longer needed, for the next frame to be written into. Worth some milliseconds
-    /// a frame; nothing else depends on it.
-    pub fn recycle(&mut self, layers: Layers) {
-        let Layers {
-            direct,
-            forward_scatter,
-            backscatter,
-            scattered,
-            holes: _,
-        } = layers;
-        for layer in [direct, forward_scatter, backscatter, scattered] {
-            self.buffers
-                .give(layer.into_planes().map(imaging::Plane::into_data));
-        }
     }
 
     /// H of a kernel scale on the grid of a frame size.

@@ -81,7 +81,7 @@ pub(super) struct Pair {
     pub(super) second: Option<Term>,
 }
 
-/// The terms of some channels two by two: neighbours of one channel as far as they go, since most of their shares is common;
+/// The terms of some channels two by two: neighbors of one channel as far as they go, since most of their shares is common;
 /// then what is left of channels with an odd number.
 pub(super) fn pairs(terms: impl IntoIterator<Item = usize>) -> Vec<Pair> {
     let (mut pairs, mut left) = (Vec::new(), Vec::new());

@@ -92,16 +92,6 @@ impl Nodes {
     }
 }
 
-/// Terms that suffice for an error of `tolerance` in linear light, without any table:
-/// `K = ceil(3 + 0.8 h ln(u/tol))`, `h = ½ ln((γ_max + 0.3)/(γ_min + 0.3))`, u the largest source light. Fitted so that it
-/// lies at or above what the error bound asks for over γ from 0 to 1000 px and tolerances from 1/255 to 1e-6.
-#[must_use]
-pub fn closed_form_terms(least: f64, most: f64, brightest: f64, tolerance: f64) -> usize {
-    let half = (place(most) - place(least)) / 2.0;
-    let e_folds = (brightest / tolerance).max(1.0).ln();
-    (3.0 + 0.8 * half * e_folds).ceil() as usize
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,12 +117,5 @@ mod tests {
     #[test]
     fn equal_scales_are_one_kernel() {
         assert_eq!(Nodes::exact([3.0, 1.0, 3.0]), Nodes::Exact(vec![1.0, 3.0]));
-    }
-
-    #[test]
-    fn terms_grow_with_the_logarithm_of_the_ratio_and_of_the_tolerance() {
-        assert_eq!(closed_form_terms(1.0, 10.0, 1.0, 1.0 / 255.0), 8);
-        assert_eq!(closed_form_terms(1.0, 1.0, 1.0, 1e-6), 3);
-        assert!(closed_form_terms(0.0, 100.0, 1.0, 1e-6) >= 31);
     }
 }

@@ -22,7 +22,7 @@ impl Transfer {
         ((2 * width) as f64 * reach).ceil().min(width as f64) as usize
     }
 
-    /// H at `fx = p/2W`, `fy = q/2H`, column-major (`p · height + q`), within 5e-7 of [`Transfer::at`]; exactly 1 at (0, 0),
+    /// H at `fx = p/2W`, `fy = q/2H`, column-major (`p · height + q`), within 5e-7 of [`Transfer::at_frequency`]; exactly 1 at (0, 0),
     /// so that all light arrives.
     #[must_use]
     pub fn grid_f32(&self, width: usize, height: usize) -> Vec<f32> {
@@ -99,7 +99,8 @@ mod tests {
             assert_eq!(grid[0], 1.0);
             for (index, &value) in grid.iter().enumerate() {
                 let (p, q) = (index / height, index % height);
-                let expected = transfer.at(p as f64 / (2 * width) as f64, q as f64 / (2 * height) as f64);
+                let expected =
+                    transfer.at_frequency(p as f64 / (2 * width) as f64, q as f64 / (2 * height) as f64);
                 assert!(
                     (f64::from(value) - expected).abs() < 5e-7,
                     "γ = {gamma} at ({p}, {q})"

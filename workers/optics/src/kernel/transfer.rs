@@ -37,7 +37,7 @@ impl Transfer {
             if gamma >= INTERPOLATED_BELOW {
                 fit(|fx, fy| folded_sum(fx, fy, gamma))
             } else {
-                TABLE.at(gamma)
+                TABLE.interpolate(gamma)
             }
         });
         Self { gamma, folded }
@@ -45,7 +45,7 @@ impl Transfer {
 
     /// H at a frequency in cycles per pixel, |f| ≤ 1/2 per axis. H(0, 0) = 1.
     #[must_use]
-    pub fn at(&self, fx: f64, fy: f64) -> f64 {
+    pub fn at_frequency(&self, fx: f64, fy: f64) -> f64 {
         let main = sinc(fx) * sinc(fy) * (-TAU * self.gamma * fx.hypot(fy)).exp();
         main + self
             .folded_along(fx)
@@ -200,7 +200,7 @@ impl SmallGamma {
         }
     }
 
-    fn at(&self, gamma: f64) -> Coefficients {
+    fn interpolate(&self, gamma: f64) -> Coefficients {
         if let Some(exact) = self.nodes.iter().position(|&node| node == gamma) {
             return self.coefficients[exact];
         }
@@ -234,7 +234,7 @@ mod tests {
     fn all_light_arrives_whatever_the_spread() {
         for gamma in [0.0, 0.01, 0.1, 0.29, 0.31, 1.0, 5.9, 6.1, 50.0] {
             assert!(
-                (Transfer::new(gamma).at(0.0, 0.0) - 1.0).abs() < FIT,
+                (Transfer::new(gamma).at_frequency(0.0, 0.0) - 1.0).abs() < FIT,
                 "γ = {gamma}"
             );
         }
@@ -243,8 +243,8 @@ mod tests {
     #[test]
     fn without_spread_every_frequency_passes() {
         let delta = Transfer::new(0.0);
-        assert!((delta.at(0.3, 0.5) - 1.0).abs() < FIT);
-        assert!((delta.at(0.5, 0.01) - 1.0).abs() < FIT);
+        assert!((delta.at_frequency(0.3, 0.5) - 1.0).abs() < FIT);
+        assert!((delta.at_frequency(0.5, 0.01) - 1.0).abs() < FIT);
     }
 
     #[test]
@@ -255,7 +255,7 @@ mod tests {
                 let direct = sinc(fx) * sinc(fy) * (-TAU * gamma * f64::hypot(fx, fy)).exp()
                     + folded_sum(fx, fy, gamma);
                 assert!(
-                    (transfer.at(fx, fy) - direct).abs() < FIT,
+                    (transfer.at_frequency(fx, fy) - direct).abs() < FIT,
                     "γ = {gamma} at ({fx}, {fy})"
                 );
             }
@@ -268,7 +268,7 @@ mod tests {
         let grid = transfer.grid(5, 3);
         for q in 0..3 {
             for p in 0..5 {
-                let value = transfer.at(p as f64 / 10.0, q as f64 / 6.0);
+                let value = transfer.at_frequency(p as f64 / 10.0, q as f64 / 6.0);
                 assert!((grid[q * 5 + p] - value).abs() < 1e-14);
             }
         }

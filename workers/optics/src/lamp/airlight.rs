@@ -5,23 +5,27 @@
 //! cancellation. Rows are cut into runs of pixels; each run and lamp has its own number of nodes.
 
 mod intervals;
+mod rounding;
 
 use std::sync::LazyLock;
 
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
-use super::elementary::{HALVINGS, fade, small_sin_cos};
-use super::legendre::gauss_legendre;
+use super::beam::Profile;
 use super::nodes::{self, MOST_NODES, Source};
-use super::{Beam, Lamp, Lighting};
-use super::{limits, patches};
+use super::patches;
+use super::{Lamp, Lighting};
+use crate::elementary::{HALVINGS, fade, small_sin_cos};
+use crate::extremes::brightest;
+use crate::legendre::gauss_legendre;
 use crate::turbidity;
-use intervals::{Intervals, Murk, Rays, intervals, murk_of, rays_of};
+use intervals::{Intervals, Murk, Rays, extreme, intervals, murk_of, rays_of};
+use rounding::Rounding;
 
 /// Pixels of a run: short enough that they need about the same number of nodes.
 const RUN: usize = turbidity::RUN;
-/// A range beyond this counts as this many metres.
+/// A range beyond this counts as this many meters.
 const FARTHEST_M: f32 = 1e6;
 
 type Lanes = [f32; RUN];
@@ -29,10 +33,30 @@ type Lanes = [f32; RUN];
 /// The rules of 0, 2, 4, … nodes.
 static RULES: LazyLock<Vec<Vec<[f32; 2]>>> = LazyLock::new(|| (0..=MOST_NODES / 2).map(half_rule).collect());
 
-/// [`airlight_reference`](super::airlight_reference) with an error below `tolerance` in linear light, as long as
-/// [`MOST_NODES`] suffice for it. `range` in metres along the ray; a hole has no end.
+/// The glow of the water before the lamps. No sample differs by more than `left + rounding` from
+/// [`airlight_reference`](super::airlight_reference).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Airlight {
+    /// Radiance in linear light.
+    pub light: Rgb<f32>,
+    /// What the quadrature may leave.
+    pub left: f64,
+    /// What f32 may lose.
+    pub rounding: f64,
+}
+
+impl Airlight {
+    /// The largest light of a pixel in any channel.
+    #[must_use]
+    pub fn peak(&self) -> f64 {
+        f64::from(brightest(&self.light).into_iter().fold(0.0, f32::max))
+    }
+}
+
+/// [`airlight_reference`](super::airlight_reference) in f32. The quadrature leaves less than `tolerance` in linear light, as long
+/// as [`MOST_NODES`] suffice for it. `range` in meters along the ray; a hole has no end.
 #[must_use]
-pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Rgb<f32> {
+pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Airlight {
     let share = tolerance / lighting.lamps.len().max(1) as f64;
     glow(range, lighting, Order::Within(share))
 }
@@ -41,7 +65,7 @@ pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Rgb<
 /// below or to these ends.
 #[must_use]
 pub fn airlight_with_nodes(range: &Plane<f32>, lighting: &Lighting, nodes: usize) -> Rgb<f32> {
-    glow(range, lighting, Order::Fixed(nodes.clamp(2, MOST_NODES)))
+    glow(range, lighting, Order::Fixed(nodes.clamp(2, MOST_NODES))).light
 }
 
 /// How many nodes a run of pixels takes.
@@ -53,7 +77,7 @@ enum Order {
     Fixed(usize),
 }
 
-fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
+fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
     let (width, height) = range.size();
     let mut glow = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0f32; width * height]);
     let rules = &*RULES;
@@ -67,6 +91,7 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
     let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
     let [red, green, blue] = &mut glow;
+    let mut worst = Errors::default();
     for start in (0..height).flat_map(|y| (0..width).step_by(RUN).map(move |x| (x, y))) {
         let (x, y) = start;
         let run = RUN.min(width - x);
@@ -76,23 +101,37 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Rgb<f32> {
         let mut rays = Rays::default();
         vectorized!(rays_of(lens, start, &range_m, &mut rays));
         let mut sum = [[0.0f32; RUN]; 3];
+        let mut errors = Errors::default();
         for lamp in &lamps {
             let mut murk = Murk::default();
             if let Some(patches) = &patches {
                 vectorized!(murk_of(lamp, &rays, patches, start, &mut murk));
             }
-            if lamp.spot.is_some() {
-                vectorized!(add::<true>(lamp, &rays, &murk, rules, &mut sum));
+            if lamp.profile.slope > 0.0 {
+                vectorized!(add::<true>(lamp, &rays, &murk, rules, &mut sum, &mut errors));
             } else {
-                vectorized!(add::<false>(lamp, &rays, &murk, rules, &mut sum));
+                vectorized!(add::<false>(lamp, &rays, &murk, rules, &mut sum, &mut errors));
             }
         }
+        worst.left = worst.left.max(errors.left);
+        worst.rounding = worst.rounding.max(errors.rounding);
         for (plane, sum) in [&mut *red, &mut *green, &mut *blue].into_iter().zip(&sum) {
             plane[at..at + run].copy_from_slice(&sum[..run]);
         }
     }
     let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
-    Rgb::new(glow.map(plane)).expect("planes of one frame")
+    Airlight {
+        light: Rgb::new(glow.map(plane)).expect("planes of one frame"),
+        left: worst.left,
+        rounding: worst.rounding,
+    }
+}
+
+/// What the lamps together may have wrong on a run of pixels.
+#[derive(Default)]
+struct Errors {
+    left: f64,
+    rounding: f64,
 }
 
 /// The positive nodes of the rule of 2 · `half` nodes; the others mirror them.
@@ -107,17 +146,15 @@ struct Glow {
     radius: f32,
     /// Distances from the ray that its glow begins before it.
     before: f32,
-    spot: Option<([f32; 3], f32)>,
-    /// The profile of a spot is `offset + slope cos`, clamped to 0..=1; of a point lamp it is 1.
-    offset: f32,
-    slope: f32,
+    profile: Profile,
     /// (1 − g)² and 4 g, what it grows by with sin² β.
     denominator: [f32; 2],
-    /// Halvings per metre.
+    /// Halvings per meter.
     attenuation: [f32; 3],
     /// 4 b I₀ (1 − g²)/(4π) of each channel: both steps from θ to β and from the interval to −1..=1.
     gain: [f32; 3],
     source: Source,
+    rounding: Rounding,
     /// Nodes of every run; none: as many as the source's tolerance asks for.
     fixed: Option<usize>,
 }
@@ -128,25 +165,16 @@ impl Glow {
         let g = lighting.asymmetry;
         let strength = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i]);
         let constant = 2.0 * (1.0 - g * g) / (4.0 * std::f64::consts::PI);
-        let (spot, offset, slope) = match lamp.beam {
-            Beam::Point => (None, 1.0, 0.0),
-            Beam::Spot { axis, cos_cone } => {
-                let slope = 1.0 / (1.0 - cos_cone);
-                (Some((single(axis), cos_cone as f32)), -cos_cone * slope, slope)
-            }
-        };
         Self {
             place: single(lamp.position_m),
             radius: lighting.radius_m as f32,
             before: patches::before(g) as f32,
-            spot,
-            offset: offset as f32,
-            slope: slope as f32,
+            profile: lamp.beam.single(),
             denominator: [((1.0 - g) * (1.0 - g)) as f32, (4.0 * g) as f32],
             attenuation: single(lighting.attenuation.map(|c| c * f64::from(HALVINGS))),
             gain: single(strength.map(|s| s * constant)),
             source: Source {
-                strength: limits::strength(lamp, lighting),
+                strength: strength.into_iter().fold(0.0, f64::max),
                 attenuation: lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min),
                 asymmetry: g,
                 tolerance: match order {
@@ -154,6 +182,7 @@ impl Glow {
                     Order::Fixed(_) => 0.0,
                 },
             },
+            rounding: Rounding::new(lamp, lighting),
             fixed: match order {
                 Order::Within(_) => None,
                 Order::Fixed(nodes) => Some(nodes),
@@ -169,22 +198,31 @@ fn add<const SPOT: bool>(
     murk: &Murk,
     rules: &[Vec<[f32; 2]>],
     sum: &mut [Lanes; 3],
+    errors: &mut Errors,
 ) {
     let (intervals, span) = intervals::<SPOT>(lamp, rays, murk);
     if span.to <= span.from {
         return;
     }
-    let count = lamp.fixed.unwrap_or_else(|| nodes::count(span, lamp.source));
+    let (count, left) = match lamp.fixed {
+        Some(count) => (count, 0.0),
+        None => nodes::count(span, lamp.source),
+    };
     let rule = &rules[count / 2];
     let mut light = [[0.0f32; RUN]; 3];
     for &node in rule {
         quadrature::<SPOT>(lamp, &intervals, node, &mut light);
     }
+    let mut most = [0.0f32; RUN];
     for ((sum, light), gain) in sum.iter_mut().zip(&light).zip(lamp.gain) {
         for i in 0..RUN {
-            sum[i] += gain * intervals.scale[i] * light[i];
+            let glow = gain * intervals.scale[i] * light[i];
+            sum[i] += glow;
+            most[i] = most[i].max(glow);
         }
     }
+    errors.left += left;
+    errors.rounding += lamp.rounding.within(span, extreme(&most, f32::max));
 }
 
 /// Adds the two nodes `±node` of every pixel.
@@ -228,7 +266,12 @@ fn scattered<const SPOT: bool>(
     let mut light = inverse * cos;
     if SPOT {
         let to_axis = across.mul_add(2.0 * sin * cos, along * cos.mul_add(-cos, ss));
-        light *= lamp.slope.mul_add(to_axis, lamp.offset).max(0.0).min(1.0);
+        light *= lamp
+            .profile
+            .slope
+            .mul_add(to_axis, lamp.profile.offset)
+            .max(0.0)
+            .min(1.0);
     }
     let path = distance.mul_add(sin * inverse * cubed, nearest);
     [

@@ -20,12 +20,17 @@ pub(super) struct Span {
     /// Start and end of the interval in β.
     pub(super) from: f32,
     pub(super) to: f32,
-    /// Least distance of the lamp from a ray, m.
+    /// The least end of an interval.
+    pub(super) least_to: f32,
+    /// Least distance of the lamp from a ray and from the end of one, m.
     pub(super) nearest_m: f32,
+    pub(super) end_m: f32,
     /// Least and greatest factor of c, and the greatest of b.
     pub(super) clearest: f32,
     pub(super) murkiest: f32,
     pub(super) source: f32,
+    /// How many times as long a ray is as the stretch of it that the factor of b is a mean of, at most.
+    pub(super) stretch: f32,
 }
 
 /// What the light of one lamp is bounded by.
@@ -74,41 +79,30 @@ impl Left {
     }
 }
 
-/// The error that the most nodes leave.
-pub(super) fn least_error(span: Span, source: Source) -> f64 {
+/// The least count whose error stays within the tolerance, or the most, and that error.
+pub(super) fn count(span: Span, source: Source) -> (usize, f64) {
     let Left {
         pole,
         growth,
         edge,
         fade,
     } = Left::new(span, source);
-    let n = MOST_NODES as f64;
-    pole * (-growth * n).exp() + 0.5 * edge / (n * n) * (8.0 * (-2.0 * (fade * n * n).cbrt()).exp()).min(1.0)
-}
-
-/// The least count whose error stays within the tolerance.
-pub(super) fn count(span: Span, source: Source) -> usize {
-    let Left {
-        pole,
-        growth,
-        edge,
-        fade,
-    } = Left::new(span, source);
-    let enough = |n: f64| {
-        let most = 0.5 * edge / (n * n);
-        let pole = pole * (-growth * n).exp();
-        // The cube root and its exponential only where they can help.
-        pole <= source.tolerance
-            && (pole + most <= source.tolerance
-                || pole + most * 8.0 * (-2.0 * (fade * n * n).cbrt()).exp() <= source.tolerance)
+    // The cube root and its exponential only where they can help.
+    let left = |n: f64, enough: f64| {
+        let (pole, edge) = (pole * (-growth * n).exp(), 0.5 * edge / (n * n));
+        if pole > enough || pole + edge <= enough {
+            return pole + edge;
+        }
+        pole + edge * (8.0 * (-2.0 * (fade * n * n).cbrt()).exp()).min(1.0)
     };
     // Fewer leave more than the tolerance behind the pole.
     let least = (pole / source.tolerance).ln() / growth;
-    let counts = COUNTS.into_iter().filter(|&n| n as f64 >= least - 1.0);
-    counts
+    COUNTS
         .into_iter()
-        .find(|&n| enough(n as f64))
-        .unwrap_or(MOST_NODES)
+        .filter(|&n| n as f64 >= least - 1.0)
+        .map(|n| (n, left(n as f64, source.tolerance)))
+        .find(|(_, left)| *left <= source.tolerance)
+        .unwrap_or_else(|| (MOST_NODES, left(MOST_NODES as f64, 0.0)))
 }
 
 /// The sum of the half axes of the ellipse with its foci at the ends of the interval, through the pole of the phase function.

@@ -9,8 +9,8 @@ use crate::attenuation::masked;
 /// Two differences that are farther apart than this share of the range belong to different surfaces.
 const JUMP: f32 = 0.02;
 
-/// Unit normals in camera axes (right, down, ahead) that face the camera, from range in metres along the ray. The slope of the
-/// range is the mean of the differences to both neighbours; at an edge the smaller of the two; where neither neighbour has a
+/// Unit normals in camera axes (right, down, ahead) that face the camera, from range in meters along the ray. The slope of the
+/// range is the mean of the differences to both neighbors; at an edge the smaller of the two; where neither neighbor has a
 /// range, or the frame is one pixel wide, none. A hole faces the camera. With `Z` the range, `v` the ray of length 1 along the
 /// optical axis and `R = Z/|v|`, the surface is `R(x, y) v(x, y)` and its normal is across both of its slopes.
 #[must_use]
@@ -39,7 +39,7 @@ pub fn normals_of(range: &Plane<f32>, camera: &Intrinsics) -> [Plane<f32>; 3] {
     normals
 }
 
-/// A row with its neighbours, each with one sample more on both sides.
+/// A row with its neighbors, each with one sample more on both sides.
 #[derive(Clone, Copy)]
 struct Rows<'a> {
     above: &'a [f32],
@@ -86,11 +86,11 @@ fn row_normals(
     }
 }
 
-/// The difference to a neighbour per pixel, and whether it has a range.
+/// The difference to a neighbor per pixel, and whether it has a range.
 #[inline(always)]
-fn slope(neighbour: f32, z: f32, step: f32) -> (bool, f32) {
-    let (valid, neighbour) = masked(neighbour);
-    (valid, (neighbour - z) * step)
+fn slope(neighbor: f32, z: f32, step: f32) -> (bool, f32) {
+    let (valid, neighbor) = masked(neighbor);
+    (valid, (neighbor - z) * step)
 }
 
 #[inline(always)]
@@ -126,7 +126,7 @@ mod tests {
         let normal = [0.48, -0.36, -0.8];
         let normals = normals_of(&wall(normal, &camera), &camera);
         for (plane, expected) in normals.iter().zip(normal) {
-            // Inside; a border has one neighbour, and the slope of a wall in perspective is not constant.
+            // Inside; a border has one neighbor, and the slope of a wall in perspective is not constant.
             for y in 1..20 {
                 for x in 1..32 {
                     assert!((f64::from(plane.at(x, y)) - expected).abs() < 2e-3, "({x}, {y})");

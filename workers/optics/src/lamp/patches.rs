@@ -25,6 +25,6 @@ pub(super) fn mean(patches: Option<&Field>, ray: [f64; 3], (from, to): (f64, f64
 }
 
 /// The stretch of a ray of this length before its end that is as long as the way from a lamp, or all of it.
-pub(super) fn last(metres: f64, leg: f64) -> (f64, f64) {
-    ((metres - leg).max(0.0), metres)
+pub(super) fn last(meters: f64, leg: f64) -> (f64, f64) {
+    ((meters - leg).max(0.0), meters)
 }

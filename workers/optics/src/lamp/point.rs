@@ -1,36 +1,22 @@
 //! The light of lamps at a point in the water.
 
+use imaging::vector::dot;
+
+use super::Lighting;
 use super::patches::{last, mean};
-use super::{Beam, Lighting};
 
 /// Radiance of a white particle that lamps light at a point in camera axes: `I₀ S e^{−c r}/(π r²)`, as a white surface that faces
 /// the lamp.
 #[must_use]
 pub fn white_at(place: [f64; 3], lighting: &Lighting) -> [f64; 3] {
-    let range = place
-        .iter()
-        .map(|v| v * v)
-        .sum::<f64>()
-        .sqrt()
-        .max(lighting.radius_m);
+    let range = dot(place, place).sqrt().max(lighting.radius_m);
     let mut sum = [0.0; 3];
     for lamp in &lighting.lamps {
         let away = [0, 1, 2].map(|i| place[i] - lamp.position_m[i]);
-        let distance = away
-            .iter()
-            .map(|v| v * v)
-            .sum::<f64>()
-            .sqrt()
-            .max(lighting.radius_m);
+        let distance = dot(away, away).sqrt().max(lighting.radius_m);
         let ray = place.map(|v| v / range);
         let murk = mean(lighting.patches.as_ref(), ray, last(range, distance));
-        let profile = match lamp.beam {
-            Beam::Point => 1.0,
-            Beam::Spot { axis, cos_cone } => {
-                let cos = (0..3).map(|i| axis[i] * away[i]).sum::<f64>() / distance;
-                ((cos - cos_cone) / (1.0 - cos_cone)).clamp(0.0, 1.0)
-            }
-        };
+        let profile = lamp.beam.profile(|axis| dot(axis, away) / distance);
         for (i, sum) in sum.iter_mut().enumerate() {
             let arriving = (-lighting.attenuation[i] * murk * distance).exp();
             *sum += lamp.intensity[i] * profile * arriving / (std::f64::consts::PI * distance * distance);

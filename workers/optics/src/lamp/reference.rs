@@ -4,9 +4,10 @@ use imaging::geometry::Intrinsics;
 use imaging::vector::dot;
 use imaging::{Plane, Rgb};
 
-use super::legendre::gauss_legendre;
+use super::beam::Beam;
 use super::patches::{glow_within, last, mean};
-use super::{Beam, Lamp, Lighting, henyey_greenstein};
+use super::{Lamp, Lighting, henyey_greenstein};
+use crate::legendre::gauss_legendre;
 use crate::range::is_hole;
 
 /// Nodes with which the reference is exact to 1e-9 of a lamp's peak for g up to 0.98.
@@ -57,10 +58,7 @@ fn glow(ray: [f64; 3], z: f64, lamp: &Lamp, lighting: &Lighting, rule: &[(f64, f
     let mut sum = [0.0; 3];
     for (node, weight) in rule.iter().filter(|_| to > from) {
         let theta = 0.5 * (from + to) + 0.5 * (to - from) * node;
-        let profile = match lamp.beam {
-            Beam::Point => 1.0,
-            Beam::Spot { axis, cos_cone } => profile(cosine(theta, axis), cos_cone),
-        };
+        let profile = lamp.beam.profile(|axis| cosine(theta, axis));
         let path = nearest + distance * (theta.tan() + 1.0 / theta.cos());
         let scattered = weight * profile * henyey_greenstein(lighting.asymmetry, -theta.sin());
         for (sum, c) in sum.iter_mut().zip(lighting.attenuation) {
@@ -84,22 +82,15 @@ pub fn irradiance_reference(range: &Plane<f64>, normals: &[Plane<f32>; 3], light
             let to_lamp = [0, 1, 2].map(|i| lamp.position_m[i] - z * ray[i]);
             let distance = dot(to_lamp, to_lamp).sqrt().max(lighting.radius_m);
             let facing = dot(normal, to_lamp).max(0.0) / distance;
-            let profile = match lamp.beam {
-                Beam::Point => 1.0,
-                Beam::Spot { axis, cos_cone } => profile(-dot(axis, to_lamp) / distance, cos_cone),
-            };
+            let profile = lamp.beam.profile(|axis| -dot(axis, to_lamp) / distance);
             let fall = facing * profile / (distance * distance);
-            let metres = mean(lighting.patches.as_ref(), ray, last(z, distance)) * distance;
+            let meters = mean(lighting.patches.as_ref(), ray, last(z, distance)) * distance;
             for i in 0..3 {
-                sum[i] += lamp.intensity[i] * fall * (-lighting.attenuation[i] * metres).exp();
+                sum[i] += lamp.intensity[i] * fall * (-lighting.attenuation[i] * meters).exp();
             }
         }
         sum
     })
-}
-
-fn profile(cos: f64, cos_cone: f64) -> f64 {
-    ((cos - cos_cone) / (1.0 - cos_cone)).clamp(0.0, 1.0)
 }
 
 /// The unit vector along the ray of a pixel.

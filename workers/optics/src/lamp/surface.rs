@@ -3,9 +3,10 @@
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
-use super::elementary::{HALVINGS, fade};
-use super::{Beam, Lamp, Lighting};
+use super::beam::Profile;
+use super::{Lamp, Lighting};
 use crate::attenuation::masked;
+use crate::elementary::{HALVINGS, fade};
 use crate::extremes::{brightest, greatest};
 use crate::range::{self, SHORTEST_M};
 use crate::turbidity::{self, RUN};
@@ -134,12 +135,9 @@ impl Rounding {
         Self {
             intensity: lamp.intensity.into_iter().fold(0.0, f64::max),
             attenuation: lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min) * clearest,
-            slope: match lamp.beam {
-                Beam::Point => 0.0,
-                Beam::Spot { cos_cone, .. } => 1.0 / (1.0 - cos_cone),
-            },
+            slope: lamp.beam.slope(),
             lens: (camera.cx.abs() + camera.cy.abs()) / camera.focal_px,
-            distance_m: lamp.position_m.iter().map(|v| v * v).sum::<f64>().sqrt(),
+            distance_m: lamp.distance_m(),
             murk,
         }
     }
@@ -168,37 +166,25 @@ struct Row<'a> {
     /// Where the surfaces are in camera axes, how far from the camera, and 1, or 0 at a hole.
     places: [&'a [f32]; 5],
     normals: [&'a [f32]; 3],
-    /// Halvings per metre.
+    /// Halvings per meter.
     attenuation: [f32; 3],
     radius: f32,
 }
 
-/// A lamp in f32. A point lamp is a spot without axis whose profile is 1 everywhere.
+/// A lamp in f32.
 #[derive(Clone, Copy)]
 struct Source {
     place: [f32; 3],
-    axis: [f32; 3],
-    /// The profile is `offset + slope cos`, clamped to 0..=1.
-    offset: f32,
-    slope: f32,
+    profile: Profile,
     intensity: [f32; 3],
 }
 
 impl Source {
     fn new(lamp: &Lamp) -> Self {
         let single = |values: [f64; 3]| values.map(|v| v as f32);
-        let (axis, offset, slope) = match lamp.beam {
-            Beam::Point => ([0.0; 3], 1.0, 0.0),
-            Beam::Spot { axis, cos_cone } => {
-                let slope = 1.0 / (1.0 - cos_cone);
-                (axis, -cos_cone * slope, slope)
-            }
-        };
         Self {
             place: single(lamp.position_m),
-            axis: single(axis),
-            offset: offset as f32,
-            slope: slope as f32,
+            profile: lamp.beam.single(),
             intensity: single(lamp.intensity),
         }
     }
@@ -207,7 +193,7 @@ impl Source {
 #[inline(always)]
 fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [Vec<f32>; 5]) {
     let width = range.len();
-    let [px, py, pz, metres, shown] = to.each_mut().map(|lane| &mut lane[..width]);
+    let [px, py, pz, meters, shown] = to.each_mut().map(|lane| &mut lane[..width]);
     let v = (y - cy) * inverse_focal;
     for i in 0..width {
         let u = (i as f32 - cx) * inverse_focal;
@@ -215,7 +201,7 @@ fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut 
         // So far away that nothing arrives, and its square is still finite.
         let z = z.min(1e6);
         let planar = z / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
-        (px[i], py[i], pz[i], metres[i]) = (u * planar, v * planar, planar, z);
+        (px[i], py[i], pz[i], meters[i]) = (u * planar, v * planar, planar, z);
         shown[i] = if valid { 1.0 } else { 0.0 };
     }
 }
@@ -268,14 +254,13 @@ fn shine(
     }: Row<'_>,
     Source {
         place: [px, py, pz],
-        axis: [ax, ay, az],
-        offset,
-        slope,
+        profile,
         intensity: [ir, ig, ib],
     }: Source,
     murk: &[f32],
     [red, green, blue, near, seen]: [&mut [f32]; 5],
 ) {
+    let ([ax, ay, az], slope, offset) = (profile.axis, profile.slope, profile.offset);
     let width = red.len();
     let (x, y, z, shown, range) = (
         &x[..width],
@@ -298,7 +283,7 @@ fn shine(
         let rise = slope.mul_add(cos, offset);
         let profile = rise.max(0.0).min(1.0);
         let fall = facing * shown[i] * profile * (inverse * inverse * inverse);
-        let metres = murk[i] * distance;
+        let meters = murk[i] * distance;
         // As far beyond the cone as rounding may carry the light.
         let share = range[i] * inverse;
         let reached = if rise > -slope * EDGE * (1.0 + share) {
@@ -307,8 +292,8 @@ fn shine(
             0.0
         };
         (near[i], seen[i]) = (reached * inverse, reached * share);
-        red[i] = (ir * fall).mul_add(fade(cr, metres), red[i]);
-        green[i] = (ig * fall).mul_add(fade(cg, metres), green[i]);
-        blue[i] = (ib * fall).mul_add(fade(cb, metres), blue[i]);
+        red[i] = (ir * fall).mul_add(fade(cr, meters), red[i]);
+        green[i] = (ig * fall).mul_add(fade(cg, meters), green[i]);
+        blue[i] = (ib * fall).mul_add(fade(cb, meters), blue[i]);
     }
 }

@@ -10,7 +10,7 @@ use crate::range::{SHORTEST_M, is_hole};
 const BIN_SHIFT: u32 = 20;
 /// Bins of all positive floats.
 const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
-/// Pixels that are looked at together: most neighbours share a bin.
+/// Pixels that are looked at together: most neighbors share a bin.
 const RUN: usize = 16;
 
 /// The lit bins, nearest first.
@@ -25,7 +25,7 @@ pub(super) fn binned(radiance: &Rgb<f32>, range: &Plane<f32>) -> Vec<RangeBin> {
         .enumerate()
         .filter(|(_, bin)| bin.iter().any(|&light| light > 0.0));
     lit.map(|(bin, brightest)| RangeBin {
-        metres: (edge(bin), edge(bin + 1).min(f64::from(f32::MAX))),
+        meters: (edge(bin), edge(bin + 1).min(f64::from(f32::MAX))),
         brightest,
     })
     .collect()

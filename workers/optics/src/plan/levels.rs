@@ -2,9 +2,7 @@
 
 use spec::Fidelity;
 
-use super::SceneStats;
-use crate::lamp;
-use crate::setting::Setting;
+use super::{Given, SceneStats};
 use crate::water::Water;
 
 /// Rounding of f32 in attenuation and transforms, for light up to 1: the largest of some ten thousand frames is half of it.
@@ -28,15 +26,12 @@ pub(super) fn rounding(stats: &SceneStats, water: &Water, channel: usize) -> f64
 }
 
 /// No light that snow may cover is brighter: that of the scene as it may pile up, the veil, and the glow.
-pub(super) fn brightest_behind(stats: &SceneStats, setting: &Setting) -> f64 {
-    let gain = setting.around.as_ref().map_or([1.0; 3], Water::radiance_gain);
-    let veil = setting.around.as_ref().map_or([0.0; 3], Water::veiling_light);
-    let glow = setting
-        .lighting
-        .as_ref()
-        .map_or(0.0, |lighting| lamp::brightest_glow(lighting, setting.size));
-    let behind = [0, 1, 2].map(|i| PILED_UP * f64::from(stats.brightest[i]) * gain[i] + veil[i]);
-    behind.into_iter().fold(0.0, f64::max) + glow
+pub(super) fn brightest_behind(given: &Given<'_>) -> f64 {
+    let around = given.setting.around.as_ref();
+    let gain = around.map_or([1.0; 3], Water::radiance_gain);
+    let veil = around.map_or([0.0; 3], Water::veiling_light);
+    let behind = [0, 1, 2].map(|i| PILED_UP * f64::from(given.stats.brightest[i]) * gain[i] + veil[i]);
+    behind.into_iter().fold(0.0, f64::max) + given.lamps.glow_peak
 }
 
 /// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` where no light is

@@ -32,7 +32,7 @@ pub(super) fn choose(
     if fidelity == Fidelity::REFERENCE && water.scatter != Scatter::None {
         return (ScatterStep::Reference, None);
     }
-    let Some(light) = SpreadLight::of(stats, water, channel) else {
+    let Some(light) = SpreadLight::measure(stats, water, channel) else {
         return (ScatterStep::Skip, None);
     };
     let (least, most) = light.span;
@@ -51,7 +51,7 @@ pub(super) fn choose(
             .distinct_m
             .as_ref()
             .filter(|distinct| distinct.len() <= terms)?;
-        let scale = |&metres: &f32| light.spread.gamma(channel, f64::from(metres), stats.widest_px);
+        let scale = |&meters: &f32| light.spread.gamma(channel, f64::from(meters), stats.widest_px);
         Some(ScatterStep::Interpolated(Nodes::exact(
             distinct.iter().map(scale),
         )))
@@ -76,7 +76,7 @@ pub(super) fn choose(
 fn within(light: &SpreadLight, share: f64) -> (ScatterStep, f64) {
     let (least, most) = light.span;
     // Light that leaves its own pixel.
-    let leaving = 1.0 - kernel::centre(most);
+    let leaving = 1.0 - kernel::center(most);
     let moved = leaving * light.brightest;
     if moved <= share && light.gathers {
         return (ScatterStep::Skip, moved);
@@ -145,11 +145,11 @@ struct SpreadLight {
 
 impl SpreadLight {
     /// None where there is nothing to spread.
-    fn of(stats: &SceneStats, water: &Water, channel: usize) -> Option<Self> {
+    fn measure(stats: &SceneStats, water: &Water, channel: usize) -> Option<Self> {
         match water.scatter {
             Scatter::None => None,
             Scatter::Simplified { spread } => {
-                let gamma = |metres: f64| spread.gamma(channel, metres, stats.widest_px);
+                let gamma = |meters: f64| spread.gamma(channel, meters, stats.widest_px);
                 let (nearest, farthest) = stats.range_m?;
                 let (low, high) = super::levels::levels(stats, water, channel);
                 Some(Self {
@@ -162,12 +162,12 @@ impl SpreadLight {
                 })
             }
             Scatter::Jaffe { g, source, spread } => {
-                let gamma = |metres: f64| spread.gamma(channel, metres, stats.widest_px);
+                let gamma = |meters: f64| spread.gamma(channel, meters, stats.widest_px);
                 let (nearest, farthest) = stats.lit_m[channel]?;
                 let c = water.direct_attenuation[channel];
                 let bins = stats.bins.iter().filter_map(|bin| {
                     let radiance = f64::from(bin.brightest[channel]) * water.radiance_gain[channel];
-                    let (near, far) = (bin.metres.0.max(nearest), bin.metres.1.min(farthest));
+                    let (near, far) = (bin.meters.0.max(nearest), bin.meters.1.min(farthest));
                     let arriving = if source == ScatterSource::Direct {
                         (-c * near).exp()
                     } else {

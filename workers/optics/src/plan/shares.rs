@@ -4,7 +4,6 @@ use spec::{Fidelity, Frame};
 
 use super::levels::{self, PILED_UP};
 use super::{Given, SceneStats};
-use crate::lamp;
 use crate::setting::Setting;
 use crate::turbidity::path_rounding;
 use crate::water::Water;
@@ -25,10 +24,6 @@ const LEAST: f64 = 0.125;
 pub(super) struct Shares {
     /// What the frame asks for.
     pub(super) tolerance: Option<f64>,
-    /// Glow of the water before the lamps: what nodes may leave, what the most of them leave beyond it, and what f32 may lose.
-    pub(super) glow_nodes: f64,
-    pub(super) glow_left: f64,
-    pub(super) glow_rounding: f64,
     /// Marine snow.
     pub(super) snow: f64,
     /// Rounding of paths through patchy water, as it arrives in the picture.
@@ -45,40 +40,38 @@ impl Shares {
             frame,
             setting,
             stats,
+            lamps,
             ..
         } = *given;
         let around = setting.around.as_ref();
         let tolerance = tolerance(frame, stats, around);
-        let whole = tolerance.unwrap_or(TOLERANCE);
-        let glow = if setting.lighting.is_some() { GLOW } else { 0.0 };
         let snow = if frame.water.snow.is_some() { SNOW } else { 0.0 };
-        let lighting = setting.lighting.as_ref();
-        let glow_rounding = lighting.map_or(0.0, |lighting| lamp::glow_rounding(lighting, setting.size));
-        // More nodes make up for no rounding: half of the share is always theirs.
-        let glow_nodes = (glow * whole - glow_rounding).max(0.5 * glow * whole);
-        let shares = Self {
-            tolerance,
-            glow_nodes,
-            glow_left: lighting.map_or(0.0, |lighting| {
-                lamp::glow_left(lighting, setting.size, glow_nodes)
-            }),
-            glow_rounding,
-            snow: snow * whole,
-            path: around.map_or(0.0, |water| PILED_UP * path(stats, water, setting)),
-            surfaces: PILED_UP * stats.lamp_rounding,
-            water: None,
-        };
-        let rounding = shares.path + shares.surfaces;
-        let left = |whole: f64| ((1.0 - glow - snow) * whole - rounding).max(LEAST * whole);
+        let path = around.map_or(0.0, |water| PILED_UP * path(stats, water, setting));
+        let surfaces = PILED_UP * lamps.surface_rounding;
+        let others = lamps.glow_left + lamps.glow_rounding + path + surfaces;
+        let left = |whole: f64| ((1.0 - snow) * whole - others).max(LEAST * whole);
         Self {
+            tolerance,
+            snow: snow * tolerance.unwrap_or(TOLERANCE),
+            path,
+            surfaces,
             water: tolerance.map(left),
-            ..shares
         }
     }
 
     /// What the plan of the water is made for.
     pub(super) fn fidelity(&self, frame: &Frame) -> Fidelity {
         self.water.map_or(frame.fidelity, Fidelity::Tolerance)
+    }
+}
+
+/// The error in linear light that the quadrature of the glow of lamps may leave in this frame.
+#[must_use]
+pub fn glow_share(frame: &Frame) -> f64 {
+    GLOW * match frame.fidelity {
+        Fidelity::Tolerance(tolerance) => tolerance,
+        Fidelity::DISPLAY => DARK,
+        _ => TOLERANCE,
     }
 }
 

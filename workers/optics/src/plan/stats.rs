@@ -16,8 +16,8 @@ const MOST_DISTINCT: usize = 32;
 /// Pixels whose range lies between two distances less than an eighth apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RangeBin {
-    /// The two distances in metres.
-    pub metres: (f64, f64),
+    /// The two distances in meters.
+    pub meters: (f64, f64),
     /// Largest radiance of each channel among them.
     pub brightest: [f32; 3],
 }
@@ -25,7 +25,7 @@ pub struct RangeBin {
 /// Bounds of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneStats {
-    /// Nearest and farthest valid range in metres, holes by the water's rule; none if every pixel is a hole.
+    /// Nearest and farthest valid range in meters, holes by the water's rule; none if every pixel is a hole.
     pub range_m: Option<(f64, f64)>,
     /// The same of the pixels that spread light in a channel: their radiance is not 0, and it is not all lost on the way.
     pub lit_m: [Option<(f64, f64)>; 3],
@@ -43,8 +43,6 @@ pub struct SceneStats {
     pub widest_px: f64,
     /// Pixels.
     pub pixels: usize,
-    /// What f32 may have lost of the light that lamps throw on the scene; 0 without lamps.
-    pub lamp_rounding: f64,
 }
 
 impl SceneStats {
@@ -52,7 +50,7 @@ impl SceneStats {
     #[must_use]
     pub fn measure(radiance: &Rgb<f32>, range: &Plane<f32>, water: &Water) -> Self {
         let stand_in = match water.holes {
-            HoleRule::RangeM(metres) if range.data().iter().any(|&z| is_hole(z)) => Some(metres as f32),
+            HoleRule::RangeM(meters) if range.data().iter().any(|&z| is_hole(z)) => Some(meters as f32),
             _ => None,
         };
         // Which of the filled holes are lit is not worth a second look.
@@ -70,8 +68,8 @@ impl SceneStats {
         let brightest = channels.map(|channel| channel.brightest);
         let mut bins = bins::binned(radiance, range);
         if let Some(z) = stand_in {
-            let metres = (f64::from(z), f64::from(z));
-            bins.push(RangeBin { metres, brightest });
+            let meters = (f64::from(z), f64::from(z));
+            bins.push(RangeBin { meters, brightest });
         }
         Self {
             holes: stand_in.is_none() && range.data().iter().any(|&z| is_hole(z)),
@@ -83,7 +81,6 @@ impl SceneStats {
             brightest,
             widest_px: widest_px(range.width(), range.height()),
             pixels: range.data().len(),
-            lamp_rounding: 0.0,
         }
     }
 
@@ -101,7 +98,6 @@ impl SceneStats {
             bins: Vec::new(),
             widest_px: widest_px(width, height),
             pixels: width * height,
-            lamp_rounding: 0.0,
         }
     }
 }
@@ -183,7 +179,7 @@ mod tests {
         assert_eq!(stats.lit_m, [Some((2.0, 3.0)), Some((2.0, 9.0)), None]);
         assert_eq!(stats.distinct_m, Some(vec![2.0, 9.0, 3.0]));
         assert_eq!(stats.brightest, [0.5, 1.0, 0.0]);
-        let lit: Vec<_> = stats.bins.iter().map(|bin| (bin.metres, bin.brightest)).collect();
+        let lit: Vec<_> = stats.bins.iter().map(|bin| (bin.meters, bin.brightest)).collect();
         assert_eq!(lit[0], ((2.0, 2.25), [0.5, 1.0, 0.0]));
         assert_eq!(lit[2], ((9.0, 10.0), [0.0, 1.0, 0.0]));
         assert!(lit.len() == 3 && stats.holes);

@@ -1,11 +1,20 @@
 //! The Jerlov water types, and the baseline of a well-known simulator.
 
-use super::{Channels, Preset};
+use super::Preset;
 
-const WILLIAMSON: &str = "Williamson & Hollins 2022, Applied Optics 61, 9951: measured campaign means, from a secondary transcription";
-const SOLONENKO: &str = "Solonenko & Mobley 2015, Applied Optics 54, 5392: inverted from Jerlov's K_d, from a secondary transcription";
-const OPEN_DATA: &str = "Open Government Licence v3.0 (data)";
-const UNKNOWN: &str = "unknown";
+const WILLIAMSON: Source = Source {
+    name: "williamson2022",
+    reference: "Williamson & Hollins 2022, Applied Optics 61, 9951: measured campaign means, from a secondary transcription",
+    licence: "Open Government Licence v3.0 (data)",
+    // Their measured wavelengths.
+    wavelength_nm: [650.0, 555.0, 440.0],
+};
+const SOLONENKO: Source = Source {
+    name: "solonenko2015",
+    reference: "Solonenko & Mobley 2015, Applied Optics 54, 5392: inverted from Jerlov's K_d, from a secondary transcription",
+    licence: "unknown",
+    wavelength_nm: NM_TABLE,
+};
 
 const NARROW: &str = "three wavelengths stand for three broad camera channels";
 const KD: &str = "K_d after Jerlov 1976, interpolated linearly between tabulated wavelengths";
@@ -33,113 +42,37 @@ const INCOMPLETE: &[&str] = &[
     "absorption at 650 nm is a duplicated row in print and therefore unknown",
 ];
 
-/// Williamson & Hollins keep their measured wavelengths.
-const NM_WILLIAMSON: [f64; 3] = [650.0, 555.0, 440.0];
-const NM_SOLONENKO: [f64; 3] = [650.0, 550.0, 450.0];
+/// (type, absorption, scattering, caveats), both R, G, B.
+type Row = (&'static str, [f64; 3], [f64; 3], &'static [&'static str]);
 
-/// (name, absorption, scattering, caveats), both R, G, B.
-type Row = (&'static str, Channels, [f64; 3], &'static [&'static str]);
+/// A coefficient that the source does not give.
+const UNPRINTED: f64 = f64::NAN;
 
 const WILLIAMSON_ROWS: [Row; 6] = [
-    (
-        "jerlov-IB/williamson2022",
-        [Some(0.346), Some(0.071), Some(0.042)],
-        [0.118, 0.120, 0.135],
-        FEW,
-    ),
-    (
-        "jerlov-II/williamson2022",
-        [Some(0.353), Some(0.077), Some(0.066)],
-        [0.164, 0.184, 0.195],
-        MEASURED,
-    ),
-    (
-        "jerlov-III/williamson2022",
-        [Some(0.364), Some(0.091), Some(0.114)],
-        [0.271, 0.306, 0.309],
-        MEASURED,
-    ),
-    (
-        "jerlov-1C/williamson2022",
-        [Some(0.366), Some(0.099), Some(0.159)],
-        [0.412, 0.447, 0.435],
-        MEASURED,
-    ),
-    (
-        "jerlov-3C/williamson2022",
-        [Some(0.375), Some(0.118), Some(0.231)],
-        [0.652, 0.675, 0.636],
-        MEASURED,
-    ),
-    (
-        "jerlov-5C/williamson2022",
-        [Some(0.395), Some(0.157), Some(0.327)],
-        [1.237, 1.267, 1.072],
-        MEASURED,
-    ),
+    ("IB", [0.346, 0.071, 0.042], [0.118, 0.120, 0.135], FEW),
+    ("II", [0.353, 0.077, 0.066], [0.164, 0.184, 0.195], MEASURED),
+    ("III", [0.364, 0.091, 0.114], [0.271, 0.306, 0.309], MEASURED),
+    ("1C", [0.366, 0.099, 0.159], [0.412, 0.447, 0.435], MEASURED),
+    ("3C", [0.375, 0.118, 0.231], [0.652, 0.675, 0.636], MEASURED),
+    ("5C", [0.395, 0.157, 0.327], [1.237, 1.267, 1.072], MEASURED),
 ];
 
 const SOLONENKO_ROWS: [Row; 10] = [
     (
-        "jerlov-I/solonenko2015",
-        [Some(0.334), Some(0.062), Some(0.018)],
+        "I",
+        [0.334, 0.062, 0.018],
         [0.0009, 0.0017, 0.0038],
         SUSPECT_CLEAREST,
     ),
-    (
-        "jerlov-IA/solonenko2015",
-        [Some(0.334), Some(0.0622), Some(0.0221)],
-        [0.0023, 0.0035, 0.0063],
-        SUSPECT,
-    ),
-    (
-        "jerlov-IB/solonenko2015",
-        [Some(0.334), Some(0.0623), Some(0.0235)],
-        [0.045, 0.0536, 0.068],
-        INVERTED,
-    ),
-    (
-        "jerlov-II/solonenko2015",
-        [Some(0.334), Some(0.0622), Some(0.0241)],
-        [0.270, 0.358, 0.504],
-        INVERTED,
-    ),
-    (
-        "jerlov-III/solonenko2015",
-        [Some(0.336), Some(0.0646), Some(0.0388)],
-        [0.737, 0.980, 1.38],
-        INVERTED,
-    ),
-    (
-        "jerlov-1C/solonenko2015",
-        [Some(0.344), Some(0.076), Some(0.105)],
-        [0.274, 0.365, 0.514],
-        INVERTED,
-    ),
-    (
-        "jerlov-3C/solonenko2015",
-        [Some(0.346), Some(0.082), Some(0.154)],
-        [0.800, 1.06, 1.50],
-        INVERTED,
-    ),
-    (
-        "jerlov-5C/solonenko2015",
-        [None, Some(0.117), Some(0.297)],
-        [1.001, 1.33, 1.87],
-        INCOMPLETE,
-    ),
-    (
-        "jerlov-7C/solonenko2015",
-        [Some(0.403), Some(0.195), Some(0.542)],
-        [1.77, 2.35, 3.30],
-        INVERTED,
-    ),
-    (
-        "jerlov-9C/solonenko2015",
-        [Some(0.456), Some(0.348), Some(0.943)],
-        [2.35, 3.12, 4.39],
-        INVERTED,
-    ),
+    ("IA", [0.334, 0.0622, 0.0221], [0.0023, 0.0035, 0.0063], SUSPECT),
+    ("IB", [0.334, 0.0623, 0.0235], [0.045, 0.0536, 0.068], INVERTED),
+    ("II", [0.334, 0.0622, 0.0241], [0.270, 0.358, 0.504], INVERTED),
+    ("III", [0.336, 0.0646, 0.0388], [0.737, 0.980, 1.38], INVERTED),
+    ("1C", [0.344, 0.076, 0.105], [0.274, 0.365, 0.514], INVERTED),
+    ("3C", [0.346, 0.082, 0.154], [0.800, 1.06, 1.50], INVERTED),
+    ("5C", [UNPRINTED, 0.117, 0.297], [1.001, 1.33, 1.87], INCOMPLETE),
+    ("7C", [0.403, 0.195, 0.542], [1.77, 2.35, 3.30], INVERTED),
+    ("9C", [0.456, 0.348, 0.943], [2.35, 3.12, 4.39], INVERTED),
 ];
 
 /// K_d of Jerlov 1976 at 400, 450, 500, 550, 600, 650, 700 nm, 1/m.
@@ -158,7 +91,7 @@ const JERLOV_KD: [(&str, [f64; 7]); 10] = [
 const KD_FIRST_NM: f64 = 400.0;
 const KD_STEP_NM: f64 = 50.0;
 /// Tabulated wavelengths that stand for red, green and blue.
-pub(super) const NM_TABLE: [f64; 3] = NM_SOLONENKO;
+pub(super) const NM_TABLE: [f64; 3] = [650.0, 550.0, 450.0];
 
 /// K_d between two tabulated wavelengths; nothing outside the table.
 pub(super) fn diffuse_attenuation(water: &str, wavelength_nm: f64) -> Option<f64> {
@@ -174,33 +107,38 @@ pub(super) fn diffuse_attenuation(water: &str, wavelength_nm: f64) -> Option<f64
     }
 }
 
-fn preset(row: &Row, source: &str, licence: &str, wavelength_nm: [f64; 3]) -> Preset {
-    let (name, absorption, scattering, caveats) = *row;
-    let water = name
-        .trim_start_matches("jerlov-")
-        .split('/')
-        .next()
-        .unwrap_or_default();
-    let tabulated = wavelength_nm.iter().all(|nm| nm % KD_STEP_NM == 0.0);
+/// What the tables of one source have in common.
+struct Source {
+    /// The second half of its presets' names.
+    name: &'static str,
+    reference: &'static str,
+    licence: &'static str,
+    wavelength_nm: [f64; 3],
+}
+
+fn preset(&(kind, absorption, scattering, caveats): &Row, source: &Source) -> Preset {
+    let tabulated = source.wavelength_nm.iter().all(|nm| nm % KD_STEP_NM == 0.0);
     let interpolated = (!tabulated).then_some("diffuse_attenuation_per_m");
+    let absorption = absorption.map(|a| (!a.is_nan()).then_some(a));
+    let name = format!("jerlov-{kind}/{}", source.name);
     Preset {
-        jerlov_type: Some(water.to_owned()),
+        jerlov_type: Some(kind.to_owned()),
         caveats: caveats.iter().map(ToString::to_string).collect(),
-        wavelength_nm: wavelength_nm.map(Some),
+        wavelength_nm: source.wavelength_nm.map(Some),
         absorption,
         scattering: scattering.map(Some),
         beam_attenuation: [0, 1, 2].map(|i| absorption[i].map(|a| a + scattering[i])),
-        diffuse_attenuation: wavelength_nm.map(|nm| diffuse_attenuation(water, nm)),
+        diffuse_attenuation: source.wavelength_nm.map(|nm| diffuse_attenuation(kind, nm)),
         derived: ["beam_attenuation_per_m"]
             .into_iter()
             .chain(interpolated)
             .collect(),
-        ..Preset::unknown(name, source, licence)
+        ..Preset::unknown(&name, source.reference, source.licence)
     }
 }
 
 /// Attenuation only, as the underwater camera plugin of UUV Simulator has it where a robot description sets nothing:
-/// `attenuationR`, `G` and `B` 1/30 per metre, `backgroundR`, `G` and `B` 0.
+/// `attenuationR`, `G` and `B` 1/30 per meter, `backgroundR`, `G` and `B` 0.
 fn uuv_simulator() -> Preset {
     let caveats = [
         "a baseline to compare with, not a measured water: grey attenuation and a black background",
@@ -219,11 +157,7 @@ fn uuv_simulator() -> Preset {
 }
 
 pub(super) fn presets() -> impl Iterator<Item = Preset> {
-    let measured = WILLIAMSON_ROWS
-        .iter()
-        .map(|row| preset(row, WILLIAMSON, OPEN_DATA, NM_WILLIAMSON));
-    let inverted = SOLONENKO_ROWS
-        .iter()
-        .map(|row| preset(row, SOLONENKO, UNKNOWN, NM_SOLONENKO));
+    let measured = WILLIAMSON_ROWS.iter().map(|row| preset(row, &WILLIAMSON));
+    let inverted = SOLONENKO_ROWS.iter().map(|row| preset(row, &SOLONENKO));
     measured.chain(inverted).chain([uuv_simulator()])
 }

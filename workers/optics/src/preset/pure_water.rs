@@ -45,7 +45,7 @@ fn clearest(nm: f64) -> Option<f64> {
 }
 
 /// Where K_d or c of this water lies below pure sea water.
-pub(super) fn warnings(preset: &Preset) -> Vec<String> {
+pub(crate) fn warnings(preset: &Preset) -> Vec<String> {
     let below = |kind: &'static str, values: Channels| {
         let channels = CHANNELS.into_iter().zip(preset.wavelength_nm).zip(values);
         channels.filter_map(move |((channel, nm), value)| {

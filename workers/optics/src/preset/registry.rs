@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{Channels, Preset, all_known, behaviour, diffuse, jerlov, pure_water, self_test, single};
+use super::{Channels, Preset, all_known, diffuse, jerlov, pure_water, self_test, single};
 
 static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
     let mut presets: Vec<Preset> = jerlov::presets()
@@ -16,7 +16,6 @@ static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
             .filter(|d| d.preset == preset.name)
             .map(|d| d.what.clone())
             .collect();
-        preset.defects.extend(behaviour::test(preset, behaviour::OURS));
         preset.warnings = pure_water::warnings(preset);
     }
     presets

@@ -2,7 +2,7 @@
 
 use super::{Preset, all_known};
 
-/// A water that contradicts itself or its neighbours.
+/// A water that contradicts itself or its neighbors.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{preset}: {what}")]
 pub struct Defect {
@@ -23,7 +23,7 @@ const CLEAR_LIMIT_PER_M: f64 = 0.5;
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Checks a set of presets: within one source attenuation and K_d grow with the type in every channel; clear water is clear;
-/// K_d has the colour of its type; c = a + b; nothing is negative or not finite. Answers every defect.
+/// K_d has the color of its type; c = a + b; nothing is negative or not finite. Returns every defect.
 #[must_use]
 pub fn self_test(presets: &[Preset]) -> Vec<Defect> {
     let mut defects = Vec::new();
@@ -165,12 +165,12 @@ mod tests {
     #[test]
     fn every_k_d_of_an_ocean_or_turbid_water_with_red_and_blue_swapped_is_found() {
         for preset in changed(|[r, g, b]| [b, g, r]) {
-            let coloured = ["I", "IA", "IB", "II", "7C", "9C", "7", "9"].contains(&water(&preset))
+            let colored = ["I", "IA", "IB", "II", "7C", "9C", "7", "9"].contains(&water(&preset))
                 && all_known(preset.diffuse_attenuation).is_some();
             let seen = found(std::slice::from_ref(&preset))
                 .iter()
                 .any(|d| d.what.starts_with("K_d"));
-            assert_eq!(seen, coloured, "{}", preset.name);
+            assert_eq!(seen, colored, "{}", preset.name);
         }
     }
 

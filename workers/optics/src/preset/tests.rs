@@ -1,6 +1,7 @@
 //! The shipped waters, number by number where it matters.
 
 use super::*;
+use crate::water::properties;
 
 #[test]
 fn a_bare_name_is_its_default_source() {

@@ -38,11 +38,11 @@ pub fn snow(
             continue;
         }
         let reach = flake.sigma * (2.0 * (most / share).ln()).sqrt().min(REACH);
-        let span = |centre: f64, side: usize| {
-            let first = (centre - reach).ceil().max(0.0) as usize;
-            first..((centre + reach).floor() + 1.0).clamp(0.0, side as f64) as usize
+        let span = |center: f64, side: usize| {
+            let first = (center - reach).ceil().max(0.0) as usize;
+            first..((center + reach).floor() + 1.0).clamp(0.0, side as f64) as usize
         };
-        let (columns, rows) = (span(flake.centre[0], width), span(flake.centre[1], height));
+        let (columns, rows) = (span(flake.center[0], width), span(flake.center[1], height));
         if columns.is_empty() {
             continue;
         }
@@ -51,11 +51,11 @@ pub fn snow(
         weights.extend(
             columns
                 .clone()
-                .map(|x| falloff(x as f64 - flake.centre[0]) as f32),
+                .map(|x| falloff(x as f64 - flake.center[0]) as f32),
         );
         let color = color.map(|v| v as f32);
         for row in rows {
-            let down = falloff(row as f64 - flake.centre[1]);
+            let down = falloff(row as f64 - flake.center[1]);
             let opacity = opacity.map(|v| (v * down) as f32);
             let at = row * width + columns.start..row * width + columns.end;
             let behind = &surround.range.data()[at.clone()];

@@ -25,7 +25,7 @@ pub struct Flake {
     /// Its distance from the camera, m.
     pub range_m: f64,
     /// Where it is in the picture, pixels.
-    pub centre: [f64; 2],
+    pub center: [f64; 2],
     /// σ of its disc, pixels.
     pub sigma: f64,
     /// Opacity in the middle of the disc without any water.
@@ -59,17 +59,17 @@ fn seen(
     let camera = &eye.camera;
     let size = camera.focal_px * radius_m / z;
     let sigma = size.max(0.5);
-    let centre = [
+    let center = [
         camera.cx + camera.focal_px * x / z,
         camera.cy + camera.focal_px * y / z,
     ];
     let reaches =
-        |centre: f64, side: usize| centre >= -REACH * sigma && centre <= side as f64 - 1.0 + REACH * sigma;
-    (reaches(centre[0], width) && reaches(centre[1], height)).then(|| Flake {
+        |center: f64, side: usize| center >= -REACH * sigma && center <= side as f64 - 1.0 + REACH * sigma;
+    (reaches(center[0], width) && reaches(center[1], height)).then(|| Flake {
         place,
         radius_m,
         range_m: (x * x + y * y + z * z).sqrt(),
-        centre,
+        center,
         sigma,
         opacity: (size / sigma).powi(2),
     })

@@ -5,7 +5,7 @@ use imaging::{Plane, Rgb};
 use super::{Flake, Surround};
 use crate::range::is_hole;
 
-/// Lays the particles, given the farthest first, over a picture in linear light; answers the picture and the opacity that they
+/// Lays the particles, given the farthest first, over a picture in linear light; returns the picture and the opacity that they
 /// have together in green. `I ← I (1 − α) + albedo L α` with `α = opacity e^{−c R} exp(−d²/2σ²)`, d the distance of the pixel
 /// from the middle of the disc.
 #[must_use]
@@ -33,7 +33,7 @@ pub fn snow_reference(
             if !is_hole(behind) && behind <= flake.range_m {
                 continue;
             }
-            let (dx, dy) = (x as f64 - flake.centre[0], y as f64 - flake.centre[1]);
+            let (dx, dy) = (x as f64 - flake.center[0], y as f64 - flake.center[1]);
             let disc = (-(dx * dx + dy * dy) / (2.0 * flake.sigma * flake.sigma)).exp();
             for i in 0..3 {
                 light[i] += (color[i] - light[i]) * opacity[i] * disc;

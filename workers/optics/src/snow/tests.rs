@@ -17,7 +17,7 @@ fn eye() -> Eye {
     Eye::at_origin(Intrinsics::centered(60.0, SIZE.0, SIZE.1))
 }
 
-/// A grey picture with a wall at this range under snow, and the mask.
+/// A gray picture with a wall at this range under snow, and the mask.
 fn fall(eye: &Eye, snow: &Snow, world: World, range: f32, attenuation: f64) -> (Rgb<f32>, Plane<f32>) {
     let range = Plane::filled(SIZE.0, SIZE.1, range);
     let mut image = Rgb::from_fn(SIZE.0, SIZE.1, |_, _| [0.05f32; 3]);
@@ -37,7 +37,7 @@ fn fall(eye: &Eye, snow: &Snow, world: World, range: f32, attenuation: f64) -> (
 fn the_number_of_particles_follows_the_density() {
     let eye = eye();
     let inside =
-        |flake: &&Flake| (-0.5..95.5).contains(&flake.centre[0]) && (-0.5..63.5).contains(&flake.centre[1]);
+        |flake: &&Flake| (-0.5..95.5).contains(&flake.center[0]) && (-0.5..63.5).contains(&flake.center[1]);
     for density in [3.0, 400.0, 20_000.0] {
         let snow = Snow {
             density_per_m3: density,
@@ -93,7 +93,7 @@ fn the_mask_is_where_the_picture_changed_and_a_wall_hides_what_is_behind() {
     let (image, mask) = fall(&eye(), &SNOW, WORLD, 10.0, 0.3);
     assert!(mask.data().iter().filter(|&&v| v > 0.1).count() > 30);
     for (opacity, value) in mask.data().iter().zip(image.planes()[1].data()) {
-        // Every colour is 0.8 and the wall 0.05.
+        // Every color is 0.8 and the wall 0.05.
         assert!((f64::from(*value) - 0.05 - 0.75 * f64::from(*opacity)).abs() < 1e-5);
     }
     let (image, mask) = fall(&eye(), &SNOW, WORLD, 0.1, 0.3);

@@ -7,6 +7,7 @@ use spec::HoleRule;
 
 use super::{Field, PAIRS};
 use crate::attenuation::masked;
+use crate::elementary::small_sin_cos;
 use crate::eye::Eye;
 use crate::range::SHORTEST_M;
 
@@ -20,7 +21,7 @@ const FARTHEST_M: f32 = 1e5;
 #[must_use]
 pub fn optical_path(range: &Plane<f32>, field: &Field, eye: &Eye, holes: HoleRule) -> Plane<f32> {
     let stand_in = match holes {
-        HoleRule::RangeM(metres) => Some(metres as f32),
+        HoleRule::RangeM(meters) => Some(meters as f32),
         HoleRule::Background | HoleRule::Reject => None,
     };
     let rays = Rays::new(&field.seen_from(eye), &eye.camera);
@@ -75,13 +76,13 @@ impl Rays {
 
     /// By how much the mean of the field from the camera to these distances exceeds 1, on the rays of a run of pixels.
     #[inline(always)]
-    pub(crate) fn excess(&self, (x, y): (usize, usize), metres: &[f32; RUN]) -> [f32; RUN] {
+    pub(crate) fn excess(&self, (x, y): (usize, usize), meters: &[f32; RUN]) -> [f32; RUN] {
         let [inverse_focal, cx, cy] = self.lens;
         let v = (y as f32 - cy) * inverse_focal;
         let mut lanes = Lanes::default();
         for i in 0..RUN {
             let u = ((x + i) as f32 - cx) * inverse_focal;
-            let planar = metres[i].min(FARTHEST_M) / (u * u + v * v + 1.0).sqrt();
+            let planar = meters[i].min(FARTHEST_M) / (u * u + v * v + 1.0).sqrt();
             (lanes.right[i], lanes.down[i], lanes.ahead[i]) = (u * planar, v * planar, planar);
         }
         // One wave after the other over all lanes: a loop over waves within each pixel would stay scalar.
@@ -98,15 +99,15 @@ fn row(range: &[f32], y: usize, stand_in: Option<f32>, rays: &Rays, path: &mut [
     for (run, (range, path)) in range.chunks(RUN).zip(path.chunks_mut(RUN)).enumerate() {
         let mut given = [0.0f32; RUN];
         given[..range.len()].copy_from_slice(range);
-        let mut metres = [0.0f32; RUN];
+        let mut meters = [0.0f32; RUN];
         for i in 0..RUN {
             let (valid, z) = masked(given[i]);
-            metres[i] = if fills & !valid { filling } else { z };
+            meters[i] = if fills & !valid { filling } else { z };
         }
-        let excess = rays.excess((run * RUN, y), &metres);
+        let excess = rays.excess((run * RUN, y), &meters);
         for i in 0..path.len() {
             let (valid, _) = masked(given[i]);
-            let z = metres[i];
+            let z = meters[i];
             let length = (z + z.min(FARTHEST_M) * excess[i])
                 .max(SHORTEST_M as f32)
                 .min(f32::MAX);
@@ -138,7 +139,7 @@ fn sin_cos(x: f32) -> (f32, f32) {
     let rounded = x * std::f32::consts::FRAC_2_PI + ROUND;
     let n = rounded - ROUND;
     let r = ((x - n * PARTS[0]) - n * PARTS[1]) - n * PARTS[2];
-    let (sin, cos) = crate::lamp::small_sin_cos(r.max(-0.8).min(0.8));
+    let (sin, cos) = small_sin_cos(r.max(-0.8).min(0.8));
     let quarter = rounded.to_bits();
     let (a, b) = if quarter & 1 == 0 { (sin, cos) } else { (cos, sin) };
     let sin = f32::from_bits(a.to_bits() ^ ((quarter & 2) << 30));

@@ -5,7 +5,7 @@ use spec::{HoleRule, Turbidity};
 
 use super::Field;
 use crate::eye::Eye;
-use crate::lamp::gauss_legendre;
+use crate::legendre::gauss_legendre;
 use crate::range::{SHORTEST_M, is_hole};
 
 /// Panels of the quadrature are this share of the scale at most.
@@ -15,7 +15,7 @@ const NODES: usize = 12;
 /// More panels would not end.
 const MOST_PANELS: f64 = 1e5;
 
-/// `τ = ∫₀^Z m dt` of every pixel in metres, at least a millimetre: Gauss–Legendre quadrature with 12 nodes on panels of half a
+/// `τ = ∫₀^Z m dt` of every pixel in meters, at least a millimetre: Gauss–Legendre quadrature with 12 nodes on panels of half a
 /// scale. Holes stay holes, unless the rule gives them a range.
 #[must_use]
 pub fn optical_path_reference(
@@ -28,7 +28,7 @@ pub fn optical_path_reference(
     let rule = gauss_legendre(NODES);
     Plane::from_fn(range.width(), range.height(), |x, y| {
         let z = match holes {
-            HoleRule::RangeM(metres) if is_hole(range.at(x, y)) => metres,
+            HoleRule::RangeM(meters) if is_hole(range.at(x, y)) => meters,
             _ => range.at(x, y),
         };
         if is_hole(z) {
@@ -43,7 +43,7 @@ pub fn optical_path_reference(
             let middle = half * (2.0 * panel as f64 + 1.0);
             let nodes = rule.iter().map(|(node, weight)| {
                 let t = middle + half * node;
-                weight * field.at(eye.to_world(ray.map(|v| t * v)))
+                weight * field.factor_at(eye.to_world(ray.map(|v| t * v)))
             });
             half * nodes.sum::<f64>()
         };

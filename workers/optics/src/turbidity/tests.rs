@@ -14,7 +14,10 @@ fn the_field_has_mean_one_the_stated_spread_and_correlation_and_is_never_negativ
     let n = 40_000;
     for index in 0..n {
         let field = Field::new(&PATCHY, World { seed: 3, index });
-        let (here, there) = (field.at([1.0, -2.0, 5.0]), field.at([1.0, -1.3, 5.0]));
+        let (here, there) = (
+            field.factor_at([1.0, -2.0, 5.0]),
+            field.factor_at([1.0, -1.3, 5.0]),
+        );
         assert!((1.0 - PATCHY.contrast..=1.0 + PATCHY.contrast * 4.0 + 1e-9).contains(&here));
         sum += here;
         square += (here - 1.0).powi(2);
@@ -46,7 +49,7 @@ fn a_moving_camera_sees_the_same_field() {
     };
     let seen = field.seen_from(&eye);
     for point in [[0.0; 3], [0.3, -0.2, 2.0], [-4.0, 1.0, 30.0]] {
-        assert!((seen.at(point) - field.at(eye.to_world(point))).abs() < 1e-12);
+        assert!((seen.factor_at(point) - field.factor_at(eye.to_world(point))).abs() < 1e-12);
     }
     assert_ne!(field, Field::new(&PATCHY, World { seed: 3, index: 1 }));
     assert_ne!(field, Field::new(&PATCHY, World { seed: 4, index: 0 }));

@@ -1,14 +1,14 @@
 //! What a preset or a request lacks and can be derived, and all the checks.
 //!
 //! G = a + 0.05 b and γ(Z) = f (0.009 + 0.009 b Z) are fits to Monte Carlo runs in Fournier–Forand and Henyey–Greenstein
-//! waters up to b Z of about 6. A derived veiling light has the colour of daylight at the depth, exp(−K_d h), and by
+//! waters up to b Z of about 6. A derived veiling light has the color of daylight at the depth, exp(−K_d h), and by
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
 use spec::{Ambient, ForwardScatter, Optics, ScatterModel};
 
 use super::{Scatter, Spread, Water, WaterError};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
-use crate::preset::{self, all_known};
+use crate::preset::{self, Channels, Preset, all_known};
 
 const G_SHARE_OF_SCATTERING: f64 = 0.05;
 const SPREAD_OFFSET_RAD: f64 = 0.009;
@@ -30,86 +30,48 @@ pub(super) struct Request<'a> {
 }
 
 pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec<WaterError>> {
+    let Request { water, optics, .. } = *request;
     let mut checks = Checks::default();
     checks.limits(request);
-    let preset = request.optics.preset.as_deref().and_then(|name| {
-        let found = preset::find(name);
-        if found.is_none() {
-            checks.errors.push(WaterError::UnknownPreset {
-                name: name.to_owned(),
-            });
-        }
-        found
-    });
+    let preset = optics.preset.as_deref().and_then(|name| checks.preset(name));
+    // Of an unknown preset nothing else is known to be missing.
+    let is_complete = preset.is_some() || optics.preset.is_none();
     // A given beam attenuation replaces the preset's whole decomposition: a and b of another water would contradict it.
-    let decomposition = preset.filter(|_| request.optics.beam_attenuation_per_m.is_none());
-    let absorption = request
-        .optics
-        .absorption_per_m
-        .or(decomposition.and_then(|p| all_known(p.absorption)));
-    let scattering = request
-        .optics
-        .scattering_per_m
-        .or(decomposition.and_then(|p| all_known(p.scattering)));
+    let decomposition = preset.filter(|_| optics.beam_attenuation_per_m.is_none());
+    let part = |given: Option<[f64; 3]>, own: fn(&Preset) -> Channels| {
+        given.or(decomposition.and_then(|preset| all_known(own(preset))))
+    };
+    let absorption = part(optics.absorption_per_m, |preset| preset.absorption);
+    let scattering = part(optics.scattering_per_m, |preset| preset.scattering);
     let sum = absorption.zip(scattering).map(|(a, b)| each(|i| a[i] + b[i]));
-    if let (Some(c), Some(sum)) = (request.optics.beam_attenuation_per_m, sum) {
-        for i in (0..3).filter(|&i| (c[i] - sum[i]).abs() > SUM_SLACK_PER_M) {
-            checks.errors.push(WaterError::Inconsistent {
-                channel: CHANNELS[i],
-                value: c[i],
-                sum: sum[i],
-            });
+    match sum {
+        Some(sum) => checks.sum(sum, optics.beam_attenuation_per_m),
+        None => {
+            for (field, part) in [("absorption_per_m", absorption), ("scattering_per_m", scattering)] {
+                checks.within_attenuation(field, part, optics.beam_attenuation_per_m);
+            }
         }
     }
-    if sum.is_none() {
-        checks.within_attenuation(
-            "absorption_per_m",
-            absorption,
-            request.optics.beam_attenuation_per_m,
-        );
-        checks.within_attenuation(
-            "scattering_per_m",
-            scattering,
-            request.optics.beam_attenuation_per_m,
-        );
-    }
-    let attenuation = request
-        .optics
-        .beam_attenuation_per_m
-        .or(sum)
-        .or(decomposition.and_then(|p| all_known(p.beam_attenuation)));
-    if attenuation.is_none() && (preset.is_some() || request.optics.preset.is_none()) {
+    let attenuation = part(optics.beam_attenuation_per_m.or(sum), |preset| {
+        preset.beam_attenuation
+    });
+    if attenuation.is_none() && is_complete {
         let reason = "give it, or both absorption_per_m and scattering_per_m";
-        checks.errors.push(WaterError::Missing {
-            field: "beam_attenuation_per_m",
-            reason,
-        });
+        checks.missing("beam_attenuation_per_m", reason);
     }
-    let diffuse_attenuation = request
-        .optics
+    let diffuse_attenuation = optics
         .diffuse_attenuation_per_m
         .or(preset.and_then(|p| all_known(p.diffuse_attenuation)));
     let decay = checks.decay(request, diffuse_attenuation);
-    let given_veil = request
-        .optics
-        .veiling_light
-        .or(preset.and_then(|p| p.veiling_light));
+    let given_veil = optics.veiling_light.or(preset.and_then(|p| p.veiling_light));
     let veiling_light = match given_veil {
-        Some(veil) if request.water.ambient == Ambient::Absolute => {
-            decay.map(|decay| each(|i| veil[i] * decay[i]))
-        }
+        Some(veil) if water.ambient == Ambient::Absolute => decay.map(|decay| each(|i| veil[i] * decay[i])),
         Some(veil) => Some(veil),
         None => checks.daylight_veil(request, diffuse_attenuation),
     };
-    if veiling_light.is_none()
-        && given_veil.is_none()
-        && (preset.is_some() || request.optics.preset.is_none())
-    {
+    if veiling_light.is_none() && given_veil.is_none() && is_complete {
         let reason = "give it, or diffuse_attenuation_per_m to derive its colour from";
-        checks.errors.push(WaterError::Missing {
-            field: "veiling_light",
-            reason,
-        });
+        checks.missing("veiling_light", reason);
     }
     let medium = Medium {
         absorption,
@@ -117,37 +79,31 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         attenuation,
         focal_px,
     };
-    let scatter = checks.scatter(request.optics.forward_scatter.as_ref(), &medium);
-    checks.lamps(request, scattering);
+    let scatter = checks.scatter(optics.forward_scatter.as_ref(), &medium);
+    checks.lamps(request, scattering.is_some() || !is_complete);
     if !checks.errors.is_empty() {
         return Err(checks.errors);
     }
     let (Some(attenuation), Some(veiling_light)) = (attenuation, veiling_light) else {
         unreachable!("their absence is an error above");
     };
-    let scale = request.water.range_scale;
+    let scale = water.range_scale;
     let scaled = |values: [f64; 3]| values.map(|v| v * scale);
     Ok(Water {
         preset: preset.map(|p| p.name.as_str()),
         absorption: absorption.map(scaled),
         scattering: scattering.map(scaled),
         direct_attenuation: scaled(attenuation),
-        backscatter_attenuation: scaled(
-            request
-                .optics
-                .backscatter_attenuation_per_m
-                .unwrap_or(attenuation),
-        ),
+        backscatter_attenuation: scaled(optics.backscatter_attenuation_per_m.unwrap_or(attenuation)),
         diffuse_attenuation,
         veiling_light,
-        radiance_gain: radiance_gain(request.water.ambient, decay),
+        radiance_gain: radiance_gain(water.ambient, decay),
         scatter: scaled_scatter(scatter, scale),
-        backscatter_fraction: request
-            .optics
+        backscatter_fraction: optics
             .backscatter_fraction
             .or(preset.and_then(|p| p.backscatter_fraction))
             .unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
-        holes: request.water.holes,
+        holes: water.holes,
         derived: checks.derived,
     })
 }
@@ -186,14 +142,6 @@ fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
     }
 }
 
-fn preset_known(request: &Request<'_>) -> bool {
-    request
-        .optics
-        .preset
-        .as_deref()
-        .is_some_and(|name| preset::find(name).is_some())
-}
-
 /// What is known of the medium before the range scale.
 struct Medium {
     absorption: Option<[f64; 3]>,
@@ -221,19 +169,42 @@ impl Checks {
         self.errors.extend(all.map(WaterError::Beyond));
     }
 
+    fn missing(&mut self, field: &'static str, reason: &'static str) {
+        self.errors.push(WaterError::Missing { field, reason });
+    }
+
+    fn preset(&mut self, name: &str) -> Option<&'static Preset> {
+        let found = preset::find(name);
+        if found.is_none() {
+            let name = name.to_owned();
+            self.errors.push(WaterError::UnknownPreset { name });
+        }
+        found
+    }
+
+    /// A given c is a + b.
+    fn sum(&mut self, sum: [f64; 3], given: Option<[f64; 3]>) {
+        let Some(c) = given else { return };
+        for i in (0..3).filter(|&i| (c[i] - sum[i]).abs() > SUM_SLACK_PER_M) {
+            self.errors.push(WaterError::Inconsistent {
+                channel: CHANNELS[i],
+                value: c[i],
+                sum: sum[i],
+            });
+        }
+    }
+
     /// What the glow of lamps needs.
-    fn lamps(&mut self, request: &Request<'_>, scattering: Option<[f64; 3]>) {
+    fn lamps(&mut self, request: &Request<'_>, scatters: bool) {
         if !request.lamps {
             return;
         }
         if request.optics.backscatter_fraction.is_none() {
             self.derived.push("backscatter_fraction");
         }
-        if scattering.is_none() && (request.optics.preset.is_none() || preset_known(request)) {
-            self.errors.push(WaterError::Missing {
-                field: "scattering_per_m",
-                reason: "the glow of the water before the lamps comes from it",
-            });
+        if !scatters {
+            let reason = "the glow of the water before the lamps comes from it";
+            self.missing("scattering_per_m", reason);
         }
     }
 
@@ -250,15 +221,12 @@ impl Checks {
             } else {
                 "diffuse_attenuation_per_m"
             };
-            self.errors.push(WaterError::Missing {
-                field,
-                reason: "ambient light decays with it",
-            });
+            self.missing(field, "ambient light decays with it");
         }
         decay
     }
 
-    /// The veil that daylight at the depth colours, where K_d is known.
+    /// The veil that daylight at the depth colors, where K_d is known.
     fn daylight_veil(
         &mut self,
         request: &Request<'_>,
@@ -316,10 +284,7 @@ impl Checks {
         if request.g_per_m.is_none() {
             let Some((a, b)) = medium.absorption.zip(medium.scattering) else {
                 let reason = "give it, or both absorption_per_m and scattering_per_m";
-                self.errors.push(WaterError::Missing {
-                    field: "g_per_m",
-                    reason,
-                });
+                self.missing("g_per_m", reason);
                 return None;
             };
             self.derived.push("g_per_m");
@@ -340,10 +305,7 @@ impl Checks {
         }
         let Some(b) = medium.scattering else {
             let reason = "give it, or scattering_per_m to derive it from";
-            self.errors.push(WaterError::Missing {
-                field: "spread_px_per_m",
-                reason,
-            });
+            self.missing("spread_px_per_m", reason);
             return None;
         };
         self.derived.push("spread_px_per_m");

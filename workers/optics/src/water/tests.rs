@@ -60,7 +60,7 @@ fn what_a_preset_lacks_is_derived_and_marked() {
 }
 
 #[test]
-fn a_derived_veil_has_the_colour_of_daylight_at_depth_and_a_fixed_brightness() {
+fn a_derived_veil_has_the_color_of_daylight_at_depth_and_a_fixed_brightness() {
     let kd = [0.45, 0.1, 0.2];
     let request = Optics {
         veiling_light: None,

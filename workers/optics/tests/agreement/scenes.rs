@@ -9,7 +9,7 @@ pub(crate) struct Scene {
     pub(crate) name: &'static str,
     /// Ranges from 1 to 15 m and radiance up to 1: the kernel scales lie within a ratio of 45.
     pub(crate) is_moderate: bool,
-    /// Range in metres from fractions of width and height and a random number.
+    /// Range in meters from fractions of width and height and a random number.
     range: fn(f32, f32, f32) -> f32,
     /// Factor of a random radiance in 0..1.
     brightness: f32,

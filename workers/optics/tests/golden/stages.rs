@@ -96,7 +96,7 @@ fn water(case: &Case) -> Water {
 /// `range=<m>` replaces holes; any other text describes the default.
 fn hole_rule(text: &str) -> HoleRule {
     match text.strip_prefix("range=") {
-        Some(metres) => HoleRule::RangeM(metres.parse().expect("metres")),
+        Some(meters) => HoleRule::RangeM(meters.parse().expect("metres")),
         None => HoleRule::Background,
     }
 }
@@ -322,7 +322,7 @@ pub(crate) fn kernel(case: &Case) {
         let transfer = Transfer::new(gamma);
         for (q, &fy) in frequencies.values.iter().enumerate() {
             for (p, &fx) in frequencies.values.iter().enumerate() {
-                let error = (transfer.at(fx, fy) - otf.values[(n * count + q) * count + p]).abs();
+                let error = (transfer.at_frequency(fx, fy) - otf.values[(n * count + q) * count + p]).abs();
                 assert!(
                     error <= tolerance,
                     "transfer γ = {gamma} at ({fx}, {fy}): {error:e}"
@@ -355,9 +355,9 @@ fn lamp(light: &Value) -> Lamp {
 pub(crate) fn airlight(case: &Case) {
     let range = case.range();
     let focal_px = case.number("focal_px").expect("a focal length");
-    let centred = Intrinsics::centered(focal_px, range.width(), range.height());
-    let centre = case.get("principal_point");
-    let coordinate = |i: usize, usual| centre.map_or(usual, |p| p[i].as_f64().expect("a number"));
+    let centered = Intrinsics::centered(focal_px, range.width(), range.height());
+    let center = case.get("principal_point");
+    let coordinate = |i: usize, usual| center.map_or(usual, |p| p[i].as_f64().expect("a number"));
     let scattering = case.triple("scattering_per_m").expect("scattering");
     let absorption = case.triple("absorption_per_m").expect("absorption");
     let lights = case.get("lights").and_then(Value::as_array).expect("lights");
@@ -366,8 +366,8 @@ pub(crate) fn airlight(case: &Case) {
         radius_m: case.number("min_radius_m").unwrap_or(LAMP_RADIUS_M),
         camera: Intrinsics {
             focal_px,
-            cx: coordinate(0, centred.cx),
-            cy: coordinate(1, centred.cy),
+            cx: coordinate(0, centered.cx),
+            cy: coordinate(1, centered.cy),
         },
         attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
         scattering,
@@ -383,6 +383,6 @@ pub(crate) fn airlight(case: &Case) {
     // What is compared is scaled to a peak of at most 1.
     let tolerance = LAMPS * peak / peak.max(1.0);
     case.compare("output_linear", &exact, tolerance, "reference");
-    let fast = lamp::airlight(&range.map(|&z| z as f32), &lighting, LAMPS_ASKED * peak);
+    let fast = lamp::airlight(&range.map(|&z| z as f32), &lighting, LAMPS_ASKED * peak).light;
     case.compare("output_linear", &fast, tolerance, "f32");
 }

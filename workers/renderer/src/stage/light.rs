@@ -1,10 +1,10 @@
-//! The scene in its light: how much water is before each pixel, and what lamps add.
+//! The scene in its light: how much water is before each pixel, and what lamps add to surfaces and to the water.
 
 use std::sync::Arc;
 
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, Irradiance, Lighting};
-use optics::plan::{Form, SceneStats};
+use optics::lamp::{self, Airlight, Irradiance, Lighting, REFERENCE_NODES};
+use optics::plan::{Form, LampLight, SceneStats, glow_share};
 use optics::range::is_hole;
 use optics::setting::Setting;
 use optics::turbidity;
@@ -20,8 +20,10 @@ pub(crate) struct Lit {
     lamplit: Option<Rgb<f32>>,
     /// The paths through patches of murkier water.
     patchy: Option<Plane<f32>>,
-    /// What f32 may have lost of the light of the lamps.
-    rounding: f64,
+    /// Glow of the water before the lamps; none without lamps, or in water that scatters nothing.
+    pub(crate) glow: Option<Rgb<f32>>,
+    /// What the plan has to know of the light of the lamps.
+    pub(crate) lamps: LampLight,
     /// Whether a lamp lights any of the scene.
     pub(crate) shines: bool,
 }
@@ -40,11 +42,17 @@ impl Lit {
             prepared: Arc::clone(prepared),
             lamplit: None,
             patchy: watch.time("turbidity", || path(form, frame, range?, setting)),
-            rounding: 0.0,
+            glow: None,
+            lamps: LampLight::default(),
             shines: false,
         };
         if let (Some(lighting), Some(range)) = (&setting.lighting, range) {
-            watch.time("lamps", || lit.add(form, lighting, range, setting.gain()));
+            watch.time("lamps", || {
+                lit.add(form, lighting, range, setting.gain());
+                if lighting.scattering != [0.0; 3] {
+                    lit.add_glow(form, lighting, range, glow_share(frame));
+                }
+            });
         }
         lit
     }
@@ -74,20 +82,35 @@ impl Lit {
             Form::Fast | Form::Skip => lamp::irradiance(range, &normals, lighting),
         };
         let lit = lamp::lit(self.radiance(), gain, &irradiance.light);
-        self.rounding = lamp::lit_rounding(self.radiance(), &lit, irradiance.rounding);
+        self.lamps.surface_rounding = lamp::lit_rounding(self.radiance(), &lit, irradiance.rounding);
         self.shines = any_light(&irradiance.light);
         self.lamplit = Some(lit);
     }
 
+    /// Adds the glow of the water before the lamps.
+    fn add_glow(&mut self, form: Form, lighting: &Lighting, range: &Plane<f32>, tolerance: f64) {
+        let glow = match form {
+            Form::Reference => {
+                let range = range.map(|&z| f64::from(z));
+                Airlight {
+                    light: lamp::airlight_reference(&range, lighting, REFERENCE_NODES).map(|&v| v as f32),
+                    left: 0.0,
+                    rounding: 0.0,
+                }
+            }
+            Form::Fast | Form::Skip => lamp::airlight(range, lighting, tolerance),
+        };
+        self.lamps.glow_left = glow.left;
+        self.lamps.glow_rounding = glow.rounding;
+        self.lamps.glow_peak = glow.peak();
+        self.glow = Some(glow.light);
+    }
+
     /// What a plan needs to know of it.
     pub(crate) fn measure(&self, setting: &Setting) -> SceneStats {
-        let stats = match (&setting.around, self.path()) {
+        match (&setting.around, self.path()) {
             (Some(water), Some(path)) => SceneStats::measure(self.radiance(), path, water),
             _ => SceneStats::in_air(self.radiance()),
-        };
-        SceneStats {
-            lamp_rounding: self.rounding,
-            ..stats
         }
     }
 
@@ -108,7 +131,7 @@ impl Lit {
 }
 
 /// Whether any sample is positive.
-pub(crate) fn any_light(light: &Rgb<f32>) -> bool {
+fn any_light(light: &Rgb<f32>) -> bool {
     light
         .planes()
         .iter()

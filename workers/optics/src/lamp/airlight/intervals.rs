@@ -1,10 +1,10 @@
 //! The rays of a run of pixels, the angles at which they see a lamp, and how murky the water there is.
 
-use super::super::elementary::{angle, full_angle, sin_cos};
 use super::super::nodes::Span;
 use super::super::patches::BESIDE;
 use super::{FARTHEST_M, Glow, Lanes, RUN};
 use crate::attenuation::masked;
+use crate::elementary::{angle, full_angle, sin_cos};
 use crate::turbidity;
 
 /// The rays of a run as unit vectors, and how far they go; a hole has no end.
@@ -67,7 +67,7 @@ fn beside(lamp: &Glow, rays: &Rays, i: usize) -> Beside {
     }
 }
 
-/// The intervals of a run: t₀ and D as metres of mean water, middle and half length in β, what the sum over the nodes is
+/// The intervals of a run: t₀ and D as meters of mean water, middle and half length in β, what the sum over the nodes is
 /// multiplied by, and what a spot needs.
 pub(super) struct Intervals {
     pub(super) nearest: Lanes,
@@ -87,12 +87,18 @@ pub(super) struct Murk {
     pub(super) source: Lanes,
     /// The factor of c.
     pub(super) path: Lanes,
+    /// How many times as long the ray is as the stretch that the factor of b is a mean of.
+    pub(super) stretch: Lanes,
 }
 
 impl Default for Murk {
     fn default() -> Self {
-        let [source, path] = [[1.0; RUN]; 2];
-        Self { source, path }
+        let [source, path, stretch] = [[1.0; RUN]; 3];
+        Self {
+            source,
+            path,
+            stretch,
+        }
     }
 }
 
@@ -122,6 +128,7 @@ pub(super) fn murk_of(
         for i in 0..RUN {
             let excess = (end[i] * to_end[i] - begin[i] * to_begin[i]) / (end[i] - begin[i]);
             to.source[i] = (1.0 + excess).max(0.0);
+            to.stretch[i] = end[i] / (end[i] - begin[i]);
         }
     }
 }
@@ -139,8 +146,8 @@ pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk)
         across: empty,
         along: empty,
     };
-    let (mut first, mut last, mut near) = (empty, empty, empty);
-    let ([ax, ay, az], cone) = lamp.spot.unwrap_or_default();
+    let (mut first, mut last, mut least, mut near, mut met) = (empty, empty, empty, empty, empty);
+    let ([ax, ay, az], cone) = (lamp.profile.axis, lamp.profile.cos_cone);
     for i in 0..RUN {
         let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
         let Beside {
@@ -185,27 +192,32 @@ pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk)
         let lit = half > 0.0;
         first[i] = if lit { from } else { f32::INFINITY };
         last[i] = if lit { end } else { 0.0 };
+        least[i] = if lit { end } else { f32::INFINITY };
+        met[i] = if lit { to_end } else { f32::INFINITY };
         near[i] = if lit { distance } else { f32::INFINITY };
     }
     let span = Span {
         from: extreme(&first, f32::min),
         to: extreme(&last, f32::max),
+        least_to: extreme(&least, f32::min),
         nearest_m: extreme(&near, f32::min),
+        end_m: extreme(&met, f32::min),
         clearest: extreme(&murk.path, f32::min),
         murkiest: extreme(&murk.path, f32::max),
         source: extreme(&murk.source, f32::max),
+        stretch: extreme(&murk.stretch, f32::max),
     };
     (to, span)
 }
 
 /// The least or the greatest, by halves: one after the other is no work for vectors.
 #[inline(always)]
-fn extreme(lanes: &Lanes, of: impl Fn(f32, f32) -> f32) -> f32 {
+pub(super) fn extreme(lanes: &Lanes, choose: impl Fn(f32, f32) -> f32) -> f32 {
     let mut best = *lanes;
     let mut half = RUN / 2;
     while half > 0 {
         for i in 0..half {
-            best[i] = of(best[i], best[i + half]);
+            best[i] = choose(best[i], best[i + half]);
         }
         half /= 2;
     }

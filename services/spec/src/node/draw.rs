@@ -3,8 +3,8 @@
 use imaging::random::Stream;
 use serde_json::{Value, json};
 
+use super::{Node, float};
 use crate::law;
-use crate::node::{Node, float};
 
 /// A law with the place where it stands.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ pub(crate) enum Drawn {
 
 impl LawNode {
     /// What this law yields for a frame.
-    pub(crate) fn at(&self, index: u64) -> Drawn {
+    pub(crate) fn draw(&self, index: u64) -> Drawn {
         let unit = || self.stream.unit(index, 0);
         match &self.law {
             Law::Choice { weights, .. } => Drawn::One(law::choice(unit(), weights)),
@@ -67,41 +67,24 @@ impl LawNode {
 
     /// How many extremes this law has: the values of a choice or grid, the two ends of an interval.
     pub(crate) fn extreme_count(&self) -> usize {
-        if self.values().is_empty() {
-            2
-        } else {
-            self.values().len()
-        }
+        self.ends().map_or(self.values().len(), |ends| ends.len())
     }
 
     /// The extreme of this number, from 0 to [`Self::extreme_count`] exclusive.
     pub(crate) fn extreme(&self, position: usize) -> Drawn {
-        let end = |a, b| if position == 0 { a } else { b };
-        match &self.law {
-            Law::Choice { .. } | Law::Grid { .. } => Drawn::One(position),
+        match self.ends() {
+            Some(ends) => Drawn::Number(ends[position].clone()),
+            None => Drawn::One(position),
+        }
+    }
+
+    /// The lower and the upper end of an interval.
+    pub(crate) fn ends(&self) -> Option<[Value; 2]> {
+        match self.law {
             Law::Uniform(a, b) | Law::LogUniform(a, b) | Law::Normal { clip: (a, b), .. } => {
-                Drawn::Number(float(end(*a, *b)))
+                Some([a, b].map(float))
             }
-            Law::Int { a, b, as_float } => {
-                Drawn::Number(whole(if position == 0 { *a } else { *b }, *as_float))
-            }
-        }
-    }
-
-    /// The upper end of an interval.
-    pub(crate) fn greatest(&self) -> Option<f64> {
-        match self.law {
-            Law::Uniform(_, b) | Law::LogUniform(_, b) | Law::Normal { clip: (_, b), .. } => Some(b),
-            Law::Int { b, .. } => Some(b as f64),
-            Law::Choice { .. } | Law::Grid { .. } => None,
-        }
-    }
-
-    /// The lower end of an interval.
-    pub(crate) fn least(&self) -> Option<f64> {
-        match self.law {
-            Law::Uniform(a, _) | Law::LogUniform(a, _) | Law::Normal { clip: (a, _), .. } => Some(a),
-            Law::Int { a, .. } => Some(a as f64),
+            Law::Int { a, b, as_float } => Some([a, b].map(|end| whole(end, as_float))),
             Law::Choice { .. } | Law::Grid { .. } => None,
         }
     }

@@ -5,14 +5,14 @@ use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use spec::{ForwardScatter, Optics, ScatterModel};
 
-use super::{Preset, all_known};
 use crate::chain;
+use crate::preset::{Preset, all_known};
 use crate::water::Water;
 
 /// What is tried: so that a test can try something broken.
 #[derive(Clone, Copy)]
 pub(super) struct Machine {
-    /// The colour of one pixel: request, radiance, range in metres.
+    /// The color of one pixel: request, radiance, range in meters.
     pub(super) pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]>,
     /// A random value of a seed.
     pub(super) draw: fn(u64) -> u64,
@@ -101,8 +101,8 @@ fn request(c: [f64; 3], veil: [f64; 3]) -> spec::Water {
 
 #[cfg(test)]
 mod tests {
-    use super::super::presets;
     use super::*;
+    use crate::preset::presets;
 
     /// Every preset finds this fault of a machine, if it can be rendered.
     fn all_find(machine: Machine, words: &str) {

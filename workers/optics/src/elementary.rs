@@ -1,4 +1,4 @@
-//! Angles and exponentials in plain f32 arithmetic, so that loops over them vectorise. Products are fused with sums by name:
+//! Angles and exponentials in plain f32 arithmetic, so that loops over them vectorize. Products are fused with sums by name:
 //! that rounds once on every CPU, whether it has an instruction for it or not, and so the bits are the same on all.
 //!
 //! The polynomials are those of Moshier's Cephes library (1989), relative error below 2e-7.
@@ -11,7 +11,7 @@ const HIGH: f32 = 2.414_213_7;
 
 /// The angle in 0..=π/2 whose tangent is `y / x`; both at least 0, not both 0. `y` may be infinite.
 #[inline(always)]
-pub(super) fn angle(y: f32, x: f32) -> f32 {
+pub(crate) fn angle(y: f32, x: f32) -> f32 {
     let steep = y > HIGH * x;
     let middle = y > LOW * x;
     let base = if middle { FRAC_PI_4 } else { 0.0 };
@@ -26,7 +26,7 @@ pub(super) fn angle(y: f32, x: f32) -> f32 {
 
 /// The angle in −π..=π of the point (x, y), not both 0.
 #[inline(always)]
-pub(super) fn full_angle(y: f32, x: f32) -> f32 {
+pub(crate) fn full_angle(y: f32, x: f32) -> f32 {
     let sharp = angle(y.abs(), x.abs());
     let upper = if x < 0.0 { PI - sharp } else { sharp };
     if y < 0.0 { -upper } else { upper }
@@ -43,18 +43,18 @@ pub(crate) fn small_sin_cos(x: f32) -> (f32, f32) {
 
 /// Sine and cosine of an angle within 0..=π/2.
 #[inline(always)]
-pub(super) fn sin_cos(x: f32) -> (f32, f32) {
+pub(crate) fn sin_cos(x: f32) -> (f32, f32) {
     let (sin, cos) = small_sin_cos(x - FRAC_PI_4);
     ((sin + cos) * FRAC_1_SQRT_2, (cos - sin) * FRAC_1_SQRT_2)
 }
 
 /// Nats in one halving: `exp(−c x)` is 2 to the power of minus this times c x.
-pub(super) const HALVINGS: f32 = std::f32::consts::LOG2_E;
+pub(crate) const HALVINGS: f32 = std::f32::consts::LOG2_E;
 
 /// `2^(−rate x)` for rate x ≥ 0, relative error below 3e-7; 0 from 126 halvings on, and for NaN. With `rate` = c log₂ e it is
 /// `exp(−c x)`. The polynomial is the best of the fifth degree for the relative error within half a step.
 #[inline(always)]
-pub(super) fn fade(rate: f32, x: f32) -> f32 {
+pub(crate) fn fade(rate: f32, x: f32) -> f32 {
     /// Added and taken away again, it rounds a float of this size to an integer, which then stands in its low bits.
     const ROUND: f32 = 12_582_912.0;
     const MOST: f32 = ROUND + 126.0;

@@ -1,10 +1,8 @@
 //! A preset with all that follows from it, and which of that is derived.
 
-use spec::Optics;
-
-use super::{Channels, Preset};
+use super::{Scatter, Water};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
-use crate::water::{Scatter, Water};
+use crate::preset::{Channels, Preset};
 
 /// What a frame of a preset runs with, where the camera and the job say nothing else.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +15,7 @@ pub struct Properties {
     pub g: Channels,
     /// Width of the forward-scatter kernel at range 0, radians.
     pub spread_offset_rad: Option<f64>,
-    /// Growth of that width with range, radians per metre.
+    /// Growth of that width with range, radians per meter.
     pub spread_rad_per_m: Channels,
     /// Which fields are derived and not the source's own, by the names of the job description.
     pub derived: Vec<&'static str>,
@@ -62,23 +60,5 @@ pub fn properties(preset: &Preset) -> Properties {
         spread_offset_rad: spread.map(|spread| spread.offset_px[0]),
         spread_rad_per_m: spread.map_or([None; 3], |spread| spread.per_m.map(Some)),
         derived,
-    }
-}
-
-impl Preset {
-    /// The description of this water by its numbers.
-    #[must_use]
-    pub fn description(&self) -> spec::Water {
-        let parts = super::all_known(self.absorption).zip(super::all_known(self.scattering));
-        let optics = Optics {
-            absorption_per_m: super::all_known(self.absorption),
-            scattering_per_m: super::all_known(self.scattering),
-            beam_attenuation_per_m: super::all_known(self.beam_attenuation).filter(|_| parts.is_none()),
-            diffuse_attenuation_per_m: super::all_known(self.diffuse_attenuation),
-            veiling_light: self.veiling_light,
-            backscatter_fraction: self.backscatter_fraction,
-            ..Optics::default()
-        };
-        optics.into()
     }
 }

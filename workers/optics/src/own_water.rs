@@ -1,8 +1,10 @@
 //! A water of a user's own: the same rules and the same self-tests as for the shipped ones.
 
+mod behavior;
+
 use spec::{Fault, Invalid, OwnWater};
 
-use super::{Preset, behaviour, diffuse_in_disguise, pure_water, self_test};
+use crate::preset::{self, Preset, diffuse_in_disguise, self_test};
 use crate::water::{Water, WaterError};
 
 /// What is wrong with a water of a user's own.
@@ -56,7 +58,7 @@ pub fn own(new: &OwnWater, others: &[Preset]) -> Result<Preset, Vec<OwnError>> {
     if !(red > green && green > blue) {
         errors.push(OwnError::Order(new.wavelength_nm));
     }
-    let preset = preset(new);
+    let preset = preset_of(new);
     // Where a, b and c are all given, c has to be their sum: the description takes all three to check it.
     let mut description = preset.description();
     if let Some(optics) = &mut description.optics {
@@ -77,7 +79,7 @@ pub fn own(new: &OwnWater, others: &[Preset]) -> Result<Preset, Vec<OwnError>> {
             .filter(|defect| !known.contains(defect));
         errors.extend(found.map(|defect| OwnError::Defect(format!("{}: {}", defect.preset, defect.what))));
         errors.extend(
-            behaviour::test(&preset, behaviour::OURS)
+            behavior::test(&preset, behavior::OURS)
                 .into_iter()
                 .map(OwnError::Defect),
         );
@@ -89,14 +91,11 @@ pub fn own(new: &OwnWater, others: &[Preset]) -> Result<Preset, Vec<OwnError>> {
         let whose = if new.diffuse_attenuation_per_m == Some(c) { "this water itself" } else { diffuse_in_disguise(c)? };
         Some(format!("its beam attenuation is the K_d of {whose}: K_d is the decay of daylight with depth, and too small"))
     });
-    let warnings = pure_water::warnings(&preset)
-        .into_iter()
-        .chain(disguised)
-        .collect();
+    let warnings = preset::warnings(&preset).into_iter().chain(disguised).collect();
     Ok(Preset { warnings, ..preset })
 }
 
-fn preset(new: &OwnWater) -> Preset {
+fn preset_of(new: &OwnWater) -> Preset {
     let channels = |values: Option<[f64; 3]>| values.map_or([None; 3], |values| values.map(Some));
     let sum = new
         .absorption_per_m

@@ -1,0 +1,85 @@
+//! What f32 may lose of the glow of a lamp.
+
+use super::super::henyey_greenstein;
+use super::super::nodes::Span;
+use super::super::{Lamp, Lighting};
+use crate::turbidity;
+
+/// One rounding of f32.
+const STEP: f64 = 6e-8;
+/// Roundings of the way from the ray to the lamp, as a share of its distance from the camera.
+const WAY: f64 = 4.0;
+/// Roundings of an angle, of the sine and cosine of one, and of the exponential and all factors of the light.
+const ANGLE: f64 = 8.0;
+const FACTORS: f64 = 12.0;
+
+/// What f32 may lose of the light of one lamp.
+///
+/// With D and P the distances of the lamp from ray and camera, r that from the end of the ray, `S = b I₀ e^{−c m P}/D`, and L the
+/// light of the lamp, `L = S ∫ p e^{−c m (…)} dθ` loses at most
+///
+/// ```text
+/// S [ p(from) (8 ε + δ/P) + p(to) (8 ε + ε + δ/r) + σ (4 ε + δ/D) ∫ p dθ ] + L [ 12 ε + 4 ε c m P + 3/2 δ/D + μ ]
+/// δ = ε (4 + ℓ) P
+/// ```
+///
+/// ε is one rounding. δ is the error of the way from the ray to the lamp: of its place, of the direction of the ray, to which
+/// the principal point adds ℓ = (|cx| + |cy|)/f roundings. It moves the ends of the interval and changes D. Errors of the angle
+/// at a node move the phase function: summed over the nodes, by its values at the two ends. The profile of a spot rises by
+/// σ = 1/(1 − cos cone) times what its cosine does. μ is the error of the means of patches.
+pub(super) struct Rounding {
+    strength: f64,
+    attenuation: [f64; 2],
+    asymmetry: f64,
+    distance_m: f64,
+    way_m: f64,
+    slope: f64,
+    scale_m: Option<f64>,
+}
+
+impl Rounding {
+    pub(super) fn new(lamp: &Lamp, lighting: &Lighting) -> Self {
+        let camera = &lighting.camera;
+        let lens = (camera.cx.abs() + camera.cy.abs()) / camera.focal_px;
+        let distance_m = lamp.distance_m();
+        let strengths = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i]);
+        Self {
+            strength: strengths.into_iter().fold(0.0, f64::max),
+            attenuation: [
+                lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min),
+                lighting.attenuation.into_iter().fold(0.0, f64::max),
+            ],
+            asymmetry: lighting.asymmetry,
+            distance_m,
+            way_m: STEP * (WAY + lens) * distance_m,
+            slope: lamp.beam.slope(),
+            scale_m: lighting.patches.as_ref().map(turbidity::Field::scale_m),
+        }
+    }
+
+    /// The bound for a run of pixels on which the lamp adds at most `brightest`.
+    pub(super) fn within(&self, span: Span, brightest: f32) -> f64 {
+        let near = f64::from(span.nearest_m);
+        let (clearest, murkiest) = (f64::from(span.clearest), f64::from(span.murkiest));
+        let [least, most] = self.attenuation;
+        let arriving = (-least * clearest * self.distance_m).exp();
+        let unit = self.strength * f64::from(span.source) * arriving / near;
+        // At β the scattering angle has the cosine cos 2β; the phase function is monotonic.
+        let phase = |angle: f32| henyey_greenstein(self.asymmetry, (2.0 * f64::from(angle)).cos());
+        let from = phase(span.from);
+        let to = phase(span.least_to).max(phase(span.to));
+        let end = self.way_m / f64::from(span.end_m);
+        let ends = from * (ANGLE * STEP + self.way_m / self.distance_m.max(near))
+            + to * ((ANGLE + 1.0) * STEP + end);
+        let profile = self.slope * (4.0 * STEP + self.way_m / near);
+        let turned = 2.0 * f64::from(span.to - span.from) * from.max(to);
+        let meters = most * murkiest * self.distance_m;
+        // Of the means up to the lamp, and of one over a stretch of that.
+        let murk = self.scale_m.map_or(0.0, |scale| {
+            turbidity::path_rounding(2.0 * self.distance_m, scale) / clearest
+                * (meters + 2.0 * f64::from(span.stretch))
+        });
+        let shares = STEP * (FACTORS + 4.0 * meters) + 1.5 * self.way_m / near + murk;
+        unit * (ends + profile * turned) + f64::from(brightest) * shares
+    }
+}
