@@ -1,27 +1,27 @@
-//! How a command ends badly, and the exit status that says so.
+//! Failures of commands and their exit statuses.
 
 use std::process::ExitCode;
 
 /// Why a command failed. The exit statuses are part of the interface: scripts branch on them.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The command ran to its end, but not every frame has an image.
+    /// The command finished, but some frames failed.
     #[error("{failed} of {frames} frames failed{hint}")]
     SomeFrames {
         /// Frames without an image.
         failed: u64,
         /// Frames asked for.
         frames: u64,
-        /// Where to read why, beginning with its own punctuation.
+        /// Where to find the reasons, starting with punctuation.
         hint: String,
     },
-    /// What the user gave cannot be used.
+    /// Invalid input.
     #[error("{0}")]
     BadInput(String),
-    /// No service answers.
+    /// No service responds.
     #[error("{0}")]
     NoServer(String),
-    /// A library that the job needs is not installed.
+    /// A required library is not installed.
     #[error("{0}")]
     RuntimeMissing(String),
     /// Anything else.
@@ -30,7 +30,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// What the user gave cannot be used, for this reason.
+    /// Invalid input, for this reason.
     pub fn input(reason: impl std::fmt::Display) -> Self {
         Self::BadInput(reason.to_string())
     }
@@ -46,7 +46,7 @@ impl Failure {
     }
 }
 
-/// Ends a program with the status of what it did; a failure is said on standard error.
+/// Prints a failure to standard error and returns the exit status.
 pub fn end(program: &str, result: Result<(), Failure>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,

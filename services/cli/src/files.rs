@@ -1,4 +1,4 @@
-//! Reading what the user names and writing results so that no half-written file is ever visible.
+//! Reads the user's files, and writes results so that no partial file is ever visible.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,18 +9,18 @@ use imaging::codec;
 
 use crate::exit::Failure;
 
-/// Reads a file that the user named.
+/// Reads a file named by the user.
 pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     fs::read(path).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
-/// Reads and decodes a picture that the user named.
+/// Reads and decodes a picture named by the user.
 pub fn read_picture(path: &Path) -> Result<Raster, Failure> {
     codec::decode_picture(&read(path)?)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
-/// The pictures of a folder by name, folders below it left aside.
+/// The pictures in a folder, sorted by name, without those in subfolders.
 pub fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let unreadable = |error| Failure::BadInput(format!("{}: {error}", folder.display()));
     let mut files = Vec::new();
@@ -44,8 +44,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_all(&[(path.to_owned(), bytes)])
 }
 
-/// Writes files that belong together: none gets its name before all are written, and nothing stays behind if one cannot
-/// be.
+/// Writes files that belong together: all are written before the first is renamed into place, and a failure leaves no
+/// temporary files.
 pub fn write_all(files: &[(PathBuf, &[u8])]) -> Result<(), Failure> {
     let temporary = |path: &Path| {
         let mut name = path.as_os_str().to_owned();
@@ -65,7 +65,7 @@ pub fn write_all(files: &[(PathBuf, &[u8])]) -> Result<(), Failure> {
     });
     if renamed.is_err() {
         for (path, _) in files {
-            // It may not have come into being.
+            // It may not exist.
             let _ = fs::remove_file(temporary(path));
         }
     }
@@ -94,5 +94,5 @@ pub fn write_picture(path: &Path, picture: &Raster) -> Result<(), Failure> {
     write(path, &bytes)
 }
 
-/// Quality of JPEG files that a command writes: visually lossless on ordinary frames.
+/// JPEG quality: visually lossless on ordinary frames.
 const JPEG_QUALITY: u8 = 95;

@@ -1,4 +1,4 @@
-//! A job as a file that the user named.
+//! A job in a file named by the user.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use style::Library;
 use crate::exit::Failure;
 use crate::files;
 
-/// Reads a job that may name files of this machine.
+/// Reads a job, whose scene may be local files.
 pub fn read(path: &Path, library: &Library) -> Result<Job, Failure> {
     let text = files::read(path)?;
     Job::parse(&text, &renderer::vocabulary(library, true)).map_err(|invalid| refused(path, &invalid))
 }
 
-/// Every error of a job description, one per line.
+/// The errors of a job description, one per line.
 #[must_use]
 pub fn refused(path: &Path, invalid: &Invalid) -> Failure {
     let mut message = format!("{}: {} errors", path.display(), invalid.0.len());

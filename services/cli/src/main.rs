@@ -1,4 +1,4 @@
-//! The `fathom` command: one binary for the service, its workers and everything a person does with them.
+//! The `fathom` command: the service, its workers and their tools in one binary.
 
 mod commands;
 

@@ -5,15 +5,15 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Plain lines come at most this often, so that a log of a long job stays readable.
+/// Shortest time between plain lines, so that the log of a long job stays readable.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
 const STYLE: &str = "{prefix} [{bar:40.cyan/blue}] {pos}/{len} {msg} · {per_sec} · {eta} left";
 
-/// Progress of a known number of things.
+/// Progress through a known number of units.
 pub struct Progress {
     bar: ProgressBar,
     total: u64,
-    /// Where plain lines are written, the last of them: its number and when.
+    /// Set where plain lines are written instead: the last line's number and time.
     plain: Option<Option<(u64, Instant)>>,
 }
 
@@ -30,7 +30,7 @@ impl Progress {
         Self { bar, total, plain }
     }
 
-    /// Shows that so many are done or have failed.
+    /// Sets the number of finished units.
     pub fn set(&mut self, done: u64) {
         self.bar.set_position(done);
         let Some(last) = &mut self.plain else { return };
@@ -44,7 +44,7 @@ impl Progress {
         }
     }
 
-    /// The same with more to say than the unit.
+    /// Sets the number of finished units and a message in place of the unit.
     pub fn set_with(&mut self, done: u64, message: String) {
         self.bar.set_message(message);
         self.set(done);

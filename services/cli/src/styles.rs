@@ -1,4 +1,4 @@
-//! The style waters that a command may use.
+//! The style waters available to a command.
 
 use std::path::{Path, PathBuf};
 
@@ -6,19 +6,19 @@ use style::Library;
 
 use crate::exit::Failure;
 
-/// Where style networks and their runtime are found.
+/// Where to find style networks and their runtime.
 #[derive(Debug, Clone, clap::Args)]
 pub struct StyleArguments {
-    /// Folder with more style models: NAME.onnx and, if there is one, NAME.card.json
+    /// Folder with additional style models: NAME.onnx and optionally NAME.card.json
     #[arg(long, env = "FATHOM_STYLES", value_name = "DIR")]
     pub styles: Option<PathBuf>,
-    /// The ONNX Runtime library, if it is not where scripts/get-onnxruntime.sh puts it
+    /// The ONNX Runtime library [default: where scripts/get-onnxruntime.sh installs it]
     #[arg(long, env = "FATHOM_ONNXRUNTIME", value_name = "FILE")]
     pub onnxruntime: Option<PathBuf>,
 }
 
 impl StyleArguments {
-    /// The shipped library with the user's folder, if there is one.
+    /// The shipped styles and those in the user's folder.
     pub fn library(&self) -> Result<Library, Failure> {
         let embedded = Library::embedded().map_err(anyhow::Error::from)?;
         match &self.styles {
@@ -27,7 +27,7 @@ impl StyleArguments {
         }
     }
 
-    /// The same with the styles that were added to a service.
+    /// The same, with the styles added to a service.
     pub fn library_of_service(&self, data: &Path) -> Result<Library, Failure> {
         api::added_styles(data, self.library()?).map_err(Failure::input)
     }

@@ -1,8 +1,7 @@
-//! Named points at which a test breaks a running process on purpose.
+//! Named points at which a test can break a running process.
 //!
-//! The service and the worker pass points such as `commit.written` on their way. Nothing happens there unless the
-//! environment variable `FATHOM_FAULTS` names the point, so that the very binary which people run can be killed at the
-//! worst moments by a test. A fault is written
+//! The service and the worker pass points such as `commit.written`. Nothing happens there unless the environment variable
+//! `FATHOM_FAULTS` names the point, so that tests can kill the released binary at the worst moments. A fault is written
 //!
 //! ```text
 //! POINT=ACTION        whenever the point is passed
@@ -11,9 +10,8 @@
 //! POINT=ACTION#R/M    whenever it is passed for a frame whose number leaves R when divided by M
 //! ```
 //!
-//! and several are separated by commas. Actions: `abort` (the process ends at once, nothing is flushed), `panic`,
-//! `hang` (sleeps for ever), `memory` (takes memory until something stops it), `flag` (the caller does what the point is
-//! named for).
+//! and several are separated by commas. Actions: `abort` (the process ends immediately, nothing is flushed), `panic`, `hang`
+//! (sleeps forever), `memory` (allocates until something stops it), `flag` (the caller does what the point is named for).
 
 mod plan;
 
@@ -25,7 +23,7 @@ use plan::{Action, Plan};
 /// The environment variable that names the faults.
 pub const VARIABLE: &str = "FATHOM_FAULTS";
 
-/// Step in which `memory` takes memory, and its pause: slow enough that a limit is noticed before the machine is full.
+/// Step of `memory` and the pause after it: slow enough that a limit is noticed before the machine is full.
 const MEMORY_STEP_BYTES: usize = 32 << 20;
 const MEMORY_PAUSE: Duration = Duration::from_millis(5);
 
@@ -36,7 +34,7 @@ pub fn point(name: &str) {
     }
 }
 
-/// Passes a point on behalf of a frame; returns whether the caller is to do what the point is named for.
+/// Passes a point for a frame; returns whether the caller should do what the point is named for.
 #[must_use]
 pub fn frame_point(name: &str, frame: u64) -> bool {
     let Some(plan) = plan() else { return false };
@@ -46,7 +44,7 @@ pub fn frame_point(name: &str, frame: u64) -> bool {
 /// The faults of this process.
 ///
 /// # Errors
-/// The variable is set and cannot be read: a test that meant to break something must not pass unbroken.
+/// The variable is malformed: a test that means to break something must not pass with nothing broken.
 pub fn check() -> Result<(), String> {
     match std::env::var(VARIABLE) {
         Ok(text) => Plan::parse(&text).map(drop),
@@ -70,7 +68,7 @@ fn act(action: Action) -> bool {
         Action::Memory => {
             let mut taken = Vec::new();
             loop {
-                // Written to, so that the pages are really there.
+                // Written to, so that the pages are allocated.
                 taken.push(vec![1u8; MEMORY_STEP_BYTES]);
                 std::thread::sleep(MEMORY_PAUSE);
             }

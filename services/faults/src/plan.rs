@@ -1,8 +1,8 @@
-//! Which faults a process was asked to have.
+//! The faults of a process.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What happens at a point.
+/// What a fault does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Action {
     Abort,
@@ -12,7 +12,7 @@ pub(crate) enum Action {
     Flag,
 }
 
-/// Which passings are meant.
+/// When a fault acts.
 #[derive(Debug)]
 enum When {
     Always,
@@ -42,7 +42,7 @@ impl Plan {
             .map(Self)
     }
 
-    /// What to do now that a point is passed.
+    /// The action to take at a point that is passed.
     pub(crate) fn passed(&self, point: &str, frame: Option<u64>) -> Option<Action> {
         let here = self.0.iter().filter(|fault| fault.point == point);
         here.filter(|fault| fault.when.is_now(frame))

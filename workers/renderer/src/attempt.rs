@@ -1,4 +1,4 @@
-//! One try at a frame in which even a panic is only an error.
+//! One attempt at a frame that turns a panic into an error.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,7 +10,7 @@ use crate::slot::{Rendered, Slot};
 use crate::source::SceneSource;
 
 impl Slot {
-    /// Renders a frame. After a panic all caches are new: they may be half written.
+    /// Renders a frame. A panic resets the caches, which may be inconsistent.
     ///
     /// # Errors
     /// As [`Slot::render`], and [`RenderError::Panic`].

@@ -5,7 +5,7 @@ use std::sync::{OnceLock, PoisonError, RwLock};
 
 use style::{Library, Runtime, RuntimeMissing};
 
-/// The style models and the runtime of those that are not ours. A process without it renders everything else.
+/// The style models and ONNX Runtime, which runs networks of other architectures. Without it everything else renders.
 pub struct Engine {
     onnxruntime: Option<PathBuf>,
     runtime: OnceLock<Result<Runtime, RuntimeMissing>>,
@@ -13,8 +13,7 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// ONNX Runtime is loaded when it is first needed: from this file if there is one, else from where it usually
-    /// lies.
+    /// ONNX Runtime is loaded on first use, from this file or from its usual place.
     #[must_use]
     pub fn new(library: Library, onnxruntime: Option<&Path>) -> Self {
         Self {
@@ -24,7 +23,7 @@ impl Engine {
         }
     }
 
-    /// The runtime of the style networks that are not ours.
+    /// ONNX Runtime.
     ///
     /// # Errors
     /// [`RuntimeMissing`], which says how to get it.
@@ -34,7 +33,7 @@ impl Engine {
             .as_ref()
     }
 
-    /// The style models; a copy is another handle to them.
+    /// The style models; cloning is cheap.
     #[must_use]
     pub fn library(&self) -> Library {
         self.library
@@ -43,7 +42,7 @@ impl Engine {
             .clone()
     }
 
-    /// Knows these models from now on.
+    /// Replaces the style models.
     pub(crate) fn replace_library(&self, library: Library) {
         *self.library.write().unwrap_or_else(PoisonError::into_inner) = library;
     }

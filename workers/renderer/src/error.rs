@@ -11,7 +11,7 @@ use style::StyleError;
 /// Why a frame has no image.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
-    /// The job has no such frame.
+    /// The description cannot be read or has no such frame.
     #[error(transparent)]
     Resolve(spec::Invalid),
     /// The scene cannot be made or decoded.
@@ -22,10 +22,10 @@ pub enum RenderError {
     File {
         /// The file.
         path: String,
-        /// What the file system said.
+        /// The error of the file system.
         source: std::io::Error,
     },
-    /// The frame asks for an uploaded scene, which only a service has.
+    /// The frame names an uploaded scene, which only a service has.
     #[error("scene `{id}` was uploaded to a service and can only be rendered by one of its workers")]
     NotHere {
         /// The scene.
@@ -38,10 +38,10 @@ pub enum RenderError {
         what: String,
         /// What happened.
         reason: String,
-        /// Whether it may go better next time.
+        /// Whether another try may succeed.
         retryable: bool,
     },
-    /// Water, lamps, patches or snow cannot be.
+    /// Water, lamps, patches or snow are invalid.
     #[error("{}", list(.0))]
     Setting(Vec<SettingError>),
     /// The water cannot be applied to this scene.
@@ -55,19 +55,19 @@ pub enum RenderError {
     UnknownStyle {
         /// The style.
         name: String,
-        /// Those that it has.
+        /// The styles it has.
         known: String,
     },
-    /// The camera's path cannot be.
+    /// The camera's path is invalid.
     #[error("{}", list(.0))]
     Path(Vec<SceneError>),
     /// The style network failed.
     #[error(transparent)]
     Style(#[from] StyleError),
-    /// A name that this build does not know.
+    /// A name unknown to this build.
     #[error("{kind} `{name}` does not exist in this version")]
     Unknown {
-        /// What is named.
+        /// The kind of thing named.
         kind: &'static str,
         /// The name.
         name: String,
@@ -81,7 +81,7 @@ pub enum RenderError {
     /// The result does not fit the file format.
     #[error(transparent)]
     Encode(#[from] EncodeError),
-    /// A defect of this program.
+    /// A bug in this program.
     #[error("rendering panicked: {0}")]
     Panic(String),
 }

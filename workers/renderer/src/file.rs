@@ -9,7 +9,7 @@ pub struct File {
     pub kind: String,
     /// Such as `image/png`.
     pub media_type: &'static str,
-    /// The file.
+    /// The contents.
     pub bytes: Vec<u8>,
     /// SHA-256 of the bytes, lower-case hex.
     pub digest: String,
@@ -26,7 +26,7 @@ impl File {
         }
     }
 
-    /// What the record says about it.
+    /// Its entry in the record.
     pub(crate) fn entry(&self) -> ArtifactEntry {
         ArtifactEntry {
             kind: self.kind.clone(),

@@ -2,7 +2,7 @@
 //!
 //! The folder gets `job.json` (the canonical description), `<frame>/<kind>.<ext>`, and in frame order `records.jsonl`
 //! (one record a line) and `errors.jsonl`. A frame's folder appears whole or not at all. Rendering the same job into
-//! the folder again goes on behind the last line; another job is refused.
+//! the folder again resumes after the last line; a different job is refused.
 
 mod folder;
 mod lines;
@@ -24,15 +24,15 @@ use folder::Folder;
 pub use folder::LocalError;
 use lines::{Failure, Lines};
 
-/// How many frames beyond the oldest unfinished one each slot may be ahead: their records wait in memory.
+/// Frames that each slot may run ahead of the oldest unfinished one; their records wait in memory.
 const AHEAD_PER_SLOT: u64 = 16;
 
-/// What became of a job.
+/// The result of a job.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Summary {
     /// Frames of the job.
     pub frames: u64,
-    /// Frames that were there from an earlier run.
+    /// Frames kept from an earlier run.
     pub kept: u64,
     /// Frames without an image; `errors.jsonl` says why.
     pub failed: u64,
@@ -42,10 +42,10 @@ pub struct Summary {
     pub elapsed: Duration,
 }
 
-/// Renders every frame of a job into a folder, on this many threads. `progress` is told how many frames are finished.
+/// Renders every frame of a job into a folder, on this many threads. `progress` receives the number of finished frames.
 ///
 /// # Errors
-/// [`LocalError`]: the folder holds something else or cannot be written. Frames that fail are no error here.
+/// [`LocalError`]: the folder holds something else or cannot be written. Failed frames are not an error here.
 pub fn render_job(
     job: &Job,
     engine: &Arc<Engine>,
@@ -82,7 +82,7 @@ pub fn render_job(
 
 type Outcome = Result<Result<FrameRecord, Failure>, LocalError>;
 
-/// One slot: renders the frames that wait until there are no more, or until nobody wants them.
+/// One slot: renders waiting frames until none are left or the results are no longer received.
 fn work(
     job: &Job,
     engine: &Arc<Engine>,
@@ -129,7 +129,7 @@ fn hand_out(
         while next < frames.min(lines.next() + ahead) && give.send(next).is_ok() {
             next += 1;
         }
-        // All slots are gone, which only a defect of theirs explains: the scope ends with their panic.
+        // Every slot has panicked; the scope passes the panic on.
         let Ok((index, outcome)) = finished.recv() else {
             break;
         };

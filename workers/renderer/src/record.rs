@@ -1,4 +1,4 @@
-//! The record of a frame as far as it is known before the light runs; the stages add what they find.
+//! The record of a frame as known before rendering; the stages add their results.
 
 use optics::water::{RULES, Water};
 use serde_json::{Map, Value, json};
@@ -7,7 +7,7 @@ use spec::{Camera, Counts, FrameRecord, Provenance};
 use crate::provenance::{CODE_VERSION, cpu_features};
 use crate::stage::Shot;
 
-/// Begins the record of a frame.
+/// Starts the record of a frame.
 pub(crate) fn begin(shot: &Shot<'_>) -> FrameRecord {
     let Shot {
         frame,
@@ -36,7 +36,7 @@ pub(crate) fn begin(shot: &Shot<'_>) -> FrameRecord {
     }
 }
 
-/// The frame's resolved values, with the camera that took the picture.
+/// The frame's resolved parameters, with the actual camera.
 fn parameters(shot: &Shot<'_>) -> Value {
     let mut parameters = shot.frame.parameters.clone();
     if !matches!(shot.frame.scene, spec::Scene::Procedural { .. }) {
@@ -46,7 +46,7 @@ fn parameters(shot: &Shot<'_>) -> Value {
     parameters
 }
 
-/// The water's numbers by name, which of them were derived, the preset, and the patches; empty without water.
+/// The coefficients of the water by name, which of them were derived, its preset and its patches; empty without water.
 fn numbers(shot: &Shot<'_>) -> Map<String, Value> {
     let mut numbers = shot
         .setting
@@ -72,7 +72,7 @@ fn numbers_of_water(water: &Water) -> Map<String, Value> {
     numbers.map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// What the user should know about the scene, its water and its plan.
+/// Warnings about the scene, its water and its plan.
 fn warnings(shot: &Shot<'_>) -> Vec<String> {
     let Shot {
         frame,

@@ -20,7 +20,7 @@ use crate::stage::style::{self, Networks};
 use crate::stage::{Shot, enhance, glow, haze, labels, measure, snow, water};
 use crate::stopwatch::Stopwatch;
 
-/// What one worker thread reuses from frame to frame. Nothing in it changes a result.
+/// Caches that one worker thread reuses between frames. They never change a result.
 pub struct Slot {
     pub(crate) networks: Networks,
     kernels: KernelCache,
@@ -36,7 +36,7 @@ pub struct Rendered {
     pub record: FrameRecord,
 }
 
-/// What a prepared scene depends on; files of this machine may change and have none.
+/// What a prepared scene depends on. Scenes from local files are not kept: the files may change.
 #[derive(PartialEq)]
 struct SceneKey {
     scene: Scene,
@@ -90,15 +90,15 @@ impl Slot {
         Ok(Rendered { files, record })
     }
 
-    /// What a frame would be rendered with.
+    /// Plans a frame without rendering it.
     ///
     /// # Errors
-    /// [`RenderError`] of the scene, the water or the style.
+    /// [`RenderError`] from the scene, the water or the style.
     pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<Plan, RenderError> {
         Ok(self.resolve(frame, source, &mut Stopwatch::start())?.plan)
     }
 
-    /// Fetches the scene, resolves what surrounds it, lights it and plans the rest.
+    /// Fetches the scene, resolves its setting, lights it and plans the remaining stages.
     fn resolve<'a>(
         &mut self,
         frame: &'a Frame,

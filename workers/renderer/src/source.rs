@@ -1,4 +1,4 @@
-//! Where the scene of a frame comes from, beside what the frame itself says.
+//! Scene data that the frame's description does not contain.
 
 use std::sync::Arc;
 
@@ -7,10 +7,10 @@ use spec::SceneFiles;
 /// The bytes of an uploaded scene.
 pub type SceneBytes = SceneFiles<Vec<u8>>;
 
-/// What a slot is given beside the frame.
+/// Scene data given to a slot along with the frame.
 #[derive(Debug, Clone)]
 pub enum SceneSource {
-    /// Nothing: the scene is procedural or made of files of this machine.
+    /// None: the scene is procedural or read from local files.
     Local,
     /// The files of the uploaded scene that the frame names.
     Uploaded(Arc<SceneBytes>),

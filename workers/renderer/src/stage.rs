@@ -22,7 +22,7 @@ use spec::Frame;
 use light::Lit;
 use scene::Prepared;
 
-/// What a frame is rendered from. Every stage sees it, and none changes it.
+/// The inputs of the stages; none of them changes it.
 pub(crate) struct Shot<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) prepared: Arc<Prepared>,

@@ -1,4 +1,4 @@
-//! `fathom check-style`: tries a style network that nobody knows, for the service that was given it.
+//! `fathom check-style`: tries an unverified style network, for the service.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ pub(crate) struct Arguments {
     /// The ONNX file
     #[arg(long)]
     model: PathBuf,
-    /// What it will be called
+    /// Its name
     #[arg(long)]
     name: String,
     #[command(flatten)]

@@ -28,28 +28,28 @@ use anyhow::Context;
 use cli::exit::Failure;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-/// What `fathom` can do.
+/// The commands of `fathom`.
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
     /// Start the service with its own workers
     Serve(serve::Arguments),
-    /// Pull frames from a service and render them
+    /// Render frames for a service, here or on another machine
     Worker(worker::Arguments),
-    /// Render a job here, without a service
+    /// Render a job without a service
     Render(render::Arguments),
-    /// Show what a frame would be rendered with, and how wrong that may be
+    /// Show how a frame would be rendered: variant, error bound and cost of each stage
     Plan(plan::Arguments),
     /// Submit a job to a service
     Submit(submit::Arguments),
-    /// Ask for images by their parameters and metrics
+    /// List images by their parameters and metrics
     Query(query::Arguments),
-    /// Write a dataset as a folder for training scripts
+    /// Write a dataset into a folder for training
     Export(export::Arguments),
-    /// Upload a scene: a picture with its range
+    /// Upload scenes: pictures with their range
     Upload(upload::Arguments),
-    /// Read everything that a stopped service has stored, and render again what is damaged
+    /// Verify everything a stopped service has stored, and optionally repair it
     Scrub(scrub::Arguments),
-    /// Copy everything that a running service has stored
+    /// Back up everything a running service has stored
     Backup(backup::Arguments),
     /// Write a contact sheet of a dataset
     Sheet(sheet::Arguments),
@@ -63,14 +63,14 @@ pub(crate) enum Command {
     Styles(styles::Arguments),
     /// Train a style water from a photo
     Train(train::Arguments),
-    /// Render a style photo of a water
+    /// Render a photo of a water to train a style from
     StylePhoto(style_photo::Arguments),
-    /// Start a service, render a small dataset with it and show the result
+    /// Render a small dataset with a temporary service and show the result
     Demo(demo::Arguments),
-    /// Render a stored frame once more, for the service that asks for it
+    /// Render a stored frame once more, for the service
     #[command(hide = true)]
     Rerender(rerender::Arguments),
-    /// Try a style network, for the service that was given it
+    /// Try a style network, for the service
     #[command(hide = true)]
     CheckStyle(check_style::Arguments),
 }
@@ -102,7 +102,7 @@ impl Command {
     }
 }
 
-/// Turns true when the process is asked to end.
+/// A flag that is set by SIGINT and SIGTERM.
 fn stop_at_signal() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {

@@ -1,4 +1,4 @@
-//! `fathom render`: a job without a service; the same frames, byte for byte.
+//! `fathom render`: renders a job without a service, to the same bytes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
     /// Folder for the frames and records.jsonl
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Frames rendered side by side, one thread each [default: the machine's cores]
+    /// Frames rendered in parallel, one thread each [default: the number of cores]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     slots: Option<u16>,
     #[command(flatten)]
@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The machine's cores.
+/// Number of cores.
 pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }

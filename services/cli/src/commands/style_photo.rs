@@ -1,4 +1,4 @@
-//! `fathom style-photo`: a photo to train a style water from, rendered by ourselves.
+//! `fathom style-photo`: renders a photo to train a style water from.
 
 use std::path::PathBuf;
 
@@ -11,10 +11,10 @@ use training::waters::{LOOKS, WaterLook};
 pub(crate) struct Arguments {
     /// The water: atlantic, mediterranean or muddy
     water: String,
-    /// Another seed gives another scene in the same water
+    /// Seed of the scene
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Where to write the photo (.png or .webp; .jpg loses what training looks at)
+    /// Where to write the photo (.png or .webp; .jpg loses texture that training needs)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! `fathom styles`: the style waters, and whether their runtime is here.
+//! `fathom styles`: lists the style waters and the version of ONNX Runtime.
 
 use cli::exit::Failure;
 use cli::styles::StyleArguments;

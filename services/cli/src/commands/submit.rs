@@ -1,4 +1,4 @@
-//! `fathom submit`: a job for a service, and the wait for it.
+//! `fathom submit`: submits a job to a service and optionally waits for it.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ pub(crate) struct Arguments {
     /// Wait until the job is finished
     #[arg(long)]
     wait: bool,
-    /// Submitting again with the same key answers the same job
+    /// Key of the submission: submitting again with the same key returns the same job
     #[arg(long, value_name = "KEY")]
     idempotency_key: Option<String>,
     /// Print the job as JSON
@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     all_rendered(&job, format!("; see job {}", text(&job, "id")))
 }
 
-/// Fails if a frame of a job did.
+/// Fails if a frame of the job failed.
 pub(crate) fn all_rendered(job: &Value, hint: String) -> Result<(), Failure> {
     match (text(job, "state"), number(job, "failed")) {
         ("done_with_failures", failed) => Err(Failure::SomeFrames {
@@ -63,7 +63,7 @@ pub(crate) fn all_rendered(job: &Value, hint: String) -> Result<(), Failure> {
     }
 }
 
-/// Submits a job description and answers the job as the service sees it.
+/// Submits a job description and returns the job as the service shows it.
 pub(crate) fn submit(remote: &Remote, spec: &[u8], key: Option<&str>) -> Result<Value, Failure> {
     let headers: Vec<(&str, &str)> = key.map(|key| ("idempotency-key", key)).into_iter().collect();
     let job = remote.post("/v1/jobs", &headers, spec)?;
@@ -73,7 +73,7 @@ pub(crate) fn submit(remote: &Remote, spec: &[u8], key: Option<&str>) -> Result<
     Ok(job)
 }
 
-/// Follows a job with long-polls until it is finished.
+/// Waits with long polls until a job is finished.
 pub(crate) fn wait(remote: &Remote, job: &Value) -> Result<Value, Failure> {
     let id = text(job, "id").to_owned();
     let mut progress = Progress::new(text(job, "dataset"), "frames", number(job, "frames"));

@@ -1,4 +1,4 @@
-//! `fathom worker`: pulls frames from a service until it is told to stop.
+//! `fathom worker`: renders frames for a service until it is told to stop.
 
 use std::io::Read;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use renderer::worker::{self, Limits, WorkerOptions, machine_bytes};
 pub(crate) struct Arguments {
     #[command(flatten)]
     server: ServerArguments,
-    /// Frames rendered side by side, one thread each
+    /// Frames rendered in parallel, one thread each
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     slots: u16,
     /// Name shown in the list of workers [default: host name and process id]
@@ -23,13 +23,13 @@ pub(crate) struct Arguments {
     name: Option<String>,
     #[command(flatten)]
     style: StyleArguments,
-    /// Longest time of one frame; a worker that takes longer ends itself, and its frames are offered again
+    /// Longest time for one frame in seconds; a worker that takes longer aborts and its frames are leased again
     #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = positive)]
     frame_limit_s: f64,
-    /// Most memory of this worker; beyond it the worker ends itself [default: three quarters of the machine's]
+    /// Most memory of this worker, beyond which it aborts [default: three quarters of the machine's memory]
     #[arg(long, env = "FATHOM_MEMORY_LIMIT_MIB", value_parser = clap::value_parser!(u64).range(64..))]
     memory_limit_mib: Option<u64>,
-    /// Stop when standard input closes, as a child of a service does
+    /// Stop when standard input closes, for a worker started by a service
     #[arg(long, hide = true)]
     stop_with_stdin: bool,
 }
@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     if arguments.stop_with_stdin {
         let stop = Arc::clone(&stop);
         std::thread::spawn(move || {
-            // Ends when the parent closes its end, also by dying.
+            // Ends when the parent closes its end, including when it dies.
             let _ = std::io::stdin().read_to_end(&mut Vec::new());
             stop.store(true, Ordering::SeqCst);
         });
@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
 
 fn positive(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    // A year: a duration needs some end.
+    // At most a year, well within the range of a duration.
     if value > 0.0 && value <= 31_536_000.0 {
         Ok(value)
     } else {

@@ -1,4 +1,4 @@
-//! The folder of a job: whose it is, and the frames in it.
+//! The folder of a job: its description and its frames.
 
 use std::fs;
 use std::io;
@@ -16,10 +16,10 @@ pub enum LocalError {
     Io {
         /// The file or folder.
         path: String,
-        /// What it said.
+        /// Its error.
         source: io::Error,
     },
-    /// The folder holds something that is no job.
+    /// The folder holds something other than a job.
     #[error("{path} is not empty and holds no job; name an empty or a new folder")]
     NotEmpty {
         /// The folder.
@@ -53,7 +53,7 @@ pub(crate) struct Folder {
 }
 
 impl Folder {
-    /// Takes a new or empty folder, or one that holds this job already.
+    /// Opens a new or empty folder, or one that already holds this job.
     pub(crate) fn open(path: &Path, job: &Job) -> Result<Self, LocalError> {
         let folder = Self {
             path: path.to_owned(),
@@ -88,11 +88,11 @@ impl Folder {
         self.path.join(name)
     }
 
-    /// Stores a frame's files: written under another name, then moved into place together.
+    /// Stores a frame's files in a draft folder, then renames it into place.
     pub(crate) fn store(&self, frame: u64, files: &[File]) -> Result<(), LocalError> {
         let place = self.path.join(frame.to_string());
         let draft = self.path.join(format!(".{frame}.draft"));
-        // Left by a run that was killed between a frame and its record.
+        // Left over from a run killed between storing a frame and writing its record.
         for old in [&draft, &place] {
             match fs::remove_dir_all(old) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(io_error(old, error)),

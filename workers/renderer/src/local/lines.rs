@@ -1,4 +1,4 @@
-//! `records.jsonl` and `errors.jsonl`: one line for each frame, in frame order, in one file or the other.
+//! `records.jsonl` and `errors.jsonl`: each frame has one line in one of them, in frame order.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
@@ -27,7 +27,7 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// Opens the files; the frames in them are kept. A last line that was cut off is cut away.
+    /// Opens the files and keeps the frames in them. An incomplete last line is removed.
     pub(crate) fn open(folder: &Folder) -> Result<Self, LocalError> {
         let (mut digests, mut failed, mut next) = (Vec::new(), 0, 0);
         let records = Log::open(folder.file("records.jsonl"), |record: FrameRecord| {

@@ -9,11 +9,11 @@ use spec::FrameRecord;
 use super::Shot;
 use crate::error::RenderError;
 
-/// What each method made of the picture, by its name.
+/// Results by method name.
 pub(crate) type Enhancements = BTreeMap<String, Enhanced>;
 
-/// Runs every method of the frame on the result, each on its own. What a method says about the picture becomes a warning:
-/// `ibla: lamp_as_background: …`.
+/// Runs every method of the frame on the result, independently of each other. Warnings of a method go into the record, such
+/// as `ibla: lamp_as_background: …`.
 pub(crate) fn run(
     shot: &Shot<'_>,
     rgb: &Rgb8,

@@ -20,7 +20,7 @@ const PNG: &str = "image/png";
 const NPY: &str = "application/x-npy";
 const JSON: &str = "application/json";
 
-/// What the stages made of a frame.
+/// The results of the stages.
 pub(crate) struct Pictures<'a> {
     pub(crate) layers: &'a Layers,
     /// Opacity of the snow; none where nothing was drawn.
@@ -31,7 +31,7 @@ pub(crate) struct Pictures<'a> {
     pub(crate) enhancements: &'a Enhancements,
 }
 
-/// Encodes the files that the frame asks for, in its order; what cannot be made becomes a warning.
+/// Encodes the requested artifacts in the order of the frame; each one that does not exist becomes a warning.
 pub(crate) fn encode(
     shot: &Shot<'_>,
     pictures: &Pictures<'_>,
@@ -59,7 +59,7 @@ pub(crate) fn encode(
 /// Media type and bytes.
 type Encoded = (&'static str, Vec<u8>);
 
-/// `None`: the frame has nothing of this kind.
+/// Encodes one artifact. `None`: the frame has none of this kind.
 fn encode_kind(
     shot: &Shot<'_>,
     pictures: &Pictures<'_>,
@@ -113,7 +113,7 @@ fn encode_kind(
     Ok(encoded?)
 }
 
-/// A picture in the format that the frame asks for.
+/// Encodes a picture in the requested format.
 fn encode_picture(picture: &Rgb8, encode: Encode) -> Result<Encoded, EncodeError> {
     Ok(match encode {
         Encode::Png => (PNG, codec::encode_png(&Raster::from(picture.clone()))?),
@@ -122,7 +122,7 @@ fn encode_picture(picture: &Rgb8, encode: Encode) -> Result<Encoded, EncodeError
     })
 }
 
-/// Codes that must stay what they are, whatever format pictures have.
+/// Encodes codes losslessly, whatever the format of pictures.
 fn encode_codes(codes: Option<impl Into<Raster>>) -> Result<Option<Encoded>, EncodeError> {
     codes
         .map(|codes| Ok((PNG, codec::encode_png(&codes.into())?)))

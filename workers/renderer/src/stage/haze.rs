@@ -7,7 +7,7 @@ use optics::plan::Form;
 
 use super::Shot;
 
-/// Lays the lights over a picture; without a light that shines it passes through uncopied.
+/// Adds the haze to a picture, which is returned uncopied where no light shines.
 pub(crate) fn run<'a>(shot: &Shot<'_>, styled: &'a Rgb<f32>) -> Cow<'a, Rgb<f32>> {
     match shot.plan.haze.form {
         Form::Skip => Cow::Borrowed(styled),

@@ -8,7 +8,7 @@ use spec::{InstanceRecord, SceneRecord};
 
 use super::Shot;
 
-/// What the record says about the scene; none of a scene whose camera has no place in a world.
+/// The record of the scene; none without a camera pose.
 pub(crate) fn describe(shot: &Shot<'_>, layers: &Layers) -> Option<SceneRecord> {
     let pose = shot.prepared.pose?;
     let intrinsics = shot.prepared.scene.intrinsics?;
@@ -72,7 +72,7 @@ fn describe_instance(
     }
 }
 
-/// The median over every instance of meters by pixel, by its number.
+/// Median of `meters` over the pixels of each instance, indexed by its number.
 fn medians(shot: &Shot<'_>, meters: Option<&Plane<f32>>, most: Option<u16>) -> Vec<Option<f64>> {
     let (Some(meters), Some(numbers), Some(most)) = (meters, &shot.prepared.scene.instances, most) else {
         return Vec::new();

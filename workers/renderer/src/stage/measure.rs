@@ -1,4 +1,4 @@
-//! Image quality of the result and of what each enhancement made of it, taken from the picture before its mask.
+//! Image quality of the result and of each enhancement, the latter measured before its mask is applied.
 
 use imaging::{Rgb8, transfer};
 use quality::MetricId;

@@ -14,7 +14,7 @@ use spec::{Frame, RangeKind, Scene, SceneFiles};
 use crate::error::RenderError;
 use crate::source::{SceneBytes, SceneSource};
 
-/// A scene that is fit for the chain.
+/// A scene that is valid for the chain.
 pub(crate) struct Prepared {
     /// Radiance is finite and not negative.
     pub(crate) scene: scenes::Scene,
@@ -24,16 +24,16 @@ pub(crate) struct Prepared {
     pub(crate) negative_radiance: u64,
     /// Pixels without a valid range; 0 without range.
     pub(crate) holes: u64,
-    /// Where the camera of a procedural scene is.
+    /// Pose of the camera; only of procedural scenes.
     pub(crate) pose: Option<CameraPose>,
     /// Its labels, where an artifact needs them.
     pub(crate) labels: Option<Labels>,
-    /// SHA-256 of the files that went in.
+    /// SHA-256 of the input files.
     pub(crate) inputs: BTreeMap<String, String>,
 }
 
 impl Prepared {
-    /// What its surroundings depend on.
+    /// The view that its setting is resolved for.
     pub(crate) fn view(&self) -> View {
         let (width, height) = self.scene.radiance.size();
         View {
@@ -80,7 +80,7 @@ pub(crate) fn needs_labels(frame: &Frame) -> bool {
     frame.artifacts.iter().any(spec::ArtifactKind::needs_labels)
 }
 
-/// The pose of a frame: its place on the path, or the usual one.
+/// The pose of a frame: on its path, or the scene's default.
 fn pose(frame: &Frame, world: &World) -> Result<CameraPose, RenderError> {
     let Some(path) = frame.camera.path else {
         return Ok(world.pose());

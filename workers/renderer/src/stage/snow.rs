@@ -10,7 +10,7 @@ use spec::{FrameRecord, Snow};
 
 use super::Shot;
 
-/// What fell.
+/// The drawn snow.
 struct Fallen {
     /// Particles whose discs reach into the frame.
     particles: usize,
@@ -18,8 +18,7 @@ struct Fallen {
     mask: Plane<f32>,
 }
 
-/// Lays the snow over the picture and returns its opacity; none without snow, without range, in which nothing hangs
-/// anywhere, or where the plan leaves it out.
+/// Draws the snow over the picture and returns its opacity; none without snow or range, or where the plan skips it.
 pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Option<Plane<f32>> {
     let (law, range) = (shot.setting.snow.as_ref()?, shot.prepared.scene.range.as_ref()?);
     let drawn = shot.plan.snow.form != Form::Skip;
@@ -72,7 +71,7 @@ fn fall(shot: &Shot<'_>, law: &Snow, range: &Plane<f32>, picture: &mut Rgb<f32>)
     }
 }
 
-/// The mask as codes: 255 is opaque; a frame where nothing was drawn has a mask of 0.
+/// The mask as 8-bit codes, 255 = opaque; all 0 where nothing was drawn.
 pub(crate) fn codes(mask: Option<&Plane<f32>>, (width, height): (usize, usize)) -> Plane<u8> {
     match mask {
         Some(mask) => mask.map(|&v| (255.0 * v.clamp(0.0, 1.0)).round() as u8),

@@ -1,4 +1,4 @@
-//! The water stage, or the picture as it is where there is no water or no range (Algorithm 1's else branch).
+//! The water stage; without water or range the picture stays as it is (Algorithm 1's else branch).
 
 use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};
@@ -7,7 +7,7 @@ use optics::forward_scatter::KernelCache;
 use super::Shot;
 use crate::error::RenderError;
 
-/// Takes the scene under water.
+/// Applies the water to the lit scene.
 pub(crate) fn run(shot: &Shot<'_>, kernels: &mut KernelCache) -> Result<Layers, RenderError> {
     let radiance = shot.lit.radiance();
     match (&shot.setting.around, shot.lit.path()) {
@@ -16,7 +16,7 @@ pub(crate) fn run(shot: &Shot<'_>, kernels: &mut KernelCache) -> Result<Layers, 
     }
 }
 
-/// Without water all light arrives on its own ray.
+/// Without water all light is direct.
 fn in_air(radiance: &Rgb<f32>) -> Layers {
     let nothing = radiance.map(|_| 0.0);
     Layers {

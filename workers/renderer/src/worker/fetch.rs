@@ -1,4 +1,4 @@
-//! Fetches bytes whose digest is known.
+//! Fetches data from the service for as long as the lease lasts.
 
 use super::Shared;
 use super::client::{ClientError, Outcome};
@@ -21,7 +21,7 @@ pub(crate) fn fetch<T>(
     })
 }
 
-/// The same with bytes that must have this digest.
+/// Fetches bytes and verifies their digest.
 pub(crate) fn fetch_bytes(
     shared: &Shared,
     hold: &Hold,

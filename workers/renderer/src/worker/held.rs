@@ -1,4 +1,4 @@
-//! The leases that this worker holds.
+//! The leases held by this worker.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ pub(crate) struct Hold {
 }
 
 impl Hold {
-    /// The service no longer wants these frames from us: drop the rest.
+    /// Whether the lease has ended and its remaining frames should be dropped.
     pub(crate) fn is_lost(&self) -> bool {
         self.lost.load(Ordering::SeqCst)
     }
@@ -27,7 +27,7 @@ impl Hold {
 }
 
 impl Held {
-    /// Notes a new lease.
+    /// Adds a new lease.
     pub(crate) fn take(&self, token: u64) -> Hold {
         let hold = Hold {
             token,
@@ -37,12 +37,12 @@ impl Held {
         hold
     }
 
-    /// Forgets a lease that has ended.
+    /// Removes a lease that has ended.
     pub(crate) fn end(&self, token: u64) {
         self.map().remove(&token);
     }
 
-    /// The leases to beat for.
+    /// The leases to extend with the next beat.
     pub(crate) fn tokens(&self) -> Vec<u64> {
         self.map()
             .values()
@@ -51,7 +51,7 @@ impl Held {
             .collect()
     }
 
-    /// Tells the slots of these leases to drop them.
+    /// Marks leases as lost, so that their slots drop them.
     pub(crate) fn lose(&self, tokens: &[u64]) {
         let map = self.map();
         tokens

@@ -1,4 +1,4 @@
-//! Jobs by the digest of their description: each is fetched and read once, and not for every lease.
+//! Jobs by the digest of their description, fetched and parsed once rather than for every lease.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -35,8 +35,8 @@ impl Jobs {
     }
 }
 
-/// Fetches and reads a description, and fetches the styles that it names and this worker lacks. A style that the service
-/// lacks too fails the frames that use it.
+/// Fetches and parses a description, and fetches the styles that this worker lacks. A style that the service lacks as well
+/// fails the frames that use it.
 fn fetch(shared: &Shared, hold: &Hold, lease: &Lease) -> Result<Job, RenderError> {
     let what = format!("the description of {}", lease.job_id);
     let description = || shared.client.description(&lease.job_id);

@@ -1,4 +1,4 @@
-//! The worker's membership in a service, renewed when the service has forgotten it.
+//! The worker's registration with a service, renewed after the service has restarted.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -9,14 +9,14 @@ use super::client::{Client, Outcome};
 use super::patience::persist;
 use super::stop::Stop;
 
-/// What a service knows this worker by.
+/// The worker's registration.
 pub(crate) struct Membership {
     about: RegisterRequest,
     registered: Mutex<RegisterResponse>,
 }
 
 impl Membership {
-    /// Joins; waits for a service that is away. `None`: told to stop before that.
+    /// Registers; waits for a service that is unavailable. `None`: stopped before it came up.
     pub(crate) fn join(client: &Client, about: RegisterRequest, stop: &Stop) -> Outcome<Option<Self>> {
         let joined = persist(stop, || !stop.is_set(), || client.register(&about)).result;
         if stop.is_set() {
@@ -36,7 +36,7 @@ impl Membership {
         Duration::from_millis(self.registered().beat_ms.into())
     }
 
-    /// Joins again under a new id, unless another thread has done so since `forgotten` was the id.
+    /// Registers under a new id, unless another thread has replaced the id `forgotten` already.
     pub(crate) fn rejoin(&self, client: &Client, forgotten: &str) -> Outcome<()> {
         let mut registered = self.registered();
         if registered.worker_id == forgotten {

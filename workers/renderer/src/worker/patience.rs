@@ -1,4 +1,4 @@
-//! Repeats calls to a service that is away.
+//! Repeats calls to a service that is unavailable.
 
 use std::time::Duration;
 
@@ -7,24 +7,24 @@ use super::stop::Stop;
 
 const FIRST: Duration = Duration::from_millis(200);
 const LONGEST: Duration = Duration::from_secs(5);
-/// Tries that a call has left when the worker is to stop.
+/// Tries left to a call once the worker is stopping.
 const LAST_TRIES: u32 = 5;
 
-/// The pause after the given number of tries: doubling, with a ceiling.
+/// Pause after the given number of tries: doubles up to a limit.
 fn pause_after(tries: u32) -> Duration {
     FIRST
         .saturating_mul(1 << tries.saturating_sub(1).min(16))
         .min(LONGEST)
 }
 
-/// What a repeated call came to.
+/// Result of a repeated call.
 pub(crate) struct Persisted<T> {
     pub(crate) result: Outcome<T>,
-    /// An earlier try may have arrived although its response was lost.
+    /// More than one try was made: an earlier one may have arrived although its response was lost.
     pub(crate) repeated: bool,
 }
 
-/// Repeats a call until the service responds, as long as the result is wanted; a few times more once the worker is to stop.
+/// Repeats a call until the service responds or the result is no longer wanted; a few more times once the worker is stopping.
 pub(crate) fn persist<T>(
     stop: &Stop,
     wanted: impl Fn() -> bool,

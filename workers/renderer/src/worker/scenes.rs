@@ -1,4 +1,4 @@
-//! Uploaded scenes, fetched from the service and kept for the frames that follow.
+//! Uploaded scenes, fetched from the service and cached.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,10 +9,10 @@ use super::held::Hold;
 use crate::error::RenderError;
 use crate::source::SceneBytes;
 
-/// Scenes are kept up to this size together; a typical one has 2 MiB.
+/// Most bytes of cached scenes; a typical scene has 2 MiB.
 const MOST_BYTES: usize = 256 << 20;
 
-/// The scenes that were used last. An upload never changes, so its id names its content.
+/// Cached scenes by id. An uploaded scene never changes.
 #[derive(Default)]
 pub(crate) struct Scenes(Mutex<BTreeMap<String, Arc<SceneBytes>>>);
 
@@ -22,7 +22,7 @@ impl Scenes {
         if let Some(scene) = self.kept().get(id) {
             return Ok(Arc::clone(scene));
         }
-        // Not locked meanwhile: two slots that need the same scene may fetch it twice, and neither waits for the other.
+        // Not locked during the fetch: two slots may fetch the same scene, but neither waits for the other.
         let what = &format!("scene `{id}`");
         let files = fetch(shared, hold, what, || shared.client.scene(id))?;
         let blob = |digest: &String| fetch_bytes(shared, hold, what, digest, || shared.client.blob(digest));
@@ -40,7 +40,7 @@ impl Scenes {
     }
 }
 
-/// Bytes in memory.
+/// Size in bytes.
 fn size(scene: &Arc<SceneBytes>) -> usize {
     scene.named().map(|(_, bytes)| bytes.len()).sum()
 }

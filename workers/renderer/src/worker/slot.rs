@@ -17,12 +17,12 @@ use crate::source::SceneSource;
 
 /// How long the service may hold a request for a lease. Short, so that a stop does not wait for it.
 const LEASE_WAIT_MS: u32 = 2000;
-/// After a refusal, which repeats itself until somebody changes something.
+/// Pause after a refusal, which will not change by itself.
 const AFTER_REFUSAL: Duration = Duration::from_secs(10);
-/// Share of the newest frame in the running mean of what a frame costs.
+/// Weight of the newest frame in the running mean of the cost of a frame.
 const NEWEST: f64 = 0.3;
 
-/// Leases and renders until the worker is to stop.
+/// Leases and renders frames until the worker stops.
 pub(crate) fn run(shared: &Shared, number: usize, parcels: &SyncSender<Parcel>) {
     let mut slot = Slot::new(&shared.engine);
     let mut frame_ms = 0.0;
@@ -43,7 +43,7 @@ pub(crate) fn run(shared: &Shared, number: usize, parcels: &SyncSender<Parcel>) 
     }
 }
 
-/// Asks for frames; waits a moment for them.
+/// Asks for a lease.
 fn lease(shared: &Shared, frame_ms: f64) -> Outcome<Option<Lease>> {
     let worker_id = shared.membership.worker_id();
     let request = LeaseRequest {
@@ -60,10 +60,10 @@ fn lease(shared: &Shared, frame_ms: f64) -> Outcome<Option<Lease>> {
     }
 }
 
-/// The delivering thread is gone.
+/// The delivery thread has ended.
 struct Gone;
 
-/// Renders the frames of a lease until they are done, the lease is lost, or the worker is to stop.
+/// Renders the frames of a lease until they are done, the lease is lost or the worker stops.
 fn work(
     shared: &Shared,
     (number, slot): (usize, &mut Slot),

@@ -1,9 +1,9 @@
-//! Style models that the service has and this worker does not.
+//! Style models that the service has and this worker lacks.
 
 use super::Shared;
 use super::client::Outcome;
 
-/// Fetches the models that are missing here.
+/// Fetches the missing models.
 pub(crate) fn learn(shared: &Shared) -> Outcome<()> {
     let mut library = shared.engine.library();
     for style in shared.client.styles()? {

@@ -1,4 +1,4 @@
-//! What a training leaves: the network, its card and its sheet.
+//! The files of a training: the network, its card and its sheet.
 
 use std::path::PathBuf;
 
@@ -14,14 +14,14 @@ use training::{Best, Score};
 
 use super::{Arguments, Given, distance, sheet};
 
-/// A network that does less than this beyond its colour map has learned no texture.
+/// A network that changes less than this beyond its color map has learned no texture.
 const LEAST_BRANCH: f64 = 1.0;
 
-/// What all products of a training share.
+/// What the files of a training are made from.
 pub(super) struct Product<'a> {
     pub(super) arguments: &'a Arguments,
     pub(super) given: &'a [Given],
-    /// Score of the colour transfer alone.
+    /// Score of the color transfer alone.
     pub(super) start: Score,
 }
 
@@ -32,7 +32,7 @@ impl Product<'_> {
         self.arguments.out.join(file)
     }
 
-    /// Writes all three files, or none.
+    /// Writes all three files or none.
     pub(super) fn write(&self, best: &Best, score: Score, done: usize) -> Result<(), Failure> {
         let Arguments {
             name, seed, steps, ..
@@ -114,7 +114,7 @@ fn parts(losses: &Losses) -> Parts {
     }
 }
 
-/// Four digits after the point: more would be noise on a card.
+/// Rounds to four decimals; more would be noise on a card.
 fn rounded(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }

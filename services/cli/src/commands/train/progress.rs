@@ -1,4 +1,4 @@
-//! Progress of a training: the losses beside the bar, and a file for the service that asks for the training.
+//! Progress of a training: the losses beside the bar, and a file for the service.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -9,9 +9,9 @@ use cli::progress::Progress;
 use serde_json::json;
 use training::loss::Losses;
 
-/// The file is written at most this often.
+/// Shortest time between writes of the file.
 const FILE_INTERVAL: Duration = Duration::from_millis(250);
-/// Share of the newest losses in those that are shown: single steps jump about.
+/// Weight of the newest losses in the running mean that is shown, since single steps vary a lot.
 const NEWEST: f64 = 0.1;
 
 pub(super) struct TrainingProgress {

@@ -1,4 +1,4 @@
-//! The sheet of a style: the photo, then four scenes before and after, whole and at alpha 0.4.
+//! The sheet of a style: the photos, then four scenes before and after, at alpha 1 and 0.4.
 
 use anyhow::Context;
 use cli::exit::Failure;
@@ -7,7 +7,7 @@ use imaging::geometry::Intrinsics;
 use imaging::{Rgb8, transfer};
 use style::net::{Network, Scratch};
 
-/// Scenes that are shown; none of them is trained on.
+/// Scenes shown, none of them used in training.
 const SEEDS: [u64; 4] = [3, 8, 14, 21];
 const WIDTH: usize = 480;
 const HEIGHT: usize = 360;
