@@ -4,6 +4,7 @@ RUN apt-get update && apt-get install -y --no-install-recommends python3 python3
 WORKDIR /src
 COPY Cargo.toml Cargo.lock clippy.toml rustfmt.toml ./
 COPY .cargo .cargo
+COPY bindings bindings
 COPY examples examples
 COPY lab lab
 COPY migrations migrations

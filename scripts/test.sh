@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Sets up what is needed and runs every test.
+# Sets up what is needed and runs every test. Arguments are handed on to `cargo test`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/get-onnxruntime.sh
 cargo build --release --locked --workspace
-exec cargo test --release --locked --workspace "$@"
+cargo test --release --locked --workspace "$@"
+exec scripts/test-python.sh

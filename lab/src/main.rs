@@ -18,5 +18,5 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    cli::exit::end("fathom-lab", Arguments::parse().command.run())
+    cli::exit::end("fathom-lab", Arguments::parse().command.run()).into()
 }

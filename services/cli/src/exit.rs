@@ -1,7 +1,5 @@
 //! Failures of commands and their exit statuses.
 
-use std::process::ExitCode;
-
 /// Why a command failed. The exit statuses are part of the interface: scripts branch on them.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
@@ -36,20 +34,20 @@ impl Failure {
     }
 
     /// Exit status: 1 some frames failed (and anything unforeseen), 2 bad input, 3 no server, 4 runtime missing.
-    pub fn code(&self) -> ExitCode {
-        ExitCode::from(match self {
+    pub fn code(&self) -> u8 {
+        match self {
             Self::SomeFrames { .. } | Self::Other(_) => 1,
             Self::BadInput(_) => 2,
             Self::NoServer(_) => 3,
             Self::RuntimeMissing(_) => 4,
-        })
+        }
     }
 }
 
 /// Prints a failure to standard error and returns the exit status.
-pub fn end(program: &str, result: Result<(), Failure>) -> ExitCode {
+pub fn end(program: &str, result: Result<(), Failure>) -> u8 {
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             eprintln!("{program}: {failure}");
             failure.code()

@@ -136,6 +136,12 @@ impl Raster {
         &self.samples
     }
 
+    /// The samples themselves.
+    #[must_use]
+    pub fn into_samples(self) -> Samples {
+        self.samples
+    }
+
     /// The alpha channel, if the file had one.
     #[must_use]
     pub fn alpha(&self) -> Option<&Samples> {

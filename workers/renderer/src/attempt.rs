@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use spec::Frame;
 
+use crate::content::Contents;
 use crate::error::RenderError;
 use crate::slot::{Rendered, Slot};
 use crate::source::SceneSource;
@@ -15,11 +16,27 @@ impl Slot {
     /// # Errors
     /// As [`Slot::render`], and [`RenderError::Panic`].
     pub fn attempt(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
-        let render = || {
+        self.guard(frame, |slot| slot.render(frame, source))
+    }
+
+    /// The same without encoding the artifacts.
+    ///
+    /// # Errors
+    /// As [`Slot::attempt`].
+    pub fn attempt_contents(&mut self, frame: &Frame, source: &SceneSource) -> Result<Contents, RenderError> {
+        self.guard(frame, |slot| slot.contents(frame, source))
+    }
+
+    fn guard<T>(
+        &mut self,
+        frame: &Frame,
+        render: impl FnOnce(&mut Self) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let guarded = || {
             let _ = faults::frame_point("frame", frame.index);
-            self.render(frame, source)
+            render(self)
         };
-        catch_unwind(AssertUnwindSafe(render)).unwrap_or_else(|panic| {
+        catch_unwind(AssertUnwindSafe(guarded)).unwrap_or_else(|panic| {
             *self = Self::new(&self.networks.engine);
             Err(RenderError::Panic(message(&*panic)))
         })

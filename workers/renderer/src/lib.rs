@@ -4,6 +4,7 @@
 //! code runs for a service ([`worker`]) and without one ([`local`]), so both give the same bytes.
 
 mod attempt;
+mod content;
 mod engine;
 mod error;
 mod file;
@@ -18,6 +19,7 @@ mod stopwatch;
 mod vocabulary;
 pub mod worker;
 
+pub use content::{Content, Contents};
 pub use engine::Engine;
 pub use error::RenderError;
 pub use file::{File, extension};

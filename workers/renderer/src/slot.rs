@@ -8,6 +8,7 @@ use optics::plan::{Given, Plan};
 use optics::setting::Setting;
 use spec::{Camera, Frame, FrameRecord, Scene};
 
+use crate::content::Contents;
 use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::file::File;
@@ -60,6 +61,26 @@ impl Slot {
     /// # Errors
     /// [`RenderError`], which says whether trying again can help.
     pub fn render(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
+        let (files, record) = self.run(frame, source, files::encode)?;
+        Ok(Rendered { files, record })
+    }
+
+    /// Renders a frame without encoding its artifacts.
+    ///
+    /// # Errors
+    /// As [`Slot::render`].
+    pub fn contents(&mut self, frame: &Frame, source: &SceneSource) -> Result<Contents, RenderError> {
+        let (artifacts, record) = self.run(frame, source, files::contents)?;
+        Ok(Contents { artifacts, record })
+    }
+
+    /// Runs all stages and gives what they made to the last one.
+    fn run<T>(
+        &mut self,
+        frame: &Frame,
+        source: &SceneSource,
+        last: impl FnOnce(&Shot<'_>, &Pictures<'_>, &mut FrameRecord) -> Result<T, RenderError>,
+    ) -> Result<(T, FrameRecord), RenderError> {
         let mut watch = Stopwatch::start();
         let shot = &self.resolve(frame, source, &mut watch)?;
         let mut record = record::begin(shot);
@@ -84,10 +105,10 @@ impl Slot {
             rgb: &rgb,
             enhancements: &enhancements,
         };
-        let files = watch.time("files", || files::encode(shot, &pictures, &mut record))?;
+        let made = watch.time("files", || last(shot, &pictures, &mut record))?;
         record.timings_ms = watch.stop();
         self.kernels.recycle(layers);
-        Ok(Rendered { files, record })
+        Ok((made, record))
     }
 
     /// Plans a frame without rendering it.

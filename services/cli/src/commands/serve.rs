@@ -67,13 +67,20 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         listen: arguments.listen,
         workers,
         slots_per_worker: slots,
-        worker_program: std::env::current_exe().context("cannot find this program's own file")?,
+        worker_program: own_program()?,
         token: arguments.token,
         styles: arguments.style.styles,
         onnxruntime: arguments.style.onnxruntime,
         library,
         style_trial: Duration::from_secs(arguments.style_trial_s),
     })
+}
+
+/// The program that runs these commands: this one, unless they run inside of another, which then names it.
+fn own_program() -> Result<PathBuf, Failure> {
+    let named = std::env::var_os("FATHOM_PROGRAM").map(PathBuf::from);
+    let own = named.map_or_else(std::env::current_exe, Ok);
+    Ok(own.context("cannot find this program's own file")?)
 }
 
 /// Log lines to standard error; `FATHOM_LOG` chooses the level instead of the usual one, `FATHOM_LOG_FORMAT=json` the form.

@@ -1,15 +1,18 @@
-//! The files of a frame: one match from artifact kind to bytes.
+//! The files of a frame: one match from artifact kind to content, one from content to bytes.
+
+use std::borrow::Cow;
 
 use imaging::codec::{self, EncodeError};
 use imaging::{Plane, Raster, Rgb, Rgb8, transfer};
 use optics::chain::Layers;
 use serde_json::json;
-use spec::{ArtifactKind, Encode, FrameRecord};
+use spec::{ArtifactKind, Counts, Encode, FrameRecord};
 
 use super::enhance::Enhancements;
 use super::range_file::millimeters;
 use super::water::transmittance;
 use super::{Shot, snow};
+use crate::content::Content;
 use crate::error::RenderError;
 use crate::file::File;
 
@@ -17,8 +20,6 @@ use crate::file::File;
 const PREVIEW_PX: usize = 256;
 
 const PNG: &str = "image/png";
-const NPY: &str = "application/x-npy";
-const JSON: &str = "application/json";
 
 /// The results of the stages.
 pub(crate) struct Pictures<'a> {
@@ -39,12 +40,9 @@ pub(crate) fn encode(
 ) -> Result<Vec<File>, RenderError> {
     let mut files = Vec::new();
     for kind in &shot.frame.artifacts {
-        match encode_kind(shot, pictures, kind, record)? {
-            Some((media_type, bytes)) => files.push(File::new(kind.to_string(), media_type, bytes)),
-            None => {
-                let warning = format!("there is no artifact `{kind}`: {}", why_missing(kind));
-                record.warnings.push(warning);
-            }
+        if let Some(content) = content_or_warn(shot, pictures, kind, record) {
+            let (media_type, bytes) = encode_content(content, shot.frame.encode, &mut record.counts)?;
+            files.push(File::new(kind.to_string(), media_type, bytes));
         }
     }
     let saturated = record.counts.range_saturated;
@@ -56,77 +54,108 @@ pub(crate) fn encode(
     Ok(files)
 }
 
-/// Media type and bytes.
-type Encoded = (&'static str, Vec<u8>);
-
-/// Encodes one artifact. `None`: the frame has none of this kind.
-fn encode_kind(
+/// What those files hold, as [`encode`] would encode it.
+pub(crate) fn contents(
     shot: &Shot<'_>,
     pictures: &Pictures<'_>,
+    record: &mut FrameRecord,
+) -> Result<Vec<(ArtifactKind, Content<'static>)>, RenderError> {
+    let mut contents = Vec::new();
+    for kind in &shot.frame.artifacts {
+        if let Some(content) = content_or_warn(shot, pictures, kind, record) {
+            contents.push((kind.clone(), content.into_owned()));
+        }
+    }
+    Ok(contents)
+}
+
+fn content_or_warn<'a>(
+    shot: &'a Shot<'_>,
+    pictures: &Pictures<'a>,
     kind: &ArtifactKind,
     record: &mut FrameRecord,
-) -> Result<Option<Encoded>, RenderError> {
+) -> Option<Content<'a>> {
+    let content = content(shot, pictures, kind, record);
+    if content.is_none() {
+        let warning = format!("there is no artifact `{kind}`: {}", why_missing(kind));
+        record.warnings.push(warning);
+    }
+    content
+}
+
+/// `None`: the frame has nothing of this kind.
+fn content<'a>(
+    shot: &'a Shot<'_>,
+    pictures: &Pictures<'a>,
+    kind: &ArtifactKind,
+    record: &FrameRecord,
+) -> Option<Content<'a>> {
     let Pictures { layers, rgb, .. } = *pictures;
     let (scene, labels) = (&shot.prepared.scene, shot.prepared.labels.as_ref());
-    let picture = |picture: &Rgb8| encode_picture(picture, shot.frame.encode).map(Some);
-    let display = |layer: &Rgb<f32>| picture(&transfer::encode_rgb8(layer).0);
-    let linear = |layer: &Rgb<f32>| Ok(Some((NPY, codec::encode_npy_rgb(layer))));
-    let encoded = match kind {
-        ArtifactKind::Rgb | ArtifactKind::Hazed => picture(rgb),
-        ArtifactKind::Clean => display(&scene.radiance),
-        ArtifactKind::Scattered => display(&layers.scattered),
-        ArtifactKind::Styled => display(pictures.styled),
-        ArtifactKind::Direct => linear(&layers.direct),
-        ArtifactKind::ForwardScatter => linear(&layers.forward_scatter),
-        ArtifactKind::Backscatter => linear(&layers.backscatter),
-        ArtifactKind::Transmittance => linear(&transmittance(shot)),
-        ArtifactKind::Preview => picture(&codec::downscale(rgb, PREVIEW_PX)),
-        ArtifactKind::Enhanced(method) => match pictures.enhancements.get(method) {
-            Some(enhanced) => picture(&enhanced.picture.to_rgb8()),
-            None => Ok(None),
-        },
-        ArtifactKind::HscmMask => {
-            let hscm = pictures.enhancements.get("hscm");
-            encode_codes(hscm.and_then(|hscm| hscm.mask.clone()))
+    let display = |layer: &Rgb<f32>| Content::Picture(Cow::Owned(transfer::encode_rgb8(layer).0));
+    let linear = |layer: &'a Rgb<f32>| Content::Linear(Cow::Borrowed(layer));
+    match kind {
+        ArtifactKind::Rgb | ArtifactKind::Hazed => Some(Content::Picture(Cow::Borrowed(rgb))),
+        ArtifactKind::Clean => Some(display(&scene.radiance)),
+        ArtifactKind::Scattered => Some(display(&layers.scattered)),
+        ArtifactKind::Styled => Some(display(pictures.styled)),
+        ArtifactKind::Direct => Some(linear(&layers.direct)),
+        ArtifactKind::ForwardScatter => Some(linear(&layers.forward_scatter)),
+        ArtifactKind::Backscatter => Some(linear(&layers.backscatter)),
+        ArtifactKind::Transmittance => Some(Content::Linear(Cow::Owned(transmittance(shot)))),
+        ArtifactKind::Preview => Some(Content::Picture(Cow::Owned(codec::downscale(rgb, PREVIEW_PX)))),
+        ArtifactKind::Enhanced(method) => {
+            let enhanced = pictures.enhancements.get(method)?;
+            Some(Content::Picture(Cow::Owned(enhanced.picture.to_rgb8())))
         }
+        ArtifactKind::HscmMask => codes(pictures.enhancements.get("hscm")?.mask.as_ref()),
         ArtifactKind::SnowMask => {
             let size = (rgb.width(), rgb.height());
-            encode_codes(Some(snow::codes(pictures.snow, size)))
+            codes(Some(&snow::codes(pictures.snow, size)))
         }
-        ArtifactKind::Instances => encode_codes(scene.instances.clone()),
-        ArtifactKind::Semantics => encode_codes(labels.map(|labels| labels.semantics.clone())),
-        ArtifactKind::Findings => encode_codes(labels.map(|labels| labels.findings.clone())),
-        ArtifactKind::Normals => match labels.map(|labels| Rgb::new(labels.normals.clone())) {
-            Some(Ok(normals)) => linear(&normals),
-            _ => Ok(None),
-        },
+        ArtifactKind::Instances => codes(scene.instances.as_ref()),
+        ArtifactKind::Semantics => codes(labels.map(|labels| &labels.semantics)),
+        ArtifactKind::Findings => codes(labels.map(|labels| &labels.findings)),
+        ArtifactKind::Normals => {
+            let normals = Rgb::new(labels?.normals.clone()).ok()?;
+            Some(Content::Linear(Cow::Owned(normals)))
+        }
         ArtifactKind::Boxes => {
             let described = record.scene.as_ref().filter(|scene| scene.instances.is_some());
-            Ok(described.map(|scene| (JSON, json!(scene).to_string().into_bytes())))
+            described.map(|scene| Content::Json(json!(scene)))
         }
-        ArtifactKind::Range => {
-            let stored = scene.range.as_ref().map(millimeters);
-            record.counts.range_saturated = stored.as_ref().map_or(0, |(_, saturated)| *saturated);
-            encode_codes(stored.map(|(codes, _)| codes))
-        }
-    };
-    Ok(encoded?)
+        ArtifactKind::Range => Some(Content::Range(Cow::Borrowed(scene.range.as_ref()?))),
+    }
 }
 
-/// Encodes a picture in the requested format.
-fn encode_picture(picture: &Rgb8, encode: Encode) -> Result<Encoded, EncodeError> {
-    Ok(match encode {
-        Encode::Png => (PNG, codec::encode_png(&Raster::from(picture.clone()))?),
-        Encode::Webp => ("image/webp", codec::encode_webp_lossless(picture)?),
-        Encode::Jpeg { quality } => ("image/jpeg", codec::encode_jpeg(picture, quality)?),
+fn codes<T: Clone>(plane: Option<&Plane<T>>) -> Option<Content<'static>>
+where
+    Raster: From<Plane<T>>,
+{
+    plane.map(|plane| Content::Codes(plane.clone().into()))
+}
+
+/// Media type and bytes; the saturated pixels of a range are counted.
+fn encode_content(
+    content: Content<'_>,
+    encode: Encode,
+    counts: &mut Counts,
+) -> Result<(&'static str, Vec<u8>), EncodeError> {
+    Ok(match content {
+        Content::Picture(picture) => match encode {
+            Encode::Png => (PNG, codec::encode_png(&Raster::from(picture.into_owned()))?),
+            Encode::Webp => ("image/webp", codec::encode_webp_lossless(&picture)?),
+            Encode::Jpeg { quality } => ("image/jpeg", codec::encode_jpeg(&picture, quality)?),
+        },
+        Content::Codes(codes) => (PNG, codec::encode_png(&codes)?),
+        Content::Linear(layer) => ("application/x-npy", codec::encode_npy_rgb(&layer)),
+        Content::Range(range) => {
+            let (codes, saturated) = millimeters(&range);
+            counts.range_saturated = saturated;
+            (PNG, codec::encode_png(&codes.into())?)
+        }
+        Content::Json(value) => ("application/json", value.to_string().into_bytes()),
     })
-}
-
-/// Encodes codes losslessly, whatever the format of pictures.
-fn encode_codes(codes: Option<impl Into<Raster>>) -> Result<Option<Encoded>, EncodeError> {
-    codes
-        .map(|codes| Ok((PNG, codec::encode_png(&codes.into())?)))
-        .transpose()
 }
 
 fn why_missing(kind: &ArtifactKind) -> &'static str {

@@ -1,0 +1,93 @@
+"""Underwater image datasets on demand: frames as NumPy arrays, rendered in this process or by a service.
+
+import fathom
+job = fathom.Job({"scene": {"kind": "procedural", "family": "structure"}, "count": 100})
+frame = fathom.render(job, 17)
+frames = fathom.Frames(job, kinds=["rgb", "semantics"])
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version as _version
+from typing import TYPE_CHECKING, Any
+
+from fathom import _native
+from fathom.errors import CommandError, FathomError, FieldError, InvalidJob, Problem, RenderError
+from fathom.frame import Artifact, Frame
+from fathom.frames import Frames, Source
+from fathom.job import Job
+from fathom.pictures import enhance, measure
+from fathom.stored import open
+from fathom.training import Style, train
+
+if TYPE_CHECKING:
+    from fathom.client import AsyncClient, Client
+
+__version__ = _version("fathom-datasets")
+
+__all__ = [
+    "Artifact",
+    "AsyncClient",
+    "Client",
+    "CommandError",
+    "FathomError",
+    "FieldError",
+    "Frame",
+    "Frames",
+    "InvalidJob",
+    "Job",
+    "Problem",
+    "RenderError",
+    "Source",
+    "Style",
+    "enhance",
+    "measure",
+    "names",
+    "open",
+    "plan",
+    "render",
+    "train",
+]
+
+
+def render(
+    job: Job | Mapping[str, Any] | str | os.PathLike[str],
+    index: int = 0,
+    kinds: Sequence[str] | None = None,
+    *,
+    metrics: bool = True,
+) -> Frame:
+    """Render a frame of a job in this process.
+
+    `kinds` are the artifacts wanted, absent: those of the description; `metrics=False` leaves out what the job
+    measures. Other threads of Python run meanwhile. Raises `RenderError`.
+    """
+    return _job(job).read(index, kinds, metrics=metrics)
+
+
+def plan(job: Job | Mapping[str, Any] | str | os.PathLike[str], index: int = 0) -> list[dict[str, Any]]:
+    """Return what a frame would be rendered with: each stage with its form, error bound and expected cost in ms."""
+    return _job(job).plan(index)
+
+
+def names() -> dict[str, list[str]]:
+    """Return every name there is: of artifacts, enhancements, families, metrics, styles and waters, and of labels.
+
+    `categories` stand in the order of their numbers in `semantics`, `findings` in that of their bits.
+    """
+    return _native.names()
+
+
+def _job(job: Job | Mapping[str, Any] | str | os.PathLike[str]) -> Job:
+    return job if isinstance(job, Job) else Job(job)
+
+
+def __getattr__(name: str) -> Any:
+    # httpx is needed for these alone.
+    if name in ("Client", "AsyncClient"):
+        from fathom import client
+
+        return getattr(client, name)
+    raise AttributeError(f"module `fathom` has no attribute `{name}`")

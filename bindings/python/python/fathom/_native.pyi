@@ -1,0 +1,57 @@
+"""The native half of the package."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+class Job:
+    """A checked job. Every index is that of a frame, from 0."""
+
+    def __new__(cls, text: str, styles: str | None, onnxruntime: str | None) -> Job:
+        """Check a description; raises `fathom.InvalidJob`."""
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+
+    @property
+    def canonical(self) -> str:
+        """Canonical JSON text."""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the canonical text, lower-case hex."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the user should know, though nothing is wrong."""
+
+    def resolve(self, index: int) -> str:
+        """Return the parameters of a frame as JSON."""
+
+    def plan(self, index: int) -> str:
+        """Return what a frame would be rendered with, as JSON."""
+
+    def render(
+        self, index: int, kinds: list[str] | None, metrics: bool
+    ) -> tuple[list[tuple[str, NDArray[Any] | str]], str]:
+        """Return the artifacts of a frame by kind (`boxes` as JSON) and its record as JSON."""
+
+def enhance(image: NDArray[Any], method: str, mask: bool) -> tuple[NDArray[np.uint8], list[str]]:
+    """Return the enhanced image and the method's warnings."""
+
+def measure(image: NDArray[Any], metrics: list[str], clean: NDArray[Any] | None) -> list[tuple[str, float]]:
+    """Return the metrics with their values."""
+
+def decode(file: bytes) -> NDArray[Any]:
+    """Return the array of a PNG, JPEG, WebP or NPY file."""
+
+def encode_png(image: NDArray[Any]) -> bytes:
+    """Return the PNG file of an array."""
+
+def names() -> dict[str, list[str]]:
+    """Return every name by what it names."""
+
+def run(arguments: list[str]) -> int:
+    """Run a command of the `fathom` binary and return its exit status."""

@@ -1,0 +1,8 @@
+"""Clients of a Fathom service, sync and async. They need httpx: `pip install fathom-datasets[client]`."""
+
+from fathom.client.aio import AsyncClient, AsyncSubmitted
+from fathom.client.dataset import Dataset
+from fathom.client.rows import Rows
+from fathom.client.sync import Client, Submitted
+
+__all__ = ["AsyncClient", "AsyncSubmitted", "Client", "Dataset", "Rows", "Submitted"]

@@ -1,0 +1,174 @@
+"""What a client says to a service, once for both clients: generators that yield requests and are sent responses."""
+
+from __future__ import annotations
+
+import json
+import os
+import uuid
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass, field
+from io import BytesIO
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar
+
+import httpx
+import numpy as np
+from numpy.typing import NDArray
+
+from fathom import _native
+from fathom.client.rows import Rows
+from fathom.errors import InvalidJob, Problem
+from fathom.frame import Frame
+from fathom.job import Job
+from fathom.progress import Progress
+from fathom.stored import checked, decode_artifact
+from fathom.training import Photo
+
+T = TypeVar("T")
+
+PAGE_ROWS = 500
+"""Rows that one request asks for."""
+WAIT_S = 30
+"""How long the service holds a request back until something changes."""
+TIMEOUT = httpx.Timeout(90, connect=5)
+"""Longer than the service holds back: beyond it the connection is dead."""
+PARALLEL = 8
+"""Requests at a time for artifacts, unless said otherwise."""
+
+Description: TypeAlias = "Job | Mapping[str, Any] | str | os.PathLike[str]"
+Picture: TypeAlias = "str | os.PathLike[str] | NDArray[Any]"
+
+
+@dataclass
+class Request:
+    """A request below the service's address."""
+
+    method: str
+    path: str
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+Call: TypeAlias = Generator[Request, httpx.Response, T]
+
+
+def headers(token: str | None) -> dict[str, str]:
+    """Return the headers of every request."""
+    return {"Authorization": f"Bearer {token}"} if token else {}
+
+
+def result(response: httpx.Response) -> httpx.Response:
+    """Return a response of success; raises `Problem`, for a description `InvalidJob`."""
+    if response.status_code < 400:
+        return response
+    try:
+        body = response.json()
+    except ValueError:
+        body = {"title": response.text[:200]}
+    is_invalid = str(body.get("type", "")).endswith("/validation")
+    raise (InvalidJob if is_invalid else Problem)(response.status_code, body)
+
+
+def get(path: str, **query: Any) -> Call[Any]:
+    """Ask for JSON; parameters that are `None` are left out."""
+    given = {name: value for name, value in query.items() if value is not None}
+    return (yield Request("GET", path, {"params": given})).json()
+
+
+def submit(description: Description, key: str | None) -> Call[dict[str, Any]]:
+    """Submit a job; repeating it with the same key is harmless."""
+    if isinstance(description, Job):
+        body: str | bytes = description.canonical
+    elif isinstance(description, Mapping):
+        body = json.dumps(description)
+    else:
+        body = Path(description).read_bytes()
+    sent = {"Content-Type": "application/json", "Idempotency-Key": key or str(uuid.uuid4())}
+    response = yield Request("POST", "/v1/jobs", {"content": body, "headers": sent})
+    job: dict[str, Any] = response.json()
+    return job
+
+
+def wait(job: Mapping[str, Any], progress: bool) -> Call[dict[str, Any]]:
+    """Follow a job until it is finished."""
+    bar = Progress(str(job["dataset"]), int(job["frames"]), progress)
+    state: dict[str, Any] = dict(job)
+    while state["state"] in ("queued", "running", "paused"):
+        state = yield from get(f"/v1/jobs/{state['id']}", wait=WAIT_S, since=state["version"])
+        bar.set(state["done"] + state["failed"])
+    return state
+
+
+def images(
+    filter: str, dataset: str | None, order_by: str | None, fields: Sequence[str] | None, limit: int | None
+) -> Call[Rows]:
+    """Ask for images page by page."""
+    rows, cursor = Rows(), None
+    while limit is None or len(rows) < limit:
+        left = PAGE_ROWS if limit is None else min(PAGE_ROWS, limit - len(rows))
+        page = yield from get(
+            "/v1/images",
+            filter=filter or None,
+            dataset=dataset,
+            order_by=order_by,
+            fields=",".join(fields) if fields else None,
+            limit=left,
+            cursor=cursor,
+        )
+        rows += page["items"]
+        cursor = page["next_cursor"]
+        if cursor is None:
+            break
+    return rows
+
+
+def frame(job: str, number: int, kinds: Sequence[str] | None) -> Call[Frame]:
+    """Ask for the record of an image and its artifacts."""
+    record = yield from get(f"/v1/images/{job}/{number}")
+    there = {artifact["kind"]: artifact for artifact in record["artifacts"]}
+    files = {}
+    for kind in checked(number, kinds, there):
+        response = yield Request("GET", f"/v1/images/{job}/{number}/artifacts/{kind}")
+        files[kind] = decode_artifact(kind, response.content)
+    return Frame(number, files, json.dumps(record))
+
+
+def upload(
+    rgb: Picture,
+    range: Picture | None,
+    z_depth: Picture | None,
+    instances: Picture | None,
+    numbers: Mapping[str, float | int | None],
+) -> Call[str]:
+    """Upload a scene and return its id."""
+    given = {"rgb": rgb, "range": range, "z_depth": z_depth, "instances": instances}
+    files = {name: (name, _scene_file(name, part)) for name, part in given.items() if part is not None}
+    data = {name: str(value) for name, value in numbers.items() if value is not None}
+    response = yield Request("POST", "/v1/scenes", {"files": files, "data": data})
+    return str(response.json()["id"])
+
+
+def _scene_file(name: str, part: Picture) -> bytes:
+    """Return the file of a part: integers as PNG, floats (linear radiance, meters) as NPY."""
+    if not isinstance(part, np.ndarray):
+        return Path(part).read_bytes()
+    if part.ndim not in (2, 3) or (part.ndim == 3 and part.shape[2] != 3):
+        raise ValueError(f"{name} has shape {part.shape} but (height, width) or (height, width, 3) is needed")
+    if not np.issubdtype(part.dtype, np.floating):
+        return _native.encode_png(part)
+    if name == "rgb" and not np.isfinite(part).all():
+        raise ValueError(f"{name} has {np.count_nonzero(~np.isfinite(part))} samples that are not finite")
+    file = BytesIO()
+    np.save(file, np.ascontiguousarray(part, dtype=np.float32), allow_pickle=False)
+    return file.getvalue()
+
+
+def train(photos: Photo | Sequence[Photo], name: str, numbers: Mapping[str, Any]) -> Call[dict[str, Any]]:
+    """Train a style water on the service and follow it to its end."""
+    given = [photos] if isinstance(photos, (str, os.PathLike, np.ndarray)) else list(photos)
+    files = [("photo", ("photo", _scene_file("photo", photo))) for photo in given]
+    data = {"name": name} | {key: str(value) for key, value in numbers.items() if value is not None}
+    response = yield Request("POST", "/v1/styles/train", {"files": files, "data": data})
+    training: dict[str, Any] = response.json()
+    while training["state"] in ("queued", "running"):
+        training = yield from get(f"/v1/styles/trainings/{training['id']}", wait=WAIT_S)
+    return training

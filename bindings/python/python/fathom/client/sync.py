@@ -1,0 +1,144 @@
+"""The client that waits."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import islice
+from typing import Any, TypeVar
+
+import httpx
+
+from fathom.client import calls
+from fathom.client.calls import Call, Description, Picture
+from fathom.client.dataset import Dataset
+from fathom.client.rows import Rows
+from fathom.frame import Frame
+from fathom.training import Photo
+
+T = TypeVar("T")
+SERVER = "http://127.0.0.1:7311"
+
+
+class Client:
+    """A connection to a service. Refused requests raise `fathom.Problem`, refused jobs `fathom.InvalidJob`."""
+
+    def __init__(self, server: str | None = None, *, token: str | None = None) -> None:
+        """Absent arguments come from FATHOM_SERVER and FATHOM_TOKEN."""
+        self.server = server or os.environ.get("FATHOM_SERVER", SERVER)
+        self.token = token or os.environ.get("FATHOM_TOKEN")
+        self._http = httpx.Client(base_url=self.server, headers=calls.headers(self.token), timeout=calls.TIMEOUT)
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close all connections."""
+        self._http.close()
+
+    def _run(self, call: Call[T]) -> T:
+        try:
+            request = next(call)
+            while True:
+                response = self._http.request(request.method, request.path, **request.options)
+                request = call.send(calls.result(response))
+        except StopIteration as end:
+            value: T = end.value
+            return value
+
+    def submit(self, description: Description, *, key: str | None = None) -> Submitted:
+        """Submit a job: a `Job`, a mapping or the path of a JSON file. The same `key` gives the same job again."""
+        return Submitted(self, self._run(calls.submit(description, key)))
+
+    def images(
+        self,
+        filter: str = "",
+        *,
+        dataset: str | None = None,
+        order_by: str | None = None,
+        fields: Sequence[str] | None = None,
+        limit: int | None = None,
+    ) -> Rows:
+        """Ask for images by their parameters and metrics, such as `uiqm > 0.5 and water.style in ("muddy")`."""
+        return self._run(calls.images(filter, dataset, order_by, fields, limit))
+
+    def frame(self, job: str, frame: int, kinds: Sequence[str] | None = None) -> Frame:
+        """Fetch an image with its record; absent kinds: all that it has."""
+        return self._run(calls.frame(job, frame, kinds))
+
+    def frames(
+        self,
+        rows: Iterable[Mapping[str, Any]],
+        kinds: Sequence[str] | None = None,
+        *,
+        parallel: int = calls.PARALLEL,
+    ) -> Iterator[Frame]:
+        """Fetch the images of rows in their order, some at a time."""
+        with ThreadPoolExecutor(parallel) as pool:
+            left = iter(rows)
+            ahead = [self._begin(pool, row, kinds) for row in islice(left, 2 * parallel)]
+            while ahead:
+                yield ahead.pop(0).result()
+                ahead += [self._begin(pool, row, kinds) for row in islice(left, 1)]
+
+    def _begin(self, pool: ThreadPoolExecutor, row: Mapping[str, Any], kinds: Sequence[str] | None) -> Future[Frame]:
+        return pool.submit(self.frame, row["job"], row["frame"], kinds)
+
+    def upload(
+        self,
+        rgb: Picture,
+        *,
+        range: Picture | None = None,
+        z_depth: Picture | None = None,
+        instances: Picture | None = None,
+        unit_m: float | None = None,
+        invalid_code: int | None = None,
+        focal_px: float | None = None,
+        hfov_deg: float | None = None,
+    ) -> str:
+        """Upload a scene and return its id.
+
+        Each part is a file or an array: `rgb` uint8 or uint16 codes, or float linear radiance, (H, W, 3); `range` or
+        `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` uint8 or uint16, (H, W).
+        """
+        numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
+        return self._run(calls.upload(rgb, range, z_depth, instances, numbers))
+
+    def train(
+        self,
+        photos: Photo | Sequence[Photo],
+        name: str,
+        *,
+        steps: int | None = None,
+        seed: int | None = None,
+    ) -> dict[str, Any]:
+        """Train a style water on the service, wait for it and return the training with its `state`."""
+        return self._run(calls.train(photos, name, {"steps": steps, "seed": seed}))
+
+    def dataset(self, name: str, filter: str = "") -> Dataset:
+        """Return the images of a dataset, for `fathom.open`."""
+        rows = self.images(filter, dataset=name, fields=("job", "frame"), order_by="frame")
+        return Dataset(self.server, self.token, rows)
+
+
+class Submitted:
+    """A job of a service."""
+
+    def __init__(self, client: Client, state: dict[str, Any]) -> None:
+        self._client = client
+        self.state = state
+        """What the service said last: `id`, `state`, `frames`, `done`, `failed`, `digest`."""
+
+    @property
+    def id(self) -> str:
+        """Its id."""
+        return str(self.state["id"])
+
+    def wait(self, *, progress: bool = True) -> Submitted:
+        """Wait until it is finished, with a progress bar on a terminal."""
+        self.state = self._client._run(calls.wait(self.state, progress))
+        return self

@@ -1,0 +1,96 @@
+"""What can go wrong, as exceptions with the fields of the service's problems."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+
+class FathomError(Exception):
+    """The base of every exception of this package."""
+
+
+@dataclass(frozen=True)
+class FieldError:
+    """One error of a description: where it stands, what is wrong, what would be right."""
+
+    pointer: str
+    """JSON pointer (RFC 6901) into the description; empty for the whole of it."""
+    message: str
+    """The field, its value and the limit."""
+    value: Any = None
+    """The refused value, if it is short."""
+    limit: str | None = None
+    """The limit that it breaks, such as `0..=1`."""
+    allowed: tuple[str, ...] = field(default=())
+    """What may stand here, if that is a list of names."""
+    did_you_mean: str | None = None
+    """The nearest allowed name."""
+
+    def __str__(self) -> str:
+        hint = f" (did you mean `{self.did_you_mean}`?)" if self.did_you_mean else ""
+        return f"{self.pointer or 'document'}: {self.message}{hint}"
+
+    @classmethod
+    def from_json(cls, fields: Mapping[str, Any]) -> FieldError:
+        """Read an entry of a problem's `errors`."""
+        known = {name: fields[name] for name in cls.__dataclass_fields__ if name in fields}
+        return cls(**{"pointer": "", "message": ""} | known | {"allowed": tuple(fields.get("allowed", ()))})
+
+
+class Problem(FathomError):
+    """A request that a service refused (RFC 9457)."""
+
+    def __init__(self, status: int, body: Mapping[str, Any]) -> None:
+        self.status = status
+        """HTTP status."""
+        self.body = dict(body)
+        """The whole problem."""
+        self.type = str(body.get("type", "about:blank"))
+        """What kind of problem, such as `/problems/validation`."""
+        self.title = str(body.get("title", f"the service responded with {status}"))
+        self.detail = body.get("detail")
+        self.errors: tuple[FieldError, ...] = tuple(map(FieldError.from_json, body.get("errors", ())))
+        """Every field error."""
+        super().__init__(status, body)
+
+    def __str__(self) -> str:
+        head = f"{self.title}: {self.detail}" if self.detail else self.title
+        return "\n  ".join([head, *map(str, self.errors)])
+
+
+class InvalidJob(Problem, ValueError):
+    """A description with errors, all of them at once in `errors`."""
+
+
+class RenderError(FathomError, RuntimeError):
+    """A frame that has no image, or lacks an artifact that was asked for."""
+
+    def __init__(self, reason: str, frame: int | None = None) -> None:
+        super().__init__(reason, frame)
+        self.reason = reason
+        self.frame = frame
+
+    def __str__(self) -> str:
+        return self.reason if self.frame is None else f"frame {self.frame}: {self.reason}"
+
+
+class CommandError(FathomError, RuntimeError):
+    """A command that failed; `status` is its exit status."""
+
+    def __init__(self, message: str, status: int = 1) -> None:
+        super().__init__(message, status)
+        self.status = status
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+def invalid_job(errors: str | Sequence[Mapping[str, Any]]) -> InvalidJob:
+    """Make the exception of these field errors, or of their JSON text."""
+    listed = json.loads(errors) if isinstance(errors, str) else list(errors)
+    detail = f"{len(listed)} error{'s' if len(listed) > 1 else ''}"
+    body = {"type": "/problems/validation", "title": "Invalid job", "detail": detail, "errors": listed}
+    return InvalidJob(422, body)

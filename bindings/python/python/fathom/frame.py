@@ -1,0 +1,102 @@
+"""One frame as arrays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Artifact: TypeAlias = "NDArray[Any] | dict[str, Any]"
+"""An array, or the JSON object of `boxes`."""
+
+
+class Frame:
+    """One frame: its artifacts as arrays, and its record.
+
+    `frame["rgb"]` is the artifact of this kind; the usual ones have attributes. H is the height and W the width
+    in pixels.
+    """
+
+    def __init__(self, index: int, artifacts: Mapping[str, NDArray[Any] | str], record: str) -> None:
+        self.index = index
+        """Position in the job, from 0."""
+        self._artifacts: dict[str, Artifact] = {
+            kind: json.loads(value) if isinstance(value, str) else value for kind, value in artifacts.items()
+        }
+        self._record = record
+
+    def __repr__(self) -> str:
+        return f"<fathom.Frame {self.index}: {', '.join(self._artifacts)}>"
+
+    def __getitem__(self, kind: str) -> Artifact:
+        try:
+            return self._artifacts[kind]
+        except KeyError:
+            there = ", ".join(self._artifacts) or "nothing"
+            raise KeyError(f"frame {self.index} has no `{kind}` but {there}: name it in `kinds`") from None
+
+    def __contains__(self, kind: str) -> bool:
+        return kind in self._artifacts
+
+    def _array(self, kind: str) -> NDArray[Any]:
+        value = self[kind]
+        assert isinstance(value, np.ndarray)
+        return value
+
+    @property
+    def artifacts(self) -> dict[str, Artifact]:
+        """All artifacts by kind."""
+        return dict(self._artifacts)
+
+    @cached_property
+    def record(self) -> dict[str, Any]:
+        """Everything known about the image: resolved parameters, water, plan, measurements, warnings, provenance."""
+        result: dict[str, Any] = json.loads(self._record)
+        return result
+
+    @property
+    def rgb(self) -> NDArray[np.uint8]:
+        """The picture: uint8 sRGB codes, (H, W, 3)."""
+        return self._array("rgb")
+
+    @property
+    def clean(self) -> NDArray[np.uint8]:
+        """The scene in air: uint8 sRGB codes, (H, W, 3)."""
+        return self._array("clean")
+
+    @property
+    def range_m(self) -> NDArray[np.float32]:
+        """Range along the ray in meters: float32, (H, W); NaN where nothing is met."""
+        return self._array("range")
+
+    @property
+    def semantics(self) -> NDArray[np.uint8]:
+        """Category of each pixel: uint8, (H, W)."""
+        return self._array("semantics")
+
+    @property
+    def instances(self) -> NDArray[np.uint16]:
+        """Instance of each pixel: uint16, (H, W); 0 is the background."""
+        return self._array("instances")
+
+    @property
+    def normals(self) -> NDArray[np.float32]:
+        """Unit normals in camera axes (right, down, ahead): float32, (H, W, 3); 0 where nothing is met."""
+        return self._array("normals")
+
+    @property
+    def transmittance(self) -> NDArray[np.float32]:
+        """Share of the direct light that arrives, by band: float32 in 0..1, (H, W, 3)."""
+        return self._array("transmittance")
+
+    @property
+    def boxes(self) -> list[dict[str, Any]]:
+        """The objects in view: number, category, bounds (left, top, right, bottom in pixels), range, visibility."""
+        boxes = self["boxes"]
+        assert isinstance(boxes, dict)
+        instances: list[dict[str, Any]] = boxes["instances"]
+        return instances

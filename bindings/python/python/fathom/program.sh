@@ -1,0 +1,2 @@
+#!/bin/sh
+exec "$FATHOM_PYTHON" -m fathom "$@"

@@ -1,0 +1,145 @@
+"""Frames that were made before: a folder of `fathom render`, an exported one, a dataset of a service."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fathom import _native
+from fathom.errors import RenderError
+from fathom.frame import Frame
+from fathom.frames import Frames, Source
+
+EXTENSIONS = {
+    "image/png": "png",
+    "image/webp": "webp",
+    "image/jpeg": "jpg",
+    "application/x-npy": "npy",
+    "application/json": "json",
+}
+"""The extension of a file by its media type."""
+
+_KIND = re.compile(r"[a-z][a-z0-9_.]*")
+
+
+def open(place: str | os.PathLike[str] | Source) -> Frames:
+    """Open what was made before as `Frames`.
+
+    `place` is a folder of `fathom render`, a folder of `fathom export`, or what `Client.dataset` returned. Only frames
+    that have an image are in the sequence, in the order in which they are listed.
+    """
+    if not isinstance(place, (str, os.PathLike)):
+        return Frames(place)
+    if str(place).startswith("s3://"):
+        raise ValueError(f"{place}: buckets cannot be opened; export the dataset, or open it with `Client.dataset`")
+    folder = Path(place)
+    for opened in (Rendered, Exported):
+        if (folder / opened.LIST).is_file():
+            return Frames(opened(folder))
+    raise FileNotFoundError(f"{folder} holds neither {Rendered.LIST} nor {Exported.LIST}")
+
+
+def decode_artifact(kind: str, file: bytes) -> NDArray[Any] | str:
+    """Return the array of a stored artifact, the text of a JSON one; a range is in meters, NaN where there is none."""
+    if file[:1] in (b"{", b"["):
+        return file.decode()
+    array = _native.decode(file)
+    if kind != "range":
+        return array
+    meters: NDArray[np.float32] = array.astype(np.float32) / np.float32(1000)
+    meters[array == 0] = np.nan
+    return meters
+
+
+class _Lines:
+    """The lines of a file, found by their places so that not all of them are in memory."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with path.open("rb") as file:
+            self.ends = np.cumsum([len(line) for line in file if line.endswith(b"\n")], dtype=np.int64)
+
+    def __len__(self) -> int:
+        return len(self.ends)
+
+    def __getitem__(self, index: int) -> dict[str, Any]:
+        begin = int(self.ends[index - 1]) if index > 0 else 0
+        with self.path.open("rb") as file:
+            file.seek(begin)
+            line: dict[str, Any] = json.loads(file.read(int(self.ends[index]) - begin))
+        return line
+
+
+class Rendered:
+    """A folder of `fathom render`: FRAME/KIND.EXTENSION, and one record a line."""
+
+    LIST = "records.jsonl"
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._records = _Lines(folder / self.LIST)
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    def read(self, index: int, kinds: Sequence[str] | None = None) -> Frame:
+        """Read a frame; absent kinds: all that were stored."""
+        record = self._records[index]
+        number = int(record["frame"])
+        types = {artifact["kind"]: artifact["media_type"] for artifact in record["artifacts"]}
+        files = {}
+        for kind in checked(number, kinds, types):
+            path = self.folder / str(number) / f"{kind}.{EXTENSIONS[types[kind]]}"
+            files[kind] = decode_artifact(kind, path.read_bytes())
+        return Frame(number, files, json.dumps(record))
+
+
+class Exported:
+    """A folder of `fathom export`: KIND/NAME.EXTENSION, and one row of columns a line, which names the files."""
+
+    LIST = "metadata.jsonl"
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder.resolve()
+        self._rows = _Lines(folder / self.LIST)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def read(self, index: int, kinds: Sequence[str] | None = None) -> Frame:
+        """Read a frame; absent kinds: all that were exported. Its record is the row."""
+        row = self._rows[index]
+        paths = dict(_files(row))
+        number = int(row.get("frame", index))
+        files = {}
+        for kind in checked(number, kinds, paths):
+            path = (self.folder / paths[kind]).resolve()
+            if not path.is_relative_to(self.folder):
+                raise RenderError(f"{paths[kind]} is outside of the folder", number)
+            files[kind] = decode_artifact(kind, path.read_bytes())
+        return Frame(number, files, json.dumps(row))
+
+
+def _files(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield kind and path of each file that a row names; the first stands under `file_name`."""
+    for column, value in row.items():
+        if isinstance(value, str) and "/" in value:
+            kind = value.split("/")[0]
+            if column in ("file_name", kind):
+                yield kind, value
+
+
+def checked(frame: int, kinds: Sequence[str] | None, there: Mapping[str, Any]) -> Sequence[str]:
+    """Return the kinds wanted, all of which are there."""
+    wanted = tuple(there) if kinds is None else kinds
+    for kind in wanted:
+        if kind not in there or not _KIND.fullmatch(kind):
+            raise RenderError(f"there is no artifact `{kind}`; there is {', '.join(there)}", frame)
+    return wanted

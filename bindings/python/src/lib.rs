@@ -1,0 +1,27 @@
+//! The native half of the Python package `fathom`. Its Python half stands in `python/fathom`, with the documentation for
+//! users; `_native.pyi` declares what stands here.
+//!
+//! Whatever takes longer than a moment runs detached from the interpreter. Locks are taken only while attached to it, so
+//! that a process forked by another thread never inherits one that is held.
+
+mod arrays;
+mod command;
+mod errors;
+mod job;
+mod names;
+mod pictures;
+mod studio;
+
+use pyo3::pymodule;
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::command::run;
+    #[pymodule_export]
+    use crate::job::Job;
+    #[pymodule_export]
+    use crate::names::names;
+    #[pymodule_export]
+    use crate::pictures::{decode, encode_png, enhance, measure};
+}

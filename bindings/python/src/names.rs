@@ -1,0 +1,33 @@
+//! Every name that a description may use and a label may have.
+
+use std::collections::BTreeMap;
+
+use pyo3::prelude::*;
+use scenes::categories::{CATEGORIES, FINDINGS};
+use spec::ArtifactKind;
+
+use crate::studio::Studio;
+
+/// Names by what they name; categories in the order of their numbers, findings in that of their bits.
+#[pyfunction]
+pub(crate) fn names() -> PyResult<BTreeMap<&'static str, Vec<String>>> {
+    let known = renderer::vocabulary(&Studio::open(None, None)?.engine.library(), true);
+    let kinds = ArtifactKind::FIXED.iter().map(|(name, _)| (*name).to_owned());
+    let enhanced = known
+        .enhancements
+        .iter()
+        .map(|method| format!("enhanced.{method}"));
+    let kinds = kinds.chain(enhanced).collect();
+    let categories = CATEGORIES.iter().map(|(_, name)| (*name).to_owned());
+    let findings = FINDINGS.iter().map(|(_, name)| (*name).to_owned());
+    Ok(BTreeMap::from([
+        ("artifacts", kinds),
+        ("categories", categories.collect()),
+        ("enhancements", known.enhancements),
+        ("families", known.families),
+        ("findings", findings.collect()),
+        ("metrics", known.metrics),
+        ("styles", known.styles),
+        ("waters", known.presets),
+    ]))
+}

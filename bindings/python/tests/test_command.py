@@ -1,0 +1,28 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from conftest import BINARY
+
+
+def _run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "fathom", *arguments], capture_output=True, text=True)
+
+
+def test_the_module_runs_the_commands_of_the_binary() -> None:
+    ours, theirs = _run("styles"), subprocess.run([BINARY, "styles"], capture_output=True, text=True)
+    assert (ours.returncode, ours.stdout) == (theirs.returncode, theirs.stdout)
+    assert "muddy" in ours.stdout
+    assert _run("--version").stdout == subprocess.run([BINARY, "--version"], capture_output=True, text=True).stdout
+
+
+def test_the_exit_status_is_that_of_the_binary(tmp_path: Path) -> None:
+    path = tmp_path / "wrong.json"
+    path.write_text('{"alpha": 2}')
+    wrong = _run("render", str(path), "--out", str(tmp_path / "out"))
+    assert wrong.returncode == 2
+    assert "/alpha" in wrong.stderr
+    assert _run("no-such-command").returncode == 2
+    assert _run("--help").returncode == 0

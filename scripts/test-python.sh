@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# Tests the Python package: builds the wheel, installs it into virtual environments of the oldest and the newest Python
+# there are, and runs its tests there; mypy and ruff run once. Arguments are handed on to pytest.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+target=${CARGO_TARGET_DIR:-$PWD/target}
+wheel=$(scripts/build-wheel.sh)
+
+# Interpreters of this machine from 3.10 on, oldest first.
+pythons() {
+    for version in 3.10 3.11 3.12 3.13 3.14; do
+        for python in "$HOME"/.pyenv/versions/"$version".*/bin/python "python$version"; do
+            if "$python" -c "import sys; assert sys.version_info[:2] == (${version/./, })" 2>/dev/null; then
+                echo "$python"
+                break
+            fi
+        done
+    done
+}
+mapfile -t found < <(pythons)
+if [ ${#found[@]} -eq 0 ]; then
+    echo 'test-python: no Python from 3.10 on is there' >&2
+    exit 1
+fi
+
+# A virtual environment with what the tests need, made once, and the wheel, installed anew.
+environment() {
+    local place=$1 python=$2
+    shift 2
+    if ! "$place/bin/python" -c '' 2>/dev/null || [ "$(cat "$place/packages" 2>/dev/null)" != "$*" ]; then
+        rm -rf "$place"
+        "$python" -m venv "$place"
+        "$place/bin/pip" install --quiet --disable-pip-version-check "$@"
+        echo "$*" >"$place/packages"
+    fi
+    "$place/bin/pip" uninstall --quiet --disable-pip-version-check --yes fathom-datasets
+    "$place/bin/pip" install --quiet --disable-pip-version-check "$wheel"
+}
+
+oldest=$target/python/oldest
+newest=$target/python/newest
+environment "$oldest" "${found[0]}" 'numpy<2' httpx==0.28.1 pytest==9.2.0
+environment "$newest" "${found[-1]}" numpy httpx==0.28.1 pytest==9.2.0 mypy==2.4.1 ruff==0.17.6 jax==0.12.0.1 pandas pyarrow nbformat
+
+cd bindings/python
+export FATHOM=${FATHOM:-$target/release/fathom} PYTHONDONTWRITEBYTECODE=1
+"$newest/bin/ruff" check --quiet --cache-dir "$target/python/ruff" .
+"$newest/bin/ruff" format --quiet --check --cache-dir "$target/python/ruff" .
+"$newest/bin/mypy" --cache-dir "$target/python/mypy"
+for place in "$oldest" "$newest"; do
+    "$place/bin/python" --version
+    "$place/bin/python" -m pytest -p no:cacheprovider "$@"
+done
