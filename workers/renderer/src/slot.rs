@@ -86,7 +86,7 @@ impl Slot {
         let mut record = record::begin(shot);
 
         let mut layers = watch.time("water", || water::run(shot, &mut self.kernels))?;
-        watch.time("lamps", || glow::run(shot, &mut layers, &mut record));
+        glow::run(shot, &mut layers, &mut record);
         let snow = watch.time("snow", || snow::run(shot, &mut layers, &mut record));
         let scattered = &layers.scattered;
         let styled = watch.time("style", || self.networks.run(shot, scattered, &mut record))?;

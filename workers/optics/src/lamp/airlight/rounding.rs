@@ -1,5 +1,7 @@
 //! What f32 may lose of the glow of a lamp.
 
+use std::f32::consts::FRAC_PI_4;
+
 use super::super::henyey_greenstein;
 use super::super::nodes::Span;
 use super::super::{Lamp, Lighting};
@@ -8,23 +10,24 @@ use crate::turbidity;
 /// One rounding of f32.
 const STEP: f64 = 6e-8;
 /// Roundings of the way from the ray to the lamp, as a share of its distance from the camera.
-const WAY: f64 = 4.0;
+const WAY: f64 = 2.0;
 /// Roundings of an angle, of the sine and cosine of one, and of the exponential and all factors of the light.
-const ANGLE: f64 = 8.0;
+const ANGLE: f64 = 6.0;
 const FACTORS: f64 = 12.0;
 
 /// What f32 may lose of the light of one lamp.
 ///
-/// With D and P the distances of the lamp from ray and camera, r that from the end of the ray, `S = b I₀ e^{−c m P}/D`, and L the
-/// light of the lamp, `L = S ∫ p e^{−c m (…)} dθ` loses at most
+/// With D and P the distances of the lamp from ray and camera, r₀ that from the lit stretch of the ray and r₁ from its end,
+/// `S = b I₀ e^{−c m P}/D`, and L the light of the lamp, `L = S ∫ p e^{−c m (…)} dθ` loses at most
 ///
 /// ```text
-/// S [ p(from) (8 ε + δ/P) + p(to) (8 ε + ε + δ/r) + σ (4 ε + δ/D) ∫ p dθ ] + L [ 12 ε + 4 ε c m P + 3/2 δ/D + μ ]
-/// δ = ε (4 + ℓ) P
+/// S [ p(from) (6 ε + δ/P) + p(to) (7 ε + δ/r₁) + σ (4 ε + δ/r₀) ∫ p dθ ] + L [ 12 ε + 4 ε c m P + 3/2 δ/D + μ ]
+/// δ = (2 ε + ℓ) P
 /// ```
 ///
-/// ε is one rounding. δ is the error of the way from the ray to the lamp: of its place, of the direction of the ray, to which
-/// the principal point adds ℓ = (|cx| + |cy|)/f roundings. It moves the ends of the interval and changes D. Errors of the angle
+/// ε is one rounding. δ is the error of the way from the ray to the lamp: of its place and of the direction of the ray, to which
+/// the principal point adds ℓ = (|Δcx| + |Δcy|)/f, what it loses as f32. It moves the ends of the interval and changes D; where
+/// all of the ray lies behind the lamp by more than it lies beside it, light changes by 7/2 δ/r₀ at most. Errors of the angle
 /// at a node move the phase function: summed over the nodes, by its values at the two ends. The profile of a spot rises by
 /// σ = 1/(1 − cos cone) times what its cosine does. μ is the error of the means of patches.
 pub(super) struct Rounding {
@@ -40,7 +43,8 @@ pub(super) struct Rounding {
 impl Rounding {
     pub(super) fn new(lamp: &Lamp, lighting: &Lighting) -> Self {
         let camera = &lighting.camera;
-        let lens = (camera.cx.abs() + camera.cy.abs()) / camera.focal_px;
+        let lost = |place: f64| (place - f64::from(place as f32)).abs();
+        let lens = (lost(camera.cx) + lost(camera.cy)) / camera.focal_px;
         let distance_m = lamp.distance_m();
         let strengths = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i]);
         Self {
@@ -51,7 +55,7 @@ impl Rounding {
             ],
             asymmetry: lighting.asymmetry,
             distance_m,
-            way_m: STEP * (WAY + lens) * distance_m,
+            way_m: (STEP * WAY + lens) * distance_m,
             slope: lamp.beam.slope(),
             scale_m: lighting.patches.as_ref().map(turbidity::Field::scale_m),
         }
@@ -71,7 +75,15 @@ impl Rounding {
         let end = self.way_m / f64::from(span.end_m);
         let ends = from * (ANGLE * STEP + self.way_m / self.distance_m.max(near))
             + to * ((ANGLE + 1.0) * STEP + end);
-        let profile = self.slope * (4.0 * STEP + self.way_m / near);
+        // At β a ray is D/sin 2β away from the lamp.
+        let away = |angle: f32| near / (2.0 * f64::from(angle)).sin().max(1e-6);
+        let (is_behind, is_before) = (span.from > FRAC_PI_4, span.to < FRAC_PI_4);
+        let lit = match (is_behind, is_before) {
+            (true, _) => away(span.from),
+            (_, true) => away(span.to),
+            _ => near,
+        };
+        let profile = self.slope * (4.0 * STEP + self.way_m / lit);
         let turned = 2.0 * f64::from(span.to - span.from) * from.max(to);
         let meters = most * murkiest * self.distance_m;
         // Of the means up to the lamp, and of one over a stretch of that.
@@ -79,7 +91,12 @@ impl Rounding {
             turbidity::path_rounding(2.0 * self.distance_m, scale) / clearest
                 * (meters + 2.0 * f64::from(span.stretch))
         });
-        let shares = STEP * (FACTORS + 4.0 * meters) + 1.5 * self.way_m / near + murk;
+        let moved = if is_behind {
+            f64::min(1.5 / near, 3.5 / lit)
+        } else {
+            1.5 / near
+        };
+        let shares = STEP * (FACTORS + 4.0 * meters) + moved * self.way_m + murk;
         unit * (ends + profile * turned) + f64::from(brightest) * shares
     }
 }
