@@ -23,7 +23,6 @@ use crate::processes::child::Children;
 use crate::processes::compute::Compute;
 use crate::scenes::Scenes;
 use crate::styles::{AddedStyleError, Styles};
-use crate::telemetry;
 use crate::waters::Waters;
 
 /// Why the service does not start.
@@ -137,7 +136,6 @@ impl App {
                 leases: Arc::clone(&leases),
                 styles: Arc::clone(&styles),
                 processes,
-                telemetry: telemetry::install(),
                 stop: stop.clone(),
             }),
             catalogue,

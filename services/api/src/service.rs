@@ -174,6 +174,5 @@ async fn tidy_up(app: App, end: CancellationToken) {
     let mut ticks = tokio::time::interval(UPKEEP_INTERVAL);
     while end.run_until_cancelled(ticks.tick()).await.is_some() {
         app.bytes.naming.tidy_up();
-        app.operations.telemetry.run_upkeep();
     }
 }

@@ -1,11 +1,13 @@
 //! What the service counts about itself, in Prometheus' text form with base units.
 
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 use axum::http::Method;
-use catalogue::COMMIT_OPERATIONS;
-use metrics::{counter, describe_counter, describe_gauge, describe_histogram, gauge, histogram};
-use metrics_exporter_prometheus::{Matcher, PrometheusBuilder, PrometheusHandle};
+use prometheus::{
+    Gauge, Histogram, HistogramVec, IntCounter, IntCounterVec, IntGauge, TextEncoder, register_gauge,
+    register_histogram, register_histogram_vec, register_int_counter, register_int_counter_vec,
+    register_int_gauge,
+};
 use spec::FrameRecord;
 use store::StoreStats;
 
@@ -15,91 +17,113 @@ const REQUEST_BUCKETS: [f64; 10] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0
 const STAGE_BUCKETS: [f64; 10] = [0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 /// From a thumbnail to the linear layers of a large frame.
 const COMMIT_BUCKETS: [f64; 8] = [1e4, 3e4, 1e5, 3e5, 1e6, 1e7, 1e8, 5e8];
-/// From one alone to a full transaction.
-const OPERATIONS_BUCKETS: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
 /// A frame has about a dozen stages; a record that claims more is not worth a label for each.
 const MAX_STAGES: usize = 32;
 
-const REQUESTS: &str = "fathom_requests_total";
-const REQUEST_SECONDS: &str = "fathom_request_seconds";
-const SHED: &str = "fathom_requests_shed_total";
-const COMMITTED: &str = "fathom_frames_committed_total";
-const FAILED: &str = "fathom_frames_failed_total";
-const GRANTED: &str = "fathom_leases_granted_total";
-const STRIKES: &str = "fathom_lease_strikes_total";
-const STAGE_SECONDS: &str = "fathom_stage_seconds";
-const QUEUED: &str = "fathom_frames_queued";
-const LEASED: &str = "fathom_frames_leased";
-const ATTEMPTS: &str = "fathom_attempts_total";
-const EXPIRED: &str = "fathom_leases_expired_total";
-const QUEUE_AGE: &str = "fathom_queue_age_seconds";
-const COMMIT_BYTES: &str = "fathom_commit_bytes";
-const WAL_BYTES: &str = "fathom_wal_bytes";
-const STORE_BYTES: &str = "fathom_store_bytes";
-const STORE_BLOBS: &str = "fathom_store_blobs";
-const STORE_PACKS: &str = "fathom_store_packs";
+/// Every service of the process counts here.
+static TELEMETRY: LazyLock<Telemetry> =
+    LazyLock::new(|| Telemetry::register().expect("the names are valid and differ"));
 
-static EXPORTER: OnceLock<PrometheusHandle> = OnceLock::new();
-
-/// Installs the process's recorder once; every service of the process writes to it.
-pub(crate) fn install() -> &'static PrometheusHandle {
-    EXPORTER.get_or_init(|| {
-        let builder = PrometheusBuilder::new();
-        let builder = buckets(builder, REQUEST_SECONDS, &REQUEST_BUCKETS);
-        let builder = buckets(builder, STAGE_SECONDS, &STAGE_BUCKETS);
-        let builder = buckets(builder, COMMIT_BYTES, &COMMIT_BUCKETS);
-        let builder = buckets(builder, COMMIT_OPERATIONS, &OPERATIONS_BUCKETS);
-        let recorder = builder.build_recorder();
-        let handle = recorder.handle();
-        if metrics::set_global_recorder(recorder).is_err() {
-            tracing::warn!("this process already has a metrics recorder; /metrics stays empty");
-        }
-        describe();
-        handle
-    })
+struct Telemetry {
+    requests: IntCounterVec,
+    request_seconds: HistogramVec,
+    shed: IntCounterVec,
+    committed: IntCounter,
+    commit_bytes: Histogram,
+    stage_seconds: HistogramVec,
+    failed: IntCounterVec,
+    granted: IntCounter,
+    attempts: IntCounter,
+    expired: IntCounter,
+    strikes: IntCounter,
+    queued: IntGauge,
+    leased: IntGauge,
+    queue_age_seconds: Gauge,
+    wal_bytes: IntGauge,
+    store_bytes: IntGauge,
+    store_blobs: IntGauge,
+    store_packs: IntGauge,
 }
 
-fn buckets(builder: PrometheusBuilder, name: &str, buckets: &[f64]) -> PrometheusBuilder {
-    builder
-        .set_buckets_for_metric(Matcher::Full(name.to_owned()), buckets)
-        .expect("the bucket lists are not empty")
+impl Telemetry {
+    fn register() -> prometheus::Result<Self> {
+        let (request, stage) = (REQUEST_BUCKETS.to_vec(), STAGE_BUCKETS.to_vec());
+        Ok(Self {
+            requests: register_int_counter_vec!(
+                "fathom_requests_total",
+                "Requests by method, route and status",
+                &["method", "route", "status"]
+            )?,
+            request_seconds: register_histogram_vec!(
+                "fathom_request_seconds",
+                "Time from the head of a request to the head of its response",
+                &["route"],
+                request
+            )?,
+            shed: register_int_counter_vec!(
+                "fathom_requests_shed_total",
+                "Requests refused with 503 because all places of their kind were taken",
+                &["budget"]
+            )?,
+            committed: register_int_counter!(
+                "fathom_frames_committed_total",
+                "Frames whose image was stored"
+            )?,
+            commit_bytes: register_histogram!(
+                "fathom_commit_bytes",
+                "Bytes of the artifacts of a committed frame",
+                COMMIT_BUCKETS.to_vec()
+            )?,
+            stage_seconds: register_histogram_vec!(
+                "fathom_stage_seconds",
+                "Time of a stage of a frame, from its record",
+                &["stage"],
+                stage
+            )?,
+            failed: register_int_counter_vec!(
+                "fathom_frames_failed_total",
+                "Failed attempts at frames, by whether the frame is given up",
+                &["given_up"]
+            )?,
+            granted: register_int_counter!("fathom_leases_granted_total", "Leases granted to workers")?,
+            attempts: register_int_counter!(
+                "fathom_attempts_total",
+                "Frames leased to workers, repeats included"
+            )?,
+            expired: register_int_counter!(
+                "fathom_leases_expired_total",
+                "Leases that expired without a word from their worker"
+            )?,
+            strikes: register_int_counter!(
+                "fathom_lease_strikes_total",
+                "Frames that were alone on a lease that ended without a result"
+            )?,
+            queued: register_int_gauge!(
+                "fathom_frames_queued",
+                "Frames of open jobs that wait for a worker"
+            )?,
+            leased: register_int_gauge!("fathom_frames_leased", "Frames that a worker holds")?,
+            queue_age_seconds: register_gauge!(
+                "fathom_queue_age_seconds",
+                "Seconds since the oldest open job was submitted"
+            )?,
+            wal_bytes: register_int_gauge!("fathom_wal_bytes", "Bytes of the catalogue's write-ahead log")?,
+            store_bytes: register_int_gauge!("fathom_store_bytes", "Bytes of the stored artifacts")?,
+            store_blobs: register_int_gauge!(
+                "fathom_store_blobs",
+                "Stored artifacts, shared ones counted once"
+            )?,
+            store_packs: register_int_gauge!("fathom_store_packs", "Files that hold the artifacts")?,
+        })
+    }
 }
 
-fn describe() {
-    describe_counter!(REQUESTS, "Answered requests by method, route and status");
-    describe_histogram!(REQUEST_SECONDS, "Time from a request's head to its answer's head");
-    describe_counter!(
-        SHED,
-        "Requests answered 503 because all places of their kind were taken"
-    );
-    describe_counter!(COMMITTED, "Frames whose image was stored");
-    describe_counter!(
-        FAILED,
-        "Attempts at frames that failed, by whether the frame is given up"
-    );
-    describe_counter!(GRANTED, "Leases given to workers");
-    describe_counter!(
-        STRIKES,
-        "Frames that were alone on a lease that ended without an answer"
-    );
-    describe_histogram!(STAGE_SECONDS, "Time of a stage of a frame, from its record");
-    describe_gauge!(QUEUED, "Frames of open jobs that wait for a worker");
-    describe_gauge!(LEASED, "Frames that a worker holds");
-    describe_counter!(ATTEMPTS, "Frames given to workers, each time that they were");
-    describe_counter!(EXPIRED, "Leases that ran out without a word of their worker");
-    describe_gauge!(QUEUE_AGE, "Seconds since the oldest open job was submitted");
-    describe_histogram!(COMMIT_BYTES, "Bytes of the artifacts of a committed frame");
-    describe_histogram!(
-        COMMIT_OPERATIONS,
-        "Images, jobs and changes of state that shared a transaction of the catalogue"
-    );
-    describe_gauge!(WAL_BYTES, "Bytes of the catalogue's write-ahead log");
-    describe_gauge!(STORE_BYTES, "Bytes of the artifacts that can be read");
-    describe_gauge!(
-        STORE_BLOBS,
-        "Artifacts that can be read, shared ones counted once"
-    );
-    describe_gauge!(STORE_PACKS, "Files that hold them");
+/// Everything counted so far, the catalogue's figures included.
+///
+/// # Errors
+/// A metric that cannot be written.
+pub(crate) fn render() -> prometheus::Result<String> {
+    TextEncoder::new().encode_to_string(&prometheus::gather())
 }
 
 pub(crate) fn request(method: &Method, route: &str, status: u16, seconds: f64) {
@@ -108,57 +132,59 @@ pub(crate) fn request(method: &Method, route: &str, status: u16, seconds: f64) {
         Method::GET | Method::HEAD | Method::POST | Method::DELETE => method.as_str(),
         _ => "other",
     };
-    let labels = [
-        ("method", method.to_owned()),
-        ("route", route.to_owned()),
-        ("status", status.to_string()),
-    ];
-    counter!(REQUESTS, &labels).increment(1);
-    histogram!(REQUEST_SECONDS, "route" => route.to_owned()).record(seconds);
+    let labels = [method, route, &status.to_string()];
+    TELEMETRY.requests.with_label_values(&labels).inc();
+    TELEMETRY
+        .request_seconds
+        .with_label_values(&[route])
+        .observe(seconds);
 }
 
 pub(crate) fn shed(budget: &'static str) {
-    counter!(SHED, "budget" => budget).increment(1);
+    TELEMETRY.shed.with_label_values(&[budget]).inc();
 }
 
-/// A committed frame and its stages.
+/// Counts a committed frame and its stages.
 pub(crate) fn committed(record: &FrameRecord) {
-    counter!(COMMITTED).increment(1);
+    TELEMETRY.committed.inc();
     let bytes: u64 = record.artifacts.iter().map(|artifact| artifact.bytes).sum();
-    histogram!(COMMIT_BYTES).record(bytes as f64);
+    TELEMETRY.commit_bytes.observe(bytes as f64);
     for (stage, ms) in record.timings_ms.iter().take(MAX_STAGES) {
-        histogram!(STAGE_SECONDS, "stage" => stage.clone()).record(ms / 1e3);
+        TELEMETRY
+            .stage_seconds
+            .with_label_values(&[stage])
+            .observe(ms / 1e3);
     }
 }
 
 pub(crate) fn failed(given_up: bool) {
-    counter!(FAILED, "given_up" => if given_up { "true" } else { "false" }).increment(1);
+    let given_up = if given_up { "true" } else { "false" };
+    TELEMETRY.failed.with_label_values(&[given_up]).inc();
 }
 
-/// A lease given out, with this many frames.
+/// Counts a lease and its frames.
 pub(crate) fn granted(frames: usize) {
-    counter!(GRANTED).increment(1);
-    counter!(ATTEMPTS).increment(frames as u64);
+    TELEMETRY.granted.inc();
+    TELEMETRY.attempts.inc_by(frames as u64);
 }
 
-/// Leases that ran out.
 pub(crate) fn expired(leases: usize) {
-    counter!(EXPIRED).increment(leases as u64);
+    TELEMETRY.expired.inc_by(leases as u64);
 }
 
 pub(crate) fn strikes(count: usize) {
-    counter!(STRIKES).increment(count as u64);
+    TELEMETRY.strikes.inc_by(count as u64);
 }
 
 pub(crate) fn queue(queued: u64, leased: u64, age_ms: u64) {
-    gauge!(QUEUE_AGE).set(age_ms as f64 / 1e3);
-    gauge!(QUEUED).set(queued as f64);
-    gauge!(LEASED).set(leased as f64);
+    TELEMETRY.queue_age_seconds.set(age_ms as f64 / 1e3);
+    TELEMETRY.queued.set(queued as i64);
+    TELEMETRY.leased.set(leased as i64);
 }
 
 pub(crate) fn stored(stats: &StoreStats, wal_bytes: u64) {
-    gauge!(WAL_BYTES).set(wal_bytes as f64);
-    gauge!(STORE_BYTES).set(stats.bytes as f64);
-    gauge!(STORE_BLOBS).set(stats.blobs as f64);
-    gauge!(STORE_PACKS).set(stats.packs as f64);
+    TELEMETRY.wal_bytes.set(wal_bytes as i64);
+    TELEMETRY.store_bytes.set(stats.bytes as i64);
+    TELEMETRY.store_blobs.set(stats.blobs as i64);
+    TELEMETRY.store_packs.set(stats.packs as i64);
 }

@@ -43,4 +43,3 @@ pub use types::{
     InsertJob, JobRow, NamedDigest, NewJob, OpenJob, Page, Retried, SceneRow,
 };
 pub use waters::WaterRow;
-pub use writer::COMMIT_OPERATIONS;

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::pin::Pin;
+use std::sync::LazyLock;
 use std::time::Duration;
 
+use prometheus::{Histogram, register_histogram};
 use sqlx::sqlite::SqliteConnection;
 use sqlx::{Connection, Executor};
 use tokio::sync::{mpsc, oneshot};
@@ -24,8 +26,17 @@ const IMAGES: usize = 64;
 /// Bytes of the log after which it is folded into the file: twice SQLite's own, since pages that are changed again and
 /// again are written to the file once for each time that the log fills.
 const LONG_LOG: u64 = 8 << 20;
-/// Operations of a transaction, as a histogram: images, jobs, changes of state.
-pub const COMMIT_OPERATIONS: &str = "fathom_commit_operations";
+/// From one alone to a full transaction.
+const OPERATIONS_BUCKETS: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
+/// Shared by the catalogues of a process.
+static COMMIT_OPERATIONS: LazyLock<Histogram> = LazyLock::new(|| {
+    register_histogram!(
+        "fathom_commit_operations",
+        "Images, jobs and changes of state that shared a transaction of the catalogue",
+        OPERATIONS_BUCKETS.to_vec()
+    )
+    .expect("the name is valid and nobody else's")
+});
 /// How long a transaction gathers: less than a flush to the disk takes.
 const GATHER: Duration = Duration::from_millis(2);
 
@@ -172,7 +183,7 @@ async fn group(
         faults::point("catalogue.written");
         failure = connection.execute("COMMIT").await.err().map(CatalogueError::from);
         faults::point("catalogue.committed");
-        metrics::histogram!(COMMIT_OPERATIONS).record(replies.len() as f64);
+        COMMIT_OPERATIONS.observe(replies.len() as f64);
     }
     if failure.is_some() {
         // SQLite may have rolled back by itself; then this fails because there is nothing to roll back.

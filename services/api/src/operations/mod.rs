@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use catalogue::Catalogue;
-use metrics_exporter_prometheus::PrometheusHandle;
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
@@ -23,6 +22,5 @@ pub(crate) struct Operations {
     pub(crate) leases: Arc<Leases>,
     pub(crate) styles: Arc<Styles>,
     pub(crate) processes: Arc<Processes>,
-    pub(crate) telemetry: &'static PrometheusHandle,
     pub(crate) stop: CancellationToken,
 }

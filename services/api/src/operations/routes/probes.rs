@@ -61,11 +61,12 @@ pub(crate) async fn version(State(operations): Topic<Operations>) -> Json<Versio
 /// What the service counts, in Prometheus' text form.
 #[utoipa::path(get, path = "/metrics", tag = "operations",
     responses((status = 200, description = "Metrics named `fathom_…`, in base units.", body = String)))]
-pub(crate) async fn metrics(State(operations): Topic<Operations>) -> impl IntoResponse {
+pub(crate) async fn metrics(State(operations): Topic<Operations>) -> Result<impl IntoResponse, Problem> {
     operations.leases.dispatch.measure();
     telemetry::stored(&operations.bytes.store.stats(), operations.catalogue.wal_bytes());
-    (
+    let text = telemetry::render().map_err(|error| Problem::internal(&error))?;
+    Ok((
         [(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")],
-        operations.telemetry.render(),
-    )
+        text,
+    ))
 }
