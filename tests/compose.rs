@@ -29,24 +29,69 @@ fn strings(value: &Value) -> Vec<String> {
         .collect()
 }
 
+/// The services of the file whose command starts with `word`.
+fn with_command<'a>(compose: &'a Value, word: &str) -> Vec<&'a Value> {
+    let services = compose["services"].as_mapping().expect("services");
+    services
+        .values()
+        .filter(|service| {
+            strings(&service["command"])
+                .first()
+                .is_some_and(|first| first == word)
+        })
+        .collect()
+}
+
 #[test]
-fn there_is_one_service_and_two_separate_workers() {
+fn one_service_and_one_kind_of_worker_that_can_be_scaled() {
+    let compose = compose();
+    assert_eq!(with_command(&compose, "serve").len(), 1);
+    let [worker] = with_command(&compose, "worker")[..] else {
+        panic!("one worker, to be scaled");
+    };
+    for unique in ["container_name", "ports", "hostname"] {
+        assert!(worker[unique].is_null(), "{unique} allows only one worker");
+    }
+    assert!(
+        worker["environment"]["FATHOM_WORKER_NAME"].is_null(),
+        "scaled workers would share a name"
+    );
+    assert!(worker["scale"].as_u64() >= Some(2));
+}
+
+#[test]
+fn one_image_is_built_once_and_everything_comes_back_after_a_restart() {
     let compose = compose();
     let services = compose["services"].as_mapping().expect("services");
-    let commands: Vec<String> = services
+    let built: Vec<&Value> = services
         .values()
-        .map(|service| strings(&service["command"]).first().cloned().unwrap_or_default())
+        .filter(|service| !service["build"].is_null())
         .collect();
-    assert_eq!(
-        commands.iter().filter(|command| *command == "serve").count(),
-        1,
-        "{commands:?}"
-    );
-    assert_eq!(
-        commands.iter().filter(|command| *command == "worker").count(),
-        2,
-        "{commands:?}"
-    );
+    let [built] = built[..] else {
+        panic!("one service builds the image");
+    };
+    for service in with_command(&compose, "serve")
+        .into_iter()
+        .chain(with_command(&compose, "worker"))
+    {
+        assert_eq!(service["image"], built["image"]);
+        assert_eq!(service["restart"].as_str(), Some("unless-stopped"));
+    }
+}
+
+#[test]
+fn workers_hold_a_secret_that_opens_the_worker_protocol_alone() {
+    let compose = compose();
+    let serve = with_command(&compose, "serve")[0];
+    let tokens = serve["environment"]["FATHOM_TOKEN"].as_str().expect("tokens");
+    for worker in with_command(&compose, "worker") {
+        let secret = worker["environment"]["FATHOM_TOKEN"].as_str().expect("a token");
+        assert!(
+            tokens.contains(&format!("work:{secret}")),
+            "{tokens} has no work:{secret}"
+        );
+        assert!(!tokens.contains(&format!("admin:{secret}")));
+    }
 }
 
 #[test]
@@ -130,4 +175,25 @@ fn the_dockerfile_installs_the_runtime_and_starts_the_binary() {
             );
         }
     }
+}
+
+#[test]
+fn the_builder_is_sent_what_the_dockerfile_copies_and_no_more() {
+    let ignore = fs::read_to_string(root().join(".dockerignore")).expect("a .dockerignore");
+    let sent: BTreeSet<&str> = ignore.lines().filter_map(|line| line.strip_prefix('!')).collect();
+    assert!(
+        ignore.lines().any(|line| line == "*"),
+        "everything else is left out"
+    );
+    let text = fs::read_to_string(root().join("Dockerfile")).expect("a Dockerfile");
+    let copied: BTreeSet<&str> = text
+        .lines()
+        .filter(|line| line.starts_with("COPY ") && !line.contains("--from"))
+        .flat_map(|line| {
+            let mut words: Vec<&str> = line.split_whitespace().skip(1).collect();
+            words.pop();
+            words
+        })
+        .collect();
+    assert_eq!(sent, copied);
 }

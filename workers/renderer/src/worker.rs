@@ -12,6 +12,7 @@ mod fetch;
 mod held;
 mod jobs;
 mod membership;
+mod memory;
 mod patience;
 mod scenes;
 mod slot;
@@ -35,10 +36,11 @@ use crate::provenance::{CODE_VERSION, cpu_features};
 use held::Held;
 use jobs::Jobs;
 use membership::Membership;
+pub use memory::available_bytes;
 use scenes::Scenes;
 use stop::Stop;
+pub use watchdog::Limits;
 use watchdog::Running;
-pub use watchdog::{Limits, machine_bytes};
 
 /// What a slot may take to finish and hand in its frame when the worker is told to stop. What takes longer is given
 /// back unfinished; the whole stop stays within the 10 s that a supervisor commonly waits.

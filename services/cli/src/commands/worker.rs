@@ -8,7 +8,7 @@ use std::time::Duration;
 use cli::exit::Failure;
 use cli::remote::ServerArguments;
 use cli::styles::StyleArguments;
-use renderer::worker::{self, Limits, WorkerOptions, machine_bytes};
+use renderer::worker::{self, Limits, WorkerOptions, available_bytes};
 
 /// Options of `fathom worker`.
 #[derive(clap::Args)]
@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// Longest time for one frame in seconds; a worker that takes longer aborts and its frames are leased again
     #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = positive)]
     frame_limit_s: f64,
-    /// Most memory of this worker, beyond which it aborts [default: three quarters of the machine's memory]
+    /// Most memory of this worker, beyond which it aborts [default: three quarters of the machine's, or of its container's limit]
     #[arg(long, env = "FATHOM_MEMORY_LIMIT_MIB", value_parser = clap::value_parser!(u64).range(64..))]
     memory_limit_mib: Option<u64>,
     /// Stop when standard input closes, for a worker started by a service
@@ -76,7 +76,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn usual_memory() -> u64 {
-    machine_bytes().map_or(u64::MAX, |bytes| bytes / 4 * 3)
+    available_bytes().map_or(u64::MAX, |bytes| bytes / 4 * 3)
 }
 
 fn default_name() -> String {

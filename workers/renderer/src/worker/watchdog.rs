@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::Shared;
+use super::memory::resident_bytes;
 
 /// How often the frames and the memory are looked at.
 const LOOK: Duration = Duration::from_millis(100);
@@ -91,27 +92,6 @@ pub(crate) fn run(shared: &Shared) {
     }
 }
 
-/// Resident memory of this process, where the system tells.
-fn resident_bytes() -> Option<u64> {
-    kib_of(&std::fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
-}
-
-/// Memory of the machine, where the system tells.
-#[must_use]
-pub fn machine_bytes() -> Option<u64> {
-    kib_of(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemTotal:")
-}
-
-/// The value of a line such as `VmRSS:   1234 kB`, in bytes.
-fn kib_of(text: &str, name: &str) -> Option<u64> {
-    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
-    line.split_whitespace()
-        .next()?
-        .parse::<u64>()
-        .ok()
-        .map(|kib| kib << 10)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,15 +119,5 @@ mod tests {
         );
         running.end(0);
         assert_eq!(running.verdict(&limits, None), None);
-    }
-
-    #[test]
-    fn memory_is_read_as_the_system_writes_it() {
-        assert_eq!(
-            kib_of("VmPeak:\t 9 kB\nVmRSS:\t    2048 kB\n", "VmRSS:"),
-            Some(2 << 20)
-        );
-        assert_eq!(kib_of("VmPeak:\t 9 kB\n", "VmRSS:"), None);
-        assert!(resident_bytes().unwrap() > 1 << 20 && machine_bytes().unwrap() > resident_bytes().unwrap());
     }
 }
