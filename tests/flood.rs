@@ -53,7 +53,7 @@ fn submit(service: &Service, body: &str) -> u16 {
     status.and_then(|status| status.parse().ok()).unwrap_or(0)
 }
 
-/// Five thousand submissions by sixty-four clients, beside readers that never read, and heads that never end. Answers
+/// Five thousand submissions by sixty-four clients, beside readers that never read, and heads that never end. Returns
 /// how many were accepted and how many shed.
 fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
     let requests = [

@@ -24,7 +24,7 @@ pub fn time_once<R>(work: impl FnOnce() -> R) -> f64 {
 const SLOW_MS: f64 = 400.0;
 const SLOW_RUNS: usize = 3;
 
-/// Runs `work` once to warm up and then `runs` times; what is slow has no need to warm up. Answers what the last run gave.
+/// Runs `work` once to warm up and then `runs` times; what is slow has no need to warm up. Returns the result of the last run.
 pub fn time<R>(runs: usize, mut work: impl FnMut() -> R) -> (Times, R) {
     let mut timed = || {
         let start = Instant::now();

@@ -1,4 +1,4 @@
-//! Answers that go on: events, lines of records, tables.
+//! Responses that go on: events, lines of records, tables.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;

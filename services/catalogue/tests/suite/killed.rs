@@ -54,7 +54,7 @@ async fn child() {
     tasks.join_all().await;
 }
 
-/// Starts the child and kills it after so many acknowledgements, or lets a fault do it. Answers what was acknowledged.
+/// Starts the child and kills it after so many acknowledgements, or lets a fault do it. Returns what was acknowledged.
 fn run_and_kill(path: &std::path::Path, faults: Option<&str>, most: usize) -> Vec<u64> {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command

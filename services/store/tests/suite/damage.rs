@@ -20,7 +20,7 @@ async fn filled() -> (tempfile::TempDir, Vec<Blob>) {
     (folder, blobs)
 }
 
-/// Opens the damaged store, asks for everything twice, and puts everything again. Answers how many blobs were not good.
+/// Opens the damaged store, asks for everything twice, and puts everything again. Returns how many blobs were damaged.
 async fn found_and_mended(folder: &tempfile::TempDir, blobs: &[Blob]) -> usize {
     let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
     let mut bad = 0;

@@ -50,18 +50,41 @@ pub fn display_tolerance(stats: &SceneStats, water: &Water) -> f64 {
     1.0 / 255.0 / (0.4396 * darkest.powf(-0.5833))
 }
 
+/// What one channel of a scene goes through.
+struct Channel {
+    /// Light of the darkest pixel, as it enters the water.
+    dark: f64,
+    /// Light of the brightest pixel, as it enters the water.
+    bright: f64,
+    /// Attenuation of the scene, 1/m.
+    direct: f64,
+    /// Attenuation of the veil, 1/m.
+    back: f64,
+    veil: f64,
+}
+
+impl Channel {
+    fn of_scene(stats: &SceneStats, water: &Water, channel: usize) -> Self {
+        let gain = water.radiance_gain[channel];
+        Self {
+            dark: f64::from(stats.darkest[channel]) * gain,
+            bright: f64::from(stats.brightest[channel]) * gain,
+            direct: water.direct_attenuation[channel],
+            back: water.backscatter_attenuation[channel],
+            veil: water.veiling_light[channel],
+        }
+    }
+}
+
 /// Limits of the attenuated image in one channel: `I − B∞ = (J − B∞) T` where one coefficient serves both parts.
 pub(super) fn levels(stats: &SceneStats, water: &Water, channel: usize) -> (f64, f64) {
-    let gain = water.radiance_gain[channel];
-    let (dark, bright) = (
-        f64::from(stats.darkest[channel]) * gain,
-        f64::from(stats.brightest[channel]) * gain,
-    );
-    let (direct, back) = (
-        water.direct_attenuation[channel],
-        water.backscatter_attenuation[channel],
-    );
-    let veil = water.veiling_light[channel];
+    let Channel {
+        dark,
+        bright,
+        direct,
+        back,
+        veil,
+    } = Channel::of_scene(stats, water, channel);
     let (nearest, farthest) = stats.range_m.unwrap_or((0.0, f64::INFINITY));
     if direct == back && direct > 0.0 {
         // The veil is between the two where a hole shows it alone.
@@ -82,16 +105,13 @@ pub(super) fn attenuation_effect(stats: &SceneStats, water: &Water, channel: usi
     let Some((_, farthest)) = stats.range_m.filter(|_| !stats.holes) else {
         return f64::INFINITY;
     };
-    let gain = water.radiance_gain[channel];
-    let (dark, bright) = (
-        f64::from(stats.darkest[channel]) * gain,
-        f64::from(stats.brightest[channel]) * gain,
-    );
-    let (direct, back) = (
-        water.direct_attenuation[channel],
-        water.backscatter_attenuation[channel],
-    );
-    let veil = water.veiling_light[channel];
+    let Channel {
+        dark,
+        bright,
+        direct,
+        back,
+        veil,
+    } = Channel::of_scene(stats, water, channel);
     if direct == back {
         let contrast = (bright - veil).abs().max((dark - veil).abs());
         return contrast * -(-direct * farthest).exp_m1();

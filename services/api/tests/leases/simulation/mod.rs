@@ -26,7 +26,7 @@ const MORE: &str = "FATHOM_HISTORIES";
 /// Broken services are caught within so many histories.
 const CAUGHT_WITHIN: u64 = 1_000;
 
-/// Plays histories on all processors; answers the violations, with the numbers of their histories.
+/// Plays histories on all processors; returns the violations, with the numbers of their histories.
 fn play(histories: u64, variant: Variant) -> BTreeSet<(u64, Violation)> {
     let (next, found) = (AtomicU64::new(0), AtomicBool::new(false));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -154,7 +154,7 @@ impl Service {
         beat
     }
 
-    /// An image arrives. Answers whether it is written now.
+    /// Takes an image that arrives; returns whether it is written now.
     pub(crate) fn begin_commit(&mut self, claim: &Claim, now: u64) -> Result<bool, Violation> {
         let Claim { frame, token, .. } = claim;
         let sound = self.table.begin_commit(&claim.current(), Millis(now)).is_ok();
