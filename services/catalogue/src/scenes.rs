@@ -38,6 +38,24 @@ impl Catalogue {
         Ok(found.as_ref().map(row).transpose()?)
     }
 
+    /// Those of these scenes that there are, in no order.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn scenes_of(&self, ids: &[String]) -> Result<Vec<SceneRow>, CatalogueError> {
+        if ids.is_empty() {
+            return Ok(Vec::new());
+        }
+        let found = sqlx::query(concat!(
+            "SELECT ",
+            columns!(),
+            " FROM scenes WHERE id IN (SELECT value FROM json_each(?))"
+        ));
+        let found = found.bind(serde_json::to_string(ids)?);
+        let rows = found.fetch_all(&mut *self.reader().await?).await?;
+        Ok(rows.iter().map(row).collect::<Result<_, _>>()?)
+    }
+
     /// Scenes, newest first.
     ///
     /// # Errors

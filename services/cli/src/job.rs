@@ -1,17 +1,21 @@
 //! A job in a file named by the user.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use spec::{Invalid, Job};
+use spec::{Draft, Invalid, Job, Uploads};
 use style::Library;
 
 use crate::exit::Failure;
 use crate::files;
 
-/// Reads a job, whose scene may be local files.
+/// Reads a job to render here, whose scene may be local files. Uploaded scenes are refused: only a service has them.
 pub fn read(path: &Path, library: &Library) -> Result<Job, Failure> {
     let text = files::read(path)?;
-    Job::parse(&text, &renderer::vocabulary(library, true)).map_err(|invalid| refused(path, &invalid))
+    let vocabulary = renderer::vocabulary(library, true);
+    Draft::read(&text, &vocabulary)
+        .and_then(|draft| draft.check(&Uploads::Known(BTreeMap::new())))
+        .map_err(|invalid| refused(path, &invalid))
 }
 
 /// The errors of a job description, one per line.

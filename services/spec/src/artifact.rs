@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::scene_parts::ScenePart;
+
 /// What can be stored of a frame.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(try_from = "String")]
@@ -76,6 +78,17 @@ impl ArtifactKind {
             self,
             Self::Semantics | Self::Normals | Self::Findings | Self::Boxes
         )
+    }
+
+    /// What the scene must have for it.
+    #[must_use]
+    pub fn needs(&self) -> Option<ScenePart> {
+        match self {
+            Self::Range => Some(ScenePart::Range),
+            Self::Instances => Some(ScenePart::Instances),
+            kind if kind.needs_labels() => Some(ScenePart::Surfaces),
+            _ => None,
+        }
     }
 
     /// The kind of this name: a fixed one or `enhanced.<method>`.

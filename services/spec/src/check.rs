@@ -5,6 +5,7 @@ mod law;
 mod names;
 mod object;
 mod own_water;
+mod scene;
 mod water;
 
 use std::collections::BTreeSet;
@@ -48,7 +49,7 @@ impl Place {
         }
     }
 
-    fn item(&self, position: usize) -> Self {
+    pub(crate) fn item(&self, position: usize) -> Self {
         Self {
             pointer: format!("{}/{position}", self.pointer),
             name: format!("{}[{position}]", self.name),

@@ -6,13 +6,14 @@ use imaging::digest::sha256;
 use serde_json::Value;
 
 use crate::check::{Checker, Place, places, whole};
+use crate::draft::Draft;
 use crate::fields::{DOCUMENT, MAX_FRAMES};
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
-use crate::json::{self, MAX_BYTES};
+use crate::json;
 use crate::node::{Law, Node};
+use crate::scene_parts::Uploads;
 use crate::vocabulary::Vocabulary;
-use crate::warnings;
 
 /// A job, valid by construction: N frames as a formula.
 ///
@@ -22,44 +23,23 @@ use crate::warnings;
 /// last one fastest. An axis inside a choice or another grid counts whether or not its place is chosen.
 #[derive(Debug, Clone)]
 pub struct Job {
-    document: Node,
-    canonical: String,
+    pub(crate) document: Node,
+    pub(crate) canonical: String,
     dataset: String,
     frames: u64,
     /// Product of the lengths of the grid axes.
     cells: u64,
     seed: u64,
-    warnings: Vec<String>,
+    pub(crate) warnings: Vec<String>,
 }
 
 impl Job {
-    /// Reads and checks a description.
+    /// Reads and checks a description where nothing is known of uploaded scenes; elsewhere [`Draft`] checks them, too.
     ///
     /// # Errors
     /// Every error of the description together, at most [`crate::MAX_ERRORS`]; of a text that is not JSON, that one.
     pub fn parse(json: &[u8], vocabulary: &Vocabulary) -> Result<Self, Invalid> {
-        let value = json::read(json)?;
-        let mut checker = Checker {
-            vocabulary,
-            trusting: false,
-            seed: seed(&value),
-            errors: Vec::new(),
-        };
-        let mut job = Self::read(&value, &mut checker)?;
-        checker.across(&job.document);
-        checker.water(&job.document, job.frames);
-        if job.canonical.len() > MAX_BYTES {
-            let message = format!(
-                "the description with its defaults has {} bytes, the limit is {MAX_BYTES}",
-                job.canonical.len()
-            );
-            checker.refuse(|| FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")));
-        }
-        if !checker.errors.is_empty() {
-            return Err(Invalid(checker.errors));
-        }
-        job.warnings = warnings::find(&job.document, &value, vocabulary);
-        Ok(job)
+        Draft::read(json, vocabulary)?.check(&Uploads::Unknown)
     }
 
     /// Reads the canonical text of a job that was accepted before. Its names and numbers are believed, so that it renders
@@ -84,7 +64,7 @@ impl Job {
     }
 
     /// The job of a description that is right field by field, or as far as it is: the checker holds what is wrong.
-    fn read(value: &Value, checker: &mut Checker<'_>) -> Result<Self, Invalid> {
+    pub(crate) fn read(value: &Value, checker: &mut Checker<'_>) -> Result<Self, Invalid> {
         let document = checker.node(&Place::default(), &DOCUMENT, false, value);
         let Some(mut document) = document else {
             return Err(Invalid(std::mem::take(&mut checker.errors)));
@@ -192,7 +172,7 @@ impl Job {
     }
 }
 
-fn seed(description: &Value) -> u64 {
+pub(crate) fn seed(description: &Value) -> u64 {
     let written = description.get("seed").and_then(whole);
     written.and_then(|seed| u64::try_from(seed).ok()).unwrap_or(0)
 }

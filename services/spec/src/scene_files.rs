@@ -3,6 +3,8 @@
 use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
 
+use crate::scene_parts::SceneParts;
+
 /// The files of a scene. `T` is what stands for a file: its path, its digest or its bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneFiles<T> {
@@ -82,6 +84,17 @@ impl<T> SceneFiles<T> {
             instances: self.instances.as_ref().map(change).transpose()?,
             intrinsics: self.intrinsics,
         })
+    }
+
+    /// What the scene has.
+    #[must_use]
+    pub fn parts(&self) -> SceneParts {
+        SceneParts {
+            range: self.range.is_some(),
+            instances: self.instances.is_some(),
+            surfaces: false,
+            camera: self.intrinsics.is_some(),
+        }
     }
 
     /// The files with their names: `rgb`, `range` (of either kind), `instances`.

@@ -17,6 +17,9 @@ pub(crate) fn find(document: &Node, written: &Value, vocabulary: &Vocabulary) ->
         warnings
             .push("`alpha` weights the style, but `water.style` is not given: it has no effect".to_owned());
     }
+    if written.pointer("/water/style_tier").is_some() && none_has("style") {
+        warnings.push("`water.style_tier` has no effect without `water.style`".to_owned());
+    }
     let without_optics = ["range_scale", "depth_m", "ambient", "holes", "turbidity"];
     for name in without_optics.into_iter().filter(|_| none_has("optics")) {
         if written.pointer(&format!("/water/{name}")).is_some() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use catalogue::{Idempotency, InsertJob, JobRow, NewJob};
-use spec::{FieldError, Invalid, Job};
+use spec::{Draft, Job, Uploads};
 use tokio::sync::watch::Receiver;
 use uuid::Uuid;
 
@@ -28,16 +28,19 @@ impl Jobs {
         priority: i32,
         submitter: Submitter,
     ) -> Result<Submitted, Problem> {
-        self.check(&job).await?;
+        self.check_runtime(&job)?;
         self.bytes.space.room().await?;
         let jobs = Arc::clone(self);
         to_the_end(async move { jobs.store(&job, priority, submitter).await }).await
     }
 
-    /// Checks what a description alone does not show: that its scenes and its runtime exist.
-    pub(super) async fn check(&self, job: &Job) -> Result<(), Problem> {
-        self.check_runtime(job)?;
-        self.check_scenes(job).await
+    /// Reads a description and checks it, over the scenes that it names as well.
+    pub(super) async fn parse(&self, body: &[u8]) -> Result<Job, Problem> {
+        let vocabulary = self.vocabulary();
+        let draft = Draft::read(body, &vocabulary)?;
+        let found = self.catalogue.scenes_of(&draft.uploaded_scene_ids()).await?;
+        let parts = found.into_iter().map(|row| (row.id, row.files.parts()));
+        Ok(draft.check(&Uploads::Known(parts.collect()))?)
     }
 
     async fn store(&self, job: &Job, priority: i32, submitter: Submitter) -> Result<Submitted, Problem> {
@@ -84,7 +87,7 @@ impl Jobs {
     }
 
     /// Refuses a style that only runs on ONNX Runtime when no worker has it.
-    fn check_runtime(&self, job: &Job) -> Result<(), Problem> {
+    pub(super) fn check_runtime(&self, job: &Job) -> Result<(), Problem> {
         let known = self.styles.known();
         let needed = || job.styles().iter().any(|name| known.library.needs_runtime(name));
         match &self.styles.runtime {
@@ -93,23 +96,6 @@ impl Jobs {
                 Err(Problem::new(Slug::RuntimeMissing, format!("{missing}; {hint}")))
             }
             _ => Ok(()),
-        }
-    }
-
-    /// Refuses uploaded scenes that do not exist.
-    async fn check_scenes(&self, job: &Job) -> Result<(), Problem> {
-        let mut missing = Vec::new();
-        for id in job.uploaded_scene_ids() {
-            if self.catalogue.scene(&id).await?.is_none() {
-                let mut error = FieldError::new("/scene/id", format!("scene `{id}` was not uploaded"));
-                error.value = Some(id.into());
-                missing.push(error);
-            }
-        }
-        if missing.is_empty() {
-            Ok(())
-        } else {
-            Err(Invalid(missing).into())
         }
     }
 }

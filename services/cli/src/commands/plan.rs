@@ -29,6 +29,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let library = arguments.style.library()?;
     let job = job::read(&arguments.spec, &library)?;
+    for warning in job.warnings() {
+        eprintln!("warning: {warning}");
+    }
     if arguments.frame >= job.frames() {
         let message = format!(
             "--frame {} is beyond the job's {} frames, 0 to {}",

@@ -185,6 +185,21 @@ pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Nod
         .unwrap_or_default()
 }
 
+/// Every list that can stand in a field of the document, with its place.
+pub(super) fn lists<'a>(document: &'a Node, name: &str) -> Vec<(Place, &'a [Node])> {
+    let list = |(pointer, node)| match node {
+        &Node::List(ref items) => Some((
+            Place {
+                pointer,
+                name: name.to_owned(),
+            },
+            items.as_slice(),
+        )),
+        _ => None,
+    };
+    places(document, name).into_iter().filter_map(list).collect()
+}
+
 /// Whether a frame can have lamps.
 pub(super) fn has_lamps(document: &Node) -> bool {
     lights(document)
@@ -195,10 +210,9 @@ pub(super) fn has_lamps(document: &Node) -> bool {
 /// Every light that can be, with its pointer.
 fn lights(document: &Node) -> Vec<(String, &Node)> {
     let mut lights = Vec::new();
-    for (pointer, list) in places(document, "lights") {
-        let Node::List(items) = list else { continue };
+    for (at, items) in lists(document, "lights") {
         for (position, item) in items.iter().enumerate() {
-            lights.extend(item.alternatives(&format!("{pointer}/{position}")));
+            lights.extend(item.alternatives(&at.item(position).pointer));
         }
     }
     lights

@@ -69,7 +69,7 @@ impl Checker<'_> {
     }
 
     /// The names that may stand here, if they are listed anywhere.
-    fn listed(&self, names: Names) -> Vec<String> {
+    pub(super) fn listed(&self, names: Names) -> Vec<String> {
         match names {
             Names::Fixed(list) => list.iter().map(|name| (*name).to_owned()).collect(),
             Names::Family => self.vocabulary.families.clone(),

@@ -6,6 +6,7 @@ mod documents;
 mod errors;
 mod law_errors;
 mod laws;
+mod scenes;
 mod soup;
 mod suspended;
 mod waters;

@@ -6,7 +6,7 @@ use imaging::codec::{self, EncodeError};
 use imaging::{Plane, Raster, Rgb, Rgb8, transfer};
 use optics::chain::Layers;
 use serde_json::json;
-use spec::{ArtifactKind, Counts, Encode, FrameRecord};
+use spec::{ArtifactKind, Counts, Encode, FrameRecord, ScenePart};
 
 use super::enhance::Enhancements;
 use super::range_file::millimeters;
@@ -159,10 +159,10 @@ fn encode_content(
 }
 
 fn why_missing(kind: &ArtifactKind) -> &'static str {
-    match kind {
-        ArtifactKind::Range => "the scene has no range",
-        ArtifactKind::Instances => "the scene has no instance mask",
-        kind if kind.needs_labels() => "only procedural scenes have labels",
-        _ => "the enhancement did not run",
+    match kind.needs() {
+        Some(ScenePart::Range) => "the scene has no range",
+        Some(ScenePart::Instances) => "the scene has no instance mask",
+        Some(ScenePart::Surfaces) => "only procedural scenes have labels",
+        None => "the enhancement did not run",
     }
 }

@@ -153,7 +153,7 @@ fn a_procedural_scene_has_range_instances_and_a_small_preview() {
 fn what_the_scene_does_not_have_is_left_out_with_a_warning() {
     let files = Files::new();
     let fields = json!({"scene": files.scene_without_range(), "artifacts": ["rgb", "range", "instances"]});
-    let rendered = render(&files.job(&fields));
+    let rendered = render(&files.stored_job(&fields));
     assert_eq!(rendered.files.len(), 1);
     assert_eq!(
         rendered.record.warnings,

@@ -44,6 +44,11 @@ impl Files {
         parse(&self.description(fields))
     }
 
+    /// The same as stored by a service that did not yet check what its scene lacks.
+    pub(crate) fn stored_job(&self, fields: &Value) -> Job {
+        Job::trusted(&self.description(fields).to_string()).unwrap()
+    }
+
     pub(crate) fn description(&self, fields: &Value) -> Value {
         let mut description = json!({"scene": self.scene("range.npy"), "metrics": []});
         merge(&mut description, fields);

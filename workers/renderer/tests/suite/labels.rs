@@ -77,7 +77,7 @@ fn labels_are_made_only_when_they_are_asked_for() {
     let scene = plain.record.scene.unwrap();
     assert!(scene.instances.is_none() && scene.visible.is_none());
     let files = Files::new();
-    let rendered = render(&files.job(&json!({"artifacts": ["semantics"]})));
+    let rendered = render(&files.stored_job(&json!({"artifacts": ["semantics"]})));
     assert_eq!(
         rendered.record.warnings,
         ["there is no artifact `semantics`: only procedural scenes have labels"]

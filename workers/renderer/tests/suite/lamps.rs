@@ -64,7 +64,7 @@ fn a_lamp_aimed_away_and_a_scene_without_range_are_said_in_the_record() {
     );
     let fields = json!({"scene": files.scene_without_range(), "lights": [away]});
     assert_eq!(
-        render(&files.job(&fields)).record.warnings,
+        render(&files.stored_job(&fields)).record.warnings,
         ["the scene has no range: the lamps are skipped"]
     );
 }

@@ -11,7 +11,7 @@ fn a_scene_without_range_passes_the_water_as_it_is() {
     let artifacts = json!(["rgb", "clean"]);
     let water = json!({"optics": "jerlov-9C"});
     let fields = json!({"scene": files.scene_without_range(), "water": water, "artifacts": artifacts});
-    let rendered = render(&files.job(&fields));
+    let rendered = render(&files.stored_job(&fields));
     assert_eq!(file(&rendered, "rgb"), file(&rendered, "clean"));
     assert_eq!(
         rendered.record.warnings,

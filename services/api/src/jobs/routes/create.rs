@@ -2,7 +2,6 @@
 
 use axum::http::StatusCode;
 use catalogue::JobRow;
-use spec::Job;
 
 use crate::http::extract::Submitter;
 use crate::http::located::{Located, located};
@@ -26,7 +25,7 @@ pub(crate) async fn create(
     submitter: Submitter,
     JsonBytes(body): JsonBytes,
 ) -> Result<Located<JobRow>, Problem> {
-    let job = Job::parse(&body, &jobs.vocabulary())?;
+    let job = jobs.parse(&body).await?;
     let warnings = job.warnings().to_vec();
     let row = jobs.submit(job, limits::JOB_PRIORITY, submitter).await?.row;
     let location = format!("/v1/jobs/{}", row.id);

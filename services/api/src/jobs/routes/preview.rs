@@ -81,8 +81,8 @@ pub(crate) async fn preview(
     if shown > MOST_SHOWN {
         return Err(beyond("frames", shown, 0, MOST_SHOWN));
     }
-    let job = Job::parse(&body, &jobs.vocabulary())?;
-    jobs.check(&job).await?;
+    let job = jobs.parse(&body).await?;
+    jobs.check_runtime(&job)?;
     let (frames, warnings) = (job.frames(), job.warnings().to_vec());
     let (first, sample) = jobs
         .processes

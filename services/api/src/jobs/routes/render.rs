@@ -3,7 +3,6 @@
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use catalogue::{JobRow, JobState};
-use spec::Job;
 
 use crate::http::extract::{PreferredWait, Submitter, listed};
 use crate::http::located::located;
@@ -37,7 +36,7 @@ pub(crate) async fn create(
     headers: HeaderMap,
     JsonBytes(body): JsonBytes,
 ) -> Result<Response, Problem> {
-    let job = Job::parse(&in_dataset(&body), &jobs.vocabulary())?;
+    let job = jobs.parse(&in_dataset(&body)).await?;
     if job.frames() != 1 {
         let message = format!("a render has one frame, this describes {}", job.frames());
         return Err(Problem::field("/count", message));

@@ -1,0 +1,246 @@
+//! What a description asks of its scenes: refused where no frame can have it, a warning where some frames cannot.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use super::across::{lists, places};
+use super::{Checker, Place};
+use crate::artifact::ArtifactKind;
+use crate::invalid::FieldError;
+use crate::node::Node;
+use crate::scene_parts::{ScenePart, SceneParts, Uploads};
+use crate::schema::Names;
+
+/// A scene that a frame can have.
+struct Candidate {
+    name: String,
+    parts: SceneParts,
+}
+
+/// A value that needs a part of the scene.
+struct Ask {
+    pointer: String,
+    /// For messages.
+    name: String,
+    value: Value,
+    part: ScenePart,
+}
+
+/// A field or an element of a list.
+struct Element {
+    /// Those of its values that need a part of the scene.
+    asks: Vec<Ask>,
+    /// How many values can stand there.
+    values: usize,
+}
+
+/// The scenes without a part.
+struct Lacking {
+    count: usize,
+    first: Option<String>,
+    /// Whether no scene has the part.
+    all: bool,
+}
+
+impl Checker<'_> {
+    /// Checks what the description asks of its scenes. Returns warnings about what only some frames have.
+    pub(crate) fn scenes(&mut self, document: &Node, written: &Value, uploads: &Uploads) -> Vec<String> {
+        let scenes = self.candidates(document, uploads);
+        let mut warnings = Vec::new();
+        if scenes.is_empty() {
+            return warnings;
+        }
+        let brings_camera = scenes.iter().all(|scene| scene.parts.camera);
+        if brings_camera && written.pointer("/camera/hfov_deg").is_some() {
+            warnings.push("`camera.hfov_deg` has no effect: the scene brings its own camera".to_owned());
+        }
+        let lacking = ScenePart::ALL.map(|part| lacking(&scenes, part));
+        let of = |ask: &Ask| &lacking[ask.part as usize];
+        let fails =
+            |element: &&Element| element.asks.iter().filter(|ask| of(ask).all).count() == element.values;
+        for draws in [waters(document), lamps(document), artifacts(document)] {
+            if draws
+                .iter()
+                .all(|draw| draw.iter().any(|element| fails(&element)))
+            {
+                let failing = draws.iter().flatten().filter(fails);
+                failing
+                    .flat_map(|element| &element.asks)
+                    .for_each(|ask| self.refuse_ask(ask, &lacking));
+                continue;
+            }
+            let mut named = BTreeSet::new();
+            for ask in draws.iter().flatten().flat_map(|element| &element.asks) {
+                if of(ask).count > 0 && named.insert((&ask.name, ask.part)) {
+                    let Ask { pointer, name, .. } = ask;
+                    let needs = needs(ask, of(ask));
+                    warnings.push(format!("{name} at {pointer} {needs}: such frames go without it"));
+                }
+            }
+        }
+        warnings
+    }
+
+    fn refuse_ask(&mut self, ask: &Ask, lacking: &[Lacking]) {
+        let message = format!("{} {}", ask.name, needs(ask, &lacking[ask.part as usize]));
+        let error = FieldError::new(&ask.pointer, message)
+            .value(&ask.value)
+            .limit(format!("only over a scene with {}", ask.part.describe()));
+        let possible = |name: &String| {
+            let part = ArtifactKind::parse(name).and_then(|kind| kind.needs());
+            part.is_none_or(|part| !lacking[part as usize].all)
+        };
+        let error = if ask.pointer.starts_with("/artifacts") {
+            let kinds = self.listed(Names::Artifact);
+            error.allowed(kinds.into_iter().filter(possible), "")
+        } else {
+            error
+        };
+        self.refuse(|| error);
+    }
+
+    /// The scenes that a frame can have. Uploaded ones that do not exist are refused.
+    fn candidates(&mut self, document: &Node, uploads: &Uploads) -> Vec<Candidate> {
+        let mut scenes = Vec::new();
+        for (pointer, scene) in places(document, "scene") {
+            let has = |name| scene.get(name).is_some();
+            if has("family") {
+                scenes.push(Candidate {
+                    name: "a procedural scene".to_owned(),
+                    parts: SceneParts::PROCEDURAL,
+                });
+            } else if let Some(id) = scene.get("id") {
+                let ids = id.strings(&format!("{pointer}/id")).into_iter();
+                scenes.extend(ids.filter_map(|(pointer, id)| self.uploaded(&pointer, id, uploads)));
+            } else if let Some(rgb) = scene.get("rgb") {
+                let paths = rgb.strings("");
+                scenes.push(Candidate {
+                    name: format!("the scene of `{}`", paths.first().map_or("", |(_, path)| path)),
+                    parts: SceneParts {
+                        range: has("range") || has("z_depth"),
+                        ..SceneParts::default()
+                    },
+                });
+            }
+        }
+        scenes
+    }
+
+    fn uploaded(&mut self, pointer: &str, id: &str, uploads: &Uploads) -> Option<Candidate> {
+        let parts = match uploads {
+            Uploads::Unknown => Some(SceneParts::PROCEDURAL),
+            Uploads::Known(known) => known.get(id).copied(),
+        };
+        if parts.is_none() {
+            let message = if self.vocabulary.local {
+                format!(
+                    "scene `{id}` was uploaded to a service and can only be rendered by one of its workers"
+                )
+            } else {
+                format!("scene `{id}` was not uploaded")
+            };
+            self.refuse(|| FieldError::new(pointer, message).value(&id.into()));
+        }
+        Some(Candidate {
+            name: format!("scene `{id}`"),
+            parts: parts?,
+        })
+    }
+}
+
+fn lacking(scenes: &[Candidate], part: ScenePart) -> Lacking {
+    let mut without = scenes.iter().filter(|scene| !scene.parts.has(part));
+    let first = without.next().map(|scene| scene.name.clone());
+    let count = usize::from(first.is_some()) + without.count();
+    Lacking {
+        count,
+        first,
+        all: count == scenes.len(),
+    }
+}
+
+/// `needs a range, which scene X lacks`.
+fn needs(ask: &Ask, lacking: &Lacking) -> String {
+    let part = ask.part.describe();
+    let first = lacking.first.as_deref().unwrap_or_default();
+    match lacking.count {
+        0 | 1 => format!("needs {part}, which {first} lacks"),
+        2 => format!("needs {part}, which {first} and another scene lack"),
+        more => format!("needs {part}, which {first} and {} other scenes lack", more - 1),
+    }
+}
+
+/// Everything that each water asks for.
+fn waters(document: &Node) -> Vec<Vec<Element>> {
+    let asked = |pointer: &str, water: &Node, name: &str| {
+        let value = water.get(name)?.canonical();
+        let ask = Ask {
+            pointer: format!("{pointer}/{name}"),
+            name: format!("`water.{name}`"),
+            value,
+            part: ScenePart::Range,
+        };
+        Some(Element {
+            asks: vec![ask],
+            values: 1,
+        })
+    };
+    let waters = places(document, "water").into_iter();
+    let of_water = |(pointer, water): (String, &Node)| {
+        let names = ["optics", "snow"].into_iter();
+        names.filter_map(|name| asked(&pointer, water, name)).collect()
+    };
+    waters.map(of_water).collect()
+}
+
+/// Everything that the lights of each list ask for.
+fn lamps(document: &Node) -> Vec<Vec<Element>> {
+    let of_item = |at: &Place, item: &Node| {
+        let lights = item.alternatives(&at.pointer);
+        let values = lights.len();
+        let lamps = lights
+            .into_iter()
+            .filter(|(_, light)| light.get("position_m").is_some());
+        let ask = |(pointer, light): (String, &Node)| Ask {
+            pointer,
+            name: format!("the lamp {at}"),
+            value: light.canonical(),
+            part: ScenePart::Range,
+        };
+        Element {
+            asks: lamps.map(ask).collect(),
+            values,
+        }
+    };
+    elements(document, "lights", of_item)
+}
+
+/// Everything that the artifacts of each list ask for.
+fn artifacts(document: &Node) -> Vec<Vec<Element>> {
+    let of_item = |at: &Place, item: &Node| {
+        let kinds = item.strings(&at.pointer);
+        let values = kinds.len();
+        let ask = |(pointer, kind): (String, &str)| {
+            Some(Ask {
+                part: ArtifactKind::parse(kind)?.needs()?,
+                pointer,
+                name: format!("the artifact \"{kind}\""),
+                value: kind.into(),
+            })
+        };
+        Element {
+            asks: kinds.into_iter().filter_map(ask).collect(),
+            values,
+        }
+    };
+    elements(document, "artifacts", of_item)
+}
+
+fn elements(document: &Node, name: &str, of_item: impl Fn(&Place, &Node) -> Element) -> Vec<Vec<Element>> {
+    let of_list = |(at, items): (Place, &[Node])| {
+        let items = items.iter().enumerate();
+        items.map(|(i, item)| of_item(&at.item(i), item)).collect()
+    };
+    lists(document, name).into_iter().map(of_list).collect()
+}

@@ -1,0 +1,170 @@
+//! What a description asks of scenes that cannot give it.
+
+use serde_json::{Value, json};
+use spec::{Draft, FieldError, Job, SceneParts, Uploads};
+
+use crate::common::vocabulary;
+
+/// `scn_flat` is a picture alone; `scn_deep` has a range, `scn_shot` a camera, too.
+fn check(document: &Value) -> Result<Job, Vec<FieldError>> {
+    let flat = SceneParts::default();
+    let deep = SceneParts { range: true, ..flat };
+    let shot = SceneParts { camera: true, ..deep };
+    let known = [("scn_flat", flat), ("scn_deep", deep), ("scn_shot", shot)];
+    let known = known.map(|(id, parts)| (id.to_owned(), parts));
+    let vocabulary = vocabulary(false);
+    let draft = Draft::read(document.to_string().as_bytes(), &vocabulary).unwrap();
+    draft
+        .check(&Uploads::Known(known.into()))
+        .map_err(|invalid| invalid.0)
+}
+
+fn over(id: Value, fields: Value) -> Value {
+    let mut document = json!({"scene": {"kind": "uploaded", "id": id}});
+    for (name, value) in fields.as_object().unwrap() {
+        document[name] = value.clone();
+    }
+    document
+}
+
+fn errors(document: &Value) -> Vec<FieldError> {
+    check(document)
+        .err()
+        .unwrap_or_else(|| panic!("accepted: {document}"))
+}
+
+fn warnings(document: &Value) -> Vec<String> {
+    check(document)
+        .unwrap_or_else(|errors| panic!("{errors:#?}"))
+        .warnings()
+        .to_vec()
+}
+
+fn lamp() -> Value {
+    json!({"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]})
+}
+
+#[test]
+fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() {
+    let found = errors(&over(
+        json!("scn_flat"),
+        json!({
+            "alpha": 2,
+            "water": {"optics": "jerlov-1C", "snow": {"density_per_m3": 1}},
+            "lights": [{"kind": "haze", "x": 0, "y": 0}, lamp()],
+            "artifacts": ["rgb", "range", "instances", "normals"],
+        }),
+    ));
+    let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();
+    let expected = [
+        "/alpha",
+        "/water/optics",
+        "/water/snow",
+        "/lights/1",
+        "/artifacts/1",
+        "/artifacts/2",
+        "/artifacts/3",
+    ];
+    assert_eq!(pointers, expected);
+    assert_eq!(
+        found[1].message,
+        "`water.optics` needs a range, which scene `scn_flat` lacks"
+    );
+    assert_eq!(found[1].limit.as_deref(), Some("only over a scene with a range"));
+    let possible = &found[5].allowed;
+    assert!(possible.contains(&"rgb".to_owned()) && possible.contains(&"transmittance".to_owned()));
+    assert!(
+        !["range", "instances", "normals", "boxes"]
+            .iter()
+            .any(|kind| possible.contains(&(*kind).to_owned()))
+    );
+    assert_eq!(found[5].value, Some(json!("instances")));
+}
+
+#[test]
+fn what_a_scene_has_may_be_asked_for() {
+    let fields = json!({"water": {"optics": "jerlov-1C"}, "lights": [lamp()], "artifacts": ["rgb", "range"]});
+    assert_eq!(warnings(&over(json!("scn_deep"), fields.clone())), [""; 0]);
+    let procedural = json!({"scene": {"kind": "procedural", "family": "structure"},
+        "artifacts": ["range", "instances", "normals", "boxes", "semantics", "findings"]});
+    assert_eq!(warnings(&procedural), [""; 0]);
+}
+
+#[test]
+fn a_law_that_always_asks_is_refused_and_one_that_may_is_warned_of() {
+    let waters = |choice: Value| over(json!("scn_flat"), json!({"water": {"choice": choice}}));
+    let always = errors(&waters(json!([{"optics": "jerlov-1C"}, {"optics": "jerlov-3C"}])));
+    let pointers: Vec<_> = always.iter().map(|error| error.pointer.as_str()).collect();
+    assert_eq!(pointers, ["/water/choice/0/optics", "/water/choice/1/optics"]);
+    assert_eq!(
+        warnings(&waters(json!([{"style": "muddy"}, {"optics": "jerlov-3C"}]))),
+        [
+            "`water.optics` at /water/choice/1/optics needs a range, which scene `scn_flat` lacks: such frames go without it"
+        ]
+    );
+    // Whatever is drawn, an artifact is missing.
+    let either = over(
+        json!("scn_flat"),
+        json!({"artifacts": ["rgb", {"choice": ["range", "boxes"]}]}),
+    );
+    assert_eq!(errors(&either).len(), 2);
+    let lists = over(
+        json!("scn_flat"),
+        json!({"artifacts": {"grid": [["rgb"], ["rgb", "range"]]}}),
+    );
+    assert!(warnings(&lists)[0].contains("/artifacts/grid/1/1"));
+    let lights = json!({"lights": [{"choice": [lamp(), {"kind": "haze", "x": 0, "y": 0}]}]});
+    assert!(
+        warnings(&over(json!("scn_flat"), lights))[0].contains("the lamp `lights[0]` at /lights/0/choice/0")
+    );
+}
+
+#[test]
+fn a_scene_by_chance_is_warned_of_unless_no_scene_will_do() {
+    let water = json!({"water": {"optics": "jerlov-1C"}});
+    let some = over(json!({"choice": ["scn_deep", "scn_flat"]}), water.clone());
+    assert!(warnings(&some)[0].contains("which scene `scn_flat` lacks"));
+    let none = over(json!({"grid": ["scn_flat", "scn_flat"]}), water.clone());
+    assert_eq!(
+        errors(&none)[0].message,
+        "`water.optics` needs a range, which scene `scn_flat` and another scene lack"
+    );
+    let mut mixed = water;
+    mixed["scene"] = json!({"choice": [{"kind": "procedural", "family": "structure"}, {"kind": "uploaded", "id": "scn_flat"}]});
+    assert_eq!(warnings(&mixed).len(), 1);
+}
+
+#[test]
+fn scenes_that_do_not_exist_are_refused_where_they_stand() {
+    let found = errors(&over(
+        json!({"choice": ["scn_deep", "scn_gone"]}),
+        json!({"alpha": -1}),
+    ));
+    let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();
+    assert_eq!(pointers, ["/alpha", "/scene/id/choice/1"]);
+    assert!(found[1].message.contains("`scn_gone` was not uploaded"));
+}
+
+#[test]
+fn a_field_of_view_beside_a_camera_has_no_effect() {
+    let seen = json!({"camera": {"hfov_deg": 60}});
+    assert!(warnings(&over(json!("scn_shot"), seen.clone()))[0].contains("`camera.hfov_deg`"));
+    assert_eq!(warnings(&over(json!("scn_deep"), seen)), [""; 0]);
+}
+
+#[test]
+fn files_have_what_is_named_beside_them() {
+    let job = |scene: Value| {
+        let document =
+            json!({"scene": scene, "water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "range"]});
+        Job::parse(document.to_string().as_bytes(), &vocabulary(true))
+    };
+    assert!(job(json!({"kind": "files", "rgb": "a.png", "z_depth": "d.npy"})).is_ok());
+    let refused = job(json!({"kind": "files", "rgb": "a.png"})).unwrap_err().0;
+    assert_eq!(refused.len(), 2);
+    assert!(
+        refused[0].message.ends_with("which the scene of `a.png` lacks"),
+        "{}",
+        refused[0].message
+    );
+}
