@@ -8,10 +8,6 @@ use spec::{Leaf, LeafKind, Leaves, List};
 
 use crate::filter::{Bind, Column, Join, Kind, OFFSET};
 
-/// The water by name is that of a preset, or that of a water of the user's own.
-const WATER: &str = "water.optics";
-const OWN_WATER: &str = "/parameters/water/optics/name";
-
 /// Names from before every leaf had a column of its own name.
 const ALIASES: &[(&str, &str)] = &[
     ("snow.density_per_m3", "water.snow.density_per_m3"),
@@ -106,9 +102,8 @@ impl Columns {
 
     /// What a record has in these columns, in the order of [`Columns::stored_names`].
     pub(crate) fn stored_values(&self, record: &Value) -> Vec<Option<Bind>> {
-        let own_water = |leaf: &Leaf| record.pointer(OWN_WATER).filter(|_| leaf.name == WATER);
         let value = |leaf: &Leaf| {
-            let value = record.pointer(&leaf.pointer).or_else(|| own_water(leaf))?;
+            let value = leaf.find(record)?;
             match leaf.kind {
                 LeafKind::Number => value.as_f64().map(Bind::Number),
                 LeafKind::Whole => value.as_i64().map(Bind::Whole),

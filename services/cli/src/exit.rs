@@ -22,6 +22,9 @@ pub enum Failure {
     /// A required library is not installed.
     #[error("{0}")]
     RuntimeMissing(String),
+    /// The store does not respond or is not to be worked on now; the same call may succeed later.
+    #[error("{0}")]
+    Later(String),
     /// Anything else.
     #[error("{0:#}")]
     Other(#[from] anyhow::Error),
@@ -33,13 +36,15 @@ impl Failure {
         Self::BadInput(reason.to_string())
     }
 
-    /// Exit status: 1 some frames failed (and anything unforeseen), 2 bad input, 3 no server, 4 runtime missing.
+    /// Exit status: 1 some frames failed (and anything unforeseen), 2 bad input, 3 no server, 4 runtime missing,
+    /// 5 try again later.
     pub fn code(&self) -> u8 {
         match self {
             Self::SomeFrames { .. } | Self::Other(_) => 1,
             Self::BadInput(_) => 2,
             Self::NoServer(_) => 3,
             Self::RuntimeMissing(_) => 4,
+            Self::Later(_) => 5,
         }
     }
 }

@@ -13,6 +13,7 @@ pub mod images;
 pub mod job;
 pub mod progress;
 pub mod remote;
+pub mod render;
 pub mod sheet;
 pub mod styles;
 pub mod table;

@@ -4,6 +4,8 @@
 //! each is a leaf, `….r`, `.g`, `.b` or `.x`, `.y`, `.z`. A list has its length as `LIST.count`, and its elements are
 //! reached as `LIST.N` or `LIST.N.FIELD`.
 
+use serde_json::Value;
+
 use crate::described::Described;
 use crate::frame::Frame;
 use crate::record::RESULTS;
@@ -20,6 +22,19 @@ pub struct Leaf {
     pub kind: LeafKind,
     /// Unit of its number.
     pub unit: Option<&'static str>,
+}
+
+/// The water by name is that of a preset, or that of a water of the user's own.
+const WATER: &str = "water.optics";
+const OWN_WATER: &str = "/parameters/water/optics/name";
+
+impl Leaf {
+    /// What a record has here, as JSON.
+    #[must_use]
+    pub fn find<'a>(&self, record: &'a Value) -> Option<&'a Value> {
+        let own_water = || record.pointer(OWN_WATER).filter(|_| self.name == WATER);
+        record.pointer(&self.pointer).or_else(own_water)
+    }
 }
 
 /// What stands in a leaf.

@@ -2,6 +2,7 @@
 
 mod backup;
 mod check_style;
+mod cluster;
 mod demo;
 mod enhance;
 mod export;
@@ -36,7 +37,15 @@ pub(crate) enum Command {
     /// Render frames for a service, here or on another machine
     Worker(worker::Arguments),
     /// Render a job without a service
-    Render(render::Arguments),
+    Render(cli::render::Arguments),
+    /// Show how much of a set is done
+    Status(cluster::Arguments),
+    /// Read a set again and compare it with its markers
+    Verify(cluster::Arguments),
+    /// Write the manifest of a complete set
+    Seal(cluster::Arguments),
+    /// Remove files of a set that belong to no shard
+    Gc(cluster::Arguments),
     /// Show how a frame would be rendered: variant, error bound and cost of each stage
     Plan(plan::Arguments),
     /// Submit a job to a service
@@ -83,6 +92,7 @@ impl Command {
             Self::Serve(arguments) => serve::run(arguments),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),
+            Self::Status(_) | Self::Verify(_) | Self::Seal(_) | Self::Gc(_) => cluster::hand_over(),
             Self::Plan(arguments) => plan::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),
             Self::Query(arguments) => query::run(&arguments),

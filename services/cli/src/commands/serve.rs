@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
 /// The service's configuration from the command line.
 pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
     let workers = usize::from(arguments.workers);
-    let cores = super::render::cores();
+    let cores = cli::render::cores();
     let slots = arguments
         .slots
         .map_or_else(|| cores.div_ceil(workers.max(1)), usize::from);
@@ -77,7 +77,7 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
 }
 
 /// The program that runs these commands: this one, unless they run inside of another, which then names it.
-fn own_program() -> Result<PathBuf, Failure> {
+pub(super) fn own_program() -> Result<PathBuf, Failure> {
     let named = std::env::var_os("FATHOM_PROGRAM").map(PathBuf::from);
     let own = named.map_or_else(std::env::current_exe, Ok);
     Ok(own.context("cannot find this program's own file")?)

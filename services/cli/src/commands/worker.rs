@@ -3,12 +3,12 @@
 use std::io::Read;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
 
 use cli::exit::Failure;
 use cli::remote::ServerArguments;
+use cli::render::LimitArguments;
 use cli::styles::StyleArguments;
-use renderer::worker::{self, Limits, WorkerOptions, available_bytes};
+use renderer::worker::{self, WorkerOptions};
 
 /// Options of `fathom worker`.
 #[derive(clap::Args)]
@@ -23,12 +23,8 @@ pub(crate) struct Arguments {
     name: Option<String>,
     #[command(flatten)]
     style: StyleArguments,
-    /// Longest time for one frame in seconds; a worker that takes longer aborts and its frames are leased again
-    #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = positive)]
-    frame_limit_s: f64,
-    /// Most memory of this worker, beyond which it aborts [default: three quarters of the machine's, or of its container's limit]
-    #[arg(long, env = "FATHOM_MEMORY_LIMIT_MIB", value_parser = clap::value_parser!(u64).range(64..))]
-    memory_limit_mib: Option<u64>,
+    #[command(flatten)]
+    limits: LimitArguments,
     /// Stop when standard input closes, for a worker started by a service
     #[arg(long, hide = true)]
     stop_with_stdin: bool,
@@ -54,29 +50,10 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         name: arguments.name.unwrap_or_else(default_name),
         library,
         onnxruntime: arguments.style.onnxruntime,
-        limits: Limits {
-            frame: Duration::from_secs_f64(arguments.frame_limit_s),
-            memory_bytes: arguments
-                .memory_limit_mib
-                .map_or_else(usual_memory, |mib| mib << 20),
-        },
+        limits: arguments.limits.limits(),
     };
     worker::run(options, stop)?;
     Ok(())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    // At most a year, well within the range of a duration.
-    if value > 0.0 && value <= 31_536_000.0 {
-        Ok(value)
-    } else {
-        Err(format!("{value} s is not within 0 < s <= 31536000"))
-    }
-}
-
-fn usual_memory() -> u64 {
-    available_bytes().map_or(u64::MAX, |bytes| bytes / 4 * 3)
 }
 
 fn default_name() -> String {

@@ -1,0 +1,56 @@
+//! One file for each command.
+
+mod frames;
+mod gc;
+mod render;
+mod seal;
+mod status;
+mod verify;
+
+use cli::exit::Failure;
+use sets::{Location, Set, SetError};
+
+/// What `fathom-cluster` can do.
+#[derive(clap::Subcommand)]
+pub(crate) enum Command {
+    /// Render a job into a set, or the part of it that is missing
+    Render(cli::render::Arguments),
+    /// Show how much of a set is done
+    Status(status::Arguments),
+    /// Read a set again and compare it with its markers
+    Verify(verify::Arguments),
+    /// Write the manifest of a set that is complete
+    Seal(seal::Arguments),
+    /// Remove files that belong to no shard
+    Gc(gc::Arguments),
+    /// Render frames for the supervisor that asks for them
+    #[command(hide = true)]
+    Frames(frames::Arguments),
+}
+
+impl Command {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        match self {
+            Self::Render(arguments) => render::run(&arguments),
+            Self::Status(arguments) => status::run(&arguments),
+            Self::Verify(arguments) => verify::run(&arguments),
+            Self::Seal(arguments) => seal::run(&arguments),
+            Self::Gc(arguments) => gc::run(&arguments),
+            Self::Frames(arguments) => frames::run(&arguments),
+        }
+    }
+}
+
+/// The set at a location that the user names.
+fn open(location: &str) -> Result<Set, Failure> {
+    Set::open(&Location::parse(location).map_err(failure)?).map_err(failure)
+}
+
+/// The exit status of an error: whether calling again can help is what engines decide by.
+fn failure(error: SetError) -> Failure {
+    match error {
+        SetError::Refused(reason) => Failure::BadInput(reason),
+        SetError::Later(reason) => Failure::Later(reason),
+        SetError::Damaged(_) | SetError::Machine(_) => Failure::Other(anyhow::Error::msg(error.to_string())),
+    }
+}

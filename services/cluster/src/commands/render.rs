@@ -1,0 +1,142 @@
+//! `fathom render` into a set: every shard that is meant and not done, one after the other.
+
+use std::ffi::OsString;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use cli::exit::Failure;
+use cli::progress::Progress;
+use cli::render::{Arguments, LimitArguments, SetArguments};
+use cli::styles::StyleArguments;
+use sets::{Crew, Location, NewSet, Outcome, Recipe, Selection, Set, Watch, run_shard};
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use super::failure;
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (job, _engine) = arguments.prepare()?;
+    if let Some(id) = job.uploaded_scene_ids().first() {
+        return Err(Failure::BadInput(format!(
+            "scene `{id}` was uploaded to a service; a set needs procedural scenes or files that every machine has"
+        )));
+    }
+    let out = arguments
+        .out
+        .to_str()
+        .ok_or_else(|| Failure::input("--out is not UTF-8"))?;
+    let location = Location::parse(out).map_err(failure)?;
+    let new = NewSet {
+        job: &job,
+        frames_per_shard: arguments.set.frames_per_shard,
+        code_version: renderer::CODE_VERSION,
+        metrics: quality::MetricId::all()
+            .map(|metric| metric.to_string())
+            .collect(),
+    };
+    let SetArguments { shard, frames, .. } = &arguments.set;
+    let selection = Selection::parse(shard.as_deref(), frames.as_deref()).map_err(failure)?;
+    let set = Set::begin(&location, &new).map_err(failure)?;
+    let tally = render(arguments, &set, &selection)?;
+    report(&set, &selection, &tally)
+}
+
+/// What this call did.
+struct Tally {
+    begun: Instant,
+    frames: u64,
+    shards: usize,
+}
+
+fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tally, Failure> {
+    let mut tally = Tally {
+        begun: Instant::now(),
+        frames: 0,
+        shards: 0,
+    };
+    let missing = selection.missing(set).map_err(failure)?;
+    let frames_of = |shard: u64| set.card().frames_of(shard).count() as u64;
+    let mut progress = Progress::new(
+        "render",
+        "frames",
+        missing.iter().map(|&shard| frames_of(shard)).sum(),
+    );
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
+    }
+    let watch = Watch::start(set, Duration::from_secs_f64(arguments.set.state_interval_s), stop);
+    let mut crew = Crew::new(
+        recipe(&arguments.style, arguments.slots(), &arguments.set.limits)?,
+        set.job(),
+    );
+    let mut passed = 0;
+    for shard in missing {
+        set.state().and_then(|state| state.allow()).map_err(failure)?;
+        let outcome = run_shard(set, shard, &mut crew, &|| watch.check()).map_err(failure)?;
+        if let Outcome::Committed(marker) = outcome {
+            tally.shards += 1;
+            tally.frames += marker.images;
+        }
+        passed += frames_of(shard);
+        progress.set(passed);
+    }
+    progress.finish();
+    Ok(tally)
+}
+
+/// How frames are rendered: by this program, as a child.
+pub(super) fn recipe(
+    style: &StyleArguments,
+    slots: usize,
+    limits: &LimitArguments,
+) -> Result<Recipe, Failure> {
+    let program = std::env::current_exe().context("this program does not know its own file")?;
+    let mut arguments: Vec<OsString> = vec!["frames".into()];
+    for (option, value) in [("--styles", &style.styles), ("--onnxruntime", &style.onnxruntime)] {
+        if let Some(value) = value {
+            arguments.extend([option.into(), value.into()]);
+        }
+    }
+    let limits = limits.limits();
+    Ok(Recipe {
+        program,
+        arguments,
+        slots,
+        frame_limit: limits.frame,
+        memory_limit_bytes: limits.memory_bytes,
+    })
+}
+
+/// Says what is there now: of what was asked for, and of the whole set if that is complete.
+fn report(set: &Set, selection: &Selection, tally: &Tally) -> Result<(), Failure> {
+    let seconds = tally.begun.elapsed().as_secs_f64();
+    println!(
+        "{} shards with {} frames in {seconds:.1} s ({:.2} frames/s) in {}",
+        tally.shards,
+        tally.frames,
+        tally.frames as f64 / seconds.max(1e-9),
+        set.location()
+    );
+    let all = set.card().shards();
+    let done = set.done().map_err(failure)?.len() as u64;
+    if done == all {
+        println!("digest {}", set.digest().map_err(failure)?);
+    } else {
+        println!("{done} of {all} shards are done");
+    }
+    let failed = set.failed_frames(selection).map_err(failure)?;
+    if failed.is_empty() {
+        return Ok(());
+    }
+    for frame in &failed {
+        eprintln!("frame {}: {}", frame.frame, frame.error);
+    }
+    Err(Failure::SomeFrames {
+        failed: failed.len() as u64,
+        frames: set.card().frames,
+        hint: format!("; the markers in {} list them", set.location()),
+    })
+}

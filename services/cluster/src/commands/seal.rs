@@ -1,0 +1,60 @@
+//! `fathom seal`: the manifest of a set that is complete.
+
+use anyhow::Context;
+use cli::exit::Failure;
+use cli::styles::StyleArguments;
+use optics::preset::presets;
+use sets::{Set, Source};
+
+use super::{failure, open};
+
+/// Options of `fathom seal`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Folder or s3://BUCKET/PREFIX
+    set: String,
+    #[command(flatten)]
+    style: StyleArguments,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let set = open(&arguments.set)?;
+    let mut sources = waters(&set);
+    sources.extend(styles(&set, arguments)?);
+    let manifest = set.seal(sources).map_err(failure)?;
+    println!(
+        "{}",
+        serde_json::to_string_pretty(&manifest).context("the manifest cannot be written")?
+    );
+    Ok(())
+}
+
+/// The preset waters that a frame of the job can have.
+fn waters(set: &Set) -> Vec<Source> {
+    let job = set.job().canonical();
+    let named = presets()
+        .iter()
+        .filter(|preset| job.contains(&format!("\"{}\"", preset.name)));
+    let source = |preset: &optics::preset::Preset| Source {
+        name: format!("water {}", preset.name),
+        source: preset.source.clone(),
+        licence: preset.licence.clone(),
+    };
+    named.map(source).collect()
+}
+
+fn styles(set: &Set, arguments: &Arguments) -> Result<Vec<Source>, Failure> {
+    let library = arguments.style.library()?;
+    let source = |name: String| {
+        let card = library.get(&name).map(|model| model.card.clone());
+        let card =
+            card.ok_or_else(|| Failure::BadInput(format!("style `{name}` is not here; see --styles")))?;
+        Ok(Source {
+            name: format!("style {name}"),
+            source: card.source,
+            licence: card.licence,
+        })
+    };
+    set.job().styles().into_iter().map(source).collect()
+}

@@ -1,0 +1,97 @@
+//! `fathom verify`: reads a set again and compares it with its markers.
+
+use cli::exit::Failure;
+use cli::progress::Progress;
+use cli::render::LimitArguments;
+use cli::styles::StyleArguments;
+use sets::{Crew, Set};
+
+use super::render::recipe;
+use super::{failure, open};
+
+/// Options of `fathom verify`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Folder or s3://BUCKET/PREFIX
+    set: String,
+    /// Read only so many shards, spread over the set
+    #[arg(long, value_name = "SHARDS")]
+    sample: Option<u64>,
+    /// Render so many frames again, spread over the set, and compare them
+    #[arg(long, value_name = "FRAMES", default_value_t = 0)]
+    render: u64,
+    #[command(flatten)]
+    style: StyleArguments,
+    #[command(flatten)]
+    limits: LimitArguments,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let set = open(&arguments.set)?;
+    let done = set.done().map_err(failure)?;
+    let shards = spread(&done, arguments.sample.unwrap_or(done.len() as u64));
+    let mut progress = Progress::new("verify", "shards", shards.len() as u64);
+    let (mut damage, mut bytes) = (Vec::new(), 0);
+    for (number, &shard) in shards.iter().enumerate() {
+        let report = set.verify(shard).map_err(failure)?;
+        bytes += report.bytes;
+        damage.extend(report.damage);
+        progress.set(number as u64 + 1);
+    }
+    progress.finish();
+    if damage.is_empty() {
+        damage.extend(render(arguments, &set, &done)?);
+    }
+    for what in &damage {
+        println!("{what}");
+    }
+    let read = bytes >> 20;
+    println!(
+        "{} of {} shards read ({read} MiB), {} rendered frames",
+        shards.len(),
+        done.len(),
+        arguments.render
+    );
+    match damage.len() {
+        0 => Ok(()),
+        count => Err(anyhow::anyhow!(
+            "{count} damaged; remove the marker of a damaged shard from done/ and render again"
+        )
+        .into()),
+    }
+}
+
+fn render(arguments: &Arguments, set: &Set, done: &[u64]) -> Result<Vec<String>, Failure> {
+    let mut crew = Crew::new(recipe(&arguments.style, 1, &arguments.limits)?, set.job());
+    let frames: Vec<u64> = done
+        .iter()
+        .flat_map(|&shard| set.card().frames_of(shard))
+        .collect();
+    let mut wrong = Vec::new();
+    for frame in spread(&frames, arguments.render) {
+        wrong.extend(set.verify_by_rendering(frame, &mut crew).map_err(failure)?);
+    }
+    Ok(wrong)
+}
+
+/// So many of them, at even distances.
+fn spread(all: &[u64], wanted: u64) -> Vec<u64> {
+    let wanted = wanted.min(all.len() as u64);
+    (0..wanted)
+        .map(|number| all[(number * all.len() as u64 / wanted) as usize])
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_is_spread_over_all() {
+        let all: Vec<u64> = (0..10).collect();
+        assert_eq!(spread(&all, 5), [0, 2, 4, 6, 8]);
+        assert_eq!(spread(&all, 99), all);
+        assert!(spread(&all, 0).is_empty() && spread(&[], 3).is_empty());
+    }
+}

@@ -1,0 +1,25 @@
+//! Why work on a set ends early.
+
+/// Why work on a set ends early. The variants differ in what the caller should do next.
+#[derive(Debug, thiserror::Error)]
+pub enum SetError {
+    /// What was given cannot be used; repeating the call changes nothing.
+    #[error("{0}")]
+    Refused(String),
+    /// The store does not respond, is full, or is not to be worked on now; the same call may succeed later.
+    #[error("{0}")]
+    Later(String),
+    /// Stored bytes contradict each other.
+    #[error("{0}")]
+    Damaged(String),
+    /// This machine cannot do the work.
+    #[error("{0}")]
+    Machine(String),
+}
+
+impl SetError {
+    /// An object of the set that cannot be read as what it should be.
+    pub(crate) fn unreadable(name: &str, reason: impl std::fmt::Display) -> Self {
+        Self::Damaged(format!("{name} cannot be read: {reason}"))
+    }
+}

@@ -1,0 +1,52 @@
+//! Datasets in a store: a folder that machines share, or a bucket.
+//!
+//! A job is divided into shards. [`run_shard`] renders one and writes it straight into the store; any engine may call it,
+//! as often as it likes. A shard is done when its marker exists, and a marker is created only if absent, so the store is
+//! the only truth: no lease, no queue, no service. `layout` names the objects.
+
+mod archive;
+mod child;
+mod columns;
+mod crew;
+mod digests;
+mod draft;
+mod error;
+#[cfg(test)]
+mod faulty;
+mod job;
+mod layout;
+mod listing;
+mod location;
+mod marker;
+mod message;
+mod plan;
+mod rows;
+mod seal;
+mod set;
+mod shard;
+mod state;
+mod store;
+#[cfg(test)]
+mod tests;
+mod transport;
+mod upload;
+mod verify;
+mod watch;
+
+pub use child::Recipe;
+pub use crew::Crew;
+pub use error::SetError;
+pub use job::{Card, NewSet};
+pub use listing::Status;
+pub use location::Location;
+pub use marker::{Commit, FailedFrame, Marker};
+pub use message::{Message, ParcelFile};
+pub use plan::{Part, Selection};
+pub use seal::{Manifest, Source};
+pub use set::Set;
+pub use shard::{Outcome, run_shard};
+pub use state::State;
+pub use store::{Entry, Store};
+pub use upload::FileSum;
+pub use verify::Report;
+pub use watch::Watch;

@@ -1,0 +1,114 @@
+//! The manifest: what a set that is complete consists of, under one digest.
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::error::SetError;
+use crate::layout;
+use crate::marker::Marker;
+use crate::set::Set;
+
+/// Something that went into the frames, with its terms.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// Such as `water jerlov-3C` or `style muddy`.
+    pub name: String,
+    /// Where its numbers are from.
+    pub source: String,
+    /// Under which license.
+    pub licence: String,
+}
+
+/// What `manifest.json` says.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Name of the dataset.
+    pub dataset: String,
+    /// SHA-256 of the job's canonical text.
+    pub job: String,
+    /// Digest over all images, as `fathom render` and a service compute it.
+    pub digest: String,
+    /// Root of the Merkle tree over the markers.
+    pub root: String,
+    /// Number of shards.
+    pub shards: u64,
+    /// Number of images.
+    pub images: u64,
+    /// Frames without an image.
+    pub failed: u64,
+    /// Length of all files.
+    pub bytes: u64,
+    /// Version of the program.
+    pub code_version: String,
+    /// Waters and styles with their terms.
+    pub sources: Vec<Source>,
+}
+
+impl Set {
+    /// Writes the manifest of a set of which every shard is done, and returns it.
+    ///
+    /// # Errors
+    /// [`SetError::Refused`] if shards are missing, [`SetError::Damaged`] if it was sealed with other content;
+    /// otherwise [`SetError`] of the store.
+    pub fn seal(&self, sources: Vec<Source>) -> Result<Manifest, SetError> {
+        let card = self.card();
+        let markers = self.markers(self.done()?)?;
+        if markers.len() as u64 != card.shards() {
+            return Err(SetError::Refused(format!(
+                "{} of {} shards are done: render the others before the set is sealed",
+                markers.len(),
+                card.shards()
+            )));
+        }
+        let sum = |value: fn(&Marker) -> u64| markers.iter().map(value).sum();
+        let manifest = Manifest {
+            dataset: self.job().dataset().to_owned(),
+            job: card.digest.clone(),
+            digest: self.digest()?,
+            root: root(&markers)?,
+            shards: card.shards(),
+            images: sum(|marker| marker.images),
+            failed: sum(|marker| marker.failed.len() as u64),
+            bytes: sum(|marker| marker.tar.bytes + marker.rows.bytes),
+            code_version: card.code_version.clone(),
+            sources,
+        };
+        let text = serde_json::to_vec_pretty(&manifest)
+            .map_err(|error| SetError::Machine(format!("the manifest cannot be written: {error}")))?;
+        match self.store.create(layout::MANIFEST, &text)? {
+            None => Ok(manifest),
+            Some(_) => Err(SetError::Damaged(format!(
+                "{} was sealed with another content than it has now",
+                self.location()
+            ))),
+        }
+    }
+}
+
+/// Root of the Merkle tree over the markers in the order of their shards. Leaves and nodes are hashed apart (a leading 0
+/// or 1), and the last of an odd number goes up as it is, as in RFC 6962.
+fn root(markers: &[Marker]) -> Result<String, SetError> {
+    let leaf = |marker: &Marker| {
+        let text = serde_json::to_vec(marker)
+            .map_err(|error| SetError::Machine(format!("a marker cannot be written: {error}")))?;
+        Ok(Sha256::new()
+            .chain_update([0])
+            .chain_update(text)
+            .finalize()
+            .to_vec())
+    };
+    let mut level: Vec<Vec<u8>> = markers.iter().map(leaf).collect::<Result<_, SetError>>()?;
+    while level.len() > 1 {
+        let node = |pair: &[Vec<u8>]| match pair {
+            [left, right] => Sha256::new()
+                .chain_update([1])
+                .chain_update(left)
+                .chain_update(right)
+                .finalize()
+                .to_vec(),
+            single => single.concat(),
+        };
+        level = level.chunks(2).map(node).collect();
+    }
+    Ok(hex::encode(level.concat()))
+}

@@ -1,0 +1,133 @@
+//! A set that is open: its store, its job, its markers.
+
+use spec::Job;
+
+use crate::error::SetError;
+use crate::job::{Card, NewSet};
+use crate::layout::{self, Attempt};
+use crate::location::Location;
+use crate::marker::Marker;
+use crate::state::State;
+use crate::store::Store;
+
+/// An open set.
+#[derive(Clone)]
+pub struct Set {
+    pub(crate) store: Store,
+    card: Card,
+    job: Job,
+}
+
+impl Set {
+    /// Opens the set at a location for rendering this job, and begins it if nothing is there.
+    ///
+    /// # Errors
+    /// [`SetError::Refused`]: another job, version or division into shards is there, or the store does not create
+    /// objects only if absent; otherwise [`SetError`] of the store.
+    pub fn begin(location: &Location, new: &NewSet<'_>) -> Result<Self, SetError> {
+        Self::begin_in(Store::open(location)?, new)
+    }
+
+    pub(crate) fn begin_in(store: Store, new: &NewSet<'_>) -> Result<Self, SetError> {
+        let card = Card::new(new)?;
+        probe(&store)?;
+        let text = serde_json::to_vec_pretty(&card)
+            .map_err(|error| SetError::Machine(format!("job.json cannot be written: {error}")))?;
+        let (card, job) = match store.create(layout::JOB, &text)? {
+            None => (card, new.job.clone()),
+            Some(found) => {
+                let (card, job) = Card::read(&found)?;
+                card.accept(new, store.location())?;
+                (card, job)
+            }
+        };
+        Ok(Self { store, card, job })
+    }
+
+    /// Opens the set that is at a location.
+    ///
+    /// # Errors
+    /// [`SetError::Refused`] if none is there; otherwise [`SetError`] of the store.
+    pub fn open(location: &Location) -> Result<Self, SetError> {
+        if let Location::Folder(path) = location
+            && !path.is_dir()
+        {
+            return Err(SetError::Refused(format!("{location} is no folder")));
+        }
+        let store = Store::open(location)?;
+        let Some(text) = store.get(layout::JOB)? else {
+            return Err(SetError::Refused(format!(
+                "{location} holds no set: it has no job.json"
+            )));
+        };
+        let (card, job) = Card::read(&text)?;
+        Ok(Self { store, card, job })
+    }
+
+    /// Where the set lies.
+    #[must_use]
+    pub fn location(&self) -> &Location {
+        self.store.location()
+    }
+
+    /// What `job.json` says.
+    #[must_use]
+    pub fn card(&self) -> &Card {
+        &self.card
+    }
+
+    /// The job.
+    #[must_use]
+    pub fn job(&self) -> &Job {
+        &self.job
+    }
+
+    /// The marker of a shard that is done.
+    ///
+    /// # Errors
+    /// [`SetError`] of the store, and a marker that cannot be read.
+    pub fn marker(&self, shard: u64) -> Result<Option<Marker>, SetError> {
+        let name = layout::done(shard);
+        let text = self.store.get(&name)?;
+        text.map(|text| Marker::read(&name, &text)).transpose()
+    }
+
+    /// Numbers of the shards that are done, sorted.
+    ///
+    /// # Errors
+    /// [`SetError`] of the store.
+    pub fn done(&self) -> Result<Vec<u64>, SetError> {
+        let entries = self.store.list(layout::DONE)?;
+        let mut shards: Vec<u64> = entries
+            .iter()
+            .filter_map(|entry| layout::shard_of(&entry.name))
+            .collect();
+        shards.sort_unstable();
+        Ok(shards)
+    }
+
+    /// Whether the set is to be worked on.
+    ///
+    /// # Errors
+    /// [`SetError`] of the store, and a `state.json` that cannot be read.
+    pub fn state(&self) -> Result<State, SetError> {
+        State::read(self.store.get(layout::STATE)?.as_deref())
+    }
+}
+
+/// Refuses a store that creates an object although it is there: two attempts could both win.
+fn probe(store: &Store) -> Result<(), SetError> {
+    let attempt = Attempt::random()?;
+    let name = layout::probe(&attempt);
+    let refused = store
+        .create(&name, b"first")
+        .and_then(|_| store.create(&name, b"second"));
+    let removed = store.delete(&name);
+    match refused? {
+        Some(_) => removed,
+        None => Err(SetError::Refused(format!(
+            "{} overwrites an object that was to be created only if absent (If-None-Match): it cannot hold a set",
+            store.location()
+        ))),
+    }
+}

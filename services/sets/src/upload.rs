@@ -1,0 +1,139 @@
+//! A file on its way into the store: streamed in parts, so that its length costs no memory.
+
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use bytes::Bytes;
+use object_store::buffered::BufWriter;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use tokio::io::AsyncWriteExt;
+
+use crate::error::SetError;
+use crate::store::Store;
+
+/// Part of a multipart upload. S3 takes 10 000 parts, so that a file may have 78 GiB.
+const PART_BYTES: usize = 8 << 20;
+/// Parts that are sent side by side, all of them in memory.
+const PARTS_IN_FLIGHT: usize = 3;
+/// Small writes are gathered up to this size.
+const GATHERED_BYTES: usize = 1 << 20;
+
+/// What a file must be found as.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileSum {
+    /// SHA-256, lower-case hex.
+    pub sha256: String,
+    /// Length in bytes.
+    pub bytes: u64,
+}
+
+/// A file on its way into the store. Nothing is visible before [`Upload::finish`]; clones write the same file.
+#[derive(Clone)]
+pub(crate) struct Upload {
+    store: Store,
+    name: String,
+    state: Arc<Mutex<State>>,
+}
+
+struct State {
+    writer: BufWriter,
+    gathered: Vec<u8>,
+    hash: Sha256,
+    bytes: u64,
+    failure: Option<SetError>,
+    is_open: bool,
+}
+
+impl Upload {
+    pub(crate) fn new(store: &Store, name: String) -> Self {
+        let writer = BufWriter::with_capacity(Arc::clone(&store.objects), store.path(&name), PART_BYTES);
+        let state = State {
+            writer: writer.with_max_concurrency(PARTS_IN_FLIGHT),
+            gathered: Vec::with_capacity(GATHERED_BYTES),
+            hash: Sha256::new(),
+            bytes: 0,
+            failure: None,
+            is_open: true,
+        };
+        Self {
+            store: store.clone(),
+            name,
+            state: Arc::new(Mutex::new(state)),
+        }
+    }
+
+    /// Bytes so far.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.state().bytes
+    }
+
+    /// Why the store took no more, or else this reason.
+    pub(crate) fn failure(&self, otherwise: impl std::fmt::Display) -> SetError {
+        let failure = self.state().failure.take();
+        failure.unwrap_or_else(|| SetError::Machine(format!("cannot write {}: {otherwise}", self.name)))
+    }
+
+    /// Completes the file.
+    pub(crate) fn finish(&self) -> Result<FileSum, SetError> {
+        let mut state = self.state();
+        state.is_open = false;
+        let sent = state.send(&self.store).and_then(|()| {
+            let shut = self.store.wait(async { Ok(state.writer.shutdown().await) })?;
+            shut.map_err(|error| match error.downcast::<object_store::Error>() {
+                Ok(error) => self.store.explain(&error),
+                Err(error) => SetError::Later(format!("{} cannot be written: {error}", self.name)),
+            })
+        });
+        sent?;
+        Ok(FileSum {
+            sha256: hex::encode(state.hash.clone().finalize()),
+            bytes: state.bytes,
+        })
+    }
+
+    /// Gives the file up and removes what is there of it, as far as the store allows; `gc` removes the rest.
+    pub(crate) fn abandon(&self) {
+        let mut state = self.state();
+        if std::mem::replace(&mut state.is_open, false) {
+            let _ = self.store.wait(state.writer.abort());
+        } else {
+            let _ = self.store.delete(&self.name);
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    fn send(&mut self, store: &Store) -> Result<(), SetError> {
+        if self.gathered.is_empty() {
+            return Ok(());
+        }
+        let bytes = std::mem::replace(&mut self.gathered, Vec::with_capacity(GATHERED_BYTES));
+        store.wait(self.writer.put(Bytes::from(bytes)))
+    }
+}
+
+impl Write for Upload {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut state = self.state();
+        state.hash.update(bytes);
+        state.bytes += bytes.len() as u64;
+        state.gathered.extend_from_slice(bytes);
+        if state.gathered.len() >= GATHERED_BYTES
+            && let Err(error) = state.send(&self.store)
+        {
+            let text = error.to_string();
+            state.failure = Some(error);
+            return Err(io::Error::other(text));
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,91 @@
+//! A job and the set that `fathom` renders it into.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+
+use fathom_tests::{fathom, root};
+use serde_json::Value;
+
+/// A folder with a job and, below it, the set.
+pub(crate) struct Work(tempfile::TempDir);
+
+impl Work {
+    pub(crate) fn new(job: &Value) -> Self {
+        let work = Self(tempfile::tempdir().expect("a temporary folder"));
+        work.describe(job);
+        work
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        self.0.path()
+    }
+
+    pub(crate) fn set(&self) -> PathBuf {
+        self.folder().join("set")
+    }
+
+    /// Replaces the job.
+    pub(crate) fn describe(&self, job: &Value) {
+        fs::write(self.folder().join("spec.json"), job.to_string()).expect("a writable folder");
+    }
+
+    /// Starts `fathom render` into the set.
+    pub(crate) fn start(&self, arguments: &[&str], environment: &[(&str, &str)]) -> Child {
+        let mut command = Command::new(fathom());
+        command.arg("render").arg(self.folder().join("spec.json"));
+        command
+            .arg("--out")
+            .arg(format!("file://{}", self.set().display()));
+        command
+            .args(["--slots", "2"])
+            .args(arguments)
+            .envs(environment.iter().copied());
+        let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        piped.current_dir(root()).spawn().expect("the binary starts")
+    }
+
+    /// Renders into the set, to the end.
+    pub(crate) fn render(&self, arguments: &[&str]) -> Output {
+        self.start(arguments, &[])
+            .wait_with_output()
+            .expect("a child ends")
+    }
+
+    /// Runs a command on the set.
+    pub(crate) fn command(&self, name: &str, arguments: &[&str]) -> Output {
+        let mut command = Command::new(fathom());
+        command.arg(name).arg(self.set()).args(arguments);
+        command.output().expect("the binary starts")
+    }
+}
+
+/// Files of a folder by name.
+pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("a readable folder").path())
+        .collect();
+    files.sort();
+    files
+}
+
+pub(crate) fn marker(set: &Path, shard: u64) -> Value {
+    let text = fs::read(set.join(format!("done/{shard:06}.json"))).expect("a marker");
+    serde_json::from_slice(&text).expect("JSON")
+}
+
+pub(crate) fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// SIGKILL to every child of a process; returns whether there was one.
+pub(crate) fn kill_children(parent: u32) -> bool {
+    let path = format!("/proc/{parent}/task/{parent}/children");
+    let children = fs::read_to_string(path).unwrap_or_default();
+    let killed = children.split_whitespace().filter(|child| {
+        let status = Command::new("kill").args(["-KILL", child]).status();
+        status.is_ok_and(|status| status.success())
+    });
+    killed.count() > 0
+}
