@@ -191,3 +191,81 @@ fn a_folder_of_pictures_is_uploaded_with_what_belongs_to_them() {
         text(&again.stderr)
     );
 }
+
+/// A gray PNG with 8 bits a pixel.
+fn mask(codes: impl Fn(usize, usize) -> u8) -> Vec<u8> {
+    let mask = imaging::Plane::from_fn(64, 64, codes);
+    imaging::codec::encode_png(&mask.into()).expect("a picture")
+}
+
+#[test]
+fn classes_go_from_a_folder_to_the_export_with_the_same_codes_for_every_picture() {
+    let folder = temporary();
+    let service = Service::start(&folder.path().join("data"), &["--workers", "1"]);
+    let pictures = folder.path().join("pictures");
+    std::fs::create_dir(&pictures).expect("a writable folder");
+    let write =
+        |name: &str, bytes: &[u8]| std::fs::write(pictures.join(name), bytes).expect("a writable folder");
+    let vector = root().join("workers/enhance/tests/vectors/enhancement/noise_64x64.input.png");
+    for name in ["a.png", "b.png", "c.png"] {
+        std::fs::copy(&vector, pictures.join(name)).expect("a vector");
+    }
+    // One object is in view of both cameras, each of the others of one.
+    write("a.instances.png", &mask(|x, _| if x < 32 { 1 } else { 2 }));
+    write("b.instances.png", &mask(|_, y| if y < 32 { 2 } else { 3 }));
+    write("c.instances.png", &mask(|_, _| 9));
+    write("c.classes.json", br#"{"9": "pile"}"#);
+    let classes = folder.path().join("classes.json");
+    std::fs::write(&classes, br#"{"1": "rope", "2": "pile", "3": "chain"}"#).expect("a writable folder");
+    let (pictures, classes) = (pictures.to_str().expect("text"), classes.to_str().expect("text"));
+    let output = run(&["upload", pictures, "--classes", classes, "--server", &service.url]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let printed = text(&output.stdout);
+    let ids: Vec<&str> = printed
+        .lines()
+        .filter_map(|line| line.split(' ').next())
+        .collect();
+    assert_eq!(ids.len(), 3, "{printed}");
+
+    let id = service.submit(&json!({
+        "dataset": "own", "scene": {"kind": "uploaded", "id": {"grid": ids}}, "metrics": [],
+        "artifacts": ["rgb", "semantics", "boxes"]
+    }));
+    assert_eq!(service.finished(&id)["state"], "done");
+    let out = folder.path().join("out");
+    let kinds = [
+        "export",
+        "own",
+        "--kinds",
+        "rgb,semantics,boxes",
+        "--out",
+        out.to_str().expect("text"),
+    ];
+    let output = run(&[&kinds[..], &["--server", &service.url]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let json_of = |path: &Path| -> Value {
+        serde_json::from_slice(&std::fs::read(path).expect("a file")).expect("JSON")
+    };
+    let categories = json_of(&out.join("categories.json"));
+    let expected =
+        json!([{"id": 2, "name": "pile"}, {"id": 128, "name": "chain"}, {"id": 129, "name": "rope"}]);
+    assert_eq!(categories, expected, "{}", text(&output.stderr));
+    let mut seen = Vec::new();
+    for row in rows(&out) {
+        let boxes = json_of(&out.join(row["boxes"].as_str().expect("a path")));
+        for instance in boxes["instances"].as_array().expect("a list") {
+            seen.push(format!("{} {}", instance["number"], instance["category"]));
+        }
+    }
+    seen.sort();
+    assert_eq!(
+        seen,
+        [
+            "1 \"rope\"",
+            "2 \"pile\"",
+            "2 \"pile\"",
+            "3 \"chain\"",
+            "9 \"pile\""
+        ]
+    );
+}

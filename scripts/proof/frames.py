@@ -98,7 +98,8 @@ def frame(line, folder, known):
 
 
 def render(binary, name, job, work, known):
-    """The frames of a case: a `Frame`, or the text of an error, by number; and the digest of the canonical job as `job`."""
+    """The frames of a case: a `Frame`, or the text of an error, by number; and the digest of the canonical job, or why it is
+    refused, as `job`."""
     place = work / "jobs"
     place.mkdir(exist_ok=True)
     (place / f"{name}.json").write_text(json.dumps(job))
@@ -106,6 +107,8 @@ def render(binary, name, job, work, known):
     environment = {key: value for key, value in os.environ.items() if not key.startswith("FATHOM_")}
     done = subprocess.run([binary, "render", f"jobs/{name}.json", "--out", str(out), "--slots", "1", "--styles", "styles"],
                           cwd=work, env=environment, capture_output=True, text=True)
+    if done.returncode == 2:
+        return {"job": "refused: " + " ".join(done.stderr.split())}
     if done.returncode not in (0, 1):
         raise SystemExit(f"{name}: exit status {done.returncode}\n{done.stderr}")
     frames = {"job": digest((out / "job.json").read_bytes())}

@@ -100,6 +100,17 @@ def test_arrays_are_uploaded_as_scenes(client: fathom.Client, job: fathom.Job) -
     assert (client.frame(made.id, 0).instances == air.instances).all()
 
 
+def test_classes_of_an_upload_name_its_boxes(client: fathom.Client) -> None:
+    mask = np.repeat(np.array([[0, 1, 2, 2]], np.uint8), 16, axis=1)
+    mask = np.repeat(mask, 32, axis=0)
+    picture = np.full((*mask.shape, 3), 90, np.uint8)
+    scene = client.upload(picture, instances=mask, classes={1: "pile", 2: "rope"})
+    job = {"dataset": "classes", "scene": {"kind": "uploaded", "id": scene}, "artifacts": ["semantics", "boxes"]}
+    frame = client.frame(client.submit(job).wait().id, 0)
+    assert [box["category"] for box in frame.boxes] == ["pile", "rope"]
+    assert np.unique(frame.semantics).tolist() == [0, 2, 128]
+
+
 def test_arrays_that_are_no_scene_are_refused(client: fathom.Client) -> None:
     with pytest.raises(ValueError, match="rgb has 1 samples that are not finite"):
         client.upload(np.array([[[np.nan, 0.0, 0.0]]], np.float32))

@@ -145,6 +145,7 @@ fn own(picture: &Path, range: &Path) -> Result<ChartScene, Failure> {
             invalid_code: None,
         }),
         intrinsics: None,
+        classes: None,
         instances: None,
     };
     let bad = |message: String| Failure::BadInput(format!("{}: {message}", picture.display()));

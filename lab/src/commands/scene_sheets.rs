@@ -100,17 +100,18 @@ fn label_tiles(arguments: &Arguments) -> Result<Vec<Rgb8>, Failure> {
         let (scene, labels) = world.render_labeled(&world.pose(), SIZE, &lens);
         let picture = transfer::encode_rgb8(&scene.radiance).0;
         let instances = scene.instances.expect("procedural scenes have instances");
+        let surfaces = labels.surfaces.expect("procedural scenes have surfaces");
         let part = |v: f32| ((0.5 + 0.5 * v) * 255.0) as u8;
         let views = [
             Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
-                [0, 1, 2].map(|axis| part(labels.normals[axis].at(x, y)))
+                [0, 1, 2].map(|axis| part(surfaces.normals[axis].at(x, y)))
             }),
             Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
                 hue(u32::from(labels.semantics.at(x, y)) + 40)
             }),
             Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| hue(u32::from(instances.at(x, y)))),
             Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
-                let bits = labels.findings.at(x, y);
+                let bits = surfaces.findings.at(x, y);
                 let first = (0..COLOURS.len()).find(|bit| bits >> bit & 1 == 1);
                 first.map_or(picture.at(x, y).map(|v| v / 2), |bit| COLOURS[bit])
             }),

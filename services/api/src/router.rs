@@ -78,6 +78,7 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(images::routes::image::artifact))
         .routes(routes!(images::routes::image::preview))
         .routes(routes!(scenes::routes::list::list))
+        .routes(routes!(scenes::routes::get::get))
         .routes(routes!(waters::routes::water::list))
         .routes(routes!(waters::routes::water::get))
         .routes(routes!(styles::routes::list::list))

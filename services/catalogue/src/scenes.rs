@@ -13,7 +13,7 @@ use crate::values::Cells;
 macro_rules! columns {
     () => {
         "id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code, instances_digest, width, height,
-         focal_px, cx, cy, created_ms"
+         focal_px, cx, cy, created_ms, classes"
     };
 }
 
@@ -85,7 +85,7 @@ async fn insert(
     let stored = sqlx::query(concat!(
         "INSERT INTO scenes (",
         columns!(),
-        ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING RETURNING ",
+        ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING RETURNING ",
         columns!(),
     ))
     .bind(&scene.id)
@@ -102,6 +102,7 @@ async fn insert(
     .bind(camera.map(|camera| camera.cx))
     .bind(camera.map(|camera| camera.cy))
     .bind(scene.created_at.0 as i64)
+    .bind(files.classes.as_ref().map(serde_json::to_string).transpose()?)
     .fetch_optional(&mut *connection)
     .await?;
     if let Some(stored) = stored {
@@ -127,6 +128,11 @@ fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {
         (Some(focal_px), Some(cx), Some(cy)) => Some(Intrinsics { focal_px, cx, cy }),
         _ => None,
     };
+    let created_at = cells.time()?;
+    let classes = cells
+        .take::<Option<&str>>()?
+        .map(serde_json::from_str)
+        .transpose();
     Ok(SceneRow {
         id,
         content_digest,
@@ -140,9 +146,10 @@ fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {
             }),
             instances,
             intrinsics,
+            classes: classes.map_err(|error| sqlx::Error::Decode(error.into()))?,
         },
         width,
         height,
-        created_at: cells.time()?,
+        created_at,
     })
 }

@@ -22,6 +22,11 @@ pub fn read_picture(path: &Path) -> Result<Raster, Failure> {
 
 /// The pictures in a folder, sorted by name, without those in subfolders.
 pub fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    with_extensions(folder, &["png", "jpg", "jpeg", "webp"])
+}
+
+/// The files in a folder whose names end in one of these, sorted by name, without those in subfolders.
+pub fn with_extensions(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>, Failure> {
     let unreadable = |error| Failure::BadInput(format!("{}: {error}", folder.display()));
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
@@ -31,7 +36,7 @@ pub fn pictures(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
             .and_then(|e| e.to_str())
             .unwrap_or_default()
             .to_ascii_lowercase();
-        if path.is_file() && ["png", "jpg", "jpeg", "webp"].contains(&extension.as_str()) {
+        if path.is_file() && extensions.contains(&extension.as_str()) {
             files.push(path);
         }
     }

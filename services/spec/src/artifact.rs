@@ -71,7 +71,7 @@ impl ArtifactKind {
         ("preview", Self::Preview),
     ];
 
-    /// Whether it is made of the labels of a procedural scene.
+    /// Whether it is made of labels, which are computed only for it.
     #[must_use]
     pub fn needs_labels(&self) -> bool {
         matches!(
@@ -85,8 +85,8 @@ impl ArtifactKind {
     pub fn needs(&self) -> Option<ScenePart> {
         match self {
             Self::Range => Some(ScenePart::Range),
-            Self::Instances => Some(ScenePart::Instances),
-            kind if kind.needs_labels() => Some(ScenePart::Surfaces),
+            Self::Instances | Self::Semantics | Self::Boxes => Some(ScenePart::Instances),
+            Self::Normals | Self::Findings => Some(ScenePart::Surfaces),
             _ => None,
         }
     }

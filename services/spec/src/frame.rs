@@ -134,7 +134,7 @@ pub enum Scene {
     },
     /// Files of this machine; only for rendering without a service.
     Files {
-        /// PNG, JPEG, WebP or NPY picture
+        /// PNG, JPEG, WebP, NPY or EXR picture
         #[field(names = Path)]
         rgb: String,
         /// distances along the line of sight
@@ -143,6 +143,12 @@ pub enum Scene {
         /// distances along the optical axis, instead of `range`
         #[field(names = Path)]
         z_depth: Option<String>,
+        /// instance of each pixel, 0 = background
+        #[field(names = Path)]
+        instances: Option<String>,
+        /// JSON that says what the instances are
+        #[field(names = Path)]
+        classes: Option<String>,
         /// metres of one unit of that file
         #[field(above(0.0, 1e6), unit = "m")]
         unit_m: Option<f64>,
@@ -153,15 +159,17 @@ pub enum Scene {
 }
 
 impl Scene {
-    /// The paths of a scene of files.
+    /// The paths of a scene of files; its classes are read apart.
     #[must_use]
     pub fn files(&self) -> Option<SceneFiles<&str>> {
         let Self::Files {
             rgb,
             range,
             z_depth,
+            instances,
             unit_m,
             invalid_code,
+            ..
         } = self
         else {
             return None;
@@ -179,8 +187,9 @@ impl Scene {
                 unit_m: *unit_m,
                 invalid_code: *invalid_code,
             }),
-            instances: None,
+            instances: instances.as_deref(),
             intrinsics: None,
+            classes: None,
         })
     }
 }

@@ -51,7 +51,8 @@ impl FieldError {
     }
 
     /// Adds the refused value, unless it is too long to be of use.
-    pub(crate) fn value(mut self, value: &Value) -> Self {
+    #[must_use]
+    pub fn value(mut self, value: &Value) -> Self {
         self.value = match value {
             Value::String(text) => Some(Value::String(shorten(text))),
             Value::Array(_) | Value::Object(_) => {
@@ -63,17 +64,15 @@ impl FieldError {
     }
 
     /// Adds the limit.
-    pub(crate) fn limit(mut self, limit: impl Into<String>) -> Self {
+    #[must_use]
+    pub fn limit(mut self, limit: impl Into<String>) -> Self {
         self.limit = Some(limit.into());
         self
     }
 
     /// Adds the allowed names and the one nearest to what was written.
-    pub(crate) fn allowed<S: AsRef<str>>(
-        mut self,
-        names: impl IntoIterator<Item = S>,
-        written: &str,
-    ) -> Self {
+    #[must_use]
+    pub fn allowed<S: AsRef<str>>(mut self, names: impl IntoIterator<Item = S>, written: &str) -> Self {
         self.allowed = names.into_iter().map(|name| name.as_ref().to_owned()).collect();
         self.did_you_mean = crate::suggest::nearest(written, &self.allowed);
         self

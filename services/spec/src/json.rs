@@ -22,12 +22,9 @@ const MAX_KEY_BYTES: usize = 256;
 ///
 /// # Errors
 /// Too long, not JSON, nested too deeply, a key that is too long, or keys that stand twice (all of them).
-pub(crate) fn read(bytes: &[u8]) -> Result<Value, Invalid> {
+pub fn read(bytes: &[u8]) -> Result<Value, Invalid> {
     if bytes.len() > MAX_BYTES {
-        let message = format!(
-            "the description has {} bytes, the limit is {MAX_BYTES}",
-            bytes.len()
-        );
+        let message = format!("the document has {} bytes, the limit is {MAX_BYTES}", bytes.len());
         return Err(Invalid(vec![
             FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")),
         ]));

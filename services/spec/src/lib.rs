@@ -6,6 +6,7 @@
 mod artifact;
 mod camera;
 mod check;
+mod classes;
 mod described;
 mod draft;
 pub mod fields;
@@ -37,12 +38,13 @@ pub use imaging::geometry::Intrinsics;
 
 pub use artifact::ArtifactKind;
 pub use camera::{Camera, Path, Waypoint};
+pub use classes::{Classes, SceneCategory, Segment};
 pub use described::{Beyond, Described, beyond};
 pub use draft::Draft;
 pub use frame::{Encode, Fidelity, Frame, Scene, Variant};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::Job;
-pub use json::{MAX_BYTES, MAX_DEPTH};
+pub use json::{MAX_BYTES, MAX_DEPTH, read as read_json};
 pub use leaves::{Leaf, LeafKind, Leaves, List};
 pub use light::{Haze, HazeBlend, HazeSpace, Light, PointLamp, SpotLamp};
 pub use normal::normal_quantile;

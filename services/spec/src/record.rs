@@ -32,7 +32,7 @@ pub struct FrameRecord {
     pub timings_ms: BTreeMap<String, f64>,
     /// What the user should know about this image.
     pub warnings: Vec<String>,
-    /// Where the camera was and what could be seen; only of procedural scenes.
+    /// Where the camera was and what could be seen; of uploaded scenes only where an artifact with labels was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<SceneRecord>,
     /// With what it was made.

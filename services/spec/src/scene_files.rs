@@ -3,12 +3,13 @@
 use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
 
+use crate::classes::Classes;
 use crate::scene_parts::SceneParts;
 
 /// The files of a scene. `T` is what stands for a file: its path, its digest or its bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneFiles<T> {
-    /// The picture: PNG, JPEG, WebP, or NPY floats of shape [height, width, 3].
+    /// The picture: PNG, JPEG, WebP, NPY floats of shape [height, width, 3], or EXR.
     pub rgb: T,
     /// Range or z-depth.
     pub range: Option<RangeFile<T>>,
@@ -16,9 +17,12 @@ pub struct SceneFiles<T> {
     pub instances: Option<T>,
     /// The camera, if it is known.
     pub intrinsics: Option<Intrinsics>,
+    /// What the objects of the instance mask are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub classes: Option<Classes>,
 }
 
-/// A map of distances: 8- or 16-bit gray PNG, or NPY float32, float64, uint8 or uint16.
+/// A map of distances: 8- or 16-bit gray PNG, NPY float16, float32, float64, uint8 or uint16, or the channel Z of an EXR file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RangeFile<T> {
     /// The file.
@@ -83,6 +87,7 @@ impl<T> SceneFiles<T> {
             },
             instances: self.instances.as_ref().map(change).transpose()?,
             intrinsics: self.intrinsics,
+            classes: self.classes.clone(),
         })
     }
 

@@ -9,7 +9,7 @@ pub enum ScenePart {
     Range,
     /// The object that each pixel shows.
     Instances,
-    /// Normals, findings and categories of the surfaces that a procedural scene is made of.
+    /// Normals and findings of the surfaces that a procedural scene is made of.
     Surfaces,
 }
 
@@ -23,7 +23,7 @@ impl ScenePart {
         match self {
             Self::Range => "a range",
             Self::Instances => "an instance mask",
-            Self::Surfaces => "the labels of a procedural scene",
+            Self::Surfaces => "the surfaces of a procedural scene",
         }
     }
 }

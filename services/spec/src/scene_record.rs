@@ -3,16 +3,22 @@
 use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
 
-/// The camera's place in the world of a procedural scene, and the objects in view.
+use crate::classes::SceneCategory;
+
+/// The camera and the objects in view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
-    /// Rows of the matrix that takes camera axes (right, down, ahead, 1) to the world, in metres.
-    pub world_from_camera: [[f64; 4]; 4],
+    /// Rows of the matrix that takes camera axes (right, down, ahead, 1) to the world of a procedural scene, in metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world_from_camera: Option<[[f64; 4]; 4]>,
     /// The pinhole camera, in index coordinates.
     pub intrinsics: Intrinsics,
     /// The objects in view; absent unless an artifact with labels was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instances: Option<Vec<InstanceRecord>>,
+    /// The classes of an uploaded scene; those of procedural scenes are always the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub categories: Option<Vec<SceneCategory>>,
     /// How many of them have a contrast that can be seen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub visible: Option<u64>,

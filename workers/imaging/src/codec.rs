@@ -7,6 +7,7 @@ mod decode;
 mod encode;
 mod jpeg;
 mod npy;
+mod openexr;
 mod picture;
 mod scale;
 

@@ -61,6 +61,14 @@ pub enum SceneError {
         /// Distance from the surface, below 0 inside.
         distance_m: f64,
     },
+    /// Classes without a mask, of objects that the mask does not show, or a mask of more objects than can be told apart.
+    #[error("`{field}`: {reason}")]
+    Objects {
+        /// `classes` or `instances`.
+        field: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
     /// A radiance that is NaN or infinite, which forward scatter would spread over the whole frame.
     #[error("`rgb`: radiance is {value} at pixel ({x}, {y}) but must be finite")]
     Radiance {
@@ -82,6 +90,7 @@ impl SceneError {
             Self::Radiance { .. } => "rgb",
             Self::Blocked { .. } => "path",
             Self::File { field, .. }
+            | Self::Objects { field, .. }
             | Self::Size { field, .. }
             | Self::Missing { field, .. }
             | Self::Number { field, .. } => field,

@@ -1,27 +1,36 @@
-//! Labels of a procedural frame: geometry, masks, boxes and findings, in the geometry of the picture itself.
+//! Labels of a frame: geometry, masks, boxes and findings, in the geometry of the picture itself.
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
+use spec::Classes;
 
 use crate::CameraPose;
 use crate::categories::Category;
+use crate::classes::UNLABELED;
 use crate::site::Surfaces;
 
 /// What is known about every pixel of a frame. All planes have the sides of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labels {
+    /// Class of each pixel by its code: of a procedural scene the number of its [`Category`].
+    pub semantics: Plane<u8>,
+    /// Every instance in view, by number.
+    pub instances: Vec<Instance>,
+    /// What only a procedural scene knows.
+    pub surfaces: Option<SurfaceLabels>,
+}
+
+/// What is known about the surfaces of a procedural scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceLabels {
     /// Depth along the optical axis in meters: range times the cosine of the angle to it; infinite where nothing is met.
     pub z_depth: Plane<f32>,
     /// Unit normals of the surfaces, without relief, in camera axes (right, down, ahead); they face the camera. Edges are
     /// rounded over a millimeter. Zero where nothing is met.
     pub normals: [Plane<f32>; 3],
-    /// [`Category`] of each pixel by its number.
-    pub semantics: Plane<u8>,
     /// [`crate::categories::Finding::bit`] of every finding that the pixel shows. A finding covers more than half of it; a crack
     /// counts where it passes through.
     pub findings: Plane<u8>,
-    /// Every instance in view, by number.
-    pub instances: Vec<Instance>,
     /// Where the camera is.
     pub pose: CameraPose,
     /// Its intrinsics.
@@ -31,10 +40,10 @@ pub struct Labels {
 /// An object in view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Instance {
-    /// Its number in the instance mask: 1 for the ground, from 2 on for objects.
+    /// Its number in the instance mask: in procedural scenes 1 for the ground, from 2 on for objects.
     pub number: u16,
-    /// What it is.
-    pub category: Category,
+    /// Code of its class in the semantic mask.
+    pub class: u8,
     /// The smallest box of whole pixels around what is seen of it: left, top, and the first column and row beyond.
     pub bounds: [usize; 4],
     /// How many pixels show it.
@@ -43,7 +52,7 @@ pub struct Instance {
 
 impl Labels {
     /// `categories` are those of the instances from 1 on.
-    pub(crate) fn new(
+    pub(crate) fn procedural(
         surfaces: Surfaces,
         numbers: &Plane<u16>,
         categories: &[Category],
@@ -52,37 +61,72 @@ impl Labels {
     ) -> Self {
         let (width, height) = numbers.size();
         let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
-        let category = |&number: &u16| match number {
-            0 => Category::Background as u8,
-            _ => categories[usize::from(number) - 1] as u8,
-        };
-        Self {
+        let class = |number: u16| categories[usize::from(number) - 1] as u8;
+        let surfaces = SurfaceLabels {
             z_depth: plane(surfaces.z_depth),
             normals: surfaces.normals.map(plane),
-            semantics: numbers.map(category),
             findings: Plane::new(width, height, surfaces.findings).expect("one mask for each pixel"),
-            instances: instances(numbers, categories),
             pose,
             intrinsics,
+        };
+        Self {
+            surfaces: Some(surfaces),
+            ..Self::of_mask(numbers, class)
+        }
+    }
+
+    /// The labels that follow from the instance mask of an uploaded scene. Objects without a class are [`UNLABELED`].
+    #[must_use]
+    pub fn uploaded(numbers: &Plane<u16>, classes: &Classes) -> Self {
+        Self::of_mask(numbers, |number| classes.class_of(number).unwrap_or(UNLABELED.0))
+    }
+
+    fn of_mask(numbers: &Plane<u16>, class_of: impl Fn(u16) -> u8) -> Self {
+        let instances = instances(numbers, class_of);
+        let mut codes = vec![Category::Background as u8; table_length(numbers)];
+        for instance in &instances {
+            codes[usize::from(instance.number)] = instance.class;
+        }
+        Self {
+            semantics: numbers.map(|&number| codes[usize::from(number)]),
+            instances,
+            surfaces: None,
         }
     }
 }
 
-fn instances(numbers: &Plane<u16>, categories: &[Category]) -> Vec<Instance> {
+/// The numbers of all objects in a mask, ascending.
+pub(crate) fn objects(numbers: &Plane<u16>) -> Vec<u16> {
+    let mut seen = vec![false; table_length(numbers)];
+    numbers
+        .data()
+        .iter()
+        .for_each(|&number| seen[usize::from(number)] = true);
+    (0..=u16::MAX)
+        .zip(seen)
+        .skip(1)
+        .filter_map(|(number, seen)| seen.then_some(number))
+        .collect()
+}
+
+/// Length of a table by number.
+fn table_length(numbers: &Plane<u16>) -> usize {
+    numbers
+        .data()
+        .iter()
+        .max()
+        .map_or(1, |&most| usize::from(most) + 1)
+}
+
+fn instances(numbers: &Plane<u16>, class_of: impl Fn(u16) -> u8) -> Vec<Instance> {
     let (width, height) = numbers.size();
-    let unseen = |(number, &category)| Instance {
-        number,
-        category,
-        bounds: [width, height, 0, 0],
-        pixels: 0,
-    };
-    let mut found: Vec<Instance> = (1..).zip(categories).map(unseen).collect();
+    let mut found = vec![([width, height, 0, 0], 0); table_length(numbers)];
     for (y, row) in numbers.data().chunks_exact(width.max(1)).enumerate() {
         let mut left = 0;
         for run in row.chunk_by(|a, b| a == b) {
             let right = left + run.len();
             if run[0] != 0 {
-                let Instance { bounds, pixels, .. } = &mut found[usize::from(run[0]) - 1];
+                let (bounds, pixels) = &mut found[usize::from(run[0])];
                 let [x0, y0, x1, y1] = *bounds;
                 *bounds = [x0.min(left), y0.min(y), x1.max(right), y1.max(y + 1)];
                 *pixels += run.len();
@@ -90,6 +134,47 @@ fn instances(numbers: &Plane<u16>, categories: &[Category]) -> Vec<Instance> {
             left = right;
         }
     }
-    found.retain(|instance| instance.pixels > 0);
-    found
+    let seen = (0..=u16::MAX).zip(found).filter(|(_, (_, pixels))| *pixels > 0);
+    let instance = |(number, (bounds, pixels))| Instance {
+        number,
+        class: class_of(number),
+        bounds,
+        pixels,
+    };
+    seen.map(instance).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use spec::{SceneCategory, Segment};
+
+    #[test]
+    fn an_uploaded_mask_gets_the_classes_that_came_with_it() {
+        let mask = Plane::new(4, 2, vec![0, 7, 7, 300, 0, 7, 0, 65535]).unwrap();
+        let pile = SceneCategory {
+            id: 2,
+            name: "pile".to_owned(),
+        };
+        let segments = [7, 65535].map(|id| Segment { id, category_id: 2 });
+        let classes = Classes {
+            categories: vec![pile],
+            segments_info: segments.into(),
+        };
+        let labels = Labels::uploaded(&mask, &classes);
+        assert_eq!(labels.semantics.data(), &[0, 2, 2, 255, 0, 2, 0, 2]);
+        let found: Vec<_> = labels
+            .instances
+            .iter()
+            .map(|i| (i.number, i.class, i.bounds, i.pixels))
+            .collect();
+        let expected = [
+            (7, 2, [1, 0, 3, 2], 3),
+            (300, 255, [3, 0, 4, 1], 1),
+            (65535, 2, [3, 1, 4, 2], 1),
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(objects(&mask), [7, 300, 65535]);
+        assert_eq!(objects(&Plane::filled(2, 2, 0)), [0_u16; 0]);
+    }
 }

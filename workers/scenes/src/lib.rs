@@ -3,6 +3,7 @@
 //! Pure: a procedural scene is a function of (family, seed, camera), an uploaded one of its bytes.
 
 pub mod categories;
+pub mod classes;
 mod error;
 pub mod labels;
 mod path;
@@ -15,7 +16,7 @@ pub mod uploaded;
 mod world;
 
 pub use error::SceneError;
-pub use labels::Labels;
+pub use labels::{Labels, SurfaceLabels};
 pub use path::CameraPath;
 pub use pose::CameraPose;
 pub use world::World;

@@ -1,6 +1,6 @@
 //! Scenes from files: a picture, and with it a range map or a z-depth map, a camera, an instance mask.
 //!
-//! PNG, JPEG and WebP pictures are sRGB-encoded; NPY floats are linear radiance. Orientation tags are not applied,
+//! PNG, JPEG and WebP pictures are sRGB-encoded; the floats of NPY and EXR are linear radiance. Orientation tags are not applied,
 //! since the maps lie pixel by pixel on the picture as it is stored. Nothing is guessed: a map of integer codes needs
 //! the length of its unit and the code that stands for "no value".
 
@@ -8,9 +8,14 @@ use imaging::codec::{self, FilePlane, Radiance};
 use imaging::geometry::{Intrinsics, range_from_z_depth};
 use imaging::transfer::{Transfer, decode_raster};
 use imaging::{Plane, Rgb};
-use spec::{RangeFile, RangeKind, SceneFiles};
+use spec::{Classes, RangeFile, RangeKind, SceneFiles};
 
-use crate::{Scene, SceneError};
+use crate::{Scene, SceneError, labels};
+
+/// Most objects of an instance mask: each takes time of its own in a frame with boxes.
+pub const MAX_OBJECTS: usize = 10_000;
+/// Most numbers that an error lists.
+const MAX_LISTED: usize = 10;
 
 /// Decodes a scene. Holes of the range are NaN; a negative radiance stays, for the chain to clamp and count.
 ///
@@ -34,6 +39,45 @@ pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneErro
         instances: instances.transpose()?,
         intrinsics,
     })
+}
+
+/// Checks what the instance mask and the classes of a new scene say of its objects. Scenes stored before are not held to it.
+///
+/// # Errors
+/// [`SceneError::Objects`].
+pub fn check_objects(scene: &Scene, classes: Option<&Classes>) -> Result<(), SceneError> {
+    let wrong = |field, reason| Err(SceneError::Objects { field, reason });
+    let Some(mask) = &scene.instances else {
+        let reason = "they say what the objects of `instances` are, which is not given".to_owned();
+        return classes.map_or(Ok(()), |_| wrong("classes", reason));
+    };
+    let objects = labels::objects(mask);
+    if objects.len() > MAX_OBJECTS {
+        let reason = format!(
+            "the mask shows {} objects, the limit is {MAX_OBJECTS}",
+            objects.len()
+        );
+        return wrong("instances", reason);
+    }
+    let absent = classes.iter().flat_map(|classes| &classes.segments_info);
+    let absent: Vec<String> = absent
+        .filter(|segment| objects.binary_search(&segment.id).is_err())
+        .map(|segment| segment.id.to_string())
+        .collect();
+    if absent.is_empty() {
+        return Ok(());
+    }
+    let some = absent[..absent.len().min(MAX_LISTED)].join(", ");
+    let more = absent.len().saturating_sub(MAX_LISTED);
+    let more = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
+    wrong(
+        "classes",
+        format!("no pixel of the instance mask has the numbers {some}{more}"),
+    )
 }
 
 fn check_camera(camera: &Intrinsics) -> Result<(), SceneError> {

@@ -134,7 +134,7 @@ impl World {
             .instances
             .as_ref()
             .expect("procedural scenes have instances");
-        let labels = Labels::new(surfaces, instances, &categories, *pose, *intrinsics);
+        let labels = Labels::procedural(surfaces, instances, &categories, *pose, *intrinsics);
         (scene, labels)
     }
 }

@@ -4,7 +4,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
 use scenes::categories::{CATEGORIES, Category, FINDINGS, Finding};
-use scenes::{FAMILIES, Labels, Scene, World};
+use scenes::{FAMILIES, Labels, Scene, SurfaceLabels, World};
 
 const SEEDS: std::ops::Range<u64> = 0..24;
 const SIZE: (usize, usize) = (193, 123);
@@ -14,13 +14,17 @@ fn labeled(family: &str, seed: u64, size: (usize, usize)) -> (Scene, Labels) {
     world.render_labeled(&world.pose(), size, &lens(size))
 }
 
+fn surfaces(labels: &Labels) -> &SurfaceLabels {
+    labels.surfaces.as_ref().unwrap()
+}
+
 fn lens((width, height): (usize, usize)) -> Intrinsics {
     Intrinsics::centered(0.6 * width as f64, width, height)
 }
 
 fn normal_at(labels: &Labels, x: usize, y: usize) -> DVec3 {
     [0, 1, 2]
-        .map(|axis| f64::from(labels.normals[axis].at(x, y)))
+        .map(|axis| f64::from(surfaces(labels).normals[axis].at(x, y)))
         .into()
 }
 
@@ -40,9 +44,15 @@ fn labels_do_not_change_the_picture_and_have_its_size() {
             let world = World::new(family, 4).unwrap();
             let (scene, labels) = world.render_labeled(&world.pose(), size, &lens(size));
             assert_eq!(scene, world.render(&world.pose(), size, &lens(size)));
-            assert!(labels.normals.iter().all(|plane| plane.size() == size));
-            assert_eq!((labels.semantics.size(), labels.findings.size()), (size, size));
-            assert_eq!((labels.pose, labels.intrinsics), (world.pose(), lens(size)));
+            assert!(surfaces(&labels).normals.iter().all(|plane| plane.size() == size));
+            assert_eq!(
+                (labels.semantics.size(), surfaces(&labels).findings.size()),
+                (size, size)
+            );
+            assert_eq!(
+                (surfaces(&labels).pose, surfaces(&labels).intrinsics),
+                (world.pose(), lens(size))
+            );
         }
     }
 }
@@ -88,9 +98,9 @@ fn semantics_are_the_categories_of_the_instances() {
                 .instances
                 .iter()
                 .find(|instance| instance.number == *number);
-            let wanted = instance.map_or(Category::Background, |instance| instance.category);
-            assert_eq!(*category, wanted as u8);
-            assert_eq!(*number == 1, wanted == Category::Seabed);
+            let wanted = instance.map_or(Category::Background as u8, |instance| instance.class);
+            assert_eq!(*category, wanted);
+            assert_eq!(*number == 1, wanted == Category::Seabed as u8);
             seen[usize::from(*category)] += 1;
         }
     });
@@ -156,7 +166,7 @@ fn depth_is_range_times_the_cosine_to_the_axis() {
         let lens = lens(SIZE);
         for y in (0..SIZE.1).step_by(5) {
             for x in (0..SIZE.0).step_by(5) {
-                let depth = f64::from(labels.z_depth.at(x, y));
+                let depth = f64::from(surfaces(labels).z_depth.at(x, y));
                 let range = f64::from(scene.range.as_ref().unwrap().at(x, y));
                 let wanted = range / lens.ray(x as f64, y as f64).length();
                 assert!(depth == wanted || (depth - wanted).abs() < 1e-5 * wanted);
@@ -169,7 +179,12 @@ fn depth_is_range_times_the_cosine_to_the_axis() {
 fn findings_lie_on_objects_that_can_have_them_and_every_one_occurs() {
     let mut seen = vec![0usize; FINDINGS.len()];
     every_frame(|family, seed, _, labels| {
-        for (bits, category) in labels.findings.data().iter().zip(labels.semantics.data()) {
+        for (bits, category) in surfaces(labels)
+            .findings
+            .data()
+            .iter()
+            .zip(labels.semantics.data())
+        {
             let bare = [Category::Background, Category::Seabed].map(|category| category as u8);
             assert!(*bits == 0 || !bare.contains(category), "{family} {seed}");
             assert!(usize::from(*bits) < 1 << FINDINGS.len());

@@ -66,8 +66,8 @@ fn points_stay_where_they_are_from_frame_to_frame() {
                     same += f64::from(u8::from(labels.semantics.at(x, y) == later.semantics.at(u, v)));
                     let growth = Finding::Growth.bit();
                     let (was, is) = (
-                        labels.findings.at(x, y) & growth,
-                        later.findings.at(u, v) & growth,
+                        labels.surfaces.as_ref().unwrap().findings.at(x, y) & growth,
+                        later.surfaces.as_ref().unwrap().findings.at(u, v) & growth,
                     );
                     grown += f64::from(u8::from(was != 0));
                     same_growth += f64::from(u8::from(was != 0 && is != 0));
@@ -117,7 +117,11 @@ fn odd_cameras_still_give_finite_frames() {
                     light.into_iter().all(|v| v.is_finite() && *v >= 0.0),
                     "{family} {pose:?}"
                 );
-                let normals = labels.normals.iter().flat_map(|plane| plane.data());
+                let normals = labels
+                    .surfaces
+                    .iter()
+                    .flat_map(|surfaces| &surfaces.normals)
+                    .flat_map(|plane| plane.data());
                 assert!(normals.into_iter().all(|v| v.is_finite()), "{family} {pose:?}");
             }
         }

@@ -115,6 +115,15 @@ impl Form {
         self.errors.push(FieldError::new(&format!("/{name}"), message));
     }
 
+    /// Refuses what is wrong inside of a field.
+    pub(crate) fn refuse_inside(&mut self, name: &str, Invalid(errors): Invalid) {
+        let inside = |error: FieldError| FieldError {
+            pointer: format!("/{name}{}", error.pointer),
+            ..error
+        };
+        self.errors.extend(errors.into_iter().map(inside));
+    }
+
     /// Returns all refusals together, if there are any.
     pub(crate) fn check(&mut self) -> Result<(), Problem> {
         match std::mem::take(&mut self.errors) {

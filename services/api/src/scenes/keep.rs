@@ -7,7 +7,7 @@ use catalogue::{SceneRow, UnixMs};
 use imaging::codec::{Radiance, decode_radiance};
 use imaging::geometry::Intrinsics;
 use scenes::SceneError;
-use scenes::uploaded::decode;
+use scenes::uploaded::{check_objects, decode};
 use spec::SceneFiles;
 use store::Blob;
 use uuid::Uuid;
@@ -43,6 +43,7 @@ fn checked(form: SceneForm, created_at: UnixMs) -> Result<(SceneRow, Vec<Blob>),
     let camera = camera(&form)?;
     let files = form.files(camera);
     let scene = decode(&files).map_err(|error| refusal(&error))?;
+    check_objects(&scene, files.classes.as_ref()).map_err(|error| refusal(&error))?;
     let mut blobs = Vec::new();
     let Ok(files) = files.try_map(|bytes| -> Result<_, Infallible> {
         let digest = spec::sha256(bytes);
@@ -76,10 +77,10 @@ fn camera(form: &SceneForm) -> Result<Option<Intrinsics>, Problem> {
     Ok(form.camera(width, height))
 }
 
-/// SHA-256 over everything that a render of the scene depends on.
+/// SHA-256 over everything that a render of the scene depends on. Without classes it is what it was before there were any.
 fn content_digest(files: &SceneFiles<String>) -> String {
     let (range, camera) = (files.range.as_ref(), files.intrinsics.as_ref());
-    let content = serde_json::json!([
+    let mut content = serde_json::json!([
         files.rgb,
         range.map(|range| &range.file),
         range.map(|range| range.kind),
@@ -90,6 +91,9 @@ fn content_digest(files: &SceneFiles<String>) -> String {
         camera.map(|camera| camera.cx),
         camera.map(|camera| camera.cy),
     ]);
+    if let (Some(classes), Some(content)) = (&files.classes, content.as_array_mut()) {
+        content.push(serde_json::json!(classes));
+    }
     spec::sha256(format!("fathom-scene-v1{content}"))
 }
 

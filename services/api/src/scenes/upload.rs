@@ -3,16 +3,17 @@
 use axum::body::Bytes;
 use axum::extract::Multipart;
 use imaging::geometry::Intrinsics;
-use spec::{RangeFile, RangeKind, SceneFiles};
+use spec::{Classes, RangeFile, RangeKind, SceneFiles};
 
 use crate::http::form::{Form, Kind};
 use crate::http::problem::Problem;
 
-const FIELDS: [(&str, Kind); 11] = [
+const FIELDS: [(&str, Kind); 12] = [
     ("rgb", Kind::File),
     ("range", Kind::File),
     ("z_depth", Kind::File),
     ("instances", Kind::File),
+    ("classes", Kind::File),
     ("unit_m", Kind::Text),
     ("invalid_code", Kind::Text),
     ("fx", Kind::Text),
@@ -28,6 +29,7 @@ pub(super) struct SceneForm {
     range: Option<Bytes>,
     z_depth: Option<Bytes>,
     instances: Option<Bytes>,
+    classes: Option<Classes>,
     unit_m: Option<f64>,
     invalid_code: Option<u16>,
     focal_px: Option<f64>,
@@ -48,11 +50,15 @@ impl SceneForm {
         let angle = |degrees: &f64| *degrees > 0.0 && *degrees < 180.0;
         let focal_px = form.number("focal_px", "a number above 0", above_0);
         let fx = form.number("fx", "a number above 0", above_0);
+        let classes = form.get("classes").map(|text| scenes::classes::read(text));
+        let classes =
+            classes.and_then(|read| read.map_err(|wrong| form.refuse_inside("classes", wrong)).ok());
         let scene = Self {
             rgb: form.get("rgb").cloned().unwrap_or_default(),
             range: form.get("range").cloned(),
             z_depth: form.get("z_depth").cloned(),
             instances: form.get("instances").cloned(),
+            classes,
             unit_m: form.number("unit_m", "a number above 0", above_0),
             invalid_code: form.number("invalid_code", "a whole number in 0..=65535", |_| true),
             focal_px: focal_px.or(fx),
@@ -111,6 +117,7 @@ impl SceneForm {
             }),
             instances: self.instances,
             intrinsics: camera,
+            classes: self.classes,
         }
     }
 }

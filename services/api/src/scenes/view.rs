@@ -2,7 +2,7 @@
 
 use catalogue::SceneRow;
 use serde::Serialize;
-use spec::SceneFiles;
+use spec::{Classes, SceneFiles};
 use utoipa::ToSchema;
 
 /// An uploaded scene.
@@ -18,7 +18,7 @@ pub(crate) struct SceneView {
     height: u32,
     /// SHA-256 of the picture.
     rgb_digest: String,
-    /// SHA-256 of the range file; null: no range, no water.
+    /// SHA-256 of the range file; null: no range, and no job with water over this scene.
     range_digest: Option<String>,
     /// `range` (along the line of sight) or `z_depth` (along the optical axis).
     range_kind: Option<&'static str>,
@@ -28,6 +28,10 @@ pub(crate) struct SceneView {
     invalid_code: Option<u16>,
     /// SHA-256 of the instance mask.
     instances_digest: Option<String>,
+    /// What its objects are: `categories` with `id` and `name`, and `segments_info` with the class of each object by its
+    /// number in the mask.
+    #[schema(value_type = Option<Object>)]
+    classes: Option<Classes>,
     /// Focal length in pixels.
     focal_px: Option<f64>,
     /// Column of the principal point in pixels.
@@ -45,6 +49,7 @@ impl From<SceneRow> for SceneView {
             range,
             instances,
             intrinsics,
+            classes,
         } = row.files;
         Self {
             id: row.id,
@@ -56,6 +61,7 @@ impl From<SceneRow> for SceneView {
             invalid_code: range.as_ref().and_then(|range| range.invalid_code),
             range_digest: range.map(|range| range.file),
             instances_digest: instances,
+            classes,
             focal_px: intrinsics.map(|camera| camera.focal_px),
             cx: intrinsics.map(|camera| camera.cx),
             cy: intrinsics.map(|camera| camera.cy),

@@ -97,6 +97,7 @@ impl FakeService {
             }),
             instances: None,
             intrinsics: None,
+            classes: None,
         });
         state.blobs.extend([(digest(&rgb), rgb), (digest(&range), range)]);
     }

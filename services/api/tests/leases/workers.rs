@@ -118,6 +118,7 @@ fn expected(job: &Job) -> BTreeMap<u64, String> {
         rgb,
         range,
         intrinsics: None,
+        classes: None,
         instances: None,
     }));
     let engine = Arc::new(Engine::new(library(), Some(Path::new(NO_RUNTIME))));

@@ -18,6 +18,7 @@ mod load;
 mod messages;
 mod pictures;
 mod rendered;
+mod scenes;
 mod space;
 mod streams;
 mod styles;

@@ -1,7 +1,7 @@
 //! Pausing, resuming, trying again.
 
 use catalogue::{CatalogueError, InsertImage, InsertJob, JobState, SceneRow, UnixMs};
-use spec::{Intrinsics, RangeFile, RangeKind, SceneFiles};
+use spec::{Classes, Intrinsics, RangeFile, RangeKind, SceneCategory, SceneFiles, Segment};
 
 use crate::fixture::{Fixture, failure};
 
@@ -182,6 +182,16 @@ async fn a_change_returns_its_row_without_a_read() {
                 focal_px: 2.5,
                 cx: 2.0,
                 cy: 1.5,
+            }),
+            classes: Some(Classes {
+                categories: vec![SceneCategory {
+                    id: 2,
+                    name: "pile".to_owned(),
+                }],
+                segments_info: vec![Segment {
+                    id: 300,
+                    category_id: 2,
+                }],
             }),
         },
         width: 4,

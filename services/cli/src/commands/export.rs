@@ -2,10 +2,12 @@
 //!
 //! ```text
 //! OUT/metadata.jsonl        one line per image: file_name, the files of the other kinds, parameters, metrics
+//! OUT/categories.json       id and name of every class, where labels were exported
 //! OUT/SHA256SUMS            every picture with its digest, as `sha256sum --check` reads it
 //! OUT/rgb/JOB-FRAME.png     a folder per kind
 //! ```
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -16,8 +18,9 @@ use cli::images::Question;
 use cli::progress::Progress;
 use cli::remote::{Remote, ServerArguments, query_value};
 use rayon::prelude::*;
-use serde_json::{Map, Value};
-use spec::sha256;
+use scenes::categories::CATEGORIES;
+use serde_json::{Map, Value, json};
+use spec::{SceneCategory, sha256};
 
 /// Options of `fathom export`.
 #[derive(clap::Args)]
@@ -98,6 +101,8 @@ struct Image {
     metadata: Value,
     /// Digest and path below the folder.
     files: Vec<(String, String)>,
+    /// Codes and names of its classes.
+    categories: Vec<(u8, String)>,
     fetched: usize,
 }
 
@@ -109,7 +114,8 @@ fn image(remote: &Remote, arguments: &Arguments, row: &Value) -> Result<Image, F
     let mut names = Map::new();
     for (position, kind) in arguments.kinds.iter().enumerate() {
         let artifact = find(&record, kind).ok_or_else(|| missing(&record, job, frame, kind))?;
-        let name = format!("{kind}/{job}-{frame:08}.{}", extension(&artifact["media_type"]));
+        let media_type = artifact["media_type"].as_str().unwrap_or_default();
+        let name = format!("{kind}/{job}-{frame:08}.{}", renderer::extension(media_type));
         let digest = artifact["digest"].as_str().unwrap_or_default().to_owned();
         let path = arguments.out.join(&name);
         if !std::fs::read(&path).is_ok_and(|bytes| sha256(&bytes) == digest) {
@@ -130,8 +136,27 @@ fn image(remote: &Remote, arguments: &Arguments, row: &Value) -> Result<Image, F
     Ok(Image {
         metadata: Value::Object(names),
         files,
+        categories: categories(&record["scene"]),
         fetched,
     })
+}
+
+/// The classes of a frame with labels: its own, or those that all procedural scenes share.
+fn categories(scene: &Value) -> Vec<(u8, String)> {
+    let own: Option<Vec<SceneCategory>> = serde_json::from_value(scene["categories"].clone()).ok();
+    match own {
+        Some(own) => own
+            .into_iter()
+            .map(|category| (category.id, category.name))
+            .collect(),
+        None if scene["instances"].is_array() => {
+            let fixed = CATEGORIES.iter();
+            fixed
+                .map(|(category, name)| (*category as u8, (*name).to_owned()))
+                .collect()
+        }
+        None => Vec::new(),
+    }
 }
 
 fn artifacts(record: &Value) -> impl Iterator<Item = &Value> {
@@ -152,23 +177,16 @@ fn missing(record: &Value, job: &str, frame: u64, kind: &str) -> Failure {
     ))
 }
 
-fn extension(media_type: &Value) -> &'static str {
-    match media_type.as_str() {
-        Some("image/png") => "png",
-        Some("image/jpeg") => "jpg",
-        Some("image/webp") => "webp",
-        _ => "npy",
-    }
-}
-
 const METADATA: &str = "metadata.jsonl";
 const SUMS: &str = "SHA256SUMS";
+const CATEGORIES_FILE: &str = "categories.json";
 
 /// The two lists, visible under their names only when they are whole.
 struct Lists {
     out: PathBuf,
     metadata: std::io::BufWriter<std::fs::File>,
     sums: std::io::BufWriter<std::fs::File>,
+    categories: BTreeSet<(u8, String)>,
 }
 
 impl Lists {
@@ -183,10 +201,12 @@ impl Lists {
             out: out.to_owned(),
             metadata: open(METADATA)?,
             sums: open(SUMS)?,
+            categories: BTreeSet::new(),
         })
     }
 
     fn add(&mut self, image: &Image) -> Result<(), Failure> {
+        self.categories.extend(image.categories.iter().cloned());
         let mut write = || {
             writeln!(self.metadata, "{}", image.metadata)?;
             image
@@ -198,7 +218,13 @@ impl Lists {
     }
 
     fn finish(self) -> Result<(), Failure> {
-        let Self { out, metadata, sums } = self;
+        let Self {
+            out,
+            metadata,
+            sums,
+            categories,
+        } = self;
+        write_categories(&out, &categories)?;
         for (list, name) in [(metadata, METADATA), (sums, SUMS)] {
             let file = list.into_inner().map_err(|error| error.into_error());
             file.and_then(|file| file.sync_all())
@@ -207,4 +233,25 @@ impl Lists {
         }
         Ok(())
     }
+}
+
+/// Writes the classes of all images, and warns of a code that means different things in different scenes.
+fn write_categories(out: &Path, categories: &BTreeSet<(u8, String)>) -> Result<(), Failure> {
+    if categories.is_empty() {
+        return Ok(());
+    }
+    let pairs = categories.iter().zip(categories.iter().skip(1));
+    for ((id, name), (_, other)) in pairs.filter(|((id, _), (next, _))| id == next) {
+        eprintln!(
+            "warning: code {id} is `{name}` in some scenes and `{other}` in others; give their classes ids of your own"
+        );
+    }
+    let list: Vec<Value> = categories
+        .iter()
+        .map(|(id, name)| json!({"id": id, "name": name}))
+        .collect();
+    files::write(
+        &out.join(CATEGORIES_FILE),
+        format!("{:#}\n", json!(list)).as_bytes(),
+    )
 }

@@ -1,23 +1,26 @@
 //! `fathom upload`: pictures of the user's own with their range, as scenes of the service.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use cli::exit::Failure;
 use cli::files;
 use cli::progress::Progress;
 use cli::remote::{Remote, ServerArguments};
+use imaging::codec::{FilePlane, decode_plane};
+use serde_json::json;
 use ureq::unversioned::multipart::{Form, Part};
 
 /// Options of `fathom upload`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The picture (PNG, JPEG, WebP, or NPY with linear radiance), or a folder of pictures: NAME.png with NAME.range.png or
-    /// NAME.z_depth.npy and NAME.instances.png beside it
+    /// The picture (PNG, JPEG, WebP; NPY or EXR with linear radiance), or a folder of pictures: NAME.png with NAME.range.png or
+    /// NAME.z_depth.npy, NAME.instances.png and NAME.classes.json beside it
     rgb: PathBuf,
-    /// Distances along the line of sight (16-bit PNG or NPY)
+    /// Distances along the line of sight (16-bit PNG, NPY, or EXR with a channel Z)
     #[arg(long, value_name = "FILE", conflicts_with = "z_depth")]
     range: Option<PathBuf>,
-    /// Distances along the optical axis (16-bit PNG or NPY)
+    /// Distances along the optical axis (16-bit PNG, NPY, or EXR with a channel Z)
     #[arg(long, value_name = "FILE")]
     z_depth: Option<PathBuf>,
     /// Metres of one unit of the range file
@@ -41,6 +44,10 @@ pub(crate) struct Arguments {
     /// Instance mask (8- or 16-bit PNG, 0 = background)
     #[arg(long, value_name = "FILE")]
     instances: Option<PathBuf>,
+    /// What the objects of the mask are: JSON such as {"1": "pile", "2": "chain"}, or categories and segments_info as in COCO's
+    /// panoptic annotations. Of a folder: of all its masks, which need not show every object
+    #[arg(long, value_name = "FILE")]
+    classes: Option<PathBuf>,
     #[command(flatten)]
     server: ServerArguments,
 }
@@ -52,6 +59,7 @@ const COMPANIONS: [&str; 3] = ["range", "z_depth", "instances"];
 struct Files {
     rgb: PathBuf,
     companions: Vec<(&'static str, PathBuf)>,
+    classes: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -72,7 +80,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return folder(&remote, arguments);
     }
     let rgb = arguments.rgb.clone();
-    let (id, is_new) = upload(&remote, arguments, &Files { rgb, companions })?;
+    let classes = arguments.classes.clone();
+    let files = Files {
+        rgb,
+        companions,
+        classes,
+    };
+    let (id, is_new) = upload(&remote, arguments, &files)?;
     println!("{id}");
     if !is_new {
         eprintln!("this scene was uploaded before");
@@ -85,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn folder(remote: &Remote, arguments: &Arguments) -> Result<(), Failure> {
     let scenes = scenes(&arguments.rgb)?;
     if scenes.is_empty() {
-        let message = format!("{} holds no PNG, JPEG or WebP", arguments.rgb.display());
+        let message = format!("{} holds no PNG, JPEG, WebP or EXR", arguments.rgb.display());
         return Err(Failure::BadInput(message));
     }
     let mut progress = Progress::new("upload", "scenes", scenes.len() as u64);
@@ -124,13 +138,19 @@ fn scenes(folder: &Path) -> Result<Vec<Files>, Failure> {
     };
     let files_of = |rgb: PathBuf| {
         let companion = |role: &'static str| {
-            let named = ["png", "npy"].map(|extension| rgb.with_extension(format!("{role}.{extension}")));
+            let named =
+                ["png", "npy", "exr"].map(|extension| rgb.with_extension(format!("{role}.{extension}")));
             Some((role, named.into_iter().find(|path| path.is_file())?))
         };
         let companions = COMPANIONS.into_iter().filter_map(companion).collect();
-        Files { rgb, companions }
+        let classes = Some(rgb.with_extension("classes.json")).filter(|path| path.is_file());
+        Files {
+            rgb,
+            companions,
+            classes,
+        }
     };
-    let pictures = files::pictures(folder)?.into_iter();
+    let pictures = files::with_extensions(folder, &["png", "jpg", "jpeg", "webp", "exr"])?.into_iter();
     Ok(pictures
         .filter(|path| !is_companion(path))
         .map(files_of)
@@ -142,7 +162,11 @@ fn upload(remote: &Remote, arguments: &Arguments, files: &Files) -> Result<(Stri
     let companions = files.companions.iter().map(|(role, path)| (*role, path));
     let read = |(role, path): (&'static str, &PathBuf)| Ok((role, files::read(path)?));
     let contents = [("rgb", &files.rgb)].into_iter().chain(companions).map(read);
-    let contents = contents.collect::<Result<Vec<_>, Failure>>()?;
+    let mut contents = contents.collect::<Result<Vec<_>, Failure>>()?;
+    let mask = contents.iter().find(|(role, _)| *role == "instances");
+    if let Some(classes) = classes(arguments, files, mask.map(|(_, mask)| mask.as_slice()))? {
+        contents.push(("classes", classes));
+    }
     // Without a range file the service would refuse what belongs to one.
     let has_range = files.companions.iter().any(|(role, _)| *role != "instances");
     let number = |value: Option<f64>| value.map(|value| value.to_string());
@@ -166,4 +190,23 @@ fn upload(remote: &Remote, arguments: &Arguments, files: &Files) -> Result<(Stri
     });
     let (scene, is_new) = remote.post_form("/v1/scenes", form)?;
     Ok((scene["id"].as_str().unwrap_or_default().to_owned(), is_new))
+}
+
+/// The classes of a picture: its own, or those of its folder as far as its mask shows them.
+fn classes(arguments: &Arguments, files: &Files, mask: Option<&[u8]>) -> Result<Option<Vec<u8>>, Failure> {
+    if let Some(path) = &files.classes {
+        return Ok(Some(files::read(path)?));
+    }
+    let (Some(path), Some(mask)) = (&arguments.classes, mask) else {
+        return Ok(None);
+    };
+    let classes = scenes::classes::read(&files::read(path)?);
+    let classes = classes.map_err(|wrong| Failure::BadInput(format!("{}:\n{wrong}", path.display())))?;
+    let shown: BTreeSet<u16> = match decode_plane(mask) {
+        Ok(FilePlane::Codes(codes)) => codes.data().iter().copied().collect(),
+        // The service says what is wrong with it.
+        _ => return Ok(None),
+    };
+    let shown = classes.only(|number| shown.contains(&number));
+    Ok(Some(json!(shown).to_string().into_bytes()))
 }

@@ -106,6 +106,11 @@ impl Checker<'_> {
                     )
                 });
             }
+            if has("classes") && !has("instances") {
+                let at = at.field("classes");
+                let message = format!("{at} says what the objects of `instances` are, which is not given");
+                self.refuse(|| FieldError::new(&at.pointer, message));
+            }
             for name in ["unit_m", "invalid_code"] {
                 if has(name) && !has("range") && !has("z_depth") {
                     let at = at.field(name);
@@ -187,17 +192,14 @@ pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Nod
 
 /// Every list that can stand in a field of the document, with its place.
 pub(super) fn lists<'a>(document: &'a Node, name: &str) -> Vec<(Place, &'a [Node])> {
-    let list = |(pointer, node)| match node {
-        &Node::List(ref items) => Some((
-            Place {
-                pointer,
-                name: name.to_owned(),
-            },
-            items.as_slice(),
-        )),
-        _ => None,
-    };
-    places(document, name).into_iter().filter_map(list).collect()
+    let mut lists = Vec::new();
+    for (pointer, node) in places(document, name) {
+        if let Node::List(items) = node {
+            let name = name.to_owned();
+            lists.push((Place { pointer, name }, items.as_slice()));
+        }
+    }
+    lists
 }
 
 /// Whether a frame can have lamps.

@@ -119,6 +119,7 @@ impl Checker<'_> {
                     name: format!("the scene of `{}`", paths.first().map_or("", |(_, path)| path)),
                     parts: SceneParts {
                         range: has("range") || has("z_depth"),
+                        instances: has("instances"),
                         ..SceneParts::default()
                     },
                 });

@@ -2,12 +2,13 @@
 
 use super::DecodeError;
 use super::npy::{self, NpyArray, NpyValues};
+use super::openexr;
 use super::picture::Format;
 use crate::{Channels, Plane, Raster, Rgb, Samples};
 
 const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP"];
-const RADIANCE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "NPY"];
-const PLANE_FORMATS: &[&str] = &["PNG", "NPY"];
+const RADIANCE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "NPY", "EXR"];
+const PLANE_FORMATS: &[&str] = &["PNG", "NPY", "EXR"];
 
 /// A plane as a file holds it.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,13 +44,17 @@ fn decode_or(bytes: &[u8], expected: &'static [&'static str]) -> Result<Raster, 
     format.decode(bytes)
 }
 
-/// Decodes a range file: an 8- or 16-bit gray PNG gives codes, a two-dimensional NPY array codes or floats.
+/// Decodes a range file: an 8- or 16-bit gray PNG gives codes, a two-dimensional NPY array codes or floats, an EXR file the
+/// floats of its channel Z.
 ///
 /// # Errors
 /// [`DecodeError`]: also when the file is a picture with color, alpha or fewer bits, or an array of another shape.
 pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     if npy::is_npy(bytes) {
         return array_plane(npy::decode_sheet(bytes)?);
+    }
+    if openexr::is_exr(bytes) {
+        return openexr::decode_distances(bytes).map(FilePlane::Floats);
     }
     if Format::detect(bytes) != Some(Format::Png) {
         return Err(DecodeError::UnknownFormat {
@@ -106,12 +111,15 @@ fn widened(codes: &[u8]) -> Vec<u16> {
     codes.iter().copied().map(u16::from).collect()
 }
 
-/// Decodes a color picture: PNG, JPEG or WebP as codes, an NPY float array of shape [height, width, 3] as linear
-/// light.
+/// Decodes a color picture: PNG, JPEG or WebP as codes; an NPY float array of shape [height, width, 3] and the channels R, G
+/// and B of an EXR file as linear light.
 ///
 /// # Errors
 /// [`DecodeError`]: also for arrays of another shape or of integers.
 pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
+    if openexr::is_exr(bytes) {
+        return openexr::decode_rgb(bytes).map(Radiance::Linear);
+    }
     if !npy::is_npy(bytes) {
         let picture = decode_or(bytes, RADIANCE_FORMATS)?;
         return Ok(Radiance::Encoded(picture));

@@ -1,5 +1,7 @@
 //! NumPy's array files (NPY 1.0 to 3.0) of plain numbers in C order.
 
+use ::exr::prelude::f16;
+
 use super::{DecodeError, check_size};
 use crate::{Plane, Rgb};
 
@@ -15,7 +17,7 @@ pub struct NpyArray {
 /// Numbers of an array, in the type of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NpyValues {
-    /// float32
+    /// float32, or float16 widened
     F32(Vec<f32>),
     /// float64
     F64(Vec<f64>),
@@ -47,7 +49,7 @@ fn unsuitable(found: impl Into<String>, wanted: &'static str) -> DecodeError {
     }
 }
 
-/// Decodes an array of f32, f64, u8 or u16, either byte order.
+/// Decodes an array of f16, f32, f64, u8 or u16, either byte order.
 ///
 /// # Errors
 /// [`DecodeError`]: a damaged header, another type or order, less data than announced.
@@ -123,13 +125,17 @@ impl<'a> Header<'a> {
             return Err(unsuitable("an array in Fortran order", "C order"));
         }
         let values = match self.kind.trim_start_matches(['<', '>', '|', '=']) {
+            "f2" => {
+                let halves = self.numbers(f16::from_le_bytes, f16::from_be_bytes)?;
+                NpyValues::F32(halves.into_iter().map(f16::to_f32).collect())
+            }
             "f4" => NpyValues::F32(self.numbers(f32::from_le_bytes, f32::from_be_bytes)?),
             "f8" => NpyValues::F64(self.numbers(f64::from_le_bytes, f64::from_be_bytes)?),
             "u2" => NpyValues::U16(self.numbers(u16::from_le_bytes, u16::from_be_bytes)?),
             "u1" => NpyValues::U8(self.numbers(u8::from_le_bytes, u8::from_be_bytes)?),
             _ => {
                 let found = format!("values of type {}", self.kind);
-                return Err(unsuitable(found, "float32, float64, uint8 or uint16"));
+                return Err(unsuitable(found, "float16, float32, float64, uint8 or uint16"));
             }
         };
         Ok(NpyArray {

@@ -83,7 +83,7 @@ fn what_is_no_picture_says_what_would_be() {
     let error = codec::decode_picture(b"GIF89a").unwrap_err();
     assert_eq!(error.to_string(), "the file is neither PNG nor JPEG nor WebP");
     let error = codec::decode_plane(b"\xff\xd8\xff\xe0").unwrap_err();
-    assert_eq!(error.to_string(), "the file is neither PNG nor NPY");
+    assert_eq!(error.to_string(), "the file is neither PNG nor NPY nor EXR");
 }
 
 fn decode_all(bytes: &[u8]) {

@@ -4,6 +4,7 @@
 
 mod hostile;
 mod npy;
+mod openexr;
 mod png;
 
 use imaging::codec::{self, FilePlane, Radiance};

@@ -31,6 +31,9 @@ fn each_type_of_number_and_either_byte_order_is_read() {
         plane(">f4", &[1.5f32.to_be_bytes(), (-2.0f32).to_be_bytes()].concat()),
         floats
     );
+    // 1.5 and −2 in half precision.
+    assert_eq!(plane("<f2", &[0x00, 0x3e, 0x00, 0xc0]), floats);
+    assert_eq!(plane(">f2", &[0x3e, 0x00, 0xc0, 0x00]), floats);
     assert_eq!(
         plane("<f8", &[1.5f64.to_le_bytes(), (-2.0f64).to_le_bytes()].concat()),
         floats

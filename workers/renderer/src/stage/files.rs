@@ -92,6 +92,7 @@ fn content<'a>(
 ) -> Option<Content<'a>> {
     let Pictures { layers, rgb, .. } = *pictures;
     let (scene, labels) = (&shot.prepared.scene, shot.prepared.labels.as_ref());
+    let surfaces = labels.and_then(|labels| labels.surfaces.as_ref());
     let display = |layer: &Rgb<f32>| Content::Picture(Cow::Owned(transfer::encode_rgb8(layer).0));
     let linear = |layer: &'a Rgb<f32>| Content::Linear(Cow::Borrowed(layer));
     match kind {
@@ -115,9 +116,9 @@ fn content<'a>(
         }
         ArtifactKind::Instances => codes(scene.instances.as_ref()),
         ArtifactKind::Semantics => codes(labels.map(|labels| &labels.semantics)),
-        ArtifactKind::Findings => codes(labels.map(|labels| &labels.findings)),
+        ArtifactKind::Findings => codes(surfaces.map(|surfaces| &surfaces.findings)),
         ArtifactKind::Normals => {
-            let normals = Rgb::new(labels?.normals.clone()).ok()?;
+            let normals = Rgb::new(surfaces?.normals.clone()).ok()?;
             Some(Content::Linear(Cow::Owned(normals)))
         }
         ArtifactKind::Boxes => {
@@ -162,7 +163,7 @@ fn why_missing(kind: &ArtifactKind) -> &'static str {
     match kind.needs() {
         Some(ScenePart::Range) => "the scene has no range",
         Some(ScenePart::Instances) => "the scene has no instance mask",
-        Some(ScenePart::Surfaces) => "only procedural scenes have labels",
+        Some(ScenePart::Surfaces) => "only procedural scenes know their surfaces",
         None => "the enhancement did not run",
     }
 }

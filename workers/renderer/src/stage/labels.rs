@@ -1,18 +1,23 @@
-//! Labels of a procedural frame after the water: boxes, categories, and how well each object can be seen.
+//! Labels of a frame after the water: boxes, categories, and how well each object can be seen.
 
 use imaging::Plane;
 use optics::chain::Layers;
 use optics::visibility;
+use scenes::Labels;
+use scenes::categories::CATEGORIES;
+use scenes::classes::UNLABELED;
 use scenes::labels::Instance;
-use spec::{InstanceRecord, SceneRecord};
+use spec::{InstanceRecord, SceneCategory, SceneRecord};
 
 use super::Shot;
 
-/// The record of the scene; none without a camera pose.
+/// The record of the scene; none without a camera pose and without labels.
 pub(crate) fn describe(shot: &Shot<'_>, layers: &Layers) -> Option<SceneRecord> {
-    let pose = shot.prepared.pose?;
-    let intrinsics = shot.prepared.scene.intrinsics?;
-    let instances = shot.prepared.labels.as_ref().map(|labels| {
+    let (pose, labels) = (shot.prepared.pose, shot.prepared.labels.as_ref());
+    if pose.is_none() && labels.is_none() {
+        return None;
+    }
+    let instances = labels.map(|labels| {
         let most = labels.instances.iter().map(|instance| instance.number).max();
         let ranges = medians(shot, shot.prepared.scene.range.as_ref(), most);
         let paths = match shot.setting.patches {
@@ -31,13 +36,36 @@ pub(crate) fn describe(shot: &Shot<'_>, layers: &Layers) -> Option<SceneRecord> 
     let mean = scores.iter().sum::<f64>() / scores.len() as f64;
     let visible = all().filter(|instance| instance.visible).count() as u64;
     Some(SceneRecord {
-        world_from_camera: pose.world_from_camera(),
-        intrinsics,
+        world_from_camera: pose.map(|pose| pose.world_from_camera()),
+        intrinsics: shot.prepared.view().camera,
+        categories: categories(shot, labels),
         visible: instances.is_some().then_some(visible),
         least_visibility: scores.iter().copied().reduce(f64::min),
         mean_visibility: (!scores.is_empty()).then_some(mean),
         instances,
     })
+}
+
+/// The classes of an uploaded scene, and that of objects without one where there are such objects.
+fn categories(shot: &Shot<'_>, labels: Option<&Labels>) -> Option<Vec<SceneCategory>> {
+    let (classes, labels) = (shot.prepared.classes.as_ref()?, labels?);
+    let (id, name) = UNLABELED;
+    let unlabeled = labels.instances.iter().any(|instance| instance.class == id);
+    let unlabeled = unlabeled.then(|| SceneCategory {
+        id,
+        name: name.to_owned(),
+    });
+    Some(classes.categories.iter().cloned().chain(unlabeled).collect())
+}
+
+/// Name of a class by its code.
+fn class_name<'a>(shot: &'a Shot<'_>, class: u8) -> &'a str {
+    match &shot.prepared.classes {
+        Some(classes) => classes.name(class).unwrap_or(UNLABELED.1),
+        None => CATEGORIES
+            .get(usize::from(class))
+            .map_or(UNLABELED.1, |(_, name)| name),
+    }
 }
 
 fn describe_instance(
@@ -49,7 +77,7 @@ fn describe_instance(
 ) -> InstanceRecord {
     let Instance {
         number,
-        category,
+        class,
         bounds,
         pixels,
     } = *instance;
@@ -61,7 +89,7 @@ fn describe_instance(
     let attenuation = shot.setting.attenuation();
     InstanceRecord {
         number,
-        category: category.name().to_owned(),
+        category: class_name(shot, class).to_owned(),
         bounds,
         pixels: pixels as u64,
         range_m,

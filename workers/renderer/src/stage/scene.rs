@@ -9,7 +9,8 @@ use optics::range::is_hole;
 use optics::setting::View;
 use scenes::uploaded;
 use scenes::{CameraPose, Labels, SceneError, World};
-use spec::{Frame, RangeKind, Scene, SceneFiles};
+use serde_json::json;
+use spec::{Classes, Frame, RangeKind, Scene, SceneFiles};
 
 use crate::error::RenderError;
 use crate::source::{SceneBytes, SceneSource};
@@ -28,6 +29,8 @@ pub(crate) struct Prepared {
     pub(crate) pose: Option<CameraPose>,
     /// Its labels, where an artifact needs them.
     pub(crate) labels: Option<Labels>,
+    /// What the codes of its labels mean; of procedural scenes they are fixed.
+    pub(crate) classes: Option<Classes>,
     /// SHA-256 of the input files.
     pub(crate) inputs: BTreeMap<String, String>,
 }
@@ -71,7 +74,12 @@ pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, R
         }
         (Scene::Uploaded { .. }, SceneSource::Uploaded(files)) => from_files(frame, files),
         (Scene::Uploaded { id }, SceneSource::Local) => Err(RenderError::NotHere { id: id.clone() }),
-        (Scene::Files { .. }, _) => from_files(frame, &read(&frame.scene)?),
+        (Scene::Files { .. }, _) => {
+            let files = read(&frame.scene)?;
+            let prepared = from_files(frame, &files)?;
+            uploaded::check_objects(&prepared.scene, files.classes.as_ref())?;
+            Ok(prepared)
+        }
     }
 }
 
@@ -91,10 +99,30 @@ fn pose(frame: &Frame, world: &World) -> Result<CameraPose, RenderError> {
 }
 
 fn from_files(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError> {
-    let digests = files
+    let prepared = decoded(frame, files)?;
+    let mask = prepared.scene.instances.as_ref().filter(|_| needs_labels(frame));
+    let Some(mask) = mask else {
+        return Ok(prepared);
+    };
+    let classes = files.classes.clone().unwrap_or_default();
+    Ok(Prepared {
+        labels: Some(Labels::uploaded(mask, &classes)),
+        classes: Some(classes),
+        ..prepared
+    })
+}
+
+fn decoded(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError> {
+    let mut digests: BTreeMap<String, String> = files
         .named()
         .map(|(name, bytes)| (format!("scene.{name}"), spec::sha256(bytes)))
         .collect();
+    if let Some(classes) = &files.classes {
+        digests.insert(
+            "scene.classes".to_owned(),
+            spec::sha256(json!(classes).to_string()),
+        );
+    }
     let is_z_depth = files
         .range
         .as_ref()
@@ -133,6 +161,7 @@ fn checked(
         holes: holes as u64,
         pose: None,
         labels: None,
+        classes: None,
         inputs,
     })
 }
@@ -150,10 +179,22 @@ fn read(scene: &Scene) -> Result<SceneBytes, RenderError> {
     let paths = scene
         .files()
         .ok_or_else(|| RenderError::NotHere { id: String::new() })?;
-    paths.try_map(|path| {
+    let open = |path: &str| {
         std::fs::read(path).map_err(|source| RenderError::File {
-            path: (*path).to_owned(),
+            path: path.to_owned(),
             source,
         })
-    })
+    };
+    let mut files = paths.try_map(|path| open(path))?;
+    if let Scene::Files {
+        classes: Some(path), ..
+    } = scene
+    {
+        let classes = scenes::classes::read(&open(path)?);
+        files.classes = Some(classes.map_err(|wrong| SceneError::Objects {
+            field: "classes",
+            reason: wrong.to_string(),
+        })?);
+    }
+    Ok(files)
 }

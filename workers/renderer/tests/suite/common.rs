@@ -63,6 +63,26 @@ impl Files {
         json!({"kind": "files", "rgb": self.path("rgb.png")})
     }
 
+    /// An instance mask in four columns: object 1, nothing, objects 300 and 301; and these classes of them.
+    pub(crate) fn write_mask(&self, classes: &str) {
+        let mask = Plane::from_fn(WIDTH, HEIGHT, |x, _| [1_u16, 0, 300, 301][4 * x / WIDTH]);
+        write(
+            &self.folder.path().join("mask.png"),
+            encode_png(&Raster::from(mask)).unwrap(),
+        );
+        write(
+            &self.folder.path().join("classes.json"),
+            classes.as_bytes().to_vec(),
+        );
+    }
+
+    pub(crate) fn scene_with_mask(&self) -> Value {
+        let mut scene = self.scene("range.npy");
+        scene["instances"] = self.path("mask.png").into();
+        scene["classes"] = self.path("classes.json").into();
+        scene
+    }
+
     fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_str().unwrap().to_owned()
     }

@@ -4,7 +4,7 @@ use imaging::codec::{FilePlane, decode_plane};
 use renderer::{Rendered, SceneSource, Slot};
 use serde_json::{Value, json};
 
-use crate::common::{Files, engine_without_runtime, file, parse, parse_errors, render};
+use crate::common::{Files, engine_without_runtime, file, parse, parse_errors, render, try_render};
 
 fn job(fields: &Value) -> Value {
     let mut description = json!({
@@ -53,7 +53,7 @@ fn masks_boxes_and_record_speak_of_the_same_objects() {
         let transmittance = instance.transmittance.unwrap();
         assert!(transmittance.iter().all(|t| (0.0..=1.0).contains(t)));
     }
-    let pose = scene.world_from_camera;
+    let pose = scene.world_from_camera.unwrap();
     assert_eq!(pose[3], [0.0, 0.0, 0.0, 1.0]);
 }
 
@@ -80,7 +80,7 @@ fn labels_are_made_only_when_they_are_asked_for() {
     let rendered = render(&files.stored_job(&json!({"artifacts": ["semantics"]})));
     assert_eq!(
         rendered.record.warnings,
-        ["there is no artifact `semantics`: only procedural scenes have labels"]
+        ["there is no artifact `semantics`: the scene has no instance mask"]
     );
     assert!(rendered.record.scene.is_none());
 }
@@ -104,6 +104,7 @@ fn a_sequence_goes_through_one_world_and_each_frame_can_be_rendered_alone() {
             .as_ref()
             .unwrap()
             .world_from_camera
+            .unwrap()
             .map(|row| row[3])
     };
     let frames: Vec<Rendered> = (0..10).map(&mut at).collect();
@@ -147,4 +148,75 @@ fn paths_that_cannot_be_are_refused() {
     let mut uploaded = with(json!({"frames": 9}));
     uploaded["scene"] = json!({"kind": "uploaded", "id": "scn_1"});
     assert!(message(&uploaded).contains("procedural"));
+}
+
+#[test]
+fn a_mask_with_classes_labels_a_picture_of_files() {
+    let files = Files::new();
+    files.write_mask(
+        r#"{"categories": [{"id": 2, "name": "pile"}, {"id": 40, "name": "chain"}],
+        "segments_info": [{"id": 1, "category_id": 2}, {"id": 300, "category_id": 40}]}"#,
+    );
+    let fields = json!({
+        "scene": files.scene_with_mask(), "water": {"optics": "jerlov-1C"},
+        "artifacts": ["rgb", "instances", "semantics", "boxes"],
+    });
+    let rendered = render(&files.job(&fields));
+    let FilePlane::Codes(semantics) = decode_plane(file(&rendered, "semantics")).unwrap() else {
+        panic!("a mask")
+    };
+    // Left to right: pile, nothing, chain, and an object without a class.
+    let row: Vec<u16> = [2, 14, 26, 40].map(|x| semantics.at(x, 5)).into();
+    assert_eq!(row, [2, 0, 40, 255]);
+    let boxes: Value = serde_json::from_slice(file(&rendered, "boxes")).unwrap();
+    assert_eq!(boxes, json!(rendered.record.scene));
+    assert!(boxes.get("world_from_camera").is_none() && boxes["intrinsics"]["focal_px"].is_number());
+    let names: Vec<_> = boxes["categories"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|c| (&c["id"], &c["name"]))
+        .collect();
+    assert_eq!(
+        json!(names),
+        json!([[2, "pile"], [40, "chain"], [255, "unlabeled"]])
+    );
+    let found = rendered.record.scene.unwrap().instances.unwrap();
+    let categories: Vec<_> = found.iter().map(|i| (i.number, i.category.as_str())).collect();
+    assert_eq!(categories, [(1, "pile"), (300, "chain"), (301, "unlabeled")]);
+    assert!(
+        found
+            .iter()
+            .all(|i| i.range_m.is_some() && i.transmittance.is_some() && i.pixels > 0)
+    );
+    assert!(
+        found[0].transmittance > found[2].transmittance,
+        "the left is nearer"
+    );
+    assert!(rendered.record.provenance.inputs.contains_key("scene.classes"));
+    // Without a label artifact nothing of it is computed.
+    let plain = render(&files.job(&json!({"scene": files.scene_with_mask(), "artifacts": ["instances"]})));
+    assert!(plain.record.scene.is_none());
+}
+
+#[test]
+fn classes_that_do_not_fit_the_mask_fail_the_frame_with_their_numbers() {
+    let files = Files::new();
+    for (classes, said) in [
+        (
+            r#"{"1": "pile", "7": "chain"}"#,
+            "no pixel of the instance mask has the numbers 7",
+        ),
+        (r#"{"1": ""}"#, "the name of a class"),
+    ] {
+        files.write_mask(classes);
+        let job = files.job(&json!({"scene": files.scene_with_mask()}));
+        let error = try_render(&job, &engine_without_runtime()).unwrap_err();
+        assert!(error.to_string().contains(said), "{error}");
+    }
+    let alone = json!({"scene": {"kind": "files", "rgb": "a.png", "classes": "c.json"}});
+    assert_eq!(
+        parse_errors(&files.description(&alone))[0].pointer,
+        "/scene/classes"
+    );
 }

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import httpx
 
 from fathom.client import calls
-from fathom.client.calls import Call, Description, Picture
+from fathom.client.calls import Call, Classes, Description, Picture
 from fathom.client.dataset import Dataset
 from fathom.client.rows import Rows
 from fathom.client.sync import SERVER
@@ -98,6 +98,7 @@ class AsyncClient:
         range: Picture | None = None,
         z_depth: Picture | None = None,
         instances: Picture | None = None,
+        classes: Classes | None = None,
         unit_m: float | None = None,
         invalid_code: int | None = None,
         focal_px: float | None = None,
@@ -105,7 +106,7 @@ class AsyncClient:
     ) -> str:
         """Upload a scene and return its id."""
         numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
-        return await self._run(calls.upload(rgb, range, z_depth, instances, numbers))
+        return await self._run(calls.upload(rgb, range, z_depth, instances, classes, numbers))
 
     async def train(
         self,

@@ -37,6 +37,7 @@ PARALLEL = 8
 
 Description: TypeAlias = "Job | Mapping[str, Any] | str | os.PathLike[str]"
 Picture: TypeAlias = "str | os.PathLike[str] | NDArray[Any]"
+Classes: TypeAlias = "Mapping[int, str] | Mapping[str, Any] | str | os.PathLike[str]"
 
 
 @dataclass
@@ -137,11 +138,15 @@ def upload(
     range: Picture | None,
     z_depth: Picture | None,
     instances: Picture | None,
+    classes: Classes | None,
     numbers: Mapping[str, float | int | None],
 ) -> Call[str]:
     """Upload a scene and return its id."""
     given = {"rgb": rgb, "range": range, "z_depth": z_depth, "instances": instances}
     files = {name: (name, _scene_file(name, part)) for name, part in given.items() if part is not None}
+    if classes is not None:
+        text = json.dumps(classes).encode() if isinstance(classes, Mapping) else Path(classes).read_bytes()
+        files["classes"] = ("classes", text)
     data = {name: str(value) for name, value in numbers.items() if value is not None}
     response = yield Request("POST", "/v1/scenes", {"files": files, "data": data})
     return str(response.json()["id"])

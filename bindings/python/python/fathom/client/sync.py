@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import httpx
 
 from fathom.client import calls
-from fathom.client.calls import Call, Description, Picture
+from fathom.client.calls import Call, Classes, Description, Picture
 from fathom.client.dataset import Dataset
 from fathom.client.rows import Rows
 from fathom.frame import Frame
@@ -95,6 +95,7 @@ class Client:
         range: Picture | None = None,
         z_depth: Picture | None = None,
         instances: Picture | None = None,
+        classes: Classes | None = None,
         unit_m: float | None = None,
         invalid_code: int | None = None,
         focal_px: float | None = None,
@@ -103,10 +104,11 @@ class Client:
         """Upload a scene and return its id.
 
         Each part is a file or an array: `rgb` uint8 or uint16 codes, or float linear radiance, (H, W, 3); `range` or
-        `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` uint8 or uint16, (H, W).
+        `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` uint8 or uint16, (H, W). `classes` says
+        what the instances are: `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON file.
         """
         numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
-        return self._run(calls.upload(rgb, range, z_depth, instances, numbers))
+        return self._run(calls.upload(rgb, range, z_depth, instances, classes, numbers))
 
     def train(
         self,

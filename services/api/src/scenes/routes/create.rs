@@ -12,10 +12,10 @@ use crate::scenes::view::SceneView;
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `SceneForm` reads it")]
 pub(crate) struct SceneUpload {
-    /// The picture: PNG, JPEG, WebP, or NPY `[h, w, 3]` with linear radiance.
+    /// The picture: PNG, JPEG, WebP; with linear radiance NPY `[h, w, 3]`, or EXR with channels R, G and B.
     #[schema(value_type = String, format = Binary)]
     rgb: Vec<u8>,
-    /// Distances along the line of sight: 8- or 16-bit PNG, or NPY.
+    /// Distances along the line of sight: 8- or 16-bit PNG, NPY, or EXR with a channel Z.
     #[schema(value_type = Option<String>, format = Binary)]
     range: Option<Vec<u8>>,
     /// Distances along the optical axis, as depth cameras give them; needs the camera.
@@ -36,6 +36,10 @@ pub(crate) struct SceneUpload {
     /// Instance of each pixel, 0 = background: 8- or 16-bit PNG.
     #[schema(value_type = Option<String>, format = Binary)]
     instances: Option<Vec<u8>>,
+    /// What the instances are, as JSON: `{"1": "pile", "2": "chain"}` or, with ids of your own, `categories` and
+    /// `segments_info` as in COCO's panoptic annotations.
+    #[schema(value_type = Option<String>, format = Binary)]
+    classes: Option<Vec<u8>>,
 }
 
 /// Upload a scene.
@@ -51,6 +55,6 @@ pub(crate) async fn create(
     MultipartBody(body): MultipartBody,
 ) -> Result<Located<SceneView>, Problem> {
     let (row, new) = scenes.keep(SceneForm::read(body).await?).await?;
-    let location = format!("/v1/scenes?id={}", row.id);
+    let location = format!("/v1/scenes/{}", row.id);
     Ok(located(created(new), location, row.into()))
 }

@@ -1,0 +1,179 @@
+//! What an uploaded scene has, what it lacks, and what may therefore be asked of it.
+
+use imaging::Plane;
+use imaging::codec::encode_png;
+use serde_json::{Value, json};
+
+use crate::bad_input::nothing_changes;
+use crate::common::bytes::{png, range_npy};
+use crate::common::worker::Real;
+use crate::common::{Running, start};
+
+/// Objects 1, 2 and 3 side by side, and nothing below them.
+fn mask(width: usize, height: usize) -> Vec<u8> {
+    let object = |x: usize, y: usize| {
+        if 2 * y < height {
+            (1 + 3 * x / width) as u8
+        } else {
+            0
+        }
+    };
+    encode_png(&Plane::from_fn(width, height, object).into()).unwrap()
+}
+
+fn uploaded(service: &Running, fields: &[(&str, &[u8])]) -> Value {
+    let answer = service.upload(fields);
+    assert_eq!(answer.status, 201, "{}", answer.text());
+    answer.json()
+}
+
+fn job_over(scene: &Value, fields: Value) -> Value {
+    let mut job = json!({"dataset": "own", "scene": {"kind": "uploaded", "id": scene["id"]}, "metrics": []});
+    for (name, value) in fields.as_object().unwrap() {
+        job[name] = value.clone();
+    }
+    job
+}
+
+#[test]
+fn a_job_that_asks_for_what_its_scene_lacks_is_refused_whatever_it_is_sent_to() {
+    let lamp = json!({"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]});
+    nothing_changes(|service| {
+        let scene = service.get("/v1/scenes").json()["items"][0].clone();
+        let asked = job_over(
+            &scene,
+            json!({"water": {"optics": "jerlov-1C"}, "lights": [lamp], "artifacts": ["rgb", "boxes", "normals"], "alpha": 3}),
+        );
+        for path in ["/v1/jobs", "/v1/jobs/preview", "/v1/renders"] {
+            let problem = service.post(path, &asked).problem(422, "validation");
+            let errors = problem["errors"].as_array().unwrap();
+            let pointers: Vec<_> = errors
+                .iter()
+                .map(|error| error["pointer"].as_str().unwrap())
+                .collect();
+            let expected = [
+                "/alpha",
+                "/water/optics",
+                "/lights/0",
+                "/artifacts/1",
+                "/artifacts/2",
+            ];
+            assert_eq!(pointers, expected, "{path}");
+            assert_eq!(errors[3]["value"], "boxes");
+            assert!(
+                errors[3]["allowed"].as_array().unwrap().contains(&json!("clean")),
+                "{problem}"
+            );
+        }
+    });
+}
+
+#[test]
+fn a_law_that_asks_in_some_frames_is_accepted_with_a_warning() {
+    let service = start();
+    let scene = uploaded(&service, &[("rgb", &png(16, 12))]);
+    let job = job_over(&scene, json!({"water": {"grid": [{}, {"optics": "jerlov-1C"}]}}));
+    let warns = |answer: Value| {
+        answer["warnings"]
+            .to_string()
+            .contains("/water/grid/1/optics needs a range")
+    };
+    let accepted = service.post("/v1/jobs", &job);
+    assert_eq!(accepted.status, 202);
+    assert!(warns(accepted.json()), "{}", accepted.text());
+    let preview = service.post("/v1/jobs/preview", &job);
+    assert!(warns(preview.json()), "{}", preview.text());
+}
+
+#[test]
+fn objects_get_their_classes_from_the_upload_to_the_record() {
+    let service = start();
+    let (picture, mask) = (png(48, 32), mask(48, 32));
+    let range = range_npy(48, 32, |x, _| 1.0 + x as f32 / 24.0);
+    let files: [(&str, &[u8]); 4] = [
+        ("rgb", &picture),
+        ("range", &range),
+        ("instances", &mask),
+        ("classes", br#"{"1": "pile", "3": "chain"}"#),
+    ];
+    let scene = uploaded(&service, &files);
+    let id = scene["id"].as_str().unwrap();
+    assert_eq!(
+        scene["classes"],
+        json!({"categories": [{"id": 2, "name": "pile"}, {"id": 128, "name": "chain"}],
+               "segments_info": [{"id": 1, "category_id": 2}, {"id": 3, "category_id": 128}]})
+    );
+    assert_eq!(service.get(&format!("/v1/scenes/{id}")).json(), scene);
+    service.get("/v1/scenes/scn_gone").problem(404, "not-found");
+    // Other classes make another scene, the same ones in another form do not.
+    let bare = uploaded(&service, &files[..3]);
+    assert_eq!(
+        (bare["classes"].is_null(), bare["id"] == scene["id"]),
+        (true, false)
+    );
+    let long = scene["classes"].to_string();
+    let same = service.upload(&[files[0], files[1], files[2], ("classes", long.as_bytes())]);
+    assert_eq!((same.status, &same.json()["id"]), (200, &scene["id"]));
+
+    let asked = json!({"water": {"optics": "jerlov-1C"}, "artifacts": ["semantics", "boxes"]});
+    let job = service.submit(&job_over(&scene, asked.clone()));
+    let unnamed = service.submit(&job_over(&bare, asked));
+    let _worker = Real::start(&service);
+    let record = |job: &str| {
+        let ended = service.get(&format!("/v1/jobs/{job}?wait=60")).json();
+        assert_eq!(ended["state"], "done", "{ended}");
+        service.get(&format!("/v1/images/{job}/0")).json()
+    };
+    let found = record(&job);
+    let categories: Vec<_> = found["scene"]["instances"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|i| &i["category"])
+        .collect();
+    assert_eq!(categories, ["pile", "unlabeled", "chain"]);
+    assert_eq!(
+        found["scene"]["categories"][1],
+        json!({"id": 128, "name": "chain"})
+    );
+    assert!(
+        found["provenance"]["inputs"]["scene.classes"].is_string(),
+        "{found}"
+    );
+    let rows = service
+        .get("/v1/images?filter=instances.count%20%3D%203&fields=job")
+        .json();
+    assert_eq!(rows["items"].as_array().unwrap().len(), 2, "{rows}");
+    let names = record(&unnamed)["scene"]["categories"].clone();
+    assert_eq!(names, json!([{"id": 255, "name": "unlabeled"}]));
+}
+
+#[test]
+fn classes_that_are_wrong_are_refused_with_their_place() {
+    let (picture, mask) = (png(16, 12), mask(16, 12));
+    nothing_changes(|service| {
+        let refused = |classes: &[u8], pointer: &str, said: &str| {
+            let fields: [(&str, &[u8]); 3] = [("rgb", &picture), ("instances", &mask), ("classes", classes)];
+            let problem = service.upload(&fields).problem(422, "validation");
+            assert_eq!(problem["errors"][0]["pointer"], pointer, "{problem}");
+            assert!(
+                problem["errors"][0]["message"].as_str().unwrap().contains(said),
+                "{problem}"
+            );
+        };
+        refused(br#"{"1": " "}"#, "/classes/1", "1 to 64 printable characters");
+        refused("{\"1\": \"a\u{202e}b\"}".as_bytes(), "/classes/1", "printable");
+        refused(br#"{"one": "pile"}"#, "/classes/one", "instance mask");
+        refused(
+            br#"{"4": "pile", "9": "pile"}"#,
+            "/classes",
+            "has the numbers 4, 9",
+        );
+        refused(b"not JSON", "/classes", "not valid JSON");
+        let without = service.upload(&[("rgb", &picture), ("classes", br#"{"1": "pile"}"#)]);
+        assert_eq!(
+            without.problem(422, "validation")["errors"][0]["pointer"],
+            "/classes"
+        );
+    });
+}

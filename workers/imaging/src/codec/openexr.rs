@@ -1,0 +1,239 @@
+//! OpenEXR files: the channels R, G and B as linear light, or Z as distances; half or float, whatever the compression.
+//!
+//! A channel of a layer is called `LAYER.R`. Channels without a layer come first; else there must be one layer alone that has
+//! them, or one that is called `Combined`, as Blender calls the picture among its passes. A Z beside X and Y is the part of a
+//! vector and no distance. The pixels are those of the data window; deep files and subsampled channels are refused.
+
+use std::io::Cursor;
+
+use ::exr::block::reader::ChunksReader;
+use ::exr::block::{self, UncompressedBlock};
+use ::exr::math::Vec2;
+use ::exr::meta::BlockDescription;
+use ::exr::meta::attribute::{ChannelList, SampleType};
+use ::exr::meta::header::Header;
+use ::exr::prelude::f16;
+
+use super::{DecodeError, MAX_DECODER_BYTES, check_size};
+use crate::{Plane, Rgb};
+
+const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+/// The layer of a picture that stands among other passes.
+const PICTURE_LAYER: &str = "Combined.";
+
+pub(super) fn is_exr(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
+/// Decodes the channels R, G and B.
+pub(super) fn decode_rgb(bytes: &[u8]) -> Result<Rgb<f32>, DecodeError> {
+    let planes = decode(bytes, &["R", "G", "B"], "channels R, G and B of half or float")?;
+    let planes = <[Plane<f32>; 3]>::try_from(planes).map_err(|_| damaged("a channel is missing"))?;
+    Rgb::new(planes).map_err(damaged)
+}
+
+/// Decodes the channel Z.
+pub(super) fn decode_distances(bytes: &[u8]) -> Result<Plane<f32>, DecodeError> {
+    let planes = decode(bytes, &["Z"], "one channel Z of half or float")?;
+    planes
+        .into_iter()
+        .next()
+        .ok_or_else(|| damaged("a channel is missing"))
+}
+
+fn damaged(reason: impl ToString) -> DecodeError {
+    DecodeError::Damaged {
+        format: "EXR",
+        reason: reason.to_string(),
+    }
+}
+
+/// Channels of a part of the file.
+struct Found {
+    part: usize,
+    channels: Vec<usize>,
+}
+
+fn decode(bytes: &[u8], names: &[&str], wanted: &'static str) -> Result<Vec<Plane<f32>>, DecodeError> {
+    let reader = block::read(Cursor::new(bytes), false).map_err(damaged)?;
+    reader.headers().iter().try_for_each(check)?;
+    let unsuitable = |found| DecodeError::Unsuitable { found, wanted };
+    let found = find(reader.headers(), names).ok_or_else(|| unsuitable(listed(reader.headers())))?;
+    let header = reader.headers()[found.part].clone();
+    let is_number = |&channel: &usize| header.channels.list[channel].sample_type != SampleType::U32;
+    if !found.channels.iter().all(is_number) {
+        return Err(unsuitable("channels of integers".to_owned()));
+    }
+    let Vec2(width, height) = header.layer_size;
+    let mut pixels: Vec<Pixels> = found
+        .channels
+        .iter()
+        .map(|_| Pixels::new(width, height))
+        .collect();
+    let blocks = reader
+        .all_chunks(false)
+        .map_err(damaged)?
+        .sequential_decompressor(false);
+    for block in blocks {
+        let block = block.map_err(damaged)?;
+        if block.index.layer == found.part && block.index.level == Vec2(0, 0) {
+            take(&block, &header.channels, &found.channels, &mut pixels)?;
+        }
+    }
+    pixels.into_iter().map(Pixels::whole).collect()
+}
+
+/// Refuses what cannot be decoded, or only with too much memory.
+fn check(header: &Header) -> Result<(), DecodeError> {
+    let Vec2(width, height) = header.layer_size;
+    check_size(width, height)?;
+    let channels = &header.channels.list;
+    let unsuitable = |found: &str, wanted| DecodeError::Unsuitable {
+        found: found.to_owned(),
+        wanted,
+    };
+    if header.deep {
+        return Err(unsuitable("deep data", "flat data"));
+    }
+    if channels.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+        return Err(unsuitable("subsampled channels", "a sample for each pixel"));
+    }
+    let Vec2(columns, rows) = match header.blocks {
+        BlockDescription::ScanLines => Vec2(width, header.compression.scan_lines_per_block()),
+        BlockDescription::Tiles(tiles) => tiles.tile_size,
+    };
+    let bytes = channels
+        .iter()
+        .map(|channel| channel.sample_type.bytes_per_sample());
+    let pixel_bytes: usize = bytes.sum();
+    if columns.saturating_mul(rows).saturating_mul(pixel_bytes) > MAX_DECODER_BYTES {
+        return Err(unsuitable("blocks of more than 256 MiB", "smaller blocks"));
+    }
+    Ok(())
+}
+
+/// The channels of these names, by the rules of the module.
+fn find(headers: &[Header], names: &[&str]) -> Option<Found> {
+    let mut found: Vec<(&str, Found)> = Vec::new();
+    let texts: Vec<Vec<String>> = headers.iter().map(channel_names).collect();
+    for (part, texts) in texts.iter().enumerate() {
+        let position = |name: String| texts.iter().position(|text| *text == name);
+        let layers = texts.iter().filter_map(|text| text.strip_suffix(names[0]));
+        for layer in layers.filter(|layer| layer.is_empty() || layer.ends_with('.')) {
+            let channels = names.iter().map(|name| position(format!("{layer}{name}")));
+            let is_vector = names == ["Z"]
+                && ["X", "Y"]
+                    .iter()
+                    .all(|axis| position(format!("{layer}{axis}")).is_some());
+            if let (Some(channels), false) = (channels.collect(), is_vector) {
+                found.push((layer, Found { part, channels }));
+            }
+        }
+    }
+    let only = found.len() == 1;
+    let is_meant = |(layer, _): &(&str, Found)| only || layer.is_empty() || layer.ends_with(PICTURE_LAYER);
+    // Channels without a layer come first.
+    found.sort_by_key(|(layer, _)| !layer.is_empty());
+    found.into_iter().find(is_meant).map(|(_, found)| found)
+}
+
+fn channel_names(header: &Header) -> Vec<String> {
+    header
+        .channels
+        .list
+        .iter()
+        .map(|channel| channel.name.to_string())
+        .collect()
+}
+
+/// What a file holds, for messages.
+fn listed(headers: &[Header]) -> String {
+    const MOST: usize = 20;
+    let names: Vec<String> = headers.iter().flat_map(channel_names).collect();
+    let more = if names.len() > MOST { ", …" } else { "" };
+    let shown: Vec<String> = names
+        .iter()
+        .take(MOST)
+        .map(|name| name.escape_debug().to_string())
+        .collect();
+    format!("the channels {}{more}", shown.join(", "))
+}
+
+/// One channel on its way from blocks to a plane.
+struct Pixels {
+    width: usize,
+    height: usize,
+    data: Vec<f32>,
+    /// Samples that have come so far.
+    filled: usize,
+}
+
+impl Pixels {
+    fn new(width: usize, height: usize) -> Self {
+        Self {
+            width,
+            height,
+            data: vec![f32::NAN; width * height],
+            filled: 0,
+        }
+    }
+
+    fn put(
+        &mut self,
+        Vec2(x, y): Vec2<usize>,
+        samples: impl ExactSizeIterator<Item = f32>,
+    ) -> Result<(), DecodeError> {
+        let count = samples.len();
+        let start = y * self.width + x;
+        let target = self.data.get_mut(start..start + count);
+        let Some(target) = target.filter(|_| x + count <= self.width && y < self.height) else {
+            return Err(damaged("a block lies outside of the picture"));
+        };
+        target
+            .iter_mut()
+            .zip(samples)
+            .for_each(|(pixel, sample)| *pixel = sample);
+        self.filled += count;
+        Ok(())
+    }
+
+    fn whole(self) -> Result<Plane<f32>, DecodeError> {
+        if self.filled != self.data.len() {
+            return Err(damaged("blocks are missing"));
+        }
+        Plane::new(self.width, self.height, self.data).map_err(damaged)
+    }
+}
+
+/// Takes the wanted channels out of a block.
+fn take(
+    block: &UncompressedBlock,
+    channels: &ChannelList,
+    wanted: &[usize],
+    pixels: &mut [Pixels],
+) -> Result<(), DecodeError> {
+    for line in block.lines(channels) {
+        let Some(at) = wanted
+            .iter()
+            .position(|channel| *channel == line.location.channel)
+        else {
+            continue;
+        };
+        let place = line.location.position;
+        match channels.list[line.location.channel].sample_type {
+            SampleType::F16 => {
+                let samples = line.value.as_chunks::<2>().0;
+                pixels[at].put(
+                    place,
+                    samples.iter().map(|bytes| f16::from_ne_bytes(*bytes).to_f32()),
+                )?;
+            }
+            SampleType::F32 => {
+                let samples = line.value.as_chunks::<4>().0;
+                pixels[at].put(place, samples.iter().map(|bytes| f32::from_ne_bytes(*bytes)))?;
+            }
+            SampleType::U32 => return Err(damaged("a channel of integers")),
+        }
+    }
+    Ok(())
+}
