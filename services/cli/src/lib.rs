@@ -7,6 +7,7 @@
 extern crate self as cli;
 
 mod commands;
+pub mod engine;
 pub mod exit;
 pub mod files;
 pub mod images;
@@ -15,8 +16,10 @@ pub mod progress;
 pub mod remote;
 pub mod render;
 pub mod sheet;
+pub mod signals;
 pub mod styles;
 pub mod table;
+pub mod worker;
 
 use std::ffi::OsString;
 

@@ -8,6 +8,7 @@ use renderer::Engine;
 use renderer::worker::{Limits, available_bytes};
 use spec::Job;
 
+use crate::engine::EngineArguments;
 use crate::exit::Failure;
 use crate::job;
 use crate::styles::StyleArguments;
@@ -46,6 +47,11 @@ pub struct SetArguments {
     /// How often to look whether the set was cancelled
     #[arg(long, default_value_t = 15.0, value_parser = seconds)]
     pub state_interval_s: f64,
+    #[command(flatten)]
+    pub engine: EngineArguments,
+    /// With a broker: shards that wait for workers at the same time [default: four for each slot of the fleet]
+    #[arg(long, value_name = "SHARDS", requires = "engine", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub window: Option<u64>,
 }
 
 /// What a frame may cost before the process that renders it is ended.
@@ -87,10 +93,11 @@ impl Arguments {
             shard,
             frames,
             frames_per_shard,
+            engine,
             ..
         } = &self.set;
         let is_url = self.out.to_str().is_some_and(|out| out.contains("://"));
-        is_url || shard.is_some() || frames.is_some() || frames_per_shard.is_some()
+        is_url || shard.is_some() || frames.is_some() || frames_per_shard.is_some() || engine.engine.is_some()
     }
 
     /// Reads the job and checks that what it needs is here.

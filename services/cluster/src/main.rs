@@ -4,6 +4,7 @@
 //! for the commands below, so that a user need not know it.
 
 mod commands;
+mod engine;
 
 use std::process::ExitCode;
 

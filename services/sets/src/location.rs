@@ -1,7 +1,7 @@
 //! Where a set lies: a folder or a prefix of a bucket, as a user names it.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Component, PathBuf};
 
 use crate::error::SetError;
 
@@ -34,6 +34,44 @@ impl Location {
             other => Err(SetError::Refused(format!(
                 "`{other}://` is no store; use s3://BUCKET/PREFIX or a folder"
             ))),
+        }
+    }
+
+    /// Whether another location lies in this one or is it. A path with `..` lies nowhere.
+    #[must_use]
+    pub fn contains(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Folder(outer), Self::Folder(inner)) => {
+                let climbs = inner.components().any(|part| part == Component::ParentDir);
+                inner.starts_with(outer) && !climbs
+            }
+            (
+                Self::S3 { bucket, prefix },
+                Self::S3 {
+                    bucket: other_bucket,
+                    prefix: inner,
+                },
+            ) => {
+                let rest = inner.strip_prefix(prefix.as_str());
+                bucket == other_bucket
+                    && (prefix.is_empty()
+                        || rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/')))
+                    && !inner.split('/').any(|part| part == "..")
+            }
+            _ => false,
+        }
+    }
+
+    /// The same place from every working folder.
+    ///
+    /// # Errors
+    /// [`SetError::Machine`] if this process has no working folder.
+    pub fn absolute(self) -> Result<Self, SetError> {
+        match self {
+            Self::Folder(path) => std::path::absolute(path)
+                .map(Self::Folder)
+                .map_err(|error| SetError::Machine(format!("no working folder: {error}"))),
+            bucket @ Self::S3 { .. } => Ok(bucket),
         }
     }
 
@@ -76,6 +114,33 @@ mod tests {
         let bucket = Location::parse("s3://reef/sets/a/").unwrap();
         assert_eq!(bucket.to_string(), "s3://reef/sets/a");
         assert_eq!(Location::parse("s3://reef").unwrap().to_string(), "s3://reef/");
+    }
+
+    #[test]
+    fn a_location_contains_what_lies_below_it_and_nothing_else() {
+        let contains = |outer: &str, inner: &str| {
+            let at = |text: &str| Location::parse(text).unwrap();
+            at(outer).contains(&at(inner))
+        };
+        for (outer, inner) in [
+            ("/mnt/sets", "/mnt/sets/a"),
+            ("/mnt/sets", "file:///mnt/sets"),
+            ("s3://reef", "s3://reef/a/b"),
+            ("s3://reef/a", "s3://reef/a"),
+            ("s3://reef/a", "s3://reef/a/b"),
+        ] {
+            assert!(contains(outer, inner), "{inner} in {outer}");
+        }
+        for (outer, inner) in [
+            ("/mnt/sets", "/mnt/sets2"),
+            ("/mnt/sets", "/mnt/sets/../other"),
+            ("/mnt/sets", "s3://mnt/sets"),
+            ("s3://reef/a", "s3://reef/ab"),
+            ("s3://reef/a", "s3://other/a"),
+            ("s3://reef/a", "s3://reef/a/../b"),
+        ] {
+            assert!(!contains(outer, inner), "{inner} in {outer}");
+        }
     }
 
     #[test]

@@ -22,12 +22,7 @@ mod upload;
 mod waters;
 mod worker;
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
-use anyhow::Context;
 use cli::exit::Failure;
-use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// The commands of `fathom`.
 #[derive(clap::Subcommand)]
@@ -35,7 +30,7 @@ pub(crate) enum Command {
     /// Start the service with its own workers
     Serve(serve::Arguments),
     /// Render frames for a service, here or on another machine
-    Worker(worker::Arguments),
+    Worker(cli::worker::Arguments),
     /// Render a job without a service
     Render(cli::render::Arguments),
     /// Show how much of a set is done
@@ -110,13 +105,4 @@ impl Command {
             Self::Demo(arguments) => demo::run(&arguments),
         }
     }
-}
-
-/// A flag that is set by SIGINT and SIGTERM.
-fn stop_at_signal() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
-    }
-    Ok(stop)
 }

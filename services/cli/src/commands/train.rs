@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .num_threads(threads)
         .build()
         .context("cannot start threads")?;
-    let stop = super::stop_at_signal()?;
+    let stop = cli::signals::stop_at_signal()?;
     pool.install(|| train(arguments, &given, &stop))
 }
 

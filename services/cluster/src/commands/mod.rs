@@ -1,11 +1,13 @@
 //! One file for each command.
 
+mod dispatch;
 mod frames;
 mod gc;
 mod render;
 mod seal;
 mod status;
 mod verify;
+mod worker;
 
 use cli::exit::Failure;
 use sets::{Location, Set, SetError};
@@ -15,6 +17,8 @@ use sets::{Location, Set, SetError};
 pub(crate) enum Command {
     /// Render a job into a set, or the part of it that is missing
     Render(cli::render::Arguments),
+    /// Render shards that a broker hands out
+    Worker(cli::worker::Arguments),
     /// Show how much of a set is done
     Status(status::Arguments),
     /// Read a set again and compare it with its markers
@@ -32,6 +36,7 @@ impl Command {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
             Self::Render(arguments) => render::run(&arguments),
+            Self::Worker(arguments) => worker::run(&arguments),
             Self::Status(arguments) => status::run(&arguments),
             Self::Verify(arguments) => verify::run(&arguments),
             Self::Seal(arguments) => seal::run(&arguments),

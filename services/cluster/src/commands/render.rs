@@ -1,19 +1,17 @@
 //! `fathom render` into a set: every shard that is meant and not done, one after the other.
 
 use std::ffi::OsString;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::render::{Arguments, LimitArguments, SetArguments};
+use cli::signals::stop_at_signal;
 use cli::styles::StyleArguments;
 use sets::{Crew, Location, NewSet, Outcome, Recipe, Selection, Set, Watch, run_shard};
-use signal_hook::consts::{SIGINT, SIGTERM};
 
-use super::failure;
+use super::{dispatch, failure};
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -39,15 +37,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let SetArguments { shard, frames, .. } = &arguments.set;
     let selection = Selection::parse(shard.as_deref(), frames.as_deref()).map_err(failure)?;
     let set = Set::begin(&location, &new).map_err(failure)?;
-    let tally = render(arguments, &set, &selection)?;
+    let tally = match &arguments.set.engine.engine {
+        Some(engine) => dispatch::run(&arguments.set, engine, &set, &selection)?,
+        None => render(arguments, &set, &selection)?,
+    };
     report(&set, &selection, &tally)
 }
 
 /// What this call did.
-struct Tally {
-    begun: Instant,
-    frames: u64,
-    shards: usize,
+pub(super) struct Tally {
+    pub(super) begun: Instant,
+    pub(super) frames: u64,
+    pub(super) shards: usize,
 }
 
 fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tally, Failure> {
@@ -63,11 +64,8 @@ fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tal
         "frames",
         missing.iter().map(|&shard| frames_of(shard)).sum(),
     );
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
-    }
-    let watch = Watch::start(set, Duration::from_secs_f64(arguments.set.state_interval_s), stop);
+    let every = Duration::from_secs_f64(arguments.set.state_interval_s);
+    let watch = Watch::start(set, every, stop_at_signal()?);
     let mut crew = Crew::new(
         recipe(&arguments.style, arguments.slots(), &arguments.set.limits)?,
         set.job(),

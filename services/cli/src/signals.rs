@@ -1,0 +1,18 @@
+//! The signals that ask a process to end.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context;
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use crate::exit::Failure;
+
+/// A flag that is set by SIGINT and SIGTERM.
+pub fn stop_at_signal() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot install a signal handler")?;
+    }
+    Ok(stop)
+}

@@ -1,0 +1,152 @@
+//! `fathom render --engine`: the shards of a set, handed to the workers of a broker.
+//!
+//! The broker holds a few shards for each slot of the fleet and never the whole set, so that a pause or a cancellation
+//! takes effect at once. What it should hold is computed from the store again and again.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::Ordering;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use cli::exit::Failure;
+use cli::progress::Progress;
+use cli::render::SetArguments;
+use cli::signals::stop_at_signal;
+use sets::{Selection, Set, State};
+
+use super::failure;
+use super::render::Tally;
+use crate::engine::{Broker, BrokerError, Task};
+
+/// How often the store is looked at, at most.
+const LOOK: Duration = Duration::from_secs(1);
+/// The share of the time that listing the store may take.
+const LOOK_SHARE: u32 = 20;
+/// A shard that has no marker after so long is published again, in case the broker has lost it.
+const PUBLISH_AGAIN: Duration = Duration::from_secs(60);
+const SHARDS_PER_SLOT: u64 = 4;
+/// Shards that wait even if no worker is there yet.
+const LEAST_WINDOW: u64 = 8;
+
+/// Publishes the shards that are missing until none is.
+pub(super) fn run(
+    arguments: &SetArguments,
+    engine: &str,
+    set: &Set,
+    selection: &Selection,
+) -> Result<Tally, Failure> {
+    let broker = Broker::connect(&arguments.engine, engine)?;
+    let place = set.location().clone().absolute().map_err(failure)?.to_string();
+    let mut window = Window {
+        size: arguments.window,
+        set: place.clone(),
+        published: BTreeMap::new(),
+    };
+    let mut patience = Patience::default();
+    let stop = stop_at_signal()?;
+    let frames_of = |shards: &[u64]| -> u64 {
+        let frames = |&shard: &u64| set.card().frames_of(shard).count() as u64;
+        shards.iter().map(frames).sum()
+    };
+    let begun = Instant::now();
+    let first = selection.missing(set).map_err(failure)?;
+    let mut missing = first.clone();
+    let mut progress = Progress::new("render", "frames", frames_of(&first));
+    while !missing.is_empty() {
+        let state = set.state().map_err(failure)?;
+        if state == State::Cancelled || stop.load(Ordering::SeqCst) {
+            // What is left in the broker would do no harm: workers look at the state themselves.
+            let _ = broker.withdraw(&place);
+            state.allow().map_err(failure)?;
+            return Err(Failure::Later("stopped; run again to go on".to_owned()));
+        }
+        if state == State::Running {
+            patience.judge(window.fill(&broker, &missing));
+        }
+        let looked = Instant::now();
+        missing = selection.missing(set).map_err(failure)?;
+        progress.set(frames_of(&first) - frames_of(&missing));
+        if !missing.is_empty() {
+            thread::sleep(LOOK.max(looked.elapsed() * LOOK_SHARE));
+        }
+    }
+    progress.finish();
+    Ok(Tally {
+        begun,
+        frames: frames_of(&first),
+        shards: first.len(),
+    })
+}
+
+/// What the broker should hold.
+struct Window {
+    /// Shards that wait at the same time, as the user says.
+    size: Option<u64>,
+    set: String,
+    published: BTreeMap<u64, Instant>,
+}
+
+impl Window {
+    fn fill(&mut self, broker: &Broker, missing: &[u64]) -> Result<(), BrokerError> {
+        let waiting = broker.waiting()?;
+        if waiting == 0 {
+            // Rendered, or lost with all that the broker had.
+            self.published.clear();
+        }
+        let size = match self.size {
+            Some(size) => size,
+            None => fitting(broker)?,
+        };
+        let mut room = size.saturating_sub(waiting);
+        for &shard in missing {
+            if room == 0 {
+                break;
+            }
+            let age = self.published.get(&shard).map(Instant::elapsed);
+            if age.is_some_and(|age| age < PUBLISH_AGAIN) {
+                continue;
+            }
+            let task = Task {
+                set: self.set.clone(),
+                shard,
+            };
+            if broker.publish(&task)? {
+                room -= 1;
+            }
+            self.published.insert(shard, Instant::now());
+        }
+        Ok(())
+    }
+}
+
+/// A window that fits the fleet.
+fn fitting(broker: &Broker) -> Result<u64, BrokerError> {
+    let members = broker.fleet().members()?;
+    let slots: u64 = members.iter().map(|member| member.slots).sum();
+    Ok(LEAST_WINDOW.max(SHARDS_PER_SLOT.saturating_mul(slots)))
+}
+
+/// Says once that the broker is away, and once that it is back.
+#[derive(Default)]
+pub(super) struct Patience {
+    is_away: bool,
+}
+
+impl Patience {
+    pub(super) fn judge<T>(&mut self, result: Result<T, BrokerError>) -> Option<T> {
+        match result {
+            Ok(value) => {
+                if std::mem::take(&mut self.is_away) {
+                    eprintln!("the broker is back");
+                }
+                Some(value)
+            }
+            Err(error) => {
+                if !std::mem::replace(&mut self.is_away, true) {
+                    eprintln!("{error}; going on when it is back");
+                }
+                None
+            }
+        }
+    }
+}

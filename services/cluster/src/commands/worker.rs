@@ -1,0 +1,210 @@
+//! `fathom worker --engine`: renders the shards that a broker hands out, until it is told to stop.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use cli::exit::Failure;
+use cli::signals::stop_at_signal;
+use cli::worker::Arguments;
+use sets::{Crew, Location, Outcome, Recipe, Set, SetError, State, Watch, run_shard};
+
+use super::dispatch::Patience;
+use super::{failure, render};
+use crate::engine::{Broker, Delivery, Fleet, Member, Task, Verdict};
+
+/// How long one question for work waits. So long it takes at most until a signal is noticed.
+const QUESTION: Duration = Duration::from_secs(5);
+/// After a failure of the broker.
+const PAUSE: Duration = Duration::from_secs(1);
+/// When to try a shard again whose set is paused or whose store does not respond.
+const AGAIN_SOON: Duration = Duration::from_secs(15);
+/// When to try a shard again that this worker cannot render; another one may.
+const AGAIN_LATER: Duration = Duration::from_secs(60);
+/// How often a set's state is looked at.
+const STATE_INTERVAL: Duration = Duration::from_secs(15);
+/// Renewals of an entry in the fleet before it would expire.
+const RENEWALS: u32 = 4;
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let engine = arguments.engine.engine.as_deref();
+    let engine =
+        engine.ok_or_else(|| Failure::input("`--engine` is missing: the broker to ask for shards"))?;
+    let store = arguments.store.as_deref();
+    let store = store.ok_or_else(|| Failure::input("`--store` is missing: where the sets to render lie"))?;
+    let store = Location::parse(store)
+        .and_then(Location::absolute)
+        .map_err(failure)?;
+    let slots = usize::from(arguments.slots);
+    let broker = Broker::connect(&arguments.engine, engine)?;
+    let stop = stop_at_signal()?;
+    let member = Arc::new(Mutex::new(Member {
+        name: arguments.name(),
+        slots: slots as u64,
+        code_version: renderer::CODE_VERSION.to_owned(),
+        cpu_features: renderer::cpu_features(),
+        task: None,
+        shards: 0,
+    }));
+    let ended = Arc::new(AtomicBool::new(false));
+    let renewal = keep_listed(broker.fleet(), &member, &ended, broker.lease() / RENEWALS);
+    let mut worker = Worker {
+        store,
+        recipe: render::recipe(&arguments.style, slots, &arguments.limits)?,
+        current: None,
+        member: Arc::clone(&member),
+        stop,
+    };
+    let result = worker.work(&broker);
+    ended.store(true, Ordering::SeqCst);
+    let _ = renewal.join();
+    // It expires by itself if the broker is away.
+    let _ = broker.fleet().leave(&lock(&member).name);
+    result
+}
+
+/// Keeps a worker in the list while it lives.
+fn keep_listed(
+    fleet: Fleet,
+    member: &Arc<Mutex<Member>>,
+    ended: &Arc<AtomicBool>,
+    every: Duration,
+) -> thread::JoinHandle<()> {
+    /// So long the end of the worker may wait for this thread.
+    const STEP: Duration = Duration::from_millis(100);
+    let (member, ended) = (Arc::clone(member), Arc::clone(ended));
+    thread::spawn(move || {
+        let mut since = every;
+        while !ended.load(Ordering::SeqCst) {
+            if since >= every {
+                let now = lock(&member).clone();
+                // Without a broker there is no list.
+                let _ = fleet.enter(&now);
+                since = Duration::ZERO;
+            }
+            thread::sleep(STEP);
+            since += STEP;
+        }
+    })
+}
+
+fn lock(member: &Mutex<Member>) -> MutexGuard<'_, Member> {
+    member.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+struct Worker {
+    store: Location,
+    recipe: Recipe,
+    /// The set of the last shard: the next is most often of the same.
+    current: Option<Current>,
+    member: Arc<Mutex<Member>>,
+    stop: Arc<AtomicBool>,
+}
+
+/// A set that is being rendered.
+struct Current {
+    name: String,
+    set: Set,
+    crew: Crew,
+    watch: Watch,
+}
+
+impl Worker {
+    fn work(&mut self, broker: &Broker) -> Result<(), Failure> {
+        let mut patience = Patience::default();
+        while !self.stop.load(Ordering::SeqCst) {
+            match patience.judge(broker.next(QUESTION)) {
+                Some(Some(delivery)) => {
+                    let settled = self.take(delivery)?;
+                    patience.judge(settled);
+                }
+                Some(None) => {}
+                None => thread::sleep(PAUSE),
+            }
+        }
+        Ok(())
+    }
+
+    /// Renders what a message asks for and tells the broker what became of it.
+    fn take(&mut self, delivery: Delivery) -> Result<Result<(), crate::engine::BrokerError>, Failure> {
+        let Some(task) = delivery.task() else {
+            eprintln!("a message that asks for no shard is dropped");
+            return Ok(delivery.settle(Verdict::Hopeless));
+        };
+        lock(&self.member).task = Some(task.clone());
+        let result = self.render(&task);
+        lock(&self.member).task = None;
+        let verdict = self.verdict(&result);
+        let settled = delivery.settle(verdict);
+        match result {
+            Ok(Outcome::Committed(marker)) => {
+                lock(&self.member).shards += 1;
+                let failed = marker.failed.len();
+                println!(
+                    "shard {} of {}: {} frames, {failed} failed",
+                    task.shard, task.set, marker.images
+                );
+            }
+            Ok(Outcome::Done | Outcome::Beaten) => {}
+            Err(SetError::Machine(reason)) => return Err(Failure::Other(anyhow::Error::msg(reason))),
+            Err(error) => eprintln!("shard {} of {}: {error}", task.shard, task.set),
+        }
+        Ok(settled)
+    }
+
+    fn render(&mut self, task: &Task) -> Result<Outcome, SetError> {
+        let mut current = match self.current.take().filter(|current| current.name == task.set) {
+            Some(current) => current,
+            None => self.open(task)?,
+        };
+        if task.shard >= current.set.card().shards() {
+            return Err(SetError::Refused(format!(
+                "the set has {} shards",
+                current.set.card().shards()
+            )));
+        }
+        current.set.state()?.allow()?;
+        let watch = &current.watch;
+        let outcome = run_shard(&current.set, task.shard, &mut current.crew, &|| watch.check());
+        self.current = Some(current);
+        outcome
+    }
+
+    fn open(&self, task: &Task) -> Result<Current, SetError> {
+        let location = Location::parse(&task.set)?;
+        if !self.store.contains(&location) {
+            return Err(SetError::Refused(format!("it does not lie in {}", self.store)));
+        }
+        let set = Set::open(&location)?;
+        let version = &set.card().code_version;
+        if version != renderer::CODE_VERSION {
+            return Err(SetError::Refused(format!(
+                "it was begun by version {version}, this is {}: frames could differ",
+                renderer::CODE_VERSION
+            )));
+        }
+        Ok(Current {
+            name: task.set.clone(),
+            crew: Crew::new(self.recipe.clone(), set.job()),
+            watch: Watch::start(&set, STATE_INTERVAL, Arc::clone(&self.stop)),
+            set,
+        })
+    }
+
+    fn verdict(&self, result: &Result<Outcome, SetError>) -> Verdict {
+        let is_cancelled = || {
+            let state = self.current.as_ref().map(|current| current.set.state());
+            matches!(state, Some(Ok(State::Cancelled)))
+        };
+        match result {
+            Ok(_) => Verdict::Done,
+            Err(SetError::Later(_)) if self.stop.load(Ordering::SeqCst) => Verdict::Again(Duration::ZERO),
+            Err(SetError::Later(_)) => Verdict::Again(AGAIN_SOON),
+            Err(SetError::Refused(_)) if is_cancelled() => Verdict::Done,
+            Err(SetError::Refused(_) | SetError::Machine(_)) => Verdict::Again(AGAIN_LATER),
+            Err(SetError::Damaged(_)) => Verdict::Hopeless,
+        }
+    }
+}

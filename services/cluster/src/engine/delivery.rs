@@ -1,0 +1,74 @@
+//! A message that a worker has, until it gives its verdict.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use async_nats::jetstream::{AckKind, Message};
+use tokio::runtime::Runtime;
+use tokio::task::JoinHandle;
+
+use super::broker::BrokerError;
+use super::task::Task;
+
+/// Signs of life within the time that a worker may be silent.
+const BEATS: u32 = 4;
+
+/// What becomes of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Its shard has a marker, or nobody wants it any more.
+    Done,
+    /// Another worker, or this one, may try after this time.
+    Again(Duration),
+    /// Trying again leads nowhere.
+    Hopeless,
+}
+
+/// A message that a worker has. It says that the worker is alive until the verdict is given.
+pub(crate) struct Delivery {
+    runtime: Arc<Runtime>,
+    message: Arc<Message>,
+    beat: JoinHandle<()>,
+}
+
+impl Delivery {
+    pub(super) fn new(runtime: Arc<Runtime>, message: Message, ack_wait: Duration) -> Self {
+        let message = Arc::new(message);
+        let alive = Arc::clone(&message);
+        let beat = runtime.spawn(async move {
+            loop {
+                tokio::time::sleep(ack_wait / BEATS).await;
+                // While the broker is away, the marker still counts; then the message comes again and finds it.
+                let _ = alive.ack_with(AckKind::Progress).await;
+            }
+        });
+        Self {
+            runtime,
+            message,
+            beat,
+        }
+    }
+
+    /// What the message asks for; `None` if it is not ours.
+    pub(crate) fn task(&self) -> Option<Task> {
+        serde_json::from_slice(&self.message.payload).ok()
+    }
+
+    /// Tells the broker, and waits until it knows.
+    pub(crate) fn settle(self, verdict: Verdict) -> Result<(), BrokerError> {
+        self.beat.abort();
+        let kind = match verdict {
+            Verdict::Done => AckKind::Ack,
+            Verdict::Again(delay) => AckKind::Nak(Some(delay).filter(|delay| !delay.is_zero())),
+            Verdict::Hopeless => AckKind::Term,
+        };
+        let told = self.runtime.block_on(self.message.double_ack_with(kind));
+        told.map_err(BrokerError::new)
+    }
+}
+
+impl Drop for Delivery {
+    fn drop(&mut self) {
+        self.beat.abort();
+    }
+}
