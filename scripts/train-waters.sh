@@ -1,33 +1,32 @@
 #!/usr/bin/env bash
-# Makes the three shipped waters again: renders their style photos, trains, and writes models/NAME.{onnx,card.json} and
-# models/sheets/NAME.sheet.png, byte for byte the same on every machine. With --check it compares instead of writing.
-# Needs a built fathom: cargo build --release.
+# Trains the three waters, byte for byte the same on every machine.
+#
+#   scripts/train-waters.sh OUT       renders the photos of models/photos, trains, and writes NAME.{onnx,card.json,sheet.png} to OUT
+#   scripts/train-waters.sh --shipped trains the shipped networks again, with the version that made them, and compares
+#
+# The first needs a built fathom: cargo build --release.
 set -euo pipefail
 
+# The last version with the photos that the shipped networks were trained on; docs/style.md says why they are kept.
+made_by=242d1e64937b0d965948ce33a28679149af2cd77
 root=$(cd "$(dirname "$0")/.." && pwd)
-fathom=${FATHOM:-"${CARGO_TARGET_DIR:-"$root/target"}/release/fathom"}
-photo_seeds="8 15 21"
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 
-for water in atlantic mediterranean muddy; do
-    photos=()
-    for seed in $photo_seeds; do
-        "$fathom" style-photo "$water" --seed "$seed" --out "$work/$water-$seed.png"
-        photos+=("$work/$water-$seed.png")
-    done
-    "$fathom" train "${photos[@]}" --name "$water" --seed 1 --steps 1000 --out "$work/out" \
-        --licence "MIT OR Apache-2.0" \
-        --source "trained on photos rendered by fathom style-photo $water --seed ${photo_seeds// /, }: no third-party data"
-done
-
-cd "$work/out"
-mkdir sheets
-mv ./*.sheet.png sheets/
-if [ "${1:-}" = --check ]; then
-    find . -type f | while read -r file; do cmp "$file" "$root/models/$file"; done
-    echo "the shipped waters are what this makes"
-else
-    mkdir -p "$root/models/sheets"
-    cp -r ./* "$root/models/"
+if [ "${1:?a folder, or --shipped}" = --shipped ]; then
+    trap 'git -C "$root" worktree remove --force "$work/made"; rm -rf "$work"' EXIT
+    git -C "$root" worktree add --detach "$work/made" "$made_by"
+    cd "$work/made"
+    CARGO_TARGET_DIR=$work/target cargo build --release --bin fathom
+    FATHOM=$work/target/release/fathom scripts/train-waters.sh --check
+    diff -r --exclude photos models "$root/models"
+    exit
 fi
+
+trap 'rm -rf "$work"' EXIT
+fathom=${FATHOM:-"${CARGO_TARGET_DIR:-"$root/target"}/release/fathom"}
+for water in atlantic mediterranean muddy; do
+    "$fathom" render "$root/models/photos/$water.json" --out "$work/$water"
+    "$fathom" train "$work/$water"/*/rgb.png --name "$water" --seed 1 --steps 1000 --out "$1" \
+        --licence "MIT OR Apache-2.0" \
+        --source "trained on photos rendered by fathom render models/photos/$water.json: no third-party data"
+done

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use fathom_tests::{Service, run};
+use fathom_tests::{Service, muddy_photo, run};
 use imaging::codec::encode_png;
 use imaging::{Channels, Raster, Rgb8, Samples};
 use serde_json::{Value, json};
@@ -15,17 +15,7 @@ const LIMIT: Duration = Duration::from_secs(240);
 
 fn photo() -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("photo.png");
-    let output = run(&[
-        "style-photo",
-        "muddy",
-        "--seed",
-        "5",
-        "--out",
-        path.to_str().unwrap(),
-    ]);
-    assert!(output.status.success());
-    std::fs::read(path).unwrap()
+    std::fs::read(muddy_photo(folder.path())).unwrap()
 }
 
 fn ask(service: &Service, name: &str, steps: &str, photo: &[u8]) -> (u16, Value) {

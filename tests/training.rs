@@ -1,10 +1,10 @@
-//! `fathom train` and `fathom style-photo`: what they make, and what they do with photos that cannot be learned from.
+//! `fathom train`: what it makes, and what it does with photos that cannot be learned from.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use fathom_tests::{fathom, run};
+use fathom_tests::{fathom, muddy_photo, run};
 use serde_json::Value;
 
 fn temporary() -> tempfile::TempDir {
@@ -13,18 +13,6 @@ fn temporary() -> tempfile::TempDir {
 
 fn text(path: &Path) -> String {
     path.to_str().expect("text").to_owned()
-}
-
-/// A style photo of the muddy water.
-fn photo(folder: &Path) -> PathBuf {
-    let path = folder.join("photo.png");
-    let output = run(&["style-photo", "muddy", "--seed", "5", "--out", &text(&path)]);
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    path
 }
 
 fn train(photo: &Path, out: &Path, more: &[&str]) -> std::process::Output {
@@ -53,7 +41,7 @@ const PRODUCTS: [&str; 3] = ["harbour.card.json", "harbour.onnx", "harbour.sheet
 #[test]
 fn a_photo_becomes_a_style_that_renders_without_any_library_and_the_threads_change_no_byte() {
     let folder = temporary();
-    let photo = photo(folder.path());
+    let photo = muddy_photo(folder.path());
     let outs = ["one", "four"].map(|name| folder.path().join(name));
     for (out, threads) in outs.iter().zip(["1", "4"]) {
         let output = train(
@@ -126,12 +114,9 @@ fn photos_that_cannot_be_learned_from_are_refused_with_the_reason_and_nothing_is
         assert!(printed.contains(name), "the file is named: {printed}");
         assert!(part == "picture" || printed.contains(part), "{name}: {printed}");
     }
-    let photo = photo(folder.path());
+    let photo = muddy_photo(folder.path());
     let output = run(&["train", &text(&photo), "--name", "Big Bay", "--out", &text(&out)]);
     assert_eq!(output.status.code(), Some(2));
-    let output = run(&["style-photo", "baltic", "--out", &text(&out)]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("mediterranean"));
     assert!(!out.exists());
 }
 
@@ -172,7 +157,7 @@ fn gray_deep_and_huge_photos_are_taken() {
 #[test]
 fn an_interrupted_training_leaves_whole_files_and_says_so_on_the_card() {
     let folder = temporary();
-    let (photo, out) = (photo(folder.path()), folder.path().join("out"));
+    let (photo, out) = (muddy_photo(folder.path()), folder.path().join("out"));
     let mut child = Command::new(fathom())
         .args([
             "train",
@@ -210,7 +195,7 @@ fn an_interrupted_training_leaves_whole_files_and_says_so_on_the_card() {
 #[test]
 fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
     let folder = temporary();
-    let photo = photo(folder.path());
+    let photo = muddy_photo(folder.path());
     let out = folder.path().join("out");
     // A folder in the place of one product: its last rename fails as a full disk's write does.
     std::fs::create_dir_all(out.join("harbour.sheet.png/in-the-way")).expect("a writable folder");

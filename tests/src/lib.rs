@@ -69,6 +69,23 @@ pub fn run_lab(arguments: &[&str]) -> Output {
     run_program("fathom-lab", arguments)
 }
 
+/// Renders the photos of the muddy water, and returns the first.
+///
+/// # Panics
+/// When they cannot be rendered.
+#[must_use]
+pub fn muddy_photo(folder: &Path) -> PathBuf {
+    let photos = folder.join("photos");
+    let out = photos.to_str().expect("text");
+    let output = run(&["render", "models/photos/muddy.json", "--out", out]);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    photos.join("0/rgb.png")
+}
+
 fn run_program(name: &str, arguments: &[&str]) -> Output {
     Command::new(program(name))
         .args(arguments)

@@ -43,16 +43,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let trainer = Trainer::new(&photos, arguments.seed, 1);
     for (scenes, draws) in SETS {
         let of = |weights| score_over(weights, &photos, scenes.clone(), draws).losses;
-        let (start, end) = (of(trainer.colour_transfer()), of(&network));
+        let (start, end) = (of(trainer.color_transfer()), of(&network));
         println!(
             "| {} to {} | {:.3}, {:.3}, {:.3} | {:.2}, {:.2}, {:.2} |",
             scenes.start,
             scenes.end - 1,
             start.texture,
-            start.colour,
+            start.color,
             start.content,
             end.texture / start.texture,
-            end.colour / start.colour,
+            end.color / start.color,
             end.content / start.content
         );
     }

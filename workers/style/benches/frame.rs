@@ -9,7 +9,7 @@ fn frames(c: &mut Criterion) {
     let values = (0..PARAMETERS).map(|i| (i as f32 * 0.37).fract() * 0.2 - 0.1);
     let network = Network::new(&Weights::new(values.collect()).expect("as many numbers as it has"));
     let mut scratch = Scratch::default();
-    let table = Table::of(&network);
+    let table = Table::new(&network);
     let mut table_scratch = TableScratch::default();
     for (width, height) in [(640, 480), (869, 565), (1920, 1080)] {
         let frame = Rgb::from_fn(width, height, |x, y| {

@@ -1,7 +1,7 @@
 //! The card of a model: where it comes from and how to feed it.
 
+use imaging::digest::sha256;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::ports::takes_noise;
 
@@ -47,7 +47,7 @@ pub struct Card {
     /// How it was trained, if `fathom train` made it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub training: Option<Training>,
-    /// How far its colour table is from the network, if that was measured.
+    /// How far its color table is from the network, if that was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<TableDistance>,
 }
@@ -62,15 +62,15 @@ pub struct Training {
     pub seed: u64,
     /// Steps asked for.
     pub steps: usize,
-    /// The step whose weights were kept; 0: the colour transfer alone.
+    /// The step whose weights were kept; 0: the color transfer alone.
     pub kept_step: usize,
     /// Mean losses of the steps that led to it.
     pub losses: Parts,
     /// Losses on new scenes.
     pub held_out: Parts,
-    /// The same for the colour transfer alone.
+    /// The same for the color transfer alone.
     pub held_out_colour_transfer: Parts,
-    /// What the network does beyond its colour map on new scenes: root mean square, of 255.
+    /// What the network does beyond its color map on new scenes: root mean square, of 255.
     pub branch_rms_255: f64,
     /// Version of the trainer.
     pub code_version: String,
@@ -82,13 +82,13 @@ pub struct Training {
 pub struct Parts {
     /// Distance of the texture from the photo's.
     pub texture: f64,
-    /// Distance of the colours from the photo's.
+    /// Distance of the colors from the photo's.
     pub colour: f64,
     /// Share of the content that is lost.
     pub content: f64,
 }
 
-/// Distance of the colour table from the network on new scenes.
+/// Distance of the color table from the network on new scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableDistance {
@@ -100,7 +100,7 @@ pub struct TableDistance {
     pub max_255: f64,
     /// Mean structural similarity of the brightness.
     pub ssim: f64,
-    /// Mean colour difference ΔE (CIE 1976).
+    /// Mean color difference ΔE (CIE 1976).
     pub delta_e: f64,
 }
 
@@ -125,10 +125,10 @@ impl Card {
                 card.file
             ));
         }
-        let sha256 = sha256_of(onnx);
-        if card.sha256 != sha256 {
+        let digest = sha256(onnx);
+        if card.sha256 != digest {
             return Err(format!(
-                "it gives the SHA-256 {} but the model has {sha256}",
+                "it gives the SHA-256 {} but the model has {digest}",
                 card.sha256
             ));
         }
@@ -141,7 +141,7 @@ impl Card {
         Self {
             name: name.to_owned(),
             file: file_of(name),
-            sha256: sha256_of(onnx),
+            sha256: sha256(onnx),
             architecture: unknown(),
             parameters: None,
             source: unknown(),
@@ -162,19 +162,13 @@ fn file_of(name: &str) -> String {
     format!("{name}.onnx")
 }
 
-/// SHA-256 in lower-case hex.
-#[must_use]
-pub fn sha256_of(onnx: &[u8]) -> String {
-    spec::hex(&Sha256::digest(onnx))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_card_of_another_model_or_of_other_bytes_is_refused() {
-        let digest = sha256_of(b"model");
+        let digest = sha256(b"model");
         let text = |name: &str, digest: &str| format!(r#"{{"name": "{name}", "sha256": "{digest}"}}"#);
         let card = Card::parse(&text("harbour", &digest), "harbour", b"model").unwrap();
         assert_eq!(

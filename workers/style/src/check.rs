@@ -1,11 +1,11 @@
-//! Whether a model that came from outside can be used: tried on the frames that break networks.
+//! Whether a model from outside is usable: a trial on frames that break networks.
 //!
 //! It may take any time and memory: run it in a process of its own.
 
 use imaging::{Plane, Rgb};
 
 use crate::error::StyleError;
-use crate::external::{self, Found};
+use crate::external;
 use crate::library::StyleModel;
 use crate::runtime::{Runtime, RuntimeMissing};
 use crate::session::Session;
@@ -29,10 +29,10 @@ pub enum Unfit {
         /// The tensor's name.
         tensor: String,
     },
-    /// It does not load, stops, or answers no picture.
+    /// It does not load, fails, or returns no picture.
     #[error(transparent)]
     Fails(#[from] StyleError),
-    /// It answers a sample that is not finite.
+    /// It returns a sample that is not finite.
     #[error("it answers a sample of {value} to a frame of {width}×{height}")]
     NotFinite {
         /// The sample.
@@ -58,12 +58,9 @@ pub enum Unfit {
 /// `runtime` is asked for only if the model needs it.
 ///
 /// # Errors
-/// [`Unfit`] with the first thing that is wrong.
+/// [`Unfit`]: the first defect.
 pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMissing>) -> Result<(), Unfit> {
-    external::look(&model.onnx).map_err(|found| match found {
-        Found::NotOnnx => Unfit::NotOnnx,
-        Found::External(tensor) => Unfit::External { tensor },
-    })?;
+    external::look(&model.onnx)?;
     let session = || -> Result<Session, Unfit> {
         match Session::native(model) {
             Some(session) => Ok(session),

@@ -12,66 +12,21 @@ pub enum StyleError {
         /// What is wrong.
         reason: String,
     },
-    /// The frame has no pixel.
-    #[error("style `{name}`: the frame is empty: {width}×{height}")]
-    Empty {
+    /// The frame has no pixel or a sample that is not finite, which the network would spread over the whole frame, or the noise
+    /// has another size.
+    #[error("style `{name}`: {reason}")]
+    Input {
         /// The model.
         name: String,
-        /// Columns of the frame.
-        width: usize,
-        /// Rows of the frame.
-        height: usize,
+        /// What is wrong.
+        reason: String,
     },
-    /// A sample that is NaN or infinite: the network would spread it over the whole frame.
-    #[error("style `{name}`: {input} is {value} at pixel ({x}, {y}) but must be finite")]
-    NotFinite {
-        /// The model.
-        name: String,
-        /// `image` or `noise`.
-        input: &'static str,
-        /// Column of the first such sample, plane by plane.
-        x: usize,
-        /// Row of the first such sample.
-        y: usize,
-        /// The sample.
-        value: f32,
-    },
-    /// The noise has another size than the frame.
-    #[error("style `{name}`: noise is {noise_width}×{noise_height} but the frame is {width}×{height}")]
-    NoiseSize {
-        /// The model.
-        name: String,
-        /// Columns of the noise.
-        noise_width: usize,
-        /// Rows of the noise.
-        noise_height: usize,
-        /// Columns of the frame.
-        width: usize,
-        /// Rows of the frame.
-        height: usize,
-    },
-    /// The network stopped, for instance because it takes one size only.
-    #[error("style `{name}` failed on a frame of {width}×{height}: {reason}")]
+    /// The network stopped, for instance because it takes one size only, or returned something that is no picture of the frame.
+    #[error("style `{name}` {reason}")]
     Run {
         /// The model.
         name: String,
-        /// Columns of the frame.
-        width: usize,
-        /// Rows of the frame.
-        height: usize,
-        /// What ONNX Runtime said.
+        /// What it did.
         reason: String,
-    },
-    /// The network answered something that is no picture of this frame.
-    #[error("style `{name}` answered {answer} to a frame of {width}×{height}")]
-    Answer {
-        /// The model.
-        name: String,
-        /// What it answered.
-        answer: String,
-        /// Columns of the frame.
-        width: usize,
-        /// Rows of the frame.
-        height: usize,
     },
 }

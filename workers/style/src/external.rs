@@ -1,19 +1,11 @@
 //! Tensors of an ONNX file that lie in other files. A model that came from outside may have none: they would be read
 //! from wherever their names point to.
 
+use crate::check::Unfit;
 use crate::net::wire::{Value, fields};
 
 /// Graphs in graphs, as loops and branches have them; real models have three.
 const MAX_DEPTH: usize = 64;
-
-/// What keeps a file from being a model in one piece.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Found {
-    /// It is no ONNX file.
-    NotOnnx,
-    /// A tensor of this name lies elsewhere.
-    External(String),
-}
 
 /// The messages of an ONNX file that can hold a tensor.
 #[derive(Clone, Copy, PartialEq)]
@@ -44,22 +36,25 @@ impl Message {
     }
 }
 
-/// Looks through a file; an error is the first thing found.
-pub(crate) fn look(onnx: &[u8]) -> Result<(), Found> {
+/// Searches a file for tensors outside of it.
+///
+/// # Errors
+/// [`Unfit::NotOnnx`] or [`Unfit::External`], whichever comes first.
+pub(crate) fn look(onnx: &[u8]) -> Result<(), Unfit> {
     let has_graph = fields(onnx).any(|field| matches!(field, Some((7, Value::Bytes(_)))));
     if !has_graph {
-        return Err(Found::NotOnnx);
+        return Err(Unfit::NotOnnx);
     }
     message(Message::Model, onnx, MAX_DEPTH)
 }
 
-fn message(kind: Message, bytes: &[u8], depth: usize) -> Result<(), Found> {
+fn message(kind: Message, bytes: &[u8], depth: usize) -> Result<(), Unfit> {
     if kind == Message::Tensor {
         return tensor(bytes);
     }
-    let depth = depth.checked_sub(1).ok_or(Found::NotOnnx)?;
+    let depth = depth.checked_sub(1).ok_or(Unfit::NotOnnx)?;
     for field in fields(bytes) {
-        let (number, value) = field.ok_or(Found::NotOnnx)?;
+        let (number, value) = field.ok_or(Unfit::NotOnnx)?;
         if let (Some(below), Value::Bytes(inner)) = (kind.below(number), value) {
             message(below, inner, depth)?;
         }
@@ -67,10 +62,10 @@ fn message(kind: Message, bytes: &[u8], depth: usize) -> Result<(), Found> {
     Ok(())
 }
 
-fn tensor(bytes: &[u8]) -> Result<(), Found> {
+fn tensor(bytes: &[u8]) -> Result<(), Unfit> {
     let (mut name, mut external) = (String::new(), false);
     for field in fields(bytes) {
-        match field.ok_or(Found::NotOnnx)? {
+        match field.ok_or(Unfit::NotOnnx)? {
             (8, Value::Bytes(text)) => name = String::from_utf8_lossy(text).into_owned(),
             (13, _) => external = true,
             (14, Value::Integer(location)) => external |= location != 0,
@@ -78,7 +73,7 @@ fn tensor(bytes: &[u8]) -> Result<(), Found> {
         }
     }
     if external {
-        Err(Found::External(name))
+        Err(Unfit::External { tensor: name })
     } else {
         Ok(())
     }
@@ -120,29 +115,28 @@ mod tests {
             for tensor in [&elsewhere, &named] {
                 let mut model = under(&[7, 2], b"graph");
                 model.extend(under(place, tensor));
-                assert_eq!(
-                    look(&model),
-                    Err(Found::External("weights".to_owned())),
+                assert!(
+                    matches!(look(&model), Err(Unfit::External { tensor }) if tensor == "weights"),
                     "{place:?}"
                 );
             }
             let mut model = under(&[7, 2], b"graph");
             model.extend(under(place, &under(&[8], b"weights")));
-            assert_eq!(look(&model), Ok(()), "{place:?}");
+            assert!(look(&model).is_ok(), "{place:?}");
         }
     }
 
     #[test]
     fn what_is_no_onnx_file_or_too_deep_is_told_apart() {
         for file in [&b""[..], b"hello, world", &[0xff; 40]] {
-            assert_eq!(look(file), Err(Found::NotOnnx));
+            assert!(matches!(look(file), Err(Unfit::NotOnnx)));
         }
         let mut path = vec![7];
         path.extend([1, 5, 6].repeat(40));
-        assert_eq!(look(&under(&path, b"")), Err(Found::NotOnnx));
+        assert!(matches!(look(&under(&path, b"")), Err(Unfit::NotOnnx)));
         for model in ["atlantic", "mediterranean", "muddy"] {
             let library = crate::Library::embedded().unwrap();
-            assert_eq!(look(&library.get(model).unwrap().onnx), Ok(()), "{model}");
+            assert!(look(&library.get(model).unwrap().onnx).is_ok(), "{model}");
         }
     }
 }

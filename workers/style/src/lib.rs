@@ -1,8 +1,8 @@
 //! Style water models: ONNX networks that repaint a frame in the look of one water.
 //!
-//! A network takes an sRGB-encoded picture and answers one of the same size. That of the shipped waters and of those
-//! trained here runs in this crate ([`net`]). Any other one runs on ONNX Runtime, a library that is loaded when the
-//! program runs; without it everything else still works and [`RuntimeMissing`] says what to do.
+//! A network takes an sRGB-encoded picture and returns one of the same size. That of the shipped waters and of those
+//! trained here runs in this crate ([`net`]). Any other network runs on ONNX Runtime, a library that is loaded at
+//! run time; without it everything else still works and [`RuntimeMissing`] tells how to install it.
 
 mod card;
 mod check;
@@ -16,7 +16,7 @@ mod runtime;
 mod search;
 mod session;
 
-pub use card::{Card, Parts, TableDistance, Training, sha256_of};
+pub use card::{Card, Parts, TableDistance, Training};
 pub use check::{Unfit, check};
 pub use error::StyleError;
 pub use library::{Library, LibraryError, StyleModel, is_name};

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::card::Card;
 use crate::net;
 
-/// Largest ONNX file: the shipped ones have 43 KB, the largest network that anybody tried for this 7 MB.
+/// Largest ONNX file: the shipped ones have 43 KB, the largest style network known has 7 MB.
 const MAX_MODEL_BYTES: u64 = 256 << 20;
 /// Longest name of a model.
 const MAX_NAME_CHARS: usize = 64;
@@ -22,12 +22,12 @@ pub struct StyleModel {
     pub name: String,
     /// The ONNX file.
     pub onnx: Cow<'static, [u8]>,
-    /// What is known of it.
+    /// Its card.
     pub card: Card,
 }
 
 impl StyleModel {
-    /// A model of which nothing is known but its name and file.
+    /// An undocumented model, known only by name and file.
     #[must_use]
     pub fn without_card(name: &str, onnx: Vec<u8>) -> Self {
         Self {
@@ -116,11 +116,8 @@ impl Library {
             models: BTreeMap::new(),
         };
         for (name, onnx, card) in SHIPPED {
-            let card = Card::parse(card, name, onnx).map_err(|reason| LibraryError::Card {
-                path: Path::new("models").join(name).with_extension("card.json"),
-                reason,
-            })?;
-            library.add(name.to_owned(), onnx.into(), card);
+            let path = Path::new("models").join(name).with_extension("onnx");
+            library.add(name, &path, onnx.into(), Some(card))?;
         }
         Ok(library)
     }
@@ -132,19 +129,16 @@ impl Library {
     pub fn with_dir(mut self, folder: &Path) -> Result<Self, LibraryError> {
         for path in model_files(folder)? {
             let stem = path.file_stem().and_then(|stem| stem.to_str());
-            let Some(name) = stem.filter(|name| is_name(name)).map(str::to_owned) else {
-                return Err(LibraryError::Name { path });
-            };
-            if self.models.contains_key(&name) {
-                return Err(LibraryError::Twice { path, name });
-            }
+            let name = stem.unwrap_or_default().to_owned();
             let bytes = fs::metadata(&path).map_err(unreadable(&path))?.len();
-            if bytes > MAX_MODEL_BYTES {
-                return Err(LibraryError::TooLarge { path, bytes });
-            }
+            self.check(&name, &path, bytes)?;
             let onnx = fs::read(&path).map_err(unreadable(&path))?;
-            let card = card_beside(&path, &name, &onnx)?;
-            self.add(name, onnx.into(), card);
+            let card = match fs::read_to_string(path.with_extension("card.json")) {
+                Ok(text) => Some(text),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+                Err(error) => return Err(unreadable(&path.with_extension("card.json"))(error)),
+            };
+            self.add(&name, &path, onnx.into(), card.as_deref())?;
         }
         Ok(self)
     }
@@ -155,25 +149,8 @@ impl Library {
     /// [`LibraryError`] naming the file that it would have in a folder.
     pub fn with_model(mut self, name: &str, onnx: Vec<u8>, card: Option<&str>) -> Result<Self, LibraryError> {
         let path = PathBuf::from(format!("{name}.onnx"));
-        if !is_name(name) {
-            return Err(LibraryError::Name { path });
-        }
-        if self.models.contains_key(name) {
-            let name = name.to_owned();
-            return Err(LibraryError::Twice { path, name });
-        }
-        let bytes = onnx.len() as u64;
-        if bytes > MAX_MODEL_BYTES {
-            return Err(LibraryError::TooLarge { path, bytes });
-        }
-        let card = match card {
-            Some(text) => {
-                let path = path.with_extension("card.json");
-                Card::parse(text, name, &onnx).map_err(|reason| LibraryError::Card { path, reason })?
-            }
-            None => Card::absent(name, &onnx),
-        };
-        self.add(name.to_owned(), onnx.into(), card);
+        self.check(name, &path, onnx.len() as u64)?;
+        self.add(name, &path, onnx.into(), card)?;
         Ok(self)
     }
 
@@ -188,7 +165,7 @@ impl Library {
         self.models.values().map(Arc::as_ref)
     }
 
-    /// Whether a model of this name runs on ONNX Runtime only; an unknown one needs nothing.
+    /// Whether a model of this name runs on ONNX Runtime only; false for an unknown name.
     #[must_use]
     pub fn needs_runtime(&self, name: &str) -> bool {
         self.get(name).is_some_and(StyleModel::needs_runtime)
@@ -200,19 +177,50 @@ impl Library {
         self.models.get(name).map(Arc::as_ref)
     }
 
-    /// The same as a handle of its own.
+    /// A shared handle to the model of a name.
     #[must_use]
     pub fn shared(&self, name: &str) -> Option<Arc<StyleModel>> {
         self.models.get(name).map(Arc::clone)
     }
 
-    fn add(&mut self, name: String, onnx: Cow<'static, [u8]>, card: Card) {
+    /// Checks what can be checked before a file is read.
+    fn check(&self, name: &str, path: &Path, bytes: u64) -> Result<(), LibraryError> {
+        let path = path.to_owned();
+        if !is_name(name) {
+            return Err(LibraryError::Name { path });
+        }
+        if self.models.contains_key(name) {
+            let name = name.to_owned();
+            return Err(LibraryError::Twice { path, name });
+        }
+        if bytes > MAX_MODEL_BYTES {
+            return Err(LibraryError::TooLarge { path, bytes });
+        }
+        Ok(())
+    }
+
+    fn add(
+        &mut self,
+        name: &str,
+        path: &Path,
+        onnx: Cow<'static, [u8]>,
+        card: Option<&str>,
+    ) -> Result<(), LibraryError> {
+        let card = match card {
+            Some(text) => Card::parse(text, name, &onnx).map_err(|reason| LibraryError::Card {
+                path: path.with_extension("card.json"),
+                reason,
+            })?,
+            None => Card::absent(name, &onnx),
+        };
+        let name = name.to_owned();
         let model = StyleModel {
             name: name.clone(),
             onnx,
             card,
         };
         self.models.insert(name, Arc::new(model));
+        Ok(())
     }
 }
 
@@ -227,15 +235,6 @@ fn model_files(folder: &Path) -> Result<Vec<PathBuf>, LibraryError> {
     }
     files.sort();
     Ok(files)
-}
-
-fn card_beside(model: &Path, name: &str, onnx: &[u8]) -> Result<Card, LibraryError> {
-    let path = model.with_extension("card.json");
-    match fs::read_to_string(&path) {
-        Ok(text) => Card::parse(&text, name, onnx).map_err(|reason| LibraryError::Card { path, reason }),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Card::absent(name, onnx)),
-        Err(error) => Err(unreadable(&path)(error)),
-    }
 }
 
 /// Whether a model may have this name: 1 to 64 characters of a-z, 0-9, `_` and `-`.

@@ -8,7 +8,7 @@ const STAGE: &str = "style noise";
 
 /// Standard normal samples of a frame's size, unitless, independent of each other. They are a function of job seed, frame
 /// and place alone: `sqrt(-2 ln u) (cos 2πv, sin 2πv)` (Box and Muller 1958, "A note on the generation of random normal
-/// deviates") for two neighbours of one row after the other, u in (0, 1) and v in [0, 1) from the halves of 64 bits of
+/// deviates") for two neighbors of one row after the other, u in (0, 1) and v in [0, 1) from the halves of 64 bits of
 /// [`Stream`]. The greatest that can come is 6.8.
 #[must_use]
 pub fn noise(seed: u64, frame: u64, (width, height): (usize, usize)) -> Plane<f32> {
@@ -18,7 +18,7 @@ pub fn noise(seed: u64, frame: u64, (width, height): (usize, usize)) -> Plane<f3
     for pair in 0..count.div_ceil(2) as u64 {
         let bits = stream.bits(frame, pair);
         let half =
-            |bits: u64, centre: f64| ((bits & u64::from(u32::MAX)) as f64 + centre) / (1u64 << 32) as f64;
+            |bits: u64, center: f64| ((bits & u64::from(u32::MAX)) as f64 + center) / (1u64 << 32) as f64;
         let radius = (-2.0 * libm::log(half(bits, 0.5))).sqrt();
         let (sine, cosine) = libm::sincos(2.0 * std::f64::consts::PI * half(bits >> 32, 0.0));
         samples.extend([radius * cosine, radius * sine].map(|sample| sample as f32));
@@ -42,7 +42,7 @@ mod tests {
 
     /// 262 144 samples: the standard error of each figure is below a fifth of what is allowed.
     #[test]
-    fn it_is_standard_normal_and_neighbours_are_independent() {
+    fn it_is_standard_normal_and_neighbors_are_independent() {
         let plane = noise(7, 3, (512, 512));
         let samples: Vec<f64> = plane.data().iter().map(|&sample| f64::from(sample)).collect();
         let mean = |of: &dyn Fn(usize) -> f64| (0..samples.len()).map(of).sum::<f64>() / samples.len() as f64;

@@ -1,11 +1,11 @@
-//! What a model file says of its inputs, read without ONNX Runtime.
+//! The inputs of a model file, read without ONNX Runtime.
 
-use crate::net::wire::{Value, fields};
+use crate::net::wire::under;
 
 /// Name of the input for noise.
 const NOISE: &[u8] = b"noise";
 
-/// Whether a model has an input `noise` beside its picture. Not for a file that is no model.
+/// Returns whether a model has an input `noise` beside its picture; false for a file that is no model.
 pub(crate) fn takes_noise(onnx: &[u8]) -> bool {
     let graph = under(onnx, 7).next().unwrap_or_default();
     // Old files list their weights among the inputs as well.
@@ -15,14 +15,6 @@ pub(crate) fn takes_noise(onnx: &[u8]) -> bool {
     let inputs = under(graph, 11).filter_map(|input| under(input, 1).next());
     let inputs: Vec<&[u8]> = inputs.filter(|name| !weights.contains(name)).collect();
     inputs.len() > 1 && inputs.contains(&NOISE)
-}
-
-/// The messages and texts under a field.
-fn under(message: &[u8], number: u32) -> impl Iterator<Item = &[u8]> {
-    fields(message).filter_map(move |field| match field? {
-        (found, Value::Bytes(bytes)) if found == number => Some(bytes),
-        _ => None,
-    })
 }
 
 #[cfg(test)]

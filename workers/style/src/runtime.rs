@@ -1,4 +1,4 @@
-//! ONNX Runtime, loaded when the program runs.
+//! ONNX Runtime, loaded at run time.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -12,10 +12,10 @@ use crate::library::StyleModel;
 use crate::search::{Surroundings, candidates};
 use crate::session::Session;
 
-/// There is no ONNX Runtime that can be used.
+/// No usable ONNX Runtime.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RuntimeMissing {
-    /// No file was named and none lies where it is looked for.
+    /// No file was named, and none was found.
     #[error(
         "this style water needs ONNX Runtime, which is not installed: run scripts/get-onnxruntime.sh, or name the library with --onnxruntime or ORT_DYLIB_PATH"
     )]
@@ -135,7 +135,7 @@ fn unusable(path: &Path, reason: String) -> RuntimeMissing {
     }
 }
 
-/// Why a file is not taken. The loader's own text leaves out what the system said.
+/// Why a file was rejected. The loader's own text leaves out what the system said.
 fn reason(error: &LoadDynamicError) -> String {
     match error {
         LoadDynamicError::Dlopen { error, path } => {
@@ -153,8 +153,8 @@ fn reason(error: &LoadDynamicError) -> String {
     }
 }
 
-/// The version in the name of the library's symbol version, `VERS_1.31.1`. The library also answers it, but `ort`
-/// does not pass that call on and the build description that it does pass on has no version in it.
+/// The version in the name of the library's symbol version, `VERS_1.31.1`. `ort` exposes only
+/// the build description, which has no version in it.
 fn version_of(library: &[u8]) -> Option<String> {
     const TAG: &[u8] = b"\0VERS_";
     let numbers = library

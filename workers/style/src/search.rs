@@ -1,8 +1,8 @@
-//! Where an ONNX Runtime is looked for.
+//! Where ONNX Runtime is searched for.
 
 use std::path::{Path, PathBuf};
 
-/// Name of the library wherever it is looked for.
+/// File name of the library.
 const LIBRARY: &str = "libonnxruntime.so";
 /// Folder that scripts/get-onnxruntime.sh fills.
 const FOLDER: &str = ".onnxruntime";
@@ -10,7 +10,7 @@ const FOLDER: &str = ".onnxruntime";
 /// below its root.
 const LEVELS: usize = 4;
 
-/// What of the process decides the search.
+/// The parts of the environment that decide the search.
 pub(crate) struct Surroundings {
     /// `ORT_DYLIB_PATH`.
     pub(crate) variable: Option<PathBuf>,
@@ -35,7 +35,7 @@ impl Surroundings {
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Candidate {
     pub(crate) path: PathBuf,
-    /// Whether the user named it: then nothing else will do.
+    /// Whether the user named it; then the search ends here.
     pub(crate) named: bool,
 }
 

@@ -20,9 +20,9 @@ pub struct Session {
 }
 
 enum Form {
-    /// Our own network, which needs nothing else.
+    /// Our own network, natively.
     Native(Box<(Network, Scratch)>),
-    /// The colour table of our own network.
+    /// The color table of our own network.
     Table(Box<(Table, TableScratch)>),
     /// Any other network, on ONNX Runtime.
     Onnx(Graph),
@@ -30,7 +30,7 @@ enum Form {
 
 impl Session {
     /// A session without ONNX Runtime: for the network of the shipped waters and of those that are trained here, and
-    /// nothing for a model of any other form.
+    /// `None` for a model of any other form.
     #[must_use]
     pub fn native(model: &StyleModel) -> Option<Self> {
         let network = Network::new(&net::onnx::read(&model.onnx)?);
@@ -40,11 +40,11 @@ impl Session {
         })
     }
 
-    /// A session with the colour table of our own network in its place: several times faster, without softening and haze
-    /// around edges. Nothing for a model of any other form.
+    /// A session with the color table of our own network in its place: several times faster, without softening and haze
+    /// around edges. `None` for a model of any other form.
     #[must_use]
     pub fn table(model: &StyleModel) -> Option<Self> {
-        let table = Table::of(&Network::new(&net::onnx::read(&model.onnx)?));
+        let table = Table::new(&Network::new(&net::onnx::read(&model.onnx)?));
         Some(Self {
             name: model.name.clone(),
             form: Form::Table(Box::new((table, TableScratch::default()))),
@@ -74,12 +74,12 @@ impl Session {
         matches!(&self.form, Form::Onnx(graph) if graph.takes_noise())
     }
 
-    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An answer that is larger than the frame
+    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An output that is larger than the frame
     /// (of a network that pads) is cropped from the top left. `noise` is standard normal, of the frame's size, for a
-    /// model with such an input: zeros if it is not given; other models do not look at it.
+    /// model with such an input: zeros if absent; other models ignore it.
     ///
     /// # Errors
-    /// [`StyleError`]: an empty frame, a sample that is not finite, a network that fails, or an answer that is no
+    /// [`StyleError`]: an empty frame, a sample that is not finite, a network that fails, or an output that is no
     /// picture, is smaller than the frame, or holds a sample that is not finite.
     pub fn apply(&mut self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<Rgb<f32>, StyleError> {
         self.check(encoded, noise)?;
@@ -92,44 +92,39 @@ impl Session {
                 let (table, scratch) = &mut **table;
                 Ok(table.apply(encoded, scratch))
             }
-            Form::Onnx(graph) => graph.run(&self.name, encoded, noise),
+            Form::Onnx(graph) => graph.run(encoded, noise).map_err(|reason| StyleError::Run {
+                name: self.name.clone(),
+                reason,
+            }),
         }
     }
 
     fn check(&self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<(), StyleError> {
-        let name = || self.name.clone();
+        let wrong = |reason: String| {
+            Err(StyleError::Input {
+                name: self.name.clone(),
+                reason,
+            })
+        };
         let (width, height) = encoded.size();
         if width == 0 || height == 0 {
-            return Err(StyleError::Empty {
-                name: name(),
-                width,
-                height,
-            });
+            return wrong(format!("the frame is empty: {width}×{height}"));
         }
         let noise = noise.filter(|_| self.takes_noise());
-        if let Some(noise) = noise
-            && noise.size() != (width, height)
+        if let Some((columns, rows)) = noise.map(Plane::size)
+            && (columns, rows) != (width, height)
         {
-            let (noise_width, noise_height) = noise.size();
-            return Err(StyleError::NoiseSize {
-                name: name(),
-                noise_width,
-                noise_height,
-                width,
-                height,
-            });
+            return wrong(format!(
+                "noise is {columns}×{rows} but the frame is {width}×{height}"
+            ));
         }
         let planes = encoded.planes().iter().map(|plane| ("image", plane));
         for (input, plane) in planes.chain(noise.map(|noise| ("noise", noise))) {
             if let Some(at) = plane.data().iter().position(|sample| !sample.is_finite()) {
                 let (x, y, value) = (at % width, at / width, plane.data()[at]);
-                return Err(StyleError::NotFinite {
-                    name: name(),
-                    input,
-                    x,
-                    y,
-                    value,
-                });
+                return wrong(format!(
+                    "{input} is {value} at pixel ({x}, {y}) but must be finite"
+                ));
             }
         }
         Ok(())

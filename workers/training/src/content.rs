@@ -1,13 +1,16 @@
-//! Content pictures, made on the fly: what a network may be given to repaint.
+//! Content pictures, made on the fly: samples of what a network may be asked to repaint.
 //!
-//! Two of three are scenes of ours, the others simple shapes in any colour, so that no palette is preferred. Then,
-//! by chance: attenuation and veil with the range, blur, gamma, gain, a sloping light, noise; some are flat or nearly black.
+//! Two of three are procedural scenes, the others simple shapes in any color, so that no palette is preferred. Then,
+//! by chance: water as `optics` computes it, gamma, gain, a sloping light, noise; some are flat or nearly black.
 
 mod shapes;
 
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
-use imaging::transfer;
+use imaging::{Plane, transfer};
+use optics::chain;
+use optics::water::Water;
+use spec::{ForwardScatter, HoleRule, Optics, ScatterModel};
 
 use crate::loss::normals;
 use crate::tensor::Tensor;
@@ -22,7 +25,7 @@ pub struct Contents {
     stream: Stream,
 }
 
-/// Light before it is encoded, and how far it comes from, in metres.
+/// A picture in air: linear light, and the range of each pixel in meters.
 struct Air {
     light: Tensor<f32>,
     range: Vec<f32>,
@@ -54,7 +57,7 @@ impl Contents {
             }
             return picture;
         }
-        let mut air = if index % 3 == 2 {
+        let air = if index % 3 == 2 {
             shapes::draw(&chance)
         } else {
             self.scene(&chance)
@@ -64,31 +67,21 @@ impl Contents {
         } else {
             chance.between("gain", 0, 0.5, 1.2)
         };
-        if chance.unit("water") < 0.4 {
-            sink(&mut air, &chance);
-        }
-        finish(air.light, gain, &chance)
+        let light = if chance.unit("water") < 0.4 {
+            submerged(&air, &chance)
+        } else {
+            air.light
+        };
+        finish(light, gain, &chance)
     }
 
     fn scene(&self, chance: &Chance) -> Air {
         let seed = self.stream.bits(chance.index, 1) ^ self.seed;
         let lens = Intrinsics::centered(SIDE as f64 * chance.between("focal", 0, 0.5, 1.1), SIDE, SIDE);
         let scene = scenes::procedural("structure", seed, SIDE, SIDE, lens).expect("a family that is there");
-        let mut light = Tensor::zeros(3, SIDE, SIDE);
-        for (channel, plane) in scene.radiance.planes().iter().enumerate() {
-            light.plane_mut(channel).copy_from_slice(plane.data());
-        }
-        let range = scene.range.map(imaging::Plane::into_data).unwrap_or_default();
-        let far = |range: f32| {
-            if range.is_finite() {
-                range.min(FAR_M)
-            } else {
-                FAR_M
-            }
-        };
         Air {
-            light,
-            range: range.into_iter().map(far).collect(),
+            light: Tensor::from(&scene.radiance),
+            range: scene.range.map(Plane::into_data).unwrap_or_default(),
         }
     }
 }
@@ -96,10 +89,12 @@ impl Contents {
 /// Largest standard deviation of the noise: what a good camera has under water. A network without chance can neither
 /// take away more nor add any, so more would only be a floor under the distance from the style.
 const MAX_NOISE: f64 = 0.01;
-/// Where nothing is met.
-const FAR_M: f32 = 40.0;
+/// Pictures are rounded to 16 bits, so that the last bits of a transform, which depend on the CPU, are gone.
+const CODES: f32 = 65_535.0;
+/// Range of open water, in meters.
+const FAR_M: f64 = 40.0;
 
-/// Values of one picture by name.
+/// Random values of one picture, addressed by name.
 struct Chance {
     stream: Stream,
     index: u64,
@@ -123,22 +118,30 @@ impl Chance {
     }
 }
 
-/// What an earlier stage may have done: attenuation and a veil that grow with the range.
-fn sink(air: &mut Air, chance: &Chance) {
+/// The picture under a random water, half of the time one that scatters light forward. In f64: the transform in f32 has other
+/// bits on another CPU.
+fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
+    let rgb = |name: &str, low, high| [0, 1, 2].map(|channel| chance.between(name, channel, low, high));
     let strength = chance.between("strength", 0, 0.03, 0.5);
-    for channel in 0..3 {
-        let number = channel as u64;
-        let attenuation = (strength * chance.between("attenuation", number, 0.3, 1.7)) as f32;
-        let veil = chance.between("veil", number, 0.0, 0.5) as f32;
-        for (light, &range) in air.light.plane_mut(channel).iter_mut().zip(&air.range) {
-            let left = libm::expf(-attenuation * range);
-            *light = *light * left + veil * (1.0 - left);
-        }
-    }
-    if chance.unit("blur") < 0.5 {
-        let sigma = chance.between("sigma", 0, 0.5, 2.5);
-        crate::blur::gaussian(&mut air.light, sigma);
-    }
+    // One kernel for the whole picture takes one transform.
+    let kernel = |gamma_px: f64| ForwardScatter {
+        spread_px_per_m: Some([0.0; 3]),
+        spread_offset_px: Some([gamma_px; 3]),
+        ..ScatterModel::Simplified.into()
+    };
+    let mut description = spec::Water::from(Optics {
+        beam_attenuation_per_m: Some(rgb("attenuation", 0.3, 1.7).map(|share| strength * share)),
+        veiling_light: Some(rgb("veil", 0.0, 0.5)),
+        forward_scatter: (chance.unit("blur") < 0.5).then(|| kernel(chance.between("sigma", 0, 0.3, 1.7))),
+        ..Optics::default()
+    });
+    description.holes = HoleRule::RangeM(FAR_M);
+    let water = Water::resolve(&description, 1.0).expect("a water with all its numbers");
+    let radiance = air.light.to_rgb().map(|&light| f64::from(light));
+    let range = air.range.iter().map(|&range| f64::from(range)).collect();
+    let range = Plane::new(SIDE, SIDE, range).expect("one sample for each pixel");
+    let layers = chain::water_reference(&radiance, &range, &water).expect("a picture of this size");
+    Tensor::from(&layers.scattered.map(|&light| light as f32))
 }
 
 /// Gain and a sloping light, encoding, gamma, noise.
@@ -156,7 +159,8 @@ fn finish(light: Tensor<f32>, gain: f64, chance: &Chance) -> Tensor<f32> {
                 let lit = gain * (1.0 + slope[0] * place(x) + slope[1] * place(y));
                 let encoded = transfer::encode((f64::from(*value) * lit).clamp(0.0, 1.0));
                 let noise = sigma * noise.next().unwrap_or_default() as f32;
-                *value = (libm::pow(encoded, gamma) as f32 + noise).clamp(0.0, 1.0);
+                let shown = (libm::pow(encoded, gamma) as f32 + noise).clamp(0.0, 1.0);
+                *value = (shown * CODES).round() / CODES;
             }
         }
     }

@@ -3,8 +3,6 @@
 //!
 //! Pure: a training is a function of photos, seed and number of steps. Threads share the work and never change a bit.
 
-mod blur;
-mod clouds;
 pub mod content;
 mod layer;
 pub mod loss;
@@ -16,7 +14,6 @@ mod score;
 pub mod tensor;
 mod trainer;
 mod transfer;
-pub mod waters;
 
 pub use photo::{MAX_SIDE_PX, MIN_SIDE_PX, MIN_SPREAD, Photo, PhotoError};
 pub use score::{Score, new_scenes, score, score_over};

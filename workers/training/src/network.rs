@@ -4,16 +4,16 @@
 //! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce goes in steps of 2
 //! c = c + mix_b(spread_b(relu(mix_a(spread_a(c)))))                    twice
 //! h = relu(pixel(x) + resize(leave(c), bilinear, to the size of x))
-//! styled = colour(x) + output(h)                                       not clamped
+//! styled = color(x) + output(h)                                       not clamped
 //! ```
 
-use style::net::layer::{BLOCKS, COLOUR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PIXEL, REDUCE, Weights};
+use style::net::layer::{BLOCKS, COLOR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PIXEL, REDUCE, Weights};
 
 use crate::layer::{filter, mix, scale};
 use crate::real::Real;
 use crate::tensor::Tensor;
 
-/// What a run has made, kept for the way back.
+/// Intermediate results of a forward run, kept for the gradient.
 pub struct Trace<T> {
     /// The result before it is clamped.
     pub styled: Tensor<T>,
@@ -61,7 +61,7 @@ pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>) -> Trace<T> {
     let mut features = apply(PIXEL, image, 1);
     features.add(&scale::resized(&left, image.height, image.width));
     let mut styled = apply(OUTPUT, &features.relu(), 1);
-    styled.add(&apply(COLOUR, image, 1));
+    styled.add(&apply(COLOR, image, 1));
     Trace {
         styled,
         inputs,
@@ -77,7 +77,7 @@ pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tens
         3 => filter::backward_weights(trace.input(layer), gradient, step, sums.layer_mut(layer)),
         _ => mix::backward_weights(trace.input(layer), gradient, sums.layer_mut(layer)),
     };
-    // The gradient of what a filter was given; behind a ReLU, where that let nothing through, none.
+    // The gradient of what a filter was given; behind a ReLU, zero where the ReLU was closed.
     let through = |layer: Layer, gradient: &Tensor<T>, step, behind_relu| {
         let input = trace.input(layer);
         let mut back = filter::backward_input(gradient, weights.weight(layer), input, step);
@@ -89,7 +89,7 @@ pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tens
     let unmixed = |layer: Layer, gradient: &Tensor<T>| {
         mix::backward_input(gradient, weights.weight(layer), layer.inputs)
     };
-    learn(COLOUR, gradient, 1);
+    learn(COLOR, gradient, 1);
     learn(OUTPUT, gradient, 1);
     let features = through(OUTPUT, gradient, 1, true);
     learn(PIXEL, &features, 1);

@@ -1,19 +1,19 @@
-//! The style photo: what is taken, and how it is prepared.
+//! The style photo: which pictures are accepted, and how they are prepared.
 
 use imaging::{Rgb, Rgb8, codec};
 
 use crate::loss::pyramid::Pyramid;
 use crate::tensor::Tensor;
-use crate::transfer::Colours;
+use crate::transfer::ColorStats;
 
 /// Longest side that is used; a larger photo is reduced to it first. Texture is learned at the scale of ordinary frames.
 pub const MAX_SIDE_PX: usize = 768;
 /// Shortest side: the coarsest level must hold a patch of 7 pixels.
 pub const MIN_SIDE_PX: usize = 64;
-/// Least standard deviation of a channel, of 255: below it there is nothing to learn but one colour.
+/// Least standard deviation of a channel, of 255: a flatter photo teaches only one color.
 pub const MIN_SPREAD: f64 = 2.0;
 
-/// A photo that cannot be learned from.
+/// A photo that is unfit for training.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PhotoError {
     /// A side is too short.
@@ -26,7 +26,7 @@ pub enum PhotoError {
         /// Rows.
         height: usize,
     },
-    /// It has one colour, or nearly so.
+    /// It has one color, or nearly so.
     #[error("the photo is flat: its samples deviate by {spread:.2} of 255 but must by {MIN_SPREAD}")]
     Flat {
         /// Greatest standard deviation of a channel, of 255.
@@ -34,7 +34,7 @@ pub enum PhotoError {
     },
 }
 
-/// A photo that can be learned from.
+/// A photo that is fit for training.
 #[derive(Debug, Clone)]
 pub struct Photo {
     pub(crate) pyramid: Pyramid<f32>,
@@ -54,7 +54,7 @@ impl Photo {
         let tensor = Tensor::from(&Rgb::from_fn(width, height, |x, y| {
             reduced.at(x, y).map(|code| f32::from(code) / 255.0)
         }));
-        let spread = 255.0 * Colours::of(std::iter::once(&tensor)).spread();
+        let spread = 255.0 * ColorStats::measure(std::iter::once(&tensor)).spread();
         if spread < MIN_SPREAD {
             return Err(PhotoError::Flat { spread });
         }

@@ -18,26 +18,20 @@ pub trait Real:
     + 'static
 {
     /// The nearest such number.
-    fn of(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
     /// The same number in f64.
-    fn wide(self) -> f64;
-    /// Square root.
-    fn root(self) -> Self;
+    fn to_f64(self) -> f64;
     /// The places of the values in ascending order; equal ones keep theirs.
     fn ascending(values: &[Self]) -> Vec<u32>;
 }
 
 impl Real for f32 {
-    fn of(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value as f32
     }
 
-    fn wide(self) -> f64 {
+    fn to_f64(self) -> f64 {
         f64::from(self)
-    }
-
-    fn root(self) -> Self {
-        self.sqrt()
     }
 
     /// Sorts whole numbers that carry the place in their lower half: faster than sorting places by value.
@@ -54,16 +48,12 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
-    fn of(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value
     }
 
-    fn wide(self) -> f64 {
+    fn to_f64(self) -> f64 {
         self
-    }
-
-    fn root(self) -> Self {
-        self.sqrt()
     }
 
     fn ascending(values: &[Self]) -> Vec<u32> {

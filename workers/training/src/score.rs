@@ -17,7 +17,7 @@ use crate::trainer::cropped;
 
 /// New scenes that are judged; they are the same for every training.
 ///
-/// Over sixteen the colour distance still moves by half with which scenes they are.
+/// Over sixteen the color distance still moves by half with which scenes they are.
 const SCENES: u64 = 64;
 /// Those that networks are compared on pixel by pixel.
 const SHOWN: u64 = 16;
@@ -30,9 +30,9 @@ const SEED: u64 = 0x5c0e;
 /// How a network does on new scenes. Lower is better.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Score {
-    /// Texture, colour and content; see [`Losses`].
+    /// Texture, color and content; see [`Losses`].
     pub losses: Losses,
-    /// Root mean square of what the network does beyond its colour map, of 255.
+    /// Root mean square of what the network does beyond its color map, of 255.
     pub branch: f64,
 }
 

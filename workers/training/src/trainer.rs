@@ -2,7 +2,7 @@
 
 use imaging::random::Stream;
 use rayon::prelude::*;
-use style::net::layer::{BLOCKS, COLOUR, LAYERS, OUTPUT, PIXEL, Weights};
+use style::net::layer::{BLOCKS, COLOR, LAYERS, OUTPUT, PIXEL, Weights};
 
 use crate::content::{Contents, SIDE};
 use crate::loss::pyramid::Pyramid;
@@ -11,16 +11,16 @@ use crate::network::{backward, forward};
 use crate::optimiser::Adam;
 use crate::photo::Photo;
 use crate::tensor::Tensor;
-use crate::transfer::{Colours, transfer};
+use crate::transfer::{ColorStats, transfer};
 
-/// Pictures of a batch: many small ones, since the style's colours must be found over all of them together, and a batch
+/// Pictures of a batch: many small ones, since the style's colors must be found over all of them together, and a batch
 /// of few is too far from the whole.
 const BATCH: usize = 48;
 /// Side of a crop in pixels: at the coarsest level it is one patch.
 const CROP: usize = 56;
 /// Content pictures of each brightness; a step takes one of them.
 const CHOICE: usize = 8;
-/// Content pictures of a training: many, since the colour transfer that it starts from is only as good as they are like
+/// Content pictures of a training: many, since the color transfer that it starts from is only as good as they are like
 /// those that will come.
 const POOL: usize = BATCH * CHOICE;
 /// Bias that the features of a pixel begin with.
@@ -54,8 +54,8 @@ pub struct Best {
 }
 
 impl Trainer {
-    /// Prepares to learn one water from one or more photos of it: measures colours, and starts from the closed-form
-    /// colour transfer.
+    /// Prepares to learn one water from one or more photos of it: measures colors, and starts from the closed-form
+    /// color transfer.
     ///
     /// # Panics
     /// Without a photo.
@@ -68,7 +68,7 @@ impl Trainer {
             .into_par_iter()
             .map(|index| contents.picture(index))
             .collect();
-        let content = Colours::of(pool.iter());
+        let content = ColorStats::measure(pool.iter());
         // Floats that are not negative are ordered as their bits are.
         pool.sort_by_cached_key(|picture| {
             picture
@@ -78,11 +78,11 @@ impl Trainer {
                 .sum::<f64>()
                 .to_bits()
         });
-        let target = Colours::of(style.iter().map(|pyramid| &pyramid.levels[0]));
+        let target = ColorStats::measure(style.iter().map(|pyramid| &pyramid.levels[0]));
         let stream = Stream::stage(seed, "training");
         let (map, offset) = transfer(&content, &target);
         let mut start = Weights::zeros();
-        let (weight, bias) = start.layer_mut(COLOUR);
+        let (weight, bias) = start.layer_mut(COLOR);
         for (weight, &value) in weight.iter_mut().zip(map.as_flattened()) {
             *weight = value as f32;
         }
@@ -93,7 +93,7 @@ impl Trainer {
             style,
             pool,
             stream,
-            weights: randomised(&start, &stream),
+            weights: randomized(&start, &stream),
             start,
             optimiser: Adam::new(),
             steps,
@@ -102,9 +102,9 @@ impl Trainer {
         }
     }
 
-    /// The colour transfer alone, as a network.
+    /// The color transfer alone, as a network.
     #[must_use]
-    pub fn colour_transfer(&self) -> &Weights {
+    pub fn color_transfer(&self) -> &Weights {
         &self.start
     }
 
@@ -145,7 +145,7 @@ impl Trainer {
         losses
     }
 
-    /// The weights with the lowest loss so far; before the end of the first step those of the colour transfer.
+    /// The weights with the lowest loss so far; before the end of the first step those of the color transfer.
     #[must_use]
     pub fn best(&self) -> Best {
         self.best.clone().unwrap_or_else(|| Best {
@@ -176,7 +176,7 @@ impl Trainer {
         }
     }
 
-    /// A crop of a picture of the brightness that belongs to a place of the batch. So each batch has about the colours of
+    /// A crop of a picture of the brightness that belongs to a place of the batch. So each batch has about the colors of
     /// all pictures, as if it were several times as large.
     fn crop(&self, step: u64, place: usize) -> Tensor<f32> {
         let draw = |purpose: u64| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose);
@@ -206,11 +206,11 @@ pub(crate) fn cropped(
     crop
 }
 
-/// Uniform in ±1/sqrt(fan-in), smaller at the ends of the residual branches, beside the colour map of the start.
-fn randomised(start: &Weights, stream: &Stream) -> Weights {
+/// Uniform in ±1/sqrt(fan-in), smaller at the ends of the residual branches, beside the color map of the start.
+fn randomized(start: &Weights, stream: &Stream) -> Weights {
     let mut weights = start.clone();
     for (index, layer) in LAYERS.into_iter().enumerate() {
-        if layer == COLOUR {
+        if layer == COLOR {
             continue;
         }
         let reach = 1.0 / (layer.fan_in() as f64).sqrt();

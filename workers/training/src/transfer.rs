@@ -1,7 +1,7 @@
-//! The closed-form colour transfer: the affine map that gives one set of colours the mean and covariance of another.
+//! The closed-form color transfer: the affine map that gives one set of colors the mean and covariance of another.
 //!
 //! `y = A x + b`, `A = Cx^-1/2 (Cx^1/2 Cs Cx^1/2)^1/2 Cx^-1/2`, `b = ms - A mx`: the linear Monge-Kantorovich map between
-//! Gaussians (Pitié and Kokaram 2007, "The linear Monge-Kantorovitch linear colour mapping for example-based colour
+//! Gaussians (Pitié and Kokaram 2007, "The linear Monge-Kantorovitch linear color mapping for example-based color
 //! transfer"), for means m and covariances C of the content (x) and the style (s), each with 1e-5 on its diagonal.
 
 use crate::tensor::Tensor;
@@ -10,18 +10,18 @@ type Matrix = [[f64; 3]; 3];
 
 const FLOOR: f64 = 1e-5;
 
-/// Mean and covariance of the colours of pictures.
+/// Mean and covariance of the colors of pictures.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Colours {
+pub(crate) struct ColorStats {
     /// Mean.
     pub(crate) mean: [f64; 3],
     /// Covariance.
     pub(crate) covariance: Matrix,
 }
 
-impl Colours {
+impl ColorStats {
     /// Of all pixels of the pictures.
-    pub(crate) fn of<'a>(pictures: impl Iterator<Item = &'a Tensor<f32>>) -> Self {
+    pub(crate) fn measure<'a>(pictures: impl Iterator<Item = &'a Tensor<f32>>) -> Self {
         let (mut count, mut sums, mut products) = (0.0, [0.0; 3], [[0.0; 3]; 3]);
         for picture in pictures {
             count += picture.plane(0).len() as f64;
@@ -50,10 +50,10 @@ impl Colours {
     }
 }
 
-/// The map from the colours of the content to those of the style: matrix and offset.
-pub(crate) fn transfer(content: &Colours, style: &Colours) -> (Matrix, [f64; 3]) {
-    let floored = |colours: &Colours| {
-        let mut covariance = colours.covariance;
+/// The map from the colors of the content to those of the style: matrix and offset.
+pub(crate) fn transfer(content: &ColorStats, style: &ColorStats) -> (Matrix, [f64; 3]) {
+    let floored = |colors: &ColorStats| {
+        let mut covariance = colors.covariance;
         (0..3).for_each(|at| covariance[at][at] += FLOOR);
         covariance
     };
@@ -116,14 +116,14 @@ fn power(matrix: &Matrix, exponent: f64) -> Matrix {
 mod tests {
     use super::*;
 
-    const CONTENT: Colours = Colours {
+    const CONTENT: ColorStats = ColorStats {
         mean: [0.4, 0.5, 0.3],
         covariance: [[0.05, 0.02, 0.01], [0.02, 0.06, 0.015], [0.01, 0.015, 0.04]],
     };
 
     #[test]
     fn the_map_gives_the_mean_and_covariance_of_the_style() {
-        let style = Colours {
+        let style = ColorStats {
             mean: [0.1, 0.4, 0.6],
             covariance: [[0.004, 0.001, 0.0], [0.001, 0.02, 0.008], [0.0, 0.008, 0.03]],
         };
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_colours_are_left_alone() {
+    fn the_same_colors_are_left_alone() {
         let (map, offset) = transfer(&CONTENT, &CONTENT);
         for row in 0..3 {
             assert!(offset[row].abs() < 1e-9);

@@ -2,16 +2,36 @@
 
 #![allow(clippy::unwrap_used)]
 
-use imaging::{Plane, Rgb};
+use imaging::geometry::Intrinsics;
+use imaging::{Plane, Rgb, transfer};
+use optics::chain;
+use optics::water::Water;
+use spec::{ForwardScatter, Optics, ScatterModel};
 use style::net::{Network, Scratch};
 use training::network::forward;
 use training::tensor::Tensor;
-use training::waters::WaterLook;
 use training::{Photo, Trainer, score};
 
+/// A scene in murky water, softened by forward scatter as the photos of the waters are.
 fn photo() -> Photo {
-    let look = WaterLook::named("muddy").unwrap();
-    Photo::new(&look.photograph(5)).unwrap()
+    let (width, height) = (240, 180);
+    let lens = Intrinsics::centered(150.0, width, height);
+    let scene = scenes::procedural("structure", 5, width, height, lens).unwrap();
+    let optics = Optics {
+        beam_attenuation_per_m: Some([0.8, 0.8, 1.5]),
+        veiling_light: Some([0.25, 0.25, 0.2]),
+        forward_scatter: Some(ForwardScatter {
+            spread_px_per_m: Some([0.0; 3]),
+            spread_offset_px: Some([2.4; 3]),
+            ..ScatterModel::Simplified.into()
+        }),
+        ..Optics::default()
+    };
+    let water = Water::resolve(&optics.into(), 150.0).unwrap();
+    let radiance = scene.radiance.map(|&light| f64::from(light));
+    let range = scene.range.unwrap().map(|&range| f64::from(range));
+    let layers = chain::water_reference(&radiance, &range, &water).unwrap();
+    Photo::new(&transfer::encode_rgb8(&layers.scattered.map(|&light| light as f32)).0).unwrap()
 }
 
 fn trained(threads: usize, steps: usize) -> Vec<f32> {
@@ -36,9 +56,9 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
-fn training_beats_the_colour_transfer_it_starts_from() {
+fn training_beats_the_color_transfer_it_starts_from() {
     let mut trainer = Trainer::new(&[photo()], 1, 60);
-    let start = score(trainer.colour_transfer(), &[photo()]);
+    let start = score(trainer.color_transfer(), &[photo()]);
     assert_eq!(start.branch, 0.0);
     while !trainer.is_done() {
         trainer.step();

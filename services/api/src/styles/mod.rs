@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use spec::Vocabulary;
-use style::{Card, Library, LibraryError, StyleModel, is_name, sha256_of};
+use style::{Card, Library, LibraryError, StyleModel, is_name};
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
@@ -133,7 +133,7 @@ impl Styles {
         let Some(model) = known.library.get(&new.card.name) else {
             return Ok(None);
         };
-        if model.card.sha256 == sha256_of(&new.onnx) {
+        if model.card.sha256 == imaging::digest::sha256(&new.onnx) {
             return Ok(Some(model.card.clone()));
         }
         let detail = format!(

@@ -14,7 +14,6 @@ mod rerender;
 mod scrub;
 mod serve;
 mod sheet;
-mod style_photo;
 mod styles;
 mod submit;
 mod train;
@@ -67,8 +66,6 @@ pub(crate) enum Command {
     Styles(styles::Arguments),
     /// Train a style water from a photo
     Train(train::Arguments),
-    /// Render a photo of a water to train a style from
-    StylePhoto(style_photo::Arguments),
     /// Render a small dataset with a temporary service and show the result
     Demo(demo::Arguments),
     /// Render a stored frame once more, for the service
@@ -101,7 +98,6 @@ impl Command {
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),
             Self::Train(arguments) => train::run(&arguments),
-            Self::StylePhoto(arguments) => style_photo::run(&arguments),
             Self::Demo(arguments) => demo::run(&arguments),
         }
     }

@@ -91,7 +91,7 @@ fn read(path: &Path) -> Result<Given, Failure> {
     Ok(Given {
         photo: Photo::new(&picture).map_err(|error| wrong(error.to_string()))?,
         picture,
-        sha256: style::sha256_of(&bytes),
+        sha256: imaging::digest::sha256(&bytes),
     })
 }
 
@@ -101,7 +101,7 @@ fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<()
     let photos: Vec<Photo> = given.iter().map(|given| given.photo.clone()).collect();
     let steps = arguments.steps as usize;
     let mut trainer = Trainer::new(&photos, arguments.seed, steps);
-    let start = training::score(trainer.colour_transfer(), &photos);
+    let start = training::score(trainer.color_transfer(), &photos);
     let product = Product {
         arguments,
         given,
@@ -130,7 +130,7 @@ fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<()
         let parts = score.losses;
         println!(
             "{name:16} {:7.3} {:7.3} {:8.3}",
-            parts.texture, parts.colour, parts.content
+            parts.texture, parts.color, parts.content
         );
     }
     println!("{}", product.path("onnx").display());

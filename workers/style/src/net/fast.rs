@@ -16,7 +16,7 @@ use multiply::{Block, load, multiply, multiply_row, splat, store};
 use packed::Packed;
 use planes::{close_row, stride};
 
-use super::layer::{COLOUR, OUTPUT, PIXEL, Weights};
+use super::layer::{COLOR, OUTPUT, PIXEL, Weights};
 
 /// Vectors of a block of the features: with four of its eight outputs, eight sums.
 const PIXEL_VECTORS: usize = 2;
@@ -29,7 +29,7 @@ pub struct Network {
     context: Context,
     pixel: Packed<4>,
     output: Packed<3>,
-    colour: Packed<3>,
+    color: Packed<3>,
 }
 
 /// What a network needs while it runs; kept between frames. Nothing in it changes a result.
@@ -53,7 +53,7 @@ impl Network {
             context: Context::new(weights),
             pixel: Packed::new(weights, PIXEL),
             output: Packed::new(weights, OUTPUT),
-            colour: Packed::new(weights, COLOUR),
+            color: Packed::new(weights, COLOR),
         }
     }
 
@@ -120,7 +120,7 @@ impl WithSimd for Run<'_> {
                 }
                 let place = place(made, height, context.height);
                 scratch.widened.fetch(context, place);
-                let slots = neighbours(made, height);
+                let slots = neighbors(made, height);
                 let features = &mut scratch.features[made % 3 * 8 * stride..][..8 * stride];
                 make_features(
                     simd,
@@ -136,7 +136,7 @@ impl WithSimd for Run<'_> {
                 );
                 made += 1;
             }
-            let slots = neighbours(y, height);
+            let slots = neighbors(y, height);
             let image = Rows {
                 rows: &scratch.image,
                 stride,
@@ -172,7 +172,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Slots of the rows above, at and below `y`, continued by the edge.
-fn neighbours(y: usize, height: usize) -> [usize; 3] {
+fn neighbors(y: usize, height: usize) -> [usize; 3] {
     [y.saturating_sub(1) % 3, y % 3, (y + 1).min(height - 1) % 3]
 }
 
@@ -227,11 +227,11 @@ fn finish<S: Simd>(
     width: usize,
 ) {
     let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
-    let (output, colour) = (&network.output.groups[0], &network.colour.groups[0]);
-    let bias = std::array::from_fn(|channel| output.bias[channel] + colour.bias[channel]);
+    let (output, color) = (&network.output.groups[0], &network.color.groups[0]);
+    let bias = std::array::from_fn(|channel| output.bias[channel] + color.bias[channel]);
     for x in (0..width).step_by(OUTPUT_VECTORS * S::F32_LANES) {
         let mut sums: Block<S, 3, OUTPUT_VECTORS> = splat(simd, &bias);
-        for (channel, weights) in colour.weights.iter().enumerate() {
+        for (channel, weights) in color.weights.iter().enumerate() {
             let samples = &image.row(image.slots[1], 3, channel)[1 + x..];
             multiply(simd, &mut sums, samples, weights);
         }

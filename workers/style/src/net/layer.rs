@@ -83,21 +83,21 @@ pub const BLOCKS: [[Layer; 4]; 2] = {
 pub const LEAVE: Layer = BLOCKS[1][3].then("leave", 8, 16, 3);
 /// Features of a pixel at full resolution: 3 → 8 channels.
 pub const PIXEL: Layer = LEAVE.then("pixel", 8, 3, 3);
-/// From the features to what is added to the colour map: 8 → 3 channels.
+/// From the features to what is added to the color map: 8 → 3 channels.
 pub const OUTPUT: Layer = PIXEL.then("output", 3, 8, 3);
-/// The affine colour map: 3 → 3 channels.
-pub const COLOUR: Layer = OUTPUT.then("colour", 3, 3, 1);
+/// The affine color map: 3 → 3 channels.
+pub const COLOR: Layer = OUTPUT.then("colour", 3, 3, 1);
 
 /// Every layer, in the order of the list.
 pub const LAYERS: [Layer; 14] = {
     let [a, b] = BLOCKS;
     [
-        ENTER, REDUCE, a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], LEAVE, PIXEL, OUTPUT, COLOUR,
+        ENTER, REDUCE, a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], LEAVE, PIXEL, OUTPUT, COLOR,
     ]
 };
 
 /// How many numbers are trained.
-pub const PARAMETERS: usize = COLOUR.end();
+pub const PARAMETERS: usize = COLOR.end();
 
 const fn block(after: Layer, names: [&'static str; 4]) -> [Layer; 4] {
     let spread_a = after.then(names[0], 16, 1, 3);
@@ -114,7 +114,7 @@ pub struct Weights<T = f32> {
 }
 
 impl<T> Weights<T> {
-    /// Takes [`PARAMETERS`] numbers in the order of [`LAYERS`]; nothing if there are more or fewer.
+    /// Takes [`PARAMETERS`] numbers in the order of [`LAYERS`]; `None` for any other count.
     #[must_use]
     pub fn new(values: Vec<T>) -> Option<Self> {
         (values.len() == PARAMETERS).then_some(Self { values })

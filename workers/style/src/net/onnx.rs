@@ -6,15 +6,15 @@
 //! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce goes in steps of 2
 //! c = c + mix_b(spread_b(relu(mix_a(spread_a(c)))))                    twice
 //! h = relu(pixel(x) + resize(leave(c), bilinear, to the size of x))
-//! styled = clamp(colour(x) + output(h), 0, 1)
+//! styled = clamp(color(x) + output(h), 0, 1)
 //! ```
 //!
 //! Filters of side 3 continue a picture by its edge. Opset 17, float32.
 
 mod graph;
 
-use super::layer::{BLOCKS, COLOUR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PARAMETERS, PIXEL, REDUCE, Weights};
-use super::wire::{Value, bytes, fields, integer};
+use super::layer::{BLOCKS, COLOR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PARAMETERS, PIXEL, REDUCE, Weights};
+use super::wire::{Value, bytes, fields, integer, under};
 
 pub use graph::{Attribute, Form, Graph};
 
@@ -46,8 +46,7 @@ pub fn model(graph: &[u8], metadata: &[(&str, &str)]) -> Vec<u8> {
     model
 }
 
-/// The numbers of a network in an ONNX file, if its graph is this one to the last byte; any other graph is nothing to
-/// this module.
+/// The numbers of a network in an ONNX file, or `None` unless its graph is this one to the last byte.
 #[must_use]
 pub fn read(file: &[u8]) -> Option<Weights> {
     let mut found = None;
@@ -63,7 +62,7 @@ pub fn read(file: &[u8]) -> Option<Weights> {
                     return None;
                 }
             }
-            // Functions, training information: nothing that this module knows.
+            // Functions and training information are never written here.
             (20.., _) => return None,
             _ => {}
         }
@@ -82,28 +81,10 @@ pub fn read(file: &[u8]) -> Option<Weights> {
 
 /// The raw numbers of an initializer.
 fn floats(graph: &[u8], name: &str, length: usize) -> Option<impl Iterator<Item = f32>> {
-    for field in fields(graph) {
-        let (5, Value::Bytes(tensor)) = field? else {
-            continue;
-        };
-        let mut called = false;
-        let mut raw = None;
-        for field in fields(tensor) {
-            match field? {
-                (8, Value::Bytes(text)) => called = text == name.as_bytes(),
-                (9, Value::Bytes(data)) => raw = Some(data),
-                _ => {}
-            }
-        }
-        if called {
-            let raw = raw.filter(|raw| raw.len() == 4 * length)?;
-            return Some(
-                raw.chunks_exact(4)
-                    .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-            );
-        }
-    }
-    None
+    let tensor = under(graph, 5).find(|tensor| under(tensor, 8).eq([name.as_bytes()]))?;
+    let raw = under(tensor, 9).next().filter(|raw| raw.len() == 4 * length)?;
+    let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    Some(raw.chunks_exact(4).map(number))
 }
 
 fn graph(weights: &Weights) -> Vec<u8> {
@@ -152,7 +133,7 @@ fn graph(weights: &Weights) -> Vec<u8> {
     graph.node("Add", &["pixel", "resized"], "both", &[]);
     graph.node("Relu", &["both"], "features", &[]);
     convolution(&mut graph, OUTPUT, ("features", "texture"), 1);
-    convolution(&mut graph, COLOUR, ("image", "toned"), 1);
+    convolution(&mut graph, COLOR, ("image", "toned"), 1);
     graph.node("Add", &["toned", "texture"], "sum", &[]);
     graph.node("Clip", &["sum", "black", "white"], "styled", &[]);
     for layer in LAYERS {

@@ -2,7 +2,7 @@
 
 use imaging::{Plane, Rgb};
 
-use super::layer::{BLOCKS, COLOUR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, REDUCE, Weights};
+use super::layer::{BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, REDUCE, Weights};
 
 type Planes = Vec<Plane<f64>>;
 
@@ -25,7 +25,7 @@ pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>) -> Rgb<f64> {
     let resized: Planes = left.iter().map(|plane| resize(plane, width, height)).collect();
     let features = relu(sum(convolved(weights, PIXEL, &image, 1), &resized));
     let styled = sum(
-        convolved(weights, COLOUR, &image, 1),
+        convolved(weights, COLOR, &image, 1),
         &convolved(weights, OUTPUT, &features, 1),
     );
     Rgb::from_fn(width, height, |x, y| {
@@ -94,7 +94,7 @@ fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: u
     (0..layer.outputs).map(make).collect()
 }
 
-/// Bilinear, pixel centres at half integers, continued by the edge.
+/// Bilinear, pixel centers at half integers, continued by the edge.
 fn resize(plane: &Plane<f64>, width: usize, height: usize) -> Plane<f64> {
     let along = |at: usize, to: usize, from: usize| {
         let place = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);

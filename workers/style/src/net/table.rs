@@ -1,6 +1,6 @@
-//! The network as a table of colours: the cheap tier for waters that hardly need a network.
+//! The network as a table of colors: the cheap tier for waters that hardly need a network.
 //!
-//! A table of 17³ colours is fitted to what the network makes of given pictures, and frames look their colours up in it
+//! A table of 17³ colors is fitted to what the network makes of given pictures, and frames look their colors up in it
 //! (tetrahedral interpolation; Kasson, Nin, Plouffe and Hafner 1995). It has no surroundings: softening and haze around
 //! edges are averaged away.
 
@@ -19,10 +19,10 @@ const NODES: usize = 17;
 const STEPS: [usize; 3] = [NODES * NODES, NODES, 1];
 /// How often the fit is improved by what it still misses.
 const ROUNDS: usize = 12;
-/// Weight of the response to flat frames, in pixels: it decides where no picture has a colour.
+/// Weight of the response to flat frames, in pixels: it decides where no picture has a color.
 const FLAT_WEIGHT: f32 = 4.0;
 
-/// A table of colours: node `(r, g, b)` stands at `(r * 17 + g) * 17 + b`, with a fourth number for alignment.
+/// A table of colors: node `(r, g, b)` stands at `(r * 17 + g) * 17 + b`, with a fourth number for alignment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     nodes: Vec<[f32; 4]>,
@@ -31,7 +31,7 @@ pub struct Table {
 impl Table {
     /// The table of a network: a pure function of it.
     #[must_use]
-    pub fn of(network: &Network) -> Self {
+    pub fn new(network: &Network) -> Self {
         let mut scratch = Scratch::default();
         let mut repaint = |picture: &Rgb<f32>| network.apply(picture, &mut scratch);
         let pairs: Vec<_> = swatches::swatches()
@@ -41,14 +41,14 @@ impl Table {
             })
             .collect();
         let node = |index: usize| {
-            let flat = Rgb::from_fn(1, 1, |_, _| colour_of(index));
+            let flat = Rgb::from_fn(1, 1, |_, _| color_of(index));
             repaint(&flat).at(0, 0)
         };
         let flat: Vec<[f32; 3]> = (0..NODES * NODES * NODES).map(node).collect();
         Self::fit(&pairs, &flat)
     }
 
-    /// Fits a table to pictures before and after. `flat` is what becomes of a frame of each node's colour.
+    /// Fits a table to pictures before and after. `flat` is what becomes of a frame of each node's color.
     fn fit(pairs: &[(Rgb<f32>, Rgb<f32>)], flat: &[[f32; 3]]) -> Self {
         let mut table = Self {
             nodes: flat.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect(),
@@ -84,10 +84,10 @@ impl Table {
         }
     }
 
-    /// The colour of a colour: what [`Table::apply`] does, for one pixel and in the order of the formula.
+    /// The color of a color: what [`Table::apply`] does, for one pixel and in the order of the formula.
     #[must_use]
-    pub fn look_up(&self, colour: [f32; 3]) -> [f32; 3] {
-        let (places, shares) = corners(colour);
+    pub fn look_up(&self, color: [f32; 3]) -> [f32; 3] {
+        let (places, shares) = corners(color);
         self.mixed(places, shares)
     }
 
@@ -100,23 +100,23 @@ impl Table {
     }
 }
 
-/// The colour of a node.
-fn colour_of(index: usize) -> [f32; 3] {
+/// The color of a node.
+fn color_of(index: usize) -> [f32; 3] {
     let places = [index / (NODES * NODES), index / NODES % NODES, index % NODES];
     places.map(|place| place as f32 / (NODES - 1) as f32)
 }
 
-/// The corners of the tetrahedron around a colour, and their shares. Colours outside of 0..=1 go to its border.
-fn corners(colour: [f32; 3]) -> ([usize; 4], [f32; 4]) {
+/// The corners of the tetrahedron around a color, and their shares. Colors outside of 0..=1 go to its border.
+fn corners(color: [f32; 3]) -> ([usize; 4], [f32; 4]) {
     let mut base = 0;
     let mut inside = [(0.0f32, 0); 3];
     for axis in 0..3 {
-        let place = colour[axis].clamp(0.0, 1.0) * (NODES - 1) as f32;
+        let place = color[axis].clamp(0.0, 1.0) * (NODES - 1) as f32;
         let cell = (place as usize).min(NODES - 2);
         base += cell * STEPS[axis];
         inside[axis] = (place - cell as f32, STEPS[axis]);
     }
-    // Along the axes in the order of their shares, the greatest first; equal ones lead to the same colour.
+    // Along the axes in the order of their shares, the greatest first; equal ones lead to the same color.
     inside.sort_by(|one, other| other.0.total_cmp(&one.0));
     let [(u, first), (v, second), (w, third)] = inside;
     (
@@ -136,7 +136,7 @@ mod tests {
 
     fn flat(map: impl Fn([f32; 3]) -> [f32; 3]) -> Vec<[f32; 3]> {
         (0..NODES * NODES * NODES)
-            .map(|node| map(colour_of(node)))
+            .map(|node| map(color_of(node)))
             .collect()
     }
 
@@ -150,11 +150,11 @@ mod tests {
         let after = Rgb::from_fn(24, 24, |x, y| map(picture.at(x, y)));
         let table = Table::fit(&[(picture, after)], &flat(map));
         for index in 0..1000 {
-            let colour = [7, 11, 13].map(|step| (index * step % 1000) as f32 / 999.0);
-            for (found, expected) in table.look_up(colour).into_iter().zip(map(colour)) {
+            let color = [7, 11, 13].map(|step| (index * step % 1000) as f32 / 999.0);
+            for (found, expected) in table.look_up(color).into_iter().zip(map(color)) {
                 assert!(
                     (found - expected).abs() < 1e-5,
-                    "{colour:?}: {found} is not {expected}"
+                    "{color:?}: {found} is not {expected}"
                 );
             }
         }

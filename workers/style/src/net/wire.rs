@@ -35,6 +35,14 @@ pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u32, Value<
     })
 }
 
+/// The messages and texts under a field number.
+pub(crate) fn under(message: &[u8], number: u32) -> impl Iterator<Item = &[u8]> {
+    fields(message).filter_map(move |field| match field? {
+        (found, Value::Bytes(bytes)) if found == number => Some(bytes),
+        _ => None,
+    })
+}
+
 fn field(mut message: &[u8]) -> Option<((u32, Value<'_>), &[u8])> {
     let (number, kind) = decode_key(&mut message).ok()?;
     let length = match kind {

@@ -5,8 +5,6 @@ use ort::environment::Environment;
 use ort::session::builder::{GraphOptimizationLevel, SessionBuilder};
 use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
 
-use crate::error::StyleError;
-
 /// A loaded network and the names of its inputs and output.
 pub(super) struct Graph {
     session: ort::session::Session,
@@ -28,7 +26,7 @@ impl Graph {
         let session = builder
             .commit_from_memory(onnx)
             .map_err(|error| error.to_string())?;
-        let ports = Ports::of(session.inputs(), session.outputs())?;
+        let ports = Ports::find(session.inputs(), session.outputs())?;
         Ok(Self {
             session,
             ports,
@@ -40,13 +38,8 @@ impl Graph {
         self.ports.noise.is_some()
     }
 
-    /// Runs a frame that was checked; `name` is for the errors.
-    pub(super) fn run(
-        &mut self,
-        name: &str,
-        encoded: &Rgb<f32>,
-        noise: Option<&Plane<f32>>,
-    ) -> Result<Rgb<f32>, StyleError> {
+    /// Runs a frame that was checked. An error says what the network did.
+    pub(super) fn run(&mut self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<Rgb<f32>, String> {
         let (width, height) = encoded.size();
         self.samples.clear();
         for plane in encoded.planes() {
@@ -57,12 +50,7 @@ impl Graph {
             ports,
             samples,
         } = self;
-        let failed = |error: ort::Error| StyleError::Run {
-            name: name.to_owned(),
-            width,
-            height,
-            reason: error.to_string(),
-        };
+        let failed = |error: ort::Error| format!("failed on a frame of {width}×{height}: {error}");
         let image =
             TensorRef::from_array_view(([1, 3, height, width], samples.as_slice())).map_err(failed)?;
         let mut inputs = vec![(ports.image.as_str(), image)];
@@ -81,12 +69,8 @@ impl Graph {
         let (shape, styled) = outputs[ports.styled.as_str()]
             .try_extract_tensor::<f32>()
             .map_err(failed)?;
-        cropped(shape, styled, width, height).map_err(|answer| StyleError::Answer {
-            name: name.to_owned(),
-            answer,
-            width,
-            height,
-        })
+        cropped(shape, styled, width, height)
+            .map_err(|answer| format!("answered {answer} to a frame of {width}×{height}"))
     }
 }
 
@@ -105,7 +89,7 @@ fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
 impl Ports {
     /// Finds the inputs `image` and `noise` and the output `styled` by name; an only input or a first output of
     /// another name takes the place of `image` or `styled`.
-    fn of(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
+    fn find(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
         let named = |outlets: &[Outlet], name: &str| outlets.iter().position(|outlet| outlet.name() == name);
         let noise = named(inputs, "noise").filter(|_| inputs.len() > 1);
         let image = named(inputs, "image").or_else(|| (0..inputs.len()).find(|&input| Some(input) != noise));
@@ -151,7 +135,7 @@ fn check_kind(outlet: &Outlet, channels: i64) -> Result<(), String> {
     ))
 }
 
-/// The top left of the answer, clamped to 0..=1.
+/// The top left of the output, clamped to 0..=1.
 fn cropped(shape: &[i64], samples: &[f32], width: usize, height: usize) -> Result<Rgb<f32>, String> {
     let [1, 3, rows, columns] = *shape else {
         return Err(format!("a tensor of shape {shape:?}"));

@@ -2,7 +2,7 @@
 
 use imaging::Rgb;
 use imaging::random::Stream;
-use style::net::layer::{COLOUR, LAYERS, OUTPUT, Weights};
+use style::net::layer::{COLOR, LAYERS, OUTPUT, Weights};
 use style::net::{Network, Scratch, apply_reference, onnx};
 use style::{Library, Session};
 
@@ -53,7 +53,7 @@ fn networks() -> Vec<(String, Weights)> {
             *value = ((stream.unit(index as u64, at as u64) - 0.5) * 2.0 * scale) as f32;
         }
     }
-    let (weight, bias) = random.layer_mut(COLOUR);
+    let (weight, bias) = random.layer_mut(COLOR);
     weight.iter_mut().chain(bias).for_each(|value| *value *= 0.1);
     networks.push(("random".to_owned(), random));
     networks

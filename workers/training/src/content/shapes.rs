@@ -1,7 +1,8 @@
-//! Simple pictures: a cloudy ground with rectangles, discs and checkers in any colour.
+//! Simple pictures: a cloudy ground with rectangles, discs and checkers in any color.
+
+use imaging::random::Stream;
 
 use super::{Air, Chance, SIDE};
-use crate::clouds::clouds;
 use crate::tensor::Tensor;
 
 /// Far end of the range, which falls towards the lower edge.
@@ -10,11 +11,11 @@ const GROUND_M: f32 = 12.0;
 pub(super) fn draw(chance: &Chance) -> Air {
     let mut light = Tensor::zeros(3, SIDE, SIDE);
     let seed = chance.stream.bits(chance.index, 3);
-    let ground = clouds(seed, "ground", (SIDE, SIDE), 3.0, 5);
-    let colour = |name: &str, number: u64| {
+    let ground = clouds(seed);
+    let color = |name: &str, number: u64| {
         [0, 1, 2].map(|channel| chance.between(name, 3 * number + channel, 0.0, 1.0).powi(2) as f32)
     };
-    let (dark, bright) = (colour("dark", 0), colour("bright", 0));
+    let (dark, bright) = (color("dark", 0), color("bright", 0));
     for channel in 0..3 {
         for (value, cloud) in light.plane_mut(channel).iter_mut().zip(&ground) {
             let share = (0.5 + 0.25 * cloud).clamp(0.0, 1.0);
@@ -32,7 +33,7 @@ pub(super) fn draw(chance: &Chance) -> Air {
         let (half_width, half_height) = (of("width", 4.0, 0.3 * side), of("height", 4.0, 0.3 * side));
         let kind = of("kind", 0.0, 3.0) as u32;
         let cell = of("cell", 3.0, 16.0);
-        let (one, other) = (colour("one", shape), colour("other", shape));
+        let (one, other) = (color("one", shape), color("other", shape));
         let distance = (GROUND_M as f64 * (1.0 - (shape as f64 + 0.5) / (count as f64 + 1.0))) as f32;
         for v in (y - half_height).max(0.0) as usize..((y + half_height) as usize).min(SIDE) {
             for u in (x - half_width).max(0.0) as usize..((x + half_width) as usize).min(SIDE) {
@@ -56,4 +57,41 @@ pub(super) fn draw(chance: &Chance) -> Air {
         }
     }
     Air { light, range }
+}
+
+/// Cloudy noise of mean 0 and variance 1, row by row: random values on grids, one finer than the other, smoothly joined.
+fn clouds(seed: u64) -> Vec<f32> {
+    const COARSEST_CELLS: usize = 3;
+    const OCTAVES: u64 = 5;
+    let stream = Stream::stage(seed, "ground");
+    let mut sums = vec![0.0f64; SIDE * SIDE];
+    for octave in 0..OCTAVES {
+        let cells = COARSEST_CELLS << octave;
+        let columns = cells + 2;
+        let amplitude = libm::exp2(-1.2 * octave as f64);
+        let grid: Vec<f64> = (0..(columns * columns) as u64)
+            .map(|node| stream.unit(octave, node) - 0.5)
+            .collect();
+        // Cell and smooth place in it.
+        let split = |place: usize| {
+            let place = place as f64 * cells as f64 / SIDE as f64;
+            let inside = place.fract();
+            (place as usize, inside * inside * (3.0 - 2.0 * inside))
+        };
+        for (pixel, sum) in sums.iter_mut().enumerate() {
+            let ((column, u), (row, v)) = (split(pixel % SIDE), split(pixel / SIDE));
+            let (upper, lower) = (
+                &grid[row * columns + column..],
+                &grid[(row + 1) * columns + column..],
+            );
+            let above = upper[0] + (upper[1] - upper[0]) * u;
+            let below = lower[0] + (lower[1] - lower[0]) * u;
+            *sum += amplitude * (above + (below - above) * v);
+        }
+    }
+    let count = sums.len() as f64;
+    let mean = sums.iter().sum::<f64>() / count;
+    let variance = sums.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count;
+    let scale = 1.0 / variance.sqrt();
+    sums.into_iter().map(|v| ((v - mean) * scale) as f32).collect()
 }

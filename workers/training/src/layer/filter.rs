@@ -60,7 +60,7 @@ fn add_row<T: Real>(out: &mut [T], samples: &[T], [a, b, c]: [T; 3], step: usize
     }
 }
 
-/// Gradients of weight and bias, added to what is there.
+/// Gradients of weight and bias, accumulated.
 pub(crate) fn backward_weights<T: Real>(
     input: &Tensor<T>,
     gradient: &Tensor<T>,

@@ -38,7 +38,7 @@ pub(crate) fn backward_input<T: Real>(gradient: &Tensor<T>, weight: &[T], channe
     out
 }
 
-/// Gradients of weight and bias, added to what is there.
+/// Gradients of weight and bias, accumulated.
 pub(crate) fn backward_weights<T: Real>(
     input: &Tensor<T>,
     gradient: &Tensor<T>,

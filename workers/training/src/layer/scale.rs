@@ -3,7 +3,7 @@
 use crate::real::Real;
 use crate::tensor::Tensor;
 
-/// Means of 4×4 pixels; at the right and lower edge of those that are there.
+/// Means of 4×4 pixels; at the right and lower edge, of the pixels that exist.
 pub(crate) fn pooled<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     let mut out = Tensor::zeros(image.channels, image.height.div_ceil(4), image.width.div_ceil(4));
     for channel in 0..image.channels {
@@ -13,7 +13,7 @@ pub(crate) fn pooled<T: Real>(image: &Tensor<T>) -> Tensor<T> {
             for row in rows {
                 let samples = image.row(channel, row).chunks(4);
                 for (sum, samples) in out.row_mut(channel, y).iter_mut().zip(samples) {
-                    let share = T::of(1.0 / (count * samples.len()) as f64);
+                    let share = T::from_f64(1.0 / (count * samples.len()) as f64);
                     for &sample in samples {
                         *sum += sample * share;
                     }
@@ -28,12 +28,12 @@ pub(crate) fn pooled<T: Real>(image: &Tensor<T>) -> Tensor<T> {
 struct Line<T>(Vec<(usize, usize, T)>);
 
 impl<T: Real> Line<T> {
-    /// Pixel centres at half integers, continued by the edge.
+    /// Pixel centers at half integers, continued by the edge.
     fn new(from: usize, to: usize) -> Self {
         let place = |at: usize| {
             let exact = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
             let low = exact as usize;
-            (low, (low + 1).min(from - 1), T::of(exact - low as f64))
+            (low, (low + 1).min(from - 1), T::from_f64(exact - low as f64))
         };
         Self((0..to).map(place).collect())
     }
@@ -73,7 +73,7 @@ pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usi
         Line::<T>::new(height, gradient.height),
         Line::<T>::new(width, gradient.width),
     );
-    let one = T::of(1.0);
+    let one = T::from_f64(1.0);
     let mut wide: Tensor<T> = Tensor::zeros(gradient.channels, height, gradient.width);
     for channel in 0..gradient.channels {
         for (y, &(low, high, share)) in rows.0.iter().enumerate() {
@@ -100,7 +100,7 @@ pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usi
 
 /// Means of 2×2 pixels; an odd last row or column is left out.
 pub(crate) fn halved<T: Real>(image: &Tensor<T>) -> Tensor<T> {
-    let quarter = T::of(0.25);
+    let quarter = T::from_f64(0.25);
     let mut out = Tensor::zeros(image.channels, image.height / 2, image.width / 2);
     for channel in 0..image.channels {
         for y in 0..out.height {
@@ -116,7 +116,7 @@ pub(crate) fn halved<T: Real>(image: &Tensor<T>) -> Tensor<T> {
 
 /// Adds the gradient before [`halved`] from that after it.
 pub(crate) fn unhalved<T: Real>(gradient: &Tensor<T>, sums: &mut Tensor<T>) {
-    let quarter = T::of(0.25);
+    let quarter = T::from_f64(0.25);
     for channel in 0..gradient.channels {
         for y in 0..2 * gradient.height {
             let from = gradient.row(channel, y / 2);

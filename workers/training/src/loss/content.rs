@@ -1,12 +1,13 @@
-//! How much of the content is lost: windowed normalised cross-correlation of the picture before and after.
+//! How much of the content is lost: windowed normalized cross-correlation of the picture before and after.
 //!
 //! `ncc = cov / sqrt((va + e)(vb + e))` in windows of 7×7 in steps of 2, for a before and b after;
 //! `loss = mean(w (1 - ncc)) / (mean(w) + 0.05)`, `w = va / (va + 4e-4)`, so that flat places do not count. Gain and offset
 //! of b do not matter: a water may take contrast and lift black. Brightness at all levels; from the second on also two
-//! colour differences at a quarter of the weight. Mean over levels.
+//! color differences at a quarter of the weight. Mean over levels.
 
 use rayon::prelude::*;
 
+use super::CONTENT;
 use super::pyramid::{LEVELS, Pyramid};
 use crate::real::Real;
 use crate::tensor::Tensor;
@@ -18,18 +19,17 @@ const VARIANCE_FLOOR: f64 = 1e-5;
 const HALF_WEIGHT: f64 = 4e-4;
 const MEAN_FLOOR: f64 = 0.05;
 
-/// Axes in colour with the weight of each: brightness and two differences.
+/// Axes in color with the weight of each: brightness and two differences.
 const AXES: [([f64; 3], f64); 3] = [
     ([0.299, 0.587, 0.114], 1.0),
     ([0.5, -0.5, 0.0], 0.25),
     ([0.25, 0.25, -0.5], 0.25),
 ];
 
-/// The loss of a batch, and the gradient for each picture, multiplied by `share` and added to `gradients`.
+/// The loss of a batch, and the gradient for each picture, times its weight, added to `gradients`.
 pub(crate) fn content<T: Real>(
     before: &[Pyramid<T>],
     after: &[Pyramid<T>],
-    share: f64,
     gradients: &mut [Pyramid<T>],
 ) -> f64 {
     let of_picture = |(before, after): (&Pyramid<T>, &Pyramid<T>)| -> Vec<Vec<Windows<T>>> {
@@ -53,7 +53,7 @@ pub(crate) fn content<T: Real>(
             let lost = all().map(|windows| windows.lost).sum::<f64>();
             let scale = AXES[axis].1 / LEVELS as f64 / (weight / count + MEAN_FLOOR) / count;
             loss += lost * scale;
-            factors[level].push(share * scale);
+            factors[level].push(CONTENT * scale);
         }
     }
     gradients
@@ -69,9 +69,9 @@ pub(crate) fn content<T: Real>(
     loss
 }
 
-/// A picture along an axis in colour.
+/// A picture along an axis in color.
 fn projected<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
-    let [r, g, b] = axis.map(T::of);
+    let [r, g, b] = axis.map(T::from_f64);
     let mut out = Tensor::zeros(1, picture.height, picture.width);
     let channels = picture
         .plane(0)
@@ -116,7 +116,7 @@ impl<T: Real> Windows<T> {
             for y in STEP * row..STEP * row + WINDOW {
                 let pairs = windows.before.row(0, y).iter().zip(windows.after.row(0, y));
                 for (sums, (&a, &b)) in sums.iter_mut().zip(pairs) {
-                    let (a, b) = (a.wide(), b.wide());
+                    let (a, b) = (a.to_f64(), b.to_f64());
                     for (sum, value) in sums.iter_mut().zip([a, b, a * a, b * b, a * b]) {
                         *sum += value;
                     }
@@ -153,7 +153,7 @@ impl<T: Real> Windows<T> {
             weight * ncc / (vb + VARIANCE_FLOOR) / samples
         };
         self.slopes
-            .push([alpha, beta, -(alpha * a + beta * b)].map(T::of));
+            .push([alpha, beta, -(alpha * a + beta * b)].map(T::from_f64));
     }
 
     /// Adds the gradient of `factor * lost` to a picture's.
@@ -179,7 +179,7 @@ impl<T: Real> Windows<T> {
             }
         }
         for (channel, share) in axis.into_iter().enumerate() {
-            let share = T::of(share * factor);
+            let share = T::from_f64(share * factor);
             let samples = self.before.data.iter().zip(&self.after.data).zip(&sums);
             for (gradient, ((&a, &b), &[alpha, beta, gamma])) in
                 gradient.plane_mut(channel).iter_mut().zip(samples)

@@ -10,7 +10,7 @@ pub(crate) const PATCH: usize = 7;
 pub(crate) const PATCH_LENGTH: usize = 3 * PATCH * PATCH;
 /// Random filters per level.
 pub(crate) const FILTERS: usize = 24;
-/// Random directions in colour per level.
+/// Random directions in color per level.
 pub(crate) const DIRECTIONS: usize = 16;
 
 /// Standard normal values (Box and Muller 1958) in the order of their addresses.
@@ -49,12 +49,12 @@ pub(crate) fn filters<T: Real>(stream: &Stream, index: u64) -> Vec<[T; PATCH_LEN
             }
         }
         let length = taps.iter().map(|tap| tap * tap).sum::<f64>().sqrt().max(1e-12);
-        taps.map(|tap| T::of(tap / length))
+        taps.map(|tap| T::from_f64(tap / length))
     };
     (0..FILTERS).map(next).collect()
 }
 
-/// Unit directions in colour.
+/// Unit directions in color.
 pub(crate) fn directions<T: Real>(stream: &Stream, index: u64) -> Vec<[T; 3]> {
     let mut values = normals(stream, index);
     let mut next = || values.next().unwrap_or_default();
@@ -62,7 +62,7 @@ pub(crate) fn directions<T: Real>(stream: &Stream, index: u64) -> Vec<[T; 3]> {
         .map(|_| {
             let direction = [next(), next(), next()];
             let length = direction.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-12);
-            direction.map(|value| T::of(value / length))
+            direction.map(|value| T::from_f64(value / length))
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 //!
 //! `distance(f) = mean over i of |sorted(f·a)_i - sorted(f·b)_i| / (s + e)`, for patches a of the results and b of the
 //! style, a direction f, and the standard deviation s of f·b. Texture: random filters over 7×7×3 samples, e = 0.002.
-//! Colour: random directions in the colour of the centre, e = 0.02. Both are means over directions and levels.
+//! Color: random directions in the color of the center, e = 0.02. Both are means over directions and levels.
 //! Patches are pooled over the batch: no single picture must look like the whole style.
 
 use imaging::random::Stream;
@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::draw::{DIRECTIONS, FILTERS, Place, directions, filters, places};
 use super::pyramid::{LEVELS, Pyramid};
 use super::slices::{Slices, projections, scatter};
+use super::{COLOR, TEXTURE};
 use crate::real::Real;
 use crate::tensor::Tensor;
 
@@ -19,20 +20,13 @@ use crate::tensor::Tensor;
 const PATCHES: [usize; LEVELS] = [2048, 2048, 1024, 1024];
 /// Added to the standard deviation of the style.
 const TEXTURE_FLOOR: f64 = 0.002;
-const COLOUR_FLOOR: f64 = 0.02;
+const COLOR_FLOOR: f64 = 0.02;
 
 /// Distances, and the gradient for each picture of the batch.
 pub(crate) struct Sliced<T> {
     pub(crate) texture: f64,
-    pub(crate) colour: f64,
+    pub(crate) color: f64,
     pub(crate) gradients: Vec<Pyramid<T>>,
-}
-
-/// Weights of the two distances in the loss.
-#[derive(Clone, Copy)]
-pub(crate) struct Shares {
-    pub(crate) texture: f64,
-    pub(crate) colour: f64,
 }
 
 /// Compares the pictures of a batch with those of the style.
@@ -41,7 +35,6 @@ pub(crate) fn sliced<T: Real>(
     style: &[Pyramid<T>],
     stream: &Stream,
     step: u64,
-    shares: Shares,
 ) -> Sliced<T> {
     let at_level = |level: usize| {
         let address = |purpose: usize| (step * LEVELS as u64 + level as u64) * 1024 + purpose as u64;
@@ -49,26 +42,22 @@ pub(crate) fn sliced<T: Real>(
             filters: filters(stream, address(0)),
             directions: directions(stream, address(1)),
         };
-        let drawn = |pictures, purpose| {
-            Drawn::new(pictures, level, |index, count, size| {
-                places(stream, address(purpose + index), count, size)
-            })
-        };
-        compare(&drawn(batch, 2), &drawn(style, 512), &slices, shares)
+        let drawn = |pictures, purpose| Drawn::new(pictures, level, stream, address(purpose));
+        compare(&drawn(batch, 2), &drawn(style, 512), &slices)
     };
     let levels: Vec<_> = (0..LEVELS).into_par_iter().map(at_level).collect();
     let mut gradients: Vec<Pyramid<T>> = batch.iter().map(Pyramid::like).collect();
-    let (mut texture, mut colour) = (0.0, 0.0);
+    let (mut texture, mut color) = (0.0, 0.0);
     for (level, found) in levels.into_iter().enumerate() {
         texture += found.texture / LEVELS as f64;
-        colour += found.colour / LEVELS as f64;
+        color += found.color / LEVELS as f64;
         for (pyramid, gradient) in gradients.iter_mut().zip(found.gradients) {
             pyramid.levels[level] = gradient;
         }
     }
     Sliced {
         texture,
-        colour,
+        color,
         gradients,
     }
 }
@@ -85,16 +74,13 @@ struct Drawn<'a, T> {
 }
 
 impl<'a, T: Real> Drawn<'a, T> {
-    fn new(
-        pictures: &'a [Pyramid<T>],
-        level: usize,
-        draw: impl Fn(usize, usize, (usize, usize)) -> Vec<Place>,
-    ) -> Self {
+    /// Draws patches of all pictures, from the addresses of the stream that begin at `first`.
+    fn new(pictures: &'a [Pyramid<T>], level: usize, stream: &Stream, first: u64) -> Self {
         let pictures: Vec<_> = pictures.iter().map(|picture| &picture.levels[level]).collect();
-        let counts = shared_out(PATCHES[level], pictures.len()).enumerate();
-        let places = counts.map(|(index, count)| {
-            let size = (pictures[index].width, pictures[index].height);
-            draw(index, count, size)
+        let counts = shared_out(PATCHES[level], pictures.len());
+        let drawn = (first..).zip(&pictures).zip(counts);
+        let places = drawn.map(|((address, picture), count)| {
+            places(stream, address, count, (picture.width, picture.height))
         });
         Self {
             places: places.collect(),
@@ -115,29 +101,24 @@ impl<'a, T: Real> Drawn<'a, T> {
 
 struct Level<T> {
     texture: f64,
-    colour: f64,
+    color: f64,
     gradients: Vec<Tensor<T>>,
 }
 
-fn compare<T: Real>(
-    ours: &Drawn<'_, T>,
-    theirs: &Drawn<'_, T>,
-    slices: &Slices<T>,
-    shares: Shares,
-) -> Level<T> {
+fn compare<T: Real>(ours: &Drawn<'_, T>, theirs: &Drawn<'_, T>, slices: &Slices<T>) -> Level<T> {
     let (results, styles) = (ours.projected(slices), theirs.projected(slices));
     let slope = |slice: usize| {
         let (share, floor, slices) = if slice < FILTERS {
-            (shares.texture, TEXTURE_FLOOR, FILTERS)
+            (TEXTURE, TEXTURE_FLOOR, FILTERS)
         } else {
-            (shares.colour, COLOUR_FLOOR, DIRECTIONS)
+            (COLOR, COLOR_FLOOR, DIRECTIONS)
         };
         let factor = share / (slices * LEVELS * results[slice].len()) as f64;
         apart(&results[slice], &styles[slice], floor, factor)
     };
     let found: Vec<(f64, Vec<T>)> = (0..FILTERS + DIRECTIONS).into_par_iter().map(slope).collect();
     let mean = |found: &[(f64, Vec<T>)]| found.iter().map(|f| f.0).sum::<f64>() / found.len() as f64;
-    let (texture, colour) = (mean(&found[..FILTERS]), mean(&found[FILTERS..]));
+    let (texture, color) = (mean(&found[..FILTERS]), mean(&found[FILTERS..]));
     let slopes: Vec<Vec<T>> = found.into_iter().map(|(_, slopes)| slopes).collect();
     let starts: Vec<usize> = (0..ours.places.len())
         .map(|index| ours.places[..index].iter().map(Vec::len).sum())
@@ -149,7 +130,7 @@ fn compare<T: Real>(
     };
     Level {
         texture,
-        colour,
+        color,
         gradients: (0..ours.pictures.len()).into_par_iter().map(gradient).collect(),
     }
 }
@@ -157,16 +138,16 @@ fn compare<T: Real>(
 /// Distance of two sets of as many numbers, and its slope for each of the first.
 fn apart<T: Real>(ours: &[T], theirs: &[T], floor: f64, factor: f64) -> (f64, Vec<T>) {
     let count = theirs.len() as f64;
-    let mean = theirs.iter().map(|v| v.wide()).sum::<f64>() / count;
-    let square = |v: &T| (v.wide() - mean) * (v.wide() - mean);
+    let mean = theirs.iter().map(|v| v.to_f64()).sum::<f64>() / count;
+    let square = |v: &T| (v.to_f64() - mean) * (v.to_f64() - mean);
     let deviation = (theirs.iter().map(square).sum::<f64>() / (count - 1.0)).sqrt();
     let scale = 1.0 / (deviation + floor);
-    let (up, down) = (T::of(factor * scale), T::of(-factor * scale));
+    let (up, down) = (T::from_f64(factor * scale), T::from_f64(-factor * scale));
     let mut slopes = vec![T::default(); ours.len()];
     let mut sum = 0.0;
     for (&place, &other) in T::ascending(ours).iter().zip(&T::ascending(theirs)) {
         let (ours, theirs) = (ours[place as usize], theirs[other as usize]);
-        sum += (ours.wide() - theirs.wide()).abs();
+        sum += (ours.to_f64() - theirs.to_f64()).abs();
         if ours > theirs {
             slopes[place as usize] = up;
         } else if ours < theirs {

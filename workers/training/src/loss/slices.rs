@@ -37,8 +37,8 @@ pub(super) fn projections<T: Real>(picture: &Tensor<T>, places: &[Place], slices
     out
 }
 
-/// Where a patch has its centre, by channel.
-fn centre(channel: usize) -> usize {
+/// Where a patch has its center, by channel.
+fn center(channel: usize) -> usize {
     (channel * PATCH + PATCH / 2) * PATCH + PATCH / 2
 }
 
@@ -55,7 +55,7 @@ fn project<T: Real>(samples: &[[T; CHUNK]], slices: &Slices<T>, sums: &mut [[T; 
     }
     for (direction, sums) in slices.directions.iter().zip(&mut sums[FILTERS..]) {
         for (channel, &share) in direction.iter().enumerate() {
-            let samples = &samples[centre(channel)];
+            let samples = &samples[center(channel)];
             for index in 0..CHUNK {
                 sums[index] += samples[index] * share;
             }
@@ -104,7 +104,7 @@ fn unproject<T: Real>(slopes: &[[T; CHUNK]], slices: &Slices<T>, samples: &mut [
     }
     for (direction, slopes) in slices.directions.iter().zip(&slopes[FILTERS..]) {
         for (channel, &share) in direction.iter().enumerate() {
-            let samples = &mut samples[centre(channel)];
+            let samples = &mut samples[center(channel)];
             for index in 0..CHUNK {
                 samples[index] += slopes[index] * share;
             }

@@ -17,7 +17,7 @@ struct Scene {
 
 pub(super) fn measure(weights: &Weights) -> TableDistance {
     let network = Network::new(weights);
-    let table = Table::of(&network);
+    let table = Table::new(&network);
     let of_scene = |scene: &Rgb<f32>| {
         let exact = network.apply(scene, &mut Scratch::default());
         let near = table.apply(scene, &mut TableScratch::default());

@@ -8,7 +8,7 @@ use cli::files;
 use imaging::codec;
 use style::net::layer::PARAMETERS;
 use style::net::{Network, onnx};
-use style::{Card, Parts, Training, sha256_of};
+use style::{Card, Parts, Training};
 use training::loss::Losses;
 use training::{Best, Score};
 
@@ -76,7 +76,7 @@ impl Product<'_> {
         Card {
             name: name.clone(),
             file: format!("{name}.onnx"),
-            sha256: sha256_of(model),
+            sha256: imaging::digest::sha256(model),
             architecture: "a context branch at quarter resolution, a thin branch at full resolution and an affine \
                            colour map; opset 17, fp32"
                 .to_owned(),
@@ -109,7 +109,7 @@ impl Product<'_> {
 fn parts(losses: &Losses) -> Parts {
     Parts {
         texture: rounded(losses.texture),
-        colour: rounded(losses.colour),
+        colour: rounded(losses.color),
         content: rounded(losses.content),
     }
 }

@@ -34,7 +34,7 @@ impl TrainingProgress {
     }
 
     pub(super) fn set(&mut self, done: usize, losses: &Losses) -> Result<(), Failure> {
-        let now = [losses.texture, losses.colour, losses.content];
+        let now = [losses.texture, losses.color, losses.content];
         let shown = self.shown.map_or(now, |shown| {
             [0, 1, 2].map(|part| shown[part] * (1.0 - NEWEST) + now[part] * NEWEST)
         });

@@ -1,4 +1,4 @@
-//! Bilinear enlargement of the context: each of its rows is widened when it is first needed, and two neighbours are
+//! Bilinear enlargement of the context: each of its rows is widened when it is first needed, and two neighbors are
 //! mixed for every row of the frame.
 
 use super::planes::{Planes, stride};
@@ -12,7 +12,7 @@ pub(super) struct Place {
     pub(super) share: f32,
 }
 
-/// Pixel centres at half integers, continued by the edge.
+/// Pixel centers at half integers, continued by the edge.
 pub(super) fn place(at: usize, to: usize, from: usize) -> Place {
     let exact = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
     let low = exact as usize;

@@ -173,7 +173,7 @@ fn put<S: Simd>(
     }
 }
 
-/// Even and odd columns of the bordered rows, so that a filter in steps of 2 reads neighbours.
+/// Even and odd columns of the bordered rows, so that a filter in steps of 2 reads neighbors.
 fn split(planes: &Planes, halves: &mut [Planes; 2]) {
     let [even, odd] = halves;
     let columns = even.width;

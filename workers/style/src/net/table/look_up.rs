@@ -53,7 +53,7 @@ impl Table {
     }
 }
 
-/// Corners and shares of the colours of a row, without a branch. Whole numbers are kept as floats until the end: below
+/// Corners and shares of the colors of a row, without a branch. Whole numbers are kept as floats until the end: below
 /// 2²³ they are exact, and adding 2²³ leaves them in the low bits.
 #[inline(always)]
 fn locate(rows: [&[f32]; 3], places: &mut [Vec<u32>; 4], shares: &mut [Vec<f32>; 4]) {
@@ -71,7 +71,7 @@ fn locate(rows: [&[f32]; 3], places: &mut [Vec<u32>; 4], shares: &mut [Vec<f32>;
     let index = |value: f32| (value + WHOLE).to_bits() & 0x007f_ffff;
     for x in 0..width {
         let place = |value: f32| value.max(0.0).min(1.0) * LAST;
-        // Between two nodes either may count as the cell's beginning when the place is whole: the colour is the same.
+        // Between two nodes either may count as the cell's beginning when the place is whole: the color is the same.
         let cell = |place: f32| ((place - 0.5 + ROUND) - ROUND).min(LAST - 1.0);
         let (r, g, b) = (place(red[x]), place(green[x]), place(blue[x]));
         let (cell_r, cell_g, cell_b) = (cell(r), cell(g), cell(b));

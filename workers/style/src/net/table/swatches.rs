@@ -1,11 +1,11 @@
-//! Pictures that a table is fitted to: soft clouds of colour, as frames have them away from edges.
+//! Pictures that a table is fitted to: soft clouds of color, as frames have them away from edges.
 
 use imaging::Rgb;
 use imaging::random::Stream;
 
 const SIDE: usize = 96;
 const PICTURES: u64 = 24;
-/// Cells of the clouds across a picture, and how far their colours reach.
+/// Cells of the clouds across a picture, and how far their colors reach.
 const CLOUDS: [(usize, f64); 2] = [(3, 0.6), (12, 0.25)];
 
 /// The pictures, always the same.
@@ -25,14 +25,14 @@ pub(super) fn swatches() -> impl Iterator<Item = Rgb<f32>> {
             )
         });
         Rgb::from_fn(SIDE, SIDE, |x, y| {
-            let mut colour = mean;
+            let mut color = mean;
             for (cells, columns, grid) in &grids {
                 let place = |at: usize| {
                     let exact = at as f64 * *cells as f64 / SIDE as f64;
                     (exact as usize, exact.fract())
                 };
                 let ((column, u), (row, v)) = (place(x), place(y));
-                for (channel, value) in colour.iter_mut().enumerate() {
+                for (channel, value) in color.iter_mut().enumerate() {
                     let node =
                         |right: usize, down: usize| grid[(row + down) * columns + column + right][channel];
                     let above = node(0, 0) + (node(1, 0) - node(0, 0)) * u;
@@ -40,7 +40,7 @@ pub(super) fn swatches() -> impl Iterator<Item = Rgb<f32>> {
                     *value += above + (below - above) * v;
                 }
             }
-            colour.map(|value| value.clamp(0.0, 1.0) as f32)
+            color.map(|value| value.clamp(0.0, 1.0) as f32)
         })
     })
 }
