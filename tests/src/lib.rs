@@ -1,15 +1,18 @@
 //! Runs the real `fathom` binary for end-to-end tests: services, workers and single commands.
 
+mod commands;
 pub mod ending;
 pub mod forms;
 pub mod memory;
 pub mod onnx;
 
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
+
+pub use commands::{digest_by_render, fathom, muddy_photo, root, run, run_lab};
 
 use serde_json::Value;
 
@@ -17,102 +20,6 @@ use serde_json::Value;
 const START_LIMIT: Duration = Duration::from_secs(60);
 /// How long a test waits for a job of a few dozen small frames on a loaded machine.
 const JOB_LIMIT: Duration = Duration::from_secs(300);
-
-/// The repository's root.
-#[must_use]
-pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("the tests folder lies in the root")
-        .to_owned()
-}
-
-/// The product's binary, built beside the test executables.
-///
-/// # Panics
-/// When it was not built: tests of a binary must not pass without it.
-#[must_use]
-pub fn fathom() -> PathBuf {
-    program("fathom")
-}
-
-fn program(name: &str) -> PathBuf {
-    let test = std::env::current_exe().expect("a test knows its own file");
-    let binary = test
-        .parent()
-        .and_then(Path::parent)
-        .expect("tests lie in deps/")
-        .join(name);
-    assert!(
-        binary.is_file(),
-        "{} is missing: build the workspace first",
-        binary.display()
-    );
-    binary
-}
-
-/// Runs a command of `fathom` to its end.
-///
-/// # Panics
-/// When the binary cannot be started.
-#[must_use]
-pub fn run(arguments: &[&str]) -> Output {
-    run_program("fathom", arguments)
-}
-
-/// Runs a command of `fathom-lab` to its end.
-///
-/// # Panics
-/// When the binary cannot be started.
-#[must_use]
-pub fn run_lab(arguments: &[&str]) -> Output {
-    run_program("fathom-lab", arguments)
-}
-
-/// Renders the photos of the muddy water, and returns the first.
-///
-/// # Panics
-/// When they cannot be rendered.
-#[must_use]
-pub fn muddy_photo(folder: &Path) -> PathBuf {
-    let photos = folder.join("photos");
-    let out = photos.to_str().expect("text");
-    let output = run(&["render", "models/photos/muddy.json", "--out", out]);
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    photos.join("0/rgb.png")
-}
-
-fn run_program(name: &str, arguments: &[&str]) -> Output {
-    Command::new(program(name))
-        .args(arguments)
-        .env_remove("FATHOM_TOKEN")
-        .current_dir(root())
-        .output()
-        .expect("the binary starts")
-}
-
-/// The digest of a job by `fathom render`, without any service.
-///
-/// # Panics
-/// When a frame fails or is missing.
-#[must_use]
-pub fn digest_by_render(job: &Value, folder: &Path, slots: &str) -> String {
-    let (spec, out) = (folder.join("job.json"), folder.join("out"));
-    std::fs::write(&spec, job.to_string()).expect("a writable folder");
-    let path = |path: &Path| path.to_str().expect("a path of text").to_owned();
-    let output = run(&["render", &path(&spec), "--out", &path(&out), "--slots", slots]);
-    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
-    let complaint = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{printed}\n{complaint}");
-    let digest = printed.lines().find_map(|line| line.strip_prefix("digest "));
-    let records = std::fs::read_to_string(out.join("records.jsonl")).expect("records");
-    assert_eq!(records.lines().count() as u64, job["count"].as_u64().unwrap_or(1));
-    digest.expect("render prints a digest").to_owned()
-}
 
 /// A running `fathom serve` on a free port; stops when dropped.
 pub struct Service {

@@ -2,10 +2,11 @@
 //!
 //! It may take any time and memory: run it in a process of its own.
 
+mod external;
+
 use imaging::{Plane, Rgb};
 
 use crate::error::StyleError;
-use crate::external;
 use crate::library::StyleModel;
 use crate::runtime::{Runtime, RuntimeMissing};
 use crate::session::Session;

@@ -7,7 +7,6 @@
 mod card;
 mod check;
 mod error;
-mod external;
 mod library;
 pub mod net;
 mod noise;

@@ -4,34 +4,51 @@
 
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb, transfer};
-use optics::chain;
 use optics::water::Water;
-use spec::{ForwardScatter, Optics, ScatterModel};
+use optics::{chain, haze};
+use spec::{Ambient, ForwardScatter, Haze, HazeBlend, HazeSpace, Optics, ScatterModel};
 use style::net::{Network, Scratch};
 use training::network::forward;
 use training::tensor::Tensor;
 use training::{Photo, Trainer, score};
 
-/// A scene in murky water, softened by forward scatter as the photos of the waters are.
+/// The water of `models/photos/muddy.json`: a bright surface above a veil in which little of a scene is left, so that a transfer
+/// of colors alone has too much texture by far.
 fn photo() -> Photo {
-    let (width, height) = (240, 180);
-    let lens = Intrinsics::centered(150.0, width, height);
-    let scene = scenes::procedural("structure", 5, width, height, lens).unwrap();
+    let (width, height, focal_px) = (240, 180, 321.0);
+    let lens = Intrinsics::centered(focal_px, width, height);
+    let scene = scenes::procedural("structure", 8, width, height, lens).unwrap();
     let optics = Optics {
-        beam_attenuation_per_m: Some([0.8, 0.8, 1.5]),
-        veiling_light: Some([0.25, 0.25, 0.2]),
+        beam_attenuation_per_m: Some([0.7831, 0.8142, 1.5318]),
+        diffuse_attenuation_per_m: Some([0.5675, 0.59, 1.11]),
+        veiling_light: Some([0.1613, 0.162, 0.1299]),
         forward_scatter: Some(ForwardScatter {
             spread_px_per_m: Some([0.0; 3]),
-            spread_offset_px: Some([2.4; 3]),
+            spread_offset_px: Some([3.84; 3]),
             ..ScatterModel::Simplified.into()
         }),
         ..Optics::default()
     };
-    let water = Water::resolve(&optics.into(), 150.0).unwrap();
+    let description = spec::Water {
+        depth_m: Some(0.9),
+        ambient: Ambient::Exposed,
+        ..optics.into()
+    };
+    let water = Water::resolve(&description, focal_px).unwrap();
     let radiance = scene.radiance.map(|&light| f64::from(light));
     let range = scene.range.unwrap().map(|&range| f64::from(range));
     let layers = chain::water_reference(&radiance, &range, &water).unwrap();
-    Photo::new(&transfer::encode_rgb8(&layers.scattered.map(|&light| light as f32)).0).unwrap()
+    let surface = Haze {
+        x: 0.5,
+        y: -0.1,
+        size: 0.5,
+        intensity: 1.0,
+        color: [0.215, 0.216, 0.1732],
+        blend: HazeBlend::Add,
+        space: HazeSpace::Linear,
+    };
+    let shown = haze(layers.scattered.map(|&light| light as f32), &[surface]);
+    Photo::new(&transfer::encode_rgb8(&shown).0).unwrap()
 }
 
 fn trained(threads: usize, steps: usize) -> Vec<f32> {
@@ -55,6 +72,9 @@ fn the_number_of_threads_changes_no_bit() {
     assert_eq!(trained(4, 3), alone);
 }
 
+/// Least gain in texture over the color transfer after 60 steps; the `fathom train` of the job's photos gains .19 to .27.
+const LEAST_GAIN: f64 = 0.15;
+
 #[test]
 fn training_beats_the_color_transfer_it_starts_from() {
     let mut trainer = Trainer::new(&[photo()], 1, 60);
@@ -65,7 +85,7 @@ fn training_beats_the_color_transfer_it_starts_from() {
     }
     let end = score(&trainer.best().weights, &[photo()]);
     assert!(
-        end.losses.texture < 0.75 * start.losses.texture,
+        end.losses.texture < (1.0 - LEAST_GAIN) * start.losses.texture,
         "{start:?} {end:?}"
     );
     assert!(end.losses.total() < start.losses.total(), "{start:?} {end:?}");

@@ -1,7 +1,7 @@
 //! Tensors of an ONNX file that lie in other files. A model that came from outside may have none: they would be read
 //! from wherever their names point to.
 
-use crate::check::Unfit;
+use super::Unfit;
 use crate::net::wire::{Value, fields};
 
 /// Graphs in graphs, as loops and branches have them; real models have three.
@@ -40,7 +40,7 @@ impl Message {
 ///
 /// # Errors
 /// [`Unfit::NotOnnx`] or [`Unfit::External`], whichever comes first.
-pub(crate) fn look(onnx: &[u8]) -> Result<(), Unfit> {
+pub(super) fn look(onnx: &[u8]) -> Result<(), Unfit> {
     let has_graph = fields(onnx).any(|field| matches!(field, Some((7, Value::Bytes(_)))));
     if !has_graph {
         return Err(Unfit::NotOnnx);
