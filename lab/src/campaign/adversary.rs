@@ -6,7 +6,7 @@ mod frames;
 use imaging::random::Stream;
 use spec::ScatterModel;
 
-use super::Case;
+use super::cases::Case;
 use frames::{Attack, Frame};
 
 /// Most and least side of a frame, pixels.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use cli::exit::Failure;
 use cli::files;
 use cli::progress::Progress;
-use lab::campaign::{Outcome, Summary, bound_chart, case, cost_chart, markdown, run as measure};
+use lab::campaign::{Outcome, Studio, Summary, bound_chart, cost_chart, markdown, run as measure};
 
 use crate::{drawing, machine};
 
@@ -31,13 +31,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut progress = Progress::new("campaign", "frames", arguments.scenes);
     let mut outcomes: Vec<Outcome> = std::thread::scope(|scope| {
         let work = || {
-            let mut outcomes = Vec::new();
+            let (mut outcomes, mut studio) = (Vec::new(), Studio::new());
             loop {
                 let number = next.fetch_add(1, Ordering::Relaxed);
                 if number >= arguments.scenes {
                     return outcomes;
                 }
-                outcomes.extend(measure(&case(arguments.seed.wrapping_add(number))));
+                outcomes.extend(measure(arguments.seed.wrapping_add(number), &mut studio));
             }
         };
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
@@ -60,10 +60,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     drawing::write(&arguments.out, "campaign-bound", &bound_chart(&outcomes))?;
     drawing::write(&arguments.out, "campaign-cost", &cost_chart(&outcomes))?;
     println!("{text}");
-    match Summary::of(&outcomes).broken {
-        0 => Ok(()),
-        broken => Err(Failure::BadInput(format!(
-            "{broken} errors are above their bound"
-        ))),
+    let summary = Summary::of(&outcomes);
+    if summary.broken + summary.silent > 0 {
+        return Err(Failure::BadInput(format!(
+            "{} errors are above their bound, {} bounds above their tolerance without a reason",
+            summary.broken, summary.silent
+        )));
     }
+    Ok(())
 }

@@ -24,6 +24,6 @@ pub use engine::Engine;
 pub use error::RenderError;
 pub use file::{File, extension};
 pub use provenance::{CODE_VERSION, cpu_features};
-pub use slot::{Rendered, Slot};
+pub use slot::{LinearPicture, Rendered, Slot};
 pub use source::{SceneBytes, SceneSource};
 pub use vocabulary::vocabulary;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use imaging::transfer;
+use imaging::{Rgb, transfer};
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Given, Plan};
 use optics::setting::Setting;
@@ -35,6 +35,15 @@ pub struct Rendered {
     pub files: Vec<File>,
     /// Everything known about the image.
     pub record: FrameRecord,
+}
+
+/// The linear light of a frame before haze and encoding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearPicture {
+    /// Linear light, white = 1.
+    pub radiance: Rgb<f32>,
+    /// The plan by which it was rendered.
+    pub plan: Plan,
 }
 
 /// What a prepared scene depends on. Scenes from local files are not kept: the files may change.
@@ -72,6 +81,20 @@ impl Slot {
     pub fn contents(&mut self, frame: &Frame, source: &SceneSource) -> Result<Contents, RenderError> {
         let (artifacts, record) = self.run(frame, source, files::contents)?;
         Ok(Contents { artifacts, record })
+    }
+
+    /// Renders a frame up to its haze, to be compared with another rendering in linear light.
+    ///
+    /// # Errors
+    /// As [`Slot::render`].
+    pub fn linear(&mut self, frame: &Frame, source: &SceneSource) -> Result<LinearPicture, RenderError> {
+        let picture = |shot: &Shot<'_>, pictures: &Pictures<'_>, _: &mut FrameRecord| {
+            Ok(LinearPicture {
+                radiance: pictures.styled.clone(),
+                plan: shot.plan.clone(),
+            })
+        };
+        Ok(self.run(frame, source, picture)?.0)
     }
 
     /// Runs all stages and gives what they made to the last one.
