@@ -174,3 +174,35 @@ fn the_figures_of_the_paper_are_drawn() {
         );
     }
 }
+
+#[test]
+fn every_list_is_printed_as_a_table_and_as_json() {
+    let lists = run(&["list", "--json"]);
+    let lists: Vec<Value> = serde_json::from_slice(&lists.stdout).expect("JSON");
+    assert!(lists.len() > 10);
+    for list in &lists {
+        let name = list["name"].as_str().expect("a name");
+        let known = run(&["list", name, "--json", "--server", "http://127.0.0.1:9"]);
+        let is_stored = ["scenes", "datasets", "jobs"].contains(&name);
+        assert_eq!(known.status.code(), Some(if is_stored { 3 } else { 0 }), "{name}");
+        if is_stored {
+            continue;
+        }
+        let entries: Vec<Value> = serde_json::from_slice(&known.stdout).expect("JSON");
+        let table = text(&run(&["list", name]).stdout);
+        for entry in &entries {
+            let entry = entry["name"].as_str().expect("a name");
+            assert!(
+                table.lines().any(|line| line.split("  ").next() == Some(entry)),
+                "{name}: {entry}"
+            );
+        }
+    }
+    let unknown = run(&["list", "metric"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(
+        text(&unknown.stderr).contains("metrics"),
+        "{}",
+        text(&unknown.stderr)
+    );
+}

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use pyo3::prelude::*;
 use scenes::categories::{CATEGORIES, FINDINGS};
-use spec::ArtifactKind;
+use spec::schema::Names;
 
 use crate::studio::Studio;
 
@@ -12,12 +12,7 @@ use crate::studio::Studio;
 #[pyfunction]
 pub(crate) fn names() -> PyResult<BTreeMap<&'static str, Vec<String>>> {
     let known = renderer::vocabulary(&Studio::open(None, None)?.engine.library(), true);
-    let kinds = ArtifactKind::FIXED.iter().map(|(name, _)| (*name).to_owned());
-    let enhanced = known
-        .enhancements
-        .iter()
-        .map(|method| format!("enhanced.{method}"));
-    let kinds = kinds.chain(enhanced).collect();
+    let kinds = known.listed(Names::Artifact);
     let categories = CATEGORIES.iter().map(|(_, name)| (*name).to_owned());
     let findings = FINDINGS.iter().map(|(_, name)| (*name).to_owned());
     Ok(BTreeMap::from([

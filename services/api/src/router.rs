@@ -16,7 +16,7 @@ use crate::http::problem;
 use crate::http::problem::Problem;
 use crate::limits::{self, Limits};
 use crate::{
-    bytes, datasets, http, images, jobs, leases, openapi, operations, pictures, scenes, styles, waters,
+    bytes, datasets, http, images, jobs, leases, lists, openapi, operations, pictures, scenes, styles, waters,
 };
 
 /// The whole application.
@@ -50,8 +50,8 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, limits: &Limits) -> Router 
         .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
         .merge(group(submit, &waits, upload, limits::JSON_BYTES).around(verifying(), tokens))
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
-    let (public, mut document) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
-    openapi::complete(&mut document);
+    let (public, routes) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
+    let document = openapi::document(routes, &app.styles.vocabulary(&app.waters));
     let space = Arc::clone(&app.bytes.space);
     public
         .with_state(app)
@@ -82,6 +82,8 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(waters::routes::water::list))
         .routes(routes!(waters::routes::water::get))
         .routes(routes!(styles::routes::list::list))
+        .routes(routes!(lists::routes::list::list))
+        .routes(routes!(lists::routes::get::get))
         .routes(routes!(datasets::routes::dataset::list))
         .routes(routes!(datasets::routes::dataset::get))
         .routes(routes!(datasets::routes::stats::stats))

@@ -4,6 +4,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
+use utoipa::{PartialSchema, ToSchema};
 
 /// The state of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +26,8 @@ pub enum JobState {
 }
 
 impl JobState {
-    const ALL: [(Self, &'static str); 6] = [
+    /// Every state with its name.
+    pub const ALL: [(Self, &'static str); 6] = [
         (Self::Queued, "queued"),
         (Self::Running, "running"),
         (Self::Paused, "paused"),
@@ -31,6 +35,19 @@ impl JobState {
         (Self::Done, "done"),
         (Self::DoneWithFailures, "done_with_failures"),
     ];
+
+    /// What it means.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Queued => "no frame has ended yet",
+            Self::Running => "some frames have ended",
+            Self::Paused => "workers get none of its frames until it is resumed",
+            Self::Cancelled => "stopped by the user; what is there stays",
+            Self::Done => "every frame has its image",
+            Self::DoneWithFailures => "every frame has ended, some without an image",
+        }
+    }
 
     /// Returns whether nothing more will happen to the job.
     #[must_use]
@@ -49,6 +66,18 @@ impl fmt::Display for JobState {
 impl Serialize for JobState {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
+    }
+}
+
+impl ToSchema for JobState {}
+
+impl PartialSchema for JobState {
+    fn schema() -> RefOr<Schema> {
+        ObjectBuilder::new()
+            .schema_type(Type::String)
+            .enum_values(Some(Self::ALL.map(|(_, name)| name)))
+            .description(Some("State of a job."))
+            .into()
     }
 }
 

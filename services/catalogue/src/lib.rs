@@ -37,6 +37,7 @@ pub use catalogue::Catalogue;
 pub use error::CatalogueError;
 pub use filter::FilterError;
 pub use job_state::JobState;
+pub use metadata::columns_of_every_image;
 pub use time::UnixMs;
 pub use types::{
     ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery, InsertImage,

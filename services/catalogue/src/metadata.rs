@@ -25,6 +25,17 @@ impl Catalogue {
     }
 }
 
+/// The columns of every image, whatever its dataset; labels, timings and artifacts of a dataset come beside them.
+#[must_use]
+pub fn columns_of_every_image(metrics: &[String]) -> Vec<ColumnInfo> {
+    let columns = Columns::new(metrics);
+    let names = columns.names();
+    names
+        .into_iter()
+        .filter_map(|name| info(&columns, name))
+        .collect()
+}
+
 async fn names(
     connection: &mut SqliteConnection,
     columns: &Columns,

@@ -64,8 +64,8 @@ pub struct JobRow {
     /// The dataset that its images join.
     #[schema(example = "shaft-v1")]
     pub dataset: String,
-    /// `queued`, `running`, `paused`, `cancelled`, `done` or `done_with_failures`.
-    #[schema(value_type = String, example = "running")]
+    /// How far it is.
+    #[schema(example = "running")]
     pub state: JobState,
     /// Number of frames.
     pub frames: u64,
@@ -78,13 +78,13 @@ pub struct JobRow {
     /// Grows with every change; pass it as `since` to wait for the next one.
     pub version: u64,
     /// When it was accepted, RFC 3339 in UTC.
-    #[schema(value_type = String)]
+    #[schema(value_type = String, format = DateTime)]
     pub created_at: UnixMs,
     /// When its first frame was stored or given up.
-    #[schema(value_type = Option<String>)]
+    #[schema(value_type = Option<String>, format = DateTime)]
     pub started_at: Option<UnixMs>,
     /// When its last frame was.
-    #[schema(value_type = Option<String>)]
+    #[schema(value_type = Option<String>, format = DateTime)]
     pub finished_at: Option<UnixMs>,
     /// SHA-256 over all frames' parameters and artifacts, once the job is done.
     pub digest: Option<String>,

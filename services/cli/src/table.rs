@@ -1,9 +1,18 @@
-//! Text tables for people: first column left, numbers right.
+//! Text tables for people: words left, numbers right.
 
 use serde_json::Value;
 
 /// Lays out a header and rows in columns.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    columns(header, rows, |column| column == 0)
+}
+
+/// Lays out columns of text, all of them on the left.
+pub fn text_table(header: &[&str], rows: &[Vec<String>]) -> String {
+    columns(header, rows, |_| true)
+}
+
+fn columns(header: &[&str], rows: &[Vec<String>], is_left: impl Fn(usize) -> bool) -> String {
     let widths: Vec<usize> = (0..header.len())
         .map(|column| {
             let cells = rows
@@ -19,7 +28,7 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
             .zip(&widths)
             .enumerate()
             .map(|(column, (cell, &width))| {
-                if column == 0 {
+                if is_left(column) {
                     format!("{cell:<width$}")
                 } else {
                     format!("{cell:>width$}")

@@ -71,6 +71,38 @@ impl ArtifactKind {
         ("preview", Self::Preview),
     ];
 
+    /// What its file holds: format, unit and meaning.
+    #[must_use]
+    pub fn about(&self) -> &'static str {
+        match self {
+            Self::Rgb => "the result, 8 bit, in the format of `encode`",
+            Self::Clean => "the scene in air, 8 bit, in the format of `encode`",
+            Self::Direct => "light that arrives unscattered: NPY float32 [h, w, 3], linear, white = 1",
+            Self::ForwardScatter => {
+                "light that arrives scattered forward: NPY float32 [h, w, 3], linear, white = 1"
+            }
+            Self::Backscatter => "veiling light along the ray: NPY float32 [h, w, 3], linear, white = 1",
+            Self::Scattered => "the picture after the water, 8 bit, in the format of `encode`",
+            Self::Styled => "what the style network made of it, 8 bit, in the format of `encode`",
+            Self::Hazed => "the picture after haze, the same as `rgb`",
+            Self::Range => "range along the line of sight: 16-bit PNG, mm, 0 = hole",
+            Self::Transmittance => "transmittance of the water along the ray, 0..1: NPY float32 [h, w, 3]",
+            Self::Instances => "instance of each pixel, 0 = background: 8- or 16-bit PNG",
+            Self::Semantics => "category of each pixel by its number: 8-bit PNG; `categories` lists them",
+            Self::Normals => "unit normals in camera axes, right, down, ahead: NPY float32 [h, w, 3]",
+            Self::Findings => {
+                "bits of the inspection findings that each pixel shows: 8-bit PNG; `findings` lists them"
+            }
+            Self::Boxes => {
+                "camera pose and the objects in view with category, box and visibility: JSON, m and px"
+            }
+            Self::SnowMask => "opacity of the marine snow in green: 8-bit PNG, 255 = opaque",
+            Self::Enhanced(_) => "result of the enhancement, 8 bit, in the format of `encode`",
+            Self::HscmMask => "circular mask of HSCM: 8-bit PNG",
+            Self::Preview => "thumbnail of at most 256 px a side, in the format of `encode`",
+        }
+    }
+
     /// Whether it is made of labels, which are computed only for it.
     #[must_use]
     pub fn needs_labels(&self) -> bool {

@@ -148,7 +148,7 @@ impl Checker<'_> {
                 .limit(shape.describe());
             match value {
                 Value::Object(map) if laws => {
-                    error.allowed(law::KEYS, map.keys().next().map_or("", String::as_str))
+                    error.allowed(crate::law::KEYS, map.keys().next().map_or("", String::as_str))
                 }
                 _ => error,
             }

@@ -7,6 +7,9 @@ pub trait Described {
     /// What may stand for a value of this type.
     const SHAPE: Shape;
 
+    /// Its own name, such as `Camera`.
+    const NAME: &'static str;
+
     /// Hands every number and triple of numbers that is there to `found`, with its field; not those of objects inside.
     fn numbers(&self, found: &mut dyn FnMut(&'static Field, &[f64])) {
         let _ = found;

@@ -19,6 +19,7 @@ const COUNT: Field = Field {
     laws: false,
     unit: None,
     doc: "frames of each grid cell",
+    type_name: None,
 };
 
 const JOB: [Field; Frame::FIELDS.len() + 1] = {

@@ -212,6 +212,7 @@ pub enum Fidelity {
 /// A fidelity with a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
+#[described(name = "FidelityVariant")]
 pub enum Variant {
     /// The slow f64 form.
     Reference,

@@ -10,6 +10,9 @@
 
 use crate::normal::normal_quantile;
 
+/// The keys that make an object a law.
+pub const KEYS: [&str; 6] = ["choice", "grid", "int", "log_uniform", "normal", "uniform"];
+
 /// Half of the spacing of u: `normal` takes the middle of the cell that u stands for.
 const HALF_STEP: f64 = 1.0 / (1_u64 << 54) as f64;
 

@@ -27,6 +27,8 @@ pub struct Field {
     pub unit: Option<&'static str>,
     /// What it means.
     pub doc: &'static str,
+    /// Name of the described type of its value, or of the elements of a list.
+    pub type_name: Option<&'static str>,
 }
 
 /// What happens if a field is absent.
@@ -137,6 +139,8 @@ pub struct Variant {
     pub name: &'static str,
     /// The other fields.
     pub fields: &'static [Field],
+    /// Name of the type of such objects.
+    pub type_name: &'static str,
 }
 
 /// An interval of numbers.

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value};
 
+use crate::artifact::ArtifactKind;
 use crate::rules::WaterRules;
+use crate::schema::Names;
 
 /// The names that a description may use. They come from the crates and folders that own them.
 #[derive(Debug, Clone, Default)]
@@ -31,6 +33,29 @@ pub struct Vocabulary {
 }
 
 impl Vocabulary {
+    /// The names that may stand in such a place; none where any text of the right form may.
+    #[must_use]
+    pub fn listed(&self, names: Names) -> Vec<String> {
+        match names {
+            Names::Fixed(list) => list.iter().map(|name| (*name).to_owned()).collect(),
+            Names::Family => self.families.clone(),
+            Names::Preset => self.presets.iter().chain(self.waters.keys()).cloned().collect(),
+            Names::Style => self.styles.clone(),
+            Names::Enhancement => self.enhancements.clone(),
+            Names::Metric => self.metrics.clone(),
+            Names::Artifact => self.artifacts().iter().map(ToString::to_string).collect(),
+            Names::Words | Names::WaterName | Names::Dataset | Names::SceneId | Names::Path => Vec::new(),
+        }
+    }
+
+    /// Every kind of artifact: the fixed ones, then the result of each enhancement.
+    #[must_use]
+    pub fn artifacts(&self) -> Vec<ArtifactKind> {
+        let fixed = ArtifactKind::FIXED.iter().map(|(_, kind)| kind.clone());
+        let enhanced = self.enhancements.iter().cloned().map(ArtifactKind::Enhanced);
+        fixed.chain(enhanced).collect()
+    }
+
     /// The full name of a preset, if there is one of this full or bare name.
     pub(crate) fn preset(&self, written: &str) -> Option<&str> {
         let is_meant = |full: &&String| *full == written || full.split('/').next() == Some(written);

@@ -18,6 +18,21 @@ pub enum Profile {
 }
 
 impl Profile {
+    /// Every profile, the default first.
+    pub const ALL: [Self; 3] = [Self::Panetta, Self::Funie, Self::Table1];
+
+    /// Whose arithmetic it is.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Panetta => "formulas of Panetta, Gao and Agaian 2016; the default, whose name is left out",
+            Self::Funie => "the program that underwater deep-learning papers share, with its slips",
+            Self::Table1 => {
+                "arithmetic that agrees with the published comparison table of enhancement methods"
+            }
+        }
+    }
+
     /// As written behind the `@`.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -45,6 +60,8 @@ pub struct MetricInfo {
     pub name: &'static str,
     /// Profile, for metrics that have several.
     pub profile: Option<Profile>,
+    /// What it measures.
+    pub about: &'static str,
     /// Bounds that no 8-bit picture leaves; infinite where no bound is known.
     pub range: RangeInclusive<f64>,
     /// Whether a clean picture is needed.
@@ -107,10 +124,16 @@ impl fmt::Display for MetricId {
     }
 }
 
-const fn row(name: &'static str, range: RangeInclusive<f64>, compute: fn(&Work) -> f64) -> MetricInfo {
+const fn row(
+    name: &'static str,
+    about: &'static str,
+    range: RangeInclusive<f64>,
+    compute: fn(&Work) -> f64,
+) -> MetricInfo {
     MetricInfo {
         name,
         profile: None,
+        about,
         range,
         needs_reference: false,
         compute: Compute::Direct(compute),
@@ -134,14 +157,14 @@ impl MetricInfo {
 }
 
 const fn sum(
-    name: &'static str,
     profile: Profile,
     range: RangeInclusive<f64>,
     terms: &'static [(&'static str, f64)],
 ) -> MetricInfo {
     MetricInfo {
-        name,
+        name: "uiqm",
         profile: Some(profile),
+        about: "weighted sum of uicm, uism and uiconm of the same profile",
         range,
         needs_reference: false,
         compute: Compute::Sum(terms),
@@ -153,34 +176,167 @@ const INFINITY: f64 = f64::INFINITY;
 use Profile::{Funie, Panetta, Table1};
 
 static REGISTRY: &[MetricInfo] = &[
-    row("entropy", 0.0..=8.0, entropy::gray),
-    row("entropy_rgb_r", 0.0..=8.0, entropy::red),
-    row("entropy_rgb_g", 0.0..=8.0, entropy::green),
-    row("entropy_rgb_b", 0.0..=8.0, entropy::blue),
-    row("entropy_joint_rgb", 0.0..=24.0, entropy::joint),
-    row("entropy_2d", 0.0..=16.0, entropy::with_neighborhood),
-    row("uicm", -7.7..=58.0, uicm::panetta).with(Panetta),
-    row("uicm", -7.7..=58.0, uicm::funie).with(Funie),
-    row("uicm", -7.7..=58.0, uicm::table1).with(Table1),
-    row("uism", 0.0..=26.0, uism::panetta).with(Panetta),
-    row("uism", 0.0..=26.8, uism::funie).with(Funie),
-    row("uism", 0.0..=11.1, uism::table1).with(Table1),
-    row("uiconm", 0.0..=0.368, uiconm::panetta).with(Panetta),
-    row("uiconm", 0.0..=0.368, uiconm::funie).with(Funie),
-    row("uiconm", -INFINITY..=INFINITY, uiconm::table1).with(Table1),
-    sum("uiqm", Panetta, -0.3..=10.7, &uiqm::PANETTA),
-    sum("uiqm", Funie, -0.3..=10.9, &uiqm::PANETTA),
-    sum("uiqm", Table1, -INFINITY..=INFINITY, &uiqm::TABLE1),
-    row("uciqe", 0.0..=1.2, uciqe::uciqe),
-    row("uciqe_sigma_c", 0.0..=1.0, uciqe::sigma_c),
+    row(
+        "entropy",
+        "entropy of the gray codes, bits",
+        0.0..=8.0,
+        entropy::gray,
+    ),
+    row(
+        "entropy_rgb_r",
+        "entropy of the red codes, bits",
+        0.0..=8.0,
+        entropy::red,
+    ),
+    row(
+        "entropy_rgb_g",
+        "entropy of the green codes, bits",
+        0.0..=8.0,
+        entropy::green,
+    ),
+    row(
+        "entropy_rgb_b",
+        "entropy of the blue codes, bits",
+        0.0..=8.0,
+        entropy::blue,
+    ),
+    row(
+        "entropy_joint_rgb",
+        "joint entropy of the three channels, bits",
+        0.0..=24.0,
+        entropy::joint,
+    ),
+    row(
+        "entropy_2d",
+        "joint entropy of a gray code and the mean of its neighborhood, bits",
+        0.0..=16.0,
+        entropy::with_neighborhood,
+    ),
+    row(
+        "uicm",
+        "colorfulness: spread of the opponent colors, less their shift from gray",
+        -7.7..=58.0,
+        uicm::panetta,
+    )
+    .with(Panetta),
+    row(
+        "uicm",
+        "colorfulness: spread of the opponent colors, less their shift from gray",
+        -7.7..=58.0,
+        uicm::funie,
+    )
+    .with(Funie),
+    row(
+        "uicm",
+        "colorfulness: spread of the opponent colors, less their shift from gray",
+        -7.7..=58.0,
+        uicm::table1,
+    )
+    .with(Table1),
+    row(
+        "uism",
+        "sharpness: contrast of edges, channel by channel",
+        0.0..=26.0,
+        uism::panetta,
+    )
+    .with(Panetta),
+    row(
+        "uism",
+        "sharpness: contrast of edges, channel by channel",
+        0.0..=26.8,
+        uism::funie,
+    )
+    .with(Funie),
+    row(
+        "uism",
+        "sharpness: contrast of edges, channel by channel",
+        0.0..=11.1,
+        uism::table1,
+    )
+    .with(Table1),
+    row(
+        "uiconm",
+        "contrast of blocks as an entropy-like mean",
+        0.0..=0.368,
+        uiconm::panetta,
+    )
+    .with(Panetta),
+    row(
+        "uiconm",
+        "contrast of blocks as an entropy-like mean",
+        0.0..=0.368,
+        uiconm::funie,
+    )
+    .with(Funie),
+    row(
+        "uiconm",
+        "contrast of blocks as an entropy-like mean",
+        -INFINITY..=INFINITY,
+        uiconm::table1,
+    )
+    .with(Table1),
+    sum(Panetta, -0.3..=10.7, &uiqm::PANETTA),
+    sum(Funie, -0.3..=10.9, &uiqm::PANETTA),
+    sum(Table1, -INFINITY..=INFINITY, &uiqm::TABLE1),
+    row(
+        "uciqe",
+        "spread of chroma, contrast of lightness and mean saturation in CIE Lab",
+        0.0..=1.2,
+        uciqe::uciqe,
+    ),
+    row(
+        "uciqe_sigma_c",
+        "part of uciqe: spread of chroma",
+        0.0..=1.0,
+        uciqe::sigma_c,
+    ),
     // White comes out at 1 + 4e-8: the rows of the matrix do not add up to the white exactly.
-    row("uciqe_con_l", 0.0..=1.000_001, uciqe::con_l),
-    row("uciqe_mu_s", 0.0..=1.0, uciqe::mu_s),
-    row("light_uniformity", 0.0..=1.0, light_uniformity::light_uniformity),
-    row("psnr", 0.0..=psnr::CAP_DB, psnr::psnr).comparing(),
-    row("ssim", -1.0..=1.0, ssim::ssim).comparing(),
-    row("ciede2000", 0.0..=INFINITY, ciede2000::ciede2000).comparing(),
-    row("corner_repeatability", 0.0..=1.0, corners::repeatability).comparing(),
+    row(
+        "uciqe_con_l",
+        "part of uciqe: contrast of lightness",
+        0.0..=1.000_001,
+        uciqe::con_l,
+    ),
+    row(
+        "uciqe_mu_s",
+        "part of uciqe: mean saturation",
+        0.0..=1.0,
+        uciqe::mu_s,
+    ),
+    row(
+        "light_uniformity",
+        "how evenly the picture is lit",
+        0.0..=1.0,
+        light_uniformity::light_uniformity,
+    ),
+    row(
+        "psnr",
+        "ratio of peak signal to error against the clean picture, dB",
+        0.0..=psnr::CAP_DB,
+        psnr::psnr,
+    )
+    .comparing(),
+    row(
+        "ssim",
+        "structural similarity to the clean picture",
+        -1.0..=1.0,
+        ssim::ssim,
+    )
+    .comparing(),
+    row(
+        "ciede2000",
+        "mean color difference from the clean picture",
+        0.0..=INFINITY,
+        ciede2000::ciede2000,
+    )
+    .comparing(),
+    row(
+        "corner_repeatability",
+        "share of the clean picture's corners that are found again",
+        0.0..=1.0,
+        corners::repeatability,
+    )
+    .comparing(),
 ];
 
 #[cfg(test)]

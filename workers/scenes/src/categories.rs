@@ -2,12 +2,12 @@
 
 /// Declares an enum with numbers and names, and the list of them in the order of their numbers.
 macro_rules! vocabulary {
-    ($(#[$about:meta])* $Name:ident, $(#[$all:meta])* $LIST:ident: $($(#[$what:meta])* $Entry:ident = $number:literal, $name:literal;)*) => {
+    ($(#[$about:meta])* $Name:ident, $(#[$all:meta])* $LIST:ident: $($(#[doc = $what:literal])+ $Entry:ident = $number:literal, $name:literal;)*) => {
         $(#[$about])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[repr(u8)]
         pub enum $Name {
-            $($(#[$what])* $Entry = $number),*
+            $($(#[doc = $what])+ $Entry = $number),*
         }
 
         $(#[$all])*
@@ -18,6 +18,12 @@ macro_rules! vocabulary {
             #[must_use]
             pub fn name(self) -> &'static str {
                 $LIST[self as usize].1
+            }
+
+            /// What it stands for.
+            #[must_use]
+            pub fn about(self) -> &'static str {
+                match self { $(Self::$Entry => concat!($($what),+).trim_ascii()),* }
             }
         }
     };

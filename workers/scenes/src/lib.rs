@@ -5,6 +5,7 @@
 pub mod categories;
 pub mod classes;
 mod error;
+mod families;
 pub mod labels;
 mod path;
 mod pipeline;
@@ -16,6 +17,7 @@ pub mod uploaded;
 mod world;
 
 pub use error::SceneError;
+pub use families::{FAMILIES, Family};
 pub use labels::{Labels, SurfaceLabels};
 pub use path::CameraPath;
 pub use pose::CameraPose;
@@ -36,9 +38,6 @@ pub struct Scene {
     /// The camera, if it is known.
     pub intrinsics: Option<Intrinsics>,
 }
-
-/// The procedural families.
-pub const FAMILIES: &[&str] = &["structure", "shaft", "pipeline"];
 
 /// A camera on a path must keep this far from surfaces, m.
 pub const LEAST_CLEARANCE_M: f64 = 0.05;

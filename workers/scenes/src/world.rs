@@ -8,7 +8,7 @@ use spec::{Path, Waypoint};
 use crate::labels::Labels;
 use crate::path::CameraPath;
 use crate::site::{self, Picture, Site};
-use crate::{CameraPose, LEAST_CLEARANCE_M, Scene, SceneError, pipeline, shaft, structure};
+use crate::{CameraPose, Family, LEAST_CLEARANCE_M, Scene, SceneError};
 
 /// What [`World::path`] keeps free, m.
 const CLEAR_M: f64 = 0.2;
@@ -30,17 +30,12 @@ impl World {
     /// # Errors
     /// [`SceneError::UnknownFamily`].
     pub fn new(family: &str, seed: u64) -> Result<Self, SceneError> {
-        let site = match family {
-            "structure" => structure::site(seed),
-            "shaft" => shaft::site(seed),
-            "pipeline" => pipeline::site(seed),
-            _ => {
-                return Err(SceneError::UnknownFamily {
-                    family: family.to_owned(),
-                });
-            }
-        };
-        Ok(Self { site })
+        let known = Family::parse(family).ok_or_else(|| SceneError::UnknownFamily {
+            family: family.to_owned(),
+        })?;
+        Ok(Self {
+            site: (known.site)(seed),
+        })
     }
 
     /// The pose of a single frame.

@@ -6,7 +6,7 @@ use axum::body::Bytes;
 use axum::http::header::{CONTENT_ENCODING, CONTENT_TYPE};
 use axum::response::{Html, Redirect};
 use axum::routing::{MethodRouter, get};
-use utoipa::openapi::OpenApi;
+use serde_json::Value;
 use utoipa_swagger_ui_vendored::SWAGGER_UI_VENDORED;
 
 const PAGE: &str = r##"<!DOCTYPE html>
@@ -26,8 +26,8 @@ SwaggerUIBundle({ url: "/openapi.json", dom_id: "#swagger-ui", deepLinking: true
 </html>
 "##;
 
-pub(crate) fn router(document: &OpenApi) -> Router {
-    let document = Bytes::from(document.to_json().expect("the document is plain data"));
+pub(crate) fn router(document: &Value) -> Router {
+    let document = Bytes::from(document.to_string());
     Router::new()
         .route(
             "/openapi.json",

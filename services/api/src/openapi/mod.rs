@@ -1,16 +1,55 @@
 //! The OpenAPI document: what does not stand beside the handlers.
 
-mod common;
-mod job;
+mod bodies;
+mod description;
+mod document;
+mod laws;
+mod problems;
 
 use utoipa::openapi::OpenApi;
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ObjectBuilder, Schema};
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
-use utoipa::{Modify, OpenApi as _, ToResponse, ToSchema};
+use utoipa::{Modify, OpenApi as _, PartialSchema, ToResponse, ToSchema};
 
 use crate::http::problem::Slug;
+use crate::pictures::routes::enhance::Format as PictureFormat;
 
-pub(crate) use common::complete;
-pub(crate) use job::JobDescription;
+pub(crate) use bodies::{ImageRecord, ImageRow, Losses, StyleCard};
+pub(crate) use document::document;
+
+/// Declares components whose schemas are written from the lists and fields of the program when the document is put together.
+macro_rules! written {
+    ($($(#[doc = $about:literal])+ $Name:ident;)*) => {$(
+        $(#[doc = $about])+
+        pub(crate) struct $Name;
+
+        impl ToSchema for $Name {}
+
+        impl PartialSchema for $Name {
+            fn schema() -> RefOr<Schema> {
+                ObjectBuilder::new().into()
+            }
+        }
+    )*};
+}
+
+written! {
+    /// The body of a job: a frame description with laws in place of values.
+    JobDescription;
+    /// A water of a user's own.
+    NewWater;
+    /// The kind of an artifact.
+    ArtifactKind;
+    /// An enhancement method.
+    Enhancement;
+    /// The type of a problem.
+    ProblemType;
+    /// The name of a list that comes with the program.
+    ListName;
+    /// The bytes of a file.
+    Bytes;
+}
 
 /// A problem (RFC 9457).
 #[derive(ToResponse, ToSchema)]
@@ -20,8 +59,8 @@ pub(crate) use job::JobDescription;
 )]
 #[expect(dead_code, reason = "describes the body, which is built member by member")]
 pub(crate) struct Problem {
-    /// `/problems/<slug>`; the list of slugs stands in this document's description.
-    #[schema(example = "/problems/validation")]
+    /// `/problems/<slug>`; `GET /v1/lists/problems` lists them.
+    #[schema(value_type = ProblemType, example = "/problems/validation")]
     r#type: String,
     /// The same for every problem of the type.
     #[schema(example = "The description is not valid")]
@@ -65,7 +104,7 @@ pub(crate) struct FieldError {
 #[derive(utoipa::OpenApi)]
 #[openapi(
     info(title = "Fathom", version = env!("CARGO_PKG_VERSION"), license(name = "MIT OR Apache-2.0")),
-    components(responses(Problem), schemas(Problem, FieldError, JobDescription)),
+    components(responses(Problem), schemas(Problem, FieldError, PictureFormat)),
     modifiers(&Bearer, &ProblemTypes),
     security(("token" = [])),
     tags((name = "jobs", description = "Submitting descriptions and following them"),
@@ -73,7 +112,9 @@ pub(crate) struct FieldError {
          (name = "datasets", description = "Collections of images"),
          (name = "scenes", description = "Pictures and ranges of your own"),
          (name = "pictures", description = "Enhancing and measuring pictures of your own"),
-         (name = "waters", description = "Optical presets and style models"),
+         (name = "waters", description = "Optical waters"),
+         (name = "styles", description = "Style waters: networks that repaint a frame"),
+         (name = "lists", description = "Every identifier that a request may hold"),
          (name = "operations", description = "For those who run the service"))
 )]
 struct Frame;
@@ -111,7 +152,7 @@ impl Modify for ProblemTypes {
     }
 }
 
-/// The document without paths; the router adds those.
+/// The document without paths, which the router adds.
 pub(crate) fn frame() -> OpenApi {
     Frame::openapi()
 }

@@ -39,6 +39,7 @@ pub(crate) struct SceneView {
     /// Row of the principal point in pixels.
     cy: Option<f64>,
     /// When it was uploaded, RFC 3339 in UTC.
+    #[schema(format = DateTime)]
     created_at: String,
 }
 

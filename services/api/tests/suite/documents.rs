@@ -1,6 +1,11 @@
 //! The OpenAPI document says what the service does.
 
-use crate::common::start;
+use std::collections::BTreeSet;
+
+use serde_json::{Value, json};
+use spec::schema::{Field, Presence, Range, Shape};
+
+use crate::common::{Running, start};
 
 const ROUTES: &[(&str, &str)] = &[
     ("/v1/renders", "post"),
@@ -23,6 +28,7 @@ const ROUTES: &[(&str, &str)] = &[
     ("/v1/measure", "post"),
     ("/v1/scenes", "post"),
     ("/v1/scenes", "get"),
+    ("/v1/scenes/{id}", "get"),
     ("/v1/waters", "get"),
     ("/v1/waters", "post"),
     ("/v1/waters/{name}", "get"),
@@ -32,6 +38,8 @@ const ROUTES: &[(&str, &str)] = &[
     ("/v1/styles/train", "post"),
     ("/v1/styles/trainings/{id}", "get"),
     ("/v1/styles/trainings/{id}", "delete"),
+    ("/v1/lists", "get"),
+    ("/v1/lists/{list}", "get"),
     ("/v1/datasets", "get"),
     ("/v1/datasets/{name}", "get"),
     ("/v1/datasets/{name}", "delete"),
@@ -89,4 +97,320 @@ fn the_documentation_page_brings_its_own_files() {
         "{}",
         page.text()
     );
+}
+
+fn document() -> (Running, Value) {
+    let service = start();
+    let document = service.get("/openapi.json").json();
+    (service, document)
+}
+
+fn operations(document: &Value) -> Vec<&Value> {
+    let paths = document["paths"].as_object().unwrap().values();
+    let members = paths.flat_map(|path| path.as_object().unwrap().values());
+    members.filter(|member| member["responses"].is_object()).collect()
+}
+
+/// The component that a reference leads to, or the schema itself.
+fn followed<'d>(document: &'d Value, schema: &'d Value) -> &'d Value {
+    match schema["$ref"].as_str() {
+        Some(path) => document.pointer(path.trim_start_matches('#')).unwrap(),
+        None => schema,
+    }
+}
+
+/// The schema without the law that may stand instead.
+fn without_law<'d>(document: &'d Value, schema: &'d Value) -> &'d Value {
+    let schema = followed(document, schema);
+    let is_law = |option: &&Value| option["$ref"].as_str().is_some_and(|path| path.ends_with("Law"));
+    match schema["oneOf"].as_array() {
+        Some(options) if options.iter().any(|option| is_law(&option)) => {
+            followed(document, options.iter().find(|option| !is_law(option)).unwrap())
+        }
+        _ => schema,
+    }
+}
+
+#[test]
+fn every_operation_has_a_name_of_its_own_made_of_a_verb_and_a_noun() {
+    let (_service, document) = document();
+    let mut seen = BTreeSet::new();
+    for operation in operations(&document) {
+        let id = operation["operationId"].as_str().unwrap();
+        let parts: Vec<_> = id.split('_').collect();
+        let plain = |part: &&str| !part.is_empty() && part.chars().all(|c| c.is_ascii_lowercase());
+        assert!(parts.len() >= 2 && parts.iter().all(plain), "{id}");
+        assert!(seen.insert(id), "{id} stands twice");
+        assert_eq!(operation["tags"].as_array().map(Vec::len), Some(1), "{id}");
+    }
+    let tags: BTreeSet<_> = document["tags"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|tag| &tag["name"])
+        .map(Value::to_string)
+        .collect();
+    let used: BTreeSet<_> = operations(&document)
+        .iter()
+        .map(|operation| operation["tags"][0].to_string())
+        .collect();
+    assert_eq!(tags, used);
+}
+
+/// Places inside of a schema where a group or a list of words stands that has no name. The parts of `allOf` are one schema.
+fn anonymous(schema: &Value, place: &str) -> Vec<String> {
+    let members = |name: &str| schema[name].as_object().into_iter().flatten();
+    let items = |name: &str| schema[name].as_array().into_iter().flatten();
+    let element = Some(&schema["items"]).filter(|element| element.is_object());
+    let parts = items("oneOf").chain(element).cloned();
+    let inside = members("properties").map(|(name, member)| (format!("{place}/{name}"), member.clone()));
+    let below: Vec<_> = parts.map(|part| (place.to_owned(), part)).chain(inside).collect();
+    let mut found: Vec<_> = items("allOf").flat_map(|part| anonymous(part, place)).collect();
+    for (place, schema) in below {
+        if schema["properties"].is_object() || schema["enum"].is_array() {
+            found.push(place.clone());
+        }
+        found.extend(anonymous(&schema, &place));
+    }
+    found
+}
+
+#[test]
+fn groups_and_lists_of_words_have_names() {
+    let (_service, document) = document();
+    let components = document["components"]["schemas"].as_object().unwrap();
+    let nameless: Vec<_> = components
+        .iter()
+        .flat_map(|(name, schema)| anonymous(schema, name))
+        .collect();
+    assert!(components.len() > 100 && nameless.is_empty(), "{nameless:#?}");
+    for operation in operations(&document) {
+        let contents = operation["responses"]
+            .as_object()
+            .unwrap()
+            .values()
+            .chain([&operation["requestBody"]]);
+        let bodies = contents.flat_map(|body| body["content"].as_object().into_iter().flatten());
+        let parameters = operation["parameters"].as_array().into_iter().flatten();
+        for schema in bodies
+            .map(|(_, content)| &content["schema"])
+            .chain(parameters.map(|one| &one["schema"]))
+        {
+            let is_named = !schema["properties"].is_object() && !schema["enum"].is_array();
+            assert!(
+                is_named && anonymous(schema, "").is_empty(),
+                "{}: {schema}",
+                operation["operationId"]
+            );
+        }
+    }
+}
+
+#[test]
+fn the_words_of_the_document_are_those_of_the_program() {
+    let (service, document) = document();
+    let words = |name: &str| document["components"]["schemas"][name]["enum"].clone();
+    let listed = |name: &str| {
+        let items = service.get(&format!("/v1/lists/{name}")).json()["items"].clone();
+        let names: Vec<Value> = items
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|item| item["name"].clone())
+            .collect();
+        json!(names)
+    };
+    for (component, list) in [
+        ("ArtifactKind", "artifacts"),
+        ("Metric", "metrics"),
+        ("Enhancement", "enhancements"),
+        ("SceneFamily", "families"),
+        ("JobState", "states"),
+        ("JerlovType", "jerlov-types"),
+    ] {
+        assert_eq!(words(component), listed(list), "{component}");
+    }
+    let metrics: Vec<_> = quality::MetricId::all().map(|id| id.to_string()).collect();
+    assert_eq!(
+        (words("Metric"), words("Enhancement")),
+        (json!(metrics), json!(enhance::METHODS))
+    );
+    let problems: Vec<_> = api::Slug::ALL
+        .iter()
+        .map(|slug| format!("/problems/{}", slug.name()))
+        .collect();
+    assert_eq!(words("ProblemType"), json!(problems));
+    let laws: BTreeSet<_> = document["components"]["schemas"]["NumberLaw"]["oneOf"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|law| followed(&document, law)["required"][0].as_str().unwrap())
+        .collect();
+    assert_eq!(laws, BTreeSet::from(spec::law::KEYS));
+}
+
+#[test]
+fn every_list_is_where_the_list_of_lists_says() {
+    let (service, document) = document();
+    let lists = service.get("/v1/lists").json();
+    for list in lists["items"].as_array().unwrap() {
+        let entries = service.get(list["path"].as_str().unwrap());
+        assert_eq!(entries.status, 200, "{list}");
+        assert!(entries.json()["items"].is_array(), "{list}");
+    }
+    let names = document["components"]["schemas"]["ListName"]["enum"]
+        .as_array()
+        .unwrap();
+    assert!(names.contains(&json!("findings")) && !names.contains(&json!("waters")));
+    let elsewhere = service.get("/v1/lists/waters").problem(404, "not-found");
+    assert!(
+        elsewhere["detail"].as_str().unwrap().contains("/v1/waters"),
+        "{elsewhere}"
+    );
+    service.get("/v1/lists/nothing").problem(404, "not-found");
+    let categories = service.get("/v1/lists/categories").json();
+    assert_eq!(categories["items"][6]["number"], 6);
+}
+
+/// Compares a declaration with its schema, all the way down; returns how many fields there were.
+fn compare(document: &Value, place: &str, shape: &Shape, schema: &Value) -> usize {
+    let schema = without_law(document, schema);
+    match shape {
+        Shape::Number(range) => compare_range(place, range, schema),
+        Shape::Integer(low, high) => {
+            let end = |name: &str| schema[name].as_number().map(ToString::to_string);
+            assert_eq!(
+                (end("minimum"), end("maximum")),
+                (Some(low.to_string()), Some(high.to_string())),
+                "{place}"
+            );
+        }
+        Shape::Rgb(range) | Shape::Vector(range) => {
+            assert_eq!(
+                (&schema["minItems"], &schema["maxItems"]),
+                (&json!(3), &json!(3)),
+                "{place}"
+            );
+            compare_range(place, range, without_law(document, &schema["items"]));
+        }
+        Shape::Text(_) => assert_eq!(schema["type"], "string", "{place}"),
+        Shape::List {
+            element,
+            max,
+            distinct,
+        } => {
+            assert_eq!(
+                (&schema["maxItems"], &schema["uniqueItems"]),
+                (&json!(max), &json!(distinct)),
+                "{place}"
+            );
+            return compare(document, place, element, &schema["items"]);
+        }
+        Shape::Object(fields) => return compare_object(document, place, fields, schema, &[]),
+        Shape::OneOf(fields) => {
+            let options = schema["oneOf"].as_array().unwrap();
+            let found = fields.iter().map(|field| {
+                let has = |option: &&Value| followed(document, option)["properties"][field.name].is_object();
+                let option = followed(document, options.iter().find(has).unwrap());
+                compare_object(document, place, &[*field], option, &[field.name])
+            });
+            return found.sum();
+        }
+        Shape::Tagged {
+            tag,
+            presence,
+            options,
+        } => {
+            let found = options.iter().map(|option| {
+                let is_it =
+                    |schema: &&Value| followed(document, schema)["properties"][tag]["const"] == option.name;
+                let schema = followed(
+                    document,
+                    schema["oneOf"].as_array().unwrap().iter().find(is_it).unwrap(),
+                );
+                let is_usual = *presence == Presence::Default("\"png\"") && option.name == "png";
+                let mut inside = schema.clone();
+                inside["properties"]
+                    .as_object_mut()
+                    .unwrap()
+                    .remove(*tag)
+                    .unwrap();
+                let also: &[&str] = if is_usual { &[] } else { &[*tag] };
+                compare_object(document, place, option.fields, &inside, also)
+            });
+            return found.sum();
+        }
+        Shape::Short(_, fields) => {
+            let object = followed(document, &schema["oneOf"][1]);
+            return compare_object(document, place, fields, object, &[]);
+        }
+        Shape::Either(_, object) => return compare(document, place, object, schema),
+        Shape::Labels | Shape::Scalar => {}
+    }
+    0
+}
+
+fn compare_object(document: &Value, place: &str, fields: &[Field], schema: &Value, also: &[&str]) -> usize {
+    let properties = schema["properties"].as_object().unwrap();
+    let names: BTreeSet<_> = fields.iter().map(|field| field.name.to_owned()).collect();
+    assert_eq!(
+        properties.keys().cloned().collect::<BTreeSet<_>>(),
+        names,
+        "{place}"
+    );
+    assert_eq!(schema["additionalProperties"], false, "{place}");
+    let required = fields.iter().filter(|field| field.presence == Presence::Required);
+    let required: BTreeSet<_> = required
+        .map(|field| field.name)
+        .chain(also.iter().copied())
+        .collect();
+    let written = schema["required"].as_array().cloned().unwrap_or_default();
+    assert_eq!(
+        written.iter().filter_map(Value::as_str).collect::<BTreeSet<_>>(),
+        required,
+        "{place}"
+    );
+    let field = |field: &Field| {
+        let (place, schema) = (format!("{place}/{}", field.name), &properties[field.name]);
+        let text = schema["description"].as_str().unwrap_or_default();
+        assert!(text.starts_with(field.doc), "{place}: {text}");
+        assert!(text.ends_with(field.unit.unwrap_or_default()), "{place}: {text}");
+        assert_eq!(schema["x-unit"].as_str(), field.unit, "{place}");
+        if let Presence::Default(written) = field.presence {
+            assert_eq!(
+                schema["default"],
+                serde_json::from_str::<Value>(written).unwrap(),
+                "{place}"
+            );
+        }
+        1 + compare(document, &place, &field.shape, schema)
+    };
+    fields.iter().map(field).sum()
+}
+
+fn compare_range(place: &str, range: &Range, schema: &Value) {
+    assert_eq!(schema["type"], "number", "{place}");
+    let least = schema["minimum"].as_f64().or(schema["exclusiveMinimum"].as_f64());
+    let (low, high) = if *range == Range::FINITE {
+        (None, None)
+    } else {
+        (Some(range.min), Some(range.max))
+    };
+    assert_eq!((least, schema["maximum"].as_f64()), (low, high), "{place}");
+    assert_eq!(schema["exclusiveMinimum"].is_number(), range.above, "{place}");
+}
+
+#[test]
+fn every_field_has_its_meaning_unit_limits_and_default_in_the_document() {
+    let (_service, document) = document();
+    let job = &document["components"]["schemas"]["JobDescription"];
+    let seen = compare(&document, "", &spec::fields::DOCUMENT, job);
+    // The table has a row for each tag too.
+    let tags = spec::table::rows()
+        .iter()
+        .filter(|row| row.doc.starts_with("decides"))
+        .count();
+    assert_eq!(seen, spec::table::rows().len() - tags);
+    let water = &document["components"]["schemas"]["NewWater"];
+    compare(&document, "", &Shape::Object(spec::OwnWater::FIELDS), water);
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use cli::exit::Failure;
 use cli::files;
 use cli::table::{decimal, table};
-use quality::MetricId;
+use quality::{MetricId, Profile};
 use serde_json::{Map, Value, json};
 
 /// Options of `fathom measure`.
@@ -15,7 +15,7 @@ pub(crate) struct Arguments {
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Measure every metric of one profile instead of the usual six
-    #[arg(long, value_parser = ["panetta", "funie", "table1"])]
+    #[arg(long, value_parser = Profile::ALL.map(Profile::name))]
     profile: Option<String>,
     /// Metrics by name, such as uiqm or uiqm@table1, comma-separated
     #[arg(long, value_delimiter = ',', value_parser = metric, conflicts_with = "profile")]

@@ -6,6 +6,7 @@ mod cluster;
 mod demo;
 mod enhance;
 mod export;
+mod list;
 mod measure;
 mod plan;
 mod query;
@@ -60,6 +61,8 @@ pub(crate) enum Command {
     Enhance(enhance::Arguments),
     /// Measure the quality of pictures
     Measure(measure::Arguments),
+    /// List every name and number that a job, a question or a label may hold
+    List(list::Arguments),
     /// List the optical water presets
     Waters(waters::Arguments),
     /// List the style waters
@@ -95,6 +98,7 @@ impl Command {
             Self::Sheet(arguments) => sheet::run(&arguments),
             Self::Enhance(arguments) => enhance::run(&arguments),
             Self::Measure(arguments) => measure::run(&arguments),
+            Self::List(arguments) => list::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Styles(arguments) => styles::run(&arguments),
             Self::Train(arguments) => train::run(&arguments),

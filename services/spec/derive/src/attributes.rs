@@ -11,6 +11,8 @@ use syn::{Attribute, Expr, Ident, LitInt, LitStr, Token, parenthesized};
 pub(crate) struct Container {
     /// The field that a string is short for.
     pub(crate) short: Option<LitStr>,
+    /// What the type is called where its module cannot be seen.
+    pub(crate) name: Option<LitStr>,
     /// The tag of an object that has none.
     pub(crate) default: Option<LitStr>,
     /// The field that decides which others there are, from serde.
@@ -26,7 +28,8 @@ impl Container {
                 match () {
                     () if meta.path.is_ident("short") => container.short = value,
                     () if meta.path.is_ident("default") => container.default = value,
-                    () => return Err(meta.error("`short` or `default` was expected")),
+                    () if meta.path.is_ident("name") => container.name = value,
+                    () => return Err(meta.error("`short`, `default` or `name` was expected")),
                 }
                 Ok(())
             })?;
@@ -44,6 +47,13 @@ impl Container {
             })?;
         }
         Ok(container)
+    }
+
+    /// The name of the type outside of its module.
+    pub(crate) fn name_of(&self, ident: &Ident) -> String {
+        self.name
+            .as_ref()
+            .map_or_else(|| ident.to_string(), LitStr::value)
     }
 }
 

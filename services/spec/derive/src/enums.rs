@@ -32,7 +32,7 @@ pub(crate) fn derive(
         }
         fields.push(member.field());
     }
-    let name = &input.ident;
+    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
     let shape = match (words.is_empty(), fields.is_empty()) {
         (false, true) => quote!(crate::schema::Shape::Text(crate::schema::Names::Fixed(
             Self::WORDS
@@ -62,6 +62,7 @@ pub(crate) fn derive(
 
         impl crate::described::Described for #name {
             const SHAPE: crate::schema::Shape = #shape;
+            const NAME: &'static str = #type_name;
 
             fn numbers(&self, found: &mut dyn FnMut(&'static crate::schema::Field, &[f64])) {
                 match self { #(#numbers)* _ => {} }
@@ -87,21 +88,24 @@ fn tagged(
     let mut options = Vec::new();
     for variant in &data.variants {
         let name = name_of(variant);
-        let fields = match &variant.fields {
+        let (fields, type_name) = match &variant.fields {
             Fields::Unnamed(_) => {
                 let inside = value_of(variant)?;
-                quote!(#inside::FIELDS)
+                let type_name = quote!(<#inside as crate::described::Described>::NAME);
+                (quote!(#inside::FIELDS), type_name)
             }
             fields => {
                 let fields = Members::read(fields)?.fields();
-                quote!(&[#(#fields),*])
+                let type_name = format!("{}{}", variant.ident, input.ident);
+                (quote!(&[#(#fields),*]), quote!(#type_name))
             }
         };
-        options.push(quote!(crate::schema::Variant { name: #name, fields: #fields }));
+        options.push(quote!(crate::schema::Variant { name: #name, fields: #fields, type_name: #type_name }));
     }
-    let name = &input.ident;
+    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
     Ok(quote! {
         impl crate::described::Described for #name {
+            const NAME: &'static str = #type_name;
             const SHAPE: crate::schema::Shape = crate::schema::Shape::Tagged {
                 tag: #tag,
                 presence: #presence,

@@ -78,6 +78,7 @@ impl Member {
             None => quote!(None),
         };
         let doc = &self.attributes.doc;
+        let type_name = type_name(&self.ty, &self.attributes);
         quote! {
             crate::schema::Field {
                 name: #name,
@@ -86,14 +87,29 @@ impl Member {
                 laws: #laws,
                 unit: #unit,
                 doc: #doc,
+                type_name: #type_name,
             }
         }
     }
 }
 
+/// Whole numbers.
+const INTEGERS: [&str; 5] = ["u8", "u16", "u32", "u64", "usize"];
+
+/// The name of the described type of a value, or of the elements of a list; none of plain values.
+fn type_name(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
+    let element = generic(ty, "Vec").unwrap_or(ty);
+    let plain = ["f64", "BTreeMap"].iter().chain(&INTEGERS);
+    let is_plain = matches!(element, Type::Array(_)) || plain.into_iter().any(|name| is_named(element, name));
+    if is_plain || attributes.names.is_some() {
+        quote!(None)
+    } else {
+        quote!(Some(<#element as crate::described::Described>::NAME))
+    }
+}
+
 /// What may stand for a value of this type.
 fn shape(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
-    const INTEGERS: [&str; 5] = ["u8", "u16", "u32", "u64", "usize"];
     if let Some(element) = generic(ty, "Vec") {
         let element = shape(element, attributes);
         let max = attributes

@@ -30,7 +30,8 @@
 //! An enum of words is one of their names in snake case. An enum with `#[serde(tag = "kind")]` is an object whose field
 //! `kind` names the variant. In any other enum each variant with a value is an object of one field, and those without are
 //! words. `#[described(short = "preset")]` lets a string stand for the object of that one field;
-//! `#[described(default = "png")]` is the tag of an object that has none.
+//! `#[described(default = "png")]` is the tag of an object that has none; `#[described(name = "FidelityVariant")]` names a
+//! type whose own name says too little outside of its module.
 
 mod attributes;
 mod enums;
@@ -72,6 +73,7 @@ fn derive_struct(
     let name = &input.ident;
     let members = Members::read(&data.fields)?;
     let (fields, numbers) = (members.fields(), members.numbers());
+    let type_name = container.name_of(name);
     let shape = match &container.short {
         Some(field) => quote!(crate::schema::Shape::Short(#field, Self::FIELDS)),
         None => quote!(crate::schema::Shape::Object(Self::FIELDS)),
@@ -84,6 +86,7 @@ fn derive_struct(
 
         impl crate::described::Described for #name {
             const SHAPE: crate::schema::Shape = #shape;
+            const NAME: &'static str = #type_name;
 
             fn numbers(&self, found: &mut dyn FnMut(&'static crate::schema::Field, &[f64])) {
                 #(#numbers)*

@@ -6,11 +6,9 @@ use serde_json::{Map, Value};
 use super::{Checker, Place, whole};
 use crate::invalid::FieldError;
 use crate::json::describe;
+use crate::law::KEYS;
 use crate::node::{Law, LawNode, Node};
 use crate::schema::{EXACT, Shape};
-
-/// The keys that make an object a law.
-pub(super) const KEYS: [&str; 6] = ["choice", "grid", "int", "log_uniform", "normal", "uniform"];
 
 /// The first key that makes this object a law, if it has one.
 pub(super) fn key_of(map: &Map<String, Value>) -> Option<&'static str> {

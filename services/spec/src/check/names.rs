@@ -3,7 +3,6 @@
 use serde_json::Value;
 
 use super::{Checker, Place};
-use crate::artifact::ArtifactKind;
 use crate::invalid::{FieldError, quote};
 use crate::node::Node;
 use crate::schema::Names;
@@ -32,6 +31,7 @@ impl Checker<'_> {
             Names::SceneId => is_scene_id(text).then(|| text.to_owned()),
             Names::Path => is_path(text).then(|| text.to_owned()),
             _ => self
+                .vocabulary
                 .listed(names)
                 .iter()
                 .any(|name| name == text)
@@ -45,7 +45,7 @@ impl Checker<'_> {
     }
 
     fn refuse_text(&mut self, at: &Place, names: Names, text: &str) {
-        let allowed = self.listed(names);
+        let allowed = self.vocabulary.listed(names);
         self.refuse(|| {
             let value = Value::from(text);
             let problem = match names {
@@ -66,34 +66,6 @@ impl Checker<'_> {
                 error.allowed(allowed, text)
             }
         });
-    }
-
-    /// The names that may stand here, if they are listed anywhere.
-    pub(super) fn listed(&self, names: Names) -> Vec<String> {
-        match names {
-            Names::Fixed(list) => list.iter().map(|name| (*name).to_owned()).collect(),
-            Names::Family => self.vocabulary.families.clone(),
-            Names::Preset => {
-                let own = self.vocabulary.waters.keys();
-                self.vocabulary.presets.iter().chain(own).cloned().collect()
-            }
-            Names::Style => self.vocabulary.styles.clone(),
-            Names::Enhancement => self.vocabulary.enhancements.clone(),
-            Names::Metric => self.vocabulary.metrics.clone(),
-            Names::Artifact => {
-                let enhanced = self
-                    .vocabulary
-                    .enhancements
-                    .iter()
-                    .map(|method| format!("enhanced.{method}"));
-                ArtifactKind::FIXED
-                    .iter()
-                    .map(|(name, _)| (*name).to_owned())
-                    .chain(enhanced)
-                    .collect()
-            }
-            Names::Words | Names::WaterName | Names::Dataset | Names::SceneId | Names::Path => Vec::new(),
-        }
     }
 
     /// Refuses presets that lack what rendering needs. With coefficients beside them the optics decide.

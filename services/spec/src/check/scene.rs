@@ -92,7 +92,7 @@ impl Checker<'_> {
             part.is_none_or(|part| !lacking[part as usize].all)
         };
         let error = if ask.pointer.starts_with("/artifacts") {
-            let kinds = self.listed(Names::Artifact);
+            let kinds = self.vocabulary.listed(Names::Artifact);
             error.allowed(kinds.into_iter().filter(possible), "")
         } else {
             error

@@ -18,20 +18,56 @@ use crate::variant::Variant;
 #[derive(Debug, Clone, Copy)]
 pub struct Method {
     name: &'static str,
+    about: &'static str,
     /// Most pixels of a picture; `None` where only memory limits it.
     pixels_max: Option<usize>,
     enhance: fn(&Raster, Variant) -> Enhanced,
 }
 
 const TABLE: [Method; 8] = [
-    Method::new("hscm", hscm::enhance),
-    Method::new("clahe", clahe::enhance),
-    Method::new("grey_world", gray_world::enhance),
-    Method::new("ulap", ulap::enhance).guided(),
-    Method::new("suir", suir::enhance).guided(),
-    Method::new("ibla", ibla::enhance).guided(),
-    Method::new("rd", rd::enhance),
-    Method::new("rghs", rghs::enhance),
+    Method::new(
+        "hscm",
+        "homomorphic filter, spatial median, CLAHE and circular mask",
+        hscm::enhance,
+    ),
+    Method::new(
+        "clahe",
+        "CLAHE of the luma, the chroma kept (Zuiderveld 1994)",
+        clahe::enhance,
+    ),
+    Method::new(
+        "grey_world",
+        "gray world: each channel scaled to the mean of all (Buchsbaum 1980)",
+        gray_world::enhance,
+    ),
+    Method::new(
+        "ulap",
+        "restoration by the underwater light attenuation prior (Song et al. 2018)",
+        ulap::enhance,
+    )
+    .guided(),
+    Method::new(
+        "suir",
+        "blue-green dehazing and red correction (Li et al. 2016)",
+        suir::enhance,
+    )
+    .guided(),
+    Method::new(
+        "ibla",
+        "restoration by blurriness and light absorption (Peng and Cosman 2017)",
+        ibla::enhance,
+    )
+    .guided(),
+    Method::new(
+        "rd",
+        "two pictures integrated by the Rayleigh distribution (Abdul Ghani and Mat Isa 2014)",
+        rd::enhance,
+    ),
+    Method::new(
+        "rghs",
+        "relative global histogram stretching (Huang et al. 2018)",
+        rghs::enhance,
+    ),
 ];
 
 /// Names of all methods, as [`Method::parse`] reads them.
@@ -49,9 +85,10 @@ pub const METHODS: &[&str] = &{
 const GUIDED_PIXELS_MAX: usize = 16_000_000;
 
 impl Method {
-    const fn new(name: &'static str, enhance: fn(&Raster, Variant) -> Enhanced) -> Self {
+    const fn new(name: &'static str, about: &'static str, enhance: fn(&Raster, Variant) -> Enhanced) -> Self {
         Self {
             name,
+            about,
             pixels_max: None,
             enhance,
         }
@@ -75,6 +112,12 @@ impl Method {
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.name
+    }
+
+    /// What it does, and its source.
+    #[must_use]
+    pub fn about(&self) -> &'static str {
+        self.about
     }
 }
 

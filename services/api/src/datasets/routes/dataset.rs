@@ -8,7 +8,7 @@ use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::jobs::Jobs;
 
 /// List datasets by name, all on one page.
-#[utoipa::path(get, path = "/v1/datasets", tag = "datasets",
+#[utoipa::path(get, path = "/v1/datasets", tag = "datasets", operation_id = "list_datasets",
     responses((status = 200, description = "All datasets.", body = Page<DatasetRow>)))]
 pub(crate) async fn list(State(catalogue): Topic<Catalogue>) -> Result<Json<Page<DatasetRow>>, Problem> {
     Ok(Json(Page::whole(catalogue.datasets().await?)))
@@ -24,7 +24,7 @@ pub(crate) struct DatasetDetail {
 }
 
 /// See a dataset: its counts, bytes and columns.
-#[utoipa::path(get, path = "/v1/datasets/{name}", tag = "datasets",
+#[utoipa::path(get, path = "/v1/datasets/{name}", tag = "datasets", operation_id = "get_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 200, description = "The dataset.", body = DatasetDetail)))]
 pub(crate) async fn get(
@@ -45,7 +45,7 @@ pub(super) async fn row(catalogue: &Catalogue, name: &str) -> Result<DatasetRow,
 /// Delete a dataset with all its jobs and images.
 ///
 /// Jobs that have not ended keep it: cancel them first. The space comes back in the background. Scenes stay.
-#[utoipa::path(delete, path = "/v1/datasets/{name}", tag = "datasets",
+#[utoipa::path(delete, path = "/v1/datasets/{name}", tag = "datasets", operation_id = "delete_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 200, description = "It is gone.", body = Deleted),
               (status = 409, response = crate::openapi::Problem)))]

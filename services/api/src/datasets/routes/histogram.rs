@@ -11,7 +11,7 @@ use utoipa::IntoParams;
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// A column of numbers.
+    /// A column of numbers, of those that `GET /v1/datasets/{name}` lists.
     #[param(example = "uiqm")]
     column: String,
     /// Bins of equal width, 1..=4096.
@@ -26,7 +26,7 @@ pub(crate) struct Parameters {
 }
 
 /// Count the values of a column in bins.
-#[utoipa::path(get, path = "/v1/datasets/{name}/histogram", tag = "datasets",
+#[utoipa::path(get, path = "/v1/datasets/{name}/histogram", tag = "datasets", operation_id = "get_histogram",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "The bins.", body = Histogram),
               (status = 422, response = crate::openapi::Problem)))]

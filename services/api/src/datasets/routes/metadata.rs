@@ -25,7 +25,7 @@ pub(crate) struct Parameters {
 /// Read everything that is known of a dataset's images, one JSON object a line.
 ///
 /// Parameters, labels, metrics, counts, digests of the artifacts. Every row has the same members.
-#[utoipa::path(get, path = "/v1/datasets/{name}/metadata.jsonl", tag = "datasets",
+#[utoipa::path(get, path = "/v1/datasets/{name}/metadata.jsonl", tag = "datasets", operation_id = "export_metadata_jsonl",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "One object a line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn jsonl(
@@ -42,7 +42,7 @@ pub(crate) async fn jsonl(
 /// Read everything that is known of a dataset's images as a table.
 ///
 /// The first line names the columns; what is absent is empty.
-#[utoipa::path(get, path = "/v1/datasets/{name}/metadata.csv", tag = "datasets",
+#[utoipa::path(get, path = "/v1/datasets/{name}/metadata.csv", tag = "datasets", operation_id = "export_metadata_csv",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String)))]
 pub(crate) async fn csv(

@@ -11,10 +11,10 @@ use utoipa::{IntoParams, ToSchema};
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Metrics, separated by commas.
+    /// Metrics, separated by commas; `GET /v1/lists/metrics` lists them. Those of an enhanced picture begin with its method.
     #[param(example = "uiqm,hscm.uiqm")]
     metrics: String,
-    /// A parameter column; images with the same value form a group.
+    /// A column of `GET /v1/datasets/{name}`; images with the same value form a group.
     #[param(example = "water.style")]
     group_by: Option<String>,
     /// Only images that fulfil this.
@@ -29,7 +29,7 @@ pub(crate) struct Statistics {
 }
 
 /// Statistics of metrics over a dataset, per group.
-#[utoipa::path(get, path = "/v1/datasets/{name}/stats", tag = "datasets",
+#[utoipa::path(get, path = "/v1/datasets/{name}/stats", tag = "datasets", operation_id = "get_statistics",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "Statistics per group and metric.", body = Statistics)))]
 pub(crate) async fn stats(

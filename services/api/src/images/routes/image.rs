@@ -8,11 +8,12 @@ use serde_json::Value;
 use crate::http::{Json, Path, Problem, State, Topic, stored};
 use crate::images::Images;
 use crate::limits;
+use crate::openapi::{ArtifactKind, Bytes, ImageRecord};
 
 /// The record of an image: resolved parameters, optics, plan, metrics, artifacts, timings, provenance.
-#[utoipa::path(get, path = "/v1/images/{job}/{frame}", tag = "images",
+#[utoipa::path(get, path = "/v1/images/{job}/{frame}", tag = "images", operation_id = "get_image",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
-    responses((status = 200, description = "The record.", body = Value)))]
+    responses((status = 200, description = "The record.", body = ImageRecord)))]
 pub(crate) async fn get(
     State(images): Topic<Images>,
     Path((job, frame)): Path<(String, u64)>,
@@ -23,13 +24,15 @@ pub(crate) async fn get(
 /// The bytes of an artifact.
 ///
 /// The entity tag is the SHA-256 of the bytes, so a copy never goes stale. Single ranges are answered.
-#[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts/{kind}", tag = "images",
+#[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts/{kind}", tag = "images", operation_id = "get_artifact",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"),
-           ("kind" = String, Path, description = "Such as `rgb`, `range`, `enhanced.hscm`"),
+           ("kind" = ArtifactKind, Path, description = "Such as `rgb`, `range`, `enhanced.hscm`"),
            ("If-None-Match" = Option<String>, Header, description = "Entity tags of copies at hand"),
            ("Range" = Option<String>, Header, description = "One range of bytes")),
-    responses((status = 200, description = "The bytes, verified against their digest.", content_type = "image/png"),
-              (status = 206, description = "A range of the bytes.", content_type = "image/png"),
+    responses((status = 200, description = "The bytes, verified against their digest. NPY is `application/x-npy`, JSON `application/json`.",
+               content((Bytes = "application/*"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
+              (status = 206, description = "A range of the bytes.",
+               content((Bytes = "application/*"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
               (status = 304, description = "The copy at hand is right."),
               (status = 416, response = crate::openapi::Problem)))]
 pub(crate) async fn artifact(
@@ -45,9 +48,9 @@ pub(crate) async fn artifact(
 }
 
 /// A thumbnail of the result: a PNG of at most 256 px a side.
-#[utoipa::path(get, path = "/v1/images/{job}/{frame}/preview", tag = "images",
+#[utoipa::path(get, path = "/v1/images/{job}/{frame}/preview", tag = "images", operation_id = "get_preview",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
-    responses((status = 200, description = "The thumbnail.", content_type = "image/png"),
+    responses((status = 200, description = "The thumbnail.", content((Bytes = "image/png"))),
               (status = 304, description = "The copy at hand is right.")))]
 pub(crate) async fn preview(
     State(images): Topic<Images>,

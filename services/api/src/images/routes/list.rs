@@ -7,21 +7,23 @@ use serde::Deserialize;
 use serde_json::Value;
 use utoipa::IntoParams;
 
+use crate::openapi::ImageRow;
+
 /// Which images, which columns, in which order.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Only images of this dataset.
+    /// Only images of this dataset; `GET /v1/datasets` lists them.
     dataset: Option<String>,
-    /// A condition over parameters and metrics.
+    /// A condition over columns; `GET /v1/lists/columns` and `GET /v1/datasets/{name}` list them.
     #[param(example = r#"uiqm > 0.8 and water.style in ("muddy") and alpha between 0.2 and 0.6"#)]
     filter: Option<String>,
-    /// A column; with `-` before it the largest comes first.
+    /// A column of those lists; with `-` before it the largest comes first.
     #[param(example = "-uiqm")]
     order_by: Option<String>,
     /// Rows of the page, 1..=1000.
-    #[param(default = 100)]
+    #[param(default = 100, minimum = 1, maximum = 1000)]
     limit: Option<u32>,
     /// `next_cursor` of the page before; the other parameters must be the same.
     cursor: Option<String>,
@@ -31,8 +33,8 @@ pub(crate) struct Parameters {
 }
 
 /// Query images by their parameters and metrics.
-#[utoipa::path(get, path = "/v1/images", tag = "images", params(Parameters),
-    responses((status = 200, description = "A page of rows.", body = Page<Value>)))]
+#[utoipa::path(get, path = "/v1/images", tag = "images", operation_id = "list_images", params(Parameters),
+    responses((status = 200, description = "A page of rows.", body = Page<ImageRow>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
     Query(asked): Query<Parameters>,

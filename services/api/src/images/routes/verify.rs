@@ -21,6 +21,18 @@ pub(crate) struct Wish {
     rerender: bool,
 }
 
+/// What became of stored bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum StoredBytes {
+    /// They are as they were stored.
+    Good,
+    /// They are others.
+    Corrupt,
+    /// They are gone.
+    Missing,
+}
+
 /// An artifact and what was found.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct VerifiedArtifact {
@@ -28,8 +40,8 @@ pub(crate) struct VerifiedArtifact {
     kind: String,
     /// SHA-256 that its record names.
     digest: String,
-    /// `good`, `corrupt` (other bytes than were stored) or `missing`.
-    stored: &'static str,
+    /// What became of its bytes.
+    stored: StoredBytes,
     /// SHA-256 of what the frame renders to now; null: it was not rendered, or has no such artifact any more.
     rerendered_digest: Option<String>,
     /// Largest difference of the two in codes of a picture, or in the unit of a linear layer; null: not compared.
@@ -53,7 +65,7 @@ pub(crate) struct Verified {
 ///
 /// It is rendered by a process of its own, which may take two minutes. Bytes are the same on one build, one ONNX Runtime
 /// and one CPU feature set; elsewhere `largest_difference` says how far they are apart.
-#[utoipa::path(post, path = "/v1/images/{job}/{frame}/verify", tag = "images",
+#[utoipa::path(post, path = "/v1/images/{job}/{frame}/verify", tag = "images", operation_id = "verify_image",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     request_body(content = Wish, content_type = "application/json"),
     responses((status = 200, description = "What was found.", body = Verified)))]
@@ -77,7 +89,9 @@ pub(crate) async fn verify(
     }
     let same = |artifact: &VerifiedArtifact| artifact.rerendered_digest.as_ref() == Some(&artifact.digest);
     Ok(Json(Verified {
-        intact: artifacts.iter().all(|artifact| artifact.stored == "good"),
+        intact: artifacts
+            .iter()
+            .all(|artifact| artifact.stored == StoredBytes::Good),
         reproduced: again.as_ref().map(|_| artifacts.iter().all(same)),
         differences: again.map_or_else(Vec::new, |again| differences(&image, &again)),
         artifacts,
@@ -90,9 +104,9 @@ async fn compared(
     again: Option<Arc<Again>>,
 ) -> Result<VerifiedArtifact, Problem> {
     let (stored, bytes) = match images.bytes.store.get(&entry.digest).await {
-        Ok(Some(bytes)) => ("good", Some(bytes)),
-        Ok(None) => ("missing", None),
-        Err(StoreError::Corrupt { .. }) => ("corrupt", None),
+        Ok(Some(bytes)) => (StoredBytes::Good, Some(bytes)),
+        Ok(None) => (StoredBytes::Missing, None),
+        Err(StoreError::Corrupt { .. }) => (StoredBytes::Corrupt, None),
         Err(error) => return Err(error.into()),
     };
     let rerendered = again.as_ref().and_then(|again| {

@@ -9,7 +9,7 @@ use crate::jobs::Jobs;
 ///
 /// Its finished images stay. Workers drop what they are rendering of it with their next beat. Cancelling a job that
 /// has ended changes nothing.
-#[utoipa::path(post, path = "/v1/jobs/{id}/cancel", tag = "jobs",
+#[utoipa::path(post, path = "/v1/jobs/{id}/cancel", tag = "jobs", operation_id = "cancel_job",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "The job as it is now.", body = JobRow)))]
 pub(crate) async fn cancel(
@@ -23,7 +23,7 @@ pub(crate) async fn cancel(
 ///
 /// Workers get none of its frames until it is resumed; what they hold they finish. Pausing a paused job changes
 /// nothing.
-#[utoipa::path(post, path = "/v1/jobs/{id}/pause", tag = "jobs",
+#[utoipa::path(post, path = "/v1/jobs/{id}/pause", tag = "jobs", operation_id = "pause_job",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "The job as it is now.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
@@ -34,7 +34,7 @@ pub(crate) async fn pause(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> R
 /// Resume a paused job.
 ///
 /// Resuming a job that is not paused but goes on changes nothing.
-#[utoipa::path(post, path = "/v1/jobs/{id}/resume", tag = "jobs",
+#[utoipa::path(post, path = "/v1/jobs/{id}/resume", tag = "jobs", operation_id = "resume_job",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "The job as it is now.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
@@ -48,7 +48,7 @@ pub(crate) async fn resume(
 /// Try the failed frames of a job again.
 ///
 /// Their failures are forgotten. A job that had ended with failures goes on.
-#[utoipa::path(post, path = "/v1/jobs/{id}/retry-failed", tag = "jobs",
+#[utoipa::path(post, path = "/v1/jobs/{id}/retry-failed", tag = "jobs", operation_id = "retry_job",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "The job as it is now.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
@@ -62,7 +62,7 @@ pub(crate) async fn retry_failed(
 /// Delete a job with its images, whatever it is doing.
 ///
 /// It is gone at once and for good; the space comes back in the background. Scenes stay.
-#[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "jobs",
+#[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "delete_job",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "It is gone.", body = Deleted)))]
 pub(crate) async fn delete(

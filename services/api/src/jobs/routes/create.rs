@@ -14,7 +14,7 @@ use crate::openapi::JobDescription;
 ///
 /// Everything is checked at once and all errors come together. The answer is given when the job is durable; its
 /// frames are rendered afterwards. Repeating a submission with the same `Idempotency-Key` answers the same job.
-#[utoipa::path(post, path = "/v1/jobs", tag = "jobs",
+#[utoipa::path(post, path = "/v1/jobs", tag = "jobs", operation_id = "submit_job",
     params(("Idempotency-Key" = Option<String>, Header, description = "1..=255 characters, kept per token")),
     request_body(content = JobDescription, content_type = "application/json"),
     responses(

@@ -16,7 +16,7 @@ use crate::limits;
 /// their errors. Where nothing happens for 15 s a comment comes. The stream ends with the job; asked again after its
 /// end, the answer is 204. `Last-Event-ID` goes on where the last event ended; nothing is lost, since every event tells
 /// how things are, not how they changed.
-#[utoipa::path(get, path = "/v1/jobs/{id}/events", tag = "jobs",
+#[utoipa::path(get, path = "/v1/jobs/{id}/events", tag = "jobs", operation_id = "follow_job",
     params(("id" = String, Path, description = "`job_…`"),
            ("Last-Event-ID" = Option<String>, Header, description = "Id of the last event that was received")),
     responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String),

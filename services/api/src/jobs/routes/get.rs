@@ -23,7 +23,7 @@ pub(crate) struct Parameters {
 /// See a job, or wait for it to change.
 ///
 /// A job that has ended is always answered at once.
-#[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs",
+#[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "get_job",
     params(("id" = String, Path, description = "`job_…`"), Parameters),
     responses((status = 200, description = "The job as it is now.", body = JobRow)))]
 pub(crate) async fn get(

@@ -14,7 +14,7 @@ use crate::limits::{RECORDS_BATCH, ROWS_BATCH};
 /// Read the records of a job's images, in frame order.
 ///
 /// Works in every state of the job: it answers what is there.
-#[utoipa::path(get, path = "/v1/jobs/{id}/results", tag = "jobs",
+#[utoipa::path(get, path = "/v1/jobs/{id}/results", tag = "jobs", operation_id = "list_job_results",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "One record a line, as `/v1/images/{job}/{frame}` answers it.",
                content_type = "application/x-ndjson", body = String)))]
@@ -30,7 +30,7 @@ pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) ->
 /// Read the failures of a job, in frame order.
 ///
 /// Works in every state of the job: it answers what is there.
-#[utoipa::path(get, path = "/v1/jobs/{id}/errors", tag = "jobs",
+#[utoipa::path(get, path = "/v1/jobs/{id}/errors", tag = "jobs", operation_id = "list_job_errors",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "One `Failure` a line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn errors(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {

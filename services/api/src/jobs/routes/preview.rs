@@ -68,7 +68,7 @@ pub(crate) struct JobPreview {
 ///
 /// It refuses whatever a submission would refuse. The estimate rests on frames that were rendered here before, or on
 /// typical figures where there are none.
-#[utoipa::path(post, path = "/v1/jobs/preview", tag = "jobs", params(Parameters),
+#[utoipa::path(post, path = "/v1/jobs/preview", tag = "jobs", operation_id = "preview_job", params(Parameters),
     request_body(content = JobDescription, content_type = "application/json"),
     responses((status = 200, description = "The first frames and the cost.", body = JobPreview),
               (status = 409, response = crate::openapi::Problem)))]

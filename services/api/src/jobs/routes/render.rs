@@ -10,7 +10,7 @@ use crate::http::{Json, JsonBytes, Problem, Slug, State, Topic};
 use crate::jobs::Jobs;
 use crate::jobs::wait::Until;
 use crate::limits;
-use crate::openapi::JobDescription;
+use crate::openapi::{Bytes, ImageRecord, JobDescription};
 
 /// Where direct renders go unless they name a dataset.
 const DATASET: &str = "renders";
@@ -19,14 +19,14 @@ const DATASET: &str = "renders";
 ///
 /// A job of one frame and high priority, waited for. The answer is the picture itself if `Accept` names an image
 /// type, else the image's record.
-#[utoipa::path(post, path = "/v1/renders", tag = "jobs",
+#[utoipa::path(post, path = "/v1/renders", tag = "jobs", operation_id = "render_frame",
     params(("Prefer" = Option<String>, Header, description = "`wait=N`: seconds, default 30, at most 60"),
            ("Accept" = Option<String>, Header, description = "`image/*` for the picture"),
            ("Idempotency-Key" = Option<String>, Header, description = "1..=255 characters, kept per token")),
     request_body(content = JobDescription, content_type = "application/json"),
     responses(
         (status = 200, description = "The picture, or the record of the image.",
-         content((serde_json::Value = "application/json"), (Vec<u8> = "image/png"))),
+         content((ImageRecord = "application/json"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
         (status = 202, description = "Not ready in time; `Location` is the job.", body = JobRow),
         (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(

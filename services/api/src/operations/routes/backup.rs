@@ -28,7 +28,7 @@ pub(crate) struct BackupView {
 ///
 /// The copy is a data folder of its own, in `backups` of the service's: move it away, and start a service on it to
 /// restore. One backup is made at a time.
-#[utoipa::path(post, path = "/v1/backups", tag = "operations",
+#[utoipa::path(post, path = "/v1/backups", tag = "operations", operation_id = "create_backup",
     responses((status = 201, description = "The copy is whole and on the disk.", body = BackupView),
               (status = 507, response = crate::openapi::Problem)))]
 pub(crate) async fn create(

@@ -10,7 +10,7 @@ use crate::operations::Operations;
 use crate::telemetry;
 
 /// Whether the process answers at all.
-#[utoipa::path(get, path = "/livez", tag = "operations", security(()),
+#[utoipa::path(get, path = "/livez", tag = "operations", operation_id = "get_liveness", security(()),
     responses((status = 200, description = "The process answers.", body = String)))]
 pub(crate) async fn livez() -> &'static str {
     "ok\n"
@@ -19,7 +19,7 @@ pub(crate) async fn livez() -> &'static str {
 /// Whether requests can be answered: the catalogue is readable, there is space, and the service is not stopping.
 ///
 /// A full disk is looked at again each time: as soon as there is space the answer is 200.
-#[utoipa::path(get, path = "/readyz", tag = "operations", security(()),
+#[utoipa::path(get, path = "/readyz", tag = "operations", operation_id = "get_readiness", security(()),
     responses((status = 200, description = "Ready.", body = String),
               (status = 507, response = crate::openapi::Problem)))]
 pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<&'static str, Problem> {
@@ -49,7 +49,7 @@ pub(crate) struct Version {
 }
 
 /// Versions of the code and of the style runtime.
-#[utoipa::path(get, path = "/version", tag = "operations", security(()),
+#[utoipa::path(get, path = "/version", tag = "operations", operation_id = "get_version", security(()),
     responses((status = 200, description = "Versions.", body = Version)))]
 pub(crate) async fn version(State(operations): Topic<Operations>) -> Json<Version> {
     Json(Version {
@@ -59,7 +59,7 @@ pub(crate) async fn version(State(operations): Topic<Operations>) -> Json<Versio
 }
 
 /// What the service counts, in Prometheus' text form.
-#[utoipa::path(get, path = "/metrics", tag = "operations",
+#[utoipa::path(get, path = "/metrics", tag = "operations", operation_id = "get_telemetry",
     responses((status = 200, description = "Metrics named `fathom_…`, in base units.", body = String)))]
 pub(crate) async fn metrics(State(operations): Topic<Operations>) -> Result<impl IntoResponse, Problem> {
     operations.leases.dispatch.measure();

@@ -9,6 +9,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use crate::http::form::{Form, Kind};
 use crate::http::{MultipartBody, Problem, Query, State, Topic};
+use crate::openapi::{Bytes, Enhancement};
 use crate::pictures::{Pictures, required_picture};
 
 /// Codes of what the method is known to do badly with this picture.
@@ -17,6 +18,7 @@ const WARNINGS: HeaderName = HeaderName::from_static("fathom-warnings");
 /// The form of an answer.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
+#[schema(as = PictureFormat)]
 pub(crate) enum Format {
     /// PNG.
     #[default]
@@ -31,7 +33,7 @@ pub(crate) enum Format {
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
     /// The enhancement method.
-    #[param(example = "hscm")]
+    #[param(value_type = Enhancement, example = "hscm")]
     method: String,
     /// Whether pixels outside of the method's mask are blacked out, if it has one.
     #[serde(default = "yes")]
@@ -39,7 +41,7 @@ pub(crate) struct Parameters {
     mask: bool,
     /// Form of the answer.
     #[serde(default)]
-    #[param(inline, default = "png")]
+    #[param(default = "png")]
     format: Format,
 }
 
@@ -59,10 +61,10 @@ pub(crate) struct EnhanceUpload {
 /// Enhance a picture of your own. Nothing is stored.
 ///
 /// `Fathom-Warnings` names known failures of the method that the picture shows.
-#[utoipa::path(post, path = "/v1/enhance", tag = "pictures", params(Parameters),
+#[utoipa::path(post, path = "/v1/enhance", tag = "pictures", operation_id = "enhance_picture", params(Parameters),
     request_body(content = EnhanceUpload, content_type = "multipart/form-data"),
     responses((status = 200, description = "The enhanced picture, 8 bit.",
-               content((Vec<u8> = "image/png"), (Vec<u8> = "image/webp")))))]
+               content((Bytes = "image/png"), (Bytes = "image/webp")))))]
 pub(crate) async fn enhance(
     State(pictures): Topic<Pictures>,
     Query(asked): Query<Parameters>,

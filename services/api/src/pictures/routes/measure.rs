@@ -18,7 +18,7 @@ const USUAL: &str = "entropy,uicm,uism,uiconm,uiqm,uciqe";
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Metrics, separated by commas.
+    /// Metrics, separated by commas; `GET /v1/lists/metrics` lists them.
     #[param(default = "entropy,uicm,uism,uiconm,uiqm,uciqe", example = "uiqm,uiqm@table1")]
     metrics: Option<String>,
 }
@@ -30,7 +30,7 @@ pub(crate) struct MeasureUpload {
     /// PNG, JPEG or WebP of at most 16 Mpx.
     #[schema(value_type = String, format = Binary)]
     picture: Vec<u8>,
-    /// The clean picture of the same size, for `psnr` and `ssim`.
+    /// The clean picture of the same size, for metrics that compare with it.
     #[schema(value_type = Option<String>, format = Binary)]
     clean: Option<Vec<u8>>,
 }
@@ -47,7 +47,7 @@ pub(crate) struct Measured {
 }
 
 /// Measure a picture of your own. Nothing is stored.
-#[utoipa::path(post, path = "/v1/measure", tag = "pictures", params(Parameters),
+#[utoipa::path(post, path = "/v1/measure", tag = "pictures", operation_id = "measure_picture", params(Parameters),
     request_body(content = MeasureUpload, content_type = "multipart/form-data"),
     responses((status = 200, description = "The values.", body = Measured)))]
 pub(crate) async fn measure(

@@ -46,7 +46,7 @@ pub(crate) struct SceneUpload {
 ///
 /// It is decoded and checked before anything is stored. Scenes are named by their content: the same upload answers
 /// the same scene with 200.
-#[utoipa::path(post, path = "/v1/scenes", tag = "scenes",
+#[utoipa::path(post, path = "/v1/scenes", tag = "scenes", operation_id = "upload_scene",
     request_body(content = SceneUpload, content_type = "multipart/form-data"),
     responses((status = 201, description = "Stored.", body = SceneView),
               (status = 200, description = "It was there already.", body = SceneView)))]

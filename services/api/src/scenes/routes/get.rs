@@ -5,8 +5,9 @@ use catalogue::Catalogue;
 use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::scenes::view::SceneView;
 
-/// An uploaded scene.
-#[utoipa::path(get, path = "/v1/scenes/{id}", tag = "scenes", params(("id" = String, Path, description = "`scn_…`")),
+/// See an uploaded scene.
+#[utoipa::path(get, path = "/v1/scenes/{id}", tag = "scenes", operation_id = "get_scene",
+    params(("id" = String, Path, description = "`scn_…`")),
     responses((status = 200, description = "The scene.", body = SceneView)))]
 pub(crate) async fn get(
     State(catalogue): Topic<Catalogue>,

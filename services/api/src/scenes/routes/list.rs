@@ -13,14 +13,14 @@ use crate::scenes::view::SceneView;
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
     /// Rows of the page, 1..=1000.
-    #[param(default = 100)]
+    #[param(default = 100, minimum = 1, maximum = 1000)]
     limit: Option<u32>,
     /// `next_cursor` of the page before.
     cursor: Option<String>,
 }
 
 /// List uploaded scenes.
-#[utoipa::path(get, path = "/v1/scenes", tag = "scenes", params(Parameters),
+#[utoipa::path(get, path = "/v1/scenes", tag = "scenes", operation_id = "list_scenes", params(Parameters),
     responses((status = 200, description = "A page of scenes.", body = Page<SceneView>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,

@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 use crate::http::form::{Form, Kind};
 use crate::http::located::{Located, created, located};
 use crate::http::{MultipartBody, Problem, State, Topic};
+use crate::openapi::StyleCard;
 use crate::styles::{NewStyle, Styles};
 
 const FIELDS: [(&str, Kind); 7] = [
@@ -49,10 +50,10 @@ pub(crate) struct StyleUpload {
 /// finite picture each time, and the same one to the same frame. Then jobs may name it at once. The same network under
 /// the same name again answers 200. Styles are never replaced or deleted, since images name them. Nobody has measured
 /// how stable a style of your own is; its card says so.
-#[utoipa::path(post, path = "/v1/styles", tag = "waters",
+#[utoipa::path(post, path = "/v1/styles", tag = "styles", operation_id = "add_style",
     request_body(content = StyleUpload, content_type = "multipart/form-data"),
-    responses((status = 201, description = "Added: its card.", body = Value),
-              (status = 200, description = "It was there already.", body = Value),
+    responses((status = 201, description = "Added: its card.", body = StyleCard),
+              (status = 200, description = "It was there already.", body = StyleCard),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(styles): Topic<Styles>,

@@ -52,7 +52,7 @@ pub(crate) struct TrainingUpload {
 /// Photos that cannot be learned from are refused at once. The training runs in a process of its own, one at a time; a
 /// thousand steps take about a minute on four free cores. When it is done jobs may name the style at once. The service
 /// keeps the style, not the training: after a restart, an open training must be asked for again.
-#[utoipa::path(post, path = "/v1/styles/train", tag = "waters",
+#[utoipa::path(post, path = "/v1/styles/train", tag = "styles", operation_id = "train_style",
     request_body(content = TrainingUpload, content_type = "multipart/form-data"),
     responses((status = 202, description = "Accepted; `Location` is the training.", body = TrainingView),
               (status = 409, response = crate::openapi::Problem)))]

@@ -6,8 +6,25 @@ use style::Card;
 use utoipa::{IntoParams, ToSchema};
 
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
+use crate::openapi::{Losses, StyleCard};
 use crate::styles::Styles;
 use crate::styles::trainings::{Progress, Training};
+
+/// How far a training is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum TrainingState {
+    /// Another one is before it.
+    Queued,
+    /// It takes its steps.
+    Running,
+    /// There is a style.
+    Done,
+    /// There is none; `error` says why.
+    Failed,
+    /// It was stopped by the user.
+    Cancelled,
+}
 
 /// A training.
 #[derive(Debug, Serialize, ToSchema)]
@@ -17,22 +34,22 @@ pub(crate) struct TrainingView {
     id: String,
     /// The name of the style.
     name: String,
-    /// `queued`, `running`, `done`, `failed` or `cancelled`.
+    /// How far it is.
     #[schema(example = "running")]
-    state: &'static str,
+    state: TrainingState,
     /// Steps to do.
     steps: u32,
     /// Seed of all chance.
     seed: u64,
     /// Steps done.
     done: u64,
-    /// The losses of the newest steps: `texture`, `colour`, `content`.
-    #[schema(value_type = Option<Value>)]
+    /// The losses of the newest steps.
+    #[schema(value_type = Option<Losses>)]
     losses: Value,
     /// Why there is no style.
     error: Option<String>,
     /// The card of the style, as in the list of styles.
-    #[schema(value_type = Option<Value>)]
+    #[schema(value_type = Option<StyleCard>)]
     card: Option<Card>,
 }
 
@@ -41,15 +58,15 @@ impl TrainingView {
         let order = &training.order;
         let progress = training.progress();
         let (state, error, card) = match training.state() {
-            Progress::Open if progress.is_some() => ("running", None, None),
-            Progress::Open => ("queued", None, None),
-            Progress::Done(card) => ("done", None, Some(*card)),
-            Progress::Failed(why) => ("failed", Some(why), None),
-            Progress::Cancelled => ("cancelled", None, None),
+            Progress::Open if progress.is_some() => (TrainingState::Running, None, None),
+            Progress::Open => (TrainingState::Queued, None, None),
+            Progress::Done(card) => (TrainingState::Done, None, Some(*card)),
+            Progress::Failed(why) => (TrainingState::Failed, Some(why), None),
+            Progress::Cancelled => (TrainingState::Cancelled, None, None),
         };
         let progress = progress.unwrap_or_default();
         let done = match state {
-            "done" => u64::from(order.steps),
+            TrainingState::Done => u64::from(order.steps),
             _ => progress["done"].as_u64().unwrap_or_default(),
         };
         Self {
@@ -77,7 +94,7 @@ pub(crate) struct Parameters {
 }
 
 /// See a training, or wait for its end.
-#[utoipa::path(get, path = "/v1/styles/trainings/{id}", tag = "waters",
+#[utoipa::path(get, path = "/v1/styles/trainings/{id}", tag = "styles", operation_id = "get_training",
     params(("id" = String, Path, description = "`trn_…`"), Parameters),
     responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
 pub(crate) async fn get(
@@ -94,7 +111,7 @@ pub(crate) async fn get(
 /// Cancel a training.
 ///
 /// Nothing of it stays. A training that has ended stays as it is, and so does its style.
-#[utoipa::path(delete, path = "/v1/styles/trainings/{id}", tag = "waters",
+#[utoipa::path(delete, path = "/v1/styles/trainings/{id}", tag = "styles", operation_id = "cancel_training",
     params(("id" = String, Path, description = "`trn_…`")),
     responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
 pub(crate) async fn delete(

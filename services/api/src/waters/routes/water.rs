@@ -8,14 +8,14 @@ use crate::waters::Waters;
 use crate::waters::view::WaterView;
 
 /// List the optical waters, all on one page: the shipped ones, then the users' own.
-#[utoipa::path(get, path = "/v1/waters", tag = "waters",
+#[utoipa::path(get, path = "/v1/waters", tag = "waters", operation_id = "list_waters",
     responses((status = 200, description = "All waters.", body = Page<WaterView>)))]
 pub(crate) async fn list(State(waters): Topic<Waters>) -> Json<Page<WaterView>> {
     Json(Page::whole(waters.all()))
 }
 
 /// See one water. The `/` of a full name is written `%2F`; a bare name means its default source.
-#[utoipa::path(get, path = "/v1/waters/{name}", tag = "waters",
+#[utoipa::path(get, path = "/v1/waters/{name}", tag = "waters", operation_id = "get_water",
     params(("name" = String, Path, description = "Its name")),
     responses((status = 200, description = "The water.", body = WaterView)))]
 pub(crate) async fn get(
@@ -28,7 +28,7 @@ pub(crate) async fn get(
 /// Delete a water of your own.
 ///
 /// Jobs that were accepted hold its numbers: they go on, and their frames can be rendered again. Shipped waters stay.
-#[utoipa::path(delete, path = "/v1/waters/{name}", tag = "waters",
+#[utoipa::path(delete, path = "/v1/waters/{name}", tag = "waters", operation_id = "delete_water",
     params(("name" = String, Path, description = "Its name")),
     responses((status = 204, description = "It is gone.")))]
 pub(crate) async fn delete(

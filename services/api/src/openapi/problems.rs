@@ -17,7 +17,7 @@ const WITH_BODY: &[u16] = &[400, 413, 415, 422];
 const WRITING: &[u16] = &[507];
 
 /// Adds the problems that follow from an operation's form.
-pub(crate) fn complete(document: &mut OpenApi) {
+pub(super) fn add(document: &mut OpenApi) {
     for item in document.paths.paths.values_mut() {
         let PathItem {
             get, post, delete, ..

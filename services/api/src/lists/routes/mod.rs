@@ -1,0 +1,4 @@
+//! The lists of identifiers.
+
+pub(crate) mod get;
+pub(crate) mod list;

@@ -1,0 +1,102 @@
+//! The document put together: what the routes declare, the components that the lists and fields of the program write, and
+//! what holds for every operation.
+
+use serde_json::{Map, Value, json};
+use spec::Vocabulary;
+use utoipa::openapi::OpenApi;
+
+use super::{description, problems};
+use crate::http::problem::Slug;
+use crate::lists::List;
+
+/// The document of these routes.
+pub(crate) fn document(mut routes: OpenApi, vocabulary: &Vocabulary) -> Value {
+    problems::add(&mut routes);
+    let mut document = serde_json::to_value(&routes).expect("the document is plain data");
+    if let Some(components) = document["components"]["schemas"].as_object_mut() {
+        components.extend(description::components(vocabulary));
+        components.extend(lists());
+        components.remove("Bytes");
+        refer_to_rows(components);
+    }
+    let problem = json!({"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}});
+    document["components"]["responses"]["Problem"]["content"] = problem;
+    let operations = document["paths"].as_object_mut().into_iter().flatten();
+    let operations = operations.filter_map(|(_, path)| path.as_object_mut()).flatten();
+    for (_, operation) in operations {
+        set_media_types(operation);
+        let parameters = operation.get_mut("parameters").and_then(Value::as_array_mut);
+        let schemas = parameters
+            .into_iter()
+            .flatten()
+            .filter_map(|parameter| parameter.get_mut("schema"));
+        schemas.filter_map(Value::as_object_mut).for_each(leave_out_null);
+    }
+    document
+}
+
+/// Components that are lists of this crate.
+fn lists() -> Map<String, Value> {
+    let own = List::all().iter().filter(|list| list.stored_at.is_none());
+    let names: Vec<_> = own.map(|list| list.name).collect();
+    let slugs = || Slug::ALL.iter().map(|slug| slug.name());
+    let types: Vec<_> = slugs().map(|slug| format!("/problems/{slug}")).collect();
+    // What generators call the words, which begin with a slash.
+    let words: Vec<_> = slugs()
+        .map(|slug| slug.replace('-', "_").to_uppercase())
+        .collect();
+    let lists = json!({
+        "ListName": {"type": "string", "enum": names, "description": "A list that comes with the program."},
+        "ProblemType": {"type": "string", "enum": types, "x-enum-varnames": words,
+                        "description": "A kind of problem; `GET /v1/lists/problems` says what it means."},
+    });
+    match lists {
+        Value::Object(lists) => lists,
+        _ => Map::new(),
+    }
+}
+
+/// The rows of a page are components: a page does not repeat what stands in them.
+fn refer_to_rows(components: &mut Map<String, Value>) {
+    for (name, page) in components.iter_mut() {
+        if let Some(row) = name.strip_prefix("Page_") {
+            page["properties"]["items"]["items"] = description::reference(row);
+        }
+    }
+}
+
+/// Bodies that are no JSON are text or bytes.
+fn set_media_types(operation: &mut Value) {
+    let responses = operation.get_mut("responses").and_then(Value::as_object_mut);
+    for (_, response) in responses.into_iter().flatten() {
+        let contents = response.get_mut("content").and_then(Value::as_object_mut);
+        for (media_type, content) in contents.into_iter().flatten() {
+            if media_type.ends_with("json") {
+                continue;
+            }
+            let is_text = media_type.starts_with("text/") || media_type.ends_with("ndjson");
+            content["schema"] = if is_text {
+                json!({"type": "string"})
+            } else {
+                json!({"type": "string", "format": "binary"})
+            };
+        }
+    }
+}
+
+/// A parameter is there or not: it cannot be null.
+fn leave_out_null(schema: &mut Map<String, Value>) {
+    let only = |name: &str| {
+        let options = schema.get(name)?.as_array()?;
+        let mut kept = options
+            .iter()
+            .filter(|option| **option != "null" && option["type"] != "null");
+        kept.next().filter(|_| kept.next().is_none()).cloned()
+    };
+    if let Some(only) = only("type") {
+        schema.insert("type".to_owned(), only);
+    } else if let Some(Value::Object(only)) = only("oneOf") {
+        schema.remove("oneOf");
+        schema.extend(only);
+    }
+}

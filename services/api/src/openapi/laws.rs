@@ -1,0 +1,89 @@
+//! Schemas of laws. Those that yield numbers are the same everywhere; a choice and a grid hold values of their place, so
+//! each type of value has its own.
+
+use serde_json::{Map, Value, json};
+
+use super::description::{Components, reference};
+
+/// What every law has in common.
+const ABOUT: &str = "A law: the value of each frame is a pure function of seed, place and frame.";
+
+/// The laws that yield numbers.
+pub(super) fn components() -> Components {
+    let pair = |about: &str| json!({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2, "description": about});
+    let whole = json!({"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 2,
+                       "description": "first and last number, both included"});
+    let ends = || pair("ends of what it yields");
+    let mut found = Map::new();
+    let mut add = |name: &str, law: Value| found.insert(name.to_owned(), law);
+    add(
+        "UniformLaw",
+        object("uniform", ends(), None, json!({"uniform": [0.5, 2.0]})),
+    );
+    add(
+        "LogUniformLaw",
+        object("log_uniform", ends(), None, json!({"log_uniform": [0.01, 1.0]})),
+    );
+    add("IntLaw", object("int", whole, None, json!({"int": [0, 9]})));
+    let clip = ("clip", pair("ends of what it may yield"), true);
+    let example = json!({"normal": [0.8, 0.1], "clip": [0, 1]});
+    add(
+        "NormalLaw",
+        object("normal", pair("mean and standard deviation"), Some(clip), example),
+    );
+    found
+}
+
+/// Adds `{base}Law` and `{base}OrLaw` with the choice and the grid of such values. `value`: what stands without a law;
+/// absent for values that have no component of their own, since their limits differ from field to field.
+pub(super) fn add(found: &mut Components, base: &str, value: Option<Value>) {
+    let (law, place) = (format!("{base}Law"), format!("{base}OrLaw"));
+    let (choice, grid) = (format!("{base}Choice"), format!("{base}Grid"));
+    let numbers: &[&str] = match base {
+        "Number" | "Scalar" => &["UniformLaw", "LogUniformLaw", "NormalLaw", "IntLaw"],
+        "Integer" => &["IntLaw"],
+        _ => &[],
+    };
+    let names = numbers.iter().copied().chain([choice.as_str(), grid.as_str()]);
+    let laws: Vec<_> = names.map(reference).collect();
+    found.insert(law.clone(), json!({"oneOf": laws, "description": ABOUT}));
+    let value = value.unwrap_or_else(|| without_limits(base));
+    let either = json!({"oneOf": [value, reference(&law)], "description": "A value or a law."});
+    found.insert(place.clone(), either);
+    let values = |about: &str| json!({"type": "array", "items": reference(&place), "minItems": 1, "description": about});
+    let weights = json!({"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 1,
+                         "description": "one for each value; absent: all the same"});
+    let of = values("one of these values, drawn for each frame");
+    let choice_law = law_object("choice", of, Some(("weights", weights, false)));
+    let axis = values("an axis: every value in turn, combined with those of the other axes");
+    found.insert(choice, choice_law);
+    found.insert(grid, law_object("grid", axis, None));
+}
+
+fn without_limits(base: &str) -> Value {
+    match base {
+        "Integer" => json!({"type": "integer"}),
+        "Text" => json!({"type": "string"}),
+        "Triple" => json!({"type": "array", "items": reference("NumberOrLaw"), "minItems": 3, "maxItems": 3}),
+        _ => json!({"type": "number"}),
+    }
+}
+
+fn object(key: &str, argument: Value, companion: Option<(&str, Value, bool)>, example: Value) -> Value {
+    let mut law = law_object(key, argument, companion);
+    law["examples"] = json!([example]);
+    law
+}
+
+/// An object of the law's key and what may or must stand beside it.
+fn law_object(key: &str, argument: Value, companion: Option<(&str, Value, bool)>) -> Value {
+    let mut law = json!({"type": "object", "properties": {key: argument}, "required": [key],
+                         "additionalProperties": false, "description": ABOUT});
+    if let Some((name, schema, is_required)) = companion {
+        law["properties"][name] = schema;
+        if is_required {
+            law["required"] = json!([key, name]);
+        }
+    }
+    law
+}

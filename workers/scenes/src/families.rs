@@ -1,0 +1,51 @@
+//! The procedural families: a module for each, and a row in the table.
+
+use crate::site::Site;
+use crate::{pipeline, shaft, structure};
+
+/// A procedural family.
+#[derive(Debug, Clone, Copy)]
+pub struct Family {
+    /// Name by which descriptions ask for it.
+    pub name: &'static str,
+    /// What its scenes show.
+    pub about: &'static str,
+    pub(crate) site: fn(u64) -> Site,
+}
+
+const TABLE: [Family; 3] = [
+    Family {
+        name: "structure",
+        about: "piles, braced legs, pipes, plates and beams on a rippled seabed",
+        site: structure::site,
+    },
+    Family {
+        name: "shaft",
+        about: "flooded shafts and tunnels with their lining, mud on the floor, ladders, pipes and cables",
+        site: shaft::site,
+    },
+    Family {
+        name: "pipeline",
+        about: "a coated pipe on its supports with field joints, weld seams, anodes and damage",
+        site: pipeline::site,
+    },
+];
+
+/// Names of the procedural families.
+pub const FAMILIES: &[&str] = &{
+    let mut names = [""; TABLE.len()];
+    let mut row = 0;
+    while row < names.len() {
+        names[row] = TABLE[row].name;
+        row += 1;
+    }
+    names
+};
+
+impl Family {
+    /// Returns the family of this name, if there is one.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        TABLE.into_iter().find(|family| family.name == name)
+    }
+}
