@@ -5,4 +5,5 @@ cd "$(dirname "$0")/.."
 scripts/get-onnxruntime.sh
 cargo build --release --locked --workspace
 cargo test --release --locked --workspace "$@"
+scripts/test-cluster.sh --short
 exec scripts/test-python.sh

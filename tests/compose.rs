@@ -6,6 +6,14 @@ use std::fs;
 use fathom_tests::{root, run};
 use serde_yaml_ng::Value;
 
+/// What a set in a bucket is reached by, as docs/cluster.md lists it.
+const STORE_VARIABLES: [&str; 4] = [
+    "AWS_ENDPOINT_URL",
+    "AWS_REGION",
+    "AWS_ACCESS_KEY_ID",
+    "AWS_SECRET_ACCESS_KEY",
+];
+
 fn compose() -> Value {
     let text = fs::read_to_string(root().join("docker-compose.yml")).expect("docker-compose.yml is there");
     let mut compose: Value = serde_yaml_ng::from_str(&text).expect("docker-compose.yml is YAML");
@@ -26,6 +34,16 @@ fn strings(value: &Value) -> Vec<String> {
         .flatten()
         .filter_map(Value::as_str)
         .map(str::to_owned)
+        .collect()
+}
+
+/// Services that run our image, by name; the others are S3 servers.
+fn ours(compose: &Value) -> Vec<(&str, &Value)> {
+    let services = compose["services"].as_mapping().expect("services");
+    services
+        .iter()
+        .filter(|(_, service)| service["image"].as_str() == Some("fathom"))
+        .map(|(name, service)| (name.as_str().expect("a name"), service))
         .collect()
 }
 
@@ -97,14 +115,14 @@ fn workers_hold_a_secret_that_opens_the_worker_protocol_alone() {
 #[test]
 fn every_option_and_variable_in_the_compose_file_exists_in_the_binary() {
     let compose = compose();
-    for (name, service) in compose["services"].as_mapping().expect("services") {
+    for (name, service) in ours(&compose) {
         let command = strings(&service["command"]);
         let help = help(&command[0]);
         for option in command.iter().filter(|word| word.starts_with("--")) {
             let option = option.split('=').next().unwrap_or(option);
             assert!(
                 help.contains(&format!("{option} ")),
-                "{name:?}: fathom {} has no {option}",
+                "{name}: fathom {} has no {option}",
                 command[0]
             );
         }
@@ -112,9 +130,11 @@ fn every_option_and_variable_in_the_compose_file_exists_in_the_binary() {
             .as_mapping()
             .expect("a mapping of variables");
         for variable in variables.keys().filter_map(Value::as_str) {
+            let is_for_the_store = STORE_VARIABLES.contains(&variable) && command[0] == "render";
             let known = help.contains(&format!("[env: {variable}"))
-                || ["FATHOM_LOG", "FATHOM_LOG_FORMAT"].contains(&variable);
-            assert!(known, "{name:?}: fathom {} does not read {variable}", command[0]);
+                || ["FATHOM_LOG", "FATHOM_LOG_FORMAT"].contains(&variable)
+                || is_for_the_store;
+            assert!(known, "{name}: fathom {} does not read {variable}", command[0]);
         }
     }
 }
@@ -124,10 +144,7 @@ fn workers_speak_to_the_service_by_its_name_and_port() {
     let compose = compose();
     let services = compose["services"].as_mapping().expect("services");
     let names: BTreeSet<&str> = services.keys().filter_map(Value::as_str).collect();
-    for service in services
-        .values()
-        .filter(|service| strings(&service["command"])[0] == "worker")
-    {
+    for service in with_command(&compose, "worker") {
         let url = service["environment"]["FATHOM_SERVER"]
             .as_str()
             .expect("workers are told their server");
@@ -153,9 +170,61 @@ fn workers_speak_to_the_service_by_its_name_and_port() {
 }
 
 #[test]
+fn shards_are_rendered_into_the_bucket_of_the_store_by_processes_that_scale() {
+    let compose = compose();
+    let [shards] = with_command(&compose, "render")[..] else {
+        panic!("one kind of process renders sets");
+    };
+    let store = &compose["services"]["store"];
+    for service in [shards, store, &compose["services"]["bucket"]] {
+        assert_eq!(strings(&service["profiles"]), ["cluster"]);
+    }
+    for variable in STORE_VARIABLES {
+        assert!(
+            shards["environment"][variable].is_string(),
+            "{variable} is not set"
+        );
+    }
+    for secret in ["AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"] {
+        assert_eq!(shards["environment"][secret], store["environment"][secret]);
+    }
+    assert_eq!(
+        shards["environment"]["AWS_ENDPOINT_URL"].as_str(),
+        Some("http://store:8333")
+    );
+    let created = strings(&compose["services"]["bucket"]["entrypoint"]).join(" ");
+    let out = strings(&shards["command"]);
+    let bucket = out
+        .iter()
+        .find_map(|word| word.strip_prefix("s3://")?.split('/').next());
+    let bucket = bucket.expect("a bucket");
+    assert!(
+        created.contains(&format!("s3.bucket.create -name {bucket}'")),
+        "{created}"
+    );
+    for unique in ["container_name", "ports", "hostname"] {
+        assert!(shards[unique].is_null(), "{unique} allows only one process");
+    }
+    let image = store["image"].as_str().expect("an image");
+    assert!(
+        image
+            .split_once(':')
+            .is_some_and(|(_, version)| version != "latest"),
+        "{image} is not pinned"
+    );
+}
+
+#[test]
 fn the_dockerfile_installs_the_runtime_and_starts_the_binary() {
     let text = fs::read_to_string(root().join("Dockerfile")).expect("a Dockerfile");
     assert!(text.contains("scripts/get-onnxruntime.sh"));
+    for binary in ["fathom", "fathom-cluster"] {
+        assert!(text.contains(&format!("--bin {binary}")), "{binary} is not built");
+        assert!(
+            text.contains(&format!("/src/target/release/{binary} ")),
+            "{binary} is not in the image"
+        );
+    }
     assert!(
         text.lines()
             .any(|line| line.starts_with("ENTRYPOINT") && line.contains("fathom"))

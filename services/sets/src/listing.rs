@@ -187,7 +187,8 @@ impl Set {
             .ok_or_else(|| SetError::Damaged(format!("{name} is gone")))
     }
 
-    fn files(&self) -> Result<Vec<Entry>, SetError> {
+    /// What is in `shards/` and `rows/`.
+    pub(crate) fn files(&self) -> Result<Vec<Entry>, SetError> {
         let mut files = self.store.list(layout::SHARDS)?;
         files.extend(self.store.list(layout::ROWS)?);
         Ok(files)

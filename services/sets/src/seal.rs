@@ -1,5 +1,7 @@
 //! The manifest: what a set that is complete consists of, under one digest.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -48,8 +50,8 @@ impl Set {
     /// Writes the manifest of a set of which every shard is done, and returns it.
     ///
     /// # Errors
-    /// [`SetError::Refused`] if shards are missing, [`SetError::Damaged`] if it was sealed with other content;
-    /// otherwise [`SetError`] of the store.
+    /// [`SetError::Refused`] if shards are missing, [`SetError::Damaged`] if a file that a marker names is gone or cut off,
+    /// or if it was sealed with other content; otherwise [`SetError`] of the store.
     pub fn seal(&self, sources: Vec<Source>) -> Result<Manifest, SetError> {
         let card = self.card();
         let markers = self.markers(self.done()?)?;
@@ -60,6 +62,7 @@ impl Set {
                 card.shards()
             )));
         }
+        self.check_files(&markers)?;
         let sum = |value: fn(&Marker) -> u64| markers.iter().map(value).sum();
         let manifest = Manifest {
             dataset: self.job().dataset().to_owned(),
@@ -82,6 +85,23 @@ impl Set {
                 self.location()
             ))),
         }
+    }
+
+    /// Compares the listing with what markers say. What is in the files is for `verify`.
+    fn check_files(&self, markers: &[Marker]) -> Result<(), SetError> {
+        let listed = self.files()?.into_iter();
+        let lengths: BTreeMap<String, u64> = listed.map(|entry| (entry.name, entry.bytes)).collect();
+        for marker in markers {
+            for (name, sum) in [
+                (marker.tar_name(), &marker.tar),
+                (marker.rows_name(), &marker.rows),
+            ] {
+                if let Some(damage) = sum.contradiction(&name, lengths.get(&name).copied()) {
+                    return Err(SetError::Damaged(damage));
+                }
+            }
+        }
+        Ok(())
     }
 }
 

@@ -28,6 +28,20 @@ pub struct FileSum {
     pub bytes: u64,
 }
 
+impl FileSum {
+    /// What a length that was found, or its absence, says against the file; `None` if nothing.
+    pub(crate) fn contradiction(&self, name: &str, found: Option<u64>) -> Option<String> {
+        match found {
+            None => Some(format!("{name} is gone")),
+            Some(bytes) if bytes != self.bytes => Some(format!(
+                "{name} has {bytes} bytes, its marker says {}",
+                self.bytes
+            )),
+            Some(_) => None,
+        }
+    }
+}
+
 /// A file on its way into the store. Nothing is visible before [`Upload::finish`]; clones write the same file.
 #[derive(Clone)]
 pub(crate) struct Upload {

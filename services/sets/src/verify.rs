@@ -84,28 +84,19 @@ impl Set {
 
     /// Reads a file piece by piece.
     fn compare(&self, name: &str, sum: &FileSum, report: &mut Report) -> Result<(), SetError> {
-        let bytes = match self.store.entry(name)? {
-            None => {
-                report.damage.push(format!("{name} is gone"));
-                return Ok(());
-            }
-            Some(entry) if entry.bytes != sum.bytes => {
-                report.damage.push(format!(
-                    "{name} has {} bytes, its marker says {}",
-                    entry.bytes, sum.bytes
-                ));
-                return Ok(());
-            }
-            Some(entry) => entry.bytes,
-        };
+        let found = self.store.entry(name)?.map(|entry| entry.bytes);
+        if let Some(damage) = sum.contradiction(name, found) {
+            report.damage.push(damage);
+            return Ok(());
+        }
         let mut hash = Sha256::new();
         let mut start = 0;
-        while start < bytes {
-            let end = bytes.min(start + CHUNK_BYTES);
+        while start < sum.bytes {
+            let end = sum.bytes.min(start + CHUNK_BYTES);
             hash.update(&self.store.range(name, start..end)?);
             start = end;
         }
-        report.bytes += bytes;
+        report.bytes += sum.bytes;
         let found = hex::encode(hash.finalize());
         if found != sum.sha256 {
             report.damage.push(format!(

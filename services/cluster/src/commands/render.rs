@@ -1,6 +1,7 @@
 //! `fathom render` into a set: every shard that is meant and not done, one after the other.
 
 use std::ffi::OsString;
+use std::hash::{BuildHasher, RandomState};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -57,7 +58,10 @@ fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tal
         frames: 0,
         shards: 0,
     };
-    let missing = selection.missing(set).map_err(failure)?;
+    let mut missing = selection.missing(set).map_err(failure)?;
+    // In another order in each process: those that share a set without --shard would render the same shards all along.
+    let order = RandomState::new();
+    missing.sort_by_cached_key(|shard| order.hash_one(shard));
     let frames_of = |shard: u64| set.card().frames_of(shard).count() as u64;
     let mut progress = Progress::new(
         "render",
