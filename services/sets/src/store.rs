@@ -21,7 +21,13 @@ use crate::transport::{Connector, io_error};
 
 /// How long a request is repeated before the store counts as unreachable.
 const RETRY_LIMIT: Duration = Duration::from_secs(30);
-const MOST_RETRIES: usize = 6;
+const MOST_RETRIES: usize = 8;
+/// Pauses between repeats. They add up to about ten seconds, in which a server restarts; those of the S3 client, to one.
+const PAUSES: BackoffConfig = BackoffConfig {
+    init_backoff: Duration::from_millis(200),
+    max_backoff: Duration::from_secs(3),
+    base: 3.0,
+};
 /// How often an object is created anew while nobody knows whether it is there.
 const CREATE_TRIES: usize = 3;
 
@@ -62,7 +68,7 @@ impl Store {
             }
             Location::S3 { bucket, prefix } => {
                 let retries = RetryConfig {
-                    backoff: BackoffConfig::default(),
+                    backoff: PAUSES,
                     max_retries: MOST_RETRIES,
                     retry_timeout: RETRY_LIMIT,
                 };
