@@ -76,6 +76,7 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(images::routes::list::list))
         .routes(routes!(images::routes::image::get))
         .routes(routes!(images::routes::image::artifact))
+        .routes(routes!(images::routes::image::artifacts))
         .routes(routes!(images::routes::image::preview))
         .routes(routes!(scenes::routes::list::list))
         .routes(routes!(scenes::routes::get::get))

@@ -37,15 +37,18 @@ impl File {
     }
 }
 
+/// The media types of a frame's files, with their file name extensions.
+pub const EXTENSIONS: [(&str, &str); 5] = [
+    ("image/png", "png"),
+    ("image/webp", "webp"),
+    ("image/jpeg", "jpg"),
+    ("application/x-npy", "npy"),
+    ("application/json", "json"),
+];
+
 /// The file name extension of a media type, without the dot.
 #[must_use]
 pub fn extension(media_type: &str) -> &'static str {
-    match media_type {
-        "image/png" => "png",
-        "image/webp" => "webp",
-        "image/jpeg" => "jpg",
-        "application/x-npy" => "npy",
-        "application/json" => "json",
-        _ => "bin",
-    }
+    let known = EXTENSIONS.iter().find(|(known, _)| *known == media_type);
+    known.map_or("bin", |(_, extension)| extension)
 }

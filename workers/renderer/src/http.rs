@@ -127,6 +127,15 @@ impl Http {
         reply(self.with_headers(request, headers).send(body))
     }
 
+    /// Deletes what stands under a path.
+    ///
+    /// # Errors
+    /// [`HttpError`].
+    pub fn delete(&self, path: &str) -> Result<Reply, HttpError> {
+        let request = self.agent.delete(format!("{}{path}", self.base));
+        reply(self.with_headers(request, &[]).call())
+    }
+
     fn with_headers<Any>(
         &self,
         request: RequestBuilder<Any>,

@@ -22,7 +22,7 @@ pub mod worker;
 pub use content::{Content, Contents};
 pub use engine::Engine;
 pub use error::RenderError;
-pub use file::{File, extension};
+pub use file::{EXTENSIONS, File, extension};
 pub use provenance::{CODE_VERSION, cpu_features};
 pub use slot::{LinearPicture, Rendered, Slot};
 pub use source::{SceneBytes, SceneSource};

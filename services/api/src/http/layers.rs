@@ -134,8 +134,10 @@ pub(crate) async fn observe(request: Request, next: Next) -> Response {
     let status = response.status().as_u16();
     telemetry::request(&method, &route, status, seconds);
     let ms = seconds * 1e3;
-    // Workers and probes call all the time, so their lines are logged at debug level.
-    if route.starts_with("/v1/worker/") || !route.starts_with("/v1/") {
+    // Workers, probes and those who follow a job call all the time. What fails is always told.
+    let is_read = method == Method::GET || method == Method::HEAD;
+    let is_routine = is_read || route.starts_with("/v1/worker/") || !route.starts_with("/v1/");
+    if is_routine && status < 500 {
         span.in_scope(|| tracing::debug!(%method, path, status, ms, "answered"));
     } else {
         span.in_scope(|| tracing::info!(%method, path, status, ms, "answered"));

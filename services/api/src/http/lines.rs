@@ -77,7 +77,8 @@ pub(crate) fn json_lines<T: Serialize>(values: impl IntoIterator<Item = T>) -> R
     Ok(bytes)
 }
 
-fn cut_short(problem: Problem) -> io::Error {
-    tracing::warn!(%problem, "a response of many lines was cut short");
+/// The error that cuts a response short.
+pub(crate) fn cut_short(problem: Problem) -> io::Error {
+    tracing::warn!(%problem, "a response was cut short");
     io::Error::other(problem.to_string())
 }

@@ -1,5 +1,6 @@
 //! Images and their artifacts.
 
+mod archive;
 pub(crate) mod rerender;
 pub(crate) mod routes;
 
@@ -7,6 +8,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use catalogue::Catalogue;
+use serde::Deserialize;
 use serde_json::Value;
 use spec::ArtifactEntry;
 
@@ -29,6 +31,12 @@ impl Images {
     pub(crate) async fn get(&self, job: &str, frame: u64) -> Result<Value, Problem> {
         let image = self.catalogue.image(job, frame).await?;
         found(image, "image", format_args!("{job}/{frame}"))
+    }
+
+    /// All artifacts of an image, in the order of its record.
+    async fn entries(&self, job: &str, frame: u64) -> Result<Vec<ArtifactEntry>, Problem> {
+        let image = self.get(job, frame).await?;
+        Vec::deserialize(&image["artifacts"]).map_err(|error| Problem::internal(&error))
     }
 
     async fn artifact(&self, job: &str, frame: u64, kind: &str) -> Result<ArtifactEntry, Problem> {

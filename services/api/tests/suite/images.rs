@@ -91,7 +91,100 @@ fn a_render_answers_the_picture_or_the_record() {
             "{}",
             record.text()
         );
+        assert_eq!(
+            (
+                record.header("content-location"),
+                picture.header("content-location")
+            ),
+            ("", "")
+        );
     });
+    assert_eq!(
+        service.get("/v1/jobs").json()["items"],
+        json!([]),
+        "a render left its job"
+    );
+}
+
+#[test]
+fn a_render_stays_where_a_dataset_or_a_key_asks_for_it() {
+    let service = start();
+    let worker = Fake::register(&service);
+    let json = ("content-type", "application/json");
+    let mut named = one();
+    named["dataset"] = json!("keep");
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            for _ in 0..2 {
+                let lease = worker.lease(60_000).expect("a frame");
+                worker.finish(&lease).unwrap();
+            }
+        });
+        let key = ("idempotency-key", "once");
+        let kept = service.post_with("/v1/renders", &[json], named.to_string().as_bytes());
+        let keyed = service.post_with("/v1/renders", &[json, key], one().to_string().as_bytes());
+        for (answer, dataset) in [(kept, "keep"), (keyed, "renders")] {
+            assert_eq!(answer.status, 200, "{}", answer.text());
+            let image = service.get(answer.header("content-location"));
+            assert_eq!(
+                (image.status, &image.json()["dataset"]),
+                (200, &json!(dataset)),
+                "{}",
+                image.text()
+            );
+        }
+        let again = service.post_with("/v1/renders", &[json, key], one().to_string().as_bytes());
+        assert_eq!(again.status, 200, "the key finds the job that is there");
+    });
+}
+
+#[test]
+fn artifacts_of_an_image_come_in_one_archive() {
+    let service = start();
+    let worker = Fake::register(&service);
+    let id = service.submit(&job());
+    let lease = worker.lease(60_000).expect("a frame");
+    worker.finish(&lease).unwrap();
+    let image = format!("/v1/images/{id}/{}", lease.frame);
+    let record = service.get(&image).json();
+    let artifacts = record["artifacts"].as_array().unwrap();
+    let kinds: Vec<&str> = artifacts
+        .iter()
+        .map(|artifact| artifact["kind"].as_str().unwrap())
+        .collect();
+    let whole = service.get(&format!("{image}/artifacts"));
+    assert_eq!(
+        (whole.status, whole.header("content-type")),
+        (200, "application/x-tar"),
+        "{}",
+        whole.text()
+    );
+    assert_eq!(whole.header("content-length"), whole.body.len().to_string());
+    let mut archive = tar::Archive::new(&whole.body[..]);
+    let mut found = Vec::new();
+    for entry in archive.entries().unwrap() {
+        let mut entry = entry.unwrap();
+        let name = entry.path().unwrap().to_str().unwrap().to_owned();
+        let mut bytes = Vec::new();
+        std::io::Read::read_to_end(&mut entry, &mut bytes).unwrap();
+        let kind = name.rsplit_once('.').unwrap().0.to_owned();
+        assert_eq!(
+            service.get(&format!("{image}/artifacts/{kind}")).body,
+            bytes,
+            "{name}"
+        );
+        found.push(kind);
+    }
+    assert_eq!(found, kinds);
+    let one = service.get(&format!("{image}/artifacts?kinds={}", kinds[0]));
+    assert_eq!(tar::Archive::new(&one.body[..]).entries().unwrap().count(), 1);
+    let problem = service
+        .get(&format!("{image}/artifacts?kinds={},nothing", kinds[0]))
+        .problem(404, "not-found");
+    assert!(
+        problem["detail"].as_str().unwrap().contains(kinds[0]),
+        "{problem}"
+    );
 }
 
 #[test]
@@ -133,7 +226,9 @@ fn a_render_that_fails_says_why() {
         });
         let problem = service.post("/v1/renders", &one()).problem(422, "render-failed");
         assert_eq!(problem["detail"], "the lens is fogged");
+        assert!(problem["job"].is_null(), "the job is gone: {problem}");
     });
+    assert_eq!(service.get("/v1/jobs").json()["items"], json!([]));
 }
 
 #[test]

@@ -3,10 +3,12 @@
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use imaging::codec;
+use serde::Deserialize;
 use serde_json::Value;
+use utoipa::IntoParams;
 
-use crate::http::{Json, Path, Problem, State, Topic, stored};
-use crate::images::Images;
+use crate::http::{Json, Path, Problem, Query, State, Topic, bounds, stored};
+use crate::images::{Images, archive};
 use crate::limits;
 use crate::openapi::{ArtifactKind, Bytes, ImageRecord};
 
@@ -45,6 +47,45 @@ pub(crate) async fn artifact(
         return Ok(stored::not_modified(&entry.digest));
     }
     images.stored(entry).await?.response(&headers)
+}
+
+/// Which artifacts.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct Parameters {
+    /// Kinds of artifacts, separated by commas; absent: all.
+    #[param(example = "rgb,range")]
+    kinds: Option<String>,
+}
+
+/// Several artifacts of an image as one tar.
+///
+/// Its files are named `KIND.EXTENSION` and stand in the order of `kinds`. The length is known from the start; bytes are verified
+/// against their digests while they are sent, and the response is cut short where they do not fit.
+#[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts", tag = "images",
+    params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"), Parameters),
+    responses((status = 200, description = "The files.", content_type = "application/x-tar", body = Vec<u8>)))]
+pub(crate) async fn artifacts(
+    State(images): Topic<Images>,
+    Path((job, frame)): Path<(String, u64)>,
+    Query(asked): Query<Parameters>,
+) -> Result<Response, Problem> {
+    let mut entries = images.entries(&job, frame).await?;
+    if let Some(kinds) = &asked.kinds {
+        let known: Vec<_> = entries.iter().map(|entry| entry.kind.as_str()).collect();
+        let known = known.join(", ");
+        let named = bounds::names(kinds).into_iter().map(|kind| {
+            let entry = entries.iter().find(|entry| entry.kind == kind).cloned();
+            entry.ok_or_else(|| {
+                Problem::not_found(format!(
+                    "no artifact `{kind}` of image `{job}/{frame}`; it has {known}"
+                ))
+            })
+        });
+        entries = named.collect::<Result<_, _>>()?;
+    }
+    archive::response(images, entries).await
 }
 
 /// A thumbnail of the result: a PNG of at most 256 px a side.

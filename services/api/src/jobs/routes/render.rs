@@ -18,7 +18,9 @@ const DATASET: &str = "renders";
 /// Render one frame now.
 ///
 /// A job of one frame and high priority, waited for. The answer is the picture itself if `Accept` names an image
-/// type, else the image's record.
+/// type, else the image's record. It leaves nothing behind, unless the description names a dataset or the request has an
+/// `Idempotency-Key`; then `Content-Location` says where the image is. A render that is not ready in time stays, as the job that
+/// `Location` names.
 #[utoipa::path(post, path = "/v1/renders", tag = "jobs", operation_id = "render_frame",
     params(("Prefer" = Option<String>, Header, description = "`wait=N`: seconds, default 30, at most 60"),
            ("Accept" = Option<String>, Header, description = "`image/*` for the picture"),
@@ -41,21 +43,35 @@ pub(crate) async fn create(
         let message = format!("a render has one frame, this describes {}", job.frames());
         return Err(Problem::field("/count", message));
     }
+    let is_kept = names_dataset(&body) || submitter.idempotency_key.is_some();
     let submitted = jobs.submit(job, limits::RENDER_PRIORITY, submitter).await?;
     let wait = wait.unwrap_or(limits::DEFAULT_RENDER_WAIT);
     let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
-    match row.state {
-        JobState::Done => picture_or_record(&jobs, &headers, &row.id).await,
-        JobState::DoneWithFailures => Err(why_failed(&jobs, &row.id).await?),
-        _ => {
-            let location = format!("/v1/jobs/{}", row.id);
-            Ok(located(StatusCode::ACCEPTED, location, row).into_response())
+    let id = row.id.clone();
+    let mut response = match row.state {
+        JobState::Done => picture_or_record(&jobs, &headers, &id).await?,
+        JobState::DoneWithFailures => {
+            let problem = why_failed(&jobs, &id).await?;
+            match is_kept {
+                true => problem.with("job", id.as_str()).into_response(),
+                false => problem.into_response(),
+            }
         }
+        _ => {
+            let location = format!("/v1/jobs/{id}");
+            return Ok(located(StatusCode::ACCEPTED, location, row).into_response());
+        }
+    };
+    if !is_kept {
+        jobs.delete(id).await?;
+        response.headers_mut().remove(CONTENT_LOCATION);
     }
+    Ok(response)
 }
 
+const CONTENT_LOCATION: HeaderName = HeaderName::from_static("content-location");
+
 async fn picture_or_record(jobs: &Jobs, headers: &HeaderMap, job: &str) -> Result<Response, Problem> {
-    const CONTENT_LOCATION: HeaderName = HeaderName::from_static("content-location");
     let location = [(CONTENT_LOCATION, format!("/v1/images/{job}/0"))];
     if !wants_picture(headers) {
         return Ok((location, Json(jobs.images.get(job, 0).await?)).into_response());
@@ -70,11 +86,17 @@ async fn picture_or_record(jobs: &Jobs, headers: &HeaderMap, job: &str) -> Resul
 async fn why_failed(jobs: &Jobs, job: &str) -> Result<Problem, Problem> {
     let failure = jobs.catalogue.failures(job, None, 1).await?.pop();
     let error = failure.map_or_else(|| "no reason is known".to_owned(), |failure| failure.error);
-    Ok(Problem::new(Slug::RenderFailed, error).with("job", job))
+    Ok(Problem::new(Slug::RenderFailed, error))
 }
 
 fn wants_picture(headers: &HeaderMap) -> bool {
     listed(headers, header::ACCEPT).any(|kind| kind.starts_with("image/"))
+}
+
+/// Whether a description that can be read names a dataset.
+fn names_dataset(body: &[u8]) -> bool {
+    let parsed: Result<serde_json::Map<String, serde_json::Value>, _> = serde_json::from_slice(body);
+    parsed.is_ok_and(|object| object.contains_key("dataset"))
 }
 
 /// The description with the default dataset, if it names none. Text that is no object is left unchanged: parsing the

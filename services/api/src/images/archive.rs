@@ -1,0 +1,71 @@
+//! Artifacts of an image as one tar, read one after the other while the client reads.
+
+use std::io;
+use std::sync::Arc;
+
+use axum::body::{Body, Bytes};
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+use futures::stream::{self, StreamExt};
+use spec::ArtifactEntry;
+use tar::{EntryType, Header};
+
+use super::Images;
+use crate::http::lines::cut_short;
+use crate::http::problem::Problem;
+
+const BLOCK: u64 = 512;
+/// A tar ends with two blocks of zeros.
+const END: [u8; 2 * BLOCK as usize] = [0; 2 * BLOCK as usize];
+
+/// Sends the artifacts. One that cannot be read is a problem if it is the first; a later one cuts the response short, so that
+/// the client notices.
+pub(crate) async fn response(images: Arc<Images>, entries: Vec<ArtifactEntry>) -> Result<Response, Problem> {
+    let blocks: u64 = entries.iter().map(|entry| 1 + entry.bytes.div_ceil(BLOCK)).sum();
+    let length = blocks * BLOCK + END.len() as u64;
+    let mut entries = entries.into_iter();
+    let first = match entries.next() {
+        Some(entry) => file(&images, entry).await?,
+        None => Bytes::new(),
+    };
+    let rest = stream::iter(entries).then(move |entry| {
+        let images = Arc::clone(&images);
+        async move { file(&images, entry).await.map_err(cut_short) }
+    });
+    let all = stream::iter([Ok::<_, io::Error>(first)]);
+    let all = all
+        .chain(rest)
+        .chain(stream::iter([Ok(Bytes::from_static(&END))]));
+    let headers = [
+        (header::CONTENT_TYPE, "application/x-tar".to_owned()),
+        (header::CONTENT_LENGTH, length.to_string()),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff".to_owned()),
+    ];
+    Ok((headers, Body::from_stream(all)).into_response())
+}
+
+/// An artifact with its header and the padding behind it.
+async fn file(images: &Images, entry: ArtifactEntry) -> Result<Bytes, Problem> {
+    let name = format!("{}.{}", entry.kind, renderer::extension(&entry.media_type));
+    let length = entry.bytes;
+    let stored = images.stored(entry).await?.bytes;
+    if stored.len() as u64 != length {
+        let what = format!("{name} has {} bytes but {length} in its record", stored.len());
+        return Err(Problem::internal(&what));
+    }
+    let mut header = Header::new_ustar();
+    header
+        .set_path(&name)
+        .map_err(|error| Problem::internal(&error))?;
+    header.set_entry_type(EntryType::Regular);
+    header.set_mode(0o644);
+    header.set_mtime(0);
+    header.set_size(length);
+    header.set_cksum();
+    let padded = (BLOCK + length.next_multiple_of(BLOCK)) as usize;
+    let mut file = Vec::with_capacity(padded);
+    file.extend_from_slice(header.as_bytes());
+    file.extend_from_slice(&stored);
+    file.resize(padded, 0);
+    Ok(file.into())
+}
