@@ -162,7 +162,11 @@ fn read_help(binary: &Path, command: &[String], found: &mut Commands) {
                     .filter(|w| w.starts_with('-'))
                     .map(|w| (*w).to_owned()),
             ),
-            "Commands:" if line.starts_with("  ") && !line.starts_with("   ") && words[0] != "help" => {
+            _ if section.to_lowercase().ends_with("commands:")
+                && line.starts_with("  ")
+                && !line.starts_with("   ")
+                && words[0] != "help" =>
+            {
                 let below: Vec<String> = command.iter().cloned().chain([words[0].to_owned()]).collect();
                 read_help(binary, &below, found);
             }

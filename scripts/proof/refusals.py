@@ -62,9 +62,9 @@ def pointers(lines):
 def options(binary, command=()):
     """Every command with its options, as its help lists them."""
     text = subprocess.run([binary, *command, "--help"], capture_output=True, text=True, check=True).stdout
-    section = lambda name: (re.findall(rf"^{name}:\n((?:(?: .*)?\n)*)", text, re.M) or [""])[0]
+    section = lambda name: "".join(re.findall(rf"^{name}:\n((?:(?: .*)?\n)*)", text, re.M))
     found = {" ".join(command): sorted(set(re.findall(r"^ +(?:-\w, )?(--[\w-]+)", section("Options"), re.M)))}
-    for name in re.findall(r"^  ([\w-]+)", section("Commands"), re.M):
+    for name in re.findall(r"^  ([\w-]+)", section("(?:[\\w ]+ c|C)ommands"), re.M):
         if name != "help":
             found |= options(binary, (*command, name))
     return found

@@ -1,14 +1,11 @@
-//! Questions to the service about its images.
+//! Queries for the images of a service.
 
 use serde_json::Value;
 
 use crate::exit::Failure;
-use crate::remote::{Remote, query_value};
+use crate::remote::{PAGE_ROWS, Remote, with_query};
 
-/// Rows that one request asks for.
-const PAGE_ROWS: usize = 500;
-
-/// A question about images.
+/// A query for images.
 pub struct Question<'a> {
     pub dataset: Option<&'a str>,
     pub filter: &'a str,
@@ -29,7 +26,7 @@ impl Question<'_> {
         Ok(rows)
     }
 
-    /// Hands on the rows page by page, up to the limit.
+    /// Passes the rows on page by page, up to the limit.
     pub fn pages(
         &self,
         remote: &Remote,
@@ -45,9 +42,10 @@ impl Question<'_> {
                 .map(std::mem::take)
                 .unwrap_or_default();
             left = left.saturating_sub(rows.len());
+            let is_last = rows.is_empty();
             take(rows)?;
             cursor = page["next_cursor"].as_str().map(str::to_owned);
-            if cursor.is_none() {
+            if cursor.is_none() || is_last {
                 break;
             }
         }
@@ -55,21 +53,15 @@ impl Question<'_> {
     }
 
     fn path(&self, limit: usize, cursor: Option<&str>) -> String {
-        let mut path = format!("/v1/images?limit={limit}");
-        let fields = (!self.fields.is_empty()).then(|| self.fields.join(","));
-        let filter = (!self.filter.trim().is_empty()).then_some(self.filter);
+        let (limit, fields) = (limit.to_string(), self.fields.join(","));
         let parameters = [
+            ("limit", Some(limit.as_str())),
             ("dataset", self.dataset),
-            ("filter", filter),
+            ("filter", Some(self.filter)),
             ("order_by", self.order_by),
-            ("fields", fields.as_deref()),
+            ("fields", Some(&fields)),
             ("cursor", cursor),
         ];
-        for (name, value) in parameters {
-            if let Some(value) = value {
-                path.push_str(&format!("&{name}={}", query_value(value)));
-            }
-        }
-        path
+        with_query("/v1/images", &parameters)
     }
 }

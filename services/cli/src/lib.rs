@@ -6,12 +6,18 @@
 // The commands name what they share as `fathom-lab` does.
 extern crate self as cli;
 
+#[macro_use]
+mod print;
+
+pub mod classes;
+pub mod colors;
 mod commands;
 pub mod engine;
 pub mod exit;
 pub mod files;
 pub mod images;
 pub mod job;
+pub mod known;
 pub mod progress;
 pub mod remote;
 pub mod render;
@@ -23,13 +29,13 @@ pub mod worker;
 
 use std::ffi::OsString;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches, Parser};
 
 use exit::Failure;
 
 /// Underwater image datasets on demand.
 #[derive(Parser)]
-#[command(name = "fathom", version, about, max_term_width = 100)]
+#[command(name = "fathom", version, max_term_width = 100)]
 struct Arguments {
     #[command(subcommand)]
     command: commands::Command,
@@ -37,7 +43,8 @@ struct Arguments {
 
 /// Runs a command as a shell would, from the program's name on, and returns its exit status.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    match Arguments::try_parse_from(arguments) {
+    let matches = command().try_get_matches_from(arguments);
+    match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => {
             let ready = faults::check().map_err(Failure::BadInput);
             exit::end("fathom", ready.and_then(|()| arguments.command.run()))
@@ -48,4 +55,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             u8::try_from(error.exit_code()).unwrap_or(1)
         }
     }
+}
+
+/// All commands, grouped by topic, with an example of each.
+fn command() -> clap::Command {
+    commands::topics::arrange(Arguments::command())
 }

@@ -45,6 +45,89 @@ pub fn sheet(tiles: &[Tile], columns: usize, tile_width: usize) -> Rgb8 {
     paper
 }
 
+/// What the colors of a sheet mean.
+pub enum Legend {
+    /// Colors with their names.
+    Colors(Vec<([u8; 3], String)>),
+    /// A ramp from share 0 to share 1.
+    Ramp {
+        /// The color of a share.
+        color: fn(f64) -> [u8; 3],
+        /// What stands below it at equal steps, from its one end to its other.
+        ticks: Vec<String>,
+        /// A color beside the ramp.
+        hole: Option<([u8; 3], String)>,
+    },
+}
+
+/// Side of a swatch, and height of a ramp.
+const SWATCH_PX: usize = 14;
+const RAMP_PX: usize = 480;
+
+/// Puts a legend below a sheet, on as many lines as it needs.
+pub fn with_legend(sheet: &Rgb8, legend: &Legend) -> Rgb8 {
+    let right = sheet.width().saturating_sub(GAP_PX);
+    let advance = get_raster_width(FontWeight::Regular, RasterHeight::Size16);
+    let (entries, ramp) = match legend {
+        Legend::Colors(entries) => (entries.as_slice(), None),
+        Legend::Ramp { hole, .. } => (hole.as_slice(), Some(legend)),
+    };
+    let mut drawn = Vec::new();
+    let (mut left, mut line) = (GAP_PX, 0);
+    for (color, name) in entries {
+        let width = SWATCH_PX + 6 + name.chars().count() * advance;
+        if left > GAP_PX && left + width > right {
+            (left, line) = (GAP_PX, line + 1);
+        }
+        drawn.push((*color, name, left, line));
+        left += width + 2 * GAP_PX;
+    }
+    let ramp_height = ramp.map_or(0, |_| SWATCH_PX + LINE_PX + GAP_PX);
+    let lines = if entries.is_empty() { 0 } else { line + 1 };
+    let top = sheet.height();
+    let height = top + ramp_height + lines * (LINE_PX + 4) + GAP_PX;
+    let mut paper = Rgb8::from_fn(sheet.width(), height, |_, _| PAPER);
+    paste(&mut paper, sheet, 0, 0);
+    if let Some(ramp) = ramp {
+        draw_ramp(&mut paper, ramp, top);
+    }
+    for (color, name, left, line) in drawn {
+        let top = top + ramp_height + line * (LINE_PX + 4);
+        paste(
+            &mut paper,
+            &Rgb8::from_fn(SWATCH_PX, SWATCH_PX, |_, _| color),
+            left,
+            top,
+        );
+        write(&mut paper, name, left + SWATCH_PX + 6, top, right);
+    }
+    paper
+}
+
+fn draw_ramp(paper: &mut Rgb8, legend: &Legend, top: usize) {
+    let Legend::Ramp { color, ticks, .. } = legend else {
+        return;
+    };
+    let width = RAMP_PX.min(paper.width().saturating_sub(2 * GAP_PX)).max(2);
+    let share = |x: usize| x as f64 / (width - 1) as f64;
+    paste(
+        paper,
+        &Rgb8::from_fn(width, SWATCH_PX, |x, _| color(share(x))),
+        GAP_PX,
+        top,
+    );
+    let advance = get_raster_width(FontWeight::Regular, RasterHeight::Size16);
+    for (index, text) in ticks.iter().enumerate() {
+        let x = index * (width - 1) / (ticks.len() - 1).max(1);
+        // The outer ones end with the ramp, the inner ones have their middle below their place.
+        let text_width = text.chars().count() * advance;
+        let left = (GAP_PX + x).saturating_sub(text_width / 2);
+        let left = left.clamp(GAP_PX, (GAP_PX + width).saturating_sub(text_width).max(GAP_PX));
+        let right = paper.width();
+        write(paper, text, left, top + SWATCH_PX + 2, right);
+    }
+}
+
 fn thumbnail(picture: &Rgb8, tile_width: usize) -> Rgb8 {
     if picture.width() <= tile_width {
         return picture.clone();
@@ -111,6 +194,23 @@ mod tests {
             ink.map(|(x, y)| paper.at(8 + x, 32 + y)[0]).any(|v| v > 150),
             "no caption was written"
         );
+    }
+
+    #[test]
+    fn a_legend_stands_below_the_sheet_with_its_colors() {
+        let sheet = Rgb8::from_fn(200, 50, |_, _| [9; 3]);
+        let names = ["pile", "brace", "background", "fitting"];
+        let entries = names
+            .iter()
+            .enumerate()
+            .map(|(index, name)| ([100 + index as u8; 3], (*name).to_owned()));
+        let paper = with_legend(&sheet, &Legend::Colors(entries.collect()));
+        assert_eq!((paper.width(), paper.at(199, 49)), (200, [9; 3]));
+        for color in 100..104 {
+            let below = (50..paper.height()).flat_map(|y| (0..200).map(move |x| (x, y)));
+            let count = below.filter(|&(x, y)| paper.at(x, y) == [color; 3]).count();
+            assert_eq!(count, SWATCH_PX * SWATCH_PX, "{color}");
+        }
     }
 
     #[test]

@@ -46,7 +46,15 @@ fn columns(header: &[&str], rows: &[Vec<String>], is_left: impl Fn(usize) -> boo
     lines.join("\n")
 }
 
-/// A JSON scalar as a cell: numbers to four significant places, absent as a dash.
+/// JSON objects as rows with these members as columns.
+pub fn table_of(columns: &[impl AsRef<str>], rows: &[Value]) -> String {
+    let header: Vec<&str> = columns.iter().map(AsRef::as_ref).collect();
+    let cells = |row: &Value| header.iter().map(|column| cell(&row[column])).collect();
+    let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    table(&header, &cells)
+}
+
+/// A JSON scalar as a cell: numbers with up to four decimals, null as a dash.
 pub fn cell(value: &Value) -> String {
     match value {
         Value::Null => "–".to_owned(),
@@ -56,7 +64,7 @@ pub fn cell(value: &Value) -> String {
     }
 }
 
-/// A number in at most four decimals.
+/// A number with at most four decimals.
 pub fn decimal(number: f64) -> String {
     if number == 0.0 || (1e-3..1e6).contains(&number.abs()) {
         let text = format!("{number:.4}");

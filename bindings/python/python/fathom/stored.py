@@ -102,7 +102,7 @@ class Rendered:
 
 
 class Exported:
-    """A folder of `fathom export`: KIND/NAME.EXTENSION, and one row of columns a line, which names the files."""
+    """A folder of `fathom export`, or of a part of it: one row of columns a line, which names files JOB/FRAME/KIND.EXTENSION."""
 
     LIST = "metadata.jsonl"
 
@@ -131,7 +131,7 @@ def _files(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield kind and path of each file that a row names; the first stands under `file_name`."""
     for column, value in row.items():
         if isinstance(value, str) and "/" in value:
-            kind = value.split("/")[0]
+            kind = value.rsplit("/", 1)[1].rpartition(".")[0]
             if column in ("file_name", kind):
                 yield kind, value
 

@@ -9,7 +9,7 @@ use api::{Data, Service};
 use catalogue::InsertJob;
 use cli::exit::Failure;
 use cli::progress::Progress;
-use cli::remote::{Remote, ServerArguments, query_value};
+use cli::remote::{Remote, ServerArguments, encode};
 use proto::wire::{LeaseRequest, RegisterRequest};
 use renderer::worker::client::Client;
 use serde_json::{Value, json};
@@ -175,7 +175,7 @@ fn submissions(remote: &Remote) -> Result<String, Failure> {
 fn pages(remote: &Remote, what: &str, filter: &str) -> Result<String, Failure> {
     let mut base = format!("/v1/images?dataset={DATASET}&limit=100");
     if !filter.is_empty() {
-        base.push_str(&format!("&filter={}", query_value(filter)));
+        base.push_str(&format!("&filter={}", encode(filter)));
     }
     let (mut times, mut path) = (Vec::new(), base.clone());
     for _ in 0..TIMES {
@@ -197,7 +197,7 @@ fn count(remote: &Remote) -> Result<String, Failure> {
         let begun = Instant::now();
         let path = format!(
             "/v1/datasets/{DATASET}/histogram?column=uiqm&bins=20&filter={}",
-            query_value("uiqm > 0.5 and uciqe > 0.3")
+            encode("uiqm > 0.5 and uciqe > 0.3")
         );
         remote.get(&path)?;
         times.push(begun.elapsed());

@@ -1,7 +1,7 @@
-//! `fathom demo`: the main job from end to end on this machine alone.
+//! `fathom demo`: the main use of the program, end to end on one machine.
 //!
-//! Starts a service with its own workers on a free port, submits a job of 24 frames, waits for it, prints the
-//! dataset's metrics and writes a contact sheet. Everything goes the way it goes in production: HTTP, leases, commits.
+//! Starts a service with its own workers on a free port, submits a job of 24 frames, waits for it, prints the dataset's
+//! metrics and writes a contact sheet, by way of HTTP, leases and commits as in production.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,25 +10,24 @@ use std::time::Instant;
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::images::Question;
-use cli::remote::{Remote, ServerArguments};
+use cli::remote::{Remote, ServerArguments, with_query};
 use cli::styles::StyleArguments;
-use cli::table::{cell, table};
+use cli::table::{cell, table, table_of};
 use serde_json::Value;
 
-use super::query::rows_table;
 use super::{serve, sheet, submit};
 
 /// Options of `fathom demo`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Folder of the catalogue, the artifacts and the sheet
+    /// Folder for the catalogue, the artifacts and the contact sheet
     #[arg(long, value_name = "DIR", default_value = "data/demo")]
     out: PathBuf,
     #[command(flatten)]
     style: StyleArguments,
 }
 
-/// The job that the demonstration submits; it is also the example of the README.
+/// The job of the demonstration, which is also the example in the README.
 const TOUR: &str = include_str!("../../../../examples/tour.json");
 const ROW_FIELDS: [&str; 9] = [
     "frame",
@@ -88,7 +87,7 @@ fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
         fields: &fields,
         limit: 1000,
     };
-    println!("{}\n", rows_table(&fields, &question.ask(remote)?));
+    println!("{}\n", table_of(&fields, &question.ask(remote)?));
     println!("{}\n", by_style(remote, &dataset, &filter)?);
 
     let picture = out.join("contact-sheet.png");
@@ -100,17 +99,18 @@ fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
     println!("images         {}", out.join("packs").display());
     println!("digest         {}", text("digest"));
     println!("serve it again fathom serve --data {}", out.display());
-    submit::all_rendered(&job, String::new())
+    submit::all_rendered(&job)
 }
 
 /// Mean and standard deviation of each metric for each style water.
 fn by_style(remote: &Remote, dataset: &str, filter: &str) -> Result<String, Failure> {
-    let path = format!(
-        "/v1/datasets/{dataset}/stats?metrics={}&group_by=water.style&filter={}",
-        GROUP_METRICS.join(","),
-        cli::remote::query_value(filter)
-    );
-    let stats = remote.get(&path)?;
+    let metrics = GROUP_METRICS.join(",");
+    let parameters = [
+        ("metrics", Some(metrics.as_str())),
+        ("group_by", Some("water.style")),
+        ("filter", Some(filter)),
+    ];
+    let stats = remote.get(&with_query(&format!("/v1/datasets/{dataset}/stats"), &parameters))?;
     let groups = stats["groups"].as_array().cloned().unwrap_or_default();
     let names: BTreeSet<String> = groups.iter().map(|row| cell(&row["group"])).collect();
     let value = |name: &str, metric: &str| {

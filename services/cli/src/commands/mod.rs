@@ -3,26 +3,37 @@
 mod backup;
 mod check_style;
 mod cluster;
+mod completions;
+mod control;
+mod datasets;
 mod demo;
 mod enhance;
+mod errors;
 mod export;
+mod jobs;
 mod list;
 mod measure;
 mod plan;
 mod query;
 mod render;
 mod rerender;
+mod rm;
+mod scenes;
 mod scrub;
 mod serve;
 mod sheet;
 mod styles;
 mod submit;
+pub(crate) mod topics;
 mod train;
 mod upload;
+mod wait;
 mod waters;
 mod worker;
 
 use cli::exit::Failure;
+
+use control::Change;
 
 /// The commands of `fathom`.
 #[derive(clap::Subcommand)]
@@ -45,10 +56,30 @@ pub(crate) enum Command {
     Plan(plan::Arguments),
     /// Submit a job to a service
     Submit(submit::Arguments),
+    /// List jobs with their progress
+    Jobs(jobs::Arguments),
+    /// Wait until jobs have ended
+    Wait(wait::Arguments),
+    /// List the failed frames of a job with the reasons
+    Errors(errors::Arguments),
+    /// Try the failed frames of a job again
+    Retry(control::Arguments),
+    /// Pause a job; frames being rendered are finished
+    Pause(control::Arguments),
+    /// Resume a paused job
+    Resume(control::Arguments),
+    /// Cancel a job; its finished images stay
+    Cancel(control::Arguments),
+    /// List the datasets of a service
+    Datasets(datasets::Arguments),
     /// List images by their parameters and metrics
     Query(query::Arguments),
     /// Write a dataset into a folder for training
     Export(export::Arguments),
+    /// List uploaded scenes
+    Scenes(scenes::Arguments),
+    /// Delete jobs and datasets with their images
+    Rm(rm::Arguments),
     /// Upload scenes: pictures with their range
     Upload(upload::Arguments),
     /// Verify everything a stopped service has stored, and optionally repair it
@@ -63,14 +94,18 @@ pub(crate) enum Command {
     Measure(measure::Arguments),
     /// List every name and number that a job, a question or a label may hold
     List(list::Arguments),
-    /// List the optical water presets
+    /// List the optical waters, or add one to a service
     Waters(waters::Arguments),
-    /// List the style waters
+    /// List the style waters, or add one to a service
     Styles(styles::Arguments),
     /// Train a style water from a photo
     Train(train::Arguments),
     /// Render a small dataset with a temporary service and show the result
     Demo(demo::Arguments),
+    /// Print the completions of a shell
+    Completions(completions::Arguments),
+    /// Write manual pages
+    Man(completions::ManArguments),
     /// Render a stored frame once more, for the service
     #[command(hide = true)]
     Rerender(rerender::Arguments),
@@ -90,6 +125,18 @@ impl Command {
             Self::Status(_) | Self::Verify(_) | Self::Seal(_) | Self::Gc(_) => cluster::hand_over(),
             Self::Plan(arguments) => plan::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),
+            Self::Jobs(arguments) => jobs::run(&arguments),
+            Self::Wait(arguments) => wait::run(&arguments),
+            Self::Errors(arguments) => errors::run(&arguments),
+            Self::Retry(arguments) => control::run(&arguments, &Change::Retry),
+            Self::Pause(arguments) => control::run(&arguments, &Change::Pause),
+            Self::Resume(arguments) => control::run(&arguments, &Change::Resume),
+            Self::Cancel(arguments) => control::run(&arguments, &Change::Cancel),
+            Self::Datasets(arguments) => datasets::run(&arguments),
+            Self::Scenes(arguments) => scenes::run(&arguments),
+            Self::Rm(arguments) => rm::run(&arguments),
+            Self::Completions(arguments) => completions::run(&arguments),
+            Self::Man(arguments) => completions::write_pages(&arguments),
             Self::Query(arguments) => query::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
             Self::Upload(arguments) => upload::run(&arguments),

@@ -1,21 +1,21 @@
-//! `fathom query`: images by their parameters and metrics.
+//! `fathom query`: lists images by their parameters and metrics.
 
 use cli::exit::Failure;
 use cli::images::Question;
+use cli::known;
 use cli::remote::{Remote, ServerArguments};
-use cli::table::{cell, table};
-use serde_json::Value;
+use cli::table::table_of;
 
 /// Options of `fathom query`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Which images, such as 'uiqm > 0.8 and water.style in ("muddy")'; empty: all
+    /// Which images, such as 'uiqm > 0.8 and water.style in ("muddy")' [default: all]
     #[arg(default_value = "")]
     filter: String,
-    /// Only this dataset
+    /// Only images of this dataset
     #[arg(long)]
     dataset: Option<String>,
-    /// Order, such as uiqm or -uiqm (largest first)
+    /// Sort by a column, such as uiqm, or -uiqm for largest first
     #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
     order_by: Option<String>,
     /// Most rows to print
@@ -31,8 +31,8 @@ pub(crate) struct Arguments {
     server: ServerArguments,
 }
 
-/// Columns shown unless others are asked for.
-pub(crate) const USUAL_FIELDS: [&str; 9] = [
+/// Columns shown by default.
+const USUAL_FIELDS: [&str; 9] = [
     "job",
     "frame",
     "water.optics",
@@ -43,15 +43,14 @@ pub(crate) const USUAL_FIELDS: [&str; 9] = [
     "uiqm",
     "uciqe",
 ];
+
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
-    let usual = USUAL_FIELDS.map(str::to_owned).to_vec();
-    let fields = if arguments.fields.is_empty() {
-        usual
-    } else {
-        arguments.fields.clone()
-    };
+    let mut fields = arguments.fields.clone();
+    if fields.is_empty() {
+        fields.extend(USUAL_FIELDS.map(str::to_owned));
+    }
     let question = Question {
         dataset: arguments.dataset.as_deref(),
         filter: &arguments.filter,
@@ -60,21 +59,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         limit: arguments.limit,
     };
     let rows = question.ask(&remote)?;
+    if rows.is_empty()
+        && let Some(dataset) = &arguments.dataset
+    {
+        known::dataset(&remote, dataset)?;
+    }
     if arguments.json {
         rows.iter().for_each(|row| println!("{row}"));
         return Ok(());
     }
-    println!("{}", rows_table(&fields, &rows));
+    println!("{}", table_of(&fields, &rows));
     println!("{} images", rows.len());
     Ok(())
-}
-
-/// Image rows as a text table with these columns.
-pub(crate) fn rows_table(fields: &[String], rows: &[Value]) -> String {
-    let header: Vec<&str> = fields.iter().map(String::as_str).collect();
-    let cells: Vec<Vec<String>> = rows
-        .iter()
-        .map(|row| fields.iter().map(|field| cell(&row[field])).collect())
-        .collect();
-    table(&header, &cells)
 }

@@ -1,15 +1,15 @@
-//! `fathom scrub`: reads everything that a stopped service has stored, and renders again what is damaged.
+//! `fathom scrub`: verifies everything that a stopped service has stored, and optionally repairs it.
 
 mod repair;
 
 use std::path::PathBuf;
 
 use api::Data;
-use catalogue::NamedDigest;
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::styles::StyleArguments;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 use store::Scrubbed;
 
 use repair::Repair;
@@ -17,10 +17,10 @@ use repair::Repair;
 /// Options of `fathom scrub`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Folder of the catalogue and the artifacts; its service must be stopped
+    /// Data folder of the service, which must be stopped
     #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
     data: PathBuf,
-    /// Render damaged artifacts again and put them back if they come out with the same digest
+    /// Render damaged artifacts again, and store them if their digest is the same
     #[arg(long)]
     repair: bool,
     /// Print the findings as one JSON object
@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     style: StyleArguments,
 }
 
-/// Digests that one question to the catalogue asks for.
+/// Rows of one query to the catalogue.
 const BATCH: u32 = 1000;
 
 /// Runs the command.
@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let runtime = tokio::runtime::Runtime::new().map_err(anyhow::Error::from)?;
     let findings = runtime.block_on(scrub(arguments))?;
     if arguments.json {
-        println!("{}", findings.json());
+        println!("{}", json!(findings));
     } else {
         findings.print();
     }
@@ -54,51 +54,56 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// What a scrub found.
-#[derive(Default)]
+/// The findings of a scrub.
+#[derive(Default, Serialize)]
 struct Findings {
     /// Blobs that were read.
     blobs: u64,
     bytes: u64,
-    /// What is wrong with the catalogue itself.
+    /// Errors in the catalogue itself.
     catalogue: Vec<String>,
     /// Packs that cannot be read at all.
     packs_set_aside: u64,
     damaged: Vec<Damaged>,
 }
 
-/// A blob that a row names and that is not as it should be.
+/// A damaged or missing blob that a row names.
+#[derive(Serialize)]
 struct Damaged {
     digest: String,
-    state: Scrubbed,
+    state: &'static str,
     /// Such as `rgb of job_…/3`.
     owner: String,
-    /// What became of it; none: repair was not asked for.
-    repaired: Option<Result<(), String>>,
+    /// None: repair was not requested.
+    repaired: Option<bool>,
+    /// Why it was not repaired.
+    reason: Option<String>,
+}
+
+impl Damaged {
+    fn new(digest: String, state: Scrubbed, owner: String, repair: Option<Result<(), String>>) -> Self {
+        Self {
+            digest,
+            state: match state {
+                Scrubbed::Good => "good",
+                Scrubbed::Corrupt => "corrupt",
+                Scrubbed::Missing => "missing",
+            },
+            owner,
+            repaired: repair.as_ref().map(Result::is_ok),
+            reason: repair.and_then(Result::err),
+        }
+    }
 }
 
 impl Findings {
     fn left(&self) -> usize {
-        let lost = self
+        let left = self
             .damaged
             .iter()
-            .filter(|damaged| !matches!(damaged.repaired, Some(Ok(()))));
-        // A pack that is set aside is no loss once all that it held is back.
-        self.catalogue.len() + lost.count()
-    }
-
-    fn json(&self) -> Value {
-        let damaged = self.damaged.iter().map(|damaged| {
-            json!({
-                "digest": damaged.digest, "state": state(damaged.state), "owner": damaged.owner,
-                "repaired": damaged.repaired.as_ref().map(Result::is_ok),
-                "reason": damaged.repaired.as_ref().and_then(|result| result.as_ref().err()),
-            })
-        });
-        json!({
-            "blobs": self.blobs, "bytes": self.bytes, "catalogue": self.catalogue,
-            "packs_set_aside": self.packs_set_aside, "damaged": damaged.collect::<Vec<_>>(),
-        })
+            .filter(|damaged| damaged.repaired != Some(true));
+        // A pack that was set aside is no loss once all its blobs are restored.
+        self.catalogue.len() + left.count()
     }
 
     fn print(&self) {
@@ -113,29 +118,19 @@ impl Findings {
             );
         }
         for damaged in &self.damaged {
-            let outcome = match &damaged.repaired {
-                None => String::new(),
-                Some(Ok(())) => "; rendered again".to_owned(),
-                Some(Err(reason)) => format!("; not repaired: {reason}"),
+            let Damaged {
+                digest, state, owner, ..
+            } = damaged;
+            let outcome = match (damaged.repaired, &damaged.reason) {
+                (Some(true), _) => "; rendered again".to_owned(),
+                (_, Some(reason)) => format!("; not repaired: {reason}"),
+                (_, None) => String::new(),
             };
-            println!(
-                "{} {}: {}{outcome}",
-                state(damaged.state),
-                damaged.digest,
-                damaged.owner
-            );
+            println!("{state} {digest}: {owner}{outcome}");
         }
         if self.left() == 0 {
             println!("all is well");
         }
-    }
-}
-
-fn state(state: Scrubbed) -> &'static str {
-    match state {
-        Scrubbed::Good => "good",
-        Scrubbed::Corrupt => "corrupt",
-        Scrubbed::Missing => "missing",
     }
 }
 
@@ -144,16 +139,13 @@ async fn scrub(arguments: &Arguments) -> Result<Findings, Failure> {
     let vocabulary = renderer::vocabulary(&library, false);
     let opened = Data::open(&arguments.data, &vocabulary.metrics).await;
     let data = opened.map_err(Failure::input)?;
+    let integrity = data.catalogue.integrity_check().await;
     let mut findings = Findings {
-        catalogue: data
-            .catalogue
-            .integrity_check()
-            .await
-            .map_err(anyhow::Error::from)?,
+        catalogue: integrity.map_err(anyhow::Error::from)?,
         packs_set_aside: data.store.stats().set_aside,
         ..Findings::default()
     };
-    // Scenes first: a frame of a damaged scene cannot be rendered again.
+    // Scenes first: a frame of a damaged scene cannot be rendered.
     scenes(&data, &mut findings).await?;
     let mut repair = arguments
         .repair
@@ -163,25 +155,19 @@ async fn scrub(arguments: &Arguments) -> Result<Findings, Failure> {
     Ok(findings)
 }
 
-async fn scenes(data: &Data, findings: &mut Findings) -> Result<(), Failure> {
+async fn scenes(data: &Data, findings: &mut Findings) -> anyhow::Result<()> {
     let mut cursor = None;
     loop {
-        let page = data
-            .catalogue
-            .scenes(BATCH, cursor)
-            .await
-            .map_err(anyhow::Error::from)?;
+        let page = data.catalogue.scenes(BATCH, cursor).await?;
         for scene in page.items {
             for (name, digest) in scene.files.named() {
-                let state = data.store.scrub(digest).await.map_err(anyhow::Error::from)?;
+                let state = data.store.scrub(digest).await?;
                 findings.blobs += 1;
                 if state != Scrubbed::Good {
-                    findings.damaged.push(Damaged {
-                        digest: digest.clone(),
-                        state,
-                        owner: format!("{name} of scene {}", scene.id),
-                        repaired: Some(Err("upload the same file again".to_owned())),
-                    });
+                    let owner = format!("{name} of scene {}", scene.id);
+                    let repair = Some(Err("upload the same file again".to_owned()));
+                    let damaged = Damaged::new(digest.clone(), state, owner, repair);
+                    findings.damaged.push(damaged);
                 }
             }
         }
@@ -196,45 +182,27 @@ async fn artifacts(
     data: &Data,
     mut repair: Option<&mut Repair>,
     findings: &mut Findings,
-) -> Result<(), Failure> {
+) -> anyhow::Result<()> {
     let mut progress = Progress::new("scrub", "files", data.store.stats().blobs);
     let mut after: Option<String> = None;
     loop {
-        let batch = data
-            .catalogue
-            .artifacts_after(after.as_deref(), BATCH)
-            .await
-            .map_err(anyhow::Error::from)?;
+        let batch = data.catalogue.artifacts_after(after.as_deref(), BATCH).await?;
         let Some(last) = batch.last() else { break };
         after = Some(last.digest.clone());
         for artifact in batch {
-            let state = data
-                .store
-                .scrub(&artifact.digest)
-                .await
-                .map_err(anyhow::Error::from)?;
+            let state = data.store.scrub(&artifact.digest).await?;
             findings.blobs += 1;
             findings.bytes += artifact.bytes;
             progress.set(findings.blobs);
             if state != Scrubbed::Good {
-                let repaired = match repair.as_deref_mut() {
+                let repair = match repair.as_deref_mut() {
                     Some(repair) => Some(repair.artifact(data, &artifact).await),
                     None => None,
                 };
-                let NamedDigest {
-                    job_id,
-                    frame,
-                    kind,
-                    digest,
-                    ..
-                } = artifact;
-                let owner = format!("{kind} of {job_id}/{frame}");
-                findings.damaged.push(Damaged {
-                    digest,
-                    state,
-                    owner,
-                    repaired,
-                });
+                let owner = format!("{} of {}/{}", artifact.kind, artifact.job_id, artifact.frame);
+                let repair = repair.map(|repair| repair.map_err(|error| error.to_string()));
+                let damaged = Damaged::new(artifact.digest, state, owner, repair);
+                findings.damaged.push(damaged);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! `fathom serve`: the service and its own workers.
 
+use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -91,6 +92,7 @@ pub(crate) fn start_log(usual: &str) {
     let filter: Targets = wanted.unwrap_or_else(|| usual.parse().expect("the usual levels are well formed"));
     let builder = tracing_subscriber::fmt()
         .with_max_level(LevelFilter::TRACE)
+        .with_ansi(std::io::stderr().is_terminal())
         .with_writer(std::io::stderr);
     if std::env::var("FATHOM_LOG_FORMAT").is_ok_and(|format| format == "json") {
         builder.json().finish().with(filter).init();

@@ -1,15 +1,20 @@
 //! `fathom sheet`: a contact sheet of a dataset.
 
+mod paint;
+
 use std::path::{Path, PathBuf};
 
+use cli::classes::{self, Named, SceneClasses};
 use cli::exit::Failure;
 use cli::files;
 use cli::images::Question;
-use cli::remote::{Remote, ServerArguments};
-use cli::sheet::{Tile, sheet};
+use cli::known;
+use cli::remote::{Remote, ServerArguments, encode};
+use cli::sheet::{Tile, sheet, with_legend};
 use cli::table::cell;
-use imaging::codec;
 use serde_json::Value;
+
+use paint::{Paint, Stored};
 
 /// Options of `fathom sheet`.
 #[derive(clap::Args)]
@@ -28,7 +33,7 @@ pub(crate) struct Arguments {
     /// Most images on the sheet
     #[arg(long, default_value_t = 24)]
     limit: usize,
-    /// Artifact kind to show
+    /// Artifact kind to show: masks in the colors of their classes, range as a ramp with a scale
     #[arg(long, default_value = "rgb")]
     kind: String,
     #[command(flatten)]
@@ -37,7 +42,9 @@ pub(crate) struct Arguments {
 
 const COLUMNS: usize = 6;
 const TILE_PX: usize = 320;
-pub(crate) const FIELDS: [&str; 8] = [
+pub(crate) const FIELDS: [&str; 10] = [
+    classes::COLUMNS[0],
+    classes::COLUMNS[1],
     "job",
     "frame",
     "scene.seed",
@@ -63,27 +70,45 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Fetches the images that answer a question and draws them on one sheet.
+/// Fetches the images of a query and draws them on one sheet.
 pub(crate) fn draw(remote: &Remote, question: &Question<'_>, kind: &str, out: &Path) -> Result<(), Failure> {
     let rows = question.ask(remote)?;
     if rows.is_empty() {
-        return Err(Failure::BadInput(
-            "no image fits: the sheet would be empty".to_owned(),
-        ));
+        if let Some(dataset) = question.dataset {
+            known::dataset(remote, dataset)?;
+        }
+        return Err(Failure::input("no image matches: the sheet would be empty"));
     }
-    let tiles = rows
-        .iter()
-        .map(|row| tile(remote, row, kind))
-        .collect::<Result<Vec<_>, _>>()?;
-    files::write_picture(out, &sheet(&tiles, COLUMNS, TILE_PX).into())
+    let fetch = |row: &Value| {
+        let (job, frame) = (cell(&row["job"]), cell(&row["frame"]));
+        let path = format!(
+            "/v1/images/{}/{}/artifacts/{}",
+            encode(&job),
+            encode(&frame),
+            encode(kind)
+        );
+        Stored::read(kind, &remote.get_bytes(&path)?)
+    };
+    let stored = rows.iter().map(fetch).collect::<Result<Vec<_>, Failure>>()?;
+    let paint = Paint::new(stored.iter());
+    let tile = |(row, stored): (&Value, &Stored)| Tile {
+        picture: paint.picture(stored),
+        caption: caption(row),
+    };
+    let tiles: Vec<Tile> = rows.iter().zip(&stored).map(tile).collect();
+    let mut picture = sheet(&tiles, COLUMNS, TILE_PX);
+    let (mut scenes, mut named) = (SceneClasses::new(remote), Named::new());
+    if kind == "semantics" {
+        rows.iter().try_for_each(|row| scenes.add(row, &mut named))?;
+    }
+    if let Some(legend) = paint.legend(&stored, &named) {
+        picture = with_legend(&picture, &legend);
+    }
+    files::write_picture(out, &picture.into())
 }
 
-fn tile(remote: &Remote, row: &Value, kind: &str) -> Result<Tile, Failure> {
+fn caption(row: &Value) -> Vec<String> {
     let field = |name: &str| cell(&row[name]);
-    let path = format!("/v1/images/{}/{}/artifacts/{kind}", field("job"), field("frame"));
-    let picture = codec::decode_picture(&remote.get_bytes(&path)?)
-        .map_err(anyhow::Error::from)?
-        .to_rgb8();
     let short = |name: &str| {
         field(name)
             .split('/')
@@ -91,7 +116,7 @@ fn tile(remote: &Remote, row: &Value, kind: &str) -> Result<Tile, Failure> {
             .unwrap_or_default()
             .replace('–', "-")
     };
-    let caption = vec![
+    vec![
         format!(
             "#{} {} + {} a={}",
             field("frame"),
@@ -105,8 +130,7 @@ fn tile(remote: &Remote, row: &Value, kind: &str) -> Result<Tile, Failure> {
             two(row, "uiqm"),
             two(row, "uciqe")
         ),
-    ];
-    Ok(Tile { picture, caption })
+    ]
 }
 
 fn two(row: &Value, name: &str) -> String {

@@ -1,40 +1,72 @@
-//! `fathom styles`: lists the style waters and the version of ONNX Runtime.
+//! `fathom styles`: lists the style waters of this program or of a service, and adds one to a service.
+
+mod add;
 
 use cli::exit::Failure;
+use cli::known::items;
+use cli::remote::OtherServer;
 use cli::styles::StyleArguments;
-use cli::table::table;
-use style::{Runtime, StyleModel};
+use cli::table::{cell, table};
+use serde_json::{Value, json};
+use style::Runtime;
+
+pub(super) use add::{add, card_of};
 
 /// Options of `fathom styles`.
 #[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct Arguments {
+    #[command(subcommand)]
+    action: Option<Action>,
     #[command(flatten)]
     style: StyleArguments,
     /// Print one JSON array
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    server: OtherServer,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Add a style network to a service, for jobs to name at once
+    Add(add::Arguments),
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let library = arguments.style.library()?;
-    let models: Vec<_> = library.models().collect();
+    if let Some(Action::Add(arguments)) = &arguments.action {
+        return add::run(arguments);
+    }
+    let remote = arguments.server.remote();
+    let cards = match &remote {
+        Some(remote) => items(&remote.get("/v1/styles")?).to_vec(),
+        None => {
+            let library = arguments.style.library()?;
+            library.models().map(|model| json!(model.card)).collect()
+        }
+    };
     if arguments.json {
-        let cards: Vec<_> = models.iter().map(|model| &model.card).collect();
-        println!("{}", serde_json::to_string(&cards).map_err(anyhow::Error::from)?);
+        println!("{}", Value::Array(cards));
         return Ok(());
     }
-    let row = |model: &&StyleModel| {
-        let (card, noise) = (&model.card, if model.card.takes_noise { "yes" } else { "no" });
-        [&model.name, &card.licence, noise, &card.sha256[..16]]
-            .map(str::to_owned)
-            .to_vec()
+    let row = |card: &Value| {
+        let noise = if card["takes_noise"] == true { "yes" } else { "no" };
+        let digest: String = cell(&card["sha256"]).chars().take(16).collect();
+        vec![
+            cell(&card["name"]),
+            cell(&card["licence"]),
+            noise.to_owned(),
+            digest,
+        ]
     };
-    let rows: Vec<Vec<String>> = models.iter().map(row).collect();
+    let rows: Vec<Vec<String>> = cards.iter().map(row).collect();
     println!("{}", table(&["style", "licence", "noise", "sha256"], &rows));
-    match Runtime::load(arguments.style.onnxruntime.as_deref()) {
-        Ok(runtime) => println!("\nONNX Runtime {}", runtime.version()),
-        Err(missing) => println!("\n{missing}"),
+    if remote.is_none() {
+        match Runtime::load(arguments.style.onnxruntime.as_deref()) {
+            Ok(runtime) => println!("\nONNX Runtime {}", runtime.version()),
+            Err(missing) => println!("\n{missing}"),
+        }
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use cli::exit::Failure;
 use cli::files;
 use cli::progress::Progress;
-use cli::remote::{Remote, ServerArguments};
+use cli::remote::{Remote, ServerArguments, encode};
 use serde_json::Value;
 
 /// Options of `fathom submit`.
@@ -34,31 +34,46 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         &files::read(&arguments.spec)?,
         arguments.idempotency_key.as_deref(),
     )?;
-    let job = if arguments.wait { wait(&remote, &job)? } else { job };
-    if arguments.json {
-        println!("{job}");
-    } else {
-        println!(
-            "job {} · dataset {} · {}",
-            text(&job, "id"),
-            text(&job, "dataset"),
-            text(&job, "state")
-        );
-        if let Some(digest) = job["digest"].as_str() {
-            println!("digest {digest}");
-        }
+    if !arguments.wait {
+        show(&job, arguments.json);
+        return Ok(());
     }
-    all_rendered(&job, format!("; see job {}", text(&job, "id")))
+    let job = wait(&remote, &job)?;
+    show(&job, arguments.json);
+    all_rendered(&job)
 }
 
-/// Fails if a frame of the job failed.
-pub(crate) fn all_rendered(job: &Value, hint: String) -> Result<(), Failure> {
-    match (text(job, "state"), number(job, "failed")) {
-        ("done_with_failures", failed) => Err(Failure::SomeFrames {
-            failed,
-            frames: number(job, "frames"),
-            hint,
+/// Prints a job on a line, and its digest once it has one.
+pub(crate) fn show(job: &Value, as_json: bool) {
+    if as_json {
+        println!("{job}");
+        return;
+    }
+    println!(
+        "job {} · dataset {} · {} · {} of {} frames",
+        text(job, "id"),
+        text(job, "dataset"),
+        text(job, "state"),
+        number(job, "done"),
+        number(job, "frames")
+    );
+    if let Some(digest) = job["digest"].as_str() {
+        println!("digest {digest}");
+    }
+}
+
+/// Fails if a job has ended without all of its frames.
+pub(crate) fn all_rendered(job: &Value) -> Result<(), Failure> {
+    let (id, done, frames) = (text(job, "id"), number(job, "done"), number(job, "frames"));
+    match text(job, "state") {
+        "done_with_failures" => Err(Failure::SomeFrames {
+            failed: number(job, "failed"),
+            frames,
+            hint: format!("; see `fathom errors {id}`"),
         }),
+        "cancelled" => {
+            Err(anyhow::anyhow!("job {id} was cancelled with {done} of {frames} frames done").into())
+        }
         _ => Ok(()),
     }
 }
@@ -77,11 +92,16 @@ pub(crate) fn submit(remote: &Remote, spec: &[u8], key: Option<&str>) -> Result<
 pub(crate) fn wait(remote: &Remote, job: &Value) -> Result<Value, Failure> {
     let id = text(job, "id").to_owned();
     let mut progress = Progress::new(text(job, "dataset"), "frames", number(job, "frames"));
-    let mut seen = number(job, "version");
+    // Below the version of every job: the first response comes at once.
+    let (mut seen, mut was_paused) = (0, false);
     loop {
-        let job = remote.get(&format!("/v1/jobs/{id}?wait=30&since={seen}"))?;
+        let job = remote.get(&format!("/v1/jobs/{}?wait=30&since={seen}", encode(&id)))?;
         seen = number(&job, "version");
         progress.set(number(&job, "done") + number(&job, "failed"));
+        if text(&job, "state") == "paused" && !was_paused {
+            eprintln!("job {id} is paused; it goes on with `fathom resume {id}`");
+        }
+        was_paused = text(&job, "state") == "paused";
         if matches!(text(&job, "state"), "done" | "done_with_failures" | "cancelled") {
             progress.finish();
             return Ok(job);

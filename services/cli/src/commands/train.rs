@@ -12,9 +12,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
+use cli::remote::{Remote, ServerArguments};
 use imaging::Rgb8;
 use training::{Photo, Trainer};
 
+use super::styles;
 use product::Product;
 use progress::TrainingProgress;
 
@@ -48,6 +50,11 @@ pub(crate) struct Arguments {
     /// Only say whether the photos can be learned from
     #[arg(long)]
     check: bool,
+    /// Do not add the style to the service; without this it is added, if a service runs
+    #[arg(long)]
+    no_add: bool,
+    #[command(flatten)]
+    server: ServerArguments,
     /// File that tells the progress as JSON, for the service that asks for the training
     #[arg(long, hide = true)]
     progress: Option<PathBuf>,
@@ -80,7 +87,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .build()
         .context("cannot start threads")?;
     let stop = cli::signals::stop_at_signal()?;
-    pool.install(|| train(arguments, &given, &stop))
+    pool.install(|| train(arguments, &given, &stop))?;
+    // The service adds what it had trained itself.
+    if arguments.no_add || arguments.progress.is_some() {
+        return Ok(());
+    }
+    let model = arguments.out.join(format!("{}.onnx", arguments.name));
+    add_to_service(arguments, &model)
+}
+
+/// Adds the style to the service, if there is one. What speaks against it is told, but the training has not failed.
+fn add_to_service(arguments: &Arguments, model: &Path) -> Result<(), Failure> {
+    let remote = Remote::with_patience(&arguments.server);
+    let (name, server, file) = (&arguments.name, &arguments.server.server, model.display());
+    match styles::add(&remote, &files::read(model)?, &styles::card_of(model, name)?) {
+        Ok(_) => println!("jobs of {server} may name the style `{name}` now"),
+        Err(Failure::NoServer(_)) => println!("add it to a service with `fathom styles add {file}`"),
+        Err(refusal) => eprintln!("warning: {server} did not take the style `{name}`: {refusal}"),
+    }
+    Ok(())
 }
 
 fn read(path: &Path) -> Result<Given, Failure> {

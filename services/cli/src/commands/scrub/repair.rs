@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use anyhow::Context;
 use api::Data;
 use catalogue::NamedDigest;
-use renderer::{Engine, SceneBytes, SceneSource, Slot};
+use renderer::{Engine, File, SceneBytes, SceneSource, Slot};
 use spec::{Job, Scene};
 use store::Blob;
 use style::Library;
@@ -14,8 +15,14 @@ use style::Library;
 /// Renders frames of stored jobs.
 pub(crate) struct Repair {
     slot: Slot,
-    /// The last frame, since its artifacts are often damaged together: job, frame, files by digest.
-    last: Option<(String, u64, Vec<Blob>)>,
+    /// The last frame, since its artifacts are often damaged together.
+    last: Option<Rendered>,
+}
+
+struct Rendered {
+    job: String,
+    frame: u64,
+    files: Vec<Blob>,
 }
 
 impl Repair {
@@ -28,68 +35,54 @@ impl Repair {
     }
 
     /// Puts an artifact back, if the frame still renders to the same digest.
-    pub(crate) async fn artifact(&mut self, data: &Data, artifact: &NamedDigest) -> Result<(), String> {
-        let known =
-            |(job, frame, _): &(String, u64, Vec<Blob>)| *job == artifact.job_id && *frame == artifact.frame;
-        if !self.last.as_ref().is_some_and(known) {
-            let files = self.render(data, &artifact.job_id, artifact.frame).await?;
-            self.last = Some((artifact.job_id.clone(), artifact.frame, files));
-        }
-        let files = self
+    pub(crate) async fn artifact(&mut self, data: &Data, artifact: &NamedDigest) -> anyhow::Result<()> {
+        let (job, frame) = (&artifact.job_id, artifact.frame);
+        let last = self
             .last
-            .as_ref()
-            .map(|(_, _, files)| files.as_slice())
-            .unwrap_or_default();
-        let file = files.iter().find(|file| file.digest == artifact.digest).ok_or_else(|| {
-            "the frame now renders to other bytes: this build, ONNX Runtime or processor differs from that of the record"
-                .to_owned()
-        })?;
-        data.store
-            .put_all(vec![file.clone()])
-            .await
-            .map_err(|error| error.to_string())
+            .take()
+            .filter(|last| last.job == *job && last.frame == frame);
+        let last = match last {
+            Some(last) => last,
+            None => Rendered {
+                job: job.clone(),
+                frame,
+                files: self.render(data, job, frame).await?,
+            },
+        };
+        let files = &self.last.insert(last).files;
+        let file = files.iter().find(|file| file.digest == artifact.digest).context(
+            "the frame now renders to other bytes: this build, ONNX Runtime or processor differs from that of the record",
+        )?;
+        Ok(data.store.put_all(vec![file.clone()]).await?)
     }
 
-    async fn render(&mut self, data: &Data, job: &str, frame: u64) -> Result<Vec<Blob>, String> {
-        let text = |error: &dyn std::fmt::Display| error.to_string();
-        let spec = data
-            .catalogue
-            .description(job)
-            .await
-            .map_err(|error| text(&error))?;
-        let spec = spec.ok_or_else(|| format!("job {job} is not stored"))?;
-        let job = Job::trusted(&spec).map_err(|error| text(&error))?;
-        let frame = job.resolve(frame).map_err(|error| text(&error))?;
+    async fn render(&mut self, data: &Data, job: &str, frame: u64) -> anyhow::Result<Vec<Blob>> {
+        let spec = data.catalogue.description(job).await?;
+        let spec = spec.with_context(|| format!("job {job} is not stored"))?;
+        let frame = Job::trusted(&spec)?.resolve(frame)?;
         let source = match &frame.scene {
             Scene::Uploaded { id } => SceneSource::Uploaded(Arc::new(uploaded(data, id).await?)),
             Scene::Procedural { .. } | Scene::Files { .. } => SceneSource::Local,
         };
-        let rendered = tokio::task::block_in_place(|| self.slot.render(&frame, &source));
-        let files = rendered.map_err(|error| text(&error))?.files;
-        Ok(files
-            .into_iter()
-            .map(|file| Blob {
-                digest: file.digest,
-                bytes: file.bytes,
-            })
-            .collect())
+        let rendered = tokio::task::block_in_place(|| self.slot.render(&frame, &source))?;
+        let blob = |file: File| Blob {
+            digest: file.digest,
+            bytes: file.bytes,
+        };
+        Ok(rendered.files.into_iter().map(blob).collect())
     }
 }
 
 /// The files of an uploaded scene.
-async fn uploaded(data: &Data, id: &str) -> Result<SceneBytes, String> {
-    let row = data
-        .catalogue
-        .scene(id)
-        .await
-        .map_err(|error| error.to_string())?;
-    let row = row.ok_or_else(|| format!("scene {id} is not stored"))?;
+async fn uploaded(data: &Data, id: &str) -> anyhow::Result<SceneBytes> {
+    let row = data.catalogue.scene(id).await?;
+    let row = row.with_context(|| format!("scene {id} is not stored"))?;
     let mut files = BTreeMap::new();
     for (_, digest) in row.files.named() {
-        let bytes = data.store.get(digest).await.map_err(|error| error.to_string())?;
-        files.extend(bytes.map(|bytes| (digest, bytes)));
+        files.insert(digest, data.store.get(digest).await?);
     }
-    let missing = || format!("a file of scene {id} is gone");
-    row.files
-        .try_map(|digest| files.get(digest).cloned().ok_or_else(missing))
+    row.files.try_map(|digest| {
+        let file = files.get(digest).cloned().flatten();
+        file.with_context(|| format!("a file of scene {id} is gone"))
+    })
 }

@@ -1,0 +1,34 @@
+//! `fathom wait`: waits until jobs have ended.
+
+use cli::exit::Failure;
+use cli::known;
+use cli::remote::{Remote, ServerArguments};
+
+use super::submit;
+
+/// Options of `fathom wait`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Jobs to wait for
+    #[arg(required = true, value_name = "JOB")]
+    jobs: Vec<String>,
+    /// Print one JSON object per job
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    server: ServerArguments,
+}
+
+/// Runs the command; fails if frames of any of the jobs have no image.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let remote = Remote::new(&arguments.server);
+    let jobs = arguments.jobs.iter().map(|id| known::job(&remote, id));
+    let jobs = jobs.collect::<Result<Vec<_>, Failure>>()?;
+    let mut outcome = Ok(());
+    for job in jobs {
+        let job = submit::wait(&remote, &job)?;
+        submit::show(&job, arguments.json);
+        outcome = outcome.and(submit::all_rendered(&job));
+    }
+    outcome
+}

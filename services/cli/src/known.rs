@@ -1,0 +1,122 @@
+//! Datasets and jobs by name, with the nearest names where there are none.
+
+use serde_json::Value;
+
+use crate::exit::Failure;
+use crate::remote::{Remote, encode, with_query};
+
+/// Names that a message lists at most.
+const MOST_LISTED: usize = 8;
+
+/// The job of this id.
+pub fn job(remote: &Remote, id: &str) -> Result<Value, Failure> {
+    let found = remote.find(&format!("/v1/jobs/{}", encode(id)))?;
+    found.map_or_else(|| Err(unknown_job(remote, id)?), Ok)
+}
+
+/// The dataset of this name, with its columns.
+pub fn dataset(remote: &Remote, name: &str) -> Result<Value, Failure> {
+    let found = remote.find(&format!("/v1/datasets/{}", encode(name)))?;
+    found.map_or_else(|| Err(unknown_dataset(remote, name)?), Ok)
+}
+
+fn unknown_job(remote: &Remote, id: &str) -> Result<Failure, Failure> {
+    let limit = MOST_LISTED.to_string();
+    let newest = remote.get(&with_query("/v1/jobs", &[("limit", Some(&limit))]))?;
+    let newest = items(&newest);
+    let text = |job: &Value, name: &str| job[name].as_str().unwrap_or_default().to_owned();
+    let ids: Vec<String> = newest.iter().map(|job| text(job, "id")).collect();
+    let described = |job: &Value| {
+        format!(
+            "{} ({}, {})",
+            text(job, "id"),
+            text(job, "dataset"),
+            text(job, "state")
+        )
+    };
+    let listed: Vec<String> = newest.iter().map(described).collect();
+    Ok(unknown(
+        &Named {
+            what: "job",
+            kind: "newest jobs",
+            name: id,
+        },
+        &ids,
+        &listed,
+    ))
+}
+
+fn unknown_dataset(remote: &Remote, name: &str) -> Result<Failure, Failure> {
+    let all = remote.get("/v1/datasets")?;
+    let names = items(&all).iter().filter_map(|dataset| dataset["name"].as_str());
+    let names: Vec<String> = names.map(str::to_owned).collect();
+    Ok(unknown(
+        &Named {
+            what: "dataset",
+            kind: "datasets",
+            name,
+        },
+        &names,
+        &names,
+    ))
+}
+
+/// Whether a name has the form of a job's id, `job_` and a UUID.
+pub fn is_job_id(name: &str) -> bool {
+    let id = name.strip_prefix("job_");
+    id.is_some_and(|id| id.len() == 32 && id.bytes().all(|byte| byte.is_ascii_hexdigit()))
+}
+
+/// The rows of a page.
+pub fn items(page: &Value) -> &[Value] {
+    page["items"].as_array().map(Vec::as_slice).unwrap_or_default()
+}
+
+/// What was looked for.
+struct Named<'a> {
+    what: &'a str,
+    /// What the list is of.
+    kind: &'a str,
+    name: &'a str,
+}
+
+fn unknown(wanted: &Named<'_>, names: &[String], listed: &[String]) -> Failure {
+    let Named { what, kind, name } = wanted;
+    let near = spec::nearest(name, names);
+    let near = near.map_or_else(String::new, |near| format!(" (did you mean `{near}`?)"));
+    let mut message = format!("no {what} `{name}`{near}");
+    if listed.is_empty() {
+        message.push_str(&format!("; the service has no {what} at all"));
+    } else {
+        let shown = &listed[..listed.len().min(MOST_LISTED)];
+        let more = listed.len() - shown.len();
+        message.push_str(&format!("; the {kind} are {}", shown.join(", ")));
+        if more > 0 {
+            message.push_str(&format!(" and {more} more"));
+        }
+    }
+    Failure::BadInput(message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_name_comes_with_the_nearest_one_and_a_short_list() {
+        let wanted = Named {
+            what: "dataset",
+            kind: "datasets",
+            name: "tuor",
+        };
+        let mut names: Vec<String> = (0..10).map(|index| format!("bay-{index}")).collect();
+        names[3] = "tour".to_owned();
+        let message = unknown(&wanted, &names, &names).to_string();
+        assert!(
+            message.starts_with("no dataset `tuor` (did you mean `tour`?); the datasets are bay-0, bay-1")
+        );
+        assert!(message.ends_with("bay-7 and 2 more"), "{message}");
+        let message = unknown(&wanted, &[], &[]).to_string();
+        assert_eq!(message, "no dataset `tuor`; the service has no dataset at all");
+    }
+}

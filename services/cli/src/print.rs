@@ -1,0 +1,30 @@
+//! Printing that outlives its reader: in `fathom query | head`, what `head` does not read is dropped and the command ends
+//! with its own exit status. The macros stand in place of those of the standard library, which panic there.
+
+use std::fmt;
+use std::io::{ErrorKind, Write};
+
+/// Prints a line to standard output.
+macro_rules! println {
+    ($($line:tt)*) => {
+        $crate::print::line(&mut std::io::stdout().lock(), format_args!($($line)*))
+    };
+}
+
+/// Prints a line to standard error.
+macro_rules! eprintln {
+    ($($line:tt)*) => {
+        $crate::print::line(&mut std::io::stderr().lock(), format_args!($($line)*))
+    };
+}
+
+/// Writes a line; ends the process if it cannot be written to a reader who is still there, such as a full disk.
+pub(crate) fn line(out: &mut impl Write, text: fmt::Arguments<'_>) {
+    if let Err(error) = writeln!(out, "{text}")
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        // Standard error may be what cannot be written.
+        let _ = writeln!(std::io::stderr(), "fathom: cannot print: {error}");
+        std::process::exit(1);
+    }
+}
