@@ -28,7 +28,9 @@ fn printed(service: &Service, words: &[&str]) -> String {
 fn lines(service: &Service, words: &[&str]) -> Vec<Value> {
     let printed = printed(service, words);
     let lines = printed.lines();
-    lines.map(|line| serde_json::from_str(line).expect("JSON lines")).collect()
+    lines
+        .map(|line| serde_json::from_str(line).expect("JSON lines"))
+        .collect()
 }
 
 fn job(dataset: &str, count: u64) -> Value {
@@ -52,7 +54,11 @@ fn a_job_is_listed_controlled_waited_for_and_removed() {
     assert!(printed(&service, &["cancel", &id]).contains("cancelled"));
     let waited = call(&service, &["wait", &id]);
     assert_eq!(waited.status.code(), Some(1), "a cancelled job lacks frames");
-    assert!(text(&waited.stderr).contains("cancelled with 0 of 3"), "{}", text(&waited.stderr));
+    assert!(
+        text(&waited.stderr).contains("cancelled with 0 of 3"),
+        "{}",
+        text(&waited.stderr)
+    );
 
     let asked = call(&service, &["rm", &id]);
     assert_eq!(asked.status.code(), Some(2), "nobody can be asked");
@@ -72,10 +78,18 @@ fn frames_that_failed_are_listed_with_reasons_and_tried_again() {
     let id = service.submit(&job("faults", 2));
     let waited = call(&service, &["wait", &id]);
     assert_eq!(waited.status.code(), Some(1), "{}", text(&waited.stderr));
-    assert!(text(&waited.stderr).contains("2 of 2 frames failed"), "{}", text(&waited.stderr));
+    assert!(
+        text(&waited.stderr).contains("2 of 2 frames failed"),
+        "{}",
+        text(&waited.stderr)
+    );
     let failed = lines(&service, &["errors", &id, "--json"]);
     assert_eq!(failed.len(), 2, "{failed:?}");
-    assert!(failed.iter().all(|failure| failure["error"].as_str().is_some_and(|error| !error.is_empty())));
+    assert!(
+        failed
+            .iter()
+            .all(|failure| failure["error"].as_str().is_some_and(|error| !error.is_empty()))
+    );
     assert!(printed(&service, &["errors", &id]).contains("frame 1, given up after"));
     assert_eq!(lines(&service, &["retry", &id, "--json"])[0]["failed"], 0);
 }
@@ -103,9 +117,15 @@ fn unknown_names_exit_with_two_and_name_the_nearest() {
         let output = call(&service, &[command, &id[..12]]);
         let told = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{command}: {told}");
-        assert!(told.contains(&format!("did you mean `{id}`?")), "{command}: {told}");
+        assert!(
+            told.contains(&format!("did you mean `{id}`?")),
+            "{command}: {told}"
+        );
     }
-    assert!(!Path::new(out).exists(), "nothing is written for a dataset that is not there");
+    assert!(
+        !Path::new(out).exists(),
+        "nothing is written for a dataset that is not there"
+    );
 }
 
 #[test]
@@ -116,9 +136,15 @@ fn waters_and_styles_are_added_to_a_service_and_listed_from_it() {
     let described = json!({"name": "quay-7", "source": "our transmissometer", "wavelength_nm": [650, 532, 450],
         "absorption_per_m": [0.42, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3], "diffuse_attenuation_per_m": [0.6, 0.4, 0.8]});
     std::fs::write(&water, described.to_string()).expect("a writable folder");
-    assert_eq!(printed(&service, &["waters", "add", water.to_str().expect("text")]).trim(), "quay-7");
+    assert_eq!(
+        printed(&service, &["waters", "add", water.to_str().expect("text")]).trim(),
+        "quay-7"
+    );
     let table = printed(&service, &["waters"]);
-    assert!(table.contains("quay-7") && table.contains("0.42 0.2 0.5"), "{table}");
+    assert!(
+        table.contains("quay-7") && table.contains("0.42 0.2 0.5"),
+        "{table}"
+    );
     let own = text(&run(&["waters"]).stdout);
     assert!(!own.contains("quay-7") && own.contains("jerlov-3C"), "{own}");
     let again = call(&service, &["waters", "add", water.to_str().expect("text")]);
@@ -129,17 +155,43 @@ fn waters_and_styles_are_added_to_a_service_and_listed_from_it() {
     assert!(run(&["style-photo", "muddy", "--out", photo]).status.success());
     let models = folder.path().join("models");
     let models = models.to_str().expect("text");
-    let train = ["train", photo, "--name", "bay", "--steps", "1", "--out", models, "--licence", "CC0-1.0"];
+    let train = [
+        "train",
+        photo,
+        "--name",
+        "bay",
+        "--steps",
+        "1",
+        "--out",
+        models,
+        "--licence",
+        "CC0-1.0",
+    ];
     let trained = printed(&service, &train);
     assert!(trained.contains("may name the style `bay`"), "{trained}");
-    let (status, _) = service.post("/v1/jobs/preview", &json!({"scene": {"kind": "procedural", "family": "structure"}, "water": {"style": "bay"}}));
+    let (status, _) = service.post(
+        "/v1/jobs/preview",
+        &json!({"scene": {"kind": "procedural", "family": "structure"}, "water": {"style": "bay"}}),
+    );
     assert_eq!(status, 200, "a job may name the style at once");
     let model = format!("{models}/bay.onnx");
-    assert_eq!(printed(&service, &["styles", "add", &model, "--name", "bay-2"]).trim(), "bay-2");
+    assert_eq!(
+        printed(&service, &["styles", "add", &model, "--name", "bay-2"]).trim(),
+        "bay-2"
+    );
     let cards = printed(&service, &["styles", "--json"]);
     let cards: Value = serde_json::from_str(&cards).expect("JSON");
-    let licence = |name: &str| cards.as_array().and_then(|all| all.iter().find(|card| card["name"] == name))?["licence"].as_str();
-    assert_eq!((licence("bay"), licence("bay-2")), (Some("CC0-1.0"), Some("CC0-1.0")), "{cards}");
+    let licence = |name: &str| {
+        cards
+            .as_array()
+            .and_then(|all| all.iter().find(|card| card["name"] == name))?["licence"]
+            .as_str()
+    };
+    assert_eq!(
+        (licence("bay"), licence("bay-2")),
+        (Some("CC0-1.0"), Some("CC0-1.0")),
+        "{cards}"
+    );
 }
 
 #[test]
@@ -147,7 +199,7 @@ fn a_reader_who_leaves_ends_no_command_with_a_panic() {
     let folder = temporary();
     let service = Service::start(&folder.path().join("data"), &["--workers", "1", "--slots", "1"]);
     let id = service.submit(&job("tour", 2));
-    service.finished(&id);
+    assert_eq!(service.finished(&id)["state"], "done");
     let out = folder.path().join("out");
     let pages = folder.path().join("man");
     let (out, pages) = (out.to_str().expect("text"), pages.to_str().expect("text"));
@@ -173,7 +225,10 @@ fn a_reader_who_leaves_ends_no_command_with_a_panic() {
         &["styles"],
         &["completions", "bash"],
         &["man", pages],
-        &["measure", "workers/enhance/tests/vectors/enhancement/hazed_160x120.input.png"],
+        &[
+            "measure",
+            "workers/enhance/tests/vectors/enhancement/hazed_160x120.input.png",
+        ],
     ];
     let remote = remote.iter().map(|words| [words, &server[..]].concat());
     for words in remote.chain(local.iter().map(|words| words.to_vec())) {
@@ -186,8 +241,17 @@ fn a_reader_who_leaves_ends_no_command_with_a_panic() {
             .expect("the binary starts");
         drop(child.stdout.take());
         let ended = child.wait_with_output().expect("an end");
-        assert!(ended.status.success(), "{words:?}: {} {}", ended.status, text(&ended.stderr));
-        assert!(!text(&ended.stderr).contains("panicked"), "{words:?}: {}", text(&ended.stderr));
+        assert!(
+            ended.status.success(),
+            "{words:?}: {} {}",
+            ended.status,
+            text(&ended.stderr)
+        );
+        assert!(
+            !text(&ended.stderr).contains("panicked"),
+            "{words:?}: {}",
+            text(&ended.stderr)
+        );
     }
     for page in ["fathom.1", "fathom-jobs.1"] {
         assert!(Path::new(pages).join(page).is_file(), "{page}");
@@ -219,11 +283,16 @@ fn the_log_has_no_colors_in_a_file_and_reads_are_no_news() {
     let submit = ["submit", "examples/tour.json", "--server", &url];
     assert!(run(&["datasets", "--server", &url]).status.success());
     assert!(run(&submit).status.success());
-    let stopped = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    let stopped = Command::new("kill")
+        .args(["-TERM", &child.id().to_string()])
+        .status();
     assert!(stopped.is_ok_and(|status| status.success()));
     seen.extend(log);
     child.wait().expect("an end");
     let seen = seen.join("\n");
     assert!(!seen.contains('\u{1b}'), "{seen}");
-    assert!(seen.contains("method=POST path=\"/v1/jobs\"") && !seen.contains("method=GET"), "{seen}");
+    assert!(
+        seen.contains("method=POST path=\"/v1/jobs\"") && !seen.contains("method=GET"),
+        "{seen}"
+    );
 }

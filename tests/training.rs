@@ -161,6 +161,7 @@ fn an_interrupted_training_leaves_whole_files_and_says_so_on_the_card() {
     let mut child = Command::new(fathom())
         .args([
             "train",
+            "--no-add",
             &text(&photo),
             "--name",
             "harbour",
@@ -209,7 +210,7 @@ fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
     command
         .args(["-c", script, "sh"])
         .arg(fathom())
-        .arg("train")
+        .args(["train", "--no-add"])
         .arg(&photo);
     command
         .args(["--name", "harbour", "--steps", "2", "--out"])

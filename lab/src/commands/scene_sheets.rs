@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use cli::colors;
 use cli::exit::Failure;
 use cli::files;
 use imaging::geometry::Intrinsics;
@@ -29,15 +30,6 @@ pub(crate) struct Arguments {
 const REPEATS: usize = 5;
 const COLUMNS: usize = 6;
 const SIZE: (usize, usize) = (768, 492);
-/// Crack, corrosion, spalling, joint, growth, coating damage.
-const COLOURS: [[u8; 3]; 6] = [
-    [255, 40, 40],
-    [255, 140, 0],
-    [250, 240, 60],
-    [70, 150, 255],
-    [60, 210, 90],
-    [230, 90, 230],
-];
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -106,14 +98,11 @@ fn label_tiles(arguments: &Arguments) -> Result<Vec<Rgb8>, Failure> {
             Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
                 [0, 1, 2].map(|axis| part(surfaces.normals[axis].at(x, y)))
             }),
+            Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| colors::category(labels.semantics.at(x, y))),
+            Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| colors::instance(instances.at(x, y))),
             Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
-                hue(u32::from(labels.semantics.at(x, y)) + 40)
-            }),
-            Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| hue(u32::from(instances.at(x, y)))),
-            Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
-                let bits = surfaces.findings.at(x, y);
-                let first = (0..COLOURS.len()).find(|bit| bits >> bit & 1 == 1);
-                first.map_or(picture.at(x, y).map(|v| v / 2), |bit| COLOURS[bit])
+                let found = colors::finding(surfaces.findings.at(x, y));
+                found.unwrap_or_else(|| picture.at(x, y).map(|v| v / 2))
             }),
         ];
         tiles.push(codec::downscale(&picture, arguments.tile_width));
@@ -124,13 +113,4 @@ fn label_tiles(arguments: &Arguments) -> Result<Vec<Rgb8>, Failure> {
         );
     }
     Ok(tiles)
-}
-
-/// Distinct colours for small numbers; 0 is black.
-fn hue(number: u32) -> [u8; 3] {
-    if number == 0 {
-        return [0; 3];
-    }
-    [0x9e37_79b1u32, 0x85eb_ca77, 0xc2b2_ae3d]
-        .map(|prime| 55 + (number.wrapping_mul(prime) >> 24) as u8 % 200)
 }

@@ -33,7 +33,11 @@ impl<'a> SceneClasses<'a> {
     pub fn add(&mut self, row: &Value, all: &mut Named) -> Result<(), Failure> {
         let id = row["scene.id"].as_str().unwrap_or_default();
         if !self.known.contains_key(id) {
-            let classes = if id.is_empty() { procedural() } else { self.uploaded(id)? };
+            let classes = if id.is_empty() {
+                procedural()
+            } else {
+                self.uploaded(id)?
+            };
             self.known.insert(id.to_owned(), classes);
         }
         all.extend(self.known[id].iter().cloned());
@@ -43,7 +47,8 @@ impl<'a> SceneClasses<'a> {
     fn uploaded(&self, id: &str) -> Result<Named, Failure> {
         let scene = self.remote.find(&format!("/v1/scenes/{}", encode(id)))?;
         let categories = scene.map(|mut scene| scene["classes"]["categories"].take());
-        let categories: Option<Vec<SceneCategory>> = serde_json::from_value(categories.unwrap_or_default()).ok();
+        let categories: Option<Vec<SceneCategory>> =
+            serde_json::from_value(categories.unwrap_or_default()).ok();
         let named = categories.into_iter().flatten();
         Ok(named.map(|category| (category.id, category.name)).collect())
     }

@@ -65,7 +65,7 @@ def train(
         if threads is not None:
             options += ["--threads", str(threads)]
         files = [_file(photo, place / f"photo-{number}.png") for number, photo in enumerate(given)]
-        command = [sys.executable, "-m", "fathom", "train", *files, *options, "--out", str(place / "out")]
+        command = [sys.executable, "-m", "fathom", "train", *files, *options, "--no-add", "--out", str(place / "out")]
         ended = subprocess.run(
             command, stdout=subprocess.DEVNULL, stderr=None if progress else subprocess.PIPE, text=True
         )

@@ -88,7 +88,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         kinds: &arguments.kinds,
         columns: &columns,
     };
-    let has_classes = arguments.kinds.iter().any(|kind| kind == "semantics" || kind == "boxes");
+    let has_classes = arguments
+        .kinds
+        .iter()
+        .any(|kind| kind == "semantics" || kind == "boxes");
     let mut classes = SceneClasses::new(&remote);
     let (mut images, mut fetched) = (0, 0);
     let threads = rayon::ThreadPoolBuilder::new().num_threads(DOWNLOADS).build();

@@ -145,7 +145,10 @@ impl Paint {
             }),
             Stored::Range(_) => None,
             Stored::Semantics(_) => {
-                let is_shown = |number: u8| all.iter().any(|stored| has(stored, |code| code == u16::from(number)));
+                let is_shown = |number: u8| {
+                    all.iter()
+                        .any(|stored| has(stored, |code| code == u16::from(number)))
+                };
                 let shown = classes.iter().filter(|(number, _)| is_shown(*number));
                 let named = shown.map(|(number, name)| (colors::category(*number), name.clone()));
                 Some(Legend::Colors(named.collect()))
