@@ -46,7 +46,7 @@ impl<'a> SceneClasses<'a> {
 
     fn uploaded(&self, id: &str) -> Result<Named, Failure> {
         let scene = self.remote.find(&format!("/v1/scenes/{}", encode(id)))?;
-        let categories = scene.map(|mut scene| scene["classes"]["categories"].take());
+        let categories = scene.and_then(|scene| scene.pointer("/classes/categories").cloned());
         let categories: Option<Vec<SceneCategory>> =
             serde_json::from_value(categories.unwrap_or_default()).ok();
         let named = categories.into_iter().flatten();
