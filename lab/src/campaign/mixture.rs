@@ -90,6 +90,7 @@ impl Mixture {
                     invalid_code: None,
                 }),
                 instances: None,
+                classes: None,
                 intrinsics: Some(camera),
             },
             water,

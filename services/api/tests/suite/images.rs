@@ -145,7 +145,7 @@ fn artifacts_of_an_image_come_in_one_archive() {
     let id = service.submit(&job());
     let lease = worker.lease(60_000).expect("a frame");
     worker.finish(&lease).unwrap();
-    let image = format!("/v1/images/{id}/{}", lease.frame);
+    let image = format!("/v1/images/{id}/{}", lease.frames[0].frame);
     let record = service.get(&image).json();
     let artifacts = record["artifacts"].as_array().unwrap();
     let kinds: Vec<&str> = artifacts

@@ -2,7 +2,7 @@
 
 use api::{Entry, List};
 use cli::exit::Failure;
-use cli::remote::{Remote, ServerArguments, query_value};
+use cli::remote::{Remote, ServerArguments, encode};
 use cli::styles::StyleArguments;
 use cli::table::text_table;
 use serde_json::{Value, json};
@@ -100,7 +100,7 @@ fn stored(remote: &Remote, path: &str) -> Result<Vec<String>, Failure> {
         };
         names.extend(items.iter().filter_map(name));
         match page["next_cursor"].as_str() {
-            Some(cursor) => page = remote.get(&format!("{path}?cursor={}", query_value(cursor)))?,
+            Some(cursor) => page = remote.get(&format!("{path}?cursor={}", encode(cursor)))?,
             None => return Ok(names),
         }
     }
