@@ -58,7 +58,7 @@ pub fn instance(number: u16) -> [u8; 3] {
     }
     // The golden angle: any run of numbers is spread over the circle.
     let hue = (f64::from(number) * 0.618_033_988_75).fract() * 6.0;
-    let light = if number % 2 == 0 { 235.0 } else { 175.0 };
+    let light = if number.is_multiple_of(2) { 235.0 } else { 175.0 };
     [5.0, 3.0, 1.0].map(|offset| {
         let place = (offset + hue) % 6.0;
         let share = place.min(4.0 - place).clamp(0.0, 1.0);
