@@ -31,6 +31,7 @@ const TOPICS: &[Topic] = &[
     Topic {
         title: "Job commands",
         commands: &[
+            ("list", "fathom list enhancements"),
             ("submit", "fathom submit job.json --wait"),
             ("jobs", "fathom jobs --state running"),
             ("wait", "fathom wait job_0198c0ffee007000800000000000000a"),
@@ -74,7 +75,6 @@ const TOPICS: &[Topic] = &[
             ("waters", "fathom waters --server"),
             ("styles", "fathom styles add bay.onnx"),
             ("train", "fathom train bay.jpg --name bay"),
-            ("style-photo", "fathom style-photo muddy --out muddy.png"),
         ],
     },
     Topic {
