@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use fathom_tests::{Service, fathom, root, run};
+use fathom_tests::{Service, fathom, muddy_photo, root, run};
 use serde_json::{Value, json};
 
 fn temporary() -> tempfile::TempDir {
@@ -150,9 +150,8 @@ fn waters_and_styles_are_added_to_a_service_and_listed_from_it() {
     let again = call(&service, &["waters", "add", water.to_str().expect("text")]);
     assert_eq!(again.status.code(), Some(2), "the name is taken");
 
-    let photo = folder.path().join("photo.png");
+    let photo = muddy_photo(folder.path());
     let photo = photo.to_str().expect("text");
-    assert!(run(&["style-photo", "muddy", "--out", photo]).status.success());
     let models = folder.path().join("models");
     let models = models.to_str().expect("text");
     let train = [

@@ -15,6 +15,7 @@ use crate::http::layers::{Budget, Group, observe};
 use crate::http::problem;
 use crate::http::problem::Problem;
 use crate::limits::{self, Limits};
+use crate::lists::List;
 use crate::{
     bytes, datasets, http, images, jobs, leases, lists, openapi, operations, pictures, scenes, styles, waters,
 };
@@ -51,7 +52,9 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, limits: &Limits) -> Router 
         .merge(group(submit, &waits, upload, limits::JSON_BYTES).around(verifying(), tokens))
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
     let (public, routes) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
-    let document = openapi::document(routes, &app.styles.vocabulary(&app.waters));
+    let shipped = List::all().iter().filter(|list| list.stored_at.is_none());
+    let list_names: Vec<&str> = shipped.map(|list| list.name).collect();
+    let document = openapi::document(routes, &app.styles.vocabulary(&app.waters), &list_names);
     let space = Arc::clone(&app.bytes.space);
     public
         .with_state(app)

@@ -1,12 +1,13 @@
 //! A job: a frame description with laws in place of values, valid by construction.
 
+mod draft;
+
 use std::collections::BTreeSet;
 
 use imaging::digest::sha256;
 use serde_json::Value;
 
 use crate::check::{Checker, Place, places, whole};
-use crate::draft::Draft;
 use crate::fields::{DOCUMENT, MAX_FRAMES};
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
@@ -14,6 +15,8 @@ use crate::json;
 use crate::node::{Law, Node};
 use crate::scene_parts::Uploads;
 use crate::vocabulary::Vocabulary;
+
+pub use draft::Draft;
 
 /// A job, valid by construction: N frames as a formula.
 ///

@@ -12,6 +12,7 @@ pub(crate) mod lines;
 pub(crate) mod listener;
 pub(crate) mod located;
 mod patient;
+pub(crate) mod picture;
 pub(crate) mod problem;
 pub(crate) mod stored;
 

@@ -7,15 +7,14 @@ use utoipa::openapi::OpenApi;
 
 use super::{description, problems};
 use crate::http::problem::Slug;
-use crate::lists::List;
 
-/// The document of these routes.
-pub(crate) fn document(mut routes: OpenApi, vocabulary: &Vocabulary) -> Value {
+/// The document of these routes and of the lists with these names.
+pub(crate) fn document(mut routes: OpenApi, vocabulary: &Vocabulary, list_names: &[&str]) -> Value {
     problems::add(&mut routes);
     let mut document = serde_json::to_value(&routes).expect("the document is plain data");
     if let Some(components) = document["components"]["schemas"].as_object_mut() {
         components.extend(description::components(vocabulary));
-        components.extend(lists());
+        components.extend(lists(list_names));
         components.remove("Bytes");
         refer_to_rows(components);
     }
@@ -36,9 +35,7 @@ pub(crate) fn document(mut routes: OpenApi, vocabulary: &Vocabulary) -> Value {
 }
 
 /// Components that are lists of this crate.
-fn lists() -> Map<String, Value> {
-    let own = List::all().iter().filter(|list| list.stored_at.is_none());
-    let names: Vec<_> = own.map(|list| list.name).collect();
+fn lists(names: &[&str]) -> Map<String, Value> {
     let slugs = || Slug::ALL.iter().map(|slug| slug.name());
     let types: Vec<_> = slugs().map(|slug| format!("/problems/{slug}")).collect();
     // What generators call the words, which begin with a slash.

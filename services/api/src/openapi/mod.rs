@@ -12,8 +12,8 @@ use utoipa::openapi::schema::{ObjectBuilder, Schema};
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa::{Modify, OpenApi as _, PartialSchema, ToResponse, ToSchema};
 
+use crate::http::picture::PictureFormat;
 use crate::http::problem::Slug;
-use crate::pictures::routes::enhance::Format as PictureFormat;
 
 pub(crate) use bodies::{ImageRecord, ImageRow, Losses, StyleCard};
 pub(crate) use document::document;

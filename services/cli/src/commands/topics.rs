@@ -31,7 +31,6 @@ const TOPICS: &[Topic] = &[
     Topic {
         title: "Job commands",
         commands: &[
-            ("list", "fathom list enhancements"),
             ("submit", "fathom submit job.json --wait"),
             ("jobs", "fathom jobs --state running"),
             ("wait", "fathom wait job_0198c0ffee007000800000000000000a"),
@@ -40,6 +39,7 @@ const TOPICS: &[Topic] = &[
             ("pause", "fathom pause job_0198c0ffee007000800000000000000a"),
             ("resume", "fathom resume job_0198c0ffee007000800000000000000a"),
             ("cancel", "fathom cancel job_0198c0ffee007000800000000000000a"),
+            ("list", "fathom list enhancements"),
         ],
     },
     Topic {

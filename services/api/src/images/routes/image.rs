@@ -64,6 +64,7 @@ pub(crate) struct Parameters {
 /// Its files are named `KIND.EXTENSION` and stand in the order of `kinds`. The length is known from the start; bytes are verified
 /// against their digests while they are sent, and the response is cut short where they do not fit.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts", tag = "images",
+    operation_id = "get_artifacts",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"), Parameters),
     responses((status = 200, description = "The files.", content_type = "application/x-tar", body = Vec<u8>)))]
 pub(crate) async fn artifacts(

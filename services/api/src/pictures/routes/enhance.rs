@@ -8,24 +8,13 @@ use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
 use crate::http::form::{Form, Kind};
+use crate::http::picture::PictureFormat;
 use crate::http::{MultipartBody, Problem, Query, State, Topic};
 use crate::openapi::{Bytes, Enhancement};
 use crate::pictures::{Pictures, required_picture};
 
 /// Codes of what the method is known to do badly with this picture.
 const WARNINGS: HeaderName = HeaderName::from_static("fathom-warnings");
-
-/// The form of an answer.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "lowercase")]
-#[schema(as = PictureFormat)]
-pub(crate) enum Format {
-    /// PNG.
-    #[default]
-    Png,
-    /// WebP without loss.
-    Webp,
-}
 
 /// Which method, and what of its result.
 #[derive(Deserialize, IntoParams)]
@@ -42,7 +31,7 @@ pub(crate) struct Parameters {
     /// Form of the answer.
     #[serde(default)]
     #[param(default = "png")]
-    format: Format,
+    format: PictureFormat,
 }
 
 fn yes() -> bool {
@@ -81,8 +70,8 @@ pub(crate) async fn enhance(
     form.require("picture");
     form.check()?;
     let media_type = match asked.format {
-        Format::Png => "image/png",
-        Format::Webp => "image/webp",
+        PictureFormat::Png => "image/png",
+        PictureFormat::Webp => "image/webp",
     };
     let (bytes, warnings) = pictures.0.run(move || enhanced(&form, &method, &asked)).await??;
     let mut response = ([(header::CONTENT_TYPE, media_type)], bytes).into_response();
@@ -102,8 +91,8 @@ fn enhanced(form: &Form, method: &Method, asked: &Parameters) -> Result<(Vec<u8>
         enhanced.unmasked
     };
     let bytes = match asked.format {
-        Format::Png => encode_png(&result),
-        Format::Webp => encode_webp_lossless(&result.to_rgb8()),
+        PictureFormat::Png => encode_png(&result),
+        PictureFormat::Webp => encode_webp_lossless(&result.to_rgb8()),
     };
     let bytes = bytes.map_err(|error| refuse(error.to_string()))?;
     let codes: Vec<_> = enhanced.warnings.iter().map(|warning| warning.code()).collect();

@@ -4,11 +4,12 @@ use serde_json::Value;
 
 use crate::check::Checker;
 use crate::invalid::{FieldError, Invalid};
-use crate::job::{Job, seed};
 use crate::json::{self, MAX_BYTES};
 use crate::scene_parts::Uploads;
 use crate::vocabulary::Vocabulary;
 use crate::warnings;
+
+use super::{Job, seed};
 
 /// A description that has been read; what is wrong with it so far is kept for [`Draft::check`]. It tells which uploaded
 /// scenes to look up, so that what they lack is reported along with everything else.
