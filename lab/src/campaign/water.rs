@@ -53,7 +53,7 @@ pub(super) fn run(case: &Case) -> Vec<Outcome> {
         bound: plan.bounds().map_or(f64::NAN, |bounds| bounds[channel]),
         error: planned[channel],
         display_codes: display_codes.map_or(Some(u8::MAX), |codes| Some(codes[channel])),
-        exceeds: false,
+        exceeds: plan.exceeds.is_some(),
         cost: Some(Cost {
             terms: terms(&plan, channel),
             fewest: terms(&cheapest, channel),

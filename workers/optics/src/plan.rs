@@ -210,8 +210,11 @@ impl Plan {
             exceeds: None,
             amounts: cost::Amounts::new(frame, setting),
         };
+        let lamps = &given.lamps;
+        let rounding = shares.path + shares.surfaces + lamps.glow_rounding + water.rounding;
+        let lacks_nodes = lamps.glow_left > glow_share(given.frame);
         Self {
-            exceeds: plan.excess(given, &shares, water.rounding),
+            exceeds: plan.excess(rounding, lacks_nodes),
             ..plan
         }
     }
@@ -220,12 +223,16 @@ impl Plan {
     #[must_use]
     pub fn for_water(stats: &SceneStats, water: &Water, fidelity: Fidelity) -> Self {
         let stages = WaterStages::choose(stats, water, fidelity);
-        Self {
+        let plan = Self {
             tolerance: levels::tolerance(stats, water, fidelity),
             scene_light: Stage::exact(Form::Fast.when(water.radiance_gain != [1.0; 3])),
             attenuation: stages.attenuation,
             scatter: stages.scatter,
             ..Self::in_air(stats.pixels)
+        };
+        Self {
+            exceeds: plan.excess(stages.rounding, false),
+            ..plan
         }
     }
 
@@ -267,8 +274,8 @@ impl Plan {
         self.tolerance.map(|_| bounds)
     }
 
-    /// Why the bounds exceed the tolerance.
-    fn excess(&self, given: &Given<'_>, shares: &Shares, rounding: f64) -> Option<String> {
+    /// Why the bounds exceed the tolerance: `rounding` may be too much of it, or a ray to a lamp needs more nodes than there are.
+    fn excess(&self, rounding: f64, lacks_nodes: bool) -> Option<String> {
         let tolerance = self.tolerance?;
         let whole = (0..3)
             .filter_map(|channel| self.bound(channel))
@@ -276,7 +283,6 @@ impl Plan {
         if whole <= tolerance * (1.0 + 1e-9) {
             return None;
         }
-        let rounding = shares.path + shares.surfaces + given.lamps.glow_rounding + rounding;
         let kernels = self
             .scatter
             .iter()
@@ -289,8 +295,7 @@ impl Plan {
         }
         reasons.extend(kernels.then(|| format!("{MOST_TERMS} kernels are the most")));
         reasons.extend(
-            (given.lamps.glow_left > glow_share(given.frame))
-                .then(|| format!("{} nodes are the most on a ray to a lamp", lamp::MOST_NODES)),
+            lacks_nodes.then(|| format!("{} nodes are the most on a ray to a lamp", lamp::MOST_NODES)),
         );
         Some(reasons.join(", "))
     }
