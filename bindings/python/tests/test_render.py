@@ -72,6 +72,9 @@ def test_what_cannot_be_made_is_refused(job: fathom.Job, tmp_path: Path) -> None
     picture = tmp_path / "dry.png"
     picture.write_bytes(_native.encode_png(np.full((8, 8, 3), 9, np.uint8)))
     dry = description(scene={"kind": "files", "rgb": str(picture)}, artifacts=["rgb"])
+    with pytest.raises(fathom.InvalidJob, match=r"`water\.optics` needs a range"):
+        fathom.Job(dry)
+    del dry["water"]
     with pytest.raises(fathom.RenderError, match="no artifact `range`: the scene has no range"):
         fathom.render(dry, 0, ["rgb", "range"])
 

@@ -102,7 +102,10 @@ class Rendered:
 
 
 class Exported:
-    """A folder of `fathom export`, or of a part of it: one row of columns a line, which names files JOB/FRAME/KIND.EXTENSION."""
+    """A folder of `fathom export`, or of a part of it.
+
+    Each line is a row of columns, which names files JOB/FRAME/KIND.EXTENSION.
+    """
 
     LIST = "metadata.jsonl"
 

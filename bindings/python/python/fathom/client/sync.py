@@ -104,8 +104,9 @@ class Client:
         """Upload a scene and return its id.
 
         Each part is a file or an array: `rgb` uint8 or uint16 codes, or float linear radiance, (H, W, 3); `range` or
-        `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` uint8 or uint16, (H, W). `classes` says
-        what the instances are: `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON file.
+        `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` uint8 or uint16, (H, W). `classes`
+        says what the instances are: `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON
+        file.
         """
         numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
         return self._run(calls.upload(rgb, range, z_depth, instances, classes, numbers))
