@@ -173,8 +173,8 @@ def generated(document: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterat
     place = tmp_path_factory.mktemp("generated")
     (place / "openapi.json").write_text(json.dumps(document))
     # The generator knows few media types by itself.
-    pictures = ["application/*", "image/jpeg", "image/png", "image/webp"]
-    overrides = dict.fromkeys(pictures, "application/octet-stream") | {"application/x-ndjson": "text/plain"}
+    files = ["application/*", "application/x-tar", "image/jpeg", "image/png", "image/webp"]
+    overrides = dict.fromkeys(files, "application/octet-stream") | {"application/x-ndjson": "text/plain"}
     (place / "config.json").write_text(json.dumps({"content_type_overrides": overrides, "post_hooks": []}))
     command = ["generate", "--path", "openapi.json", "--config", "config.json", "--meta", "none"]
     made = subprocess.run(
