@@ -188,7 +188,7 @@ fn columns_of_a_service_do_not_say_where_files_are() {
         "file_name": format!("{JOB}/0/rgb.png")});
     assert_eq!(row, expected);
 
-    // A link that somebody put into the folder: what it leads to stays as it is.
+    // A symbolic link in the folder is not followed: its target keeps its content.
     let secret = folder.path().join("secret");
     std::fs::write(&secret, b"mine").expect("a writable folder");
     for name in ["rgb.png", "../../metadata.jsonl", "../../.SHA256SUMS.part"] {

@@ -77,7 +77,7 @@ fn run_program(name: &str, arguments: &[&str]) -> Output {
     Command::new(program(name))
         .args(arguments)
         .env_remove("FATHOM_TOKEN")
-        // No service: one on the usual port of this machine is somebody's own.
+        // A port where nothing listens: a service on the default port is not part of the test.
         .env("FATHOM_SERVER", "http://127.0.0.1:9")
         .current_dir(root())
         .output()

@@ -6,17 +6,17 @@ use cli::remote::{Remote, ServerArguments, encode};
 
 use super::submit;
 
-/// Options of these commands.
+/// Options of these commands and of `fathom wait`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Jobs to change
+    /// Ids of the jobs
     #[arg(required = true, value_name = "JOB")]
-    jobs: Vec<String>,
+    pub(super) jobs: Vec<String>,
     /// Print one JSON object per job
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     #[command(flatten)]
-    server: ServerArguments,
+    pub(super) server: ServerArguments,
 }
 
 /// What to do with a job.

@@ -1,5 +1,6 @@
 //! `fathom jobs`: lists the jobs of a service with their progress.
 
+use catalogue::JobState;
 use chrono::{DateTime, Utc};
 use cli::exit::Failure;
 use cli::known;
@@ -14,7 +15,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     dataset: Option<String>,
     /// Only jobs in this state
-    #[arg(long, value_parser = ["queued", "running", "paused", "cancelled", "done", "done_with_failures"])]
+    #[arg(long, value_parser = JobState::ALL.map(|(_, name)| name))]
     state: Option<String>,
     /// Most jobs to print, newest first
     #[arg(long, default_value_t = 20)]

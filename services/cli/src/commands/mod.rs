@@ -59,7 +59,7 @@ pub(crate) enum Command {
     /// List jobs with their progress
     Jobs(jobs::Arguments),
     /// Wait until jobs have ended
-    Wait(wait::Arguments),
+    Wait(control::Arguments),
     /// List the failed frames of a job with the reasons
     Errors(errors::Arguments),
     /// Try the failed frames of a job again

@@ -2,22 +2,10 @@
 
 use cli::exit::Failure;
 use cli::known;
-use cli::remote::{Remote, ServerArguments};
+use cli::remote::Remote;
 
+use super::control::Arguments;
 use super::submit;
-
-/// Options of `fathom wait`.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Jobs to wait for
-    #[arg(required = true, value_name = "JOB")]
-    jobs: Vec<String>,
-    /// Print one JSON object per job
-    #[arg(long)]
-    json: bool,
-    #[command(flatten)]
-    server: ServerArguments,
-}
 
 /// Runs the command; fails if frames of any of the jobs have no image.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {

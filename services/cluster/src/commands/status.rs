@@ -10,7 +10,7 @@ use sets::{Set, Status};
 
 use super::{failure, open};
 
-/// How often the listing is read while somebody watches.
+/// Interval between two listings with `--watch`.
 const LOOK: Duration = Duration::from_secs(2);
 
 /// Options of `fathom status`.

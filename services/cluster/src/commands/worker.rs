@@ -1,7 +1,7 @@
 //! `fathom worker --engine`: renders the shards that a broker hands out, until it is told to stop.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -40,58 +40,49 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let slots = usize::from(arguments.slots);
     let broker = Broker::connect(&arguments.engine, engine)?;
     let stop = stop_at_signal()?;
-    let member = Arc::new(Mutex::new(Member {
+    let member = Member {
         name: arguments.name(),
         slots: slots as u64,
-        code_version: renderer::CODE_VERSION.to_owned(),
-        cpu_features: renderer::cpu_features(),
-        task: None,
-        shards: 0,
-    }));
+    };
     let ended = Arc::new(AtomicBool::new(false));
-    let renewal = keep_listed(broker.fleet(), &member, &ended, broker.lease() / RENEWALS);
+    let renewal = keep_listed(broker.fleet(), member, &ended, broker.lease() / RENEWALS);
     let mut worker = Worker {
         store,
         recipe: render::recipe(&arguments.style, slots, &arguments.limits)?,
         current: None,
-        member: Arc::clone(&member),
+        patience: Patience::default(),
         stop,
     };
     let result = worker.work(&broker);
     ended.store(true, Ordering::SeqCst);
     let _ = renewal.join();
-    // It expires by itself if the broker is away.
-    let _ = broker.fleet().leave(&lock(&member).name);
     result
 }
 
 /// Keeps a worker in the list while it lives.
 fn keep_listed(
     fleet: Fleet,
-    member: &Arc<Mutex<Member>>,
+    member: Member,
     ended: &Arc<AtomicBool>,
     every: Duration,
 ) -> thread::JoinHandle<()> {
     /// So long the end of the worker may wait for this thread.
     const STEP: Duration = Duration::from_millis(100);
-    let (member, ended) = (Arc::clone(member), Arc::clone(ended));
+    let ended = Arc::clone(ended);
     thread::spawn(move || {
         let mut since = every;
         while !ended.load(Ordering::SeqCst) {
             if since >= every {
-                let now = lock(&member).clone();
                 // Without a broker there is no list.
-                let _ = fleet.enter(&now);
+                let _ = fleet.enter(&member);
                 since = Duration::ZERO;
             }
             thread::sleep(STEP);
             since += STEP;
         }
+        // The entry expires by itself if the broker is away.
+        let _ = fleet.leave(&member.name);
     })
-}
-
-fn lock(member: &Mutex<Member>) -> MutexGuard<'_, Member> {
-    member.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 struct Worker {
@@ -99,7 +90,7 @@ struct Worker {
     recipe: Recipe,
     /// The set of the last shard: the next is most often of the same.
     current: Option<Current>,
-    member: Arc<Mutex<Member>>,
+    patience: Patience,
     stop: Arc<AtomicBool>,
 }
 
@@ -113,13 +104,9 @@ struct Current {
 
 impl Worker {
     fn work(&mut self, broker: &Broker) -> Result<(), Failure> {
-        let mut patience = Patience::default();
         while !self.stop.load(Ordering::SeqCst) {
-            match patience.judge(broker.next(QUESTION)) {
-                Some(Some(delivery)) => {
-                    let settled = self.take(delivery)?;
-                    patience.judge(settled);
-                }
+            match self.patience.judge(broker.next(QUESTION)) {
+                Some(Some(delivery)) => self.take(delivery)?,
                 Some(None) => {}
                 None => thread::sleep(PAUSE),
             }
@@ -128,19 +115,17 @@ impl Worker {
     }
 
     /// Renders what a message asks for and tells the broker what became of it.
-    fn take(&mut self, delivery: Delivery) -> Result<Result<(), crate::engine::BrokerError>, Failure> {
+    fn take(&mut self, delivery: Delivery) -> Result<(), Failure> {
         let Some(task) = delivery.task() else {
             eprintln!("a message that asks for no shard is dropped");
-            return Ok(delivery.settle(Verdict::Hopeless));
+            self.patience.judge(delivery.settle(Verdict::Hopeless));
+            return Ok(());
         };
-        lock(&self.member).task = Some(task.clone());
         let result = self.render(&task);
-        lock(&self.member).task = None;
-        let verdict = self.verdict(&result);
-        let settled = delivery.settle(verdict);
+        let settled = delivery.settle(self.verdict(&result));
+        self.patience.judge(settled);
         match result {
             Ok(Outcome::Committed(marker)) => {
-                lock(&self.member).shards += 1;
                 let failed = marker.failed.len();
                 println!(
                     "shard {} of {}: {} frames, {failed} failed",
@@ -151,7 +136,7 @@ impl Worker {
             Err(SetError::Machine(reason)) => return Err(Failure::Other(anyhow::Error::msg(reason))),
             Err(error) => eprintln!("shard {} of {}: {error}", task.shard, task.set),
         }
-        Ok(settled)
+        Ok(())
     }
 
     fn render(&mut self, task: &Task) -> Result<Outcome, SetError> {

@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 use tokio::runtime::Runtime;
 
 use super::broker::BrokerError;
-use super::task::Task;
 
 const BUCKET: &str = "fathom_workers";
 
@@ -22,14 +21,6 @@ pub(crate) struct Member {
     pub(crate) name: String,
     /// Frames that it renders side by side.
     pub(crate) slots: u64,
-    /// Version of the program.
-    pub(crate) code_version: String,
-    /// CPU features that decide which code is run.
-    pub(crate) cpu_features: String,
-    /// What it renders.
-    pub(crate) task: Option<Task>,
-    /// Shards that it has finished.
-    pub(crate) shards: u64,
 }
 
 /// The list of workers, of which each expires unless it is renewed.
