@@ -4,6 +4,7 @@
 mod sets;
 
 use std::fs;
+use std::process::Command;
 use std::time::Duration;
 
 use fathom_tests::digest_by_render;
@@ -98,7 +99,7 @@ fn a_killed_child_costs_only_time() {
     let run = work.start(&["--frames-per-shard", "100"], &[]);
     let killed = (0..3).filter(|_| {
         std::thread::sleep(Duration::from_millis(150));
-        sets::kill_children(run.id())
+        kill_children(run.id())
     });
     assert!(killed.count() > 0, "no child was there to be killed");
     let output = run.wait_with_output().expect("a child ends");
@@ -265,4 +266,15 @@ fn job(frames: u64) -> Value {
         "water": {"optics": "jerlov-3C"},
         "artifacts": ["rgb", "range"]
     })
+}
+
+/// SIGKILL to every child of a process; returns whether there was one.
+fn kill_children(parent: u32) -> bool {
+    let path = format!("/proc/{parent}/task/{parent}/children");
+    let children = fs::read_to_string(path).unwrap_or_default();
+    let killed = children.split_whitespace().filter(|child| {
+        let status = Command::new("kill").args(["-KILL", child]).status();
+        status.is_ok_and(|status| status.success())
+    });
+    killed.count() > 0
 }

@@ -1,7 +1,7 @@
 //! What each message must hold: presence, lengths, digests, numbers.
 
 use prost::Message;
-use spec::{ArtifactKind, FrameRecord};
+use spec::{ArtifactKind, FrameRecord, is_media_type};
 
 use crate::rules::{digest, id, length, present, text, value_holds, version};
 use crate::wire::{
@@ -171,7 +171,7 @@ fn claim(claim: &Option<Claim>) -> Result<(), MessageError> {
 
 fn artifact(artifact: &Artifact) -> Result<(), MessageError> {
     let Artifact { kind, media_type, .. } = artifact;
-    value_holds("kind", kind, is_kind(kind), "an artifact kind")?;
+    value_holds("kind", kind, ArtifactKind::is_name(kind), "an artifact kind")?;
     value_holds(
         "media_type",
         media_type,
@@ -179,20 +179,6 @@ fn artifact(artifact: &Artifact) -> Result<(), MessageError> {
         "such as image/png",
     )?;
     digest("digest", &artifact.digest)
-}
-
-/// The kind becomes part of paths and file names elsewhere, so the name of a method is a plain word here, known or not.
-fn is_kind(text: &str) -> bool {
-    let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-".contains(&byte);
-    text.len() <= limits::ID_BYTES && text.bytes().all(plain) && ArtifactKind::parse(text).is_some()
-}
-
-/// The media type becomes a header of responses, so nothing else may pass.
-fn is_media_type(text: &str) -> bool {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte);
-    let plain = |part: &str| !part.is_empty() && part.bytes().all(plain);
-    let parts = text.split_once('/');
-    text.len() <= limits::ID_BYTES && parts.is_some_and(|(kind, name)| plain(kind) && plain(name))
 }
 
 #[cfg(test)]

@@ -78,14 +78,3 @@ pub(crate) fn marker(set: &Path, shard: u64) -> Value {
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
-
-/// SIGKILL to every child of a process; returns whether there was one.
-pub(crate) fn kill_children(parent: u32) -> bool {
-    let path = format!("/proc/{parent}/task/{parent}/children");
-    let children = fs::read_to_string(path).unwrap_or_default();
-    let killed = children.split_whitespace().filter(|child| {
-        let status = Command::new("kill").args(["-KILL", child]).status();
-        status.is_ok_and(|status| status.success())
-    });
-    killed.count() > 0
-}

@@ -10,6 +10,7 @@ use catalogue::{Catalogue, CatalogueError};
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
+use crate::bytes::sets::SetFiles;
 use crate::config::{Config, Surroundings};
 use crate::data::{Data, DataError};
 use crate::http::auth::TokenError;
@@ -40,6 +41,9 @@ pub enum StartError {
     /// Jobs that were open cannot be read.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
+    /// Images of a set in a bucket, which this program cannot read.
+    #[error("the data folder has images of {0}, which only fathom-cluster reads")]
+    Bucket(String),
     /// The listen address.
     #[error("cannot listen on {address}: {source}")]
     Listen {
@@ -82,7 +86,18 @@ impl App {
             lock,
         } = Data::open(&config.data, &metrics).await?;
         let catalogue = Arc::new(catalogue);
-        let bytes = Bytes::new(store, Arc::clone(&catalogue), &config.data, limits.reserve_bytes);
+        let sets = SetFiles::new(config.buckets.clone());
+        let mut imported = catalogue.imported_jobs().await?.into_iter();
+        if let Some(set) = imported.find_map(|job| job.set.filter(|set| !sets.reaches(set))) {
+            return Err(StartError::Bucket(set));
+        }
+        let bytes = Bytes::new(
+            store,
+            sets,
+            Arc::clone(&catalogue),
+            &config.data,
+            limits.reserve_bytes,
+        );
         let bytes = Arc::new(bytes);
         let processes = Arc::new(Processes {
             compute: Compute::new(limits.compute),

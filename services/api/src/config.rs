@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use style::{Library, Runtime};
 
+use crate::bytes::sets::ReadBucket;
 use crate::clock::Clock;
 use crate::limits::Limits;
 
@@ -30,6 +31,8 @@ pub struct Config {
     pub onnxruntime: Option<PathBuf>,
     /// The style models that jobs may name, beside those that were added to the data folder.
     pub library: Library,
+    /// What reads sets in buckets; without it a data folder with images of such a set is refused.
+    pub buckets: Option<ReadBucket>,
     /// How long a network that a user adds may take to be tried.
     pub style_trial: Duration,
 }

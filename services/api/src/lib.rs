@@ -30,11 +30,13 @@ mod telemetry;
 mod waters;
 
 pub use app::StartError;
+pub use bytes::sets::{ReadBucket, SetFiles, Unread};
 pub use clock::Clock;
 pub use config::{Config, Surroundings};
 pub use data::{Data, DataError};
 pub use http::auth::TokenError;
 pub use http::problem::Slug;
+pub use jobs::new_job_id;
 pub use leases::table as lease_table;
 pub use limits::Limits;
 pub use lists::{Entry, List};

@@ -131,7 +131,14 @@ async fn hide_dataset(connection: &mut SqliteConnection, name: &str) -> Result<D
 
 /// The tables whose rows belong to frames, in an order in which a crash between two transactions leaves no digest
 /// without a name that is not an orphan.
-const OF_FRAMES: [&str; 5] = ["artifacts", "measurements", "failures", "records", "images"];
+const OF_FRAMES: [&str; 6] = [
+    "artifacts",
+    "measurements",
+    "failures",
+    "records",
+    "images",
+    "shards",
+];
 
 async fn sweep(connection: &mut SqliteConnection) -> Result<bool, CatalogueError> {
     let job: Option<String> = sqlx::query_scalar("SELECT job_id FROM deletions LIMIT 1")
@@ -142,7 +149,8 @@ async fn sweep(connection: &mut SqliteConnection) -> Result<bool, CatalogueError
         let end = end_of_batch(connection, table, &job).await?;
         if table == "artifacts" {
             sqlx::query(
-                "INSERT OR IGNORE INTO orphans (digest) SELECT digest FROM artifacts WHERE job_id = ? AND frame <= ?",
+                "INSERT OR IGNORE INTO orphans (digest)
+                 SELECT digest FROM artifacts WHERE job_id = ? AND frame <= ? AND tar_offset IS NULL",
             )
             .bind(&job)
             .bind(end)
@@ -189,7 +197,7 @@ async fn end_of_batch(
 async fn orphans(connection: &mut SqliteConnection, limit: u32) -> Result<Vec<String>, CatalogueError> {
     loop {
         let rows: Vec<(String, bool)> = sqlx::query_as(
-            "SELECT digest, EXISTS (SELECT 1 FROM artifacts a WHERE a.digest = orphans.digest)
+            "SELECT digest, EXISTS (SELECT 1 FROM artifacts a WHERE a.digest = orphans.digest AND a.tar_offset IS NULL)
                          OR EXISTS (SELECT 1 FROM scenes WHERE rgb_digest = orphans.digest)
                          OR EXISTS (SELECT 1 FROM scenes WHERE range_digest = orphans.digest)
                          OR EXISTS (SELECT 1 FROM scenes WHERE instances_digest = orphans.digest)

@@ -29,6 +29,24 @@ pub enum CatalogueError {
         /// The state that was asked for.
         to: String,
     },
+    /// A change that makes no sense for a job whose frames are rendered elsewhere.
+    #[error(
+        "job {id} is imported from the set {set}, where its frames are rendered; here it can only be deleted"
+    )]
+    Imported {
+        /// The job.
+        id: String,
+        /// Where its set lies.
+        set: String,
+    },
+    /// What is to be imported contradicts what was imported before.
+    #[error("frame {frame} of job {job} was imported with other artifacts")]
+    Contradicted {
+        /// The job.
+        job: String,
+        /// The frame.
+        frame: u64,
+    },
     /// The disk is full: nothing of the call is stored, reads go on.
     #[error("no space left for the catalogue: {message}")]
     Full {

@@ -1,5 +1,7 @@
 //! Images: stored, and asked for one by one or in frame order.
 
+use std::collections::BTreeMap;
+
 use serde_json::Value;
 use spec::{ArtifactEntry, FrameRecord};
 use sqlx::sqlite::SqliteRow;
@@ -7,7 +9,7 @@ use sqlx::sqlite::SqliteRow;
 use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
 use crate::insert::NewImage;
-use crate::types::InsertImage;
+use crate::types::{InsertImage, Place, StoredArtifact};
 use crate::values::Cells;
 
 impl Catalogue {
@@ -21,7 +23,7 @@ impl Catalogue {
         record: &FrameRecord,
         now_ms: u64,
     ) -> Result<InsertImage, CatalogueError> {
-        let image = NewImage::new(&self.columns, job, record, now_ms)?;
+        let image = NewImage::new(&self.columns, job, record, now_ms, &BTreeMap::new())?;
         self.writer()?.insert(image).await
     }
 
@@ -65,7 +67,7 @@ impl Catalogue {
         rows.iter().map(image).collect()
     }
 
-    /// The digest, length and type of an artifact.
+    /// The digest, length and type of an artifact, and where its bytes are.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -74,9 +76,15 @@ impl Catalogue {
         job: &str,
         frame: u64,
         kind: &str,
-    ) -> Result<Option<ArtifactEntry>, CatalogueError> {
-        let found: Option<(String, i64, String)> = sqlx::query_as(
-            "SELECT digest, bytes, media_type FROM artifacts
+    ) -> Result<Option<StoredArtifact>, CatalogueError> {
+        let found = sqlx::query(
+            "SELECT artifacts.digest, bytes, media_type, tar_offset,
+                    CASE WHEN tar_offset IS NOT NULL THEN (SELECT set_location FROM jobs WHERE id = job_id) END,
+                    CASE WHEN tar_offset IS NOT NULL THEN
+                        (SELECT tar FROM shards
+                         WHERE shards.job_id = artifacts.job_id AND shards.frame <= artifacts.frame
+                         ORDER BY shards.frame DESC LIMIT 1) END
+             FROM artifacts
              WHERE job_id = ? AND frame = ? AND kind = ? AND job_id NOT IN (SELECT job_id FROM deletions)",
         )
         .bind(job)
@@ -84,18 +92,32 @@ impl Catalogue {
         .bind(kind)
         .fetch_optional(&mut *self.reader().await?)
         .await?;
-        Ok(found.map(|(digest, bytes, media_type)| ArtifactEntry {
-            kind: kind.to_owned(),
-            digest,
-            bytes: bytes as u64,
-            media_type,
-        }))
+        found.as_ref().map(|row| stored(kind, row)).transpose()
     }
 }
 
 /// A frame's number as SQLite has it; beyond its range there is no frame.
 pub(crate) fn number(frame: u64) -> i64 {
     i64::try_from(frame).unwrap_or(i64::MAX)
+}
+
+fn stored(kind: &str, row: &SqliteRow) -> Result<StoredArtifact, CatalogueError> {
+    let mut cells = Cells::new(row);
+    let entry = ArtifactEntry {
+        kind: kind.to_owned(),
+        digest: cells.take()?,
+        bytes: cells.count()?,
+        media_type: cells.take()?,
+    };
+    let place = match cells.take::<Option<i64>>()? {
+        None => None,
+        Some(offset) => Some(Place {
+            set: cells.take()?,
+            tar: cells.take()?,
+            offset: offset as u64,
+        }),
+    };
+    Ok(StoredArtifact { entry, place })
 }
 
 fn image(row: &SqliteRow) -> Result<Value, CatalogueError> {

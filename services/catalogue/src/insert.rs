@@ -21,18 +21,25 @@ use crate::values::{Statement, bound};
 const ROWS: [usize; 3] = [16, 4, 1];
 
 /// An image on its way in: what can be prepared before the writer has its turn.
-pub(crate) struct NewImage {
-    job: String,
-    frame: i64,
+pub struct NewImage {
+    pub(crate) job: String,
+    pub(crate) frame: i64,
     digest: String,
     record: String,
     /// Of the wide columns, in their order.
     parameters: Vec<Option<Bind>>,
     /// Of each subject, in the order of the metrics. One that the catalogue does not know stays in the record only.
     measurements: Vec<(String, Vec<Option<f64>>)>,
-    artifacts: Vec<ArtifactEntry>,
+    pub(crate) artifacts: Vec<NewArtifact>,
     warnings: i64,
     now_ms: u64,
+}
+
+/// An artifact of such an image.
+pub(crate) struct NewArtifact {
+    pub(crate) entry: ArtifactEntry,
+    /// Where it begins in the tar of its shard; `None`: it is in the packs.
+    pub(crate) offset: Option<i64>,
 }
 
 impl NewImage {
@@ -41,12 +48,17 @@ impl NewImage {
         job: &str,
         record: &FrameRecord,
         now_ms: u64,
+        offsets: &BTreeMap<String, u64>,
     ) -> Result<Self, CatalogueError> {
         let json = serde_json::to_value(record)?;
         let metrics = columns.metrics();
         let measured = record.measurements.iter().map(|(subject, values)| {
             let values = metrics.iter().map(|metric| values.get(metric).copied());
             (subject.clone(), values.collect())
+        });
+        let artifacts = record.artifacts.iter().map(|entry| NewArtifact {
+            entry: entry.clone(),
+            offset: offsets.get(&entry.kind).map(|&offset| offset as i64),
         });
         Ok(Self {
             job: job.to_owned(),
@@ -55,14 +67,14 @@ impl NewImage {
             record: json.to_string(),
             parameters: columns.stored_values(&json),
             measurements: measured.collect(),
-            artifacts: record.artifacts.clone(),
+            artifacts: artifacts.collect(),
             warnings: record.warnings.len() as i64,
             now_ms,
         })
     }
 
     fn bytes(&self) -> u64 {
-        self.artifacts.iter().map(|artifact| artifact.bytes).sum()
+        self.artifacts.iter().map(|artifact| artifact.entry.bytes).sum()
     }
 }
 
@@ -167,19 +179,21 @@ async fn insert_rows(
     )
     .await?;
 
-    let head = "INSERT INTO artifacts (job_id, frame, kind, digest, bytes, media_type)";
+    let head = "INSERT INTO artifacts (job_id, frame, kind, digest, bytes, media_type, tar_offset)";
     let artifacts: Vec<_> = new
         .iter()
         .flat_map(|(image, ..)| image.artifacts.iter().map(move |artifact| (image, artifact)))
         .collect();
-    insert_all(connection, head, 6, &artifacts, |statement, (image, artifact)| {
+    insert_all(connection, head, 7, &artifacts, |statement, (image, artifact)| {
+        let NewArtifact { entry, offset } = artifact;
         statement
             .bind(&image.job)
             .bind(image.frame)
-            .bind(&artifact.kind)
-            .bind(&artifact.digest)
-            .bind(artifact.bytes as i64)
-            .bind(&artifact.media_type)
+            .bind(&entry.kind)
+            .bind(&entry.digest)
+            .bind(entry.bytes as i64)
+            .bind(&entry.media_type)
+            .bind(*offset)
     })
     .await
 }

@@ -15,7 +15,7 @@ use crate::values::Cells;
 macro_rules! columns {
     () => {
         "id, dataset, state, frames, done, failed, bytes, version, created_ms, started_ms, finished_ms, digest,
-         priority, spec_digest"
+         priority, spec_digest, set_location"
     };
 }
 
@@ -86,7 +86,29 @@ impl Catalogue {
         within(list(&mut *self.reader().await?, dataset, state, limit, cursor)).await
     }
 
-    /// Jobs that have not ended, with what is left of them.
+    /// Jobs that are imported from sets, newest first.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn imported_jobs(&self) -> Result<Vec<JobRow>, CatalogueError> {
+        let rows = sqlx::query(concat!(
+            "SELECT ",
+            columns!(),
+            " FROM jobs WHERE set_location IS NOT NULL AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id DESC",
+        ));
+        let rows = rows.fetch_all(&mut *self.reader().await?).await?;
+        rows.iter().map(row).collect()
+    }
+
+    /// The job that is imported from a set.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn job_of_set(&self, set: &str) -> Result<Option<JobRow>, CatalogueError> {
+        of_set(&mut *self.reader().await?, set).await
+    }
+
+    /// Jobs that are to be rendered here and have not ended, with what is left of them.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -96,7 +118,8 @@ impl Catalogue {
             "SELECT ",
             columns!(),
             " FROM jobs
-              WHERE state IN ('queued', 'running', 'paused') AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id",
+              WHERE state IN ('queued', 'running', 'paused') AND set_location IS NULL
+                AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id",
         ));
         let rows = rows.fetch_all(&mut *reader).await?;
         let mut open = Vec::with_capacity(rows.len());
@@ -131,9 +154,14 @@ async fn insert(connection: &mut SqliteConnection, job: &NewJob) -> Result<Inser
             };
         }
     }
+    if let Some(set) = &job.set
+        && let Some(known) = of_set(connection, set).await?
+    {
+        return Ok(InsertJob::Replayed(known));
+    }
     let stored = sqlx::query(concat!(
-        "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms)
-         VALUES (?, ?, ?, ?, ?, ?, 'queued', ?) RETURNING ",
+        "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms, set_location)
+         VALUES (?, ?, ?, ?, ?, ?, 'queued', ?, ?) RETURNING ",
         columns!(),
     ))
     .bind(&job.id)
@@ -143,6 +171,7 @@ async fn insert(connection: &mut SqliteConnection, job: &NewJob) -> Result<Inser
     .bind(job.frames as i64)
     .bind(job.priority)
     .bind(job.created_at.0 as i64)
+    .bind(&job.set)
     .fetch_one(&mut *connection)
     .await?;
     sqlx::query(
@@ -170,6 +199,18 @@ async fn get(connection: &mut SqliteConnection, id: &str) -> Result<Option<JobRo
         " FROM jobs WHERE id = ?1 AND id NOT IN (SELECT job_id FROM deletions)",
     ))
     .bind(id)
+    .fetch_optional(connection)
+    .await?;
+    found.as_ref().map(row).transpose()
+}
+
+async fn of_set(connection: &mut SqliteConnection, set: &str) -> Result<Option<JobRow>, CatalogueError> {
+    let found = sqlx::query(concat!(
+        "SELECT ",
+        columns!(),
+        " FROM jobs WHERE set_location = ? AND id NOT IN (SELECT job_id FROM deletions)",
+    ))
+    .bind(set)
     .fetch_optional(connection)
     .await?;
     found.as_ref().map(row).transpose()
@@ -226,6 +267,7 @@ async fn set_state(
         (from, to) if from == to => return Ok(job),
         (Queued | Running, Queued | Running) => return Ok(job),
         (from, Cancelled) if from.has_ended() => return Ok(job),
+        _ if job.set.is_some() => return Err(imported(job)),
         (from, Cancelled | Paused) => (state, !from.has_ended()),
         // A job goes on as what it is: its frames say whether it has begun.
         (from, Queued | Running) if job.done + job.failed > 0 => (Running, from == Paused),
@@ -248,6 +290,9 @@ async fn set_state(
 
 async fn retry_failed(connection: &mut SqliteConnection, id: &str) -> Result<Retried, CatalogueError> {
     let job = known_job(connection, id).await?;
+    if job.set.is_some() {
+        return Err(imported(job));
+    }
     if matches!(job.state, JobState::Cancelled | JobState::Done) {
         return Err(cannot_become(&job, "tried again"));
     }
@@ -272,6 +317,13 @@ async fn retry_failed(connection: &mut SqliteConnection, id: &str) -> Result<Ret
         job: row(&changed)?,
         frames: frames.into_iter().map(|frame| frame as u64).collect(),
     })
+}
+
+fn imported(job: JobRow) -> CatalogueError {
+    CatalogueError::Imported {
+        id: job.id,
+        set: job.set.unwrap_or_default(),
+    }
 }
 
 fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
@@ -303,5 +355,6 @@ fn row(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
         warnings: Vec::new(),
         priority: cells.take()?,
         spec_digest: cells.take()?,
+        set: cells.take()?,
     })
 }

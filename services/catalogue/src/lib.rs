@@ -14,6 +14,7 @@ mod fill;
 mod filter;
 mod histogram;
 mod images;
+mod import;
 mod insert;
 mod job_state;
 mod jobs;
@@ -36,11 +37,13 @@ mod writer;
 pub use catalogue::Catalogue;
 pub use error::CatalogueError;
 pub use filter::FilterError;
+pub use insert::NewImage;
 pub use job_state::JobState;
 pub use metadata::columns_of_every_image;
 pub use time::UnixMs;
 pub use types::{
-    ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery, InsertImage,
-    InsertJob, JobRow, NamedDigest, NewJob, OpenJob, Page, Retried, SceneRow,
+    ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
+    ImportedArtifact, ImportedShard, InsertImage, InsertJob, JobRow, NamedDigest, NewJob, NewShard, OpenJob,
+    Page, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
 };
 pub use waters::WaterRow;

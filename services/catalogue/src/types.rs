@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 use serde_json::Value;
-use spec::SceneFiles;
+use spec::{ArtifactEntry, SceneFiles};
 use utoipa::ToSchema;
 
 use crate::job_state::JobState;
@@ -30,6 +30,8 @@ pub struct NewJob {
     pub created_at: UnixMs,
     /// The key under which a repeat finds this job.
     pub idempotency: Option<Idempotency>,
+    /// Folder or URL of the set that its images are imported from; a repeat finds this job by it.
+    pub set: Option<String>,
 }
 
 /// A key under which a repeated submission finds its job.
@@ -88,6 +90,9 @@ pub struct JobRow {
     pub finished_at: Option<UnixMs>,
     /// SHA-256 over all frames' parameters and artifacts, once the job is done.
     pub digest: Option<String>,
+    /// Folder or URL of the set that its images are imported from; absent: they are rendered for this service.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub set: Option<String>,
     /// What the user should know, though nothing is wrong. Only in the answer to the submission.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
@@ -157,6 +162,72 @@ pub struct NamedDigest {
     pub kind: String,
     /// Length of the bytes.
     pub bytes: u64,
+}
+
+/// An artifact, and where its bytes are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredArtifact {
+    /// Kind, digest, length and type.
+    pub entry: ArtifactEntry,
+    /// Where the bytes lie in a set; `None`: in the packs.
+    pub place: Option<Place>,
+}
+
+/// Where the bytes of an imported artifact begin.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Folder or URL of the set.
+    pub set: String,
+    /// Name of the tar below it.
+    pub tar: String,
+    /// Bytes of the tar before those of the artifact.
+    pub offset: u64,
+}
+
+/// An imported artifact.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImportedArtifact {
+    /// Its job.
+    pub job_id: String,
+    /// Its frame.
+    pub frame: u64,
+    /// Kind, digest, length and type.
+    pub entry: ArtifactEntry,
+    /// Where its bytes are.
+    pub place: Place,
+}
+
+/// A shard of a set on its way in.
+#[derive(Debug, Clone)]
+pub struct NewShard {
+    /// Its first frame.
+    pub frame: u64,
+    /// Name of its tar below the set.
+    pub tar: String,
+    /// What completes it; `None`: more images follow.
+    pub end: Option<ShardEnd>,
+}
+
+/// What completes the import of a shard.
+#[derive(Debug, Clone)]
+pub struct ShardEnd {
+    /// Digest over its images.
+    pub digest: String,
+    /// When its marker was written, by the clock of the store.
+    pub changed_ms: i64,
+    /// Frames without an image.
+    pub failed: Vec<FailureRow>,
+}
+
+/// A shard that is imported as a whole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImportedShard {
+    /// Its first frame.
+    pub frame: u64,
+    /// Digest over its images.
+    pub digest: String,
+    /// When its marker was written, by the clock of the store.
+    pub changed_ms: i64,
 }
 
 /// A frame that failed.

@@ -102,7 +102,7 @@ async fn findings(connection: &mut SqliteConnection) -> Result<Vec<String>, Cata
 }
 
 /// Counters and the rows that they count.
-const SUMS: [(&str, &str); 6] = [
+const SUMS: [(&str, &str); 7] = [
     (
         "counted images",
         "SELECT id FROM jobs WHERE id NOT IN (SELECT job_id FROM deletions)
@@ -127,6 +127,13 @@ const SUMS: [(&str, &str); 6] = [
         "state",
         "SELECT id FROM jobs WHERE (done + failed >= frames) = (state IN ('queued', 'running', 'paused'))
              AND state != 'cancelled' LIMIT ?",
+    ),
+    (
+        "places in tars",
+        "SELECT DISTINCT job_id FROM artifacts WHERE tar_offset IS NOT NULL
+             AND NOT EXISTS (SELECT 1 FROM shards
+                             WHERE shards.job_id = artifacts.job_id AND shards.frame <= artifacts.frame)
+             AND job_id NOT IN (SELECT job_id FROM deletions) LIMIT ?",
     ),
     (
         "sums of dataset",

@@ -27,6 +27,8 @@ pub mod styles;
 pub mod table;
 pub mod worker;
 
+pub use commands::{scrub, serve};
+
 use std::ffi::OsString;
 
 use clap::{CommandFactory, FromArgMatches, Parser};

@@ -3,8 +3,10 @@
 //! A program of its own, since what it needs (Parquet, S3) would make every build of `fathom` longer. `fathom` starts it
 //! for the commands below, so that a user need not know it.
 
+mod buckets;
 mod commands;
 mod engine;
+mod import;
 
 use std::process::ExitCode;
 

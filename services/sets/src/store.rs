@@ -122,13 +122,19 @@ impl Store {
     }
 
     /// A part of an object that is there.
-    pub(crate) fn range(&self, name: &str, range: Range<u64>) -> Result<Bytes, SetError> {
+    ///
+    /// # Errors
+    /// [`SetError::Damaged`] if it is not there; otherwise [`SetError`] of the store.
+    pub fn range(&self, name: &str, range: Range<u64>) -> Result<Bytes, SetError> {
         let path = self.path(name);
         self.wait(self.objects.get_range(&path, range))
     }
 
     /// An object without its bytes; `None` if there is none.
-    pub(crate) fn entry(&self, name: &str) -> Result<Option<Entry>, SetError> {
+    ///
+    /// # Errors
+    /// [`SetError`] of the store.
+    pub fn entry(&self, name: &str) -> Result<Option<Entry>, SetError> {
         let path = self.path(name);
         let found = self.found(self.objects.head(&path))?;
         Ok(found.map(|meta| self.listed(&meta)))

@@ -4,6 +4,18 @@ use serde::Deserialize;
 
 use crate::scene_parts::ScenePart;
 
+/// Longest name of a kind or a media type.
+const MOST_NAME_BYTES: usize = 64;
+
+/// Whether this may become the content type of a response, and nothing else beside it.
+#[must_use]
+pub fn is_media_type(text: &str) -> bool {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte);
+    let plain = |part: &str| !part.is_empty() && part.bytes().all(plain);
+    let parts = text.split_once('/');
+    text.len() <= MOST_NAME_BYTES && parts.is_some_and(|(kind, name)| plain(kind) && plain(name))
+}
+
 /// What can be stored of a frame.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(try_from = "String")]
@@ -121,6 +133,14 @@ impl ArtifactKind {
             Self::Normals | Self::Findings => Some(ScenePart::Surfaces),
             _ => None,
         }
+    }
+
+    /// Whether this is the name of a kind that may become part of paths and file names: the name of a method is a plain
+    /// word here, known or not.
+    #[must_use]
+    pub fn is_name(text: &str) -> bool {
+        let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-".contains(&byte);
+        text.len() <= MOST_NAME_BYTES && text.bytes().all(plain) && Self::parse(text).is_some()
     }
 
     /// The kind of this name: a fixed one or `enhanced.<method>`.

@@ -35,7 +35,7 @@ mod water;
 pub use imaging::digest::{hex, sha256};
 pub use imaging::geometry::Intrinsics;
 
-pub use artifact::ArtifactKind;
+pub use artifact::{ArtifactKind, is_media_type};
 pub use camera::{Camera, Path, Waypoint};
 pub use classes::{Classes, SceneCategory, Segment};
 pub use described::{Beyond, Described, beyond};

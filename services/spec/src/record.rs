@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
+use crate::artifact::{ArtifactKind, is_media_type};
 use crate::scene_record::SceneRecord;
 use crate::schema::{Names, Range, Shape};
 
@@ -50,6 +51,36 @@ pub struct ArtifactEntry {
     pub bytes: u64,
     /// Such as `image/png`.
     pub media_type: String,
+}
+
+impl ArtifactEntry {
+    /// Finds a kind, digest or type that cannot be one.
+    ///
+    /// # Errors
+    /// What is wrong.
+    pub fn check(&self) -> Result<(), String> {
+        let Self {
+            kind,
+            digest,
+            media_type,
+            ..
+        } = self;
+        let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
+        if !ArtifactKind::is_name(kind) {
+            return Err(format!("`{kind}` is not an artifact kind"));
+        }
+        if digest.len() != 64 || !digest.bytes().all(is_digit) {
+            return Err(format!(
+                "digest `{digest}` of `{kind}` is not 64 lower-case hexadecimal digits"
+            ));
+        }
+        if !is_media_type(media_type) {
+            return Err(format!(
+                "`{media_type}` of `{kind}` is not a media type such as image/png"
+            ));
+        }
+        Ok(())
+    }
 }
 
 /// What was counted while rendering.

@@ -121,6 +121,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         styles: None,
         onnxruntime: None,
         library: Library::embedded().context("the embedded style models")?,
+        buckets: None,
         style_trial: Duration::from_secs(60),
     };
     let service = runtime

@@ -3,6 +3,7 @@
 pub(crate) mod naming;
 pub(crate) mod reclaim;
 pub(crate) mod routes;
+pub(crate) mod sets;
 pub(crate) mod space;
 
 use std::path::Path;
@@ -13,11 +14,14 @@ use store::Store;
 use tokio::sync::{Mutex, Notify};
 
 use naming::Naming;
+use sets::SetFiles;
 use space::Space;
 
 /// The artifact store and what guards it.
 pub(crate) struct Bytes {
     pub(crate) store: Store,
+    /// Bytes of imported images.
+    pub(crate) sets: SetFiles,
     pub(crate) naming: Naming,
     pub(crate) space: Arc<Space>,
     /// Held while rows and bytes of deleted jobs are removed, and during a backup.
@@ -28,9 +32,16 @@ pub(crate) struct Bytes {
 }
 
 impl Bytes {
-    pub(crate) fn new(store: Store, catalogue: Arc<Catalogue>, folder: &Path, reserve_bytes: u64) -> Self {
+    pub(crate) fn new(
+        store: Store,
+        sets: SetFiles,
+        catalogue: Arc<Catalogue>,
+        folder: &Path,
+        reserve_bytes: u64,
+    ) -> Self {
         Self {
             store,
+            sets,
             naming: Naming::default(),
             space: Arc::new(Space::new(folder, reserve_bytes)),
             upkeep: Mutex::default(),

@@ -4,6 +4,7 @@ use catalogue::CatalogueError;
 use proto::MessageError;
 use store::StoreError;
 
+use crate::bytes::sets::Unread;
 use crate::http::problem::{Problem, Slug};
 
 impl From<CatalogueError> for Problem {
@@ -20,7 +21,9 @@ impl From<CatalogueError> for Problem {
             CatalogueError::Cursor => Self::new(Slug::InvalidCursor, error.to_string()),
             CatalogueError::NotFound { .. } => Self::not_found(error.to_string()),
             CatalogueError::Full { .. } => storage_full(&error),
-            CatalogueError::Transition { .. } => Self::new(Slug::JobState, error.to_string()),
+            CatalogueError::Transition { .. }
+            | CatalogueError::Imported { .. }
+            | CatalogueError::Contradicted { .. } => Self::new(Slug::JobState, error.to_string()),
             CatalogueError::Timeout { .. } => Self::new(Slug::QueryTooSlow, error.to_string()),
             CatalogueError::Closed => Self::overloaded("the service is stopping"),
             CatalogueError::SqliteTooOld { .. }
@@ -46,6 +49,17 @@ impl From<StoreError> for Problem {
                 Self::internal(&error)
             }
         }
+    }
+}
+
+impl From<Unread> for Problem {
+    fn from(error: Unread) -> Self {
+        tracing::error!(%error, "an imported artifact cannot be read");
+        let slug = match error {
+            Unread::Gone(_) | Unread::Differs(_) => Slug::SetChanged,
+            Unread::Unreachable(_) => Slug::SetUnreachable,
+        };
+        Self::new(slug, error.to_string())
     }
 }
 

@@ -102,6 +102,10 @@ slugs! {
     StorageFull = "storage-full", INSUFFICIENT_STORAGE, "The disk is full";
     /// Stored bytes do not match their digest; they are not served.
     CorruptArtifact = "corrupt-artifact", INTERNAL_SERVER_ERROR, "The stored bytes are damaged";
+    /// The tar of the set that held the artifact is gone or holds other bytes; they are not served.
+    SetChanged = "set-changed", GONE, "The set has changed";
+    /// The store that holds the set does not respond or refuses access; the same request may succeed later.
+    SetUnreachable = "set-unreachable", BAD_GATEWAY, "The set cannot be read";
     /// A fault of the service; the log has it under the same request id.
     Internal = "internal", INTERNAL_SERVER_ERROR, "The service failed";
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use axum::body::{Body, Bytes};
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
+use catalogue::StoredArtifact;
 use futures::stream::{self, StreamExt};
-use spec::ArtifactEntry;
 use tar::{EntryType, Header};
 
 use super::Images;
@@ -20,17 +20,23 @@ const END: [u8; 2 * BLOCK as usize] = [0; 2 * BLOCK as usize];
 
 /// Sends the artifacts. One that cannot be read is a problem if it is the first; a later one cuts the response short, so that
 /// the client notices.
-pub(crate) async fn response(images: Arc<Images>, entries: Vec<ArtifactEntry>) -> Result<Response, Problem> {
-    let blocks: u64 = entries.iter().map(|entry| 1 + entry.bytes.div_ceil(BLOCK)).sum();
+pub(crate) async fn response(
+    images: Arc<Images>,
+    artifacts: Vec<StoredArtifact>,
+) -> Result<Response, Problem> {
+    let blocks = artifacts
+        .iter()
+        .map(|artifact| 1 + artifact.entry.bytes.div_ceil(BLOCK));
+    let blocks: u64 = blocks.sum();
     let length = blocks * BLOCK + END.len() as u64;
-    let mut entries = entries.into_iter();
-    let first = match entries.next() {
-        Some(entry) => file(&images, entry).await?,
+    let mut artifacts = artifacts.into_iter();
+    let first = match artifacts.next() {
+        Some(artifact) => file(&images, artifact).await?,
         None => Bytes::new(),
     };
-    let rest = stream::iter(entries).then(move |entry| {
+    let rest = stream::iter(artifacts).then(move |artifact| {
         let images = Arc::clone(&images);
-        async move { file(&images, entry).await.map_err(cut_short) }
+        async move { file(&images, artifact).await.map_err(cut_short) }
     });
     let all = stream::iter([Ok::<_, io::Error>(first)]);
     let all = all
@@ -45,10 +51,11 @@ pub(crate) async fn response(images: Arc<Images>, entries: Vec<ArtifactEntry>) -
 }
 
 /// An artifact with its header and the padding behind it.
-async fn file(images: &Images, entry: ArtifactEntry) -> Result<Bytes, Problem> {
+async fn file(images: &Images, artifact: StoredArtifact) -> Result<Bytes, Problem> {
+    let entry = &artifact.entry;
     let name = format!("{}.{}", entry.kind, renderer::extension(&entry.media_type));
     let length = entry.bytes;
-    let stored = images.stored(entry).await?.bytes;
+    let stored = images.stored(artifact).await?.bytes;
     if stored.len() as u64 != length {
         let what = format!("{name} has {} bytes but {length} in its record", stored.len());
         return Err(Problem::internal(&what));

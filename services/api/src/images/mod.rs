@@ -7,7 +7,7 @@ pub(crate) mod routes;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use catalogue::Catalogue;
+use catalogue::{Catalogue, StoredArtifact};
 use serde::Deserialize;
 use serde_json::Value;
 use spec::ArtifactEntry;
@@ -34,25 +34,35 @@ impl Images {
     }
 
     /// All artifacts of an image, in the order of its record.
-    async fn entries(&self, job: &str, frame: u64) -> Result<Vec<ArtifactEntry>, Problem> {
+    async fn artifacts(&self, job: &str, frame: u64) -> Result<Vec<StoredArtifact>, Problem> {
         let image = self.get(job, frame).await?;
-        Vec::deserialize(&image["artifacts"]).map_err(|error| Problem::internal(&error))
+        let entries = Vec::<ArtifactEntry>::deserialize(&image["artifacts"]);
+        let entries = entries.map_err(|error| Problem::internal(&error))?;
+        let mut artifacts = Vec::with_capacity(entries.len());
+        for entry in entries {
+            artifacts.push(self.artifact(job, frame, &entry.kind).await?);
+        }
+        Ok(artifacts)
     }
 
-    async fn artifact(&self, job: &str, frame: u64, kind: &str) -> Result<ArtifactEntry, Problem> {
+    async fn artifact(&self, job: &str, frame: u64, kind: &str) -> Result<StoredArtifact, Problem> {
         let entry = self.catalogue.artifact(job, frame, kind).await?;
         entry.ok_or_else(|| Problem::not_found(format!("no artifact `{kind}` of image `{job}/{frame}`")))
     }
 
     /// The bytes of an artifact, verified.
-    pub(crate) async fn stored(&self, entry: ArtifactEntry) -> Result<Stored, Problem> {
+    pub(crate) async fn stored(&self, artifact: StoredArtifact) -> Result<Stored, Problem> {
+        let bytes = match &artifact.place {
+            Some(place) => Some(self.bytes.sets.read(place, &artifact.entry).await?),
+            None => self.bytes.store.get(&artifact.entry.digest).await?,
+        };
         let ArtifactEntry {
             kind,
             digest,
             media_type,
             ..
-        } = entry;
-        let Some(bytes) = self.bytes.store.get(&digest).await? else {
+        } = artifact.entry;
+        let Some(bytes) = bytes else {
             tracing::error!(digest, kind, "a stored artifact is missing");
             let detail = format!("the bytes of artifact {digest} are missing");
             return Err(Problem::new(Slug::CorruptArtifact, detail));

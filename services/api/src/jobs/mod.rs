@@ -12,6 +12,7 @@ use catalogue::{Catalogue, JobRow};
 use spec::Vocabulary;
 use tokio::sync::Mutex;
 use tokio_util::sync::CancellationToken;
+use uuid::Uuid;
 
 use crate::bytes::Bytes;
 use crate::clock::Clock;
@@ -21,6 +22,12 @@ use crate::leases::Leases;
 use crate::processes::Processes;
 use crate::styles::Styles;
 use crate::waters::Waters;
+
+/// An id for a new job; later ones are greater.
+#[must_use]
+pub fn new_job_id() -> String {
+    format!("job_{}", Uuid::now_v7().simple())
+}
 
 /// Everything that handles a job from its submission to its end.
 pub(crate) struct Jobs {

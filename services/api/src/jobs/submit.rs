@@ -5,9 +5,8 @@ use std::sync::Arc;
 use catalogue::{Idempotency, InsertJob, JobRow, NewJob};
 use spec::{Draft, Job, Uploads};
 use tokio::sync::watch::Receiver;
-use uuid::Uuid;
 
-use super::Jobs;
+use super::{Jobs, new_job_id};
 use crate::http::extract::Submitter;
 use crate::http::problem::{Problem, Slug};
 use crate::processes::compute::to_the_end;
@@ -44,7 +43,7 @@ impl Jobs {
     }
 
     async fn store(&self, job: &Job, priority: i32, submitter: Submitter) -> Result<Submitted, Problem> {
-        let id = format!("job_{}", Uuid::now_v7().simple());
+        let id = new_job_id();
         let spec_digest = job.digest();
         let idempotency = submitter.idempotency_key.map(|key| Idempotency {
             owner: submitter.owner,
@@ -60,6 +59,7 @@ impl Jobs {
             priority,
             created_at: self.clock.wall(),
             idempotency,
+            set: None,
         };
         // Before the job can change.
         let changes = self.leases.changes.subscribe(&id);
@@ -121,6 +121,7 @@ mod tests {
             styles: None,
             onnxruntime: None,
             library: style::Library::embedded().unwrap(),
+            buckets: None,
             style_trial: Duration::from_secs(1),
         };
         let surroundings = Surroundings {

@@ -266,6 +266,7 @@ mod tests {
             started_at: None,
             finished_at: None,
             digest: None,
+            set: None,
             warnings: Vec::new(),
             priority: 0,
             spec_digest: format!("digest of {id}"),

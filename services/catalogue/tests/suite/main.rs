@@ -8,6 +8,7 @@ mod deletion;
 mod fixture;
 #[cfg(target_os = "linux")]
 mod full;
+mod import;
 mod injection;
 mod killed;
 mod leaves;

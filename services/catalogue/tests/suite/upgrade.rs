@@ -43,7 +43,7 @@ async fn rows_of_the_first_version_are_kept_and_found() {
             .await
             .unwrap()
             .unwrap();
-        assert_eq!(entry["digest"], named.digest);
+        assert_eq!(entry["digest"], named.entry.digest);
         let page = at.catalogue.images(ImageQuery {
             filter: Some(format!(
                 "alpha = {} and uiqm > 0 and frame = {frame}",

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use cli::exit::Failure;
 
-use super::serve::own_program;
+use super::serve::{CLUSTER_PROGRAM, OWN_PROGRAM, own_program};
 
 /// Whatever `fathom-cluster` takes.
 #[derive(clap::Args)]
@@ -19,14 +19,16 @@ pub(crate) struct Arguments {
 /// Becomes `fathom-cluster` with the words of this call, so that signals and the exit status are its own.
 pub(crate) fn hand_over() -> Result<(), Failure> {
     let own = own_program()?;
-    let program = own.with_file_name("fathom-cluster");
+    let program = own.with_file_name(CLUSTER_PROGRAM);
     if !program.is_file() {
         return Err(Failure::BadInput(format!(
-            "sets are written by fathom-cluster, which is not beside {}; build it with \
+            "sets are written and read by fathom-cluster, which is not beside {}; build it with \
              `cargo build --release -p cluster`",
             own.display()
         )));
     }
-    let error = Command::new(&program).args(std::env::args_os().skip(1)).exec();
+    let mut command = Command::new(&program);
+    command.args(std::env::args_os().skip(1)).env(OWN_PROGRAM, own);
+    let error = command.exec();
     Err(anyhow::anyhow!("cannot start {}: {error}", program.display()).into())
 }

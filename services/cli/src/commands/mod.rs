@@ -19,8 +19,8 @@ mod render;
 mod rerender;
 mod rm;
 mod scenes;
-mod scrub;
-mod serve;
+pub mod scrub;
+pub mod serve;
 mod sheet;
 mod styles;
 mod submit;
@@ -48,6 +48,8 @@ pub(crate) enum Command {
     Status(cluster::Arguments),
     /// Read a set again and compare it with its markers
     Verify(cluster::Arguments),
+    /// Show the images of a set in a service, whose bytes stay where they are
+    Import(cluster::Arguments),
     /// Write the manifest of a complete set
     Seal(cluster::Arguments),
     /// Remove files of a set that belong to no shard
@@ -119,10 +121,12 @@ impl Command {
         match self {
             Self::Rerender(arguments) => rerender::run(&arguments),
             Self::CheckStyle(arguments) => check_style::run(&arguments),
-            Self::Serve(arguments) => serve::run(arguments),
+            Self::Serve(arguments) => serve::run(arguments, None),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),
-            Self::Status(_) | Self::Verify(_) | Self::Seal(_) | Self::Gc(_) => cluster::hand_over(),
+            Self::Status(_) | Self::Verify(_) | Self::Import(_) | Self::Seal(_) | Self::Gc(_) => {
+                cluster::hand_over()
+            }
             Self::Plan(arguments) => plan::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),
             Self::Jobs(arguments) => jobs::run(&arguments),
@@ -140,7 +144,7 @@ impl Command {
             Self::Query(arguments) => query::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
             Self::Upload(arguments) => upload::run(&arguments),
-            Self::Scrub(arguments) => scrub::run(&arguments),
+            Self::Scrub(arguments) => scrub::run(&arguments, None),
             Self::Backup(arguments) => backup::run(&arguments),
             Self::Sheet(arguments) => sheet::run(&arguments),
             Self::Enhance(arguments) => enhance::run(&arguments),

@@ -4,7 +4,8 @@ mod repair;
 
 use std::path::PathBuf;
 
-use api::Data;
+use api::{Data, ReadBucket, SetFiles, Unread};
+use catalogue::{ImportedArtifact, JobRow};
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::styles::StyleArguments;
@@ -12,11 +13,12 @@ use serde::Serialize;
 use serde_json::json;
 use store::Scrubbed;
 
+use super::cluster::hand_over;
 use repair::Repair;
 
 /// Options of `fathom scrub`.
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+pub struct Arguments {
     /// Data folder of the service, which must be stopped
     #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
     data: PathBuf,
@@ -33,14 +35,16 @@ pub(crate) struct Arguments {
 /// Rows of one query to the catalogue.
 const BATCH: u32 = 1000;
 
-/// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+/// Runs the command. Without `buckets` it becomes `fathom-cluster` if the folder has images of a set in a bucket.
+pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
     if !arguments.data.join("catalogue.sqlite").is_file() {
         let message = format!("{} holds no catalogue.sqlite", arguments.data.display());
         return Err(Failure::BadInput(message));
     }
     let runtime = tokio::runtime::Runtime::new().map_err(anyhow::Error::from)?;
-    let findings = runtime.block_on(scrub(arguments))?;
+    let Some(findings) = runtime.block_on(scrub(arguments, SetFiles::new(buckets.clone())))? else {
+        return hand_over();
+    };
     if arguments.json {
         println!("{}", json!(findings));
     } else {
@@ -59,6 +63,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 struct Findings {
     /// Blobs that were read.
     blobs: u64,
+    /// Artifacts in the tars of sets that were read.
+    imported: u64,
     bytes: u64,
     /// Errors in the catalogue itself.
     catalogue: Vec<String>,
@@ -107,7 +113,12 @@ impl Findings {
     }
 
     fn print(&self) {
-        println!("{} blobs, {} MB read", self.blobs, self.bytes / 1_000_000);
+        println!(
+            "{} blobs and {} artifacts in sets, {} MB read",
+            self.blobs,
+            self.imported,
+            self.bytes / 1_000_000
+        );
         for finding in &self.catalogue {
             println!("catalogue: {finding}");
         }
@@ -134,11 +145,25 @@ impl Findings {
     }
 }
 
-async fn scrub(arguments: &Arguments) -> Result<Findings, Failure> {
+/// Reads everything; returns nothing if there is a set that this program cannot read.
+async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>, Failure> {
     let library = arguments.style.library_of_service(&arguments.data)?;
     let vocabulary = renderer::vocabulary(&library, false);
     let opened = Data::open(&arguments.data, &vocabulary.metrics).await;
     let data = opened.map_err(Failure::input)?;
+    let jobs = data
+        .catalogue
+        .imported_jobs()
+        .await
+        .map_err(anyhow::Error::from)?;
+    if jobs
+        .iter()
+        .filter_map(|job| job.set.as_deref())
+        .any(|set| !sets.reaches(set))
+    {
+        data.close().await;
+        return Ok(None);
+    }
     let integrity = data.catalogue.integrity_check().await;
     let mut findings = Findings {
         catalogue: integrity.map_err(anyhow::Error::from)?,
@@ -151,8 +176,11 @@ async fn scrub(arguments: &Arguments) -> Result<Findings, Failure> {
         .repair
         .then(|| Repair::new(library, arguments.style.onnxruntime.as_deref()));
     artifacts(&data, repair.as_mut(), &mut findings).await?;
+    for job in jobs {
+        imported(&data, &sets, &job, arguments.repair, &mut findings).await?;
+    }
     data.close().await;
-    Ok(findings)
+    Ok(Some(findings))
 }
 
 async fn scenes(data: &Data, findings: &mut Findings) -> anyhow::Result<()> {
@@ -204,6 +232,55 @@ async fn artifacts(
                 let damaged = Damaged::new(artifact.digest, state, owner, repair);
                 findings.damaged.push(damaged);
             }
+        }
+    }
+    progress.finish();
+    Ok(())
+}
+
+/// Artifacts of an imported job, in the tars of its set.
+async fn imported(
+    data: &Data,
+    sets: &SetFiles,
+    job: &JobRow,
+    wants_repair: bool,
+    findings: &mut Findings,
+) -> Result<(), Failure> {
+    let mut progress = Progress::new("scrub", "images", job.done);
+    let mut last: Option<ImportedArtifact> = None;
+    loop {
+        let batch = data
+            .catalogue
+            .imported_artifacts(&job.id, last.as_ref(), BATCH)
+            .await
+            .map_err(anyhow::Error::from)?;
+        last = batch.last().cloned();
+        if last.is_none() {
+            break;
+        }
+        for ImportedArtifact {
+            job_id,
+            frame,
+            entry,
+            place,
+        } in batch
+        {
+            findings.imported += 1;
+            findings.bytes += entry.bytes;
+            progress.set(frame);
+            let state = match sets.read(&place, &entry).await {
+                Ok(_) => continue,
+                Err(Unread::Gone(_)) => Scrubbed::Missing,
+                Err(Unread::Differs(_)) => Scrubbed::Corrupt,
+                Err(Unread::Unreachable(reason)) => return Err(Failure::Later(reason)),
+            };
+            let advice =
+                "remove the marker of its shard from done/ of the set, render the set, and import it again";
+            let owner = format!("{} of {job_id}/{frame} in {}", entry.kind, place.tar);
+            let repair = wants_repair.then(|| Err(advice.to_owned()));
+            findings
+                .damaged
+                .push(Damaged::new(entry.digest, state, owner, repair));
         }
     }
     progress.finish();

@@ -6,15 +6,18 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
+use api::{ReadBucket, StartError};
 use cli::exit::Failure;
 use cli::styles::StyleArguments;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
+use super::cluster::hand_over;
+
 /// Options of `fathom serve`.
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+pub struct Arguments {
     /// Folder of the catalogue and the artifacts
     #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
     pub(crate) data: PathBuf,
@@ -42,13 +45,23 @@ pub(crate) struct Arguments {
     pub(crate) style_trial_s: u64,
 }
 
-/// Runs the command.
-pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
+/// Names the program of these commands where they run inside of another.
+pub(super) const OWN_PROGRAM: &str = "FATHOM_PROGRAM";
+/// The program that can read sets in buckets, too.
+pub(super) const CLUSTER_PROGRAM: &str = "fathom-cluster";
+
+/// Runs the command. Without `buckets` it becomes `fathom-cluster` if the folder has images of a set in a bucket.
+pub fn run(arguments: Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
     start_log("info");
-    let config = config(arguments)?;
+    let mut config = config(arguments)?;
+    // The clone outlives the runtime: what reads buckets has threads that cannot be ended within it.
+    config.buckets.clone_from(&buckets);
     let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
     runtime.block_on(async {
-        let service = api::start(config).await.map_err(Failure::input)?;
+        let service = match api::start(config).await {
+            Err(StartError::Bucket(_)) => return hand_over(),
+            started => started.map_err(Failure::input)?,
+        };
         eprintln!("fathom listens on http://{}", service.address());
         stop_signal().await?;
         service.stop().await.map_err(|error| Failure::Other(error.into()))
@@ -73,15 +86,21 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         styles: arguments.style.styles,
         onnxruntime: arguments.style.onnxruntime,
         library,
+        buckets: None,
         style_trial: Duration::from_secs(arguments.style_trial_s),
     })
 }
 
 /// The program that runs these commands: this one, unless they run inside of another, which then names it.
 pub(super) fn own_program() -> Result<PathBuf, Failure> {
-    let named = std::env::var_os("FATHOM_PROGRAM").map(PathBuf::from);
+    let named = std::env::var_os(OWN_PROGRAM).map(PathBuf::from);
     let own = named.map_or_else(std::env::current_exe, Ok);
-    Ok(own.context("cannot find this program's own file")?)
+    let own = own.context("cannot find this program's own file")?;
+    // It has some of these commands, and lies beside the one that has all of them.
+    if own.file_name().is_some_and(|name| name == CLUSTER_PROGRAM) {
+        return Ok(own.with_file_name("fathom"));
+    }
+    Ok(own)
 }
 
 /// Log lines to standard error; `FATHOM_LOG` chooses the level instead of the usual one, `FATHOM_LOG_FORMAT=json` the form.

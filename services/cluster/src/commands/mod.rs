@@ -3,6 +3,7 @@
 mod dispatch;
 mod frames;
 mod gc;
+mod import;
 mod render;
 mod seal;
 mod status;
@@ -11,6 +12,8 @@ mod worker;
 
 use cli::exit::Failure;
 use sets::{Location, Set, SetError};
+
+use crate::buckets;
 
 /// What `fathom-cluster` can do.
 #[derive(clap::Subcommand)]
@@ -23,6 +26,12 @@ pub(crate) enum Command {
     Status(status::Arguments),
     /// Read a set again and compare it with its markers
     Verify(verify::Arguments),
+    /// Show the images of a set in a service, whose bytes stay where they are
+    Import(import::Arguments),
+    /// Start the service, also over a data folder with images of a set in a bucket
+    Serve(cli::serve::Arguments),
+    /// Verify everything a stopped service has stored, also images of a set in a bucket
+    Scrub(cli::scrub::Arguments),
     /// Write the manifest of a set that is complete
     Seal(seal::Arguments),
     /// Remove files that belong to no shard
@@ -39,6 +48,9 @@ impl Command {
             Self::Worker(arguments) => worker::run(&arguments),
             Self::Status(arguments) => status::run(&arguments),
             Self::Verify(arguments) => verify::run(&arguments),
+            Self::Import(arguments) => import::run(&arguments),
+            Self::Serve(arguments) => cli::serve::run(arguments, Some(buckets::reader())),
+            Self::Scrub(arguments) => cli::scrub::run(&arguments, Some(buckets::reader())),
             Self::Seal(arguments) => seal::run(&arguments),
             Self::Gc(arguments) => gc::run(&arguments),
             Self::Frames(arguments) => frames::run(&arguments),

@@ -42,11 +42,12 @@ pub(crate) async fn artifact(
     Path((job, frame, kind)): Path<(String, u64, String)>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let entry = images.artifact(&job, frame, &kind).await?;
-    if stored::is_at_hand(&headers, &entry.digest) {
-        return Ok(stored::not_modified(&entry.digest));
+    let artifact = images.artifact(&job, frame, &kind).await?;
+    let digest = &artifact.entry.digest;
+    if stored::is_at_hand(&headers, digest) {
+        return Ok(stored::not_modified(digest));
     }
-    images.stored(entry).await?.response(&headers)
+    images.stored(artifact).await?.response(&headers)
 }
 
 /// Which artifacts.
@@ -72,21 +73,21 @@ pub(crate) async fn artifacts(
     Path((job, frame)): Path<(String, u64)>,
     Query(asked): Query<Parameters>,
 ) -> Result<Response, Problem> {
-    let mut entries = images.entries(&job, frame).await?;
+    let mut artifacts = images.artifacts(&job, frame).await?;
     if let Some(kinds) = &asked.kinds {
-        let known: Vec<_> = entries.iter().map(|entry| entry.kind.as_str()).collect();
+        let known: Vec<_> = artifacts.iter().map(|found| found.entry.kind.as_str()).collect();
         let known = known.join(", ");
         let named = bounds::names(kinds).into_iter().map(|kind| {
-            let entry = entries.iter().find(|entry| entry.kind == kind).cloned();
-            entry.ok_or_else(|| {
+            let artifact = artifacts.iter().find(|found| found.entry.kind == kind).cloned();
+            artifact.ok_or_else(|| {
                 Problem::not_found(format!(
                     "no artifact `{kind}` of image `{job}/{frame}`; it has {known}"
                 ))
             })
         });
-        entries = named.collect::<Result<_, _>>()?;
+        artifacts = named.collect::<Result<_, _>>()?;
     }
-    archive::response(images, entries).await
+    archive::response(images, artifacts).await
 }
 
 /// A thumbnail of the result: a PNG of at most 256 px a side.
@@ -99,12 +100,12 @@ pub(crate) async fn preview(
     Path((job, frame)): Path<(String, u64)>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let entry = images.artifact(&job, frame, "rgb").await?;
-    let tag = format!("{}-{}", entry.digest, limits::PREVIEW_PX);
+    let artifact = images.artifact(&job, frame, "rgb").await?;
+    let tag = format!("{}-{}", artifact.entry.digest, limits::PREVIEW_PX);
     if stored::is_at_hand(&headers, &tag) {
         return Ok(stored::not_modified(&tag));
     }
-    let bytes = images.stored(entry).await?.bytes;
+    let bytes = images.stored(artifact).await?.bytes;
     let thumbnail = images.processes.compute.run(move || thumbnail(&bytes)).await?;
     let thumbnail = thumbnail.map_err(|error| Problem::internal(&error))?;
     let png = [(header::CONTENT_TYPE, HeaderValue::from_static("image/png"))];

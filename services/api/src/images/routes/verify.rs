@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use catalogue::StoredArtifact;
 use serde::{Deserialize, Serialize};
 use spec::ArtifactEntry;
 use store::StoreError;
 use utoipa::ToSchema;
 
+use crate::bytes::sets::Unread;
 use crate::http::{Json, JsonBytes, Path, Problem, Slug, State, Topic};
 use crate::images::Images;
 use crate::images::rerender::{Again, difference};
@@ -85,7 +87,8 @@ pub(crate) async fn verify(
     };
     let mut artifacts = Vec::with_capacity(entries.len());
     for entry in entries {
-        artifacts.push(compared(&images, entry, again.clone()).await?);
+        let artifact = images.artifact(&job, frame, &entry.kind).await?;
+        artifacts.push(compared(&images, artifact, again.clone()).await?);
     }
     let same = |artifact: &VerifiedArtifact| artifact.rerendered_digest.as_ref() == Some(&artifact.digest);
     Ok(Json(Verified {
@@ -100,15 +103,11 @@ pub(crate) async fn verify(
 
 async fn compared(
     images: &Images,
-    entry: ArtifactEntry,
+    artifact: StoredArtifact,
     again: Option<Arc<Again>>,
 ) -> Result<VerifiedArtifact, Problem> {
-    let (stored, bytes) = match images.bytes.store.get(&entry.digest).await {
-        Ok(Some(bytes)) => (StoredBytes::Good, Some(bytes)),
-        Ok(None) => (StoredBytes::Missing, None),
-        Err(StoreError::Corrupt { .. }) => (StoredBytes::Corrupt, None),
-        Err(error) => return Err(error.into()),
-    };
+    let (stored, bytes) = condition(images, &artifact).await?;
+    let entry = artifact.entry;
     let rerendered = again.as_ref().and_then(|again| {
         let artifacts = &again.record.artifacts;
         artifacts
@@ -131,6 +130,27 @@ async fn compared(
         rerendered_digest: rerendered.map(|artifact| artifact.digest),
         largest_difference,
     })
+}
+
+/// Whether the bytes of an artifact are what was stored, and the bytes if they are.
+async fn condition(
+    images: &Images,
+    artifact: &StoredArtifact,
+) -> Result<(StoredBytes, Option<Vec<u8>>), Problem> {
+    let Some(place) = &artifact.place else {
+        return match images.bytes.store.get(&artifact.entry.digest).await {
+            Ok(Some(bytes)) => Ok((StoredBytes::Good, Some(bytes))),
+            Ok(None) => Ok((StoredBytes::Missing, None)),
+            Err(StoreError::Corrupt { .. }) => Ok((StoredBytes::Corrupt, None)),
+            Err(error) => Err(error.into()),
+        };
+    };
+    match images.bytes.sets.read(place, &artifact.entry).await {
+        Ok(bytes) => Ok((StoredBytes::Good, Some(bytes))),
+        Err(Unread::Gone(_)) => Ok((StoredBytes::Missing, None)),
+        Err(Unread::Differs(_)) => Ok((StoredBytes::Corrupt, None)),
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// Where the circumstances differ from those of the record.

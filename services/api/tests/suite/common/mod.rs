@@ -140,6 +140,7 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         styles: None,
         onnxruntime: None,
         library: library(data),
+        buckets: None,
         style_trial: Duration::from_secs(10),
     }
 }

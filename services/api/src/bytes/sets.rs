@@ -1,0 +1,177 @@
+//! Bytes of imported images: ranges of the tars of their sets, read where they lie.
+
+use std::fs::File;
+use std::io::{self, ErrorKind};
+use std::ops::Range;
+use std::os::unix::fs::FileExt;
+use std::path::Path;
+use std::sync::Arc;
+
+use catalogue::Place;
+use spec::{ArtifactEntry, sha256};
+
+/// Reads a range of a file of a set in a bucket. It may block.
+pub type ReadBucket = Arc<dyn Fn(&Place, Range<u64>) -> Result<Vec<u8>, Unread> + Send + Sync>;
+
+/// Why the bytes of an imported artifact are not there.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum Unread {
+    /// The tar is gone, or too short.
+    #[error("{0}")]
+    Gone(String),
+    /// Other bytes lie at the place.
+    #[error("{0}")]
+    Differs(String),
+    /// The store does not respond or refuses access; the same call may succeed later.
+    #[error("{0}")]
+    Unreachable(String),
+}
+
+/// Reads what imported artifacts consist of.
+#[derive(Clone, Default)]
+pub struct SetFiles {
+    buckets: Option<ReadBucket>,
+}
+
+impl SetFiles {
+    /// With what reads buckets; without it only sets in folders can be read.
+    #[must_use]
+    pub fn new(buckets: Option<ReadBucket>) -> Self {
+        Self { buckets }
+    }
+
+    /// Whether this set can be read here.
+    #[must_use]
+    pub fn reaches(&self, set: &str) -> bool {
+        self.buckets.is_some() || !is_bucket(set)
+    }
+
+    /// The bytes of an artifact, verified.
+    ///
+    /// # Errors
+    /// [`Unread`].
+    pub async fn read(&self, place: &Place, entry: &ArtifactEntry) -> Result<Vec<u8>, Unread> {
+        let (files, place, entry) = (self.clone(), place.clone(), entry.clone());
+        let read = tokio::task::spawn_blocking(move || files.verified(&place, &entry));
+        read.await
+            .unwrap_or_else(|error| Err(Unread::Unreachable(error.to_string())))
+    }
+
+    fn verified(&self, place: &Place, entry: &ArtifactEntry) -> Result<Vec<u8>, Unread> {
+        let range = place.offset..place.offset.saturating_add(entry.bytes);
+        let bytes = match &self.buckets {
+            _ if !is_bucket(&place.set) => from_folder(place, range)?,
+            Some(read) => read(place, range)?,
+            None => {
+                let reason = format!("{} is a bucket, which only fathom-cluster reads", place.set);
+                return Err(Unread::Unreachable(reason));
+            }
+        };
+        if sha256(&bytes) != entry.digest {
+            let reason = format!(
+                "{} in {} does not hold artifact {} at {}",
+                place.tar, place.set, entry.digest, place.offset
+            );
+            return Err(Unread::Differs(reason));
+        }
+        Ok(bytes)
+    }
+}
+
+fn is_bucket(set: &str) -> bool {
+    set.contains("://")
+}
+
+fn from_folder(place: &Place, range: Range<u64>) -> Result<Vec<u8>, Unread> {
+    let failed = |error: io::Error| {
+        let reason = format!("{} in {}: {error}", place.tar, place.set);
+        match error.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::UnexpectedEof => Unread::Gone(reason),
+            _ => Unread::Unreachable(reason),
+        }
+    };
+    let folder = Path::new(&place.set).canonicalize().map_err(failed)?;
+    let path = folder.join(&place.tar).canonicalize().map_err(failed)?;
+    if !path.starts_with(&folder) {
+        let reason = format!("{} leads out of {}", place.tar, place.set);
+        return Err(Unread::Differs(reason));
+    }
+    let file = File::open(path).map_err(failed)?;
+    // Before memory is taken for them.
+    if file.metadata().map_err(failed)?.len() < range.end {
+        return Err(failed(ErrorKind::UnexpectedEof.into()));
+    }
+    let mut bytes = vec![0; (range.end - range.start) as usize];
+    file.read_exact_at(&mut bytes, range.start).map_err(failed)?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(bytes: &[u8]) -> ArtifactEntry {
+        ArtifactEntry {
+            kind: "rgb".to_owned(),
+            digest: sha256(bytes),
+            bytes: bytes.len() as u64,
+            media_type: "image/png".to_owned(),
+        }
+    }
+
+    fn place(set: &Path, tar: &str, offset: u64) -> Place {
+        Place {
+            set: set.to_str().unwrap().to_owned(),
+            tar: tar.to_owned(),
+            offset,
+        }
+    }
+
+    #[tokio::test]
+    async fn exactly_the_range_is_read_and_only_with_its_digest() {
+        let set = tempfile::tempdir().unwrap();
+        std::fs::write(set.path().join("a.tar"), b"0123456789").unwrap();
+        let files = SetFiles::default();
+        let read = files.read(&place(set.path(), "a.tar", 3), &entry(b"345")).await;
+        assert_eq!(read.unwrap(), b"345");
+        let other = files.read(&place(set.path(), "a.tar", 4), &entry(b"345")).await;
+        assert!(matches!(other, Err(Unread::Differs(_))), "{other:?}");
+        for gone in [
+            place(set.path(), "b.tar", 3),
+            place(set.path(), "a.tar", u64::MAX),
+        ] {
+            let gone = files.read(&gone, &entry(b"345")).await;
+            assert!(matches!(gone, Err(Unread::Gone(_))), "{gone:?}");
+        }
+    }
+
+    #[tokio::test]
+    async fn nothing_outside_of_the_set_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let set = folder.path().join("set");
+        std::fs::create_dir(&set).unwrap();
+        std::fs::write(folder.path().join("secret"), b"345").unwrap();
+        std::os::unix::fs::symlink(folder.path().join("secret"), set.join("a.tar")).unwrap();
+        for tar in ["a.tar", "../secret"] {
+            let read = SetFiles::default()
+                .read(&place(&set, tar, 0), &entry(b"345"))
+                .await;
+            assert!(matches!(read, Err(Unread::Differs(_))), "{tar}: {read:?}");
+        }
+    }
+
+    #[tokio::test]
+    async fn a_bucket_needs_a_reader() {
+        let place = Place {
+            set: "s3://reef/tour".to_owned(),
+            tar: "a.tar".to_owned(),
+            offset: 3,
+        };
+        let without = SetFiles::default().read(&place, &entry(b"345")).await;
+        assert!(matches!(without, Err(Unread::Unreachable(_))), "{without:?}");
+        let reader: ReadBucket =
+            Arc::new(|_, range| Ok(b"0123456789"[range.start as usize..range.end as usize].to_vec()));
+        let with = SetFiles::new(Some(reader)).read(&place, &entry(b"345")).await;
+        assert_eq!(with.unwrap(), b"345");
+    }
+}
