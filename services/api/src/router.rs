@@ -83,6 +83,8 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(images::routes::image::preview))
         .routes(routes!(scenes::routes::list::list))
         .routes(routes!(scenes::routes::get::get))
+        .routes(routes!(scenes::routes::collections::list))
+        .routes(routes!(scenes::routes::collections::get))
         .routes(routes!(waters::routes::water::list))
         .routes(routes!(waters::routes::water::get))
         .routes(routes!(styles::routes::list::list))

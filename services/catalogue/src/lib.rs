@@ -5,6 +5,7 @@
 //! full beside the operation they belong to; values are always bound.
 
 mod catalogue;
+mod collections;
 mod columns;
 mod cursor;
 mod deletion;
@@ -35,6 +36,7 @@ mod waters;
 mod writer;
 
 pub use catalogue::Catalogue;
+pub use collections::{CollectionRow, CollectionScene};
 pub use error::CatalogueError;
 pub use filter::FilterError;
 pub use insert::NewImage;

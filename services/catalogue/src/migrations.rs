@@ -5,7 +5,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 8] = [
+const FILES: [(&str, &str); 9] = [
     (
         "catalogue",
         include_str!("../../../migrations/0001_catalogue.sql"),
@@ -17,6 +17,10 @@ const FILES: [(&str, &str); 8] = [
     ("unfilled", include_str!("../../../migrations/0006_unfilled.sql")),
     ("classes", include_str!("../../../migrations/0007_classes.sql")),
     ("sets", include_str!("../../../migrations/0008_sets.sql")),
+    (
+        "collections",
+        include_str!("../../../migrations/0009_collections.sql"),
+    ),
 ];
 
 /// The migrator that brings any older catalogue up to date.

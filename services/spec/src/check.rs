@@ -1,6 +1,7 @@
 //! Checks a description against the table of fields and collects every error.
 
 mod across;
+pub(crate) mod collection;
 mod law;
 mod names;
 mod object;
@@ -19,6 +20,7 @@ use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
 pub(crate) use across::places;
+pub(crate) use names::is_dataset;
 
 /// Walks document and table side by side.
 pub(crate) struct Checker<'v> {
@@ -105,6 +107,7 @@ impl Checker<'_> {
             (Shape::Number(range), Value::Number(_)) => self.number(at, range, value),
             (Shape::Integer(min, max), Value::Number(_)) => self.integer(at, *min, *max, value),
             (Shape::Text(names), Value::String(text)) => self.text(at, *names, text),
+            (Shape::Bool, Value::Bool(_)) => Some(Node::Constant(value.clone())),
             (Shape::Scalar, _) => self.scalar(at, value),
             (
                 Shape::List {

@@ -156,9 +156,31 @@ pub enum Scene {
         #[field(within(0, 65_535))]
         invalid_code: Option<u16>,
     },
+    /// A collection of uploaded scenes.
+    Collection {
+        /// a collection of uploaded scenes
+        #[field(fixed, names = Collection)]
+        name: String,
+        /// whether each frame takes the next scene, with as many frames of each as `count` says; else every frame takes one by
+        /// chance
+        #[field(fixed, default = true)]
+        each: bool,
+        /// its scenes when the job was accepted; filled in
+        #[field(names = SceneId)]
+        id: Option<String>,
+    },
 }
 
 impl Scene {
+    /// Id of the uploaded scene, if it is one.
+    #[must_use]
+    pub fn uploaded_id(&self) -> Option<&str> {
+        match self {
+            Self::Uploaded { id } | Self::Collection { id: Some(id), .. } => Some(id),
+            _ => None,
+        }
+    }
+
     /// The paths of a scene of files; its classes are read apart.
     #[must_use]
     pub fn files(&self) -> Option<SceneFiles<&str>> {

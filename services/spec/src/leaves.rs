@@ -122,7 +122,7 @@ impl Leaves {
                     });
                 }
             }
-            Shape::Labels | Shape::Scalar => {}
+            Shape::Bool | Shape::Labels | Shape::Scalar => {}
         }
     }
 

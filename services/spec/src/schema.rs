@@ -81,6 +81,8 @@ pub enum Shape {
     Short(&'static str, &'static [Field]),
     /// A string, or an object.
     Either(Names, &'static Shape),
+    /// True or false.
+    Bool,
     /// The user's own scalars by name.
     Labels,
     /// A number, string or boolean.
@@ -100,6 +102,7 @@ impl Shape {
             Self::Vector(_) => "a list of three numbers, x, y, z",
             Self::Object(_) | Self::OneOf(_) | Self::Tagged { .. } | Self::Labels => "an object",
             Self::Short(..) | Self::Either(..) => "a string or an object",
+            Self::Bool => "true or false",
             Self::Scalar => "a number, string or boolean",
         }
     }
@@ -127,7 +130,7 @@ impl Shape {
                 "at most {MAX_LABELS} entries, names of 1 to {MAX_LABEL_KEY} of A-Z a-z 0-9 _ . -, \
                  numbers, booleans or strings of at most {MAX_LABEL_TEXT} characters"
             ),
-            Self::Object(_) | Self::Tagged { .. } | Self::Scalar => String::new(),
+            Self::Object(_) | Self::Tagged { .. } | Self::Bool | Self::Scalar => String::new(),
         }
     }
 }
@@ -241,6 +244,8 @@ pub enum Names {
     Dataset,
     /// The id of an uploaded scene.
     SceneId,
+    /// A collection of uploaded scenes.
+    Collection,
     /// A path of this machine.
     Path,
 }
@@ -272,7 +277,9 @@ impl Names {
             Self::Enhancement => "a known enhancement method",
             Self::Metric => "a known metric",
             Self::Artifact => "a known artifact kind",
-            Self::Dataset => "1 to 100 of a-z 0-9 . _ - that begin with a letter or digit, without `..`",
+            Self::Dataset | Self::Collection => {
+                "1 to 100 of a-z 0-9 . _ - that begin with a letter or digit, without `..`"
+            }
             Self::SceneId => "the id of an uploaded scene, `scn_…`",
             Self::Path => "a path of 1 to 4096 bytes",
         }

@@ -92,6 +92,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
         | Shape::Text(_)
         | Shape::Rgb(_)
         | Shape::Vector(_)
+        | Shape::Bool
         | Shape::Labels
         | Shape::Scalar => {}
     }

@@ -28,6 +28,9 @@ pub struct Vocabulary {
     pub enhancements: Vec<String>,
     /// Metrics, `name` or `name@profile`.
     pub metrics: Vec<String>,
+    /// Collections of uploaded scenes: the ids of their scenes in order. Of those that a description does not name the
+    /// ids need not be there.
+    pub collections: BTreeMap<String, Vec<String>>,
     /// Whether `scene.kind` may be `files`.
     pub local: bool,
 }
@@ -44,7 +47,12 @@ impl Vocabulary {
             Names::Enhancement => self.enhancements.clone(),
             Names::Metric => self.metrics.clone(),
             Names::Artifact => self.artifacts().iter().map(ToString::to_string).collect(),
-            Names::Words | Names::WaterName | Names::Dataset | Names::SceneId | Names::Path => Vec::new(),
+            Names::Words
+            | Names::WaterName
+            | Names::Dataset
+            | Names::Collection
+            | Names::SceneId
+            | Names::Path => Vec::new(),
         }
     }
 

@@ -16,6 +16,7 @@ pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
         presets: presets.iter().map(|preset| preset.name.clone()).collect(),
         unrenderable_presets: unrenderable.collect(),
         waters: Default::default(),
+        collections: Default::default(),
         rules: optics::water::RULES,
         styles: library.names().iter().map(ToString::to_string).collect(),
         enhancements: owned(enhance::METHODS),

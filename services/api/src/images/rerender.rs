@@ -9,7 +9,7 @@ use std::time::Duration;
 use imaging::Samples;
 use imaging::codec::{Radiance, decode_picture, decode_radiance};
 use serde_json::{Value, json};
-use spec::{FrameRecord, Job, Scene};
+use spec::{FrameRecord, Job};
 use tempfile::TempDir;
 
 use super::Images;
@@ -46,9 +46,9 @@ impl Images {
         let spec = found(self.catalogue.description(job_id).await?, "job", job_id)?;
         let resolved = Job::trusted(&spec)?.resolve(frame)?;
         let folder = TempDir::new().map_err(|error| Problem::internal(&error))?;
-        let scene = match &resolved.scene {
-            Scene::Uploaded { id } => self.lay_out(id, folder.path()).await?,
-            Scene::Procedural { .. } | Scene::Files { .. } => Value::Null,
+        let scene = match resolved.scene.uploaded_id() {
+            Some(id) => self.lay_out(id, folder.path()).await?,
+            None => Value::Null,
         };
         let request = json!({"spec": spec, "frame": frame, "scene": scene});
         write(folder.path(), "request.json", request.to_string().as_bytes())?;

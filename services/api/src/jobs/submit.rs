@@ -35,7 +35,18 @@ impl Jobs {
 
     /// Reads a description and checks it, over the scenes that it names as well.
     pub(super) async fn parse(&self, body: &[u8]) -> Result<Job, Problem> {
-        let vocabulary = self.vocabulary();
+        let mut vocabulary = self.vocabulary();
+        let named = Draft::collections_named(body);
+        if !named.is_empty() {
+            let all = self.catalogue.collections().await?;
+            vocabulary.collections = all.into_iter().map(|row| (row.name, Vec::new())).collect();
+        }
+        for name in named {
+            if let Some(ids) = vocabulary.collections.get_mut(&name) {
+                let scenes = self.catalogue.collection(&name).await?;
+                *ids = scenes.into_iter().map(|scene| scene.id).collect();
+            }
+        }
         let draft = Draft::read(body, &vocabulary)?;
         let found = self.catalogue.scenes_of(&draft.uploaded_scene_ids()).await?;
         let parts = found.into_iter().map(|row| (row.id, row.files.parts()));

@@ -161,6 +161,7 @@ impl Writer<'_> {
                 let element = self.plain(element, type_name, laws).base;
                 self.named(&format!("{element}List"), |_| list)
             }
+            Shape::Bool => bare(json!({"type": "boolean"}), ""),
             Shape::Labels => self.labels(),
             Shape::Scalar => self.named("Scalar", |_| {
                 let text = json!({"type": "string", "maxLength": MAX_LABEL_TEXT});
@@ -320,6 +321,7 @@ fn listed_at(names: Names) -> &'static str {
         Names::Style => "; `GET /v1/styles` lists them",
         Names::SceneId => "; `GET /v1/scenes` lists them",
         Names::Dataset => "; `GET /v1/datasets` lists those that exist",
+        Names::Collection => "; `GET /v1/collections` lists them",
         Names::Family => "; `GET /v1/lists/families` says what they show",
         Names::Enhancement => "; `GET /v1/lists/enhancements` says what they do",
         Names::Metric => "; `GET /v1/lists/metrics` says what they measure",

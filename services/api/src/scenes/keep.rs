@@ -23,6 +23,7 @@ impl Scenes {
     pub(super) async fn keep(self: &Arc<Self>, form: SceneForm) -> Result<(SceneRow, bool), Problem> {
         self.bytes.space.room().await?;
         let created_at = self.clock.wall();
+        let (collection, name) = (form.collection.clone(), form.name.clone());
         let (row, blobs) = self
             .processes
             .compute
@@ -32,9 +33,27 @@ impl Scenes {
         to_the_end(async move {
             let _turn = scenes.bytes.naming.beside_others().await;
             scenes.bytes.store.put_all(blobs).await?;
-            Ok(scenes.catalogue.insert_scene(row).await?)
+            let (row, is_new) = scenes.catalogue.insert_scene(row).await?;
+            if let Some(collection) = collection {
+                scenes
+                    .collect(&collection, name.as_deref().unwrap_or(&row.id), &row.id)
+                    .await?;
+            }
+            Ok((row, is_new))
         })
         .await
+    }
+
+    /// Puts a stored scene into a collection.
+    async fn collect(&self, collection: &str, name: &str, id: &str) -> Result<(), Problem> {
+        let most = spec::MAX_COLLECTION;
+        if self.catalogue.collect_scene(collection, name, id, most).await? {
+            return Ok(());
+        }
+        let message = format!(
+            "the collection `{collection}` has {most} scenes, the limit; scene `{id}` is stored without it"
+        );
+        Err(Problem::field("/collection", message))
     }
 }
 

@@ -8,7 +8,7 @@ use spec::{Classes, RangeFile, RangeKind, SceneFiles};
 use crate::http::form::{Form, Kind};
 use crate::http::problem::Problem;
 
-const FIELDS: [(&str, Kind); 12] = [
+const FIELDS: [(&str, Kind); 14] = [
     ("rgb", Kind::File),
     ("range", Kind::File),
     ("z_depth", Kind::File),
@@ -21,7 +21,12 @@ const FIELDS: [(&str, Kind); 12] = [
     ("cx", Kind::Text),
     ("cy", Kind::Text),
     ("hfov_deg", Kind::Text),
+    ("collection", Kind::Text),
+    ("name", Kind::Text),
 ];
+
+/// Longest name of a scene in a collection, in characters: that of a file.
+const MAX_NAME: usize = 255;
 
 /// The fields of a scene upload.
 pub(super) struct SceneForm {
@@ -36,6 +41,10 @@ pub(super) struct SceneForm {
     cx: Option<f64>,
     cy: Option<f64>,
     hfov_deg: Option<f64>,
+    /// The collection that it joins.
+    pub(super) collection: Option<String>,
+    /// Its name there.
+    pub(super) name: Option<String>,
 }
 
 impl SceneForm {
@@ -53,6 +62,24 @@ impl SceneForm {
         let classes = form.get("classes").map(|text| scenes::classes::read(text));
         let classes =
             classes.and_then(|read| read.map_err(|wrong| form.refuse_inside("classes", wrong)).ok());
+        let collection = form.texts("collection").next();
+        if let Some(name) = collection.as_deref().filter(|name| !spec::is_collection(name)) {
+            let limit = spec::schema::Names::Collection.describe();
+            form.refuse(
+                "collection",
+                format!("collection is `{name}` but must be {limit}"),
+            );
+        }
+        let name = form.texts("name").next();
+        if collection.is_none() && name.is_some() {
+            form.refuse("name", "a `name` goes with a `collection`".to_owned());
+        }
+        if name.as_deref().is_some_and(|name| !is_name(name)) {
+            form.refuse(
+                "name",
+                format!("name must be 1 to {MAX_NAME} printable characters"),
+            );
+        }
         let scene = Self {
             rgb: form.get("rgb").cloned().unwrap_or_default(),
             range: form.get("range").cloned(),
@@ -65,6 +92,8 @@ impl SceneForm {
             cx: form.number("cx", "a finite number", finite),
             cy: form.number("cy", "a finite number", finite),
             hfov_deg: form.number("hfov_deg", "a number above 0 and below 180", angle),
+            collection,
+            name,
         };
         if form.get("rgb").is_none() {
             form.refuse("rgb", "`rgb` is missing: the picture".to_owned());
@@ -120,4 +149,8 @@ impl SceneForm {
             classes: self.classes,
         }
     }
+}
+
+fn is_name(text: &str) -> bool {
+    (1..=MAX_NAME).contains(&text.chars().count()) && !text.chars().any(char::is_control)
 }

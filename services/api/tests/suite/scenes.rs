@@ -177,3 +177,67 @@ fn classes_that_are_wrong_are_refused_with_their_place() {
         );
     });
 }
+
+#[test]
+fn a_job_over_a_collection_keeps_the_scenes_that_it_had() {
+    let service = start();
+    let add = |name: &str, width: usize| {
+        let picture = png(width, 12);
+        let fields: [(&str, &[u8]); 3] = [
+            ("rgb", &picture),
+            ("collection", b"dock"),
+            ("name", name.as_bytes()),
+        ];
+        let answer = service.upload(&fields);
+        assert!([200, 201].contains(&answer.status), "{}", answer.text());
+        answer.json()["id"].clone()
+    };
+    let (second, first) = (add("b", 20), add("a", 16));
+    assert_eq!(
+        service.get("/v1/collections").json()["items"],
+        json!([{"name": "dock", "scenes": 2}])
+    );
+    let members = service.get("/v1/collections/dock").json()["items"].clone();
+    assert_eq!(
+        members,
+        json!([{"name": "a", "id": first}, {"name": "b", "id": second}])
+    );
+    service.get("/v1/collections/quay").problem(404, "not-found");
+
+    let body = json!({"dataset": "own", "scene": {"kind": "collection", "name": "dock"}, "metrics": []});
+    let id = service.submit(&body);
+    // The same name again replaces a scene, another one is one more: the job does not change.
+    add("a", 24);
+    add("c", 28);
+    assert_eq!(service.get("/v1/collections").json()["items"][0]["scenes"], 3);
+    let later = service.submit(&body);
+    let _worker = Real::start(&service);
+    let widths = |job: &str| {
+        let ended = service.get(&format!("/v1/jobs/{job}?wait=60")).json();
+        assert_eq!(ended["state"], "done", "{ended}");
+        let frames = 0..ended["frames"].as_u64().unwrap();
+        let width = |frame| {
+            service.get(&format!("/v1/images/{job}/{frame}")).json()["parameters"]["camera"]["width"].clone()
+        };
+        frames.map(width).collect::<Vec<_>>()
+    };
+    assert_eq!(widths(&id), [16, 20]);
+    assert_eq!(widths(&later), [24, 20, 28]);
+    let rows = service
+        .get("/v1/images?filter=scene.name%20%3D%20%22dock%22&fields=scene.id&limit=10")
+        .json();
+    assert_eq!(rows["items"].as_array().unwrap().len(), 5, "{rows}");
+    // What such a scene lacks is known when the job is submitted.
+    let mut wet = body;
+    wet["water"] = json!({"optics": "jerlov-1C"});
+    let problem = service.post("/v1/jobs", &wet).problem(422, "validation");
+    assert_eq!(problem["errors"][0]["pointer"], "/water/optics");
+    let bad: [(&str, &[u8]); 3] = [("rgb", &png(8, 8)), ("collection", b"Dock"), ("name", b"a\nb")];
+    assert_eq!(
+        service.upload(&bad).problem(422, "validation")["errors"]
+            .as_array()
+            .unwrap()
+            .len(),
+        2
+    );
+}

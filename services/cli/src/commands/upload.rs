@@ -48,6 +48,9 @@ pub(crate) struct Arguments {
     /// panoptic annotations. Of a folder: of all its masks, which need not show every object
     #[arg(long, value_name = "FILE")]
     classes: Option<PathBuf>,
+    /// The collection that the scenes join, under the names of their files: a job may then name the collection
+    #[arg(long, value_name = "NAME")]
+    collection: Option<String>,
     #[command(flatten)]
     server: ServerArguments,
 }
@@ -169,6 +172,10 @@ fn upload(remote: &Remote, arguments: &Arguments, files: &Files) -> Result<(Stri
     }
     // Without a range file the service would refuse what belongs to one.
     let has_range = files.companions.iter().any(|(role, _)| *role != "instances");
+    let stem = files
+        .rgb
+        .file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned());
     let number = |value: Option<f64>| value.map(|value| value.to_string());
     let numbers = [
         ("unit_m", number(arguments.unit_m.filter(|_| has_range))),
@@ -180,6 +187,8 @@ fn upload(remote: &Remote, arguments: &Arguments, files: &Files) -> Result<(Stri
         ("hfov_deg", number(arguments.hfov_deg)),
         ("cx", number(arguments.cx)),
         ("cy", number(arguments.cy)),
+        ("collection", arguments.collection.clone()),
+        ("name", arguments.collection.as_ref().and(stem)),
     ];
     let given = numbers
         .iter()

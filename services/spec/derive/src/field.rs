@@ -99,7 +99,7 @@ const INTEGERS: [&str; 5] = ["u8", "u16", "u32", "u64", "usize"];
 /// The name of the described type of a value, or of the elements of a list; none of plain values.
 fn type_name(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
     let element = generic(ty, "Vec").unwrap_or(ty);
-    let plain = ["f64", "BTreeMap"].iter().chain(&INTEGERS);
+    let plain = ["bool", "f64", "BTreeMap"].iter().chain(&INTEGERS);
     let is_plain = matches!(element, Type::Array(_)) || plain.into_iter().any(|name| is_named(element, name));
     if is_plain || attributes.names.is_some() {
         quote!(None)
@@ -124,6 +124,9 @@ fn shape(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
     }
     if is_named(ty, "BTreeMap") {
         return quote!(crate::schema::Shape::Labels);
+    }
+    if is_named(ty, "bool") {
+        return quote!(crate::schema::Shape::Bool);
     }
     if is_named(ty, "f64") {
         let range = range(attributes.limits.as_ref());

@@ -27,7 +27,7 @@ impl Checker<'_> {
             Names::Preset => self.vocabulary.preset(text).map(str::to_owned),
             Names::Words => is_words(text).then(|| text.to_owned()),
             Names::WaterName => is_water_name(text).then(|| text.to_owned()),
-            Names::Dataset => is_dataset(text).then(|| text.to_owned()),
+            Names::Dataset | Names::Collection => is_dataset(text).then(|| text.to_owned()),
             Names::SceneId => is_scene_id(text).then(|| text.to_owned()),
             Names::Path => is_path(text).then(|| text.to_owned()),
             _ => self
@@ -53,7 +53,12 @@ impl Checker<'_> {
                     "is a water of your own: choose among whole waters, as in {\"optics\": {\"choice\": […]}}"
                         .to_owned()
                 }
-                Names::Words | Names::WaterName | Names::Dataset | Names::SceneId | Names::Path => {
+                Names::Words
+                | Names::WaterName
+                | Names::Dataset
+                | Names::Collection
+                | Names::SceneId
+                | Names::Path => {
                     format!("must be {}", names.describe())
                 }
                 _ => format!("is not {}", names.describe()),
@@ -93,7 +98,7 @@ impl Checker<'_> {
     }
 }
 
-fn is_dataset(text: &str) -> bool {
+pub(crate) fn is_dataset(text: &str) -> bool {
     let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
     let starts = text.starts_with(letter);
     starts

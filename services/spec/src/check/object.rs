@@ -78,7 +78,8 @@ impl Checker<'_> {
                 "`{key}` goes with {tag} \"{owner}\", not with \"{written}\""
             ))
         });
-        let mut fields = self.fields(at, option.fields, map);
+        let with_scenes = self.with_scenes(at, written, map);
+        let mut fields = self.fields(at, option.fields, with_scenes.as_ref().unwrap_or(map));
         fields.push((tag.to_owned(), Node::Constant(written.as_str().into())));
         Some(Node::Object(fields))
     }

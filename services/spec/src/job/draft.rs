@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::check::Checker;
+use crate::check::{Checker, collection};
 use crate::invalid::{FieldError, Invalid};
 use crate::json::{self, MAX_BYTES};
 use crate::scene_parts::Uploads;
@@ -47,6 +47,14 @@ impl<'v> Draft<'v> {
             written,
             checker,
         })
+    }
+
+    /// Names of all collections that a description may mean: the vocabulary that it is read with has to know their scenes.
+    #[must_use]
+    pub fn collections_named(json: &[u8]) -> Vec<String> {
+        json::read(json)
+            .map(|value| collection::named(&value))
+            .unwrap_or_default()
     }
 
     /// Ids of all uploaded scenes that a frame can ask for, sorted.

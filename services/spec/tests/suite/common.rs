@@ -37,6 +37,9 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
             "psnr",
             "ssim",
         ]),
+        collections: [("dock", vec!["scn_a", "scn_b", "scn_c"]), ("quay", vec![])]
+            .map(|(name, ids)| (name.to_owned(), ids.into_iter().map(str::to_owned).collect()))
+            .into(),
         local,
     }
 }

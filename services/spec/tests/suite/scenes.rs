@@ -168,3 +168,55 @@ fn files_have_what_is_named_beside_them() {
         refused[0].message
     );
 }
+
+#[test]
+fn a_collection_becomes_the_scenes_that_it_has_now() {
+    let document = |fields: Value| {
+        let mut scene = json!({"kind": "collection", "name": "dock"});
+        for (name, value) in fields.as_object().unwrap() {
+            scene[name] = value.clone();
+        }
+        json!({"scene": scene, "count": 2})
+    };
+    let parse = |document: &Value| Job::parse(document.to_string().as_bytes(), &vocabulary(false));
+    let each = parse(&document(json!({}))).unwrap();
+    assert_eq!(each.frames(), 6);
+    assert!(each.canonical().contains(
+        r#""scene":{"each":true,"id":{"grid":["scn_a","scn_b","scn_c"]},"kind":"collection","name":"dock"}"#
+    ));
+    let ids: Vec<String> = (0..6)
+        .map(|index| {
+            each.resolve(index)
+                .unwrap()
+                .scene
+                .uploaded_id()
+                .unwrap()
+                .to_owned()
+        })
+        .collect();
+    assert_eq!(ids, ["scn_a", "scn_b", "scn_c", "scn_a", "scn_b", "scn_c"]);
+    assert_eq!(each.uploaded_scene_ids(), ["scn_a", "scn_b", "scn_c"]);
+    // Accepted once, a job no longer depends on what the collection has become.
+    let mut grown = vocabulary(false);
+    grown.collections.clear();
+    let again = Job::parse(each.canonical().as_bytes(), &grown).unwrap();
+    assert_eq!(again.canonical(), each.canonical());
+    assert_eq!(
+        Job::trusted(each.canonical()).unwrap().canonical(),
+        each.canonical()
+    );
+
+    let drawn = parse(&document(json!({"each": false}))).unwrap();
+    assert_eq!(drawn.frames(), 2);
+    assert!(drawn.canonical().contains(r#""id":{"choice":["#));
+
+    let unknown = parse(&json!({"scene": {"kind": "collection", "name": "dok"}}))
+        .unwrap_err()
+        .0;
+    assert_eq!((unknown.len(), unknown[0].pointer.as_str()), (1, "/scene/name"));
+    assert_eq!(unknown[0].did_you_mean.as_deref(), Some("dock"));
+    let wrong = parse(&document(json!({"each": 1}))).unwrap_err().0;
+    assert_eq!(wrong[0].message, "`scene.each` must be true or false, but is 1");
+    let named = json!({"scene": {"choice": [{"kind": "collection", "name": "dock"}, {"kind": "uploaded", "id": "scn_x"}]}});
+    assert_eq!(Draft::collections_named(named.to_string().as_bytes()), ["dock"]);
+}

@@ -72,8 +72,13 @@ pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, R
                 ..prepared
             })
         }
-        (Scene::Uploaded { .. }, SceneSource::Uploaded(files)) => from_files(frame, files),
-        (Scene::Uploaded { id }, SceneSource::Local) => Err(RenderError::NotHere { id: id.clone() }),
+        (Scene::Uploaded { .. } | Scene::Collection { .. }, SceneSource::Uploaded(files)) => {
+            from_files(frame, files)
+        }
+        (scene @ (Scene::Uploaded { .. } | Scene::Collection { .. }), SceneSource::Local) => {
+            let id = scene.uploaded_id().unwrap_or_default().to_owned();
+            Err(RenderError::NotHere { id })
+        }
         (Scene::Files { .. }, _) => {
             let files = read(&frame.scene)?;
             let prepared = from_files(frame, &files)?;

@@ -4,7 +4,7 @@ use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
 use proto::wire::{Claim, FrameClaim, Lease, LeaseRequest};
-use spec::{Job, Scene};
+use spec::Job;
 
 use super::Shared;
 use super::client::{ClientError, Outcome};
@@ -113,9 +113,9 @@ fn render(
     hold: &Hold,
 ) -> Result<Rendered, RenderError> {
     let frame = job.resolve(frame).map_err(RenderError::Resolve)?;
-    let source = match &frame.scene {
-        Scene::Uploaded { id } => SceneSource::Uploaded(shared.scenes.get(shared, hold, id)?),
-        Scene::Procedural { .. } | Scene::Files { .. } => SceneSource::Local,
+    let source = match frame.scene.uploaded_id() {
+        Some(id) => SceneSource::Uploaded(shared.scenes.get(shared, hold, id)?),
+        None => SceneSource::Local,
     };
     slot.attempt(&frame, &source)
 }

@@ -103,10 +103,13 @@ class AsyncClient:
         invalid_code: int | None = None,
         focal_px: float | None = None,
         hfov_deg: float | None = None,
+        collection: str | None = None,
+        name: str | None = None,
     ) -> str:
         """Upload a scene and return its id."""
-        numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
-        return await self._run(calls.upload(rgb, range, z_depth, instances, classes, numbers))
+        values = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
+        texts = {"collection": collection, "name": name}
+        return await self._run(calls.upload(rgb, range, z_depth, instances, classes, values | texts))
 
     async def train(
         self,

@@ -139,7 +139,7 @@ def upload(
     z_depth: Picture | None,
     instances: Picture | None,
     classes: Classes | None,
-    numbers: Mapping[str, float | int | None],
+    values: Mapping[str, float | str | None],
 ) -> Call[str]:
     """Upload a scene and return its id."""
     given = {"rgb": rgb, "range": range, "z_depth": z_depth, "instances": instances}
@@ -147,7 +147,7 @@ def upload(
     if classes is not None:
         text = json.dumps(classes).encode() if isinstance(classes, Mapping) else Path(classes).read_bytes()
         files["classes"] = ("classes", text)
-    data = {name: str(value) for name, value in numbers.items() if value is not None}
+    data = {name: str(value) for name, value in values.items() if value is not None}
     response = yield Request("POST", "/v1/scenes", {"files": files, "data": data})
     return str(response.json()["id"])
 

@@ -100,6 +100,8 @@ class Client:
         invalid_code: int | None = None,
         focal_px: float | None = None,
         hfov_deg: float | None = None,
+        collection: str | None = None,
+        name: str | None = None,
     ) -> str:
         """Upload a scene and return its id.
 
@@ -108,8 +110,9 @@ class Client:
         says what the instances are: `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON
         file.
         """
-        numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
-        return self._run(calls.upload(rgb, range, z_depth, instances, classes, numbers))
+        values = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
+        texts = {"collection": collection, "name": name}
+        return self._run(calls.upload(rgb, range, z_depth, instances, classes, values | texts))
 
     def train(
         self,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use spec::{Frame, Job, Scene};
+use spec::{Frame, Job};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::http::bounds::beyond;
@@ -117,8 +117,8 @@ async fn estimate(jobs: &Jobs, sample: &[Frame], frames: u64) -> Result<Estimate
     let mut uploads: BTreeMap<&str, f64> = BTreeMap::new();
     let mut sized = Vec::with_capacity(sample.len());
     for frame in sample {
-        let pixels = match &frame.scene {
-            Scene::Uploaded { id } => match uploads.get(id.as_str()) {
+        let pixels = match frame.scene.uploaded_id() {
+            Some(id) => match uploads.get(id) {
                 Some(pixels) => *pixels,
                 None => {
                     let row = jobs.catalogue.scene(id).await?;
@@ -127,7 +127,7 @@ async fn estimate(jobs: &Jobs, sample: &[Frame], frames: u64) -> Result<Estimate
                     pixels
                 }
             },
-            _ => frame.camera.width as f64 * frame.camera.height as f64,
+            None => frame.camera.width as f64 * frame.camera.height as f64,
         };
         sized.push(Sized { frame, pixels });
     }

@@ -40,6 +40,10 @@ pub(crate) struct SceneUpload {
     /// `segments_info` as in COCO's panoptic annotations.
     #[schema(value_type = Option<String>, format = Binary)]
     classes: Option<Vec<u8>>,
+    /// The collection that the scene joins, such as `dock`: a job may then name the collection.
+    collection: Option<String>,
+    /// Its name in the collection, which decides the order; absent: its id. The same name again replaces the scene.
+    name: Option<String>,
 }
 
 /// Upload a scene.

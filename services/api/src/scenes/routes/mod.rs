@@ -1,5 +1,6 @@
 //! Uploaded scenes.
 
+pub(crate) mod collections;
 pub(crate) mod create;
 pub(crate) mod files;
 pub(crate) mod get;

@@ -80,7 +80,7 @@ fn compare(document: &Value, place: &str, shape: &Shape, schema: &Value) -> usiz
             return compare_object(document, place, fields, object, &[]);
         }
         Shape::Either(_, object) => return compare(document, place, object, schema),
-        Shape::Labels | Shape::Scalar => {}
+        Shape::Bool | Shape::Labels | Shape::Scalar => {}
     }
     0
 }

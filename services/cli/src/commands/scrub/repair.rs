@@ -8,7 +8,7 @@ use anyhow::Context;
 use api::Data;
 use catalogue::NamedDigest;
 use renderer::{Engine, File, SceneBytes, SceneSource, Slot};
-use spec::{Job, Scene};
+use spec::Job;
 use store::Blob;
 use style::Library;
 
@@ -60,9 +60,9 @@ impl Repair {
         let spec = data.catalogue.description(job).await?;
         let spec = spec.with_context(|| format!("job {job} is not stored"))?;
         let frame = Job::trusted(&spec)?.resolve(frame)?;
-        let source = match &frame.scene {
-            Scene::Uploaded { id } => SceneSource::Uploaded(Arc::new(uploaded(data, id).await?)),
-            Scene::Procedural { .. } | Scene::Files { .. } => SceneSource::Local,
+        let source = match frame.scene.uploaded_id() {
+            Some(id) => SceneSource::Uploaded(Arc::new(uploaded(data, id).await?)),
+            None => SceneSource::Local,
         };
         let rendered = tokio::task::block_in_place(|| self.slot.render(&frame, &source))?;
         let blob = |file: File| Blob {

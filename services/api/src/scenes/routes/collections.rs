@@ -1,0 +1,27 @@
+//! `GET /v1/collections` and `GET /v1/collections/{name}`.
+
+use catalogue::{Catalogue, CollectionRow, CollectionScene, Page};
+
+use crate::http::{Json, Path, Problem, State, Topic};
+
+/// List the collections of uploaded scenes, all on one page.
+#[utoipa::path(get, path = "/v1/collections", tag = "scenes",
+    responses((status = 200, description = "All collections by name.", body = Page<CollectionRow>)))]
+pub(crate) async fn list(State(catalogue): Topic<Catalogue>) -> Result<Json<Page<CollectionRow>>, Problem> {
+    Ok(Json(Page::whole(catalogue.collections().await?)))
+}
+
+/// The scenes of a collection in the order in which jobs take them, all on one page.
+#[utoipa::path(get, path = "/v1/collections/{name}", tag = "scenes",
+    params(("name" = String, Path, description = "Its name")),
+    responses((status = 200, description = "Its scenes.", body = Page<CollectionScene>)))]
+pub(crate) async fn get(
+    State(catalogue): Topic<Catalogue>,
+    Path(name): Path<String>,
+) -> Result<Json<Page<CollectionScene>>, Problem> {
+    let scenes = catalogue.collection(&name).await?;
+    if scenes.is_empty() {
+        return Err(Problem::not_found(format!("no collection `{name}`")));
+    }
+    Ok(Json(Page::whole(scenes)))
+}

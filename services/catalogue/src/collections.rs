@@ -1,0 +1,104 @@
+//! Collections of uploaded scenes.
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::catalogue::Catalogue;
+use crate::error::CatalogueError;
+
+/// A collection of uploaded scenes.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = Collection)]
+pub struct CollectionRow {
+    /// Its name.
+    #[schema(example = "dock")]
+    pub name: String,
+    /// How many scenes it has.
+    pub scenes: u64,
+}
+
+/// A scene in a collection.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = CollectionScene)]
+pub struct CollectionScene {
+    /// Its name in the collection, which is its place in the order.
+    #[schema(example = "frame-0001")]
+    pub name: String,
+    /// The scene.
+    #[schema(example = "scn_0198c0ffee007000800000000000000a")]
+    pub id: String,
+}
+
+impl Catalogue {
+    /// Puts a scene into a collection under a name, in place of the one that had it. Returns false, and does nothing, if the
+    /// collection has `most` scenes under other names.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn collect_scene(
+        &self,
+        collection: &str,
+        name: &str,
+        scene_id: &str,
+        most: u64,
+    ) -> Result<bool, CatalogueError> {
+        let [collection, name, id] = [collection, name, scene_id].map(str::to_owned);
+        self.write(move |c| {
+            Box::pin(async move {
+                let others: i64 = sqlx::query_scalar(
+                    "SELECT count(*) FROM collection_scenes WHERE collection = ? AND name != ?",
+                )
+                .bind(&collection)
+                .bind(&name)
+                .fetch_one(&mut *c)
+                .await?;
+                if others as u64 >= most {
+                    return Ok(false);
+                }
+                sqlx::query(
+                    "INSERT OR REPLACE INTO collection_scenes (collection, name, scene_id) VALUES (?, ?, ?)",
+                )
+                .bind(collection)
+                .bind(name)
+                .bind(id)
+                .execute(c)
+                .await?;
+                Ok(true)
+            })
+        })
+        .await
+    }
+
+    /// All collections by name.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn collections(&self) -> Result<Vec<CollectionRow>, CatalogueError> {
+        let rows: Vec<(String, i64)> = sqlx::query_as(
+            "SELECT collection, count(*) FROM collection_scenes GROUP BY collection ORDER BY collection",
+        )
+        .fetch_all(&mut *self.reader().await?)
+        .await?;
+        let row = |(name, scenes)| CollectionRow {
+            name,
+            scenes: scenes as u64,
+        };
+        Ok(rows.into_iter().map(row).collect())
+    }
+
+    /// The scenes of a collection in their order; none of one that does not exist.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn collection(&self, name: &str) -> Result<Vec<CollectionScene>, CatalogueError> {
+        let rows: Vec<(String, String)> =
+            sqlx::query_as("SELECT name, scene_id FROM collection_scenes WHERE collection = ? ORDER BY name")
+                .bind(name)
+                .fetch_all(&mut *self.reader().await?)
+                .await?;
+        Ok(rows
+            .into_iter()
+            .map(|(name, id)| CollectionScene { name, id })
+            .collect())
+    }
+}
