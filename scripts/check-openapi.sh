@@ -71,7 +71,7 @@ frames = { values = [0, 1] }
 END
 
 # No workers: what random jobs would render is not the matter here, and nothing waits for them.
-# Left out: event streams, which go on for as long as a job does, and `positive_data_acceptance`, since a schema cannot say all that a description must fulfil.
+# Left out: event streams, which go on for as long as a job does, and `positive_data_acceptance`, since a schema cannot say all that a description must fulfill.
 start 0
 status=0
 (cd "$folder" && "$tool/schemathesis" run "$url/openapi.json" \

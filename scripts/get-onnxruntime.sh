@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fetches the ONNX Runtime library that the style models run on, and puts it with its licences into a folder:
+# Fetches the ONNX Runtime library that the style models run on, and puts it with its licenses into a folder:
 # `.onnxruntime` of this checkout, or the folder given as the first argument. A second run returns at once.
 set -euo pipefail
 
@@ -64,7 +64,7 @@ if ! genuine "$work/$library"; then
     echo "get-onnxruntime: the library in the wheel has another SHA-256 than $digest; nothing is installed" >&2
     exit 1
 fi
-# The library comes last: where it is, its licences are.
+# The library comes last: where it is, its licenses are.
 for file in LICENSE ThirdPartyNotices.txt "$library"; do
     mv -f "$work/$file" "$target/$file"
 done

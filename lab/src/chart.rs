@@ -56,7 +56,7 @@ pub struct Point {
     pub error_rmse: Option<f64>,
     /// Largest difference of 8-bit codes.
     pub codes_max: Option<u8>,
-    /// Mean colour difference, CIEDE2000; in the table, not in the JSON.
+    /// Mean color difference, CIEDE2000; in the table, not in the JSON.
     #[serde(skip)]
     pub delta_e: Option<f64>,
     /// What a job gets that asks for nothing else.

@@ -1,4 +1,4 @@
-//! The network of fast neural style (Johnson, Alahi and Fei-Fei 2016, with instance normalisation by Ulyanov, Vedaldi and
+//! The network of fast neural style (Johnson, Alahi and Fei-Fei 2016, with instance normalization by Ulyanov, Vedaldi and
 //! Lempitsky 2016), with random weights: a control that shows what such a network does to a frame by its form alone.
 
 use imaging::random::Stream;
@@ -54,7 +54,7 @@ struct Builder {
 }
 
 impl Builder {
-    /// Convolution, instance normalisation, and ReLU if there is one.
+    /// Convolution, instance normalization, and ReLU if there is one.
     fn stage(&mut self, input: &str, sizes: (usize, usize), side: usize, step: i64, relu: bool) -> String {
         let made = self.convolution(input, sizes, side, step);
         let (scale, shift) = (format!("{made}.scale"), format!("{made}.shift"));
@@ -107,7 +107,7 @@ mod tests {
 
     /// It runs as any other network of a user's.
     #[test]
-    fn a_network_with_instance_normalisation_loads_and_runs() {
+    fn a_network_with_instance_normalization_loads_and_runs() {
         let model = StyleModel::without_card("johnson", johnson(1));
         assert!(model.needs_runtime() && Session::native(&model).is_none());
         let mut session = Runtime::load(None).unwrap().session(&model).unwrap();

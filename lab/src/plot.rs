@@ -79,7 +79,7 @@ fn paint<B: DrawingBackend>(figure: &impl Figure, area: &DrawingArea<B, Shift>) 
     draw().map_err(|error| PlotError(error.to_string()))
 }
 
-/// Colours that stay apart for people who see fewer of them (Okabe and Ito 2008).
+/// Colors that stay apart for people who see fewer of them (Okabe and Ito 2008).
 pub const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),

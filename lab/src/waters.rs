@@ -27,7 +27,7 @@ pub fn transmittance() -> Panels {
     let waters = presets().iter().filter(|preset| preset.unrenderable().is_none());
     Panels {
         title: "Transmittance exp(-c Z) along a camera ray: red, green and blue light".to_owned(),
-        foot: "Range Z in metres. Waters with a known beam attenuation c; narrow-band red, green, blue."
+        foot: "Range Z in meters. Waters with a known beam attenuation c; narrow-band red, green, blue."
             .to_owned(),
         most: FARTHEST_M,
         ticks: vec![0.0, 5.0, 10.0, 15.0],
@@ -44,7 +44,7 @@ pub fn daylight() -> Panels {
     let waters = presets().iter().filter(|preset| preset.name.starts_with("kd-"));
     Panels {
         title: "Daylight left at a depth, exp(-Kd h): not what a camera ray loses, which is more".to_owned(),
-        foot: "Depth h in metres. Waters that are listed with Kd alone and cannot be rendered.".to_owned(),
+        foot: "Depth h in meters. Waters that are listed with Kd alone and cannot be rendered.".to_owned(),
         most: DEEPEST_M,
         ticks: vec![0.0, 10.0, 20.0, 30.0],
         panels: waters
@@ -55,10 +55,10 @@ pub fn daylight() -> Panels {
 }
 
 fn panel(preset: &Preset, coefficient: Channels, most: f64) -> Panel {
-    let curve = |(colour, k): (RGBColor, Option<f64>)| {
+    let curve = |(color, k): (RGBColor, Option<f64>)| {
         let at = |i: usize| most * i as f64 / POINTS as f64;
         Some((
-            colour,
+            color,
             k.map(|k| (0..=POINTS).map(|i| (at(i), (-k * at(i)).exp())).collect())?,
         ))
     };
@@ -82,10 +82,10 @@ pub fn grey_cards() -> Cards {
         let veil = properties(preset).veiling_light?;
         let seen = |j: f64, z: f64| {
             let light = [0, 1, 2].map(|i| j * (-c[i] * z).exp() - veil[i] * (-c[i] * z).exp_m1());
-            colour(light)
+            color(light)
         };
         let card = |z: &f64| Card {
-            around: colour(veil),
+            around: color(veil),
             stripes: STRIPES.map(|j| seen(j, *z)).to_vec(),
         };
         Some((preset.name.clone(), RANGES_M.iter().map(card).collect()))
@@ -108,7 +108,7 @@ pub fn grey_cards() -> Cards {
     }
 }
 
-fn colour(light: [f64; 3]) -> RGBColor {
+fn color(light: [f64; 3]) -> RGBColor {
     let code = |v: f64| (255.0 * transfer::encode(v.clamp(0.0, 1.0)) + 0.5) as u8;
     RGBColor(code(light[0]), code(light[1]), code(light[2]))
 }
@@ -119,7 +119,7 @@ pub fn visibility_over_range() -> Lines {
     const RANGES_M: [f64; 13] = [
         0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 11.0, 15.0,
     ];
-    // As many as there are colours that stay apart.
+    // As many as there are colors that stay apart.
     let types = TYPES.into_iter().filter(|kind| !["IA", "7C"].contains(kind));
     let series = types.filter_map(|kind| {
         let name = format!("jerlov-{kind}");
@@ -137,7 +137,7 @@ pub fn visibility_over_range() -> Lines {
         title: "Visibility of a bright card on a wall: contrast after the water over contrast before"
             .to_owned(),
         x: Axis {
-            title: "range in metres".to_owned(),
+            title: "range in meters".to_owned(),
             logarithmic: false,
         },
         y: Axis {
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn a_card_at_no_range_is_itself_and_far_away_it_is_the_water() {
         for (name, cells) in grey_cards().rows {
-            assert_eq!(cells[0].stripes[1], colour([0.18; 3]), "{name}");
+            assert_eq!(cells[0].stripes[1], color([0.18; 3]), "{name}");
             let thick = find(&name)
                 .unwrap()
                 .beam_attenuation

@@ -51,7 +51,7 @@ class Service:
         return json.loads(data)
 
     def wait(self, job, until):
-        """Waits until a job fulfils a condition and returns it."""
+        """Waits until a job fulfills a condition and returns it."""
         end = time.monotonic() + JOB_LIMIT_S
         while time.monotonic() < end:
             found = self.json(f"/v1/jobs/{job}")

@@ -18,7 +18,7 @@ impl Service {
     /// SIGTERM; the service keeps running in the background until it ends.
     ///
     /// # Panics
-    /// When the process cannot be signalled.
+    /// When the process cannot be signaled.
     pub fn ask_to_stop(&self) {
         terminate(&self.child);
     }

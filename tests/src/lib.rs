@@ -261,7 +261,7 @@ impl Worker {
     /// SIGSTOP or SIGCONT.
     ///
     /// # Panics
-    /// When the process cannot be signalled.
+    /// When the process cannot be signaled.
     pub fn signal(&self, name: &str) {
         let arguments = [format!("-{name}"), self.child.id().to_string()];
         let status = Command::new("kill").args(arguments).status();

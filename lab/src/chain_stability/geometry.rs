@@ -17,7 +17,7 @@ fn step((width, height): (usize, usize), near: f32, far: f32) -> Plane<f32> {
     Plane::from_fn(width, height, |x, _| if x < width / 2 { near } else { far })
 }
 
-/// A step in range: neighbours of very different kernels.
+/// A step in range: neighbors of very different kernels.
 #[must_use]
 pub fn a_step_in_range() -> Finding {
     let size = (72, 48);

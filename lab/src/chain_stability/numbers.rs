@@ -39,7 +39,7 @@ pub fn tiny_and_huge_spreads() -> Finding {
     });
     Finding {
         test: "tiny_and_huge_spreads",
-        tried: "Noise on a slope from 0.5 to 20 m with spreads from 1e-9 to 1e5 pixels per metre, the most that a job may ask for.",
+        tried: "Noise on a slope from 0.5 to 20 m with spreads from 1e-9 to 1e5 pixels per meter, the most that a job may ask for.",
         figures: vec![
             Figure::at_most(
                 "error at tolerance 3e-4, jaffe",
@@ -61,7 +61,7 @@ pub fn tiny_and_huge_spreads() -> Finding {
                   light is then even over the frame, and a wider one would change nothing.",
         picture: Some((
             "spreads",
-            "Noise under water, simplified form: 0.01, 1, 10 and 1e5 pixels per metre.",
+            "Noise under water, simplified form: 0.01, 1, 10 and 1e5 pixels per meter.",
             pictures::row(&shown),
         )),
     }
@@ -71,11 +71,11 @@ pub fn tiny_and_huge_spreads() -> Finding {
 #[must_use]
 pub fn g_close_to_c() -> Finding {
     let c = 0.12f64;
-    let metres = [0.01f32, 0.1, 1.0, 10.0];
+    let meters = [0.01f32, 0.1, 1.0, 10.0];
     let excesses = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-7];
     let (mut ours, mut naive) = (0.0f64, 0.0f64);
     for excess in excesses {
-        for z in metres {
+        for z in meters {
             let g = c - excess;
             let exact = (-g * f64::from(z)).exp() * -(-excess * f64::from(z)).exp_m1();
             let relative = |share: f32| (f64::from(share) / exact - 1.0).abs();
@@ -101,8 +101,8 @@ pub fn g_close_to_c() -> Finding {
         .all(|s| s.form == ScatterStep::Skip);
     Finding {
         test: "g_close_to_c",
-        tried: "The share of the light that arrives scattered, e^{−GZ} − e^{−cZ}, for c − G from 0.1 down to 1e-7 per metre and \
-                ranges from a centimetre to ten metres; then frames with such G, and with G = c.",
+        tried: "The share of the light that arrives scattered, e^{−GZ} − e^{−cZ}, for c − G from 0.1 down to 1e-7 per meter and \
+                ranges from a centimeter to ten meters; then frames with such G, and with G = c.",
         figures: vec![
             Figure::at_most("relative error of the share in f32", ours, 1e-6),
             Figure::at_least("the same by plain subtraction", naive, 0.5),
@@ -169,7 +169,7 @@ pub fn bright_lamps() -> Finding {
     }
 }
 
-/// From a millimetre to a thousand kilometres.
+/// From a millimeter to a thousand kilometers.
 #[must_use]
 pub fn very_short_and_very_long_ranges() -> Finding {
     let trial = |nearest, farthest| Trial {

@@ -134,7 +134,7 @@ pub fn holes_of_every_kind() -> Finding {
     });
     Finding {
         test: "holes_of_every_kind",
-        tried: "A third of the pixels NaN, +∞, −∞, 0, negative or half a millimetre away, under both rules; and a frame of \
+        tried: "A third of the pixels NaN, +∞, −∞, 0, negative or half a millimeter away, under both rules; and a frame of \
                 nothing but holes.",
         figures: vec![
             Figure::at_most(
@@ -150,7 +150,7 @@ pub fn holes_of_every_kind() -> Finding {
             ),
             Figure::at_most("error of a frame of holes", all.error(ASKED), TOLERANCE),
         ],
-        meaning: "A hole shows the veil of the water, with light of its neighbours scattered over it, and throws none itself. \
+        meaning: "A hole shows the veil of the water, with light of its neighbors scattered over it, and throws none itself. \
                   Where holes are failures of a sensor and not open water, give them a distance (`\"holes\": {\"range_m\": …}`) \
                   or refuse them.",
         picture: Some((

@@ -22,7 +22,7 @@ pub(super) struct Trial {
     pub(super) water: Water,
 }
 
-/// A coastal water with a spread of so many pixels per metre. G and c are given.
+/// A coastal water with a spread of so many pixels per meter. G and c are given.
 pub(super) fn water(model: ScatterModel, spread: f64) -> Water {
     from([0.13, 0.042, 0.0315], model, [spread; 3])
 }

@@ -12,7 +12,7 @@ pub struct Difference {
     pub rmse: f64,
     /// Largest, in 8-bit codes of the encoded picture.
     pub codes: u8,
-    /// Mean colour difference of the encoded pictures, CIEDE2000.
+    /// Mean color difference of the encoded pictures, CIEDE2000.
     pub delta_e: f64,
 }
 

@@ -17,7 +17,7 @@ pub enum Measure {
     Rmse,
     /// The largest difference of 8-bit codes.
     Codes,
-    /// The mean colour difference.
+    /// The mean color difference.
     DeltaE,
 }
 
@@ -30,7 +30,7 @@ impl Measure {
             Self::Max => "largest error, linear light",
             Self::Rmse => "root mean square error",
             Self::Codes => "8-bit codes off, most (0 at 0.1)",
-            Self::DeltaE => "mean colour difference, CIEDE2000",
+            Self::DeltaE => "mean color difference, CIEDE2000",
         }
     }
 
@@ -49,12 +49,12 @@ impl Measure {
 #[must_use]
 pub fn error_chart(title: &str, points: &[Point], measure: Measure) -> Lines {
     // Other programs on the machine only ever add time: the fastest run disturbs the picture least.
-    let mark = |point: &Point, labelled: bool| {
+    let mark = |point: &Point, labeled: bool| {
         Some(Mark {
             x: point.ms_min,
             y: measure.of(point)?,
             reach: Some(point.ms_median),
-            label: if labelled { label(point) } else { String::new() },
+            label: if labeled { label(point) } else { String::new() },
             ringed: point.default,
         })
     };

@@ -51,20 +51,20 @@ impl Input {
             return None;
         };
         let c = water.direct_attenuation();
-        let metres = |z: f32| if is_hole(z) { 1.0 } else { z };
+        let meters = |z: f32| if is_hole(z) { 1.0 } else { z };
         let light = |channel: usize| {
             let share = |z: f32| scattered_share(g[channel] as f32, (c[channel] - g[channel]) as f32, z);
             Plane::from_fn(width, height, |x, y| {
                 let z = scene.range.at(x, y);
                 let lit = f32::from(u8::from(!is_hole(z)));
-                lit * scene.radiance.at(x, y)[channel] * share(metres(z))
+                lit * scene.radiance.at(x, y)[channel] * share(meters(z))
             })
         };
         let widest = widest_px(width, height);
         let gamma = |channel| {
             scene
                 .range
-                .map(|&z| spread.gamma(channel, f64::from(metres(z)), widest) as f32)
+                .map(|&z| spread.gamma(channel, f64::from(meters(z)), widest) as f32)
         };
         let mut plan = Plan::in_air(1);
         plan.attenuation.form = Form::Fast;

@@ -58,7 +58,7 @@ pub fn haze(scene: &ChartScene, runs: usize) -> Vec<Point> {
     points
 }
 
-/// `I ← I (1 − α) + colour α`, pixel by pixel, nothing beyond `sigmas`.
+/// `I ← I (1 − α) + color α`, pixel by pixel, nothing beyond `sigmas`.
 pub(super) fn overlay<T: Into<f64> + std::marker::Copy + FromDouble>(
     image: &Rgb<T>,
     lights: &[Haze],
@@ -74,8 +74,8 @@ pub(super) fn overlay<T: Into<f64> + std::marker::Copy + FromDouble>(
             let squared = (across * across + down * down) / (light.size * light.size);
             if squared <= sigmas * sigmas {
                 let alpha = light.intensity * (-0.5 * squared).exp();
-                for (sample, colour) in pixel.iter_mut().zip(light.color) {
-                    *sample = *sample * (1.0 - alpha) + colour * alpha;
+                for (sample, color) in pixel.iter_mut().zip(light.color) {
+                    *sample = *sample * (1.0 - alpha) + color * alpha;
                 }
             }
         }

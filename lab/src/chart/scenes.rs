@@ -10,7 +10,7 @@ pub struct ChartScene {
     pub name: String,
     /// Linear light.
     pub radiance: Rgb<f32>,
-    /// Metres along the ray.
+    /// Meters along the ray.
     pub range: Plane<f32>,
 }
 

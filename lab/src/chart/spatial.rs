@@ -90,10 +90,10 @@ fn blur(
     for (line, row) in rows.chunks_exact_mut(columns).enumerate() {
         let y = mirrored(top as i64 + line as i64 - reach, height);
         for (x, value) in row.iter_mut().enumerate() {
-            let centre = (left + x) as i64;
+            let center = (left + x) as i64;
             let taps = taps.iter().enumerate();
             *value = taps
-                .map(|(i, tap)| tap * light.at(mirrored(centre + i as i64 - reach, width), y))
+                .map(|(i, tap)| tap * light.at(mirrored(center + i as i64 - reach, width), y))
                 .sum::<f32>()
                 / total;
         }

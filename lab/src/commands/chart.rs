@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// A picture of one's own in place of the standard scenes; needs --range
     #[arg(long, value_name = "FILE", requires = "range")]
     scene: Option<PathBuf>,
-    /// Range of the picture in metres along the ray, a float file (.npy)
+    /// Range of the picture in meters along the ray, a float file (.npy)
     #[arg(long, value_name = "FILE")]
     range: Option<PathBuf>,
     /// Folder for chart.json (the points), chart.csv, machine.json, figures.md and the drawings
@@ -135,11 +135,11 @@ fn standard(width: usize) -> Result<Vec<ChartScene>, Failure> {
 
 /// A picture and its range.
 fn own(picture: &Path, range: &Path) -> Result<ChartScene, Failure> {
-    let (rgb, metres) = (files::read(picture)?, files::read(range)?);
+    let (rgb, meters) = (files::read(picture)?, files::read(range)?);
     let upload = SceneFiles {
         rgb,
         range: Some(RangeFile {
-            file: metres,
+            file: meters,
             kind: RangeKind::Range,
             unit_m: None,
             invalid_code: None,

@@ -34,8 +34,8 @@ pub(crate) struct Arguments {
     /// Range file of a picture: distances along the optical axis
     #[arg(long, value_name = "FILE")]
     z_depth: Option<PathBuf>,
-    /// Metres of one unit of the range file
-    #[arg(long, value_name = "METRES")]
+    /// Meters of one unit of the range file
+    #[arg(long, value_name = "METERS")]
     unit_m: Option<f64>,
     /// The code that means "no return" in an integer range file
     #[arg(long, value_name = "CODE")]
@@ -202,7 +202,7 @@ fn picture(rendered: &Rendered, kind: &str) -> Result<Rgb8, Failure> {
     }
 }
 
-/// Millimetres as brightness on a logarithmic scale, near bright, holes black.
+/// Millimeters as brightness on a logarithmic scale, near bright, holes black.
 fn range_picture(raster: &imaging::Raster) -> Rgb8 {
     let codes: Vec<u16> = match raster.samples() {
         imaging::Samples::U16(codes) => codes.clone(),

@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// The chain of the water: hostile frames, each against its limit
     #[arg(long, conflicts_with_all = ["enhance", "style"])]
     chain: bool,
-    /// The style models, and a network with instance normalisation as a control; needs ONNX Runtime
+    /// The style models, and a network with instance normalization as a control; needs ONNX Runtime
     #[arg(long, conflicts_with = "enhance")]
     style: bool,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! `fathom-lab training-scores`: how far the ratios of a trained water to its colour transfer move with the scenes they are
+//! `fathom-lab training-scores`: how far the ratios of a trained water to its color transfer move with the scenes they are
 //! taken over, as rows of a Markdown table.
 
 use std::path::PathBuf;

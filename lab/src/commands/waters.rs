@@ -171,7 +171,7 @@ impl Pictures {
     }
 }
 
-/// The range that half of the pixels are nearer than, in metres.
+/// The range that half of the pixels are nearer than, in meters.
 fn middle_range(rendered: &Rendered) -> Result<f64, Failure> {
     let raster = raster(rendered, "range")?;
     let mut codes: Vec<u16> = match raster.samples() {

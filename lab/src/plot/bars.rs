@@ -62,11 +62,11 @@ fn panel<B: DrawingBackend>(
     title: &str,
     bars: &[Bar],
 ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-    let centred = |v| ink().pos(Pos::new(HPos::Center, v));
+    let centered = |v| ink().pos(Pos::new(HPos::Center, v));
     area.draw(&Text::new(
         title.to_owned(),
         (left + PANEL.0 / 2, top + 4),
-        centred(VPos::Top),
+        centered(VPos::Top),
     ))?;
     let ends = bars
         .iter()
@@ -83,9 +83,9 @@ fn panel<B: DrawingBackend>(
     ))?;
     for (index, bar) in bars.iter().enumerate().filter(|(_, bar)| bar.mean.is_finite()) {
         let (a, b) = (x0 + index as i32 * step + 5, x0 + (index as i32 + 1) * step - 5);
-        let colour = PALETTE[index % PALETTE.len()];
+        let color = PALETTE[index % PALETTE.len()];
         let corners = [(a, y(bar.mean.max(0.0))), (b, y(bar.mean.min(0.0)))];
-        area.draw(&Rectangle::new(corners, colour.filled()))?;
+        area.draw(&Rectangle::new(corners, color.filled()))?;
         let middle = (a + b) / 2;
         let (upper, lower) = (y(bar.mean + bar.sd), y(bar.mean - bar.sd));
         for path in [
@@ -99,12 +99,12 @@ fn panel<B: DrawingBackend>(
         area.draw(&Text::new(
             value,
             (middle, upper.min(y(bar.mean)) - 2),
-            centred(VPos::Bottom),
+            centered(VPos::Bottom),
         ))?;
         area.draw(&Text::new(
             bar.name.clone(),
             (middle, plot_top + plot_height + 8),
-            centred(VPos::Top),
+            centered(VPos::Top),
         ))?;
     }
     Ok(())

@@ -22,7 +22,7 @@ impl<'a> Canvas<'a> {
         Self { width, height, data }
     }
 
-    /// Mixes a colour into a pixel; beyond the edge nothing happens.
+    /// Mixes a color into a pixel; beyond the edge nothing happens.
     fn mix(&mut self, (x, y): BackendCoord, (r, g, b): (u8, u8, u8), weight: f64) {
         let inside = |v: i32, n: usize| usize::try_from(v).ok().filter(|&v| v < n);
         if let (Some(x), Some(y)) = (inside(x, self.width), inside(y, self.height)) {
@@ -103,7 +103,7 @@ impl DrawingBackend for Canvas<'_> {
             VPos::Center => -height / 2,
             VPos::Bottom => -height,
         };
-        let colour = style.color();
+        let color = style.color();
         for (index, character) in text.chars().enumerate() {
             let Some(glyph) = glyph(character) else { continue };
             for (row, line) in glyph.raster().iter().enumerate() {
@@ -119,8 +119,8 @@ impl DrawingBackend for Canvas<'_> {
                     if cover > 0 {
                         self.mix(
                             (x + du, y + dv),
-                            colour.rgb,
-                            colour.alpha * f64::from(cover) / 255.0,
+                            color.rgb,
+                            color.alpha * f64::from(cover) / 255.0,
                         );
                     }
                 }

@@ -1,4 +1,4 @@
-//! A table of colours: a card seen through something, once for each cell.
+//! A table of colors: a card seen through something, once for each cell.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
@@ -50,10 +50,10 @@ impl Figure for Cards {
         area: &DrawingArea<B, Shift>,
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         area.draw(&Text::new(self.title.clone(), (12, 12), ink()))?;
-        let centred = ink().pos(Pos::new(HPos::Center, VPos::Center));
+        let centered = ink().pos(Pos::new(HPos::Center, VPos::Center));
         for (column, name) in self.columns.iter().enumerate() {
             let x = LEFT + column as i32 * CELL.0 + CELL.0 / 2;
-            area.draw(&Text::new(name.clone(), (x, TOP - 14), centred.clone()))?;
+            area.draw(&Text::new(name.clone(), (x, TOP - 14), centered.clone()))?;
         }
         for (row, (name, cells)) in self.rows.iter().enumerate() {
             let y = TOP + row as i32 * CELL.1;
@@ -65,12 +65,12 @@ impl Figure for Cards {
                 area.draw(&Rectangle::new(whole, card.around.filled()))?;
                 let height = CELL.1 - 2 - 2 * INSET.1;
                 let count = card.stripes.len().max(1) as i32;
-                for (stripe, colour) in card.stripes.iter().enumerate() {
+                for (stripe, color) in card.stripes.iter().enumerate() {
                     let stripe = stripe as i32;
                     let top = y + INSET.1 + stripe * height / count;
                     let bottom = y + INSET.1 + (stripe + 1) * height / count - 1;
                     let corners = [(x + INSET.0, top), (x + CELL.0 - INSET.0, bottom)];
-                    area.draw(&Rectangle::new(corners, colour.filled()))?;
+                    area.draw(&Rectangle::new(corners, color.filled()))?;
                 }
             }
         }

@@ -20,7 +20,7 @@ pub struct HeatMap {
     pub rows: Vec<(String, Vec<f64>)>,
     /// The value that is neither good nor bad, drawn white.
     pub neutral: f64,
-    /// The distance from it at which colours are full.
+    /// The distance from it at which colors are full.
     pub span: f64,
     /// Whether values below the neutral one are the bad ones.
     pub low_is_bad: bool,
@@ -40,13 +40,13 @@ const NOTHING: RGBColor = RGBColor(190, 190, 190);
 const OUTLINE: RGBColor = RGBColor(0, 0, 0);
 
 impl HeatMap {
-    /// How full the colour is: -1 to 1, by the side of the neutral value.
+    /// How full the color is: -1 to 1, by the side of the neutral value.
     fn strength(&self, value: f64) -> f64 {
         let t = ((value - self.neutral) / self.span).clamp(-1.0, 1.0);
         if t.is_finite() { t } else { 0.0 }
     }
 
-    fn colour(&self, value: f64) -> RGBColor {
+    fn color(&self, value: f64) -> RGBColor {
         if !value.is_finite() {
             return NOTHING;
         }
@@ -71,13 +71,13 @@ impl Figure for HeatMap {
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         let at = |column: usize, row: usize| (LEFT_PX + column as i32 * CELL.0, TOP_PX + row as i32 * CELL.1);
         area.draw(&Text::new(self.title.clone(), (12, 10), ink()))?;
-        let centred = ink().pos(Pos::new(HPos::Center, VPos::Center));
+        let centered = ink().pos(Pos::new(HPos::Center, VPos::Center));
         for (column, name) in self.columns.iter().enumerate() {
             let (x, _) = at(column, 0);
             area.draw(&Text::new(
                 name.clone(),
                 (x + CELL.0 / 2, TOP_PX - 14),
-                centred.clone(),
+                centered.clone(),
             ))?;
         }
         for (row, (name, cells)) in self.rows.iter().enumerate() {
@@ -87,15 +87,15 @@ impl Figure for HeatMap {
             for (column, &value) in cells.iter().enumerate() {
                 let (x, y) = at(column, row);
                 let corners = [(x, y), (x + CELL.0 - 1, y + CELL.1 - 1)];
-                area.draw(&Rectangle::new(corners, self.colour(value).filled()))?;
+                area.draw(&Rectangle::new(corners, self.color(value).filled()))?;
                 let text = if value.is_finite() {
                     format!("{value:.2}")
                 } else {
                     "-".to_owned()
                 };
                 let readable = match self.strength(value).abs() > 0.6 {
-                    true => centred.clone().color(&WHITE),
-                    false => centred.clone(),
+                    true => centered.clone().color(&WHITE),
+                    false => centered.clone(),
                 };
                 area.draw(&Text::new(text, (x + CELL.0 / 2, y + CELL.1 / 2), readable))?;
             }

@@ -51,7 +51,7 @@ pub enum Form {
     Dots,
     /// Joined by a line.
     Joined,
-    /// The line alone, in the colour of text.
+    /// The line alone, in the color of text.
     Line,
 }
 
@@ -205,7 +205,7 @@ impl Figure for Lines {
         let radius = if marks().count() > CROWD { 2 } else { 4 };
         for (index, series) in self.series.iter().enumerate() {
             let row = TOP + 8 + 22 * index as i32;
-            let colour = match series.form {
+            let color = match series.form {
                 Form::Line => INK,
                 _ => PALETTE[index % PALETTE.len()],
             };
@@ -216,7 +216,7 @@ impl Figure for Lines {
             let points: Vec<_> = points.collect();
             if series.form != Form::Dots {
                 let path: Vec<_> = points.iter().map(|(at, _)| *at).collect();
-                let stroke = colour.stroke_width(if series.form == Form::Line { 1 } else { 2 });
+                let stroke = color.stroke_width(if series.form == Form::Line { 1 } else { 2 });
                 area.draw(&PathElement::new(path, stroke))?;
             }
             area.draw(&Text::new(series.name.clone(), (right + 34, row), ink()))?;
@@ -225,12 +225,12 @@ impl Figure for Lines {
                 area.draw(&PathElement::new(sample, INK))?;
                 continue;
             }
-            area.draw(&Circle::new((right + 20, row + 8), 5, colour.filled()))?;
+            area.draw(&Circle::new((right + 20, row + 8), 5, color.filled()))?;
             for (at, mark) in &points {
                 if let Some(end) = mark.reach.and_then(|reach| x.pixel(reach)) {
-                    area.draw(&PathElement::new(vec![*at, (end, at.1)], colour))?;
+                    area.draw(&PathElement::new(vec![*at, (end, at.1)], color))?;
                 }
-                area.draw(&Circle::new(*at, radius, colour.filled()))?;
+                area.draw(&Circle::new(*at, radius, color.filled()))?;
                 if mark.ringed {
                     area.draw(&Circle::new(*at, 9, INK.stroke_width(2)))?;
                 }

@@ -9,7 +9,7 @@ use plotters_backend::DrawingBackend;
 
 use super::{FAINT, Figure, INK, ink};
 
-/// One small plot: its name and its curves, each with a colour and points (x, 0..=1).
+/// One small plot: its name and its curves, each with a color and points (x, 0..=1).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Above it.
@@ -84,9 +84,9 @@ impl Figure for Panels {
                 vec![at(0.0, 1.0), at(0.0, 0.0), at(self.most, 0.0)],
                 INK,
             ))?;
-            for (colour, points) in &panel.curves {
+            for (color, points) in &panel.curves {
                 let path: Vec<_> = points.iter().map(|&(x, y)| at(x, y)).collect();
-                area.draw(&PathElement::new(path, colour.stroke_width(2)))?;
+                area.draw(&PathElement::new(path, color.stroke_width(2)))?;
             }
         }
         let rows = self.panels.len().div_ceil(self.columns.max(1)) as i32;

@@ -191,17 +191,17 @@ const WHY: &[(&str, &str)] = &[
         "hscm",
         "The homomorphic filter works on the logarithm of the luma, whose slope is steepest at black: noise in dark pictures \
          is amplified first, CLAHE then spreads what is left over all codes. With little signal (no transmittance, no \
-         light) it draws the noise; colour is kept, so a cast stays.",
+         light) it draws the noise; color is kept, so a cast stays.",
     ),
     (
         "clahe",
-        "Contrast of every tile is stretched up to the clip limit whether it holds scene or noise; colour is kept, so a cast \
+        "Contrast of every tile is stretched up to the clip limit whether it holds scene or noise; color is kept, so a cast \
          stays.",
     ),
     (
         "grey_world",
         "Each channel is scaled to a common mean. Where red is all but gone its noise is scaled with it, and a lamp or a \
-         coloured object shifts the mean that it rests on.",
+         colored object shifts the mean that it rests on.",
     ),
     (
         "ulap",
@@ -225,7 +225,7 @@ const WHY: &[(&str, &str)] = &[
     ),
     (
         "rghs",
-        "Channels are equalised by their means and stretched between percentiles that come from a Rayleigh spread: narrow \
+        "Channels are equalized by their means and stretched between percentiles that come from a Rayleigh spread: narrow \
          histograms are stretched most, and very small pictures leave the percentiles no pixels.",
     ),
 ];

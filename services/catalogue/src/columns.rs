@@ -319,7 +319,7 @@ mod tests {
         );
         for name in [
             "lights.0",
-            "lights.0.colour.b",
+            "lights.0.hue.b",
             "lights.x.y",
             "lights.-1.x",
             "lights.70000.x",

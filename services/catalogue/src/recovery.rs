@@ -62,7 +62,7 @@ pub(crate) async fn what_is_left(
     })
 }
 
-/// Runs of neighbouring frames that have an image: the frame number less its place in the list is constant in a run.
+/// Runs of neighboring frames that have an image: the frame number less its place in the list is constant in a run.
 async fn done_ranges(
     connection: &mut SqliteConnection,
     job: &str,

@@ -91,7 +91,7 @@ async fn stats(
 struct Groups {
     all: BTreeMap<String, usize>,
     values: Vec<(Value, Vec<Vec<f64>>)>,
-    /// Neighbours are often of one group.
+    /// Neighbors are often of one group.
     last: usize,
 }
 

@@ -258,7 +258,7 @@ pub enum InsertImage {
 pub struct ImageQuery {
     /// Only this dataset.
     pub dataset: Option<String>,
-    /// Only images that fulfil this.
+    /// Only images that fulfill this.
     pub filter: Option<String>,
     /// A column, with `-` before it the largest first; absent: by job and frame.
     pub order_by: Option<String>,

@@ -248,7 +248,7 @@ fn reply<T: Send + 'static>(
     })
 }
 
-/// Runs one change within a savepoint: what fails leaves its neighbours in the transaction alone. Only when the
+/// Runs one change within a savepoint: what fails leaves its neighbors in the transaction alone. Only when the
 /// savepoint cannot be kept, as on a full disk, does the whole transaction fail.
 async fn enclosed<T: Send + 'static>(
     connection: Result<&mut SqliteConnection, CatalogueError>,

@@ -36,7 +36,7 @@ pub enum ArtifactKind {
     Styled,
     /// The picture after haze; the same as `rgb` before encoding.
     Hazed,
-    /// Range in millimetres, 16-bit PNG, 0 = hole.
+    /// Range in millimeters, 16-bit PNG, 0 = hole.
     Range,
     /// Transmittance, linear NPY.
     Transmittance,

@@ -48,7 +48,7 @@ pub struct Path {
     pub sway_frames: f64,
 }
 
-/// Where a camera is and what it looks at, in metres in the world.
+/// Where a camera is and what it looks at, in meters in the world.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Waypoint {

@@ -149,7 +149,7 @@ pub enum Scene {
         /// JSON that says what the instances are
         #[field(names = Path)]
         classes: Option<String>,
-        /// metres of one unit of that file
+        /// meters of one unit of that file
         #[field(above(0.0, 1e6), unit = "m")]
         unit_m: Option<f64>,
         /// code that means no return in that file

@@ -27,10 +27,10 @@ pub struct Haze {
     /// sigma in image heights; 0 or less: skipped
     #[field(finite, default = 0.2)]
     pub size: f64,
-    /// weight at the centre
+    /// weight at the center
     #[field(within(0.0, 1.0), default = 1)]
     pub intensity: f64,
-    /// colour in the space of the haze
+    /// color in the space of the haze
     #[field(within(0.0, 1000.0), default = [1, 1, 1])]
     pub color: [f64; 3],
     /// how it is laid over the picture
@@ -74,7 +74,7 @@ pub enum HazeSpace {
 /// A lamp that shines in all directions. The camera looks along z; x is right and y is down.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 pub struct PointLamp {
-    /// metres right, down and ahead of the camera
+    /// meters right, down and ahead of the camera
     #[field(vector, within(-1000.0, 1000.0), unit = "m")]
     pub position_m: [f64; 3],
     /// linear radiance times m², per steradian
@@ -85,7 +85,7 @@ pub struct PointLamp {
 /// A lamp that shines about an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 pub struct SpotLamp {
-    /// metres right, down and ahead of the camera
+    /// meters right, down and ahead of the camera
     #[field(vector, within(-1000.0, 1000.0), unit = "m")]
     pub position_m: [f64; 3],
     /// along the axis: linear radiance times m², per steradian

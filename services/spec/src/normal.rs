@@ -4,7 +4,7 @@
     reason = "the coefficients stand as they are printed"
 )]
 
-const CENTRE_NUMERATOR: [f64; 8] = [
+const CENTER_NUMERATOR: [f64; 8] = [
     2.509_080_928_730_122_672_7e3,
     3.343_057_558_358_812_810_5e4,
     6.726_577_092_700_870_085_3e4,
@@ -14,7 +14,7 @@ const CENTRE_NUMERATOR: [f64; 8] = [
     1.331_416_678_917_843_774_5e2,
     3.387_132_872_796_366_608_0,
 ];
-const CENTRE_DENOMINATOR: [f64; 8] = [
+const CENTER_DENOMINATOR: [f64; 8] = [
     5.226_495_278_852_854_561_0e3,
     2.872_908_573_572_194_267_4e4,
     3.930_789_580_009_271_061_0e4,
@@ -75,7 +75,7 @@ pub fn normal_quantile(p: f64) -> f64 {
     let q = p - 0.5;
     if q.abs() <= 0.425 {
         let r = 0.180_625 - q * q;
-        return ratio(&CENTRE_NUMERATOR, &CENTRE_DENOMINATOR, r, q);
+        return ratio(&CENTER_NUMERATOR, &CENTER_DENOMINATOR, r, q);
     }
     let nearer_end = if q < 0.0 { p } else { 1.0 - p };
     if nearer_end == 0.0 {

@@ -33,7 +33,7 @@ pub struct OwnWater {
     /// what others should know
     #[field(fixed, names = Words, max = 16, distinct, default = [])]
     pub caveats: Vec<String>,
-    /// its type, held against its neighbours of the same source
+    /// its type, held against its neighbors of the same source
     #[field(fixed, words = JERLOV_TYPES)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jerlov_type: Option<String>,

@@ -92,7 +92,7 @@ pub struct Counts {
     pub negative_radiance: u64,
     /// Samples of the result outside 0..=1 that the encoder clamped.
     pub clamped: u64,
-    /// Range pixels beyond what 16-bit millimetres hold.
+    /// Range pixels beyond what 16-bit millimeters hold.
     pub range_saturated: u64,
 }
 

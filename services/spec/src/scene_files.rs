@@ -29,7 +29,7 @@ pub struct RangeFile<T> {
     pub file: T,
     /// What its values are.
     pub kind: RangeKind,
-    /// Metres of one unit of the file. Floats are metres if it is not given; integer codes need it.
+    /// Meters of one unit of the file. Floats are meters if it is not given; integer codes need it.
     pub unit_m: Option<f64>,
     /// The value that stands for a hole. Integer codes need it; in a file of floats it is a hole beside what is not
     /// finite.

@@ -8,7 +8,7 @@ use crate::classes::SceneCategory;
 /// The camera and the objects in view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
-    /// Rows of the matrix that takes camera axes (right, down, ahead, 1) to the world of a procedural scene, in metres.
+    /// Rows of the matrix that takes camera axes (right, down, ahead, 1) to the world of a procedural scene, in meters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
     /// The pinhole camera, in index coordinates.
@@ -42,7 +42,7 @@ pub struct InstanceRecord {
     pub bounds: [usize; 4],
     /// How many pixels show it.
     pub pixels: u64,
-    /// Its median range in metres.
+    /// Its median range in meters.
     pub range_m: Option<f64>,
     /// Transmittance of the water at that range, R, G, B.
     pub transmittance: Option<[f64; 3]>,

@@ -7,7 +7,7 @@ use spec_derive::Described;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Snow {
-    /// particles per cubic metre; at most 400 000 in view
+    /// particles per cubic meter; at most 400 000 in view
     #[field(within(0.0, 1e6), unit = "1/m³")]
     pub density_per_m3: f64,
     /// median radius

@@ -11,7 +11,7 @@ use crate::suspended::{Snow, Turbidity};
 pub struct Water {
     /// a preset or coefficients; absent: no water
     pub optics: Option<Optics>,
-    /// multiplies every per-metre quantity
+    /// multiplies every per-meter quantity
     #[field(above(0.0, 1000.0), default = 1)]
     pub range_scale: f64,
     /// depth of the camera below the surface
@@ -30,7 +30,7 @@ pub struct Water {
     pub snow: Option<Snow>,
     /// patches of murkier water that multiply every coefficient; absent: even water
     pub turbidity: Option<Turbidity>,
-    /// network, colour table, or what the tolerance allows; absent: `net`
+    /// network, color table, or what the tolerance allows; absent: `net`
     pub style_tier: Option<StyleTier>,
 }
 
@@ -203,7 +203,7 @@ pub enum HoleRule {
 pub enum StyleTier {
     /// The network.
     Net,
-    /// Its colour table.
+    /// Its color table.
     Lut,
     /// The table where its measured distance from the network is within the tolerance, else the network.
     Auto,

@@ -67,7 +67,7 @@ impl Warning {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Constant => "the picture has one colour, nothing tells light from scene",
+            Self::Constant => "the picture has one color, nothing tells light from scene",
             Self::FewPixels => "fewer than 1000 pixels, tails and background light rest on a single pixel",
             Self::SmallTiles => "tiles hold fewer than 64 pixels, their histograms are noise",
             Self::Dark => "99 % of the pixels are below luma 16, noise and code steps are made visible",

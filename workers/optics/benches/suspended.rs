@@ -6,7 +6,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::eye::Eye;
-use optics::snow::{Surround, World, flakes, snow};
+use optics::snow::{Surround, World, flakes, lit, snow};
 use optics::turbidity::{Field, optical_path};
 use spec::{HoleRule, Snow, Turbidity};
 
@@ -50,8 +50,9 @@ fn suspended(bench: &mut Criterion) {
             |b| {
                 b.iter(|| {
                     let found = flakes(&eye, black_box(&law), WORLD, SIZE);
+                    let found = lit(&found, law.albedo, &surround);
                     let mut image = image.clone();
-                    snow(&mut image, &found, law.albedo, &surround, 3.75e-5)
+                    snow(&mut image, &found, &range, 3.75e-5)
                 });
             },
         );

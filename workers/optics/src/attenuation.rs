@@ -2,7 +2,7 @@
 //!
 //! `D = J exp(−β_D Z)`, `B = B∞ (1 − exp(−β_B Z))` (Jaffe 1990; with β_B apart from β_D: Akkaynak & Treibitz 2018). The f32
 //! forms below have an absolute error under 3e-7 for light up to 1; 1 − exp is formed without cancellation, since naive
-//! subtraction loses several per cent of the scattered share at centimetres. They are plain additions and multiplications
+//! subtraction loses several per cent of the scattered share at centimeters. They are plain additions and multiplications
 //! without fused steps: every CPU gives the same bits.
 
 use imaging::vectorized;
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn the_scattered_share_keeps_its_digits_at_a_centimetre() {
+    fn the_scattered_share_keeps_its_digits_at_a_centimeter() {
         let (g, c, z) = (0.1, 0.1001, 0.01);
         let expected = f64::exp(-g * z) * -(-(c - g) * z).exp_m1();
         let share = f64::from(scattered_share(g as f32, (c - g) as f32, z as f32));

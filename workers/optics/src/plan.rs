@@ -144,6 +144,8 @@ pub struct Given<'a> {
     pub stats: &'a SceneStats,
     /// The light of its lamps.
     pub lamps: LampLight,
+    /// The most light that a particle of snow adds to a pixel; 0 without snow.
+    pub snow_peak: f64,
     /// Largest distance of the style's color table from its network, 8-bit codes; none without a table.
     pub table_max_255: Option<f64>,
 }
@@ -211,7 +213,8 @@ impl Plan {
             amounts: cost::Amounts::new(frame, setting),
         };
         let lamps = &given.lamps;
-        let rounding = shares.path + shares.surfaces + lamps.glow_rounding + water.rounding;
+        let rounding =
+            shares.path + shares.surfaces + lamps.glow_rounding + water.rounding + shares.snow_rounding;
         let lacks_nodes = lamps.glow_left > glow_share(given.frame);
         Self {
             exceeds: plan.excess(rounding, lacks_nodes),
@@ -323,7 +326,11 @@ fn fall(given: &Given<'_>, shares: &Shares) -> Stage {
     Stage {
         form,
         share: Some(shares.snow),
-        bound: (form != Form::Reference).then_some(shares.snow),
+        bound: match form {
+            Form::Skip => Some(shares.snow),
+            Form::Fast => Some(shares.snow + shares.snow_rounding),
+            Form::Reference => None,
+        },
     }
 }
 

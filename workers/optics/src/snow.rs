@@ -10,10 +10,12 @@
 
 mod fast;
 mod flakes;
+mod lit;
 mod reference;
 
 pub use fast::snow;
 pub use flakes::{Flake, flakes};
+pub use lit::{LitFlake, lit, peak};
 pub use reference::snow_reference;
 
 use imaging::Plane;
@@ -124,13 +126,13 @@ pub struct World {
 /// What the particles hang in.
 #[derive(Clone, Copy)]
 pub struct Surround<'a> {
-    /// Metres along the ray, behind which nothing is seen; a hole has no end.
+    /// Meters along the ray, behind which nothing is seen; a hole has no end.
     pub range: &'a Plane<f32>,
     /// The camera.
     pub eye: &'a Eye,
     /// Beam attenuation c, 1/m.
     pub attenuation: [f64; 3],
-    /// Metres of water of this attenuation on the way to a point in camera axes at this range.
+    /// Meters of water of this attenuation on the way to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
     /// Radiance of a white particle at a point in camera axes.
     pub light: &'a dyn Fn([f64; 3]) -> [f64; 3],

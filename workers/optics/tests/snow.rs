@@ -4,7 +4,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::eye::Eye;
-use optics::snow::{Flake, Surround, World, flakes, snow, snow_reference};
+use optics::snow::{Flake, Surround, World, flakes, lit, snow, snow_reference};
 use spec::Snow;
 
 /// f32 over up to some thousand faint layers on one pixel, as tiny frames have them: at most 6e-8 for each, of either sign.
@@ -83,9 +83,10 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
                 let image = Rgb::from_fn(size.0, size.1, |x, y| [0.02 * x as f32, 0.3, 0.01 * y as f32]);
                 let (exact, exact_mask) =
                     snow_reference(&image.map(|&v| f64::from(v)), &found, law.albedo, &surround);
+                let lit = lit(&found, law.albedo, &surround);
                 for tolerance in [1e-2, 3e-4, 1e-6] {
                     let mut fast = image.clone();
-                    let mask = snow(&mut fast, &found, law.albedo, &surround, tolerance);
+                    let mask = snow(&mut fast, &lit, &range, tolerance);
                     let picture = fast.planes().iter().zip(exact.planes());
                     let picture =
                         worst(picture.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data())));

@@ -27,7 +27,7 @@ fn eye(size: (usize, usize)) -> Eye {
     }
 }
 
-/// From a millimetre to a kilometre, with holes.
+/// From a millimeter to a kilometer, with holes.
 fn range(width: usize, height: usize, scale: f32) -> Plane<f32> {
     Plane::from_fn(width, height, |x, y| match (x, y) {
         (0, 0) => f32::INFINITY,

@@ -6,6 +6,7 @@ use imaging::{Rgb, transfer};
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Given, Plan};
 use optics::setting::Setting;
+use optics::snow::peak;
 use spec::{Camera, Frame, FrameRecord, Scene};
 
 use crate::content::Contents;
@@ -159,6 +160,7 @@ impl Slot {
                 setting: &setting,
                 stats: &lit.measure(&setting),
                 lamps: lit.lamps,
+                snow_peak: peak(&lit.flakes),
                 table_max_255,
             })
         });

@@ -69,7 +69,8 @@ pub struct Training {
     /// Losses on new scenes.
     pub held_out: Parts,
     /// The same for the color transfer alone.
-    pub held_out_colour_transfer: Parts,
+    #[serde(rename = "held_out_colour_transfer")]
+    pub held_out_color_transfer: Parts,
     /// What the network does beyond its color map on new scenes: root mean square, of 255.
     pub branch_rms_255: f64,
     /// Version of the trainer.
@@ -83,7 +84,8 @@ pub struct Parts {
     /// Distance of the texture from the photo's.
     pub texture: f64,
     /// Distance of the colors from the photo's.
-    pub colour: f64,
+    #[serde(rename = "colour")]
+    pub color: f64,
     /// Share of the content that is lost.
     pub content: f64,
 }

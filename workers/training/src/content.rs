@@ -52,7 +52,7 @@ impl Contents {
         if flat < 0.04 {
             let mut picture = Tensor::zeros(3, SIDE, SIDE);
             for channel in 0..3 {
-                let value = chance.between("flat colour", channel, 0.0, 1.0);
+                let value = chance.between("flat color", channel, 0.0, 1.0);
                 picture.plane_mut(channel as usize).fill(value as f32);
             }
             return picture;

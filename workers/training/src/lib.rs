@@ -7,7 +7,7 @@ pub mod content;
 mod layer;
 pub mod loss;
 pub mod network;
-mod optimiser;
+mod optimizer;
 mod photo;
 pub mod real;
 mod score;

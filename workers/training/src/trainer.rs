@@ -8,7 +8,7 @@ use crate::content::{Contents, SIDE};
 use crate::loss::pyramid::Pyramid;
 use crate::loss::{Losses, losses};
 use crate::network::{backward, forward};
-use crate::optimiser::Adam;
+use crate::optimizer::Adam;
 use crate::photo::Photo;
 use crate::tensor::Tensor;
 use crate::transfer::{ColorStats, transfer};
@@ -36,7 +36,7 @@ pub struct Trainer {
     stream: Stream,
     start: Weights,
     weights: Weights,
-    optimiser: Adam,
+    optimizer: Adam,
     steps: usize,
     window: Vec<Losses>,
     best: Option<Best>,
@@ -95,7 +95,7 @@ impl Trainer {
             stream,
             weights: randomized(&start, &stream),
             start,
-            optimiser: Adam::new(),
+            optimizer: Adam::new(),
             steps,
             window: Vec::new(),
             best: None,
@@ -111,12 +111,12 @@ impl Trainer {
     /// Whether all steps are done.
     #[must_use]
     pub fn is_done(&self) -> bool {
-        self.optimiser.done() >= self.steps
+        self.optimizer.done() >= self.steps
     }
 
     /// One step, and the losses before it.
     pub fn step(&mut self) -> Losses {
-        let step = self.optimiser.done() as u64;
+        let step = self.optimizer.done() as u64;
         let crops: Vec<Tensor<f32>> = (0..BATCH)
             .into_par_iter()
             .map(|place| self.crop(step, place))
@@ -140,7 +140,7 @@ impl Trainer {
                 *sum += value;
             }
         }
-        self.optimiser.step(&mut self.weights, gradient, self.steps);
+        self.optimizer.step(&mut self.weights, gradient, self.steps);
         self.remember(losses);
         losses
     }
@@ -170,7 +170,7 @@ impl Trainer {
         {
             self.best = Some(Best {
                 weights: self.weights.clone(),
-                step: self.optimiser.done(),
+                step: self.optimizer.done(),
                 losses,
             });
         }

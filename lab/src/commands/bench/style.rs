@@ -49,7 +49,7 @@ fn ours(library: &Library) -> Result<&StyleModel, Failure> {
 fn speed(text: &mut String, library: &Library, arguments: &StyleBench) -> Result<(), Failure> {
     text.push_str(
         "\n## Time of a frame\n\nMilliseconds on one thread, the fastest of the runs. `johnson` is the network of fast neural \
-         style (9×9 ends, 32-64-128 channels, instance normalisation) on ONNX Runtime, in the same run; `net on ONNX \
+         style (9×9 ends, 32-64-128 channels, instance normalization) on ONNX Runtime, in the same run; `net on ONNX \
          Runtime` is our network there. Frames/s: four sessions at once at 640×480.\n\n\
          | network | 640×480 | 869×565 | 1920×1080 | frames/s, 4 sessions |\n|---|---|---|---|---|\n",
     );

@@ -1,4 +1,4 @@
-//! Tiers of the style stage: the network in f32, its colour table, and the network in f64 as the reference.
+//! Tiers of the style stage: the network in f32, its color table, and the network in f64 as the reference.
 
 use imaging::{Rgb, transfer};
 use lab::chart::{ChartScene, Point, difference, time};

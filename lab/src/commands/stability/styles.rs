@@ -113,8 +113,8 @@ fn of(name: &str, mut session: Session) -> Result<Steadiness, StyleError> {
         }
     }
     let singular = singular_value(&mut run, &part(lively[0], (0, 0), AROUND))?;
-    let colour = |frame: &Rgb<f32>| frame.at(32, 32);
-    let (black, white) = (colour(&run(&flat(0.0))?), colour(&run(&flat(1.0))?));
+    let color = |frame: &Rgb<f32>| frame.at(32, 32);
+    let (black, white) = (color(&run(&flat(0.0))?), color(&run(&flat(1.0))?));
     let mut fails = |&(width, height): &(usize, usize)| {
         let frame = Rgb::from_fn(width, height, |x, y| {
             [x as f32 / width as f32, y as f32 / height as f32, 0.5]
@@ -274,18 +274,18 @@ pub(super) fn markdown(found: &[Steadiness]) -> String {
          frames (the worst of three). Singular value: the largest of the Jacobian for moves within a patch of 10×10 pixels. Flicker: change \
          of a pixel when the scene moves by one pixel. Crop: change of the same pixel in another crop. Both are root mean \
          squares over six scenes, of 255, away from the border. `johnson` is the network of fast neural style with instance \
-         normalisation and random weights: a control for what its form does.\n\n\
+         normalization and random weights: a control for what its form does.\n\n\
          | model | gain | singular value | flicker | crop | black becomes | white becomes | fails at |\n|---|---|---|---|---|---|---|---|\n",
     );
     for model in found {
-        let colour = |[r, g, b]: [f32; 3]| format!("{r:.2} {g:.2} {b:.2}");
+        let color = |[r, g, b]: [f32; 3]| format!("{r:.2} {g:.2} {b:.2}");
         let failed: Vec<String> = model.failed.iter().map(|(w, h)| format!("{w}×{h}")).collect();
         let failed = if failed.is_empty() {
             "none".to_owned()
         } else {
             failed.join(", ")
         };
-        let (name, black, white) = (&model.name, colour(model.black), colour(model.white));
+        let (name, black, white) = (&model.name, color(model.black), color(model.white));
         let (gain, singular) = (model.gain, model.singular);
         let (flicker, crop) = (model.flicker_255, model.crop_255);
         let _ = writeln!(

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_copy_is_recognised_in_a_list_and_a_weak_tag() {
+    fn a_copy_is_recognized_in_a_list_and_a_weak_tag() {
         let mut headers = HeaderMap::new();
         headers.insert(header::IF_NONE_MATCH, "\"x\", W/\"abc\"".parse().unwrap());
         assert!(is_at_hand(&headers, "abc"));

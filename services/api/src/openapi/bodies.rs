@@ -216,7 +216,8 @@ pub(crate) struct TrainingRecord {
     /// Losses on new scenes.
     held_out: Losses,
     /// The same for the color transfer alone.
-    held_out_colour_transfer: Losses,
+    #[schema(rename = "held_out_colour_transfer")]
+    held_out_color_transfer: Losses,
     /// What the network does beyond its color map on new scenes: root mean square, of 255.
     branch_rms_255: f64,
     /// Version of the trainer.
@@ -230,7 +231,8 @@ pub(crate) struct Losses {
     /// Distance of the texture from the photo's.
     texture: f64,
     /// Distance of the colors from the photo's.
-    colour: f64,
+    #[schema(rename = "colour")]
+    color: f64,
     /// Share of the content that is lost.
     content: f64,
 }

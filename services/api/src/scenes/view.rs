@@ -22,7 +22,7 @@ pub(crate) struct SceneView {
     range_digest: Option<String>,
     /// `range` (along the line of sight) or `z_depth` (along the optical axis).
     range_kind: Option<&'static str>,
-    /// Metres of one unit of the range file.
+    /// Meters of one unit of the range file.
     unit_m: Option<f64>,
     /// The code that means "no return".
     invalid_code: Option<u16>,

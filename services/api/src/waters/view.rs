@@ -43,7 +43,7 @@ pub struct WaterView {
     g_per_m: Option<[Option<f64>; 3]>,
     /// Width of the forward-scatter kernel at range 0, radians.
     spread_offset_rad: Option<f64>,
-    /// Growth of that width with range, radians per metre.
+    /// Growth of that width with range, radians per meter.
     spread_rad_per_m: Option<[Option<f64>; 3]>,
     /// The fields above that are derived and not the source's own.
     derived: Vec<&'static str>,

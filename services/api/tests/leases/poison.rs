@@ -115,7 +115,7 @@ impl History {
 }
 
 #[test]
-fn a_frame_that_kills_its_worker_is_given_up_and_its_neighbours_finish() {
+fn a_frame_that_kills_its_worker_is_given_up_and_its_neighbors_finish() {
     for number in 0..HISTORIES {
         let frames = 5 + number % 60;
         let mut history = History {

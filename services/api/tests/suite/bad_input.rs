@@ -301,12 +301,9 @@ fn bad_questions_are_refused_with_what_is_wrong() {
                 .get(&format!("/v1/{list}?limit=many"))
                 .problem(400, "invalid-query");
             let problem = service
-                .get(&format!("/v1/{list}?colour=red"))
+                .get(&format!("/v1/{list}?color=red"))
                 .problem(400, "invalid-query");
-            assert!(
-                problem["detail"].as_str().unwrap().contains("colour"),
-                "{problem}"
-            );
+            assert!(problem["detail"].as_str().unwrap().contains("color"), "{problem}");
         }
         service.get("/v1/images/job_x/first").problem(400, "invalid-path");
         service.get("/v1/images/job_x/0").problem(404, "not-found");

@@ -13,7 +13,7 @@ fn finished() -> (Running, String) {
 }
 
 #[test]
-fn an_artifact_carries_its_digest_and_copies_are_recognised() {
+fn an_artifact_carries_its_digest_and_copies_are_recognized() {
     let (service, id) = finished();
     let path = format!("/v1/images/{id}/0/artifacts/rgb");
     let whole = service.get(&path);

@@ -51,7 +51,7 @@ fn an_uploaded_scene_becomes_an_image_in_water() {
         clear < 1.0,
         "{clear}: a millionth of the water changes nothing that one can see"
     );
-    assert!(murky > 5.0, "{murky}: six metres of coastal water do");
+    assert!(murky > 5.0, "{murky}: six meters of coastal water do");
     let record = service.get(&format!("/v1/images/{id}/1")).json();
     assert_eq!(record["counts"]["holes"], 90, "{record}");
     let rows = service

@@ -220,9 +220,9 @@ fn results_and_errors_can_be_read_in_every_state() {
 #[test]
 fn a_dataset_is_a_table_with_the_same_cells_in_both_forms() {
     let service = start();
-    let mut labelled = job();
-    labelled["labels"] = json!({"run": "a, \"b\""});
-    let id = service.submit(&labelled);
+    let mut labeled = job();
+    labeled["labels"] = json!({"run": "a, \"b\""});
+    let id = service.submit(&labeled);
     Fake::register(&service).work();
     let answer = service.get("/v1/datasets/tests/metadata.jsonl");
     assert_eq!(answer.status, 200, "{}", answer.text());

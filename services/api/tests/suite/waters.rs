@@ -125,7 +125,7 @@ fn a_name_is_taken_once() {
 fn everything_wrong_with_a_water_is_said_at_once_and_nothing_is_stored() {
     let service = start();
     let before = service.get("/v1/waters").text();
-    let wrong = json!({"name": "a/b", "wavelength_nm": [450, 550, 650], "colour": "green",
+    let wrong = json!({"name": "a/b", "wavelength_nm": [450, 550, 650], "color": "green",
         "absorption_per_m": [-1, 0.2, 0.5], "veiling_light": [0.1, 0.2]});
     let problem = service.post("/v1/waters", &wrong).problem(422, "validation");
     let pointers: Vec<_> = problem["errors"]
@@ -135,7 +135,7 @@ fn everything_wrong_with_a_water_is_said_at_once_and_nothing_is_stored() {
         .map(|e| e["pointer"].as_str().unwrap())
         .collect();
     for pointer in [
-        "/colour",
+        "/color",
         "/name",
         "/source",
         "/absorption_per_m/0",

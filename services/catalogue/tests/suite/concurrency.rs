@@ -30,7 +30,7 @@ async fn the_same_frames_from_many_callers_become_one_image_each() {
                 if catalogue.insert_image("job_a", &record, step).await.unwrap() == InsertImage::Inserted {
                     inserted.push(frame);
                 }
-                // Neighbours in the same transaction that fail must not touch the others.
+                // Neighbors in the same transaction that fail must not touch the others.
                 if step % 10 == caller % 10 {
                     let nowhere = catalogue.insert_image("job_x", &record, step).await;
                     assert!(matches!(nowhere, Err(CatalogueError::NotFound { .. })));

@@ -12,7 +12,7 @@ pub(crate) struct Arguments {
     /// Enhancement method
     #[arg(value_parser = method)]
     method: Method,
-    /// Picture to enhance (PNG, JPEG or WebP; 8 or 16 bit, gray or colour)
+    /// Picture to enhance (PNG, JPEG or WebP; 8 or 16 bit, gray or color)
     input: PathBuf,
     /// Where to write the result (.png, .jpg or .webp)
     output: PathBuf,

@@ -120,7 +120,7 @@ fn read(path: &Path) -> Result<Given, Failure> {
     })
 }
 
-/// Writes the colour transfer first, so that there is something to look at and a folder that cannot be written is known
+/// Writes the color transfer first, so that there is something to look at and a folder that cannot be written is known
 /// before the work; then the network.
 fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<(), Failure> {
     let photos: Vec<Photo> = given.iter().map(|given| given.photo.clone()).collect();
@@ -150,8 +150,8 @@ fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<()
             best.step
         );
     }
-    println!("{:16} texture  colour  content", "on new scenes");
-    for (name, score) in [("colour transfer", start), (arguments.name.as_str(), score)] {
+    println!("{:16} texture  color  content", "on new scenes");
+    for (name, score) in [("color transfer", start), (arguments.name.as_str(), score)] {
         let parts = score.losses;
         println!(
             "{name:16} {:7.3} {:7.3} {:8.3}",

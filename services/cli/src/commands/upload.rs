@@ -23,8 +23,8 @@ pub(crate) struct Arguments {
     /// Distances along the optical axis (16-bit PNG, NPY, or EXR with a channel Z)
     #[arg(long, value_name = "FILE")]
     z_depth: Option<PathBuf>,
-    /// Metres of one unit of the range file
-    #[arg(long, value_name = "METRES")]
+    /// Meters of one unit of the range file
+    #[arg(long, value_name = "METERS")]
     unit_m: Option<f64>,
     /// The code that means "no return" in an integer range file
     #[arg(long, value_name = "CODE")]

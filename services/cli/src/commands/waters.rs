@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 pub(crate) struct Arguments {
     #[command(subcommand)]
     action: Option<Action>,
-    /// Print one JSON array, with sources, licences and caveats
+    /// Print one JSON array, with sources, licenses and caveats
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let rows: Vec<Vec<String>> = waters.iter().map(row).collect();
     println!("{}", table(&HEADER, &rows));
-    println!("\n–, ?: not known. Sources, licences, caveats and what is derived: fathom waters --json");
+    println!("\n–, ?: not known. Sources, licenses, caveats and what is derived: fathom waters --json");
     Ok(())
 }
 

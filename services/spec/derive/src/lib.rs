@@ -7,7 +7,7 @@
 //! /// Marine snow.
 //! #[derive(Described)]
 //! pub struct Snow {
-//!     /// particles per cubic metre; at most 400 000 in view
+//!     /// particles per cubic meter; at most 400 000 in view
 //!     #[field(within(0.0, 1e6), unit = "1/m³")]
 //!     pub density_per_m3: f64,
 //!     /// median radius

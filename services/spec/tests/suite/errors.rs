@@ -49,7 +49,7 @@ fn an_error_names_field_value_and_limit() {
 }
 
 #[test]
-fn errors_serialise_without_what_is_empty() {
+fn errors_serialize_without_what_is_empty() {
     let error = only_error(json!({"alpha": 1.5}));
     let text = json!({"pointer": "/alpha", "message": error.message, "value": 1.5, "limit": "0..=1"});
     assert_eq!(serde_json::to_value(&error).unwrap(), text);

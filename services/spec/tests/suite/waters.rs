@@ -265,12 +265,12 @@ fn a_good_water_is_read_and_its_canonical_form_reads_the_same() {
 
 #[test]
 fn all_errors_of_a_water_are_listed_with_their_places() {
-    let wrong = json!({"name": "a/b", "wavelength_nm": [450, 550, 650], "colour": "green",
+    let wrong = json!({"name": "a/b", "wavelength_nm": [450, 550, 650], "color": "green",
         "absorption_per_m": [-1, 0.2, 0.5], "scattering_per_m": [1.0, "x", 1.3], "backscatter_fraction": 3});
     let errors = parse_own(wrong.to_string().as_bytes(), &[]).unwrap_err().0;
     let pointers: Vec<_> = errors.iter().map(|error| error.pointer.as_str()).collect();
     let expected = [
-        "/colour",
+        "/color",
         "/name",
         "/source",
         "/absorption_per_m/0",

@@ -1,5 +1,5 @@
 //! Gray world: the mean of a scene is taken to be gray, so each channel is scaled to the mean of all (Buchsbaum 1980,
-//! "A spatial processor model for object colour perception").
+//! "A spatial processor model for object color perception").
 //!
 //! `c' = c · m / m_c`, with `m_c` the mean of channel c and `m` the mean of the three. A channel without light stays black.
 

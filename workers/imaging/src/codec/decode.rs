@@ -67,7 +67,7 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
         // Fewer bits were stretched to 8 on the way, so the codes would no longer be those of the file.
         (Channels::Gray, None, _) => Some("a picture of less than 8 bits"),
         (Channels::Gray, Some(_), _) => Some("a picture with alpha"),
-        (Channels::Rgb, ..) => Some("a colour picture"),
+        (Channels::Rgb, ..) => Some("a color picture"),
     };
     if let Some(found) = found {
         return Err(DecodeError::Unsuitable {

@@ -111,12 +111,12 @@ fn a_range_file_has_one_gray_channel_of_whole_bytes_and_no_alpha() {
     let color = codec::encode_png(&Raster::from(super::ramp(3, 3))).unwrap();
     assert_eq!(
         refused(&color),
-        format!("the file holds a colour picture but {wanted}")
+        format!("the file holds a color picture but {wanted}")
     );
     let palette = file(1, 1, 8, PALETTE, &[(b"PLTE", &[1, 2, 3])], &[0, 0]);
     assert_eq!(
         refused(&palette),
-        format!("the file holds a colour picture but {wanted}")
+        format!("the file holds a color picture but {wanted}")
     );
     let alpha = file(1, 1, 8, GRAY_ALPHA, &[], &[0, 7, 255]);
     assert_eq!(

@@ -152,7 +152,7 @@ impl Rounding {
         let fade = (-self.attenuation / q).exp();
         let profile = (4.0 + 2.0 * self.slope) * way + (12.0 + 6.0 * self.slope) * STEP + 3e-7;
         let exponent = (way + 3.0 * STEP + self.murk * s.max(1.0)) / std::f64::consts::E;
-        // Beyond a thousand kilometres the fast form looks no farther.
+        // Beyond a thousand kilometers the fast form looks no farther.
         self.intensity * (q * q * (fade * profile + exponent) + 1e-12)
     }
 }

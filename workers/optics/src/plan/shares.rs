@@ -16,6 +16,8 @@ const DARK: f64 = 1.0 / 255.0 / 12.92;
 const GLOW: f64 = 0.25;
 /// Share of the snow: wider discs cost next to nothing.
 const SNOW: f64 = 0.125;
+/// What f32 may lose where particles lie over one another, for light up to 1: half of it was seen, with thousands on one pixel.
+const SNOW_ROUNDING: f64 = 4e-6;
 /// What is left for the water where rounding alone uses up its share.
 const LEAST: f64 = 0.125;
 
@@ -26,6 +28,8 @@ pub(super) struct Shares {
     pub(super) tolerance: Option<f64>,
     /// Marine snow.
     pub(super) snow: f64,
+    /// Rounding of the snow.
+    pub(super) snow_rounding: f64,
     /// Rounding of paths through patchy water, as it arrives in the picture.
     pub(super) path: f64,
     /// Rounding of surfaces that lamps light, as it arrives in the picture.
@@ -48,11 +52,17 @@ impl Shares {
         let snow = if frame.water.snow.is_some() { SNOW } else { 0.0 };
         let path = around.map_or(0.0, |water| PILED_UP * path(stats, water, setting));
         let surfaces = PILED_UP * lamps.surface_rounding;
-        let others = lamps.glow_left + lamps.glow_rounding + path + surfaces;
+        let snow_rounding = if frame.water.snow.is_some() {
+            SNOW_ROUNDING * levels::brightest_behind(given).max(given.snow_peak)
+        } else {
+            0.0
+        };
+        let others = lamps.glow_left + lamps.glow_rounding + path + surfaces + snow_rounding;
         let left = |whole: f64| ((1.0 - snow) * whole - others).max(LEAST * whole);
         Self {
             tolerance,
             snow: snow * tolerance.unwrap_or(TOLERANCE),
+            snow_rounding,
             path,
             surfaces,
             water: tolerance.map(left),

@@ -6,9 +6,9 @@ use super::Preset;
 use super::jerlov::{NM_TABLE, diffuse_attenuation};
 
 const JERLOV: &str = "Jerlov 1976, Marine Optics: downwelling K_d, from a secondary transcription";
-const PRINTED: &str = "UWCNN (Li, Anwar & Porikli 2020), its table of transmission per metre N as printed: K_d = -ln N, from a \
+const PRINTED: &str = "UWCNN (Li, Anwar & Porikli 2020), its table of transmission per meter N as printed: K_d = -ln N, from a \
      secondary transcription";
-const CORRECTED: &str = "Jerlov 1968, Optical Oceanography, transmission per metre at 600, 525 and 475 nm: K_d = -ln N, from a \
+const CORRECTED: &str = "Jerlov 1968, Optical Oceanography, transmission per meter at 600, 525 and 475 nm: K_d = -ln N, from a \
      secondary transcription";
 const UNKNOWN: &str = "unknown";
 

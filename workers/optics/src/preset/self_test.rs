@@ -86,7 +86,7 @@ fn alone(preset: &Preset, defects: &mut Vec<Defect>) {
         let [_, green, blue] = values.map(|value| value.unwrap_or(0.0));
         if green > CLEAR_LIMIT_PER_M || blue > CLEAR_LIMIT_PER_M {
             report(format!(
-                "clear water {kind} {green} and {blue} per metre in green and blue"
+                "clear water {kind} {green} and {blue} per meter in green and blue"
             ));
         }
     }

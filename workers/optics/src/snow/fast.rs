@@ -2,22 +2,17 @@
 
 use imaging::{Plane, Rgb};
 
+use super::LitFlake;
 use super::flakes::REACH;
-use super::{Flake, Surround};
 use crate::extremes::brightest;
 use crate::range::is_hole;
 
-/// [`snow_reference`](super::snow_reference) in place with an error below `tolerance` in linear light, rounding of f32 apart.
+/// [`snow_reference`](super::snow_reference) in place with an error below `tolerance` in linear light, rounding of f32 apart;
+/// `range` in meters along the ray, behind which nothing is seen. A hole has no end.
 /// Over-laying only ever shrinks an error from below, so the errors of the particles add at most: each may leave out what it
 /// changes by less than tolerance / number of particles.
 #[must_use]
-pub fn snow(
-    image: &mut Rgb<f32>,
-    flakes: &[Flake],
-    albedo: [f64; 3],
-    surround: &Surround<'_>,
-    tolerance: f64,
-) -> Plane<f32> {
+pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, tolerance: f64) -> Plane<f32> {
     let (width, height) = image.size();
     // Both grow from 0, so that many faint particles keep their digits.
     let mut change = Rgb::from_fn(width, height, |_, _| [0.0f32; 3]);
@@ -25,11 +20,12 @@ pub fn snow(
     let share = tolerance / flakes.len().max(1) as f64;
     let mut brightest = brightest(image).map(f64::from);
     let mut weights = Vec::new();
-    for flake in flakes {
-        let light = (surround.light)(flake.place);
-        let path = (surround.path)(flake.place, flake.range_m);
-        let opacity = surround.attenuation.map(|c| flake.opacity * (-c * path).exp());
-        let color = [0, 1, 2].map(|i| albedo[i] * light[i]);
+    for LitFlake {
+        flake,
+        opacity,
+        color,
+    } in flakes
+    {
         let most = (0..3).fold(0.0f64, |most, i| {
             brightest[i] = brightest[i].max(color[i]);
             most.max(opacity[i] * brightest[i])
@@ -58,7 +54,7 @@ pub fn snow(
             let down = falloff(row as f64 - flake.center[1]);
             let opacity = opacity.map(|v| (v * down) as f32);
             let at = row * width + columns.start..row * width + columns.end;
-            let behind = &surround.range.data()[at.clone()];
+            let behind = &range.data()[at.clone()];
             let base = image.planes().each_ref().map(|plane| &plane.data()[at.clone()]);
             let [red, green, blue] = change.planes_mut().map(|plane| &mut plane[at.clone()]);
             let mask = &mut mask.data_mut()[at];

@@ -2,7 +2,7 @@
 
 use imaging::{Plane, Rgb};
 
-use super::{Flake, Surround};
+use super::{Flake, LitFlake, Surround, lit};
 use crate::range::is_hole;
 
 /// Lays the particles, given the farthest first, over a picture in linear light; returns the picture and the opacity that they
@@ -15,21 +15,16 @@ pub fn snow_reference(
     albedo: [f64; 3],
     surround: &Surround<'_>,
 ) -> (Rgb<f64>, Plane<f64>) {
-    let lit: Vec<([f64; 3], [f64; 3])> = flakes
-        .iter()
-        .map(|flake| {
-            let path = (surround.path)(flake.place, flake.range_m);
-            let light = (surround.light)(flake.place);
-            (
-                surround.attenuation.map(|c| flake.opacity * (-c * path).exp()),
-                [0, 1, 2].map(|i| albedo[i] * light[i]),
-            )
-        })
-        .collect();
+    let lit = lit(flakes, albedo, surround);
     let pixel = |x: usize, y: usize| {
         let behind = f64::from(surround.range.at(x, y));
         let (mut light, mut clear) = (image.at(x, y), 1.0);
-        for (flake, (opacity, color)) in flakes.iter().zip(&lit) {
+        for LitFlake {
+            flake,
+            opacity,
+            color,
+        } in &lit
+        {
             if !is_hole(behind) && behind <= flake.range_m {
                 continue;
             }

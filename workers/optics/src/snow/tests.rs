@@ -29,7 +29,8 @@ fn fall(eye: &Eye, snow: &Snow, world: World, range: f32, attenuation: f64) -> (
         light: &|_| [1.0; 3],
     };
     let found = flakes(eye, snow, world, SIZE);
-    let mask = super::snow(&mut image, &found, snow.albedo, &surround, 1e-6);
+    let found = lit(&found, snow.albedo, &surround);
+    let mask = super::snow(&mut image, &found, &range, 1e-6);
     (image, mask)
 }
 

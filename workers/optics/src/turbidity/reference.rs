@@ -15,7 +15,7 @@ const NODES: usize = 12;
 /// More panels would not end.
 const MOST_PANELS: f64 = 1e5;
 
-/// `τ = ∫₀^Z m dt` of every pixel in meters, at least a millimetre: Gauss–Legendre quadrature with 12 nodes on panels of half a
+/// `τ = ∫₀^Z m dt` of every pixel in meters, at least a millimeter: Gauss–Legendre quadrature with 12 nodes on panels of half a
 /// scale. Holes stay holes, unless the rule gives them a range.
 #[must_use]
 pub fn optical_path_reference(

@@ -70,7 +70,7 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         None => checks.daylight_veil(request, diffuse_attenuation),
     };
     if veiling_light.is_none() && given_veil.is_none() && is_complete {
-        let reason = "give it, or diffuse_attenuation_per_m to derive its colour from";
+        let reason = "give it, or diffuse_attenuation_per_m to derive its color from";
         checks.missing("veiling_light", reason);
     }
     let medium = Medium {

@@ -34,7 +34,7 @@ pub(crate) struct Attack {
 pub(crate) struct Frame {
     /// Linear light.
     pub(crate) radiance: Rgb<f32>,
-    /// Metres along the ray.
+    /// Meters along the ray.
     pub(crate) range: Plane<f32>,
     /// Water that attenuates everything at once and absorbs nothing, or nothing at all.
     pub(crate) water: Water,

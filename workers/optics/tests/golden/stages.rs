@@ -96,7 +96,7 @@ fn water(case: &Case) -> Water {
 /// `range=<m>` replaces holes; any other text describes the default.
 fn hole_rule(text: &str) -> HoleRule {
     match text.strip_prefix("range=") {
-        Some(meters) => HoleRule::RangeM(meters.parse().expect("metres")),
+        Some(meters) => HoleRule::RangeM(meters.parse().expect("meters")),
         None => HoleRule::Background,
     }
 }

@@ -7,10 +7,12 @@ use optics::lamp::{self, Airlight, Irradiance, Lighting, REFERENCE_NODES};
 use optics::plan::{Form, LampLight, SceneStats, glow_share};
 use optics::range::is_hole;
 use optics::setting::Setting;
+use optics::snow::LitFlake;
 use optics::turbidity;
 use spec::Frame;
 
 use super::scene::Prepared;
+use super::snow;
 use crate::stopwatch::Stopwatch;
 
 /// A scene in its light.
@@ -24,6 +26,8 @@ pub(crate) struct Lit {
     pub(crate) glow: Option<Rgb<f32>>,
     /// What the plan has to know of the light of the lamps.
     pub(crate) lamps: LampLight,
+    /// Particles of snow in their light; none without snow, and where the reference draws its own.
+    pub(crate) flakes: Vec<LitFlake>,
     /// Whether a lamp lights any of the scene.
     pub(crate) shines: bool,
 }
@@ -44,6 +48,7 @@ impl Lit {
             patchy: watch.time("turbidity", || path(form, frame, range?, setting)),
             glow: None,
             lamps: LampLight::default(),
+            flakes: Vec::new(),
             shines: false,
         };
         if let (Some(lighting), Some(range)) = (&setting.lighting, range) {
@@ -53,6 +58,9 @@ impl Lit {
                     lit.add_glow(form, lighting, range, glow_share(frame));
                 }
             });
+        }
+        if let (Form::Fast, Some(law), Some(range)) = (form, &setting.snow, range) {
+            lit.flakes = watch.time("snow", || snow::lit(setting, law, range));
         }
         lit
     }

@@ -4,7 +4,8 @@ use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::lamp;
 use optics::plan::Form;
-use optics::snow::{self, Surround};
+use optics::setting::Setting;
+use optics::snow::{self, LitFlake, Surround};
 use serde_json::json;
 use spec::{FrameRecord, Snow};
 
@@ -21,8 +22,20 @@ struct Fallen {
 /// Draws the snow over the picture and returns its opacity; none without snow or range, or where the plan skips it.
 pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Option<Plane<f32>> {
     let (law, range) = (shot.setting.snow.as_ref()?, shot.prepared.scene.range.as_ref()?);
-    let drawn = shot.plan.snow.form != Form::Skip;
-    let fallen = drawn.then(|| fall(shot, law, range, &mut layers.scattered));
+    let picture = &mut layers.scattered;
+    let fallen = match shot.plan.snow.form {
+        Form::Skip => None,
+        Form::Fast => Some(Fallen {
+            particles: shot.lit.flakes.len(),
+            mask: snow::snow(
+                picture,
+                &shot.lit.flakes,
+                range,
+                shot.plan.snow.share.unwrap_or_default(),
+            ),
+        }),
+        Form::Reference => Some(fall_reference(&shot.setting, law, range, picture)),
+    };
     let particles = fallen.as_ref().map_or(0, |fallen| fallen.particles);
     let cover = fallen.as_ref().map_or(0.0, |fallen| {
         let sum: f64 = fallen.mask.data().iter().map(|&v| f64::from(v)).sum();
@@ -33,8 +46,29 @@ pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord
     fallen.map(|fallen| fallen.mask)
 }
 
-fn fall(shot: &Shot<'_>, law: &Snow, range: &Plane<f32>, picture: &mut Rgb<f32>) -> Fallen {
-    let (setting, step) = (&shot.setting, &shot.plan.snow);
+/// The particles in view as they are lit, the farthest first.
+pub(crate) fn lit(setting: &Setting, law: &Snow, range: &Plane<f32>) -> Vec<LitFlake> {
+    let flakes = snow::flakes(&setting.eye, law, setting.world, range.size());
+    surrounded(setting, range, |surround| {
+        snow::lit(&flakes, law.albedo, surround)
+    })
+}
+
+fn fall_reference(setting: &Setting, law: &Snow, range: &Plane<f32>, picture: &mut Rgb<f32>) -> Fallen {
+    let flakes = snow::flakes(&setting.eye, law, setting.world, range.size());
+    let wide = picture.map(|&v| f64::from(v));
+    let (exact, mask) = surrounded(setting, range, |surround| {
+        snow::snow_reference(&wide, &flakes, law.albedo, surround)
+    });
+    *picture = exact.map(|&v| v as f32);
+    Fallen {
+        particles: flakes.len(),
+        mask: mask.map(|&v| v as f32),
+    }
+}
+
+/// Hands out what the particles of a setting hang in.
+fn surrounded<T>(setting: &Setting, range: &Plane<f32>, see: impl FnOnce(&Surround<'_>) -> T) -> T {
     let (eye, gain) = (&setting.eye, setting.gain());
     let patches = setting.patches.map(|field| field.seen_from(eye));
     let path = |place: [f64; 3], meters: f64| match &patches {
@@ -48,27 +82,13 @@ fn fall(shot: &Shot<'_>, law: &Snow, range: &Plane<f32>, picture: &mut Rgb<f32>)
         }
         None => gain,
     };
-    let surround = Surround {
+    see(&Surround {
         range,
         eye,
         attenuation: setting.attenuation(),
         path: &path,
         light: &light,
-    };
-    let flakes = snow::flakes(eye, law, setting.world, range.size());
-    let mask = if step.form == Form::Reference {
-        let wide = picture.map(|&v| f64::from(v));
-        let (exact, mask) = snow::snow_reference(&wide, &flakes, law.albedo, &surround);
-        *picture = exact.map(|&v| v as f32);
-        mask.map(|&v| v as f32)
-    } else {
-        let share = step.share.unwrap_or_default();
-        snow::snow(picture, &flakes, law.albedo, &surround, share)
-    };
-    Fallen {
-        particles: flakes.len(),
-        mask,
-    }
+    })
 }
 
 /// The mask as 8-bit codes, 255 = opaque; all 0 where nothing was drawn.

@@ -96,7 +96,7 @@ fn the_layers_add_up_to_the_picture_after_the_water() {
 }
 
 #[test]
-fn range_is_stored_in_millimetres_with_holes_as_zero() {
+fn range_is_stored_in_millimeters_with_holes_as_zero() {
     let files = Files::new();
     let rendered = render(&files.job(&json!({"artifacts": ["range"]})));
     let FilePlane::Codes(codes) = decode_plane(file(&rendered, "range")).unwrap() else {

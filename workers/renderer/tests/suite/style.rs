@@ -67,7 +67,7 @@ fn a_frame_names_its_model_and_the_runtime_if_that_ran() {
 }
 
 #[test]
-fn a_colour_table_takes_the_place_of_the_network_where_it_is_asked_for_or_allowed() {
+fn a_color_table_takes_the_place_of_the_network_where_it_is_asked_for_or_allowed() {
     let files = Files::new();
     let ran = |tier: &str, tolerance: f64, style: &str| {
         let water = json!({"style": style, "style_tier": tier});

@@ -13,7 +13,7 @@ struct Look {
     mean: [f64; 3],
     /// Standard deviation of the brightness of all pixels.
     contrast: f64,
-    /// Mean difference of the brightness of neighbours, at full size and at an eighth of it.
+    /// Mean difference of the brightness of neighbors, at full size and at an eighth of it.
     fine: f64,
     coarse: f64,
 }
@@ -28,7 +28,7 @@ pub(super) fn compare(text: &mut String, library: &Library) -> Result<(), Failur
     }
     text.push_str(
         "\n## The waters\n\nOver 16 new scenes at alpha 1, of 255. Contrast: standard deviation of the brightness over all pixels. \
-         Texture: mean difference of the brightness of neighbouring pixels, at full size and after a mean over 8×8.\n\n\
+         Texture: mean difference of the brightness of neighboring pixels, at full size and after a mean over 8×8.\n\n\
          | water | mean red | green | blue | contrast | texture | texture at 1/8 |\n|---|---|---|---|---|---|---|\n",
     );
     for look in &looks {
@@ -40,7 +40,7 @@ pub(super) fn compare(text: &mut String, library: &Library) -> Result<(), Failur
         );
     }
     text.push_str(
-        "\n| between | mean colours apart | contrast, ratio | texture, ratio | texture at 1/8, ratio |\n|---|---|---|---|---|\n",
+        "\n| between | mean colors apart | contrast, ratio | texture, ratio | texture at 1/8, ratio |\n|---|---|---|---|---|\n",
     );
     for (index, one) in looks.iter().enumerate() {
         for other in &looks[index + 1..] {
@@ -117,8 +117,8 @@ fn roughness(gray: &[Vec<f64>]) -> f64 {
         for (x, value) in row.iter().enumerate() {
             let right = row.get(x + 1);
             let below = gray.get(y + 1).map(|row| &row[x]);
-            for neighbour in right.into_iter().chain(below) {
-                sum += (value - neighbour).abs();
+            for neighbor in right.into_iter().chain(below) {
+                sum += (value - neighbor).abs();
                 count += 1.0;
             }
         }

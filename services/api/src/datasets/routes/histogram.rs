@@ -21,7 +21,7 @@ pub(crate) struct Parameters {
     min: Option<f64>,
     /// The last edge.
     max: Option<f64>,
-    /// Only images that fulfil this.
+    /// Only images that fulfill this.
     filter: Option<String>,
 }
 

@@ -17,7 +17,7 @@ use crate::limits::ROWS_BATCH;
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Only images that fulfil this.
+    /// Only images that fulfill this.
     #[param(example = "uiqm > 0.8")]
     filter: Option<String>,
 }

@@ -17,7 +17,7 @@ pub(crate) struct Parameters {
     /// A column of `GET /v1/datasets/{name}`; images with the same value form a group.
     #[param(example = "water.style")]
     group_by: Option<String>,
-    /// Only images that fulfil this.
+    /// Only images that fulfill this.
     filter: Option<String>,
 }
 

@@ -21,7 +21,7 @@ pub(crate) struct SceneUpload {
     /// Distances along the optical axis, as depth cameras give them; needs the camera.
     #[schema(value_type = Option<String>, format = Binary)]
     z_depth: Option<Vec<u8>>,
-    /// Metres of one unit of the file. Required for integer files.
+    /// Meters of one unit of the file. Required for integer files.
     unit_m: Option<f64>,
     /// The code that means "no return". Required for integer files.
     invalid_code: Option<u16>,

@@ -11,9 +11,9 @@ pub(crate) fn png(width: usize, height: usize) -> Vec<u8> {
     encode_png(&picture.into()).unwrap()
 }
 
-/// Range as float NPY, in metres.
-pub(crate) fn range_npy(width: usize, height: usize, metres: impl Fn(usize, usize) -> f32) -> Vec<u8> {
-    encode_npy_plane(&Plane::from_fn(width, height, metres))
+/// Range as float NPY, in meters.
+pub(crate) fn range_npy(width: usize, height: usize, meters: impl Fn(usize, usize) -> f32) -> Vec<u8> {
+    encode_npy_plane(&Plane::from_fn(width, height, meters))
 }
 
 /// Range as 16-bit PNG, 1000 everywhere.

@@ -72,7 +72,7 @@ fn values_are_bound_in_the_order_of_their_places() {
 }
 
 #[test]
-fn an_unknown_column_has_its_place_and_its_neighbour() {
+fn an_unknown_column_has_its_place_and_its_neighbor() {
     let error = compiled("alpha > 0 and uiqn > 1").unwrap_err();
     assert_eq!(
         (error.position, error.did_you_mean.as_deref()),

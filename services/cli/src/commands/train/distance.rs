@@ -1,4 +1,4 @@
-//! How far a style's colour table is from its network, on new scenes.
+//! How far a style's color table is from its network, on new scenes.
 
 use imaging::{Plane, Rgb, lab, transfer};
 use rayon::prelude::*;
@@ -11,8 +11,8 @@ struct Scene {
     /// Differences of samples, of 255.
     differences: Vec<f64>,
     similarity: f64,
-    /// Mean colour difference of its pixels.
-    colour: f64,
+    /// Mean color difference of its pixels.
+    color: f64,
 }
 
 pub(super) fn measure(weights: &Weights) -> TableDistance {
@@ -33,7 +33,7 @@ pub(super) fn measure(weights: &Weights) -> TableDistance {
         Scene {
             differences: pairs.map(|(a, b)| f64::from((a - b).abs()) * 255.0).collect(),
             similarity: quality::ssim_reference(&gray(&exact), &gray(&near)),
-            colour: places.map(apart).sum::<f64>() / pixels,
+            color: places.map(apart).sum::<f64>() / pixels,
         }
     };
     let scenes: Vec<Scene> = training::new_scenes().par_iter().map(of_scene).collect();
@@ -52,7 +52,7 @@ pub(super) fn measure(weights: &Weights) -> TableDistance {
         high_255: rounded(differences[last - last / 1000]),
         max_255: rounded(differences[last]),
         ssim: rounded(mean(|scene| scene.similarity)),
-        delta_e: rounded(mean(|scene| scene.colour)),
+        delta_e: rounded(mean(|scene| scene.color)),
     }
 }
 
@@ -63,7 +63,7 @@ fn gray(picture: &Rgb<f32>) -> Plane<u8> {
     })
 }
 
-/// CIE Lab of an sRGB-encoded colour.
-fn lab_of(colour: [f32; 3]) -> [f64; 3] {
-    lab::of_linear(colour.map(|value| transfer::decode(f64::from(value))))
+/// CIE Lab of an sRGB-encoded color.
+fn lab_of(color: [f32; 3]) -> [f64; 3] {
+    lab::of_linear(color.map(|value| transfer::decode(f64::from(value))))
 }

@@ -66,9 +66,9 @@ impl Product<'_> {
         } = self.arguments;
         let mut caveats = vec!["paints no discrete particles".to_owned()];
         if best.step == 0 {
-            caveats.push("the colour transfer alone: no network was trained".to_owned());
+            caveats.push("the color transfer alone: no network was trained".to_owned());
         } else if score.branch < LEAST_BRANCH {
-            caveats.push("the network adds almost nothing to its colour map".to_owned());
+            caveats.push("the network adds almost nothing to its color map".to_owned());
         }
         if best.step > 0 && done < *steps as usize {
             caveats.push(format!("training was stopped after {done} of {steps} steps"));
@@ -78,7 +78,7 @@ impl Product<'_> {
             file: format!("{name}.onnx"),
             sha256: imaging::digest::sha256(model),
             architecture: "a context branch at quarter resolution, a thin branch at full resolution and an affine \
-                           colour map; opset 17, fp32"
+                           color map; opset 17, fp32"
                 .to_owned(),
             parameters: Some(PARAMETERS as u64),
             source: self.arguments.source.clone(),
@@ -97,7 +97,7 @@ impl Product<'_> {
                 kept_step: best.step,
                 losses: parts(&best.losses),
                 held_out: parts(&score.losses),
-                held_out_colour_transfer: parts(&self.start.losses),
+                held_out_color_transfer: parts(&self.start.losses),
                 branch_rms_255: rounded(score.branch),
                 code_version: env!("CARGO_PKG_VERSION").to_owned(),
             }),
@@ -109,7 +109,7 @@ impl Product<'_> {
 fn parts(losses: &Losses) -> Parts {
     Parts {
         texture: rounded(losses.texture),
-        colour: rounded(losses.color),
+        color: rounded(losses.color),
         content: rounded(losses.content),
     }
 }

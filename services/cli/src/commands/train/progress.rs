@@ -39,8 +39,8 @@ impl TrainingProgress {
             [0, 1, 2].map(|part| shown[part] * (1.0 - NEWEST) + now[part] * NEWEST)
         });
         self.shown = Some(shown);
-        let [texture, colour, content] = shown;
-        let message = format!("steps · texture {texture:.3} colour {colour:.3} content {content:.3}");
+        let [texture, color, content] = shown;
+        let message = format!("steps · texture {texture:.3} color {color:.3} content {content:.3}");
         self.bar.set_with(done as u64, message);
         if self
             .written
@@ -53,7 +53,7 @@ impl TrainingProgress {
 
     fn write(&mut self, done: usize) -> Result<(), Failure> {
         let Some(file) = &self.file else { return Ok(()) };
-        let named = |[texture, colour, content]: [f64; 3]| json!({"texture": texture, "colour": colour, "content": content});
+        let named = |[texture, color, content]: [f64; 3]| json!({"texture": texture, "colour": color, "content": content});
         let losses = self.shown.map(named);
         self.written = Some(Instant::now());
         files::write(
