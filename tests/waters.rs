@@ -43,7 +43,7 @@ fn waters() -> Vec<Value> {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-fn of<'a>(waters: &'a [Value], name: &str) -> &'a Value {
+fn named<'a>(waters: &'a [Value], name: &str) -> &'a Value {
     waters.iter().find(|water| water["name"] == name).unwrap()
 }
 
@@ -94,18 +94,18 @@ fn every_water_says_all_that_is_known_of_it_and_no_more() {
 #[test]
 fn what_a_source_does_not_say_stays_unknown() {
     let waters = waters();
-    let partly = of(&waters, "jerlov-5C/solonenko2015");
+    let partly = named(&waters, "jerlov-5C/solonenko2015");
     assert_eq!(
         partly["absorption_per_m"],
         serde_json::json!([null, 0.117, 0.297])
     );
     assert!(partly["unrenderable"].is_string());
-    let daylight = of(&waters, "kd-II/jerlov1976");
+    let daylight = named(&waters, "kd-II/jerlov1976");
     assert_eq!(daylight["diffuse_attenuation_per_m"][2], 0.068);
     for field in ["absorption_per_m", "scattering_per_m", "beam_attenuation_per_m"] {
         assert!(daylight[field].is_null(), "{field}");
     }
-    let measured = of(&waters, "jerlov-3C/williamson2022");
+    let measured = named(&waters, "jerlov-3C/williamson2022");
     assert_eq!(
         measured["wavelength_nm"],
         serde_json::json!([650.0, 555.0, 440.0])

@@ -158,7 +158,7 @@ mod tests {
             .filter(|o| o.is_broken() || o.is_silent())
             .collect();
         assert!(broken.is_empty(), "{broken:#?}");
-        let summary = Summary::of(&outcomes);
+        let summary = Summary::new(&outcomes);
         assert!(
             summary.excess_median <= 1.5 && summary.excess_95 <= 2.0 && summary.display_codes <= 1,
             "{summary:#?}"
@@ -168,8 +168,8 @@ mod tests {
     #[test]
     fn a_bound_that_is_too_small_is_found() {
         let mut outcomes = outcomes(0..20);
-        assert_eq!(Summary::of(&outcomes).broken, 0);
+        assert_eq!(Summary::new(&outcomes).broken, 0);
         outcomes[7].bound = outcomes[7].error * 0.99 - 1e-12;
-        assert_eq!(Summary::of(&outcomes).broken, 1);
+        assert_eq!(Summary::new(&outcomes).broken, 1);
     }
 }

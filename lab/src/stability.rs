@@ -61,7 +61,12 @@ pub fn run(method: Option<&'static str>, specimens: &[Specimen], jpeg: &Jpeg<'_>
                     warned: after.as_ref().is_some_and(|(_, warned)| *warned),
                 }
             });
-            cells.push(Cell::of(method, degradation, level, &samples.collect::<Vec<_>>()));
+            cells.push(Cell::new(
+                method,
+                degradation,
+                level,
+                &samples.collect::<Vec<_>>(),
+            ));
         }
     }
     cells
@@ -120,7 +125,7 @@ mod tests {
             let square = if (x / 9 + y / 9) % 2 == 0 { 70 } else { 180 };
             [square, square - (y / 2) as u8, square / 2 + x as u8]
         });
-        let wet = Rgb8::from_fn(72, 48, |x, y| clean.at(x, y).map(|v| 40 + v / 2));
+        let wet = Rgb8::from_fn(72, 48, |x, y| clean.pixel(x, y).map(|v| 40 + v / 2));
         vec![Specimen { clean, wet }]
     }
 

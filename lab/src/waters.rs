@@ -204,7 +204,7 @@ fn score(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
         u16::from((CARD[0]..CARD[2]).contains(&x) && (CARD[1]..CARD[3]).contains(&y))
     });
     let before = Rgb::from_fn(SIZE.0, SIZE.1, |x, y| {
-        [if numbers.at(x, y) == 1 { 0.6f32 } else { 0.2 }; 3]
+        [if numbers.pixel(x, y) == 1 { 0.6f32 } else { 0.2 }; 3]
     });
     let range = Plane::filled(SIZE.0, SIZE.1, range_m as f32);
     let stats = SceneStats::measure(&before, &range, &water);

@@ -123,7 +123,7 @@ fn random_lamp(draw: impl Fn(u64) -> f64, scene: &RandomScene, camera: &Intrinsi
         ((draw(0) * width as f64) as usize).min(width - 1),
         ((draw(1) * height as f64) as usize).min(height - 1),
     );
-    let seen_m = f64::from(scene.range.at(x, y));
+    let seen_m = f64::from(scene.range.pixel(x, y));
     let range_m = if seen_m.is_finite() && seen_m > 0.0 {
         seen_m
     } else {

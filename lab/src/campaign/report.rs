@@ -44,7 +44,7 @@ const ROUNDING: f64 = 3e-6;
 impl Summary {
     /// Sums up.
     #[must_use]
-    pub fn of(outcomes: &[Outcome]) -> Self {
+    pub fn new(outcomes: &[Outcome]) -> Self {
         let sorted = |values: Vec<f64>| {
             let mut values = values;
             values.sort_by(f64::total_cmp);
@@ -93,7 +93,7 @@ fn is_transformed(outcome: &Outcome) -> bool {
 /// The figures as text.
 #[must_use]
 pub fn markdown(outcomes: &[Outcome]) -> String {
-    let summary = Summary::of(outcomes);
+    let summary = Summary::new(outcomes);
     let mut text = "| figure | value | promised |\n|---|---|---|\n".to_owned();
     let mut row = |what: &str, value: String, promised: &str| {
         text.push_str(&format!("| {what} | {value} | {promised} |\n"));

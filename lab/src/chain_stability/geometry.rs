@@ -25,7 +25,7 @@ pub fn a_step_in_range() -> Finding {
         radiance: noise(size, 1.0),
         // A few ranges on each side, or as many kernels as ranges would be exact.
         range: Plane::from_fn(size.0, size.1, |x, y| {
-            step(size, 2.0, 15.0).at(x, y) * (1.0 + 0.01 * (y % 24) as f32)
+            step(size, 2.0, 15.0).pixel(x, y) * (1.0 + 0.01 * (y % 24) as f32)
         }),
         water: water(model, 0.7),
     };
@@ -97,7 +97,7 @@ pub fn far_light_over_a_near_object() -> Finding {
         water: water(ScatterModel::Jaffe, 1.0),
     };
     let trial = frame((width, height), &pole);
-    let light = trial.fast(PLENTY).forward_scatter.at(width / 2, height / 2)[1];
+    let light = trial.fast(PLENTY).forward_scatter.pixel(width / 2, height / 2)[1];
     let (g, c) = (0.042f64, 0.12f64);
     let share = (-g * f64::from(far)).exp() - (-c * f64::from(far)).exp();
     let (gamma, angle) = (f64::from(far), half as f64 + 0.5);

@@ -11,14 +11,14 @@ pub(super) fn row(pictures: &[Rgb<f32>]) -> Rgb8 {
     let step = width + GAP_PX;
     Rgb8::from_fn(step * shown.len() - GAP_PX, height, |x, y| {
         let inside = Some(x % step).filter(|x| *x < width);
-        inside.map_or([255; 3], |inside| shown[x / step].at(inside, y))
+        inside.map_or([255; 3], |inside| shown[x / step].pixel(inside, y))
     })
 }
 
 /// The difference of two pictures, so many times as bright.
 pub(super) fn difference(one: &Rgb<f32>, other: &Rgb<f32>, gain: f32) -> Rgb<f32> {
     Rgb::from_fn(one.width(), one.height(), |x, y| {
-        let (a, b) = (one.at(x, y), other.at(x, y));
+        let (a, b) = (one.pixel(x, y), other.pixel(x, y));
         [0, 1, 2].map(|c| gain * (a[c] - b[c]).abs())
     })
 }

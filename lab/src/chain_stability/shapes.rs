@@ -90,7 +90,7 @@ pub fn holes_of_every_kind() -> Finding {
             if hole {
                 kind
             } else {
-                slope(size, 1.0, 12.0).at(x, y)
+                slope(size, 1.0, 12.0).pixel(x, y)
             }
         }),
         water: with_holes(rule),

@@ -35,7 +35,7 @@ impl Measure {
     }
 
     /// On a logarithmic axis there is no 0: smaller values are drawn at the floor.
-    fn of(self, point: &Point) -> Option<f64> {
+    fn value(self, point: &Point) -> Option<f64> {
         match self {
             Self::Max => point.error_max.map(|e| e.max(FLOOR)),
             Self::Rmse => point.error_rmse.map(|e| e.max(FLOOR)),
@@ -52,7 +52,7 @@ pub fn error_chart(title: &str, points: &[Point], measure: Measure) -> Lines {
     let mark = |point: &Point, labeled: bool| {
         Some(Mark {
             x: point.ms_min,
-            y: measure.of(point)?,
+            y: measure.value(point)?,
             reach: Some(point.ms_median),
             label: if labeled { label(point) } else { String::new() },
             ringed: point.default,

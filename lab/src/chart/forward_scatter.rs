@@ -44,7 +44,7 @@ struct Input {
 }
 
 impl Input {
-    fn of(scene: &ChartScene) -> Option<Self> {
+    fn new(scene: &ChartScene) -> Option<Self> {
         let (width, height) = scene.range.size();
         let water = coastal(width, ScatterModel::Jaffe)?;
         let Scatter::Jaffe { g, spread, .. } = *water.scatter() else {
@@ -55,9 +55,9 @@ impl Input {
         let light = |channel: usize| {
             let share = |z: f32| scattered_share(g[channel] as f32, (c[channel] - g[channel]) as f32, z);
             Plane::from_fn(width, height, |x, y| {
-                let z = scene.range.at(x, y);
+                let z = scene.range.pixel(x, y);
                 let lit = f32::from(u8::from(!is_hole(z)));
-                lit * scene.radiance.at(x, y)[channel] * share(meters(z))
+                lit * scene.radiance.pixel(x, y)[channel] * share(meters(z))
             })
         };
         let widest = widest_px(width, height);
@@ -112,7 +112,7 @@ type Spread<'a> = dyn FnMut(usize, &Plane<f32>, &Plane<f32>) -> Plane<f32> + 'a;
 /// Measures every variant on one scene; `runs` repeats each.
 #[must_use]
 pub fn forward_scatter(scene: &ChartScene, runs: usize) -> Vec<Point> {
-    let Some(input) = Input::of(scene) else {
+    let Some(input) = Input::new(scene) else {
         return Vec::new();
     };
     let exact = std::thread::scope(|scope| {

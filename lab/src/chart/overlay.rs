@@ -67,7 +67,7 @@ pub(super) fn overlay<T: Into<f64> + std::marker::Copy + FromDouble>(
     let (width, height) = image.size();
     let aspect = width as f64 / height as f64;
     Rgb::from_fn(width, height, |x, y| {
-        let mut pixel = image.at(x, y).map(Into::into);
+        let mut pixel = image.pixel(x, y).map(Into::into);
         for light in lights {
             let across = ((x as f64 + 0.5) / width as f64 - light.x) * aspect;
             let down = (y as f64 + 0.5) / height as f64 - light.y;
@@ -79,23 +79,23 @@ pub(super) fn overlay<T: Into<f64> + std::marker::Copy + FromDouble>(
                 }
             }
         }
-        pixel.map(T::of)
+        pixel.map(T::from_double)
     })
 }
 
 /// f32 or f64.
 pub(super) trait FromDouble {
-    fn of(value: f64) -> Self;
+    fn from_double(value: f64) -> Self;
 }
 
 impl FromDouble for f32 {
-    fn of(value: f64) -> Self {
+    fn from_double(value: f64) -> Self {
         value as f32
     }
 }
 
 impl FromDouble for f64 {
-    fn of(value: f64) -> Self {
+    fn from_double(value: f64) -> Self {
         value
     }
 }

@@ -63,7 +63,7 @@ pub(super) fn windows(light: &Plane<f32>, gamma: &Plane<f32>, window: usize, fac
         for left in (0..width).step_by(window) {
             let (right, bottom) = ((left + window).min(width), (top + window).min(height));
             let pixels = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
-            let mean = pixels.clone().map(|(x, y)| gamma.at(x, y)).sum::<f32>() / pixels.count() as f32;
+            let mean = pixels.clone().map(|(x, y)| gamma.pixel(x, y)).sum::<f32>() / pixels.count() as f32;
             blur(light, (left, top, right, bottom), factor * mean, &mut blurred);
         }
     }
@@ -93,7 +93,7 @@ fn blur(
             let center = (left + x) as i64;
             let taps = taps.iter().enumerate();
             *value = taps
-                .map(|(i, tap)| tap * light.at(mirrored(center + i as i64 - reach, width), y))
+                .map(|(i, tap)| tap * light.pixel(mirrored(center + i as i64 - reach, width), y))
                 .sum::<f32>()
                 / total;
         }

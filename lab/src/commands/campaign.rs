@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     drawing::write(&arguments.out, "campaign-bound", &bound_chart(&outcomes))?;
     drawing::write(&arguments.out, "campaign-cost", &cost_chart(&outcomes))?;
     println!("{text}");
-    let summary = Summary::of(&outcomes);
+    let summary = Summary::new(&outcomes);
     if summary.broken + summary.silent > 0 {
         return Err(Failure::BadInput(format!(
             "{} errors are above their bound, {} bounds above their tolerance without a reason",

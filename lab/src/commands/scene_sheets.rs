@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sheet = Rgb8::from_fn(columns * width, rows * height, |x, y| {
         tiles
             .get(y / height * columns + x / width)
-            .map_or([0; 3], |tile| tile.at(x % width, y % height))
+            .map_or([0; 3], |tile| tile.pixel(x % width, y % height))
     });
     files::write_picture(&arguments.out, &sheet.into())
 }
@@ -96,13 +96,15 @@ fn label_tiles(arguments: &Arguments) -> Result<Vec<Rgb8>, Failure> {
         let part = |v: f32| ((0.5 + 0.5 * v) * 255.0) as u8;
         let views = [
             Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
-                [0, 1, 2].map(|axis| part(surfaces.normals[axis].at(x, y)))
+                [0, 1, 2].map(|axis| part(surfaces.normals[axis].pixel(x, y)))
             }),
-            Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| colors::category(labels.semantics.at(x, y))),
-            Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| colors::instance(instances.at(x, y))),
             Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
-                let found = colors::finding(surfaces.findings.at(x, y));
-                found.unwrap_or_else(|| picture.at(x, y).map(|v| v / 2))
+                colors::category(labels.semantics.pixel(x, y))
+            }),
+            Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| colors::instance(instances.pixel(x, y))),
+            Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| {
+                let found = colors::finding(surfaces.findings.pixel(x, y));
+                found.unwrap_or_else(|| picture.pixel(x, y).map(|v| v / 2))
             }),
         ];
         tiles.push(codec::downscale(&picture, arguments.tile_width));

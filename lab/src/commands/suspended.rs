@@ -82,7 +82,7 @@ fn four(pictures: &[Rgb8]) -> Rgb8 {
         let (column, row) = (x / (width + 2), y / (height + 2));
         let (x, y) = (x % (width + 2), y % (height + 2));
         match pictures.get(2 * row + column) {
-            Some(picture) if x < width && y < height => picture.at(x, y),
+            Some(picture) if x < width && y < height => picture.pixel(x, y),
             _ => [255; 3],
         }
     })

@@ -54,7 +54,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    fn of(values: impl Iterator<Item = f64>) -> Self {
+    fn new(values: impl Iterator<Item = f64>) -> Self {
         let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
         if values.is_empty() {
             return Self {
@@ -72,15 +72,15 @@ impl Summary {
 }
 
 impl Cell {
-    pub(super) fn of(
+    pub(super) fn new(
         method: Option<&'static str>,
         degradation: Degradation,
         level: usize,
         samples: &[Sample],
     ) -> Self {
-        let before = |which: usize| Summary::of(samples.iter().map(|sample| sample.before[which]));
+        let before = |which: usize| Summary::new(samples.iter().map(|sample| sample.before[which]));
         let after = |which: usize| {
-            Summary::of(
+            Summary::new(
                 samples
                     .iter()
                     .filter_map(|sample| Some(sample.after.as_ref()?[which])),
@@ -101,7 +101,7 @@ impl Cell {
             .find_map(|sample| sample.values.as_ref())
             .map_or(0, Vec::len);
         let values = (0..metrics).map(|metric| {
-            Summary::of(
+            Summary::new(
                 samples
                     .iter()
                     .filter_map(|sample| Some(sample.values.as_ref()?[metric])),
@@ -120,7 +120,7 @@ impl Cell {
             ssim: (before(0), after(0)),
             repeatability: (before(1), after(1)),
             values: values.collect(),
-            gain: Summary::of(samples.iter().filter_map(|sample| sample.gain)),
+            gain: Summary::new(samples.iter().filter_map(|sample| sample.gain)),
             worse_ssim: worse(0),
             worse_repeatability: worse(1),
             warned: share(samples.iter().filter(|sample| sample.warned).count()),

@@ -110,7 +110,7 @@ impl Degradation {
 fn in_light(picture: &Rgb8, change: impl Fn(usize, usize, f32, usize) -> f32) -> Rgb8 {
     let light = transfer::decode_rgb8(picture);
     let changed = Rgb::from_fn(light.width(), light.height(), |x, y| {
-        let sample = light.at(x, y);
+        let sample = light.pixel(x, y);
         [0, 1, 2].map(|c| change(x, y, sample[c], c))
     });
     transfer::encode_rgb8(&changed).0

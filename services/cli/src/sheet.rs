@@ -186,12 +186,12 @@ mod tests {
         };
         let paper = sheet(&[tile(100), tile(200), tile(50)], 2, 40);
         assert_eq!(paper.width(), 8 + 2 * 48);
-        assert_eq!(paper.at(8, 8), [100; 3]);
-        assert_eq!(paper.at(56, 8), [200; 3]);
-        assert_eq!(paper.at(8, 8 + 20 + 16 + 8 + 8), [50; 3]);
+        assert_eq!(paper.pixel(8, 8), [100; 3]);
+        assert_eq!(paper.pixel(56, 8), [200; 3]);
+        assert_eq!(paper.pixel(8, 8 + 20 + 16 + 8 + 8), [50; 3]);
         let ink = (0..16).flat_map(|y| (0..20).map(move |x| (x, y)));
         assert!(
-            ink.map(|(x, y)| paper.at(8 + x, 32 + y)[0]).any(|v| v > 150),
+            ink.map(|(x, y)| paper.pixel(8 + x, 32 + y)[0]).any(|v| v > 150),
             "no caption was written"
         );
     }
@@ -205,10 +205,10 @@ mod tests {
             .enumerate()
             .map(|(index, name)| ([100 + index as u8; 3], (*name).to_owned()));
         let paper = with_legend(&sheet, &Legend::Colors(entries.collect()));
-        assert_eq!((paper.width(), paper.at(199, 49)), (200, [9; 3]));
+        assert_eq!((paper.width(), paper.pixel(199, 49)), (200, [9; 3]));
         for color in 100..104 {
             let below = (50..paper.height()).flat_map(|y| (0..200).map(move |x| (x, y)));
-            let count = below.filter(|&(x, y)| paper.at(x, y) == [color; 3]).count();
+            let count = below.filter(|&(x, y)| paper.pixel(x, y) == [color; 3]).count();
             assert_eq!(count, SWATCH_PX * SWATCH_PX, "{color}");
         }
     }
@@ -221,7 +221,7 @@ mod tests {
         };
         let paper = sheet(&[long], 1, 20);
         let beyond: Vec<_> = (0..paper.height())
-            .map(|y| paper.at(paper.width() - 1, y))
+            .map(|y| paper.pixel(paper.width() - 1, y))
             .collect();
         assert!(beyond.iter().all(|&pixel| pixel == PAPER));
     }

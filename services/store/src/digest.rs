@@ -22,7 +22,7 @@ impl Digest {
         Ok(Self(bytes))
     }
 
-    pub(crate) fn of(bytes: &[u8]) -> Self {
+    pub(crate) fn hash(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
     }
 
@@ -45,8 +45,8 @@ mod tests {
 
     #[test]
     fn a_digest_survives_the_way_to_text_and_back() {
-        assert_eq!(Digest::of(b"").to_string(), EMPTY);
-        assert_eq!(Digest::parse(EMPTY).unwrap(), Digest::of(b""));
+        assert_eq!(Digest::hash(b"").to_string(), EMPTY);
+        assert_eq!(Digest::parse(EMPTY).unwrap(), Digest::hash(b""));
     }
 
     #[test]

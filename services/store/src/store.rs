@@ -125,7 +125,7 @@ impl Store {
             let read = self.shared.readers.read(place.pack, digest).await;
             let intact = match read {
                 Ok(Some(bytes)) => {
-                    let (found, bytes) = blocking(move || (Digest::of(&bytes), bytes)).await?;
+                    let (found, bytes) = blocking(move || (Digest::hash(&bytes), bytes)).await?;
                     (found == digest).then_some(bytes)
                 }
                 Ok(None) => None,
@@ -228,7 +228,7 @@ async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) 
 
 fn checked(blob: Blob) -> Result<Put, StoreError> {
     let digest = Digest::parse(&blob.digest)?;
-    let found = Digest::of(&blob.bytes);
+    let found = Digest::hash(&blob.bytes);
     if found != digest {
         return Err(StoreError::DigestMismatch {
             claimed: blob.digest,

@@ -44,7 +44,7 @@ fn methods(criterion: &mut Criterion) {
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(1));
     let guide = Guide::new(&colors);
-    let plane = Plane::from_fn(WIDTH, HEIGHT, |x, y| f64::from(colors.at(x, y)[0]) / 255.0);
+    let plane = Plane::from_fn(WIDTH, HEIGHT, |x, y| f64::from(colors.pixel(x, y)[0]) / 255.0);
     group.bench_function("guide", |b| b.iter(|| Guide::new(black_box(&colors))));
     group.bench_function("guided", |b| {
         b.iter(|| guided(&guide, black_box(&plane), Variant::Fast))

@@ -150,7 +150,7 @@ mod tests {
             if (x, y) == (39, 29) {
                 [80, 80, 81]
             } else {
-                gray.at(x, y)
+                gray.pixel(x, y)
             }
         });
         assert!(is_gray(&gray) && !is_gray(&one_off));

@@ -37,7 +37,7 @@ fn one_black_pixel_changes_only_its_surroundings() {
         if (x, y) == (100, 75) {
             [0; 3]
         } else {
-            plain.at(x, y)
+            plain.pixel(x, y)
         }
     });
     for variant in VARIANTS {
@@ -46,7 +46,7 @@ fn one_black_pixel_changes_only_its_surroundings() {
         for y in 0..150usize {
             for x in 0..200usize {
                 if x.abs_diff(100).max(y.abs_diff(75)) > 30 {
-                    assert!(before.at(x, y).abs_diff(after.at(x, y)) <= 1, "({x}, {y})");
+                    assert!(before.pixel(x, y).abs_diff(after.pixel(x, y)) <= 1, "({x}, {y})");
                 }
             }
         }
@@ -113,14 +113,14 @@ fn a_cutoff_beyond_all_bins_leaves_a_gamma_curve() {
 fn an_odd_side_is_filtered_without_a_shift() {
     // A mirror image must give the mirrored result: a filter half a bin off center would not.
     let picture = textured(45, 27);
-    let mirrored = Rgb8::from_fn(45, 27, |x, y| picture.at(44 - x, y));
+    let mirrored = Rgb8::from_fn(45, 27, |x, y| picture.pixel(44 - x, y));
     for variant in VARIANTS {
         let codes = filtered(&picture, CUTOFF, variant);
         let codes_mirrored = filtered(&mirrored, CUTOFF, variant);
         for y in 0..27 {
             for x in 0..45 {
                 assert!(
-                    codes.at(x, y).abs_diff(codes_mirrored.at(44 - x, y)) <= 1,
+                    codes.pixel(x, y).abs_diff(codes_mirrored.pixel(44 - x, y)) <= 1,
                     "({x}, {y})"
                 );
             }
@@ -138,7 +138,7 @@ fn values_above_white_saturate() {
         }
     });
     for variant in VARIANTS {
-        assert_eq!(filtered(&lamp, CUTOFF, variant).at(41, 1), 255);
+        assert_eq!(filtered(&lamp, CUTOFF, variant).pixel(41, 1), 255);
     }
 }
 

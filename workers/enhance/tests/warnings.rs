@@ -47,7 +47,7 @@ fn a_lamp_in_view_is_taken_for_the_background_by_ibla() {
         if y < 90 {
             lit
         } else {
-            base.at(x, y).map(|code| code / 2)
+            base.pixel(x, y).map(|code| code / 2)
         }
     });
     assert_eq!(
@@ -98,7 +98,7 @@ fn missing_and_weak_channels_are_named() {
     let night = Rgb8::from_fn(
         80,
         70,
-        |x, y| if (x + y) % 3 < 2 { [0; 3] } else { reef.at(x, y) },
+        |x, y| if (x + y) % 3 < 2 { [0; 3] } else { reef.pixel(x, y) },
     );
     assert!(warnings("rghs", &night).contains(&Warning::BlackMode));
 }

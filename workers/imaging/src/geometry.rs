@@ -41,7 +41,7 @@ pub fn range_from_z_depth(z_depth: &Plane<f32>, camera: &Intrinsics) -> Plane<f3
     Plane::from_fn(z_depth.width(), z_depth.height(), |x, y| {
         let u = (x as f64 - camera.cx) / camera.focal_px;
         let v = (y as f64 - camera.cy) / camera.focal_px;
-        (f64::from(z_depth.at(x, y)) * (1.0 + u * u + v * v).sqrt()) as f32
+        (f64::from(z_depth.pixel(x, y)) * (1.0 + u * u + v * v).sqrt()) as f32
     })
 }
 
@@ -58,8 +58,8 @@ mod tests {
             cy: 0.0,
         };
         let range = range_from_z_depth(&wall, &camera);
-        assert_eq!(range.at(1, 0), 2.0);
-        assert!((range.at(0, 0) - 2.0 * 2.0f32.sqrt()).abs() < 1e-6);
-        assert_eq!(range.at(0, 0), range.at(2, 0));
+        assert_eq!(range.pixel(1, 0), 2.0);
+        assert!((range.pixel(0, 0) - 2.0 * 2.0f32.sqrt()).abs() < 1e-6);
+        assert_eq!(range.pixel(0, 0), range.pixel(2, 0));
     }
 }

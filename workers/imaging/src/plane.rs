@@ -153,7 +153,7 @@ impl<T: Copy> Plane<T> {
     /// # Panics
     /// When (x, y) lies outside.
     #[must_use]
-    pub fn at(&self, x: usize, y: usize) -> T {
+    pub fn pixel(&self, x: usize, y: usize) -> T {
         assert!(x < self.width, "column {x} of a plane {} wide", self.width);
         self.data[y * self.width + x]
     }
@@ -173,6 +173,6 @@ mod tests {
     fn rows_are_contiguous_and_x_runs_fastest() {
         let plane = Plane::from_fn(3, 2, |x, y| 10 * y + x);
         assert_eq!(plane.row(1), &[10, 11, 12]);
-        assert_eq!(plane.at(2, 0), 2);
+        assert_eq!(plane.pixel(2, 0), 2);
     }
 }

@@ -246,7 +246,7 @@ impl Rgb8 {
     /// # Panics
     /// When (x, y) lies outside.
     #[must_use]
-    pub fn at(&self, x: usize, y: usize) -> [u8; 3] {
+    pub fn pixel(&self, x: usize, y: usize) -> [u8; 3] {
         assert!(x < self.width, "column {x} of a picture {} wide", self.width);
         let i = 3 * (y * self.width + x);
         [self.data[i], self.data[i + 1], self.data[i + 2]]

@@ -96,8 +96,8 @@ impl<T: Copy> Rgb<T> {
     /// # Panics
     /// When (x, y) lies outside.
     #[must_use]
-    pub fn at(&self, x: usize, y: usize) -> [T; 3] {
-        self.planes.each_ref().map(|plane| plane.at(x, y))
+    pub fn pixel(&self, x: usize, y: usize) -> [T; 3] {
+        self.planes.each_ref().map(|plane| plane.pixel(x, y))
     }
 }
 
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn pixels_keep_their_channel_order() {
         let picture = Rgb::from_fn(2, 1, |x, _| [x as u8, 10 + x as u8, 20 + x as u8]);
-        assert_eq!(picture.at(1, 0), [1, 11, 21]);
+        assert_eq!(picture.pixel(1, 0), [1, 11, 21]);
         assert_eq!(picture.planes()[2].data(), &[20, 21]);
     }
 }

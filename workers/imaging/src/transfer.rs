@@ -194,9 +194,9 @@ mod tests {
     fn gray_sixteen_bit_files_become_three_equal_planes() {
         let raster = Raster::from(Plane::new(2, 1, vec![0u16, 65535]).unwrap());
         let linear = decode_raster(&raster, Transfer::Srgb);
-        assert_eq!(linear.at(0, 0), [0.0; 3]);
-        assert_eq!(linear.at(1, 0), [1.0; 3]);
+        assert_eq!(linear.pixel(0, 0), [0.0; 3]);
+        assert_eq!(linear.pixel(1, 0), [1.0; 3]);
         let half = Raster::from(Plane::new(1, 1, vec![51u8]).unwrap());
-        assert_eq!(decode_raster(&half, Transfer::Linear).at(0, 0), [0.2; 3]);
+        assert_eq!(decode_raster(&half, Transfer::Linear).pixel(0, 0), [0.2; 3]);
     }
 }

@@ -44,8 +44,8 @@ mod tests {
         let linear = Rgb::from_fn(1, 1, |_, _| [0.0f32; 3]);
         let styled = Rgb::from_fn(2, 2, |x, y| [if x + y == 0 { 1.0f32 } else { 0.0 }; 3]);
         assert_eq!(style_blend(&linear, &styled, 0.0), linear);
-        assert_eq!(style_blend(&linear, &styled, 1.0).at(0, 0), [1.0; 3]);
-        let half = style_blend(&linear, &styled, 0.5).at(0, 0)[0];
+        assert_eq!(style_blend(&linear, &styled, 1.0).pixel(0, 0), [1.0; 3]);
+        let half = style_blend(&linear, &styled, 0.5).pixel(0, 0)[0];
         assert!((f64::from(half) - transfer::decode(0.5)).abs() < 1e-6);
     }
 }

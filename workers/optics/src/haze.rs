@@ -93,7 +93,7 @@ mod tests {
     fn the_middle_of_a_full_light_has_its_color() {
         let image = Rgb::from_fn(1, 1, |_, _| [0.1f32; 3]);
         let lit = haze(image, &[light(0.5, [1.0, 0.5, 2.0], HazeBlend::Over)]);
-        assert_eq!(lit.at(0, 0), [1.0, 0.5, 2.0]);
+        assert_eq!(lit.pixel(0, 0), [1.0, 0.5, 2.0]);
     }
 
     #[test]
@@ -107,9 +107,9 @@ mod tests {
             let one = haze(image.clone(), &[a, b]);
             let other = haze(image.clone(), &[b, a]);
             let worst = one
-                .at(1, 1)
+                .pixel(1, 1)
                 .iter()
-                .zip(other.at(1, 1))
+                .zip(other.pixel(1, 1))
                 .map(|(a, b)| (a - b).abs())
                 .fold(0.0, f32::max);
             assert_eq!(worst < 1e-6, commutes, "{blend:?}: {worst}");

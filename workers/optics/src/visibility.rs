@@ -54,12 +54,12 @@ pub fn visibility(
     let (mut own, mut around) = (Sums::default(), Sums::default());
     for y in rows {
         for x in columns.clone() {
-            let sums = if instances.at(x, y) == number {
+            let sums = if instances.pixel(x, y) == number {
                 &mut own
             } else {
                 &mut around
             };
-            sums.add(before.at(x, y), after.at(x, y));
+            sums.add(before.pixel(x, y), after.pixel(x, y));
         }
     }
     (own.pixels > 0 && around.pixels > 0).then(|| Visibility {
@@ -105,7 +105,7 @@ mod tests {
             u16::from((15..25).contains(&x) && (10..20).contains(&y))
         });
         let before = Rgb::from_fn(40, 30, |x, y| {
-            [if numbers.at(x, y) == 1 { 0.6f32 } else { 0.2 }; 3]
+            [if numbers.pixel(x, y) == 1 { 0.6f32 } else { 0.2 }; 3]
         });
         let t = (-0.4 * turbidity * range).exp() as f32;
         let after = before.map(|&j| j * t + 0.3 * (1.0 - t));

@@ -103,7 +103,7 @@ fn sweep(scenes: &[Scene], cases: impl Fn(&Scene, &Rgb<f32>) -> Vec<(Fidelity, f
     let mut cache = KernelCache::new();
     for scene in scenes {
         for (width, height) in SIZES {
-            let (radiance, range) = scene.at(width, height);
+            let (radiance, range) = scene.sized(width, height);
             for (form, optics) in forms() {
                 let exact = reference(&radiance, &range, &optics);
                 for (fidelity, limit) in cases(scene, &radiance) {
@@ -158,7 +158,7 @@ fn what_a_thread_computed_before_changes_no_bit() {
     let mut used = KernelCache::new();
     for scene in SCENES {
         for (form, optics) in forms() {
-            let (radiance, range) = scene.at(31, 8);
+            let (radiance, range) = scene.sized(31, 8);
             let first = fast(
                 &radiance,
                 &range,
@@ -166,7 +166,7 @@ fn what_a_thread_computed_before_changes_no_bit() {
                 Fidelity::Terms(5),
                 &mut KernelCache::new(),
             );
-            let (other_radiance, other_range) = scene.at(13, 17);
+            let (other_radiance, other_range) = scene.sized(13, 17);
             let other = fast(
                 &other_radiance,
                 &other_range,
@@ -185,7 +185,7 @@ fn what_a_thread_computed_before_changes_no_bit() {
 #[test]
 fn the_kind_of_hole_changes_no_bit() {
     for (form, optics) in forms() {
-        let (radiance, range) = scenes::HOLES.at(31, 8);
+        let (radiance, range) = scenes::HOLES.sized(31, 8);
         let kinds = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -3.0, 5e-4];
         let results = kinds.map(|kind| {
             let range = range.map(|&z| if z.is_finite() { z } else { kind });

@@ -134,9 +134,9 @@ fn the_image_is_direct_and_scattered_light_and_veil() {
     let (layers, ..) = render(&request(), &noise(3).map(|r| 1.0 + 9.0 * r), Fidelity::Terms(5));
     for (x, y) in [(0, 0), (20, 11), (40, 28)] {
         for channel in 0..3 {
-            let parts =
-                [&layers.direct, &layers.forward_scatter, &layers.backscatter].map(|l| l.at(x, y)[channel]);
-            assert!((layers.scattered.at(x, y)[channel] - parts.iter().sum::<f32>()).abs() < 1e-6);
+            let parts = [&layers.direct, &layers.forward_scatter, &layers.backscatter]
+                .map(|l| l.pixel(x, y)[channel]);
+            assert!((layers.scattered.pixel(x, y)[channel] - parts.iter().sum::<f32>()).abs() < 1e-6);
             assert!(parts.iter().all(|&part| part > 0.0));
         }
     }
@@ -149,7 +149,7 @@ fn veiling_light_is_all_that_remains_at_long_range() {
         &Plane::filled(WIDTH, HEIGHT, 1e4),
         Fidelity::Tolerance(1e-4),
     );
-    assert_eq!(layers.scattered.at(7, 7), [0.03, 0.12, 0.18]);
+    assert_eq!(layers.scattered.pixel(7, 7), [0.03, 0.12, 0.18]);
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn the_scene_is_all_there_is_at_no_range() {
         &Plane::filled(WIDTH, HEIGHT, 0.001),
         Fidelity::Tolerance(1e-6),
     );
-    for (seen, scene) in layers.scattered.at(5, 6).iter().zip(radiance.at(5, 6)) {
+    for (seen, scene) in layers.scattered.pixel(5, 6).iter().zip(radiance.pixel(5, 6)) {
         assert!((seen - scene).abs() < 1e-3);
     }
 }
@@ -229,7 +229,7 @@ fn range_scale_is_the_same_as_a_longer_range() {
 fn holes_follow_their_rule() {
     let range = Plane::from_fn(WIDTH, HEIGHT, |x, _| if x == 3 { f32::NAN } else { 4.0 });
     let (background, ..) = render(&request(), &range, Fidelity::Terms(5));
-    assert_eq!((background.holes, background.direct.at(3, 3)), (29, [0.0; 3]));
+    assert_eq!((background.holes, background.direct.pixel(3, 3)), (29, [0.0; 3]));
     let rule = |holes| spec::Water { holes, ..request() };
     let (replaced, ..) = render(&rule(HoleRule::RangeM(4.0)), &range, Fidelity::Terms(5));
     let (flat, ..) = render(&request(), &Plane::filled(WIDTH, HEIGHT, 4.0), Fidelity::Terms(5));

@@ -87,7 +87,11 @@ fn the_scalar_form_is_the_quadrature_too() {
         let ray = [(x as f64 - 15.0) / 21.7, (y as f64 - 8.0) / 21.7, 1.0];
         let length = ray.iter().map(|v| v * v).sum::<f64>().sqrt();
         let path = seen.path_m(ray.map(|v| v / length), 6.5);
-        assert!((path - exact.at(x, y)).abs() < 1e-9, "{path} {}", exact.at(x, y));
+        assert!(
+            (path - exact.pixel(x, y)).abs() < 1e-9,
+            "{path} {}",
+            exact.pixel(x, y)
+        );
     }
 }
 

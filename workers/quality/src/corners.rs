@@ -41,7 +41,7 @@ pub(crate) fn repeatability(work: &Work) -> f64 {
             near.row_mut(j)[x - NEAR_PX..=x + NEAR_PX].fill(true);
         }
     }
-    let found = clean.iter().filter(|&&(x, y)| near.at(x, y)).count();
+    let found = clean.iter().filter(|&&(x, y)| near.pixel(x, y)).count();
     found as f64 / clean.len() as f64
 }
 

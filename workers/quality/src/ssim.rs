@@ -43,8 +43,8 @@ pub fn ssim_reference(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
             for (j, down) in weights.iter().enumerate() {
                 for (i, across) in weights.iter().enumerate() {
                     let (a, b) = (
-                        f64::from(x.at(left + i, top + j)),
-                        f64::from(y.at(left + i, top + j)),
+                        f64::from(x.pixel(left + i, top + j)),
+                        f64::from(y.pixel(left + i, top + j)),
                     );
                     moments.x += across * down * a;
                     moments.y += across * down * b;
@@ -133,7 +133,7 @@ fn extended(plane: &Plane<u8>) -> Cow<'_, Plane<u8>> {
     Cow::Owned(Plane::from_fn(
         width + 2 * RADIUS_PX,
         height + 2 * RADIUS_PX,
-        |x, y| plane.at(source(x, width), source(y, height)),
+        |x, y| plane.pixel(source(x, width), source(y, height)),
     ))
 }
 

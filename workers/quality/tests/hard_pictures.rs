@@ -75,7 +75,11 @@ fn a_black_pixel_takes_its_block_out_of_the_sharpness() {
     // Two blocks. The left one sees none of the black in the right one, be it a pixel or nearly all of it.
     let whole = Rgb8::from_fn(20, 10, |x, y| [(100 + 3 * (x % 10) + 5 * y) as u8; 3]);
     let black = |hidden: fn(usize, usize) -> bool| {
-        Rgb8::from_fn(20, 10, |x, y| if hidden(x, y) { [0; 3] } else { whole.at(x, y) })
+        Rgb8::from_fn(
+            20,
+            10,
+            |x, y| if hidden(x, y) { [0; 3] } else { whole.pixel(x, y) },
+        )
     };
     let (pierced, dark) = (black(|x, y| (x, y) == (16, 5)), black(|x, _| x > 11));
     let left_alone = metric(&pierced, "uism");
@@ -125,7 +129,7 @@ fn a_few_outliers_stay_within_the_bounds() {
 fn a_swap_of_red_and_blue_changes_colorfulness() {
     let picture = textured(40, 30);
     let swapped = Rgb8::from_fn(40, 30, |x, y| {
-        let [r, g, b] = picture.at(x, y);
+        let [r, g, b] = picture.pixel(x, y);
         [b, g, r]
     });
     for name in ["uicm", "uism"] {
@@ -155,7 +159,7 @@ fn an_empty_picture_a_missing_and_a_misfit_reference_are_errors() {
 fn psnr_of_equal_pictures_is_capped_and_one_code_everywhere_is_48_db() {
     let psnr = MetricId::parse("psnr").unwrap();
     let picture = Rgb8::from_fn(20, 10, |x, y| [(x + y) as u8; 3]);
-    let brighter = Rgb8::from_fn(20, 10, |x, y| picture.at(x, y).map(|code| code + 1));
+    let brighter = Rgb8::from_fn(20, 10, |x, y| picture.pixel(x, y).map(|code| code + 1));
     assert_eq!(measure(&picture, Some(&picture), &[psnr]).unwrap()[0].1, 100.0);
     let value = measure(&brighter, Some(&picture), &[psnr]).unwrap()[0].1;
     assert!((value - 20.0 * 255f64.log10()).abs() < 1e-12);
@@ -236,9 +240,9 @@ fn corners_are_found_again_in_a_shifted_exposure_and_lost_in_noise_and_blur() {
         let id = MetricId::parse("corner_repeatability").expect("a name of the registry");
         measure(picture, Some(&clean), &[id]).expect("pictures of one size")[0].1
     };
-    let paler = Rgb8::from_fn(200, 150, |x, y| clean.at(x, y).map(|code| 30 + code / 2));
+    let paler = Rgb8::from_fn(200, 150, |x, y| clean.pixel(x, y).map(|code| 30 + code / 2));
     let noise = Rgb8::from_fn(200, 150, |x, y| [hash(x + 7, y + 5); 3]);
-    let moved = Rgb8::from_fn(200, 150, |x, y| clean.at((x + 5) % 200, y));
+    let moved = Rgb8::from_fn(200, 150, |x, y| clean.pixel((x + 5) % 200, y));
     let black = Rgb8::from_fn(200, 150, |_, _| [0; 3]);
     assert_eq!(repeatability(&clean), 1.0);
     assert!(repeatability(&paler) > 0.8, "{}", repeatability(&paler));

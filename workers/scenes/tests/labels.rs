@@ -24,7 +24,7 @@ fn lens((width, height): (usize, usize)) -> Intrinsics {
 
 fn normal_at(labels: &Labels, x: usize, y: usize) -> DVec3 {
     [0, 1, 2]
-        .map(|axis| f64::from(surfaces(labels).normals[axis].at(x, y)))
+        .map(|axis| f64::from(surfaces(labels).normals[axis].pixel(x, y)))
         .into()
 }
 
@@ -66,7 +66,7 @@ fn boxes_are_the_extents_of_their_masks() {
         let shown: Vec<u16> = (1..=most).filter(|number| mask.data().contains(number)).collect();
         assert_eq!(numbers, shown, "{family} {seed}");
         for instance in &labels.instances {
-            let shows = |x: usize, y: usize| mask.at(x, y) == instance.number;
+            let shows = |x: usize, y: usize| mask.pixel(x, y) == instance.number;
             let [left, top, right, bottom] = instance.bounds;
             let inside = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
             assert_eq!(inside.filter(|&(x, y)| shows(x, y)).count(), instance.pixels);
@@ -118,7 +118,7 @@ fn normals_are_unit_vectors_that_face_the_camera() {
             for x in 0..SIZE.0 {
                 let n = normal_at(labels, x, y);
                 let length = n.length();
-                if range.at(x, y).is_infinite() {
+                if range.pixel(x, y).is_infinite() {
                     assert_eq!(length, 0.0);
                     continue;
                 }
@@ -141,11 +141,15 @@ fn normals_agree_with_the_range() {
         let (range, mask) = (scene.range.as_ref().unwrap(), scene.instances.as_ref().unwrap());
         let lens = lens(SIZE);
         let point =
-            |x: usize, y: usize| lens.ray(x as f64, y as f64).normalized() * f64::from(range.at(x, y));
+            |x: usize, y: usize| lens.ray(x as f64, y as f64).normalized() * f64::from(range.pixel(x, y));
         for y in (1..SIZE.1 - 1).step_by(3) {
             for x in (1..SIZE.0 - 1).step_by(3) {
                 let neighbors = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
-                if mask.at(x, y) == 0 || neighbors.iter().any(|&(a, b)| mask.at(a, b) != mask.at(x, y)) {
+                if mask.pixel(x, y) == 0
+                    || neighbors
+                        .iter()
+                        .any(|&(a, b)| mask.pixel(a, b) != mask.pixel(x, y))
+                {
                     continue;
                 }
                 let along = point(x + 1, y) - point(x - 1, y);
@@ -166,8 +170,8 @@ fn depth_is_range_times_the_cosine_to_the_axis() {
         let lens = lens(SIZE);
         for y in (0..SIZE.1).step_by(5) {
             for x in (0..SIZE.0).step_by(5) {
-                let depth = f64::from(surfaces(labels).z_depth.at(x, y));
-                let range = f64::from(scene.range.as_ref().unwrap().at(x, y));
+                let depth = f64::from(surfaces(labels).z_depth.pixel(x, y));
+                let range = f64::from(scene.range.as_ref().unwrap().pixel(x, y));
                 let wanted = range / lens.ray(x as f64, y as f64).length();
                 assert!(depth == wanted || (depth - wanted).abs() < 1e-5 * wanted);
             }

@@ -39,7 +39,7 @@ fn points_stay_where_they_are_from_frame_to_frame() {
             let (mut seen, mut same, mut grown, mut same_growth) = (0.0, 0.0, 0.0, 0.0);
             for y in 0..SIZE.1 {
                 for x in 0..SIZE.0 {
-                    let range = f64::from(before.range.as_ref().unwrap().at(x, y));
+                    let range = f64::from(before.range.as_ref().unwrap().pixel(x, y));
                     if range >= 12.0 {
                         continue;
                     }
@@ -57,17 +57,19 @@ fn points_stay_where_they_are_from_frame_to_frame() {
                     }
                     let (u, v) = (u as usize, v as usize);
                     let expected = other.to_camera(point).length();
-                    let found = f64::from(after.range.as_ref().unwrap().at(u, v));
+                    let found = f64::from(after.range.as_ref().unwrap().pixel(u, v));
                     // Hidden by something nearer, or beside an edge.
                     if (found - expected).abs() > 0.03 * expected {
                         continue;
                     }
                     seen += 1.0;
-                    same += f64::from(u8::from(labels.semantics.at(x, y) == later.semantics.at(u, v)));
+                    same += f64::from(u8::from(
+                        labels.semantics.pixel(x, y) == later.semantics.pixel(u, v),
+                    ));
                     let growth = Finding::Growth.bit();
                     let (was, is) = (
-                        labels.surfaces.as_ref().unwrap().findings.at(x, y) & growth,
-                        later.surfaces.as_ref().unwrap().findings.at(u, v) & growth,
+                        labels.surfaces.as_ref().unwrap().findings.pixel(x, y) & growth,
+                        later.surfaces.as_ref().unwrap().findings.pixel(u, v) & growth,
                     );
                     grown += f64::from(u8::from(was != 0));
                     same_growth += f64::from(u8::from(was != 0 && is != 0));

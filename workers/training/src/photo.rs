@@ -52,7 +52,7 @@ impl Photo {
             return Err(PhotoError::TooSmall { width, height });
         }
         let tensor = Tensor::from(&Rgb::from_fn(width, height, |x, y| {
-            reduced.at(x, y).map(|code| f32::from(code) / 255.0)
+            reduced.pixel(x, y).map(|code| f32::from(code) / 255.0)
         }));
         let spread = 255.0 * ColorStats::measure(std::iter::once(&tensor)).spread();
         if spread < MIN_SPREAD {

@@ -69,12 +69,12 @@ pub(super) fn measure(
         .map(|model| {
             let session = Session::native(model);
             let session = session.map_or_else(|| runtime.session(model), Ok)?;
-            of(&model.name, session)
+            steadiness(&model.name, session)
         })
         .collect()
 }
 
-fn of(name: &str, mut session: Session) -> Result<Steadiness, StyleError> {
+fn steadiness(name: &str, mut session: Session) -> Result<Steadiness, StyleError> {
     let mut run = |frame: &Rgb<f32>| session.apply(frame, None);
     let scenes = training::new_scenes();
     let lively: Vec<&Rgb<f32>> = scenes
@@ -113,7 +113,7 @@ fn of(name: &str, mut session: Session) -> Result<Steadiness, StyleError> {
         }
     }
     let singular = singular_value(&mut run, &part(lively[0], (0, 0), AROUND))?;
-    let color = |frame: &Rgb<f32>| frame.at(32, 32);
+    let color = |frame: &Rgb<f32>| frame.pixel(32, 32);
     let (black, white) = (color(&run(&flat(0.0))?), color(&run(&flat(1.0))?));
     let mut fails = |&(width, height): &(usize, usize)| {
         let frame = Rgb::from_fn(width, height, |x, y| {
@@ -190,7 +190,7 @@ fn singular_value(
 }
 
 fn part(frame: &Rgb<f32>, (left, top): (usize, usize), side: usize) -> Rgb<f32> {
-    Rgb::from_fn(side, side, |x, y| frame.at(left + x, top + y))
+    Rgb::from_fn(side, side, |x, y| frame.pixel(left + x, top + y))
 }
 
 /// Root mean square difference.

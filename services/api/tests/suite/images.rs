@@ -56,7 +56,7 @@ fn a_preview_is_a_png_that_fits() {
     assert!(picture.width() <= 256 && picture.height() <= 256);
 }
 
-fn one() -> Value {
+fn single_frame() -> Value {
     let mut one = job();
     one["count"] = json!(1);
     one.as_object_mut().unwrap().remove("dataset");
@@ -75,7 +75,7 @@ fn a_render_answers_the_picture_or_the_record() {
                 worker.finish(&lease).unwrap();
             }
         });
-        let body = one().to_string();
+        let body = single_frame().to_string();
         let picture = service.post_with("/v1/renders", &[json, ("accept", "image/png")], body.as_bytes());
         assert_eq!(
             (picture.status, picture.header("content-type")),
@@ -111,7 +111,7 @@ fn a_render_stays_where_a_dataset_or_a_key_asks_for_it() {
     let service = start();
     let worker = Fake::register(&service);
     let json = ("content-type", "application/json");
-    let mut named = one();
+    let mut named = single_frame();
     named["dataset"] = json!("keep");
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -122,7 +122,7 @@ fn a_render_stays_where_a_dataset_or_a_key_asks_for_it() {
         });
         let key = ("idempotency-key", "once");
         let kept = service.post_with("/v1/renders", &[json], named.to_string().as_bytes());
-        let keyed = service.post_with("/v1/renders", &[json, key], one().to_string().as_bytes());
+        let keyed = service.post_with("/v1/renders", &[json, key], single_frame().to_string().as_bytes());
         for (answer, dataset) in [(kept, "keep"), (keyed, "renders")] {
             assert_eq!(answer.status, 200, "{}", answer.text());
             let image = service.get(answer.header("content-location"));
@@ -133,7 +133,7 @@ fn a_render_stays_where_a_dataset_or_a_key_asks_for_it() {
                 image.text()
             );
         }
-        let again = service.post_with("/v1/renders", &[json, key], one().to_string().as_bytes());
+        let again = service.post_with("/v1/renders", &[json, key], single_frame().to_string().as_bytes());
         assert_eq!(again.status, 200, "the key finds the job that is there");
     });
 }
@@ -191,13 +191,13 @@ fn artifacts_of_an_image_come_in_one_archive() {
 fn a_render_that_takes_longer_than_one_wants_to_wait_becomes_a_job() {
     let service = start();
     let headers = [("content-type", "application/json"), ("prefer", "wait=0")];
-    let accepted = service.post_with("/v1/renders", &headers, one().to_string().as_bytes());
+    let accepted = service.post_with("/v1/renders", &headers, single_frame().to_string().as_bytes());
     assert_eq!(accepted.status, 202, "{}", accepted.text());
     let id = accepted.json()["id"].as_str().unwrap().to_owned();
     assert_eq!(accepted.header("location"), format!("/v1/jobs/{id}"));
     let headers = [("content-type", "application/json"), ("prefer", "wait=soon")];
     service
-        .post_with("/v1/renders", &headers, one().to_string().as_bytes())
+        .post_with("/v1/renders", &headers, single_frame().to_string().as_bytes())
         .problem(400, "invalid-header");
     let problem = service.post("/v1/renders", &job()).problem(422, "validation");
     assert_eq!(problem["errors"][0]["pointer"], "/count");
@@ -209,7 +209,7 @@ fn a_render_goes_before_a_job_that_was_there_first() {
     service.submit(&job());
     let headers = [("content-type", "application/json"), ("prefer", "wait=0")];
     let render = service
-        .post_with("/v1/renders", &headers, one().to_string().as_bytes())
+        .post_with("/v1/renders", &headers, single_frame().to_string().as_bytes())
         .json();
     let worker = Fake::register(&service);
     assert_eq!(json!(worker.lease(1000).expect("a frame").job_id), render["id"]);
@@ -224,7 +224,9 @@ fn a_render_that_fails_says_why() {
             let lease = worker.lease(60_000).expect("a frame");
             worker.fail(&lease, "the lens is fogged");
         });
-        let problem = service.post("/v1/renders", &one()).problem(422, "render-failed");
+        let problem = service
+            .post("/v1/renders", &single_frame())
+            .problem(422, "render-failed");
         assert_eq!(problem["detail"], "the lens is fogged");
         assert!(problem["job"].is_null(), "the job is gone: {problem}");
     });
@@ -251,7 +253,7 @@ fn the_same_scene_twice_is_one_scene() {
     assert_eq!(other.status, 201);
     let listed = service.get("/v1/scenes").json();
     assert_eq!(listed["items"].as_array().unwrap().len(), 2, "{listed}");
-    let mut uses = one();
+    let mut uses = single_frame();
     uses["scene"] = json!({"kind": "uploaded", "id": first.json()["id"]});
     uses.as_object_mut().unwrap().remove("camera");
     service.submit(&uses);

@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn row(job: &Value, now: DateTime<Utc>) -> Vec<String> {
     let number = |name: &str| job[name].as_u64().unwrap_or_default();
-    let pace = Pace::of(job, now);
+    let pace = Pace::new(job, now);
     let dash = || "–".to_owned();
     vec![
         cell(&job["id"]),
@@ -79,7 +79,7 @@ struct Pace {
 
 impl Pace {
     /// From the first frame that ended, which stands for the start, to the last or to now. None: too few frames ended.
-    fn of(job: &Value, now: DateTime<Utc>) -> Option<Self> {
+    fn new(job: &Value, now: DateTime<Utc>) -> Option<Self> {
         let number = |name: &str| job[name].as_u64().unwrap_or_default();
         let time = |name: &str| DateTime::parse_from_rfc3339(job[name].as_str()?).ok();
         let ended = number("done") + number("failed");
@@ -118,16 +118,16 @@ mod tests {
             .to_utc();
         let mut job = json!({"state": "running", "frames": 101, "done": 40, "failed": 1,
             "started_at": "2026-01-01T00:00:00.000Z", "finished_at": null});
-        let pace = Pace::of(&job, now).unwrap();
+        let pace = Pace::new(&job, now).unwrap();
         assert_eq!((pace.frames_per_s, pace.left_s), (2.0, Some(30.0)));
         job["state"] = json!("done");
         job["finished_at"] = json!("2026-01-01T00:00:10.000Z");
-        let pace = Pace::of(&job, now).unwrap();
+        let pace = Pace::new(&job, now).unwrap();
         assert_eq!((pace.frames_per_s, pace.left_s), (4.0, None));
         job["done"] = json!(0);
-        assert_eq!(Pace::of(&job, now), None, "one frame has no pace");
+        assert_eq!(Pace::new(&job, now), None, "one frame has no pace");
         job["started_at"] = Value::Null;
-        assert_eq!(Pace::of(&job, now), None);
+        assert_eq!(Pace::new(&job, now), None);
     }
 
     #[test]

@@ -35,10 +35,10 @@ fn reference(plane: &Plane<f64>, weights: &[f64]) -> Plane<f64> {
         window.sum::<f64>()
     };
     let along = Plane::from_fn(width, height, |x, y| {
-        weighted(&|i| plane.at(around(x + i, radius, width), y))
+        weighted(&|i| plane.pixel(around(x + i, radius, width), y))
     });
     Plane::from_fn(width, height, |x, y| {
-        weighted(&|i| along.at(x, around(y + i, radius, height)))
+        weighted(&|i| along.pixel(x, around(y + i, radius, height)))
     })
 }
 
@@ -106,8 +106,8 @@ mod tests {
         for variant in [Variant::Fast, Variant::Reference] {
             let blurred = gaussian(&impulse, 4, 9.0, variant);
             assert!((blurred.data().iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            assert_eq!(blurred.at(15, 10), 0.0);
-            let ratio = blurred.at(13, 12) / blurred.at(10, 10);
+            assert_eq!(blurred.pixel(15, 10), 0.0);
+            let ratio = blurred.pixel(13, 12) / blurred.pixel(10, 10);
             assert!((ratio - (-13.0f64 / 162.0).exp()).abs() < 1e-12, "{ratio}");
         }
     }
@@ -117,7 +117,7 @@ mod tests {
         let plane = Plane::new(3, 1, vec![0.0, 3.0, 6.0]).unwrap();
         for variant in [Variant::Fast, Variant::Reference] {
             // The mean of 0 3 6 3 over many periods is 3.
-            let middle = gaussian(&plane, 32, 1e6, variant).at(1, 0);
+            let middle = gaussian(&plane, 32, 1e6, variant).pixel(1, 0);
             assert!((middle - 3.0).abs() < 0.1, "{middle}");
         }
     }

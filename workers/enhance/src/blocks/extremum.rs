@@ -37,8 +37,8 @@ fn reference<T: Copy>(plane: &Plane<T>, radius: usize, pick: impl Fn(T, T) -> T)
     let (width, height) = plane.size();
     let around = |i: usize, n: usize| i.saturating_sub(radius)..(i + radius + 1).min(n);
     Plane::from_fn(width, height, |x, y| {
-        let window = around(y, height).flat_map(|j| around(x, width).map(move |i| plane.at(i, j)));
-        window.fold(plane.at(x, y), &pick)
+        let window = around(y, height).flat_map(|j| around(x, width).map(move |i| plane.pixel(i, j)));
+        window.fold(plane.pixel(x, y), &pick)
     })
 }
 

@@ -58,7 +58,7 @@ mod tests {
         let plane = Plane::from_fn(5, 3, |x, y| (3 * x + y) as f64 - 4.0);
         assert_eq!(range(plane.data()), (-4.0, 10.0));
         let normalized = normalized(plane);
-        assert_eq!((normalized.at(0, 0), normalized.at(4, 2)), (0.0, 1.0));
+        assert_eq!((normalized.pixel(0, 0), normalized.pixel(4, 2)), (0.0, 1.0));
     }
 
     #[test]

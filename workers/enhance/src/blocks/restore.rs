@@ -110,7 +110,7 @@ mod tests {
         for variant in [Variant::Fast, Variant::Reference] {
             // Red: 5 / 0.1 + 51. Blue does not fade, and its transmittance is cut to 0.9: 153 - 9 / 0.9.
             assert_eq!(
-                restore(&picture, &distance, &VEIL, variant).at(0, 0),
+                restore(&picture, &distance, &VEIL, variant).pixel(0, 0),
                 [101, 102, 143]
             );
         }

@@ -60,7 +60,7 @@ mod tests {
             enhance(&Raster::from(picture), Variant::Fast)
                 .picture
                 .to_rgb8()
-                .at(1, 1),
+                .pixel(1, 1),
             [0, 60, 60]
         );
     }

@@ -190,7 +190,7 @@ mod tests {
     fn one_value_comes_back_and_one_color_becomes_saturated() {
         let gray = Rgb8::from_fn(20, 20, |_, _| [90; 3]);
         assert_eq!(suir(&gray), gray);
-        let blue = suir(&Rgb8::from_fn(20, 20, |_, _| [60, 120, 140])).at(10, 10);
+        let blue = suir(&Rgb8::from_fn(20, 20, |_, _| [60, 120, 140])).pixel(10, 10);
         assert!(blue[0] == 0 && blue[2] > blue[1] && blue[2] > 140, "{blue:?}");
     }
 

@@ -91,7 +91,8 @@ mod tests {
             (false, _) => [60, 70, 60],
         });
         let restored = ulap(picture.clone(), Variant::Fast);
-        let contrast = |picture: &Rgb8| i32::from(picture.at(81, 41)[1]) - i32::from(picture.at(85, 41)[1]);
+        let contrast =
+            |picture: &Rgb8| i32::from(picture.pixel(81, 41)[1]) - i32::from(picture.pixel(85, 41)[1]);
         assert!(contrast(&restored).abs() > contrast(&picture).abs());
     }
 }

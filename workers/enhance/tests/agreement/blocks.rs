@@ -15,7 +15,7 @@ fn planes(picture: &Rgb8) -> [Plane<f64>; 2] {
     let (width, height) = (picture.width(), picture.height());
     [
         Plane::from_fn(width, height, |x, y| f64::from(noise(x + 31, y)) / 255.0),
-        Plane::from_fn(width, height, |x, y| f64::from(picture.at(x, y)[0]) / 255.0),
+        Plane::from_fn(width, height, |x, y| f64::from(picture.pixel(x, y)[0]) / 255.0),
     ]
 }
 
@@ -97,7 +97,7 @@ fn tail_values() {
 fn window_extremes() {
     for (width, height) in SIZES {
         for (content, picture) in pictures(width, height) {
-            let codes = Plane::from_fn(width, height, |x, y| picture.at(x, y)[1]);
+            let codes = Plane::from_fn(width, height, |x, y| picture.pixel(x, y)[1]);
             for radius in [0, 1, 3, 4, 9, 20] {
                 let what = format!("{width}×{height} {content}, radius {radius}");
                 assert_eq!(

@@ -21,7 +21,7 @@ pub fn downscale(picture: &Rgb8, max_side: usize) -> Rgb8 {
         let mut pixels = 0u64;
         for row in span(y, rows, height) {
             for column in span(x, columns, width) {
-                for (sum, code) in sums.iter_mut().zip(picture.at(column, row)) {
+                for (sum, code) in sums.iter_mut().zip(picture.pixel(column, row)) {
                     *sum += u64::from(code);
                 }
                 pixels += 1;
@@ -40,8 +40,8 @@ mod tests {
         let picture = Rgb8::from_fn(8, 4, |x, _| if x < 4 { [0; 3] } else { [200; 3] });
         let small = downscale(&picture, 4);
         assert_eq!((small.width(), small.height()), (4, 2));
-        assert_eq!((small.at(0, 0), small.at(3, 1)), ([0; 3], [200; 3]));
-        assert_eq!(downscale(&picture, 1).at(0, 0), [100; 3]);
+        assert_eq!((small.pixel(0, 0), small.pixel(3, 1)), ([0; 3], [200; 3]));
+        assert_eq!(downscale(&picture, 1).pixel(0, 0), [100; 3]);
         assert_eq!(downscale(&picture, 8), picture);
     }
 }

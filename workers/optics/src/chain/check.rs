@@ -123,7 +123,7 @@ mod tests {
     fn the_first_bad_pixel_is_named_and_negative_light_is_counted() {
         let mut radiance = Rgb::from_fn(3, 2, |x, y| [x as f32 - 1.0, y as f32, 0.5]);
         assert_eq!(check_radiance(&mut radiance), Ok(2));
-        assert_eq!(radiance.at(0, 1)[0], 0.0);
+        assert_eq!(radiance.pixel(0, 1)[0], 0.0);
         radiance.planes_mut()[1][4] = f32::INFINITY;
         let error = check_radiance(&mut radiance).unwrap_err();
         assert_eq!(

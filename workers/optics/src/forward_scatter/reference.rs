@@ -104,7 +104,7 @@ mod tests {
         let mut sum = Plane::filled(source.width(), source.height(), 0.0);
         for y in 0..source.height() {
             for x in 0..source.width() {
-                let (light, scale) = (source.at(x, y), gamma.at(x, y));
+                let (light, scale) = (source.pixel(x, y), gamma.pixel(x, y));
                 let mut arrived = Plane::filled(source.width(), source.height(), 0.0);
                 for v in -images..=images {
                     for u in -images..=images {

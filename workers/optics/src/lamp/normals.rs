@@ -129,7 +129,10 @@ mod tests {
             // Inside; a border has one neighbor, and the slope of a wall in perspective is not constant.
             for y in 1..20 {
                 for x in 1..32 {
-                    assert!((f64::from(plane.at(x, y)) - expected).abs() < 2e-3, "({x}, {y})");
+                    assert!(
+                        (f64::from(plane.pixel(x, y)) - expected).abs() < 2e-3,
+                        "({x}, {y})"
+                    );
                 }
             }
         }
@@ -141,16 +144,16 @@ mod tests {
         let flat = wall([0.0, 0.0, -1.0], &camera);
         let step = Plane::from_fn(33, 21, |x, y| {
             if x < 16 {
-                flat.at(x, y)
+                flat.pixel(x, y)
             } else {
-                flat.at(x, y) + 4.0
+                flat.pixel(x, y) + 4.0
             }
         });
         let normals = normals_of(&step, &camera);
-        assert!((normals[2].at(15, 10) + 1.0).abs() < 2e-3 && normals[0].at(15, 10).abs() < 2e-2);
+        assert!((normals[2].pixel(15, 10) + 1.0).abs() < 2e-3 && normals[0].pixel(15, 10).abs() < 2e-2);
         for hole in [f32::NAN, 0.0, f32::INFINITY] {
             let holes = normals_of(&Plane::filled(33, 21, hole), &camera);
-            assert_eq!([0, 1, 2].map(|i| holes[i].at(16, 10)), [0.0, 0.0, -1.0]);
+            assert_eq!([0, 1, 2].map(|i| holes[i].pixel(16, 10)), [0.0, 0.0, -1.0]);
             assert!(
                 holes
                     .iter()
@@ -158,6 +161,6 @@ mod tests {
             );
         }
         let alone = normals_of(&Plane::filled(1, 1, 2.0), &Intrinsics::centered(1.0, 1, 1));
-        assert_eq!([0, 1, 2].map(|i| alone[i].at(0, 0)), [0.0, 0.0, -1.0]);
+        assert_eq!([0, 1, 2].map(|i| alone[i].pixel(0, 0)), [0.0, 0.0, -1.0]);
     }
 }

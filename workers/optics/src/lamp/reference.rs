@@ -21,7 +21,7 @@ pub const REFERENCE_NODES: usize = 128;
 pub fn airlight_reference(range: &Plane<f64>, lighting: &Lighting, nodes: usize) -> Rgb<f64> {
     let rule = gauss_legendre(nodes);
     Rgb::from_fn(range.width(), range.height(), |x, y| {
-        let (ray, z) = (direction(&lighting.camera, x, y), range.at(x, y));
+        let (ray, z) = (direction(&lighting.camera, x, y), range.pixel(x, y));
         let z = if is_hole(z) { f64::INFINITY } else { z };
         let mut sum = [0.0; 3];
         for lamp in &lighting.lamps {
@@ -75,8 +75,8 @@ fn glow(ray: [f64; 3], z: f64, lamp: &Lamp, lighting: &Lighting, rule: &[(f64, f
 #[must_use]
 pub fn irradiance_reference(range: &Plane<f64>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Rgb<f64> {
     Rgb::from_fn(range.width(), range.height(), |x, y| {
-        let (ray, z) = (direction(&lighting.camera, x, y), range.at(x, y));
-        let normal = [0, 1, 2].map(|i| f64::from(normals[i].at(x, y)));
+        let (ray, z) = (direction(&lighting.camera, x, y), range.pixel(x, y));
+        let normal = [0, 1, 2].map(|i| f64::from(normals[i].pixel(x, y)));
         let mut sum = [0.0; 3];
         for lamp in lighting.lamps.iter().filter(|_| !is_hole(z)) {
             let to_lamp = [0, 1, 2].map(|i| lamp.position_m[i] - z * ray[i]);

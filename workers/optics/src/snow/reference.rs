@@ -17,8 +17,8 @@ pub fn snow_reference(
 ) -> (Rgb<f64>, Plane<f64>) {
     let lit = lit(flakes, albedo, surround);
     let pixel = |x: usize, y: usize| {
-        let behind = f64::from(surround.range.at(x, y));
-        let (mut light, mut clear) = (image.at(x, y), 1.0);
+        let behind = f64::from(surround.range.pixel(x, y));
+        let (mut light, mut clear) = (image.pixel(x, y), 1.0);
         for LitFlake {
             flake,
             opacity,

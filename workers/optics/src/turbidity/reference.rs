@@ -28,8 +28,8 @@ pub fn optical_path_reference(
     let rule = gauss_legendre(NODES);
     Plane::from_fn(range.width(), range.height(), |x, y| {
         let z = match holes {
-            HoleRule::RangeM(meters) if is_hole(range.at(x, y)) => meters,
-            _ => range.at(x, y),
+            HoleRule::RangeM(meters) if is_hole(range.pixel(x, y)) => meters,
+            _ => range.pixel(x, y),
         };
         if is_hole(z) {
             return z;

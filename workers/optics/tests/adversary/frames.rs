@@ -74,12 +74,12 @@ impl Attack {
                     (x, y) if y == dim_row => dim(x),
                     _ => dim(0),
                 });
-                let lit = |x, y| f32::from(u8::from(sign * errors[worst].at(x, y) > 0.0));
+                let lit = |x, y| f32::from(u8::from(sign * errors[worst].pixel(x, y) > 0.0));
                 (Rgb::from_fn(width, height, |x, y| [lit(x, y); 3]), range)
             }
             _ => {
                 let worst = |x: usize, y: usize| {
-                    let error = |j: &usize| sign * errors[*j].at(x, y);
+                    let error = |j: &usize| sign * errors[*j].pixel(x, y);
                     (0..CHOICES)
                         .max_by(|a, b| error(a).total_cmp(&error(b)))
                         .map(|j| (j, error(&j)))

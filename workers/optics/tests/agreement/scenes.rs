@@ -75,7 +75,7 @@ pub(crate) const SCENES: [Scene; 9] = [
 ];
 
 impl Scene {
-    pub(crate) fn at(&self, width: usize, height: usize) -> (Rgb<f32>, Plane<f32>) {
+    pub(crate) fn sized(&self, width: usize, height: usize) -> (Rgb<f32>, Plane<f32>) {
         let stream = Stream::stage(7, self.name);
         let random = |x: usize, y: usize, element: u64| stream.unit((y * width + x) as u64, element) as f32;
         let radiance = Rgb::from_fn(width, height, |x, y| {

@@ -198,7 +198,7 @@ pub(crate) fn scatter(case: &Case) {
 fn attenuated<T: Copy + std::ops::Add<Output = T>>(layers: &Layers<T>) -> Rgb<T> {
     let (direct, veil) = (&layers.direct, &layers.backscatter);
     Rgb::from_fn(direct.width(), direct.height(), |x, y| {
-        let (d, b) = (direct.at(x, y), veil.at(x, y));
+        let (d, b) = (direct.pixel(x, y), veil.pixel(x, y));
         [d[0] + b[0], d[1] + b[1], d[2] + b[2]]
     })
 }

@@ -50,7 +50,7 @@ fn case(seed: u64) -> Case {
             (draw(0) * SIZE.0 as f64) as usize,
             (draw(1) * SIZE.1 as f64) as usize,
         );
-        let z = f64::from(range.at(pixel.0, pixel.1));
+        let z = f64::from(range.pixel(pixel.0, pixel.1));
         let z = if z.is_nan() { nearest } else { z };
         let ray = [
             (pixel.0 as f64 - camera.cx) / camera.focal_px,

@@ -112,11 +112,11 @@ fn a_wall_is_lit_by_the_square_of_the_distance_and_both_ways_through_the_water()
     let normals = lamp::normals_of(&range, &lighting.camera);
     let light = lamp::irradiance(&range, &normals, &lighting).light;
     let expected = [0, 1, 2].map(|i| (-2.0 * lighting.attenuation[i]).exp());
-    for (got, expected) in light.at(2, 2).into_iter().zip(expected) {
+    for (got, expected) in light.pixel(2, 2).into_iter().zip(expected) {
         assert!((f64::from(got) - expected).abs() < 1e-4, "{got} for {expected}");
     }
     let radiance = Rgb::from_fn(5, 5, |_, _| [0.5f32; 3]);
-    let lit = lamp::lit(&radiance, [0.1; 3], &light).at(2, 2);
+    let lit = lamp::lit(&radiance, [0.1; 3], &light).pixel(2, 2);
     let by_hand = 0.5 * (0.1 + expected[0] / std::f64::consts::PI);
     assert!((f64::from(lit[0]) - by_hand).abs() < 1e-5);
 }

@@ -167,7 +167,7 @@ fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64
                 (y as f64 - camera.cy) / camera.focal_px,
                 1.0,
             ];
-            let (ray, z) = (v.map(|c| c / length(v)), range.at(x, y));
+            let (ray, z) = (v.map(|c| c / length(v)), range.pixel(x, y));
             let mut exact = [0.0; 2];
             for lamp in lamps {
                 let place = lamp.position_m();
@@ -190,7 +190,7 @@ fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64
                 .each_ref()
                 .map(|model| lamp::white_at(ray.map(|v| z * v), model)[1] * std::f64::consts::PI);
             for model in 0..2 {
-                errors[0][model] += (glows[model].at(x, y)[1] - exact[0]).abs();
+                errors[0][model] += (glows[model].pixel(x, y)[1] - exact[0]).abs();
                 errors[1][model] += (white[model] - exact[1]).abs();
             }
             light = [light[0] + exact[0], light[1] + exact[1]];

@@ -74,7 +74,7 @@ fn the_layers_add_up_to_the_picture_after_the_water() {
     let layer = |kind| linear(file(&rendered, kind));
     let (direct, forward, veil) = (layer("direct"), layer("forward_scatter"), layer("backscatter"));
     let sum = Rgb::from_fn(WIDTH, HEIGHT, |x, y| {
-        [0, 1, 2].map(|c| direct.at(x, y)[c] + forward.at(x, y)[c] + veil.at(x, y)[c])
+        [0, 1, 2].map(|c| direct.pixel(x, y)[c] + forward.pixel(x, y)[c] + veil.pixel(x, y)[c])
     });
     let expected = imaging::transfer::encode_rgb8(&sum).0;
     let actual = decode_picture(file(&rendered, "scattered")).unwrap().to_rgb8();
@@ -91,8 +91,8 @@ fn the_layers_add_up_to_the_picture_after_the_water() {
     );
     let clean = imaging::transfer::decode_rgb8(&decode_picture(file(&rendered, "clean")).unwrap().to_rgb8());
     let (x, y) = (30, 10);
-    let arriving = clean.at(x, y)[1] * layer("transmittance").at(x, y)[1];
-    assert!((arriving - direct.at(x, y)[1]).abs() < 1e-5);
+    let arriving = clean.pixel(x, y)[1] * layer("transmittance").pixel(x, y)[1];
+    assert!((arriving - direct.pixel(x, y)[1]).abs() < 1e-5);
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn range_is_stored_in_millimeters_with_holes_as_zero() {
         panic!("not integers")
     };
     assert_eq!(
-        (codes.at(0, 0), codes.at(0, 1), codes.at(WIDTH - 1, 3)),
+        (codes.pixel(0, 0), codes.pixel(0, 1), codes.pixel(WIDTH - 1, 3)),
         (0, 1000, 5000)
     );
     assert_eq!(

@@ -166,7 +166,7 @@ fn a_mask_with_classes_labels_a_picture_of_files() {
         panic!("a mask")
     };
     // Left to right: pile, nothing, chain, and an object without a class.
-    let row: Vec<u16> = [2, 14, 26, 40].map(|x| semantics.at(x, 5)).into();
+    let row: Vec<u16> = [2, 14, 26, 40].map(|x| semantics.pixel(x, 5)).into();
     assert_eq!(row, [2, 0, 40, 255]);
     let boxes: Value = serde_json::from_slice(file(&rendered, "boxes")).unwrap();
     assert_eq!(boxes, json!(rendered.record.scene));

@@ -29,7 +29,7 @@ pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>) -> Rgb<f64> {
         &convolved(weights, OUTPUT, &features, 1),
     );
     Rgb::from_fn(width, height, |x, y| {
-        [0, 1, 2].map(|channel| styled[channel].at(x, y).clamp(0.0, 1.0))
+        [0, 1, 2].map(|channel| styled[channel].pixel(x, y).clamp(0.0, 1.0))
     })
 }
 
@@ -61,7 +61,7 @@ fn pooled(image: &[Plane<f64>]) -> Planes {
             let columns = 4 * x..(4 * x + 4).min(width);
             let count = rows.len() * columns.len();
             let sum: f64 = rows
-                .flat_map(|v| columns.clone().map(move |u| plane.at(u, v)))
+                .flat_map(|v| columns.clone().map(move |u| plane.pixel(u, v)))
                 .sum();
             sum / count as f64
         })
@@ -84,7 +84,7 @@ fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: u
                         let v = (y * step + row).saturating_sub(reach).min(height - 1);
                         let u = (x * step + column).saturating_sub(reach).min(width - 1);
                         let at = ((output * layer.inputs + index) * layer.side + row) * layer.side + column;
-                        sum += weight[at] * plane.at(u, v);
+                        sum += weight[at] * plane.pixel(u, v);
                     }
                 }
             }
@@ -104,7 +104,7 @@ fn resize(plane: &Plane<f64>, width: usize, height: usize) -> Plane<f64> {
     Plane::from_fn(width, height, |x, y| {
         let (left, right, u) = along(x, width, plane.width());
         let (upper, lower, v) = along(y, height, plane.height());
-        let row = |y: usize| plane.at(left, y) * (1.0 - u) + plane.at(right, y) * u;
+        let row = |y: usize| plane.pixel(left, y) * (1.0 - u) + plane.pixel(right, y) * u;
         row(upper) * (1.0 - v) + row(lower) * v
     })
 }

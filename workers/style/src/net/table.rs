@@ -42,7 +42,7 @@ impl Table {
             .collect();
         let node = |index: usize| {
             let flat = Rgb::from_fn(1, 1, |_, _| color_of(index));
-            repaint(&flat).at(0, 0)
+            repaint(&flat).pixel(0, 0)
         };
         let flat: Vec<[f32; 3]> = (0..NODES * NODES * NODES).map(node).collect();
         Self::fit(&pairs, &flat)
@@ -65,9 +65,9 @@ impl Table {
         for (before, after) in pairs {
             for y in 0..before.height() {
                 for x in 0..before.width() {
-                    let (places, shares) = corners(before.at(x, y));
+                    let (places, shares) = corners(before.pixel(x, y));
                     let now = self.mixed(places, shares);
-                    let wanted = after.at(x, y);
+                    let wanted = after.pixel(x, y);
                     for (place, share) in places.into_iter().zip(shares) {
                         for channel in 0..3 {
                             sums[place][channel] += share * (wanted[channel] - now[channel]);
@@ -147,7 +147,7 @@ mod tests {
         let picture = Rgb::from_fn(24, 24, |x, y| {
             [x as f32 / 23.0, y as f32 / 23.0, (x * y % 24) as f32 / 23.0]
         });
-        let after = Rgb::from_fn(24, 24, |x, y| map(picture.at(x, y)));
+        let after = Rgb::from_fn(24, 24, |x, y| map(picture.pixel(x, y)));
         let table = Table::fit(&[(picture, after)], &flat(map));
         for index in 0..1000 {
             let color = [7, 11, 13].map(|step| (index * step % 1000) as f32 / 999.0);

@@ -23,7 +23,7 @@ pub(super) fn compare(text: &mut String, library: &Library) -> Result<(), Failur
     let mut looks = Vec::new();
     for model in library.names().into_iter().filter_map(|name| library.get(name)) {
         if let Some(session) = Session::native(model) {
-            looks.push(Look::of(&model.name, session)?);
+            looks.push(Look::measure(&model.name, session)?);
         }
     }
     text.push_str(
@@ -62,7 +62,7 @@ pub(super) fn compare(text: &mut String, library: &Library) -> Result<(), Failur
 }
 
 impl Look {
-    fn of(name: &str, mut session: Session) -> Result<Self, Failure> {
+    fn measure(name: &str, mut session: Session) -> Result<Self, Failure> {
         let scenes = training::new_scenes();
         let (mut count, mut sums) = (0.0, [0.0; 3]);
         let (mut light, mut squares, mut fine, mut coarse) = (0.0, 0.0, 0.0, 0.0);
@@ -93,7 +93,7 @@ impl Look {
 
 fn brightness(picture: &Rgb<f32>) -> Vec<Vec<f64>> {
     let pixel = |x, y| {
-        let [r, g, b] = picture.at(x, y).map(f64::from);
+        let [r, g, b] = picture.pixel(x, y).map(f64::from);
         255.0 * (0.299 * r + 0.587 * g + 0.114 * b)
     };
     let row = |y| (0..picture.width()).map(|x| pixel(x, y)).collect();

@@ -69,7 +69,7 @@ fn unreadable(kind: &str, error: &dyn std::fmt::Display) -> Failure {
 fn linear(kind: &str, bytes: &[u8], paint: impl Fn([f32; 3]) -> [u8; 3]) -> Result<Rgb8, Failure> {
     match codec::decode_radiance(bytes) {
         Ok(Radiance::Linear(layer)) => Ok(Rgb8::from_fn(layer.width(), layer.height(), |x, y| {
-            paint(layer.at(x, y))
+            paint(layer.pixel(x, y))
         })),
         Ok(Radiance::Encoded(picture)) => Ok(picture.to_rgb8()),
         Err(error) => Err(unreadable(kind, &error)),
@@ -104,7 +104,7 @@ impl Paint {
     /// The picture of an artifact.
     pub(super) fn picture(&self, stored: &Stored) -> Rgb8 {
         let paint = |codes: &Plane<u16>, color: &dyn Fn(u16) -> [u8; 3]| {
-            Rgb8::from_fn(codes.width(), codes.height(), |x, y| color(codes.at(x, y)))
+            Rgb8::from_fn(codes.width(), codes.height(), |x, y| color(codes.pixel(x, y)))
         };
         match stored {
             Stored::Picture(picture) => picture.clone(),
@@ -195,12 +195,12 @@ mod tests {
         ];
         let paint = Paint::new(all.iter());
         let (first, second) = (paint.picture(&all[0]), paint.picture(&all[1]));
-        assert_eq!([first.at(0, 0), second.at(1, 0)], [HOLE; 2]);
+        assert_eq!([first.pixel(0, 0), second.pixel(1, 0)], [HOLE; 2]);
         assert_eq!(
-            [first.at(1, 0), second.at(0, 0)],
+            [first.pixel(1, 0), second.pixel(0, 0)],
             [colors::ramp(0.0), colors::ramp(1.0)]
         );
-        assert_eq!(first.at(2, 0), colors::ramp(2f64.ln() / 5f64.ln()));
+        assert_eq!(first.pixel(2, 0), colors::ramp(2f64.ln() / 5f64.ln()));
         let Some(Legend::Ramp { ticks, .. }) = paint.legend(&all, &Named::new()) else {
             panic!("no legend");
         };
@@ -213,7 +213,7 @@ mod tests {
             let all = [Stored::Range(plane(&codes))];
             let paint = Paint::new(all.iter());
             let expected = if codes[0] == 0 { HOLE } else { colors::ramp(0.0) };
-            assert_eq!(paint.picture(&all[0]).at(1, 0), expected);
+            assert_eq!(paint.picture(&all[0]).pixel(1, 0), expected);
             assert_eq!(paint.legend(&all, &Named::new()).is_some(), codes[0] > 0);
         }
     }

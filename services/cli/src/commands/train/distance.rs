@@ -25,7 +25,7 @@ pub(super) fn measure(weights: &Weights) -> TableDistance {
         let pairs = planes.flat_map(|(a, b)| a.data().iter().zip(b.data()));
         let places = (0..exact.height()).flat_map(|y| (0..exact.width()).map(move |x| (x, y)));
         let apart = |(x, y)| {
-            let (one, other) = (lab_of(exact.at(x, y)), lab_of(near.at(x, y)));
+            let (one, other) = (lab_of(exact.pixel(x, y)), lab_of(near.pixel(x, y)));
             let squares = one.iter().zip(other).map(|(a, b)| (a - b) * (a - b));
             squares.sum::<f64>().sqrt()
         };
@@ -58,7 +58,7 @@ pub(super) fn measure(weights: &Weights) -> TableDistance {
 
 fn gray(picture: &Rgb<f32>) -> Plane<u8> {
     Plane::from_fn(picture.width(), picture.height(), |x, y| {
-        let codes = picture.at(x, y).map(|value| (255.0 * value).round() as u8);
+        let codes = picture.pixel(x, y).map(|value| (255.0 * value).round() as u8);
         (imaging::luma1000(codes) / 1000) as u8
     })
 }

@@ -147,7 +147,7 @@ mod tests {
     fn an_affine_function_of_the_guide_comes_back_when_nothing_is_regularized() {
         let picture = textured(40, 30);
         let plane = Plane::from_fn(40, 30, |x, y| {
-            let [r, g, b] = picture.at(x, y).map(f64::from);
+            let [r, g, b] = picture.pixel(x, y).map(f64::from);
             0.3 + (2.0 * r - g + 0.5 * b) / 255.0
         });
         let guide = Guide::new(&picture).window(8, 1e-12);
@@ -160,8 +160,8 @@ mod tests {
 
     #[test]
     fn an_offset_of_the_guide_changes_nothing() {
-        let low = Rgb8::from_fn(25, 25, |x, y| textured(25, 25).at(x, y).map(|code| code / 2));
-        let high = Rgb8::from_fn(25, 25, |x, y| low.at(x, y).map(|code| code + 100));
+        let low = Rgb8::from_fn(25, 25, |x, y| textured(25, 25).pixel(x, y).map(|code| code / 2));
+        let high = Rgb8::from_fn(25, 25, |x, y| low.pixel(x, y).map(|code| code + 100));
         let plane = Plane::from_fn(25, 25, |x, y| ((x * 7 + y * y) % 11) as f64);
         let filtered = |picture| guided(&Guide::new(picture), &plane, Variant::Fast);
         for (a, b) in filtered(&low).data().iter().zip(filtered(&high).data()) {

@@ -9,7 +9,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let (width, height) = plane.size();
     let mean = |plane: &Plane<f64>| box_mean(plane, guide.radius_px);
     let combined = |a: &Plane<f64>, b: &Plane<f64>, with: fn(f64, f64) -> f64| {
-        Plane::from_fn(width, height, |x, y| with(a.at(x, y), b.at(x, y)))
+        Plane::from_fn(width, height, |x, y| with(a.pixel(x, y), b.pixel(x, y)))
     };
     let channels = guide.channels.each_ref();
     let colors = channels.map(|codes| codes.map(|&code| guide.scale * f64::from(code)));
@@ -26,23 +26,23 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let with_plane = [0, 1, 2].map(|i| covariance(channel(i), (plane, &plane_mean)));
 
     let slopes = Plane::from_fn(width, height, |x, y| {
-        let mut matrix = spread.each_ref().map(|plane| plane.at(x, y));
+        let mut matrix = spread.each_ref().map(|plane| plane.pixel(x, y));
         for diagonal in [0, 3, 5] {
             matrix[diagonal] += guide.regularization;
         }
-        solve(matrix, with_plane.each_ref().map(|plane| plane.at(x, y)))
+        solve(matrix, with_plane.each_ref().map(|plane| plane.pixel(x, y)))
     });
     let offset = Plane::from_fn(width, height, |x, y| {
-        let slope = slopes.at(x, y);
-        plane_mean.at(x, y) - (0..3).map(|i| slope[i] * means[i].at(x, y)).sum::<f64>()
+        let slope = slopes.pixel(x, y);
+        plane_mean.pixel(x, y) - (0..3).map(|i| slope[i] * means[i].pixel(x, y)).sum::<f64>()
     });
     let slopes = [0, 1, 2].map(|i| mean(&slopes.map(|slope| slope[i])));
     let offset = mean(&offset);
     Plane::from_fn(width, height, |x, y| {
         (0..3)
-            .map(|i| slopes[i].at(x, y) * colors[i].at(x, y))
+            .map(|i| slopes[i].pixel(x, y) * colors[i].pixel(x, y))
             .sum::<f64>()
-            + offset.at(x, y)
+            + offset.pixel(x, y)
     })
 }
 
@@ -50,12 +50,12 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
 pub(super) fn box_mean(plane: &Plane<f64>, radius: usize) -> Plane<f64> {
     let (width, height) = plane.size();
     let along = Plane::from_fn(width, height, |x, y| {
-        inside(x, radius, width).map(|i| plane.at(i, y)).sum::<f64>()
+        inside(x, radius, width).map(|i| plane.pixel(i, y)).sum::<f64>()
     });
     Plane::from_fn(width, height, |x, y| {
         let rows = inside(y, radius, height);
         let count = rows.len() * inside(x, radius, width).len();
-        rows.map(|j| along.at(x, j)).sum::<f64>() / count as f64
+        rows.map(|j| along.pixel(x, j)).sum::<f64>() / count as f64
     })
 }
 

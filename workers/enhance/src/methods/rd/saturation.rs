@@ -158,8 +158,8 @@ mod tests {
         let picture = Rgb8::from_fn(2, 1, |x, _| if x == 0 { [200, 150, 100] } else { [100, 75, 100] });
         for variant in [Variant::Fast, Variant::Reference] {
             let result = stretched(&picture, &identity(), variant);
-            assert_eq!(result.at(0, 0), [255, 128, 0]);
-            assert_eq!(result.at(1, 0), [0, 0, 0]);
+            assert_eq!(result.pixel(0, 0), [255, 128, 0]);
+            assert_eq!(result.pixel(1, 0), [0, 0, 0]);
         }
     }
 

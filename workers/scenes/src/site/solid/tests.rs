@@ -32,7 +32,7 @@ fn range_is_that_of_the_analytic_intersection_in_f64() {
                         .iter()
                         .map(|solid| enter(solid, pose.position_m, ray));
                     let wanted = entries.fold(ground, f64::min);
-                    let found = f64::from(range.at(x, y));
+                    let found = f64::from(range.pixel(x, y));
                     if wanted == found {
                         continue;
                     }

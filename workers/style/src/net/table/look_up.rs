@@ -132,7 +132,11 @@ mod tests {
             assert_eq!(styled.size(), (width, height));
             for y in 0..height {
                 for x in 0..width {
-                    for (found, expected) in styled.at(x, y).into_iter().zip(table.look_up(frame.at(x, y))) {
+                    for (found, expected) in styled
+                        .pixel(x, y)
+                        .into_iter()
+                        .zip(table.look_up(frame.pixel(x, y)))
+                    {
                         assert!(
                             (found - expected).abs() < FLOAT,
                             "({x}, {y}): {found} is not {expected}"

@@ -15,7 +15,7 @@ pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
     let logs = luma.map(super::log);
     let mut bins = Plane::from_fn(padded_width, padded_height, |x, y| {
         Complex::new(
-            logs.at(reflected(x as isize, width), reflected(y as isize, height)),
+            logs.pixel(reflected(x as isize, width), reflected(y as isize, height)),
             0.0,
         )
     });
@@ -35,18 +35,18 @@ pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
     transform(&mut bins, along_x.as_ref(), along_y.as_ref());
 
     let scale = 1.0 / (padded_width * padded_height) as f64;
-    Plane::from_fn(width, height, |x, y| bins.at(x, y).re * scale)
+    Plane::from_fn(width, height, |x, y| bins.pixel(x, y).re * scale)
 }
 
 /// Transforms every row, then every column.
 fn transform(bins: &mut Plane<Complex<f64>>, along_x: &dyn Fft<f64>, along_y: &dyn Fft<f64>) {
     let (width, height) = bins.size();
     along_x.process(bins.data_mut());
-    let mut columns = Plane::from_fn(height, width, |y, x| bins.at(x, y));
+    let mut columns = Plane::from_fn(height, width, |y, x| bins.pixel(x, y));
     along_y.process(columns.data_mut());
     for y in 0..height {
         for (x, bin) in bins.row_mut(y).iter_mut().enumerate() {
-            *bin = columns.at(y, x);
+            *bin = columns.pixel(y, x);
         }
     }
 }

@@ -12,7 +12,7 @@ pub(super) fn median(picture: &Plane<u8>) -> Plane<u8> {
         for row in y..=y + 2 * RADIUS_PX {
             let row = row.saturating_sub(RADIUS_PX).min(height - 1);
             let column = |x: usize| x.saturating_sub(RADIUS_PX).min(width - 1);
-            window.extend((x..=x + 2 * RADIUS_PX).map(|x| picture.at(column(x), row)));
+            window.extend((x..=x + 2 * RADIUS_PX).map(|x| picture.pixel(column(x), row)));
         }
         let middle = window.len() / 2;
         *window.select_nth_unstable(middle).1
