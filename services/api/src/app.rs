@@ -23,6 +23,7 @@ use crate::processes::Processes;
 use crate::processes::child::Children;
 use crate::processes::compute::Compute;
 use crate::scenes::Scenes;
+use crate::sets::Sets;
 use crate::styles::{AddedStyleError, Styles};
 use crate::waters::Waters;
 
@@ -62,6 +63,7 @@ pub(crate) struct App {
     pub(crate) leases: Arc<Leases>,
     pub(crate) images: Arc<Images>,
     pub(crate) jobs: Arc<Jobs>,
+    pub(crate) sets: Arc<Sets>,
     pub(crate) scenes: Arc<Scenes>,
     pub(crate) waters: Arc<Waters>,
     pub(crate) styles: Arc<Styles>,
@@ -124,19 +126,22 @@ impl App {
             processes: Arc::clone(&processes),
             data: config.data.clone(),
         });
+        let jobs = Arc::new(Jobs {
+            catalogue: Arc::clone(&catalogue),
+            leases: Arc::clone(&leases),
+            bytes: Arc::clone(&bytes),
+            images: Arc::clone(&images),
+            styles: Arc::clone(&styles),
+            waters: Arc::clone(&waters),
+            processes: Arc::clone(&processes),
+            turn: Default::default(),
+            clock: clock.clone(),
+            stop: stop.clone(),
+        });
+        let sets = Sets::new(Arc::clone(&jobs), &config.cluster_program, &config.stores);
         let app = Self {
-            jobs: Arc::new(Jobs {
-                catalogue: Arc::clone(&catalogue),
-                leases: Arc::clone(&leases),
-                bytes: Arc::clone(&bytes),
-                images: Arc::clone(&images),
-                styles: Arc::clone(&styles),
-                waters: Arc::clone(&waters),
-                processes: Arc::clone(&processes),
-                turn: Default::default(),
-                clock: clock.clone(),
-                stop: stop.clone(),
-            }),
+            jobs,
+            sets: Arc::new(sets),
             scenes: Arc::new(Scenes {
                 catalogue: Arc::clone(&catalogue),
                 bytes: Arc::clone(&bytes),

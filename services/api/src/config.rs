@@ -31,6 +31,10 @@ pub struct Config {
     pub onnxruntime: Option<PathBuf>,
     /// The style models that jobs may name, beside those that were added to the data folder.
     pub library: Library,
+    /// The program that reads sets, `fathom-cluster`.
+    pub cluster_program: PathBuf,
+    /// Folders and `s3://BUCKET/PREFIX` below which a client may have sets imported; none: it may not.
+    pub stores: Vec<String>,
     /// What reads sets in buckets; without it a data folder with images of such a set is refused.
     pub buckets: Option<ReadBucket>,
     /// How long a network that a user adds may take to be tried.

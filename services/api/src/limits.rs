@@ -62,6 +62,8 @@ pub(crate) const DEFAULT_PAGE_ROWS: u32 = 100;
 pub(crate) const MAX_PAGE_ROWS: u32 = 1000;
 /// A filter of this length is parsed in microseconds.
 pub(crate) const FILTER_BYTES: usize = 4096;
+/// Where a set lies: an object's key has at most 1024 bytes, a path 4096.
+pub(crate) const SET_URL_BYTES: usize = 4096;
 /// An idempotency key: a UUID has 36 characters.
 pub(crate) const IDEMPOTENCY_KEY_BYTES: usize = 255;
 /// Records that are read at a time while a client reads lines: about a megabyte.

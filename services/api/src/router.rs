@@ -17,7 +17,8 @@ use crate::http::problem::Problem;
 use crate::limits::{self, Limits};
 use crate::lists::List;
 use crate::{
-    bytes, datasets, http, images, jobs, leases, lists, openapi, operations, pictures, scenes, styles, waters,
+    bytes, datasets, http, images, jobs, leases, lists, openapi, operations, pictures, scenes, sets, styles,
+    waters,
 };
 
 /// The whole application.
@@ -85,6 +86,8 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(scenes::routes::get::get))
         .routes(routes!(scenes::routes::collections::list))
         .routes(routes!(scenes::routes::collections::get))
+        .routes(routes!(sets::routes::set::list))
+        .routes(routes!(sets::routes::set::get))
         .routes(routes!(waters::routes::water::list))
         .routes(routes!(waters::routes::water::get))
         .routes(routes!(styles::routes::list::list))
@@ -123,6 +126,8 @@ fn submitting() -> OpenApiRouter<App> {
         .routes(routes!(jobs::routes::control::resume))
         .routes(routes!(jobs::routes::control::retry_failed))
         .routes(routes!(datasets::routes::dataset::delete))
+        .routes(routes!(sets::routes::create::create))
+        .routes(routes!(sets::routes::set::delete))
         .routes(routes!(waters::routes::create::create))
         .routes(routes!(waters::routes::water::delete))
 }

@@ -59,6 +59,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
     let limits = surroundings.limits;
     let (app, lock) = App::open(&config, &surroundings).await?;
     app.jobs.resume_all().await?;
+    app.sets.resume_all().await?;
     let listen = |source| StartError::Listen {
         address: config.listen,
         source,

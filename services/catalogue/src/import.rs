@@ -63,6 +63,19 @@ impl Catalogue {
         };
         Ok(rows.into_iter().map(shard).collect())
     }
+
+    /// Number of shards of a job that are imported as a whole.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn count_imported_shards(&self, job: &str) -> Result<u64, CatalogueError> {
+        let count: i64 =
+            sqlx::query_scalar("SELECT count(*) FROM shards WHERE job_id = ? AND digest IS NOT NULL")
+                .bind(job)
+                .fetch_one(&mut *self.reader().await?)
+                .await?;
+        Ok(count as u64)
+    }
 }
 
 async fn import(

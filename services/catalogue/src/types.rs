@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use spec::{ArtifactEntry, SceneFiles};
 use utoipa::ToSchema;
@@ -198,7 +198,7 @@ pub struct ImportedArtifact {
 }
 
 /// A shard of a set on its way in.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NewShard {
     /// Its first frame.
     pub frame: u64,
@@ -209,7 +209,7 @@ pub struct NewShard {
 }
 
 /// What completes the import of a shard.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardEnd {
     /// Digest over its images.
     pub digest: String,
@@ -231,7 +231,7 @@ pub struct ImportedShard {
 }
 
 /// A frame that failed.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FailureRow {
     /// The frame.
     pub frame: u64,

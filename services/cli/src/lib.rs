@@ -16,6 +16,7 @@ pub mod engine;
 pub mod exit;
 pub mod files;
 pub mod images;
+pub mod import;
 pub mod job;
 pub mod known;
 pub mod progress;

@@ -6,7 +6,8 @@
 mod buckets;
 mod commands;
 mod engine;
-mod import;
+mod failure;
+mod reading;
 
 use std::process::ExitCode;
 

@@ -121,6 +121,8 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         styles: None,
         onnxruntime: None,
         library: Library::embedded().context("the embedded style models")?,
+        cluster_program: PathBuf::new(),
+        stores: Vec::new(),
         buckets: None,
         style_trial: Duration::from_secs(60),
     };

@@ -45,6 +45,11 @@ impl Images {
     pub(crate) async fn rerender(&self, job_id: &str, frame: u64) -> Result<Again, Problem> {
         let spec = found(self.catalogue.description(job_id).await?, "job", job_id)?;
         let resolved = Job::trusted(&spec)?.resolve(frame)?;
+        if resolved.scene.files().is_some() {
+            // Of an imported set: paths on this machine that whoever made it had no right to read.
+            let detail = "the frame shows files of the machine that rendered it";
+            return Err(Problem::new(Slug::RenderFailed, detail));
+        }
         let folder = TempDir::new().map_err(|error| Problem::internal(&error))?;
         let scene = match resolved.scene.uploaded_id() {
             Some(id) => self.lay_out(id, folder.path()).await?,

@@ -24,8 +24,7 @@ use crate::styles::Styles;
 use crate::waters::Waters;
 
 /// An id for a new job; later ones are greater.
-#[must_use]
-pub fn new_job_id() -> String {
+pub(crate) fn new_job_id() -> String {
     format!("job_{}", Uuid::now_v7().simple())
 }
 

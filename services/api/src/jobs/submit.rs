@@ -132,6 +132,8 @@ mod tests {
             styles: None,
             onnxruntime: None,
             library: style::Library::embedded().unwrap(),
+            cluster_program: "/bin/false".into(),
+            stores: Vec::new(),
             buckets: None,
             style_trial: Duration::from_secs(1),
         };

@@ -110,6 +110,7 @@ pub(crate) struct FieldError {
     tags((name = "jobs", description = "Submitting descriptions and following them"),
          (name = "images", description = "What was rendered"),
          (name = "datasets", description = "Collections of images"),
+         (name = "sets", description = "Datasets in a folder or a bucket, made without this service"),
          (name = "scenes", description = "Pictures and ranges of your own"),
          (name = "pictures", description = "Enhancing and measuring pictures of your own"),
          (name = "waters", description = "Optical waters"),

@@ -83,7 +83,7 @@ impl Children {
 }
 
 async fn watched(mut child: Child, allowance: Allowance) -> Ended {
-    let said = tokio::spawn(head(child.stderr.take()));
+    let said = tokio::spawn(beginning(child.stderr.take()));
     let id = child.id();
     let verdict = tokio::select! {
         status = child.wait() => status.map_err(|error| error.to_string()),
@@ -132,7 +132,7 @@ fn resident_bytes(id: u32) -> Option<u64> {
 }
 
 /// The beginning of what a pipe carries; the rest is read and dropped, so that the child never blocks on it.
-async fn head(pipe: Option<impl AsyncRead + Unpin>) -> String {
+pub(crate) async fn beginning(pipe: Option<impl AsyncRead + Unpin>) -> String {
     let Some(mut pipe) = pipe else {
         return String::new();
     };

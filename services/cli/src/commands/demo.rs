@@ -53,6 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         slots: None,
         token: None,
         style_trial_s: 60,
+        stores: Vec::new(),
         style: arguments.style.clone(),
     })?;
     let service = runtime.block_on(api::start(config)).map_err(Failure::input)?;

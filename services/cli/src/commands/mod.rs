@@ -10,6 +10,7 @@ mod demo;
 mod enhance;
 mod errors;
 mod export;
+mod import;
 mod jobs;
 mod list;
 mod measure;
@@ -49,7 +50,7 @@ pub(crate) enum Command {
     /// Read a set again and compare it with its markers
     Verify(cluster::Arguments),
     /// Show the images of a set in a service, whose bytes stay where they are
-    Import(cluster::Arguments),
+    Import(cli::import::Arguments),
     /// Write the manifest of a complete set
     Seal(cluster::Arguments),
     /// Remove files of a set that belong to no shard
@@ -124,9 +125,8 @@ impl Command {
             Self::Serve(arguments) => serve::run(arguments, None),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),
-            Self::Status(_) | Self::Verify(_) | Self::Import(_) | Self::Seal(_) | Self::Gc(_) => {
-                cluster::hand_over()
-            }
+            Self::Status(_) | Self::Verify(_) | Self::Seal(_) | Self::Gc(_) => cluster::hand_over(),
+            Self::Import(arguments) => import::run(&arguments),
             Self::Plan(arguments) => plan::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),
             Self::Jobs(arguments) => jobs::run(&arguments),

@@ -13,7 +13,7 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-use super::cluster::hand_over;
+use super::cluster::{hand_over, program};
 
 /// Options of `fathom serve`.
 #[derive(clap::Args)]
@@ -43,6 +43,14 @@ pub struct Arguments {
     /// Longest time to try a style network that somebody adds
     #[arg(long, env = "FATHOM_STYLE_TRIAL_S", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=3600))]
     pub(crate) style_trial_s: u64,
+    /// Folder or s3://BUCKET/PREFIX below which clients may have sets imported; may be given several times
+    #[arg(
+        long = "store",
+        env = "FATHOM_STORE",
+        value_name = "DIR|URL",
+        value_delimiter = ','
+    )]
+    pub(crate) stores: Vec<String>,
 }
 
 /// Names the program of these commands where they run inside of another.
@@ -50,8 +58,12 @@ pub(super) const OWN_PROGRAM: &str = "FATHOM_PROGRAM";
 /// The program that can read sets in buckets, too.
 pub(super) const CLUSTER_PROGRAM: &str = "fathom-cluster";
 
-/// Runs the command. Without `buckets` it becomes `fathom-cluster` if the folder has images of a set in a bucket.
+/// Runs the command. Without `buckets` it becomes `fathom-cluster` if the folder has images of a set in a bucket, or may get some.
 pub fn run(arguments: Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
+    let is_bucket = |store: &String| store.starts_with("s3://");
+    if buckets.is_none() && arguments.stores.iter().any(is_bucket) {
+        return hand_over();
+    }
     start_log("info");
     let mut config = config(arguments)?;
     // The clone outlives the runtime: what reads buckets has threads that cannot be ended within it.
@@ -76,12 +88,19 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         .slots
         .map_or_else(|| cores.div_ceil(workers.max(1)), usize::from);
     let library = arguments.style.library()?;
+    let own = own_program()?;
+    let cluster_program = match arguments.stores.as_slice() {
+        [] => own.with_file_name(CLUSTER_PROGRAM),
+        _ => program()?,
+    };
     Ok(api::Config {
         data: arguments.data,
         listen: arguments.listen,
         workers,
         slots_per_worker: slots,
-        worker_program: own_program()?,
+        worker_program: own,
+        cluster_program,
+        stores: arguments.stores,
         token: arguments.token,
         styles: arguments.style.styles,
         onnxruntime: arguments.style.onnxruntime,

@@ -65,7 +65,7 @@ const TOPICS: &[Topic] = &[
         commands: &[
             ("status", "fathom status s3://bucket/set"),
             ("verify", "fathom verify s3://bucket/set"),
-            ("import", "fathom import s3://bucket/set --data data"),
+            ("import", "fathom import s3://bucket/set --server --wait"),
             ("seal", "fathom seal s3://bucket/set"),
             ("gc", "fathom gc s3://bucket/set"),
         ],

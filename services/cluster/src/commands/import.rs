@@ -1,94 +1,100 @@
 //! `fathom import`: the images of a set in the data folder of a service, without their bytes.
 
-use std::collections::BTreeMap;
-use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::Context;
-use api::Data;
+use api::{Data, Intake, SetHead};
+use catalogue::{CatalogueError, JobRow, UnixMs};
 use cli::exit::Failure;
+use cli::import::Arguments;
 use cli::progress::Progress;
-use cli::styles::StyleArguments;
 use serde_json::json;
 use sets::{Location, Set};
-use spec::{Draft, Uploads};
+use tokio::runtime::Runtime;
 
 use super::failure;
-use crate::import::{Import, ImportError};
+use super::shards::resolved;
+use crate::reading::{missing, read_all};
 
-/// Options of `fathom import`.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Folder or s3://BUCKET/PREFIX
-    set: String,
-    /// Folder of the catalogue and the artifacts; its service must be stopped
-    #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
-    data: PathBuf,
-    /// Print what was imported as one JSON object
-    #[arg(long)]
-    json: bool,
-    #[command(flatten)]
-    style: StyleArguments,
+/// What an import did.
+#[derive(Debug, Default)]
+struct Tally {
+    shards: u64,
+    /// Images that were not there before.
+    images: u64,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let set = Set::open(&location(&arguments.set)?).map_err(failure)?;
+    let location = resolved(&Location::parse(&arguments.set).map_err(failure)?)?;
+    let set = Set::open(&location).map_err(failure)?;
     let library = arguments.style.library_of_service(&arguments.data)?;
-    let mut vocabulary = renderer::vocabulary(&library, true);
-    let metrics = vocabulary.metrics.clone();
-    // The frames are rendered: their styles need not be here.
-    vocabulary.styles.extend(set.job().styles());
-    Draft::read(set.card().job.as_bytes(), &vocabulary)
-        .and_then(|draft| draft.check(&Uploads::Known(BTreeMap::new())))
-        .map_err(|invalid| cli::job::refused(&PathBuf::from(&arguments.set).join("job.json"), &invalid))?;
-    let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
-    let data = runtime.block_on(Data::open(&arguments.data, &metrics));
+    let vocabulary = renderer::vocabulary(&library, true);
+    let runtime = Runtime::new().context("cannot start the asynchronous runtime")?;
+    let data = runtime.block_on(Data::open(&arguments.data, &vocabulary.metrics));
     let data = data.map_err(Failure::input)?;
-    let imported = import(arguments, &set, &data, &runtime);
+    let head = SetHead {
+        location: location.to_string(),
+        job: set.card().job.clone(),
+    };
+    let begun = Instant::now();
+    let imported = runtime
+        .block_on(Intake::open(&data.catalogue, head, &vocabulary))
+        .map_err(Failure::input)
+        .and_then(|intake| import(&set, &data, intake, &runtime));
     runtime.block_on(data.close());
-    imported
+    let (job, tally) = imported?;
+    print(arguments.json, &job, &tally, begun.elapsed().as_secs_f64());
+    Ok(())
 }
 
 fn import(
-    arguments: &Arguments,
     set: &Set,
     data: &Data,
-    runtime: &tokio::runtime::Runtime,
-) -> Result<(), Failure> {
-    let begun = Instant::now();
-    let mut bar: Option<Progress> = None;
-    let import = Import {
+    mut intake: Intake<'_>,
+    runtime: &Runtime,
+) -> Result<(JobRow, Tally), Failure> {
+    let known = runtime.block_on(intake.known()).map_err(stored)?;
+    let missing = missing(set, &known)?;
+    let (mut tally, mut bar) = (Tally::default(), None);
+    let job = intake.id().to_owned();
+    read_all(
         set,
-        catalogue: &data.catalogue,
-        runtime,
-        threads: cli::render::cores(),
-    };
-    let imported = import.run(|stored, all| {
-        bar.get_or_insert_with(|| Progress::new("import", "shards", all))
-            .set(stored);
-    });
-    let (job, tally) = imported.map_err(|error| match error {
-        ImportError::Set(error) => failure(error),
-        ImportError::Catalogue(error) => Failure::Other(error.into()),
-    })?;
+        &missing,
+        |part| {
+            let images = api::prepare(&data.catalogue, &job, part.images).map_err(stored)?;
+            Ok((images, part.shard))
+        },
+        |(images, shard)| {
+            // With the first shard that is good, so that a set without one leaves nothing behind.
+            if !intake.is_there() {
+                runtime.block_on(intake.begin(now())).map_err(stored)?;
+            }
+            tally.shards += u64::from(shard.end.is_some());
+            tally.images += runtime.block_on(intake.store(images, shard)).map_err(stored)?;
+            bar.get_or_insert_with(|| Progress::new("import", "shards", missing.len() as u64))
+                .set(tally.shards);
+            Ok(())
+        },
+    )?;
     if let Some(bar) = bar {
         bar.finish();
     }
-    let seconds = begun.elapsed().as_secs_f64();
-    if arguments.json {
+    let row = runtime.block_on(intake.begin(now())).map_err(stored)?;
+    Ok((row, tally))
+}
+
+fn print(as_json: bool, job: &JobRow, tally: &Tally, seconds: f64) {
+    let Tally { shards, images } = tally;
+    if as_json {
         println!(
             "{}",
-            json!({"job": job, "shards": tally.shards, "images": tally.images, "seconds": seconds})
+            json!({"job": job, "shards": shards, "images": images, "seconds": seconds})
         );
-        return Ok(());
+        return;
     }
-    println!(
-        "{} shards with {} images in {seconds:.1} s ({:.0} images/s)",
-        tally.shards,
-        tally.images,
-        tally.images as f64 / seconds.max(1e-9)
-    );
+    let rate = *images as f64 / seconds.max(1e-9);
+    println!("{shards} shards with {images} images in {seconds:.1} s ({rate:.0} images/s)");
     println!(
         "{} · dataset {} · {} · {} of {} frames, {} failed",
         job.id, job.dataset, job.state, job.done, job.frames, job.failed
@@ -96,20 +102,13 @@ fn import(
     if let Some(digest) = &job.digest {
         println!("digest {digest}");
     }
-    Ok(())
 }
 
-/// Where the set lies, as it stays the same whatever folder a service is started in.
-fn location(text: &str) -> Result<Location, Failure> {
-    match Location::parse(text).map_err(failure)? {
-        Location::Folder(path) => {
-            let whole = path.canonicalize();
-            let whole = whole.map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
-            match whole.to_str() {
-                Some(_) => Ok(Location::Folder(whole)),
-                None => Err(Failure::BadInput(format!("{} is not UTF-8", whole.display()))),
-            }
-        }
-        bucket => Ok(bucket),
-    }
+fn stored(error: CatalogueError) -> Failure {
+    Failure::Other(error.into())
+}
+
+fn now() -> UnixMs {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    UnixMs(since.map_or(0, |since| since.as_millis() as u64))
 }

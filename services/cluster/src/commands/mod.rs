@@ -6,14 +6,16 @@ mod gc;
 mod import;
 mod render;
 mod seal;
+mod shards;
 mod status;
 mod verify;
 mod worker;
 
 use cli::exit::Failure;
-use sets::{Location, Set, SetError};
+use sets::{Location, Set};
 
 use crate::buckets;
+use crate::failure::failure;
 
 /// What `fathom-cluster` can do.
 #[derive(clap::Subcommand)]
@@ -27,7 +29,7 @@ pub(crate) enum Command {
     /// Read a set again and compare it with its markers
     Verify(verify::Arguments),
     /// Show the images of a set in a service, whose bytes stay where they are
-    Import(import::Arguments),
+    Import(cli::import::Arguments),
     /// Start the service, also over a data folder with images of a set in a bucket
     Serve(cli::serve::Arguments),
     /// Verify everything a stopped service has stored, also images of a set in a bucket
@@ -36,6 +38,9 @@ pub(crate) enum Command {
     Seal(seal::Arguments),
     /// Remove files that belong to no shard
     Gc(gc::Arguments),
+    /// Read a set for the service that imports it
+    #[command(hide = true)]
+    Shards(shards::Arguments),
     /// Render frames for the supervisor that asks for them
     #[command(hide = true)]
     Frames(frames::Arguments),
@@ -53,6 +58,7 @@ impl Command {
             Self::Scrub(arguments) => cli::scrub::run(&arguments, Some(buckets::reader())),
             Self::Seal(arguments) => seal::run(&arguments),
             Self::Gc(arguments) => gc::run(&arguments),
+            Self::Shards(arguments) => shards::run(&arguments),
             Self::Frames(arguments) => frames::run(&arguments),
         }
     }
@@ -61,13 +67,4 @@ impl Command {
 /// The set at a location that the user names.
 fn open(location: &str) -> Result<Set, Failure> {
     Set::open(&Location::parse(location).map_err(failure)?).map_err(failure)
-}
-
-/// The exit status of an error: whether calling again can help is what engines decide by.
-fn failure(error: SetError) -> Failure {
-    match error {
-        SetError::Refused(reason) => Failure::BadInput(reason),
-        SetError::Later(reason) => Failure::Later(reason),
-        SetError::Damaged(_) | SetError::Machine(_) => Failure::Other(anyhow::Error::msg(error.to_string())),
-    }
 }

@@ -140,6 +140,8 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         styles: None,
         onnxruntime: None,
         library: library(data),
+        cluster_program: "/bin/false".into(),
+        stores: Vec::new(),
         buckets: None,
         style_trial: Duration::from_secs(10),
     }

@@ -1,0 +1,125 @@
+//! Following a set: looks at it until every frame of its job has ended.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use catalogue::{CatalogueError, Deleted, JobRow, UnixMs};
+use tokio::sync::Notify;
+
+use super::Sets;
+use super::reader::Reader;
+use crate::http::problem::Problem;
+
+/// The shortest pause between two looks.
+const PAUSE: Duration = Duration::from_secs(2);
+/// A look at a large set takes longer: the pause is so many times as long.
+const PAUSE_SHARE: u32 = 10;
+
+/// A set that is followed, or was.
+#[derive(Default)]
+pub(crate) struct Followed {
+    last: Mutex<Last>,
+    wake: Notify,
+}
+
+/// What the last look found.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Last {
+    /// Whether there will be another.
+    pub(crate) goes_on: bool,
+    pub(crate) at: Option<UnixMs>,
+    pub(crate) error: Option<String>,
+}
+
+impl Followed {
+    pub(crate) fn last(&self) -> MutexGuard<'_, Last> {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Sets {
+    /// Imports the set at a URL, and follows it while it grows. Goes on to its end when the client goes away.
+    pub(super) async fn import(self: &Arc<Self>, url: String) -> Result<JobRow, Problem> {
+        let reader = self.reader()?;
+        self.jobs.bytes.space.room().await?;
+        let row = self.begin(reader, &url).await?;
+        self.follow(&row);
+        Ok(row)
+    }
+
+    /// Takes up the sets that an earlier run of the service followed.
+    pub(crate) async fn resume_all(self: &Arc<Self>) -> Result<(), CatalogueError> {
+        if self.reader.is_some() {
+            let jobs = self.jobs.catalogue.imported_jobs().await?;
+            let open = jobs.iter().filter(|job| !job.state.has_ended());
+            open.for_each(|job| self.follow(job));
+        }
+        Ok(())
+    }
+
+    /// Deletes the job of a set with its images; the set itself stays.
+    pub(super) async fn delete(&self, job: &str) -> Result<Deleted, Problem> {
+        self.get(job).await?;
+        let deleted = self.jobs.delete(job.to_owned()).await?;
+        if let Some(followed) = self.followed().get(job) {
+            followed.wake.notify_one();
+        }
+        Ok(deleted)
+    }
+
+    fn follow(self: &Arc<Self>, row: &JobRow) {
+        let Some(location) = row.set.clone() else { return };
+        let followed = Arc::clone(self.followed().entry(row.id.clone()).or_default());
+        if std::mem::replace(&mut followed.last().goes_on, true) {
+            followed.wake.notify_one();
+            return;
+        }
+        let (sets, job) = (Arc::clone(self), row.id.clone());
+        tokio::spawn(async move {
+            let stop = sets.jobs.stop.clone();
+            stop.run_until_cancelled(sets.follow_to_the_end(&location, &job, &followed))
+                .await;
+        });
+    }
+
+    async fn follow_to_the_end(&self, location: &str, job: &str, followed: &Followed) {
+        let Some(reader) = &self.reader else { return };
+        loop {
+            let begun = Instant::now();
+            if !self.look_once(reader, location, job, followed).await {
+                return;
+            }
+            let pause = PAUSE.max(begun.elapsed() * PAUSE_SHARE);
+            let _ = tokio::time::timeout(pause, followed.wake.notified()).await;
+        }
+    }
+
+    /// Returns whether to look again.
+    async fn look_once(&self, reader: &Reader, location: &str, job: &str, followed: &Followed) -> bool {
+        let found = self.look(reader, location, job).await;
+        let mut last = followed.last();
+        last.at = Some(self.jobs.clock.wall());
+        match found {
+            Ok(None) => {
+                last.goes_on = false;
+                drop(last);
+                self.followed().remove(job);
+                false
+            }
+            Ok(Some(row)) => {
+                last.error = None;
+                last.goes_on = !row.state.has_ended();
+                last.goes_on
+            }
+            Err(error) => {
+                let text = error.to_string();
+                if last.error.as_ref() != Some(&text) {
+                    tracing::warn!(job, set = location, error = text, "a set cannot be imported");
+                }
+                last.error = Some(text);
+                last.goes_on = !error.is_final();
+                last.goes_on
+            }
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! From what was read of a set into the catalogue.
+
+use std::collections::BTreeMap;
+
+use catalogue::{Catalogue, CatalogueError, InsertJob, JobRow, NewImage, NewJob, NewShard, UnixMs};
+use spec::{Draft, Invalid, Job, Uploads, Vocabulary};
+
+use super::feed::{Known, SetHead, SetImage};
+use crate::jobs::new_job_id;
+
+/// Why a set is not imported.
+#[derive(Debug, thiserror::Error)]
+pub enum IntakeError {
+    /// The catalogue.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+    /// The images that were imported from this place are of another job.
+    #[error("{location} was imported as {job}, and holds another job now; delete {job} first")]
+    AnotherJob {
+        /// Where the set lies.
+        location: String,
+        /// The job that is there.
+        job: String,
+    },
+    /// Its job cannot be read here.
+    #[error("the job of {location}: {invalid}")]
+    Job {
+        /// Where the set lies.
+        location: String,
+        /// What is wrong with it.
+        invalid: Invalid,
+    },
+}
+
+/// A set on its way into a catalogue.
+pub struct Intake<'c> {
+    catalogue: &'c Catalogue,
+    head: SetHead,
+    job: Job,
+    id: String,
+    is_there: bool,
+}
+
+impl<'c> Intake<'c> {
+    /// Compares a set with what the catalogue has of it. Nothing is stored yet.
+    ///
+    /// # Errors
+    /// [`IntakeError`].
+    pub async fn open(
+        catalogue: &'c Catalogue,
+        head: SetHead,
+        vocabulary: &Vocabulary,
+    ) -> Result<Self, IntakeError> {
+        let job = read(&head.job, vocabulary).map_err(|invalid| IntakeError::Job {
+            location: head.location.clone(),
+            invalid,
+        })?;
+        let known = catalogue.job_of_set(&head.location).await?;
+        match &known {
+            Some(known) if known.spec_digest != spec::sha256(head.job.as_bytes()) => {
+                Err(IntakeError::AnotherJob {
+                    location: head.location,
+                    job: known.id.clone(),
+                })
+            }
+            _ => Ok(Self {
+                catalogue,
+                head,
+                job,
+                is_there: known.is_some(),
+                id: known.map_or_else(new_job_id, |known| known.id),
+            }),
+        }
+    }
+
+    /// Id of the job that the images join.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// Whether that job is stored.
+    #[must_use]
+    pub fn is_there(&self) -> bool {
+        self.is_there
+    }
+
+    /// What need not be read again.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn known(&self) -> Result<Known, CatalogueError> {
+        let imported = self.catalogue.imported_shards(&self.id).await?;
+        Ok(imported
+            .into_iter()
+            .map(|shard| (shard.frame, shard.changed_ms))
+            .collect())
+    }
+
+    /// Stores the job unless it is there.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn begin(&mut self, now: UnixMs) -> Result<JobRow, CatalogueError> {
+        let new = NewJob {
+            id: self.id.clone(),
+            dataset: self.job.dataset().to_owned(),
+            spec: self.head.job.clone(),
+            spec_digest: spec::sha256(self.head.job.as_bytes()),
+            frames: self.job.frames(),
+            priority: 0,
+            created_at: now,
+            idempotency: None,
+            set: Some(self.head.location.clone()),
+        };
+        match self.catalogue.insert_job(new).await? {
+            InsertJob::Created(row) | InsertJob::Replayed(row) => {
+                self.is_there = true;
+                self.id.clone_from(&row.id);
+                Ok(row)
+            }
+            InsertJob::KeyConflict => Err(CatalogueError::Failed {
+                message: "a job without a key has a conflict of keys".to_owned(),
+            }),
+        }
+    }
+
+    /// Stores images of a shard; returns how many of them are new.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn store(&self, images: Vec<NewImage>, shard: NewShard) -> Result<u64, CatalogueError> {
+        self.catalogue.import(&self.id, images, shard).await
+    }
+}
+
+/// Prepares images for [`Intake::store`], on any thread.
+///
+/// # Errors
+/// [`CatalogueError::Failed`] for a record that cannot be written as JSON.
+pub fn prepare(
+    catalogue: &Catalogue,
+    job: &str,
+    images: Vec<SetImage>,
+) -> Result<Vec<NewImage>, CatalogueError> {
+    let prepare =
+        |image: SetImage| catalogue.imported_image(job, &image.record, image.created_ms, &image.offsets);
+    images.into_iter().map(prepare).collect()
+}
+
+/// Reads the job of a set. Its frames are rendered: neither styles nor files of scenes need be here.
+fn read(text: &str, vocabulary: &Vocabulary) -> Result<Job, Invalid> {
+    let mut vocabulary = vocabulary.clone();
+    vocabulary.local = true;
+    vocabulary.styles.extend(Job::trusted(text)?.styles());
+    Draft::read(text.as_bytes(), &vocabulary)?.check(&Uploads::Known(BTreeMap::new()))
+}

@@ -1,0 +1,98 @@
+//! One look at a set: what is new of it is imported.
+
+use catalogue::{CatalogueError, JobRow};
+
+use super::Sets;
+use super::intake::{Intake, IntakeError};
+use super::reader::Reader;
+use crate::http::problem::{Problem, Slug};
+use futures::StreamExt;
+
+/// Why a look ends early. What was stored stays, and the next look goes on from there.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LookError {
+    /// The set cannot be shown; looking again changes nothing.
+    #[error("{0}")]
+    Refused(String),
+    /// The store does not respond; another look may succeed.
+    #[error("{0}")]
+    Later(String),
+    /// The set contradicts itself; it may be repaired.
+    #[error("{0}")]
+    Damaged(String),
+    /// What is there does not fit what the catalogue has.
+    #[error(transparent)]
+    Intake(#[from] IntakeError),
+    /// The catalogue.
+    #[error(transparent)]
+    Catalogue(#[from] CatalogueError),
+}
+
+impl LookError {
+    /// Whether another look is in vain.
+    pub(crate) fn is_final(&self) -> bool {
+        match self {
+            Self::Refused(_) | Self::Intake(IntakeError::AnotherJob { .. } | IntakeError::Job { .. }) => true,
+            Self::Later(_)
+            | Self::Damaged(_)
+            | Self::Intake(IntakeError::Catalogue(_))
+            | Self::Catalogue(_) => false,
+        }
+    }
+}
+
+impl From<LookError> for Problem {
+    fn from(error: LookError) -> Self {
+        match error {
+            LookError::Catalogue(error) | LookError::Intake(IntakeError::Catalogue(error)) => error.into(),
+            LookError::Later(_) => Self::new(Slug::SetUnreachable, error.to_string()),
+            LookError::Intake(IntakeError::AnotherJob { .. }) => {
+                Self::new(Slug::NameTaken, error.to_string())
+            }
+            LookError::Refused(_) | LookError::Damaged(_) | LookError::Intake(IntakeError::Job { .. }) => {
+                Self::field("/url", error.to_string())
+            }
+        }
+    }
+}
+
+impl Sets {
+    /// Opens a set and stores its job, unless it is there.
+    pub(super) async fn begin(&self, reader: &Reader, url: &str) -> Result<JobRow, LookError> {
+        let (head, _reading) = reader.open(url).await?;
+        let mut intake = Intake::open(&self.jobs.catalogue, head, &self.jobs.vocabulary()).await?;
+        let is_new = !intake.is_there();
+        let row = intake.begin(self.jobs.clock.wall()).await?;
+        if is_new {
+            let (job, dataset, set) = (&row.id, &row.dataset, &row.set);
+            tracing::info!(job, dataset, set, "a set is followed");
+        }
+        Ok(row)
+    }
+
+    /// Imports what is new of a set; returns its job, or nothing if that is gone.
+    pub(super) async fn look(
+        &self,
+        reader: &Reader,
+        location: &str,
+        job: &str,
+    ) -> Result<Option<JobRow>, LookError> {
+        let catalogue = &self.jobs.catalogue;
+        if catalogue.job(job).await?.is_none() {
+            return Ok(None);
+        }
+        let (head, mut reading) = reader.open(location).await?;
+        let intake = Intake::open(catalogue, head, &self.jobs.vocabulary()).await?;
+        if intake.id() != job {
+            return Ok(None);
+        }
+        let known = intake.known().await?;
+        let mut parts = std::pin::pin!(reading.ask(&known, catalogue, job).await?);
+        while let Some(part) = parts.next().await {
+            let part = part?;
+            intake.store(part.images, part.shard).await?;
+            self.jobs.leases.changes.notify(job);
+        }
+        Ok(catalogue.job(job).await?)
+    }
+}

@@ -1,0 +1,49 @@
+//! Sets that were made outside of this service: their images are imported as they are rendered, their bytes stay where they are.
+
+pub(crate) mod feed;
+mod follow;
+pub(crate) mod intake;
+mod look;
+mod reader;
+pub(crate) mod routes;
+mod view;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::http::problem::Problem;
+use crate::jobs::Jobs;
+use follow::Followed;
+use reader::Reader;
+
+/// The sets that a service follows.
+pub(crate) struct Sets {
+    jobs: Arc<Jobs>,
+    /// Absent where the service may read no sets.
+    reader: Option<Reader>,
+    /// By the id of their job.
+    followed: Mutex<BTreeMap<String, Arc<Followed>>>,
+}
+
+impl Sets {
+    /// `stores`: where sets may lie.
+    pub(crate) fn new(jobs: Arc<Jobs>, program: &Path, stores: &[String]) -> Self {
+        Self {
+            jobs,
+            reader: (!stores.is_empty()).then(|| Reader::new(program, stores)),
+            followed: Mutex::default(),
+        }
+    }
+
+    fn reader(&self) -> Result<&Reader, Problem> {
+        self.reader.as_ref().ok_or_else(|| {
+            let reason = "this service reads no sets: it was started without `--store`";
+            Problem::field("/url", reason)
+        })
+    }
+
+    fn followed(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Followed>>> {
+        self.followed.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,181 @@
+//! The process that reads a set: `fathom-cluster shards`.
+
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::Arc;
+
+use catalogue::{Catalogue, NewImage, NewShard};
+use futures::stream::{self, Stream, StreamExt};
+use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
+use tokio::process::{Child, ChildStdout, Command};
+use tokio::sync::{Semaphore, SemaphorePermit};
+use tokio::task::JoinHandle;
+
+use super::feed::{Known, Line, SetHead, SetPart};
+use super::intake::prepare;
+use super::look::LookError;
+use crate::processes::child::beginning;
+
+/// The command of `fathom-cluster`.
+const COMMAND: &str = "shards";
+/// Sets that are read at the same time: each takes the cores of the machine and a few hundred megabytes.
+const READERS: usize = 2;
+/// Longest line: some hundred images with records of a few tens of kilobytes.
+const LINE_BYTES: u64 = 64 << 20;
+/// Lines that are prepared side by side while one is stored.
+const PREPARED: usize = 2;
+
+/// Starts processes that read sets.
+pub(crate) struct Reader {
+    program: PathBuf,
+    /// A set that lies in none of these is not read.
+    stores: Vec<String>,
+    places: Semaphore,
+}
+
+/// A set that is being read. The process is killed when this is dropped.
+pub(crate) struct Reading<'r> {
+    child: Child,
+    lines: BufReader<ChildStdout>,
+    said: Option<JoinHandle<String>>,
+    _place: SemaphorePermit<'r>,
+}
+
+/// Images that can be stored.
+pub(crate) struct Prepared {
+    pub(crate) images: Vec<NewImage>,
+    pub(crate) shard: NewShard,
+}
+
+impl Reader {
+    pub(crate) fn new(program: &Path, stores: &[String]) -> Self {
+        Self {
+            program: program.to_owned(),
+            stores: stores.to_vec(),
+            places: Semaphore::new(READERS),
+        }
+    }
+
+    /// Opens a set and reads what it is of.
+    pub(crate) async fn open(&self, set: &str) -> Result<(SetHead, Reading<'_>), LookError> {
+        let place = self.places.acquire().await;
+        let place = place.map_err(|error| LookError::Later(error.to_string()))?;
+        let mut command = Command::new(&self.program);
+        command.arg(COMMAND);
+        for store in &self.stores {
+            command.args(["--below", store]);
+        }
+        let mut child = command
+            .args(["--", set])
+            .env_remove("FATHOM_TOKEN")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .kill_on_drop(true)
+            .spawn()
+            .map_err(|error| LookError::Later(format!("cannot start {}: {error}", self.program.display())))?;
+        let said = tokio::spawn(beginning(child.stderr.take()));
+        let lines = child
+            .stdout
+            .take()
+            .ok_or_else(|| LookError::Later("the reader has no output".to_owned()))?;
+        let mut reading = Reading {
+            lines: BufReader::new(lines),
+            child,
+            said: Some(said),
+            _place: place,
+        };
+        let first = reading.line().await?.unwrap_or_default();
+        match serde_json::from_slice(&first) {
+            Ok(Line::Set(head)) => Ok((head, reading)),
+            _ => Err(LookError::Damaged(
+                "the reader does not say what the set is of".to_owned(),
+            )),
+        }
+    }
+}
+
+impl Reading<'_> {
+    /// Asks for what is not known; returns it in order.
+    pub(crate) async fn ask(
+        &mut self,
+        known: &Known,
+        catalogue: &Arc<Catalogue>,
+        job: &str,
+    ) -> Result<impl Stream<Item = Result<Prepared, LookError>>, LookError> {
+        let mut line = serde_json::to_vec(known).map_err(|error| LookError::Damaged(error.to_string()))?;
+        line.push(b'\n');
+        if let Some(mut stdin) = self.child.stdin.take() {
+            // A reader that has ended says why in its exit status.
+            let _ = stdin.write_all(&line).await;
+        }
+        let lines = stream::unfold(Some(self), async |reading| {
+            let reading = reading?;
+            match reading.line().await {
+                Ok(Some(line)) => Some((Ok(line), Some(reading))),
+                Ok(None) => None,
+                Err(error) => Some((Err(error), None)),
+            }
+        });
+        let (catalogue, job) = (Arc::clone(catalogue), job.to_owned());
+        let prepared = lines.map(move |line| {
+            let (catalogue, job) = (Arc::clone(&catalogue), job.clone());
+            async move {
+                let line = line?;
+                let prepared = tokio::task::spawn_blocking(move || part(&catalogue, &job, &line));
+                prepared
+                    .await
+                    .unwrap_or_else(|error| Err(LookError::Damaged(error.to_string())))
+            }
+        });
+        Ok(prepared.buffered(PREPARED))
+    }
+
+    /// The next line; none when the reader has ended well.
+    async fn line(&mut self) -> Result<Option<Vec<u8>>, LookError> {
+        let mut line = Vec::new();
+        let mut limited = (&mut self.lines).take(LINE_BYTES);
+        let read = limited.read_until(b'\n', &mut line).await;
+        let read = read.map_err(|error| LookError::Later(error.to_string()))?;
+        if line.ends_with(b"\n") {
+            return Ok(Some(line));
+        }
+        if read as u64 == LINE_BYTES {
+            let reason = format!("a line of the reader is longer than {LINE_BYTES} bytes");
+            return Err(LookError::Damaged(reason));
+        }
+        self.ended().await.map(|()| None)
+    }
+
+    async fn ended(&mut self) -> Result<(), LookError> {
+        let status = self.child.wait().await;
+        let status = status.map_err(|error| LookError::Later(error.to_string()))?;
+        let said = match self.said.take() {
+            Some(said) => said.await.unwrap_or_default(),
+            None => String::new(),
+        };
+        let said = said.trim().trim_start_matches("fathom: ").to_owned();
+        match status.code() {
+            Some(0) => Ok(()),
+            Some(2) => Err(LookError::Refused(said)),
+            Some(5) => Err(LookError::Later(said)),
+            Some(1) => Err(LookError::Damaged(said)),
+            _ => Err(LookError::Later(format!(
+                "the reader ended with {status}: {said}"
+            ))),
+        }
+    }
+}
+
+fn part(catalogue: &Catalogue, job: &str, line: &[u8]) -> Result<Prepared, LookError> {
+    match serde_json::from_slice(line) {
+        Ok(Line::Part(SetPart { images, shard })) => Ok(Prepared {
+            images: prepare(catalogue, job, images)?,
+            shard,
+        }),
+        Ok(Line::Set(_)) => Err(LookError::Damaged(
+            "the reader says twice what the set is of".to_owned(),
+        )),
+        Err(error) => Err(LookError::Damaged(format!("a line of the reader: {error}"))),
+    }
+}

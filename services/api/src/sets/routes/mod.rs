@@ -1,0 +1,4 @@
+//! Sets: imported, listed, followed.
+
+pub(crate) mod create;
+pub(crate) mod set;

@@ -1,0 +1,95 @@
+//! `fathom-cluster shards`: reads a set for a service that imports it, as `api`'s feed says.
+
+use std::io::{BufRead, Write, stdin, stdout};
+
+use anyhow::Context;
+use api::{Known, Line, SetHead};
+use cli::exit::Failure;
+use serde::Serialize;
+use sets::{Location, Set};
+
+use super::failure;
+use crate::reading::{missing, read_all};
+
+/// Options of `fathom-cluster shards`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The set, as somebody names it who may know nothing of this machine
+    set: String,
+    /// Where sets may lie
+    #[arg(long, value_name = "DIR|URL", required = true)]
+    below: Vec<String>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let location = permitted(&arguments.set, &arguments.below)?;
+    let set = Set::open(&location).map_err(failure)?;
+    let head = SetHead {
+        location: location.to_string(),
+        job: set.card().job.clone(),
+    };
+    say(&line(&Line::Set(head))?)?;
+    let mut known = String::new();
+    stdin()
+        .lock()
+        .read_line(&mut known)
+        .context("cannot read what is known")?;
+    if known.is_empty() {
+        // Only the head was wanted.
+        return Ok(());
+    }
+    let known: Known = serde_json::from_str(&known).context("what is known cannot be read")?;
+    let missing = missing(&set, &known)?;
+    read_all(&set, &missing, |part| line(&Line::Part(part)), |line| say(&line))
+}
+
+fn line(line: &impl Serialize) -> Result<Vec<u8>, Failure> {
+    let mut text = serde_json::to_vec(line).context("a line cannot be written")?;
+    text.push(b'\n');
+    Ok(text)
+}
+
+fn say(line: &[u8]) -> Result<(), Failure> {
+    let mut out = stdout().lock();
+    let written = out.write_all(line).and_then(|()| out.flush());
+    Ok(written.context("nobody reads this")?)
+}
+
+/// The set's location, in one form, if it lies in one of the stores. Of others not even whether they exist is said.
+fn permitted(set: &str, stores: &[String]) -> Result<Location, Failure> {
+    let refused = || Failure::input(format!("{set} does not lie in a store of this service"));
+    let named = Location::parse(set)
+        .and_then(Location::absolute)
+        .map_err(failure)?;
+    let mut found = None;
+    for store in stores {
+        let store = Location::parse(store)
+            .and_then(Location::absolute)
+            .map_err(failure)?;
+        // As it is written first, so that nothing outside is looked at; then as links lead.
+        if store.contains(&named) {
+            found = Some((resolved(&store)?, resolved(&named)?));
+            break;
+        }
+    }
+    match found {
+        Some((store, set)) if store.contains(&set) => Ok(set),
+        _ => Err(refused()),
+    }
+}
+
+/// The location that links lead to.
+pub(super) fn resolved(location: &Location) -> Result<Location, Failure> {
+    match location {
+        Location::Folder(path) => {
+            let whole = path.canonicalize();
+            let whole = whole.map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
+            match whole.to_str() {
+                Some(_) => Ok(Location::Folder(whole)),
+                None => Err(Failure::BadInput(format!("{} is not UTF-8", whole.display()))),
+            }
+        }
+        bucket @ Location::S3 { .. } => Ok(bucket.clone()),
+    }
+}
