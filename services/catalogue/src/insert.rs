@@ -18,7 +18,10 @@ use crate::types::InsertImage;
 use crate::values::{Statement, bound};
 
 /// Rows of one statement: few sizes, so that SQLite keeps every statement prepared.
-const ROWS: [usize; 3] = [16, 4, 1];
+const ROWS: [usize; 4] = [64, 16, 4, 1];
+/// So many images have the same columns whenever they come, and those without a value in any of them are left out. Fewer come in
+/// many mixtures, of which each would be a statement of its own.
+const MANY: usize = 64;
 
 /// An image on its way in: what can be prepared before the writer has its turn.
 pub struct NewImage {
@@ -131,12 +134,16 @@ async fn insert_rows(
     columns: &Columns,
     new: &[(&NewImage, String, bool)],
 ) -> Result<(), CatalogueError> {
-    let names: String = columns
+    let has_value = |column: usize| new.iter().any(|(image, ..)| image.parameters[column].is_some());
+    let (used, names): (Vec<usize>, Vec<String>) = columns
         .stored_names()
-        .map(|name| format!(", \"{name}\""))
-        .collect();
+        .enumerate()
+        .filter(|(column, _)| new.len() < MANY || has_value(*column))
+        .map(|(column, name)| (column, format!(", \"{name}\"")))
+        .unzip();
+    let names = names.concat();
     let head = format!("INSERT INTO images (job_id, frame, dataset, created_ms, digest, warnings{names})");
-    let width = 6 + columns.stored_names().len();
+    let width = 6 + used.len();
     insert_all(connection, &head, width, new, |statement, (image, dataset, _)| {
         let fixed = statement
             .bind(&image.job)
@@ -145,10 +152,9 @@ async fn insert_rows(
             .bind(image.now_ms as i64)
             .bind(&image.digest)
             .bind(image.warnings);
-        image
-            .parameters
-            .iter()
-            .fold(fixed, |statement, value| bound(statement, value.as_ref()))
+        used.iter().fold(fixed, |statement, &column| {
+            bound(statement, image.parameters[column].as_ref())
+        })
     })
     .await?;
 

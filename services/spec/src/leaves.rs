@@ -32,9 +32,20 @@ impl Leaf {
     /// What a record has here, as JSON.
     #[must_use]
     pub fn find<'a>(&self, record: &'a Value) -> Option<&'a Value> {
-        let own_water = || record.pointer(OWN_WATER).filter(|_| self.name == WATER);
-        record.pointer(&self.pointer).or_else(own_water)
+        let own_water = || at(record, OWN_WATER).filter(|_| self.name == WATER);
+        at(record, &self.pointer).or_else(own_water)
     }
+}
+
+/// What stands at a JSON pointer, none of whose parts has a `~`. The common function makes two texts of each part, which took
+/// half of the time of an import.
+fn at<'a>(record: &'a Value, pointer: &str) -> Option<&'a Value> {
+    let mut parts = pointer.split('/').skip(1);
+    parts.try_fold(record, |value, part| match value {
+        Value::Object(fields) => fields.get(part),
+        Value::Array(items) => items.get(part.parse::<usize>().ok()?),
+        _ => None,
+    })
 }
 
 /// What stands in a leaf.

@@ -10,6 +10,8 @@ use std::sync::Arc;
 use catalogue::Place;
 use spec::{ArtifactEntry, sha256};
 
+use crate::http::problem::{Problem, Slug};
+
 /// Reads a range of a file of a set in a bucket. It may block.
 pub type ReadBucket = Arc<dyn Fn(&Place, Range<u64>) -> Result<Vec<u8>, Unread> + Send + Sync>;
 
@@ -25,6 +27,17 @@ pub enum Unread {
     /// The store does not respond or refuses access; the same call may succeed later.
     #[error("{0}")]
     Unreachable(String),
+}
+
+impl From<Unread> for Problem {
+    fn from(error: Unread) -> Self {
+        tracing::error!(%error, "an imported artifact cannot be read");
+        let slug = match error {
+            Unread::Gone(_) | Unread::Differs(_) => Slug::SetChanged,
+            Unread::Unreachable(_) => Slug::SetUnreachable,
+        };
+        Self::new(slug, error.to_string())
+    }
 }
 
 /// Reads what imported artifacts consist of.

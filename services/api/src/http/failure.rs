@@ -4,7 +4,6 @@ use catalogue::CatalogueError;
 use proto::MessageError;
 use store::StoreError;
 
-use crate::bytes::sets::Unread;
 use crate::http::problem::{Problem, Slug};
 
 impl From<CatalogueError> for Problem {
@@ -49,17 +48,6 @@ impl From<StoreError> for Problem {
                 Self::internal(&error)
             }
         }
-    }
-}
-
-impl From<Unread> for Problem {
-    fn from(error: Unread) -> Self {
-        tracing::error!(%error, "an imported artifact cannot be read");
-        let slug = match error {
-            Unread::Gone(_) | Unread::Differs(_) => Slug::SetChanged,
-            Unread::Unreachable(_) => Slug::SetUnreachable,
-        };
-        Self::new(slug, error.to_string())
     }
 }
 
