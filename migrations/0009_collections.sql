@@ -6,3 +6,6 @@ CREATE TABLE collection_scenes (
     scene_id     TEXT NOT NULL REFERENCES scenes (id),
     PRIMARY KEY (collection, name)           -- the same name again replaces the scene
 ) STRICT, WITHOUT ROWID;
+
+-- A scene leaves its collections when it is deleted.
+CREATE INDEX collection_scenes_by_scene ON collection_scenes (scene_id);

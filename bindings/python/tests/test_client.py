@@ -111,6 +111,21 @@ def test_classes_of_an_upload_name_its_boxes(client: fathom.Client) -> None:
     assert np.unique(frame.semantics).tolist() == [0, 2, 128]
 
 
+def test_a_collection_gives_every_scene_its_frames(client: fathom.Client) -> None:
+    shades = {"a": 40, "b": 90, "c": 140}
+    for name, shade in shades.items():
+        client.upload(np.full((12, 16, 3), shade, np.uint8), collection="shades", name=name)
+    job = {"dataset": "shades", "count": 2, "scene": {"kind": "collection", "name": "shades"}, "metrics": []}
+    made = client.submit(job).wait()
+    assert made.state["done"] == 6
+    codes = [int(client.frame(made.id, number).rgb[0, 0, 0]) for number in range(6)]
+    assert codes == [*shades.values(), *shades.values()]
+    with pytest.raises(fathom.InvalidJob, match="needs a range, which scene `scn_"):
+        client.submit(job | {"water": {"optics": "jerlov-1C"}})
+    with pytest.raises(fathom.InvalidJob, match="needs a service"):
+        fathom.Job(job)
+
+
 def test_arrays_that_are_no_scene_are_refused(client: fathom.Client) -> None:
     with pytest.raises(ValueError, match="rgb has 1 samples that are not finite"):
         client.upload(np.array([[[np.nan, 0.0, 0.0]]], np.float32))

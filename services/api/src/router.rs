@@ -130,6 +130,8 @@ fn submitting() -> OpenApiRouter<App> {
         .routes(routes!(sets::routes::set::delete))
         .routes(routes!(waters::routes::create::create))
         .routes(routes!(waters::routes::water::delete))
+        .routes(routes!(scenes::routes::get::delete))
+        .routes(routes!(scenes::routes::collections::delete))
 }
 
 fn rendering() -> OpenApiRouter<App> {

@@ -1,10 +1,12 @@
 //! Collections of uploaded scenes.
 
 use serde::Serialize;
+use sqlx::sqlite::SqliteRow;
 use utoipa::ToSchema;
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
+use crate::values::Cells;
 
 /// A collection of uploaded scenes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
@@ -27,6 +29,14 @@ pub struct CollectionScene {
     /// The scene.
     #[schema(example = "scn_0198c0ffee007000800000000000000a")]
     pub id: String,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `range`, `z_depth`, or null without a range: no job with water over this scene.
+    pub range_kind: Option<String>,
+    /// Whether it has an instance mask.
+    pub instances: bool,
 }
 
 impl Catalogue {
@@ -91,14 +101,43 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn collection(&self, name: &str) -> Result<Vec<CollectionScene>, CatalogueError> {
-        let rows: Vec<(String, String)> =
-            sqlx::query_as("SELECT name, scene_id FROM collection_scenes WHERE collection = ? ORDER BY name")
-                .bind(name)
-                .fetch_all(&mut *self.reader().await?)
-                .await?;
-        Ok(rows
-            .into_iter()
-            .map(|(name, id)| CollectionScene { name, id })
-            .collect())
+        let rows = sqlx::query(
+            "SELECT name, id, width, height, range_kind, instances_digest IS NOT NULL
+             FROM collection_scenes JOIN scenes ON id = scene_id WHERE collection = ? ORDER BY name",
+        )
+        .bind(name)
+        .fetch_all(&mut *self.reader().await?)
+        .await?;
+        rows.iter().map(member).collect()
     }
+
+    /// Removes a collection, whose scenes stay. Returns whether there was one.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn delete_collection(&self, name: &str) -> Result<bool, CatalogueError> {
+        let name = name.to_owned();
+        self.write(move |c| {
+            Box::pin(async move {
+                let gone = sqlx::query("DELETE FROM collection_scenes WHERE collection = ?")
+                    .bind(name)
+                    .execute(c)
+                    .await?;
+                Ok(gone.rows_affected() > 0)
+            })
+        })
+        .await
+    }
+}
+
+fn member(row: &SqliteRow) -> Result<CollectionScene, CatalogueError> {
+    let mut cells = Cells::new(row);
+    Ok(CollectionScene {
+        name: cells.take()?,
+        id: cells.take()?,
+        width: cells.take()?,
+        height: cells.take()?,
+        range_kind: cells.take()?,
+        instances: cells.take()?,
+    })
 }

@@ -29,6 +29,18 @@ pub enum CatalogueError {
         /// The state that was asked for.
         to: String,
     },
+    /// Something that jobs need is to be deleted.
+    #[error("{what} {name} is used by job {job}{}: delete what uses it first", and_others(*others))]
+    InUse {
+        /// The kind of thing.
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// The oldest job that needs it.
+        job: String,
+        /// How many more do.
+        others: usize,
+    },
     /// A change that makes no sense for a job whose frames are rendered elsewhere.
     #[error(
         "job {id} is imported from the set {set}, where its frames are rendered; here it can only be deleted"
@@ -96,6 +108,14 @@ pub struct FilterError {
     pub message: String,
     /// The nearest name.
     pub did_you_mean: Option<String>,
+}
+
+fn and_others(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => " and another job".to_owned(),
+        count => format!(" and {count} other jobs"),
+    }
 }
 
 impl CatalogueError {

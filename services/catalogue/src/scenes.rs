@@ -56,6 +56,31 @@ impl Catalogue {
         Ok(rows.iter().map(row).collect::<Result<_, _>>()?)
     }
 
+    /// The first of these scenes that is not there.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn missing_scene(&self, ids: &[String]) -> Result<Option<String>, CatalogueError> {
+        if ids.is_empty() {
+            return Ok(None);
+        }
+        let missing = sqlx::query_scalar(
+            "SELECT value FROM json_each(?) WHERE value NOT IN (SELECT id FROM scenes) LIMIT 1",
+        );
+        let missing = missing.bind(serde_json::to_string(ids)?);
+        Ok(missing.fetch_optional(&mut *self.reader().await?).await?)
+    }
+
+    /// Removes a scene, from its collections too; the digests of its files become orphans.
+    ///
+    /// # Errors
+    /// [`CatalogueError::NotFound`]; [`CatalogueError::InUse`] while a job has frames of it.
+    pub async fn delete_scene(&self, id: &str) -> Result<(), CatalogueError> {
+        let id = id.to_owned();
+        self.write(move |c| Box::pin(async move { delete(c, &id).await }))
+            .await
+    }
+
     /// Scenes, newest first.
     ///
     /// # Errors
@@ -115,6 +140,41 @@ async fn insert(
     ));
     let earlier = earlier.bind(&scene.content_digest).fetch_one(connection).await?;
     Ok((row(&earlier)?, false))
+}
+
+async fn delete(connection: &mut SqliteConnection, id: &str) -> Result<(), CatalogueError> {
+    // Ids are never made twice: a description that holds one means this scene.
+    let jobs: Vec<String> = sqlx::query_scalar(
+        "SELECT id FROM jobs WHERE instr(spec, ?) > 0 AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id",
+    )
+    .bind(format!("\"{id}\""))
+    .fetch_all(&mut *connection)
+    .await?;
+    if let [job, others @ ..] = jobs.as_slice() {
+        return Err(CatalogueError::InUse {
+            what: "scene",
+            name: id.to_owned(),
+            job: job.clone(),
+            others: others.len(),
+        });
+    }
+    sqlx::query("DELETE FROM collection_scenes WHERE scene_id = ?")
+        .bind(id)
+        .execute(&mut *connection)
+        .await?;
+    let gone: Option<(String, Option<String>, Option<String>)> =
+        sqlx::query_as("DELETE FROM scenes WHERE id = ? RETURNING rgb_digest, range_digest, instances_digest")
+            .bind(id)
+            .fetch_optional(&mut *connection)
+            .await?;
+    let (rgb, range, instances) = gone.ok_or_else(|| CatalogueError::not_found("scene", id))?;
+    for digest in [Some(rgb), range, instances].into_iter().flatten() {
+        sqlx::query("INSERT OR IGNORE INTO orphans (digest) VALUES (?)")
+            .bind(digest)
+            .execute(&mut *connection)
+            .await?;
+    }
+    Ok(())
 }
 
 fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {

@@ -1,4 +1,4 @@
-//! Datasets and jobs by name, with the nearest names where there are none.
+//! Datasets, jobs and scenes by name, with the nearest names where there are none.
 
 use serde_json::Value;
 
@@ -17,7 +17,21 @@ pub fn job(remote: &Remote, id: &str) -> Result<Value, Failure> {
 /// The dataset of this name, with its columns.
 pub fn dataset(remote: &Remote, name: &str) -> Result<Value, Failure> {
     let found = remote.find(&format!("/v1/datasets/{}", encode(name)))?;
-    found.map_or_else(|| Err(unknown_dataset(remote, name)?), Ok)
+    found.map_or_else(|| Err(unknown_named(remote, "dataset", name)?), Ok)
+}
+
+/// The uploaded scene of this id.
+pub fn scene(remote: &Remote, id: &str) -> Result<Value, Failure> {
+    let found = remote.find(&format!("/v1/scenes/{}", encode(id)))?;
+    found.ok_or_else(|| Failure::BadInput(format!("no scene `{id}`; `fathom scenes` lists them")))
+}
+
+/// The scenes of the collection of this name, in their order.
+pub fn collection(remote: &Remote, name: &str) -> Result<Vec<Value>, Failure> {
+    match remote.find(&format!("/v1/collections/{}", encode(name)))? {
+        Some(page) => Ok(items(&page).to_vec()),
+        None => Err(unknown_named(remote, "collection", name)?),
+    }
 }
 
 fn unknown_job(remote: &Remote, id: &str) -> Result<Failure, Failure> {
@@ -46,14 +60,16 @@ fn unknown_job(remote: &Remote, id: &str) -> Result<Failure, Failure> {
     ))
 }
 
-fn unknown_dataset(remote: &Remote, name: &str) -> Result<Failure, Failure> {
-    let all = remote.get("/v1/datasets")?;
-    let names = items(&all).iter().filter_map(|dataset| dataset["name"].as_str());
+/// A dataset or collection that is not there.
+fn unknown_named(remote: &Remote, what: &str, name: &str) -> Result<Failure, Failure> {
+    let kind = format!("{what}s");
+    let all = remote.get(&format!("/v1/{kind}"))?;
+    let names = items(&all).iter().filter_map(|row| row["name"].as_str());
     let names: Vec<String> = names.map(str::to_owned).collect();
     Ok(unknown(
         &Named {
-            what: "dataset",
-            kind: "datasets",
+            what,
+            kind: &kind,
             name,
         },
         &names,
@@ -63,7 +79,16 @@ fn unknown_dataset(remote: &Remote, name: &str) -> Result<Failure, Failure> {
 
 /// Whether a name has the form of a job's id, `job_` and a UUID.
 pub fn is_job_id(name: &str) -> bool {
-    let id = name.strip_prefix("job_");
+    is_id("job_", name)
+}
+
+/// Whether a name has the form of a scene's id, `scn_` and a UUID.
+pub fn is_scene_id(name: &str) -> bool {
+    is_id("scn_", name)
+}
+
+fn is_id(prefix: &str, name: &str) -> bool {
+    let id = name.strip_prefix(prefix);
     id.is_some_and(|id| id.len() == 32 && id.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 

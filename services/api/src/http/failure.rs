@@ -20,6 +20,7 @@ impl From<CatalogueError> for Problem {
             CatalogueError::Cursor => Self::new(Slug::InvalidCursor, error.to_string()),
             CatalogueError::NotFound { .. } => Self::not_found(error.to_string()),
             CatalogueError::Full { .. } => storage_full(&error),
+            CatalogueError::InUse { .. } => Self::new(Slug::InUse, error.to_string()),
             CatalogueError::Transition { .. }
             | CatalogueError::Imported { .. }
             | CatalogueError::Contradicted { .. } => Self::new(Slug::JobState, error.to_string()),

@@ -84,6 +84,8 @@ slugs! {
     RenderFailed = "render-failed", UNPROCESSABLE_ENTITY, "The frame cannot be rendered";
     /// The name belongs to something else, which is never replaced.
     NameTaken = "name-taken", CONFLICT, "The name is taken";
+    /// Jobs need what is to be deleted; `detail` names one of them.
+    InUse = "in-use", CONFLICT, "It is in use";
     /// What was asked for makes no sense for a job in this state, such as resuming one that has ended.
     JobState = "job-state", CONFLICT, "The job is in another state";
     /// The question needs longer than the limit; narrow it with a filter or a dataset.

@@ -1,5 +1,6 @@
 //! Submission of a job: checked, stored, then offered to workers. Shared by jobs and direct renders.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use catalogue::{Idempotency, InsertJob, JobRow, NewJob};
@@ -36,21 +37,28 @@ impl Jobs {
     /// Reads a description and checks it, over the scenes that it names as well.
     pub(super) async fn parse(&self, body: &[u8]) -> Result<Job, Problem> {
         let mut vocabulary = self.vocabulary();
-        let named = Draft::collections_named(body);
-        if !named.is_empty() {
-            let all = self.catalogue.collections().await?;
-            vocabulary.collections = all.into_iter().map(|row| (row.name, Vec::new())).collect();
-        }
-        for name in named {
-            if let Some(ids) = vocabulary.collections.get_mut(&name) {
-                let scenes = self.catalogue.collection(&name).await?;
-                *ids = scenes.into_iter().map(|scene| scene.id).collect();
-            }
-        }
+        vocabulary.collections = self.collections_for(body).await?;
         let draft = Draft::read(body, &vocabulary)?;
         let found = self.catalogue.scenes_of(&draft.uploaded_scene_ids()).await?;
         let parts = found.into_iter().map(|row| (row.id, row.files.parts()));
         Ok(draft.check(&Uploads::Known(parts.collect()))?)
+    }
+
+    /// All collections, with the scenes of those that the description names.
+    async fn collections_for(&self, body: &[u8]) -> Result<BTreeMap<String, Vec<String>>, Problem> {
+        let named = Draft::collections_named(body);
+        if named.is_empty() {
+            return Ok(BTreeMap::new());
+        }
+        let mut collections = BTreeMap::new();
+        for row in self.catalogue.collections().await? {
+            let scenes = match named.contains(&row.name) {
+                true => self.catalogue.collection(&row.name).await?,
+                false => Vec::new(),
+            };
+            collections.insert(row.name, scenes.into_iter().map(|scene| scene.id).collect());
+        }
+        Ok(collections)
     }
 
     async fn store(&self, job: &Job, priority: i32, submitter: Submitter) -> Result<Submitted, Problem> {
@@ -72,6 +80,12 @@ impl Jobs {
             idempotency,
             set: None,
         };
+        // From here to the row that names them, no scene is deleted.
+        let _turn = self.bytes.naming.beside_others().await;
+        if let Some(gone) = self.catalogue.missing_scene(&job.uploaded_scene_ids()).await? {
+            let message = format!("scene `{gone}` was deleted while the job was submitted");
+            return Err(Problem::field("/scene", message));
+        }
         // Before the job can change.
         let changes = self.leases.changes.subscribe(&id);
         faults::point("submit.checked");

@@ -139,6 +139,18 @@ pub(super) const LISTS: &[List] = &[
         shipped: None,
     },
     List {
+        name: "collections",
+        about: "collections of uploaded scenes",
+        places: &[
+            "`scene.name` of a job",
+            "`collection` of an upload",
+            "`/v1/collections/{name}`",
+            "`fathom upload --collection`",
+        ],
+        stored_at: Some("/v1/collections"),
+        shipped: None,
+    },
+    List {
         name: "datasets",
         about: "collections of images",
         places: &["`dataset` of a job and of `/v1/images`", "`/v1/datasets/{name}`"],

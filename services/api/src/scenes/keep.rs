@@ -1,4 +1,4 @@
-//! Keeping a scene: decoded first, then its bytes, then the row that names them.
+//! Keeping a scene: decoded first, then its bytes, then the row that names them; and deleting it.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -40,6 +40,20 @@ impl Scenes {
                     .await?;
             }
             Ok((row, is_new))
+        })
+        .await
+    }
+
+    /// Deletes a scene that no job uses; its space is reclaimed in the background.
+    pub(super) async fn delete(self: &Arc<Self>, id: String) -> Result<(), Problem> {
+        let scenes = Arc::clone(self);
+        to_the_end(async move {
+            // No job that names the scene is stored meanwhile.
+            let _alone = scenes.bytes.naming.alone().await;
+            scenes.catalogue.delete_scene(&id).await?;
+            scenes.bytes.reclaim.notify_one();
+            tracing::info!(scene = id, "scene deleted");
+            Ok(())
         })
         .await
     }

@@ -10,7 +10,7 @@ use crate::common::worker::Real;
 use crate::common::{Running, start};
 
 /// Objects 1, 2 and 3 side by side, and nothing below them.
-fn mask(width: usize, height: usize) -> Vec<u8> {
+pub(crate) fn mask(width: usize, height: usize) -> Vec<u8> {
     let object = |x: usize, y: usize| {
         if 2 * y < height {
             (1 + 3 * x / width) as u8
@@ -200,7 +200,8 @@ fn a_job_over_a_collection_keeps_the_scenes_that_it_had() {
     let members = service.get("/v1/collections/dock").json()["items"].clone();
     assert_eq!(
         members,
-        json!([{"name": "a", "id": first}, {"name": "b", "id": second}])
+        json!([{"name": "a", "id": first, "width": 16, "height": 12, "range_kind": null, "instances": false},
+               {"name": "b", "id": second, "width": 20, "height": 12, "range_kind": null, "instances": false}])
     );
     service.get("/v1/collections/quay").problem(404, "not-found");
 
@@ -232,6 +233,10 @@ fn a_job_over_a_collection_keeps_the_scenes_that_it_had() {
     wet["water"] = json!({"optics": "jerlov-1C"});
     let problem = service.post("/v1/jobs", &wet).problem(422, "validation");
     assert_eq!(problem["errors"][0]["pointer"], "/water/optics");
+    assert!(
+        problem["errors"][0]["message"].as_str().unwrap().contains("scn_"),
+        "{problem}"
+    );
     let bad: [(&str, &[u8]); 3] = [("rgb", &png(8, 8)), ("collection", b"Dock"), ("name", b"a\nb")];
     assert_eq!(
         service.upload(&bad).problem(422, "validation")["errors"]
@@ -240,4 +245,47 @@ fn a_job_over_a_collection_keeps_the_scenes_that_it_had() {
             .len(),
         2
     );
+}
+
+#[test]
+fn a_scene_goes_when_no_job_uses_it_and_leaves_its_collections() {
+    let service = start();
+    let add = |name: &str, width: usize| {
+        let (picture, range) = (png(width, 12), range_npy(width, 12, |_, _| 2.0));
+        let fields: [(&str, &[u8]); 4] = [
+            ("rgb", &picture),
+            ("range", &range),
+            ("collection", b"dock"),
+            ("name", name.as_bytes()),
+        ];
+        let answer = service.upload(&fields);
+        assert_eq!(answer.status, 201, "{}", answer.text());
+        answer.json()["id"].as_str().unwrap().to_owned()
+    };
+    let (first, second) = (add("a", 16), add("b", 20));
+    let body = json!({"dataset": "own", "scene": {"kind": "collection", "name": "dock"}, "metrics": []});
+    let job = service.submit(&body);
+    let problem = service.delete(&format!("/v1/scenes/{first}")).problem(409, "in-use");
+    let told = problem["detail"].as_str().unwrap();
+    assert!(told.contains(&first) && told.contains(&job), "{told}");
+    assert_eq!(service.get("/v1/collections").json()["items"][0]["scenes"], 2);
+
+    assert_eq!(service.delete(&format!("/v1/jobs/{job}")).status, 200);
+    assert_eq!(service.delete(&format!("/v1/scenes/{first}")).status, 204);
+    service.get(&format!("/v1/scenes/{first}")).problem(404, "not-found");
+    service
+        .delete(&format!("/v1/scenes/{first}"))
+        .problem(404, "not-found");
+    let left = service.get("/v1/collections/dock").json()["items"].clone();
+    assert_eq!((left.as_array().unwrap().len(), &left[0]["id"]), (1, &json!(second)));
+    let gone = json!({"dataset": "own", "scene": {"kind": "uploaded", "id": first}, "metrics": []});
+    let problem = service.post("/v1/jobs", &gone).problem(422, "validation");
+    assert_eq!(problem["errors"][0]["pointer"], "/scene/id");
+    assert_eq!(service.post("/v1/jobs", &body).json()["frames"], 1);
+
+    assert_eq!(service.delete("/v1/collections/dock").status, 204);
+    service.delete("/v1/collections/dock").problem(404, "not-found");
+    assert_eq!(service.get(&format!("/v1/scenes/{second}")).status, 200);
+    // The same picture again is another scene.
+    assert_ne!(add("a", 16), first);
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::common::bytes::{noise_png, png};
-use crate::common::worker::Fake;
+use crate::common::worker::{Fake, Real};
 use crate::common::{Running, Setup, job, start, start_in_folder};
 use api::Limits;
 use serde_json::json;
@@ -70,6 +70,30 @@ fn the_space_of_deleted_images_comes_back_and_shared_bytes_stay() {
         .problem(404, "not-found");
     // The same bytes may come again.
     render(&service, &worker, "again", 2, 600);
+}
+
+#[test]
+fn the_space_of_a_deleted_scene_comes_back_and_bytes_of_others_stay() {
+    let service = start();
+    let upload = |rgb: &[u8], mask: &[u8]| {
+        let fields: [(&str, &[u8]); 2] = [("rgb", rgb), ("instances", mask)];
+        let answer = service.upload(&fields);
+        assert_eq!(answer.status, 201, "{}", answer.text());
+        answer.json()["id"].as_str().unwrap().to_owned()
+    };
+    let (shared, mask) = (noise_png(400, 1), crate::scenes::mask(400, 400));
+    let kept = upload(&shared, &mask);
+    let gone = upload(&noise_png(400, 2), &mask);
+    let packs = service.folder().join("packs");
+    let full = on_disk(&packs);
+    assert_eq!(service.delete(&format!("/v1/scenes/{gone}")).status, 204);
+    eventually("the space", || on_disk(&packs) < full * 2 / 3);
+    // The scene that is left can be rendered: its picture and the mask that both had are there.
+    let job = json!({"dataset": "own", "scene": {"kind": "uploaded", "id": kept}, "artifacts": ["rgb", "instances"], "metrics": []});
+    let id = service.submit(&job);
+    let _worker = Real::start(&service);
+    let ended = service.get(&format!("/v1/jobs/{id}?wait=60")).json();
+    assert_eq!(ended["state"], "done", "{ended}");
 }
 
 /// The folder of the small disk.

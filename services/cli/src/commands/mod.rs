@@ -81,7 +81,7 @@ pub(crate) enum Command {
     Export(export::Arguments),
     /// List uploaded scenes
     Scenes(scenes::Arguments),
-    /// Delete jobs and datasets with their images
+    /// Delete jobs and datasets with their images, and scenes that no job uses
     Rm(rm::Arguments),
     /// Upload scenes: pictures with their range
     Upload(upload::Arguments),

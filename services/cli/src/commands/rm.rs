@@ -1,4 +1,4 @@
-//! `fathom rm`: deletes jobs and datasets of a service.
+//! `fathom rm`: deletes jobs, datasets, scenes and collections of a service.
 
 use std::io::{BufRead, IsTerminal, Write};
 
@@ -12,9 +12,12 @@ use serde_json::Value;
 /// Options of `fathom rm`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Jobs and datasets to delete with all their images
-    #[arg(required = true, value_name = "JOB|DATASET")]
+    /// Jobs and datasets to delete with all their images, and scenes that no job uses
+    #[arg(required_unless_present = "collection", value_name = "JOB|DATASET|SCENE")]
     names: Vec<String>,
+    /// A collection to delete; its scenes stay
+    #[arg(long, value_name = "NAME")]
+    collection: Option<String>,
     /// Delete without asking
     #[arg(long, short)]
     yes: bool,
@@ -33,7 +36,14 @@ struct Target {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
     let targets = arguments.names.iter().map(|name| target(&remote, name));
-    let targets = targets.collect::<Result<Vec<_>, Failure>>()?;
+    let mut targets = targets.collect::<Result<Vec<_>, Failure>>()?;
+    if let Some(name) = &arguments.collection {
+        let scenes = known::collection(&remote, name)?.len();
+        targets.push(Target {
+            path: format!("/v1/collections/{}", encode(name)),
+            described: format!("collection {name} (its {scenes} scenes stay)"),
+        });
+    }
     for Target { path, described } in &targets {
         if !arguments.yes && !confirmed(described)? {
             println!("kept {described}");
@@ -59,6 +69,15 @@ fn target(remote: &Remote, name: &str) -> Result<Target, Failure> {
         );
         let path = format!("/v1/jobs/{}", encode(name));
         return Ok(Target { path, described });
+    }
+    if known::is_scene_id(name) {
+        let scene = known::scene(remote, name)?;
+        let size = format!("{}×{}", cell(&scene["width"]), cell(&scene["height"]));
+        let uploaded = cell(&scene["created_at"]);
+        return Ok(Target {
+            path: format!("/v1/scenes/{}", encode(name)),
+            described: format!("scene {name} ({size}, uploaded {uploaded})"),
+        });
     }
     let dataset = known::dataset(remote, name)?;
     let count = |name: &str| dataset.get(name).and_then(Value::as_u64).unwrap_or_default();

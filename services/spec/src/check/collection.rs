@@ -1,13 +1,15 @@
 //! Collections of uploaded scenes: a description holds the ids of their scenes, so that a job stays what it was when a
 //! collection grows.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value, json};
 
 use super::{Checker, Place};
 use crate::invalid::{FieldError, quote};
 
 /// The kind of scene that is a collection.
-const KIND: &str = "collection";
+pub(super) const KIND: &str = "collection";
 
 impl Checker<'_> {
     /// The object of a collection with the ids of its scenes: `{"grid": […]}` of them with `each`, else a choice. None of other
@@ -48,7 +50,7 @@ impl Checker<'_> {
 }
 
 /// The names of all collections that a description may mean, without a check of anything else.
-pub(crate) fn named(description: &Value) -> Vec<String> {
+pub(crate) fn named(description: &Value) -> BTreeSet<String> {
     match description {
         Value::Array(items) => items.iter().flat_map(named).collect(),
         Value::Object(map) => {
@@ -57,6 +59,6 @@ pub(crate) fn named(description: &Value) -> Vec<String> {
             let inside = map.values().flat_map(named);
             name.map(str::to_owned).into_iter().chain(inside).collect()
         }
-        _ => Vec::new(),
+        _ => BTreeSet::new(),
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::{Checker, Place};
+use super::{Checker, Place, collection};
 use crate::invalid::FieldError;
 use crate::json::describe;
 use crate::node::{Node, float};
@@ -96,10 +96,12 @@ impl Checker<'_> {
                 .allowed(allowed, ""),
             Some(Value::String(name)) => {
                 let known = options.iter().any(|option| option.name == name);
-                let why = if known {
-                    "works only with `fathom render`"
-                } else {
-                    "is not known"
+                let why = match known {
+                    true if self.vocabulary.local => {
+                        "needs a service: upload its scenes there and submit the job with `fathom submit`"
+                    }
+                    true => "works only with `fathom render`",
+                    false => "is not known",
                 };
                 let message = format!("{at} {} {why}", crate::invalid::quote(&name.as_str().into()));
                 FieldError::new(&at.pointer, message)
@@ -120,9 +122,13 @@ impl Checker<'_> {
         None
     }
 
-    /// Whether this kind of object can be had here: files only on the machine that renders.
+    /// Whether this kind of object can be had here: files only on the machine that renders, collections only in a service.
     fn offers(&self, option: &Variant) -> bool {
-        self.vocabulary.local || self.trusting || option.name != "files"
+        match option.name {
+            "files" => self.vocabulary.local || self.trusting,
+            collection::KIND => !self.vocabulary.local || self.trusting,
+            _ => true,
+        }
     }
 
     /// An object, or a string in place of its field `field`.

@@ -16,6 +16,8 @@ use crate::schema::Names;
 struct Candidate {
     name: String,
     parts: SceneParts,
+    /// Whether frames surely have it, whatever laws draw: a scene of a collection of which each is taken.
+    is_certain: bool,
 }
 
 /// A value that needs a part of the scene.
@@ -39,8 +41,8 @@ struct Element {
 struct Lacking {
     count: usize,
     first: Option<String>,
-    /// Whether no scene has the part.
-    all: bool,
+    /// Whether some frames surely lack it: no scene has the part, or one that is certain does not.
+    is_certain: bool,
 }
 
 impl Checker<'_> {
@@ -58,7 +60,7 @@ impl Checker<'_> {
         let lacking = ScenePart::ALL.map(|part| lacking(&scenes, part));
         let of = |ask: &Ask| &lacking[ask.part as usize];
         let fails =
-            |element: &&Element| element.asks.iter().filter(|ask| of(ask).all).count() == element.values;
+            |element: &&Element| element.asks.iter().filter(|ask| of(ask).is_certain).count() == element.values;
         for draws in [waters(document), lamps(document), artifacts(document)] {
             if draws
                 .iter()
@@ -89,7 +91,7 @@ impl Checker<'_> {
             .limit(format!("only over a scene with {}", ask.part.describe()));
         let possible = |name: &String| {
             let part = ArtifactKind::parse(name).and_then(|kind| kind.needs());
-            part.is_none_or(|part| !lacking[part as usize].all)
+            part.is_none_or(|part| !lacking[part as usize].is_certain)
         };
         let error = if ask.pointer.starts_with("/artifacts") {
             let kinds = self.vocabulary.listed(Names::Artifact);
@@ -103,16 +105,24 @@ impl Checker<'_> {
     /// The scenes that a frame can have. Uploaded ones that do not exist are refused.
     fn candidates(&mut self, document: &Node, uploads: &Uploads) -> Vec<Candidate> {
         let mut scenes = Vec::new();
-        for (pointer, scene) in places(document, "scene") {
+        let places = places(document, "scene");
+        let is_only = places.len() == 1;
+        for (pointer, scene) in places {
             let has = |name| scene.get(name).is_some();
             if has("family") {
                 scenes.push(Candidate {
                     name: "a procedural scene".to_owned(),
                     parts: SceneParts::PROCEDURAL,
+                    is_certain: false,
                 });
             } else if let Some(id) = scene.get("id") {
+                let takes_each = matches!(scene.get("each"), Some(Node::Constant(Value::Bool(true))));
                 let ids = id.strings(&format!("{pointer}/id")).into_iter();
-                scenes.extend(ids.filter_map(|(pointer, id)| self.uploaded(&pointer, id, uploads)));
+                let found = ids.filter_map(|(pointer, id)| self.uploaded(&pointer, id, uploads));
+                scenes.extend(found.map(|scene| Candidate {
+                    is_certain: is_only && takes_each,
+                    ..scene
+                }));
             } else if let Some(rgb) = scene.get("rgb") {
                 let paths = rgb.strings("");
                 scenes.push(Candidate {
@@ -122,6 +132,7 @@ impl Checker<'_> {
                         instances: has("instances"),
                         ..SceneParts::default()
                     },
+                    is_certain: false,
                 });
             }
         }
@@ -146,18 +157,19 @@ impl Checker<'_> {
         Some(Candidate {
             name: format!("scene `{id}`"),
             parts: parts?,
+            is_certain: false,
         })
     }
 }
 
 fn lacking(scenes: &[Candidate], part: ScenePart) -> Lacking {
-    let mut without = scenes.iter().filter(|scene| !scene.parts.has(part));
-    let first = without.next().map(|scene| scene.name.clone());
-    let count = usize::from(first.is_some()) + without.count();
+    let without = || scenes.iter().filter(|scene| !scene.parts.has(part));
+    let certain = without().find(|scene| scene.is_certain);
+    let count = without().count();
     Lacking {
         count,
-        first,
-        all: count == scenes.len(),
+        first: certain.or(without().next()).map(|scene| scene.name.clone()),
+        is_certain: certain.is_some() || count == scenes.len(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! A description on its way to a job: read, but its scenes not looked at yet.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use crate::check::{Checker, collection};
@@ -51,7 +53,7 @@ impl<'v> Draft<'v> {
 
     /// Names of all collections that a description may mean: the vocabulary that it is read with has to know their scenes.
     #[must_use]
-    pub fn collections_named(json: &[u8]) -> Vec<String> {
+    pub fn collections_named(json: &[u8]) -> BTreeSet<String> {
         json::read(json)
             .map(|value| collection::named(&value))
             .unwrap_or_default()

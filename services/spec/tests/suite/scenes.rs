@@ -218,5 +218,76 @@ fn a_collection_becomes_the_scenes_that_it_has_now() {
     let wrong = parse(&document(json!({"each": 1}))).unwrap_err().0;
     assert_eq!(wrong[0].message, "`scene.each` must be true or false, but is 1");
     let named = json!({"scene": {"choice": [{"kind": "collection", "name": "dock"}, {"kind": "uploaded", "id": "scn_x"}]}});
-    assert_eq!(Draft::collections_named(named.to_string().as_bytes()), ["dock"]);
+    assert_eq!(
+        Draft::collections_named(named.to_string().as_bytes()),
+        ["dock".to_owned()].into()
+    );
+}
+
+#[test]
+fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_asks() {
+    let over = |scene: Value, fields: Value| {
+        let mut document = fields;
+        document["scene"] = scene;
+        document
+    };
+    let known = |id: &str| {
+        let range = id != "scn_b";
+        let parts = SceneParts {
+            range,
+            ..SceneParts::default()
+        };
+        (id.to_owned(), parts)
+    };
+    let check = |document: &Value| {
+        let vocabulary = vocabulary(false);
+        let draft = Draft::read(document.to_string().as_bytes(), &vocabulary).unwrap();
+        let uploads = Uploads::Known(["scn_a", "scn_b", "scn_c"].map(known).into());
+        draft.check(&uploads).map_err(|invalid| invalid.0)
+    };
+    let asked = json!({"water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "range", "boxes"]});
+    let each = json!({"kind": "collection", "name": "dock"});
+    let refused = check(&over(each.clone(), asked.clone())).err().unwrap();
+    let found: Vec<_> = refused
+        .iter()
+        .map(|error| (error.pointer.as_str(), error.message.as_str()))
+        .collect();
+    assert_eq!(
+        found,
+        [
+            ("/water/optics", "`water.optics` needs a range, which scene `scn_b` lacks"),
+            ("/artifacts/1", "the artifact \"range\" needs a range, which scene `scn_b` lacks"),
+            (
+                "/artifacts/2",
+                "the artifact \"boxes\" needs an instance mask, which scene `scn_a` and 2 other scenes lack"
+            ),
+        ]
+    );
+    // Where chance decides what a frame asks or which scene it has, some frames go without.
+    let water = json!({"water": {"optics": "jerlov-1C"}});
+    let by_chance = json!({"water": {"choice": [{}, {"optics": "jerlov-1C"}]}});
+    let drawn = json!({"kind": "collection", "name": "dock", "each": false});
+    for document in [over(each.clone(), by_chance), over(drawn, water.clone())] {
+        let accepted = check(&document).unwrap();
+        assert!(
+            accepted.warnings()[0].contains("which scene `scn_b` lacks"),
+            "{:?}",
+            accepted.warnings()
+        );
+    }
+    let one_of = json!({"choice": [each, {"kind": "uploaded", "id": "scn_a"}]});
+    assert_eq!(check(&over(one_of, water)).unwrap().warnings().len(), 1);
+}
+
+#[test]
+fn without_a_service_a_collection_says_that_it_needs_one() {
+    let scene = json!({"kind": "collection", "name": "dock", "id": {"grid": ["scn_a", "scn_b"]}});
+    let found = Job::parse(json!({"scene": scene}).to_string().as_bytes(), &vocabulary(true));
+    let found = found.unwrap_err().0;
+    assert_eq!((found.len(), found[0].pointer.as_str()), (1, "/scene/kind"), "{found:?}");
+    assert_eq!(
+        found[0].message,
+        "`scene.kind` \"collection\" needs a service: upload its scenes there and submit the job with `fathom submit`"
+    );
+    assert_eq!(found[0].allowed, ["procedural", "uploaded", "files"]);
 }

@@ -1,18 +1,19 @@
-//! `GET /v1/collections` and `GET /v1/collections/{name}`.
+//! `GET /v1/collections`; `GET` and `DELETE /v1/collections/{name}`.
 
+use axum::http::StatusCode;
 use catalogue::{Catalogue, CollectionRow, CollectionScene, Page};
 
 use crate::http::{Json, Path, Problem, State, Topic};
 
 /// List the collections of uploaded scenes, all on one page.
-#[utoipa::path(get, path = "/v1/collections", tag = "scenes",
+#[utoipa::path(get, path = "/v1/collections", tag = "scenes", operation_id = "list_collections",
     responses((status = 200, description = "All collections by name.", body = Page<CollectionRow>)))]
 pub(crate) async fn list(State(catalogue): Topic<Catalogue>) -> Result<Json<Page<CollectionRow>>, Problem> {
     Ok(Json(Page::whole(catalogue.collections().await?)))
 }
 
 /// The scenes of a collection in the order in which jobs take them, all on one page.
-#[utoipa::path(get, path = "/v1/collections/{name}", tag = "scenes",
+#[utoipa::path(get, path = "/v1/collections/{name}", tag = "scenes", operation_id = "get_collection",
     params(("name" = String, Path, description = "Its name")),
     responses((status = 200, description = "Its scenes.", body = Page<CollectionScene>)))]
 pub(crate) async fn get(
@@ -24,4 +25,18 @@ pub(crate) async fn get(
         return Err(Problem::not_found(format!("no collection `{name}`")));
     }
     Ok(Json(Page::whole(scenes)))
+}
+
+/// Delete a collection. Its scenes stay, and so do the jobs that were made of it.
+#[utoipa::path(delete, path = "/v1/collections/{name}", tag = "scenes", operation_id = "delete_collection",
+    params(("name" = String, Path, description = "Its name")),
+    responses((status = 204, description = "It is gone.")))]
+pub(crate) async fn delete(
+    State(catalogue): Topic<Catalogue>,
+    Path(name): Path<String>,
+) -> Result<StatusCode, Problem> {
+    if !catalogue.delete_collection(&name).await? {
+        return Err(Problem::not_found(format!("no collection `{name}`")));
+    }
+    Ok(StatusCode::NO_CONTENT)
 }

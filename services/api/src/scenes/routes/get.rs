@@ -1,8 +1,10 @@
-//! `GET /v1/scenes/{id}`.
+//! `GET` and `DELETE /v1/scenes/{id}`.
 
+use axum::http::StatusCode;
 use catalogue::Catalogue;
 
 use crate::http::{Json, Path, Problem, State, Topic, found};
+use crate::scenes::Scenes;
 use crate::scenes::view::SceneView;
 
 /// See an uploaded scene.
@@ -14,4 +16,17 @@ pub(crate) async fn get(
     Path(id): Path<String>,
 ) -> Result<Json<SceneView>, Problem> {
     Ok(Json(found(catalogue.scene(&id).await?, "scene", &id)?.into()))
+}
+
+/// Delete an uploaded scene that no job uses.
+///
+/// It leaves its collections, and its space comes back in the background. While jobs have frames of it, it stays: their
+/// images could not be rendered again.
+#[utoipa::path(delete, path = "/v1/scenes/{id}", tag = "scenes", operation_id = "delete_scene",
+    params(("id" = String, Path, description = "`scn_…`")),
+    responses((status = 204, description = "It is gone."),
+              (status = 409, response = crate::openapi::Problem)))]
+pub(crate) async fn delete(State(scenes): Topic<Scenes>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+    scenes.delete(id).await?;
+    Ok(StatusCode::NO_CONTENT)
 }

@@ -9,6 +9,8 @@ use spec::sha256;
 
 /// Columns that tell one scene from another.
 pub(crate) const IDENTITY: [&str; 4] = ["scene.kind", "scene.family", "scene.seed", "scene.id"];
+/// The kind of an uploaded scene, as JSON.
+const UPLOADED: &str = "\"uploaded\"";
 /// How far the shares may miss 1 together: they are written with a few decimals.
 const TOLERANCE: f64 = 1e-6;
 
@@ -47,6 +49,8 @@ impl Splits {
     pub(crate) fn part_of(&self, row: &Value) -> usize {
         let identity = IDENTITY.iter().filter_map(|column| {
             let value = row.get(column).filter(|value| !value.is_null())?;
+            // The same scene, whether a job names it or its collection.
+            let value = if value == "collection" { UPLOADED } else { &value.to_string() };
             Some(format!("\n{column}={value}"))
         });
         let place = place(&identity.collect::<String>());
@@ -111,6 +115,18 @@ mod tests {
             other["alpha"] = json!(0.1);
             other["water.optics"] = json!("jerlov-3C");
             assert_eq!(splits.part_of(&other), splits.part_of(&scene(seed)));
+        }
+    }
+
+    #[test]
+    fn a_scene_stays_in_its_part_when_a_collection_names_it() {
+        let splits = Splits::parse("train=.5,test=.5").unwrap();
+        for number in 0..50 {
+            let named = |kind: &str| json!({"scene.kind": kind, "scene.id": format!("scn_{number}")});
+            assert_eq!(
+                splits.part_of(&named("collection")),
+                splits.part_of(&named("uploaded"))
+            );
         }
     }
 
