@@ -276,7 +276,7 @@ fn a_folder_becomes_a_collection_and_every_scene_of_it_frames() {
     let service = Service::start(&folder.path().join("data"), &["--workers", "1", "--slots", "2"]);
     let shots = folder.path().join("shots");
     std::fs::create_dir(&shots).expect("a writable folder");
-    let pictures = ["hazed_160x120.input.png", "greenish_160x120.input.png"];
+    let pictures = ["hazed_160x120.input.png", "beams_160x120.input.png"];
     let vectors = root().join("workers/enhance/tests/vectors/enhancement");
     for (picture, name) in pictures.iter().zip(["berth", "crane"]) {
         std::fs::copy(vectors.join(picture), shots.join(format!("{name}.png"))).expect("a picture");
@@ -284,11 +284,7 @@ fn a_folder_becomes_a_collection_and_every_scene_of_it_frames() {
     }
     let call = |words: &[&str]| {
         let output = run(&[words, &["--server", &service.url]].concat());
-        (
-            output.status.code(),
-            text(&output.stdout),
-            text(&output.stderr),
-        )
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
     };
     let shots = shots.to_str().expect("text");
     let (status, ids, told) = call(&["upload", shots, "--collection", "dock"]);
@@ -297,11 +293,17 @@ fn a_folder_becomes_a_collection_and_every_scene_of_it_frames() {
     let members = call(&["scenes", "--collection", "dock"]).1;
     let listed: Vec<&str> = members.lines().skip(2).take(2).collect();
     for ((line, uploaded), name) in listed.iter().zip(ids.lines()).zip(["berth", "crane"]) {
-        assert!(line.starts_with(&uploaded[..36]) && line.ends_with(name), "{members}");
+        assert!(
+            line.starts_with(&uploaded[..36]) && line.ends_with(name),
+            "{members}"
+        );
     }
     let (status, _, told) = call(&["scenes", "--collection", "dok"]);
     assert_eq!(status, Some(2));
-    assert!(told.contains("no collection `dok` (did you mean `dock`?)"), "{told}");
+    assert!(
+        told.contains("no collection `dok` (did you mean `dock`?)"),
+        "{told}"
+    );
 
     let job = folder.path().join("job.json");
     let described = json!({"dataset": "dock", "count": 2, "scene": {"kind": "collection", "name": "dock", "each": true},
@@ -311,22 +313,51 @@ fn a_folder_becomes_a_collection_and_every_scene_of_it_frames() {
     let (status, printed, told) = call(&["submit", job, "--wait"]);
     assert_eq!(status, Some(0), "{told}");
     assert!(printed.contains("done · 4 of 4 frames"), "{printed}");
-    let (_, rows, _) = call(&["query", "scene.name = 'dock'", "--fields", "frame,scene.id,scene.name", "--order-by", "frame", "--json"]);
-    let rows: Vec<Value> = rows.lines().map(|line| serde_json::from_str(line).expect("JSON lines")).collect();
-    let scenes: Vec<&str> = rows.iter().map(|row| row["scene.id"].as_str().expect("an id")).collect();
+    let (_, rows, _) = call(&[
+        "query",
+        "scene.name = 'dock'",
+        "--fields",
+        "frame,scene.id,scene.name",
+        "--order-by",
+        "frame",
+        "--json",
+    ]);
+    let rows: Vec<Value> = rows
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("JSON lines"))
+        .collect();
+    let scenes: Vec<&str> = rows
+        .iter()
+        .map(|row| row["scene.id"].as_str().expect("an id"))
+        .collect();
     let ids: Vec<&str> = ids.lines().map(|line| &line[..36]).collect();
     assert_eq!(scenes, [ids[0], ids[1], ids[0], ids[1]]);
 
     // Without a service there is no collection; and a scene that a job uses stays.
-    let local = run(&["render", job, "--out", folder.path().join("out").to_str().expect("text")]);
+    let local = run(&[
+        "render",
+        job,
+        "--out",
+        folder.path().join("out").to_str().expect("text"),
+    ]);
     assert_eq!(local.status.code(), Some(2));
-    assert!(text(&local.stderr).contains("needs a service"), "{}", text(&local.stderr));
+    assert!(
+        text(&local.stderr).contains("needs a service"),
+        "{}",
+        text(&local.stderr)
+    );
     let (status, _, told) = call(&["rm", ids[0], "--yes"]);
     assert_eq!(status, Some(2));
     assert!(told.contains("is used by job job_"), "{told}");
     assert_eq!(call(&["rm", "dock", "--yes"]).0, Some(0));
     let (_, printed, _) = call(&["rm", ids[0], "--yes", "--collection", "dock"]);
-    assert!(printed.contains(&format!("deleted scene {}", ids[0])), "{printed}");
-    assert!(printed.contains("deleted collection dock (its 2 scenes stay)"), "{printed}");
+    assert!(
+        printed.contains(&format!("deleted scene {}", ids[0])),
+        "{printed}"
+    );
+    assert!(
+        printed.contains("deleted collection dock (its 2 scenes stay)"),
+        "{printed}"
+    );
     assert_eq!(call(&["scenes", "--json"]).1.lines().count(), 1);
 }

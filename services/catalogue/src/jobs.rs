@@ -159,6 +159,23 @@ async fn insert(connection: &mut SqliteConnection, job: &NewJob) -> Result<Inser
     {
         return Ok(InsertJob::Replayed(known));
     }
+    let mut warnings = Vec::new();
+    match of_description(connection, job).await? {
+        Some(mut twin) if twin.state == JobState::Done => {
+            keep_key(connection, job, &twin.id).await?;
+            twin.warnings.push(format!(
+                "dataset `{}` has every image of this description already, from {}: nothing is rendered; with `again` they are \
+                 rendered once more",
+                twin.dataset, twin.id
+            ));
+            return Ok(InsertJob::Complete(twin));
+        }
+        Some(twin) => warnings.push(format!(
+            "{} in dataset `{}` has the same description and is {}: the dataset will have its images twice",
+            twin.id, twin.dataset, twin.state
+        )),
+        None => {}
+    }
     let stored = sqlx::query(concat!(
         "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms, set_location)
          VALUES (?, ?, ?, ?, ?, ?, 'queued', ?, ?) RETURNING ",
@@ -180,16 +197,47 @@ async fn insert(connection: &mut SqliteConnection, job: &NewJob) -> Result<Inser
     .bind(&job.dataset)
     .execute(&mut *connection)
     .await?;
+    keep_key(connection, job, &job.id).await?;
+    Ok(InsertJob::Created(JobRow {
+        warnings,
+        ..row(&stored)?
+    }))
+}
+
+/// Keeps the key under which a repeat finds the job `id`.
+async fn keep_key(connection: &mut SqliteConnection, job: &NewJob, id: &str) -> Result<(), CatalogueError> {
     if let Some(key) = &job.idempotency {
         sqlx::query("INSERT INTO idempotency_keys (owner, key, body_digest, job_id) VALUES (?, ?, ?, ?)")
             .bind(&key.owner)
             .bind(&key.key)
             .bind(&key.body_digest)
-            .bind(&job.id)
-            .execute(&mut *connection)
+            .bind(id)
+            .execute(connection)
             .await?;
     }
-    Ok(InsertJob::Created(row(&stored)?))
+    Ok(())
+}
+
+/// Another job of the same description and dataset that has images or will have them, one that is done first; none where
+/// the images are wanted again.
+async fn of_description(
+    connection: &mut SqliteConnection,
+    job: &NewJob,
+) -> Result<Option<JobRow>, CatalogueError> {
+    if job.again {
+        return Ok(None);
+    }
+    let found = sqlx::query(concat!(
+        "SELECT ",
+        columns!(),
+        " FROM jobs WHERE spec_digest = ? AND dataset = ? AND state != 'cancelled'
+           AND id NOT IN (SELECT job_id FROM deletions) ORDER BY state = 'done' DESC, id DESC LIMIT 1",
+    ))
+    .bind(&job.spec_digest)
+    .bind(&job.dataset)
+    .fetch_optional(connection)
+    .await?;
+    found.as_ref().map(row).transpose()
 }
 
 async fn get(connection: &mut SqliteConnection, id: &str) -> Result<Option<JobRow>, CatalogueError> {

@@ -13,6 +13,7 @@ mod digests;
 mod error;
 mod fill;
 mod filter;
+mod groups;
 mod histogram;
 mod images;
 mod import;
@@ -39,9 +40,11 @@ pub use catalogue::Catalogue;
 pub use collections::{CollectionRow, CollectionScene};
 pub use error::CatalogueError;
 pub use filter::FilterError;
+pub use groups::{GroupColumn, compare_groups};
 pub use insert::NewImage;
 pub use job_state::JobState;
 pub use metadata::columns_of_every_image;
+pub use stats::GroupedStats;
 pub use time::UnixMs;
 pub use types::{
     ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,

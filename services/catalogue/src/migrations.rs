@@ -5,7 +5,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 10] = [
     (
         "catalogue",
         include_str!("../../../migrations/0001_catalogue.sql"),
@@ -20,6 +20,10 @@ const FILES: [(&str, &str); 9] = [
     (
         "collections",
         include_str!("../../../migrations/0009_collections.sql"),
+    ),
+    (
+        "descriptions",
+        include_str!("../../../migrations/0010_descriptions.sql"),
     ),
 ];
 

@@ -162,11 +162,12 @@ async fn delete(connection: &mut SqliteConnection, id: &str) -> Result<(), Catal
         .bind(id)
         .execute(&mut *connection)
         .await?;
-    let gone: Option<(String, Option<String>, Option<String>)> =
-        sqlx::query_as("DELETE FROM scenes WHERE id = ? RETURNING rgb_digest, range_digest, instances_digest")
-            .bind(id)
-            .fetch_optional(&mut *connection)
-            .await?;
+    let gone: Option<(String, Option<String>, Option<String>)> = sqlx::query_as(
+        "DELETE FROM scenes WHERE id = ? RETURNING rgb_digest, range_digest, instances_digest",
+    )
+    .bind(id)
+    .fetch_optional(&mut *connection)
+    .await?;
     let (rgb, range, instances) = gone.ok_or_else(|| CatalogueError::not_found("scene", id))?;
     for digest in [Some(rgb), range, instances].into_iter().flatten() {
         sqlx::query("INSERT OR IGNORE INTO orphans (digest) VALUES (?)")

@@ -1,15 +1,18 @@
 //! Statistics of metrics over a dataset, group by group.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use futures::TryStreamExt;
-use serde_json::Value;
+use serde::Serialize;
+use serde_json::{Map, Value};
 use sqlx::sqlite::SqliteConnection;
+use utoipa::ToSchema;
 
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::page::{column, double, value};
+use crate::groups::{GroupColumn, Key, MOST_GROUPS, compare_groups, keys};
+use crate::page::{column, double};
 use crate::select::Select;
 use crate::types::GroupStats;
 
@@ -17,8 +20,18 @@ use crate::types::GroupStats;
 struct Question<'a> {
     dataset: &'a str,
     metrics: &'a [String],
-    group_by: Option<&'a str>,
+    keys: &'a [Key],
     filter: Option<&'a str>,
+    most_groups: usize,
+}
+
+/// Statistics of metrics in groups by several columns.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct GroupedStats {
+    /// The columns.
+    pub by: Vec<GroupColumn>,
+    /// One entry for each group and metric.
+    pub groups: Vec<GroupStats>,
 }
 
 impl Catalogue {
@@ -33,13 +46,54 @@ impl Catalogue {
         group_by: Option<&str>,
         filter: Option<&str>,
     ) -> Result<Vec<GroupStats>, CatalogueError> {
+        let key = group_by.map(|name| Key::plain(&self.columns, name)).transpose()?;
         let question = Question {
             dataset,
             metrics,
-            group_by,
+            keys: key.as_slice(),
             filter,
+            most_groups: usize::MAX,
         };
-        within(stats(&mut *self.reader().await?, &self.columns, &question)).await
+        let mut groups = within(stats(&mut *self.reader().await?, &self.columns, &question)).await?;
+        // The order of the first version.
+        groups
+            .all
+            .sort_by_cached_key(|group| group.key.iter().map(ToString::to_string).collect::<String>());
+        Ok(groups.summaries(metrics, |mut key| key.pop().unwrap_or_default()))
+    }
+
+    /// Statistics of metrics over a dataset, for each group by columns and bins such as `water.optics,alpha:0.1`: images
+    /// with the same water whose α is in the same bin of width 0.1.
+    ///
+    /// # Errors
+    /// [`CatalogueError::NotFound`] for the dataset; [`CatalogueError::Filter`] for names, bins and filter, and for more groups
+    /// than a table should have.
+    pub async fn grouped_stats(
+        &self,
+        dataset: &str,
+        metrics: &[String],
+        by: &str,
+        filter: Option<&str>,
+    ) -> Result<GroupedStats, CatalogueError> {
+        let keys = keys(&self.columns, by)?;
+        let question = Question {
+            dataset,
+            metrics,
+            keys: &keys,
+            filter,
+            most_groups: MOST_GROUPS,
+        };
+        let mut groups = within(stats(&mut *self.reader().await?, &self.columns, &question)).await?;
+        groups
+            .all
+            .sort_by(|one, other| compare_groups(&one.key, &other.key));
+        let by: Vec<GroupColumn> = keys.into_iter().map(|key| key.shown).collect();
+        let names = || by.iter().map(|key| key.column.clone());
+        let named = |key: Vec<Value>| Value::Object(names().zip(key).collect::<Map<_, _>>());
+        Ok(GroupedStats {
+            groups: groups.summaries(metrics, named),
+            by,
+        })
     }
 }
 
@@ -52,67 +106,85 @@ async fn stats(
     connection: &mut SqliteConnection,
     columns: &Columns,
     question: &Question<'_>,
-) -> Result<Vec<GroupStats>, CatalogueError> {
+) -> Result<Groups, CatalogueError> {
     check_dataset(connection, question.dataset).await?;
-    if question.metrics.len() > MOST_METRICS {
-        let message = format!("{} metrics; there may be {MOST_METRICS}", question.metrics.len());
+    let Question { metrics, keys, .. } = question;
+    if metrics.len() > MOST_METRICS {
+        let message = format!("{} metrics; there may be {MOST_METRICS}", metrics.len());
         return Err(CatalogueError::refused(message));
     }
-    let mut selected = Vec::with_capacity(question.metrics.len() + 1);
-    for metric in question.metrics {
+    let mut selected = Vec::with_capacity(metrics.len() + keys.len());
+    for metric in *metrics {
         let measured = column(columns, metric)?;
         if !measured.kind.is_number() {
             return Err(CatalogueError::refused(format!("`{metric}` is no number")));
         }
         selected.push(measured);
     }
-    let group_by = question.group_by.map(|name| column(columns, name)).transpose()?;
-    selected.extend(group_by.clone());
+    selected.extend(keys.iter().map(|key| key.column.clone()));
     let sql = Select::new(columns, &selected, question.filter, Some(question.dataset))?;
     let mut groups = Groups::default();
-    let metrics = question.metrics.len();
     let mut rows = sql.statement().fetch(connection);
     while let Some(row) = rows.try_next().await? {
-        let group = match &group_by {
-            Some(column) => value(&row, metrics, column.kind)?,
-            None => Value::Null,
-        };
-        let measured = groups.values_of(group, metrics).iter_mut();
-        for (at, (values, column)) in measured.zip(&selected).enumerate() {
+        let key = keys.iter().enumerate();
+        let key = key.map(|(at, key)| key.group(&row, metrics.len() + at));
+        let values = groups.values_of(key.collect::<Result<_, _>>()?, metrics.len());
+        for (at, (values, column)) in values.iter_mut().zip(&selected).enumerate() {
             values.extend(double(&row, at, column.kind)?);
+        }
+        if groups.all.len() > question.most_groups {
+            let most = question.most_groups;
+            let message =
+                format!("`by` makes more than {most} groups: give wider bins, fewer columns or a filter");
+            return Err(CatalogueError::refused(message));
         }
     }
     drop(rows);
-    Ok(groups.summaries(question.metrics))
+    Ok(groups)
 }
 
-/// The values of each metric, group by group.
+/// A group of images.
+struct Group {
+    /// What they have in common, column by column.
+    key: Vec<Value>,
+    /// The values of each metric.
+    values: Vec<Vec<f64>>,
+}
+
+/// Groups in the order in which they were met.
 #[derive(Default)]
 struct Groups {
-    all: BTreeMap<String, usize>,
-    values: Vec<(Value, Vec<Vec<f64>>)>,
+    all: Vec<Group>,
+    /// Their places by the text of their key.
+    places: HashMap<String, usize>,
     /// Neighbors are often of one group.
     last: usize,
 }
 
 impl Groups {
-    fn values_of(&mut self, group: Value, metrics: usize) -> &mut Vec<Vec<f64>> {
-        if self.values.get(self.last).is_none_or(|(last, _)| *last != group) {
-            self.last = *self.all.entry(group.to_string()).or_insert_with(|| {
-                self.values.push((group, vec![Vec::new(); metrics]));
-                self.values.len() - 1
+    fn values_of(&mut self, key: Vec<Value>, metrics: usize) -> &mut Vec<Vec<f64>> {
+        if self.all.get(self.last).is_none_or(|last| last.key != key) {
+            let text = key.iter().map(|value| format!("{value}\n")).collect();
+            self.last = *self.places.entry(text).or_insert_with(|| {
+                let values = vec![Vec::new(); metrics];
+                self.all.push(Group { key, values });
+                self.all.len() - 1
             });
         }
-        &mut self.values[self.last].1
+        &mut self.all[self.last].values
     }
 
-    /// Metric by metric, in the order of the groups' texts.
-    fn summaries(mut self, metrics: &[String]) -> Vec<GroupStats> {
-        let mut all = Vec::new();
+    /// Metric by metric, in the order of the groups, whose keys are shown as `named` says.
+    fn summaries(mut self, metrics: &[String], named: impl Fn(Vec<Value>) -> Value) -> Vec<GroupStats> {
+        let keys: Vec<Value> = self.all.iter().map(|group| named(group.key.clone())).collect();
+        let mut all = Vec::with_capacity(metrics.len() * keys.len());
         for (at, metric) in metrics.iter().enumerate() {
-            for &index in self.all.values() {
-                let (group, values) = &mut self.values[index];
-                all.push(summary(group.clone(), metric, std::mem::take(&mut values[at])));
+            for (group, key) in self.all.iter_mut().zip(&keys) {
+                all.push(summary(
+                    key.clone(),
+                    metric,
+                    std::mem::take(&mut group.values[at]),
+                ));
             }
         }
         all

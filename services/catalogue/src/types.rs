@@ -32,6 +32,8 @@ pub struct NewJob {
     pub idempotency: Option<Idempotency>,
     /// Folder or URL of the set that its images are imported from; a repeat finds this job by it.
     pub set: Option<String>,
+    /// Whether it is stored although its dataset has every image of the same description.
+    pub again: bool,
 }
 
 /// A key under which a repeated submission finds its job.
@@ -52,6 +54,8 @@ pub enum InsertJob {
     Created(JobRow),
     /// The same submission was stored before; the job as it is now.
     Replayed(JobRow),
+    /// The dataset has every image of the same description, from this job; no job is stored.
+    Complete(JobRow),
     /// The key was used for another description.
     KeyConflict,
 }
@@ -293,7 +297,8 @@ impl<T> Page<T> {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[schema(as = GroupStatistics)]
 pub struct GroupStats {
-    /// Value of the `group_by` column; null without one.
+    /// Value of the `group_by` column; null without one. With `by`, an object with the value of each column, of a column in
+    /// bins the lower edge of the bin, which holds edge ≤ value < edge + width.
     pub group: Value,
     /// The metric.
     pub metric: String,

@@ -31,6 +31,7 @@ pub fn job(id: &str, dataset: &str, frames: u64, now_ms: u64) -> NewJob {
         created_at: UnixMs(now_ms),
         idempotency: None,
         set: None,
+        again: false,
     }
 }
 

@@ -17,6 +17,17 @@ pub(super) struct Submitted {
     pub(super) row: JobRow,
     /// Its changes since `row`.
     pub(super) changes: Receiver<()>,
+    /// Whether it had every image of the description already, so that nothing was stored.
+    pub(super) is_complete: bool,
+}
+
+/// How a description is submitted.
+pub(super) struct Submission {
+    pub(super) submitter: Submitter,
+    /// Higher goes first.
+    pub(super) priority: i32,
+    /// Whether its frames are rendered although the dataset has every image of it.
+    pub(super) again: bool,
 }
 
 impl Jobs {
@@ -25,13 +36,12 @@ impl Jobs {
     pub(super) async fn submit(
         self: &Arc<Self>,
         job: Job,
-        priority: i32,
-        submitter: Submitter,
+        submission: Submission,
     ) -> Result<Submitted, Problem> {
         self.check_runtime(&job)?;
         self.bytes.space.room().await?;
         let jobs = Arc::clone(self);
-        to_the_end(async move { jobs.store(&job, priority, submitter).await }).await
+        to_the_end(async move { jobs.store(&job, submission).await }).await
     }
 
     /// Reads a description and checks it, over the scenes that it names as well.
@@ -61,25 +71,35 @@ impl Jobs {
         Ok(collections)
     }
 
-    async fn store(&self, job: &Job, priority: i32, submitter: Submitter) -> Result<Submitted, Problem> {
-        let id = new_job_id();
+    /// The row of a job, yet to be stored.
+    fn row_of(&self, job: &Job, submission: Submission) -> NewJob {
         let spec_digest = job.digest();
-        let idempotency = submitter.idempotency_key.map(|key| Idempotency {
-            owner: submitter.owner,
+        let Submitter {
+            owner,
+            idempotency_key,
+        } = submission.submitter;
+        let idempotency = idempotency_key.map(|key| Idempotency {
+            owner,
             key,
             body_digest: spec_digest.clone(),
         });
-        let new = NewJob {
-            id: id.clone(),
+        NewJob {
+            id: new_job_id(),
             dataset: job.dataset().to_owned(),
             spec: job.canonical().to_owned(),
             spec_digest,
             frames: job.frames(),
-            priority,
+            priority: submission.priority,
             created_at: self.clock.wall(),
             idempotency,
             set: None,
-        };
+            again: submission.again,
+        }
+    }
+
+    async fn store(&self, job: &Job, submission: Submission) -> Result<Submitted, Problem> {
+        let new = self.row_of(job, submission);
+        let id = new.id.clone();
         // From here to the row that names them, no scene is deleted.
         let _turn = self.bytes.naming.beside_others().await;
         if let Some(gone) = self.catalogue.missing_scene(&job.uploaded_scene_ids()).await? {
@@ -96,13 +116,26 @@ impl Jobs {
                 self.leases.dispatch.add_job(row.clone().into());
                 let (dataset, frames) = (&row.dataset, row.frames);
                 tracing::info!(job = id, dataset, frames, "job accepted");
-                Ok(Submitted { row, changes })
+                Ok(Submitted {
+                    row,
+                    changes,
+                    is_complete: false,
+                })
             }
+            InsertJob::Complete(row) => Ok(Submitted {
+                changes: self.leases.changes.subscribe(&row.id),
+                row,
+                is_complete: true,
+            }),
             InsertJob::Replayed(row) => {
                 let mut changes = self.leases.changes.subscribe(&row.id);
                 // It may have changed since it was read.
                 changes.mark_changed();
-                Ok(Submitted { row, changes })
+                Ok(Submitted {
+                    row,
+                    changes,
+                    is_complete: false,
+                })
             }
             InsertJob::KeyConflict => {
                 let detail = "this Idempotency-Key was used before with another description";
@@ -174,7 +207,12 @@ mod tests {
                 owner: "me".to_owned(),
                 idempotency_key: Some("key".to_owned()),
             };
-            jobs.submit(job, 0, submitter)
+            let submission = Submission {
+                submitter,
+                priority: 0,
+                again: false,
+            };
+            jobs.submit(job, submission)
         };
         let reads = jobs.catalogue.reads();
         let stored = submit().await.unwrap().row;

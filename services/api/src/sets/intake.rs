@@ -112,6 +112,8 @@ impl<'c> Intake<'c> {
             created_at: now,
             idempotency: None,
             set: Some(self.head.location.clone()),
+            // Of another set, which may be taken away.
+            again: true,
         };
         match self.catalogue.insert_job(new).await? {
             InsertJob::Created(row) | InsertJob::Replayed(row) => {
@@ -119,7 +121,7 @@ impl<'c> Intake<'c> {
                 self.id.clone_from(&row.id);
                 Ok(row)
             }
-            InsertJob::KeyConflict => Err(CatalogueError::Failed {
+            InsertJob::Complete(_) | InsertJob::KeyConflict => Err(CatalogueError::Failed {
                 message: "a job without a key has a conflict of keys".to_owned(),
             }),
         }

@@ -270,3 +270,43 @@ fn a_preview_shows_what_a_submission_would_do_and_stores_nothing() {
     body["scene"] = json!({"kind": "uploaded", "id": "scn_00000000000000000000000000000000"});
     service.post("/v1/jobs/preview", &body).problem(422, "validation");
 }
+
+#[test]
+fn a_job_whose_images_are_there_is_answered_with_them() {
+    let service = start();
+    let first = service.submit(&job());
+    let worker = Fake::register(&service);
+    while let Some(lease) = worker.lease(0) {
+        worker.finish(&lease).unwrap();
+    }
+    let again = service.post("/v1/jobs", &job());
+    assert_eq!(again.status, 200, "{}", again.text());
+    assert_eq!(again.header("location"), format!("/v1/jobs/{first}"));
+    let answer = again.json();
+    assert_eq!((&answer["id"], &answer["state"]), (&json!(first), &json!("done")));
+    assert!(
+        answer["warnings"][0]
+            .as_str()
+            .unwrap()
+            .contains("every image of this description"),
+        "{answer}"
+    );
+    assert_eq!(service.shown(), [1, 0, 2]);
+    let wanted = service.post("/v1/jobs?again=true", &job());
+    assert_eq!(wanted.status, 202, "{}", wanted.text());
+    assert_ne!(wanted.json()["id"], json!(first));
+    assert!(wanted.json()["warnings"].is_null());
+    let stats = |query: &str| service.get(&format!("/v1/datasets/tests/stats?metrics=uiqm{query}"));
+    let by = stats("&by=water.optics,frame:10").json();
+    assert_eq!(
+        by["by"][1],
+        json!({"column": "frame", "unit": null, "width": 10.0})
+    );
+    assert_eq!(
+        by["groups"][0]["group"],
+        json!({"water.optics": "jerlov-3C/williamson2022", "frame": 0.0})
+    );
+    assert_eq!(by["groups"][0]["count"], 2);
+    stats("&by=alpha&group_by=alpha").problem(400, "invalid-query");
+    stats("&by=alpha:x").problem(400, "invalid-filter");
+}

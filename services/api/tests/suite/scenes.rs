@@ -265,19 +265,26 @@ fn a_scene_goes_when_no_job_uses_it_and_leaves_its_collections() {
     let (first, second) = (add("a", 16), add("b", 20));
     let body = json!({"dataset": "own", "scene": {"kind": "collection", "name": "dock"}, "metrics": []});
     let job = service.submit(&body);
-    let problem = service.delete(&format!("/v1/scenes/{first}")).problem(409, "in-use");
+    let problem = service
+        .delete(&format!("/v1/scenes/{first}"))
+        .problem(409, "in-use");
     let told = problem["detail"].as_str().unwrap();
     assert!(told.contains(&first) && told.contains(&job), "{told}");
     assert_eq!(service.get("/v1/collections").json()["items"][0]["scenes"], 2);
 
     assert_eq!(service.delete(&format!("/v1/jobs/{job}")).status, 200);
     assert_eq!(service.delete(&format!("/v1/scenes/{first}")).status, 204);
-    service.get(&format!("/v1/scenes/{first}")).problem(404, "not-found");
+    service
+        .get(&format!("/v1/scenes/{first}"))
+        .problem(404, "not-found");
     service
         .delete(&format!("/v1/scenes/{first}"))
         .problem(404, "not-found");
     let left = service.get("/v1/collections/dock").json()["items"].clone();
-    assert_eq!((left.as_array().unwrap().len(), &left[0]["id"]), (1, &json!(second)));
+    assert_eq!(
+        (left.as_array().unwrap().len(), &left[0]["id"]),
+        (1, &json!(second))
+    );
     let gone = json!({"dataset": "own", "scene": {"kind": "uploaded", "id": first}, "metrics": []});
     let problem = service.post("/v1/jobs", &gone).problem(422, "validation");
     assert_eq!(problem["errors"][0]["pointer"], "/scene/id");

@@ -42,6 +42,7 @@ fn render(service: &Running, worker: &Fake, dataset: &str, seed: u64, side: usiz
     let mut one = job();
     one["count"] = json!(1);
     one["dataset"] = json!(dataset);
+    one["seed"] = json!(seed);
     let id = service.submit(&one);
     let lease = worker.lease(5000).expect("a frame");
     worker.finish_with(&lease, noise_png(side, seed)).unwrap();

@@ -227,3 +227,47 @@ async fn a_change_returns_its_row_without_a_read() {
     assert_eq!((retried.frames, &unchanged), (vec![1], &cancelled));
     assert_eq!(at.catalogue.job("job_a").await.unwrap(), Some(cancelled));
 }
+
+#[tokio::test]
+async fn a_description_whose_images_are_there_is_not_stored_again() {
+    let at = Fixture::new().await;
+    let job = |id: &str, dataset: &str| catalogue::NewJob {
+        spec_digest: "the same".to_owned(),
+        ..synthetic::job(id, dataset, 2, 0)
+    };
+    let insert = async |job| at.catalogue.insert_job(job).await.unwrap();
+    assert!(matches!(insert(job("job_a", "bay")).await, InsertJob::Created(row) if row.warnings.is_empty()));
+    let InsertJob::Created(twin) = insert(job("job_b", "bay")).await else {
+        panic!("the first has no image yet");
+    };
+    assert!(twin.warnings[0].starts_with("job_a in dataset `bay` has the same description and is queued"));
+    synthetic::fill(&at.catalogue, "job_a", 0..2, 0).await.unwrap();
+    let keyed = || catalogue::NewJob {
+        idempotency: Some(catalogue::Idempotency {
+            owner: "me".to_owned(),
+            key: "k".to_owned(),
+            body_digest: "the same".to_owned(),
+        }),
+        ..job("job_c", "bay")
+    };
+    let InsertJob::Complete(row) = insert(keyed()).await else {
+        panic!("every image is there");
+    };
+    assert_eq!(row.id, "job_a");
+    assert!(row.warnings[0].contains("has every image of this description already, from job_a"));
+    assert!(matches!(insert(keyed()).await, InsertJob::Replayed(row) if row.id == "job_a"));
+    assert!(
+        matches!(insert(job("job_d", "cove")).await, InsertJob::Created(_)),
+        "another dataset"
+    );
+    let again = catalogue::NewJob {
+        again: true,
+        ..job("job_e", "bay")
+    };
+    assert!(matches!(insert(again).await, InsertJob::Created(row) if row.warnings.is_empty()));
+    at.catalogue.delete_job("job_a").await.unwrap();
+    assert!(
+        matches!(insert(job("job_f", "bay")).await, InsertJob::Created(_)),
+        "its images are gone"
+    );
+}

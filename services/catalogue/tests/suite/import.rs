@@ -12,6 +12,7 @@ const SET: &str = "/sets/reef";
 fn new_job(id: &str, frames: u64) -> NewJob {
     NewJob {
         set: Some(SET.to_owned()),
+        again: true,
         ..synthetic::job(id, "reef", frames, 1000)
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use catalogue::{CatalogueError, ImageQuery};
+use serde_json::json;
 
 use crate::fixture::Fixture;
 
@@ -61,6 +62,137 @@ async fn what_has_no_histogram_is_refused_with_its_reason() {
         );
     }
     let nowhere = at.catalogue.histogram("nowhere", None, "uiqm", 3, None).await;
+    assert!(matches!(nowhere, Err(CatalogueError::NotFound { .. })));
+}
+
+/// The statistics of numbers, by definition.
+fn plainly(values: &[f64]) -> (u64, Option<f64>, Option<f64>, Option<f64>) {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let count = values.len();
+    let mean = (count > 0).then(|| values.iter().sum::<f64>() / count as f64);
+    let median = (count > 0).then(|| (sorted[(count - 1) / 2] + sorted[count / 2]) / 2.0);
+    (count as u64, mean, median, sorted.last().copied())
+}
+
+#[tokio::test]
+async fn groups_by_columns_and_bins_have_the_statistics_of_a_plain_loop() {
+    let at = Fixture::new().await;
+    at.job("job_a", "bay", 300, 300).await;
+    at.job("job_b", "bay", 2, 0).await;
+    // One image without α, and one with an enhanced picture that was not measured.
+    let mut records: Vec<_> = (0..300).map(|frame| synthetic::record("job_a", frame)).collect();
+    for frame in 0..2 {
+        let mut record = synthetic::record("job_b", frame);
+        match frame {
+            0 => drop(record.parameters.as_object_mut().unwrap().remove("alpha")),
+            _ => drop(record.measurements.remove("hscm")),
+        }
+        at.catalogue.insert_image("job_b", &record, 0).await.unwrap();
+        records.push(record);
+    }
+    let metrics = ["uiqm".to_owned(), "hscm.uiqm".to_owned()];
+    let got = at
+        .catalogue
+        .grouped_stats("bay", &metrics, "water.optics, alpha:0.1", Some("frame < 250"));
+    let got = got.await.unwrap();
+    let widths: Vec<_> = got.by.iter().map(|by| (by.column.as_str(), by.width)).collect();
+    assert_eq!(widths, [("water.optics", None), ("alpha", Some(0.1))]);
+
+    let mut expected = Vec::new();
+    for (subject, metric) in ["rgb", "hscm"].into_iter().zip(&metrics) {
+        for optics in ["jerlov-1C", "jerlov-5C", "jerlov-9C"] {
+            let bins = (0..10).map(|bin| Some((f64::from(bin) / 10.0, f64::from(bin + 1) / 10.0)));
+            for bin in bins.chain([None]) {
+                let members = records.iter().filter(|record| {
+                    let alpha = record.parameters["alpha"].as_f64();
+                    let fits = match (bin, alpha) {
+                        (Some((low, high)), Some(alpha)) => low <= alpha && alpha < high,
+                        (bin, alpha) => bin.is_none() && alpha.is_none(),
+                    };
+                    fits && record.frame < 250 && record.parameters["water"]["optics"]["preset"] == optics
+                });
+                let members: Vec<_> = members.collect();
+                if members.is_empty() {
+                    continue;
+                }
+                let values = members
+                    .iter()
+                    .filter_map(|record| record.measurements.get(subject)?.get("uiqm"));
+                let values: Vec<f64> = values.copied().collect();
+                let key = json!({"water.optics": optics, "alpha": bin.map(|(low, _)| low)});
+                expected.push((key, metric.clone(), plainly(&values)));
+            }
+        }
+    }
+    let close = |one: Option<f64>, other: Option<f64>| match (one, other) {
+        (Some(one), Some(other)) => (one - other).abs() < 1e-12,
+        (one, other) => one == other,
+    };
+    assert_eq!(got.groups.len(), expected.len());
+    for (group, (key, metric, (count, mean, median, max))) in got.groups.iter().zip(&expected) {
+        assert_eq!((&group.group, &group.metric, group.count), (key, metric, *count));
+        assert!(
+            close(group.mean, *mean) && close(group.median, *median),
+            "{group:?}"
+        );
+        assert_eq!(group.max, *max, "{key}");
+    }
+    assert!(expected.iter().any(|(key, ..)| key["alpha"].is_null()));
+}
+
+#[tokio::test]
+async fn groups_that_make_no_sense_are_refused_with_what_is_wrong() {
+    let at = Fixture::new().await;
+    at.job("job_a", "bay", 1100, 1100).await;
+    let ask = async |by: &str| match at
+        .catalogue
+        .grouped_stats("bay", &["uiqm".to_owned()], by, None)
+        .await
+    {
+        Err(CatalogueError::Filter(error)) => error.to_string(),
+        other => panic!("{by}: {other:?}"),
+    };
+    for (by, said) in [
+        ("alpah:0.1", "did you mean `alpha`?"),
+        ("water.optics:2", "`water.optics` is no number, so it has no bins"),
+        (
+            "alpha:0",
+            "`0` is no width for the bins of `alpha`: it must be a number above 0",
+        ),
+        ("alpha:-1", "no width"),
+        ("alpha:NaN", "no width"),
+        ("alpha:inf", "no width"),
+        ("alpha:", "no width"),
+        ("alpha,alpha:0.5", "`alpha` stands twice"),
+        ("frame", "more than 1000 groups"),
+        (
+            "seed,frame,alpha,job,dataset,digest,camera.width,camera.height,labels.run",
+            "9 columns",
+        ),
+        ("", "unknown column"),
+    ] {
+        let message = ask(by).await;
+        assert!(message.contains(said), "{by}: {message}");
+    }
+    let wide = at
+        .catalogue
+        .grouped_stats("bay", &["uiqm".to_owned()], "frame:500", None)
+        .await
+        .unwrap();
+    let counts: Vec<_> = wide
+        .groups
+        .iter()
+        .map(|group| (group.group["frame"].as_f64(), group.count))
+        .collect();
+    assert_eq!(
+        counts,
+        [(Some(0.0), 500), (Some(500.0), 500), (Some(1000.0), 100)]
+    );
+    let nowhere = at
+        .catalogue
+        .grouped_stats("nowhere", &["uiqm".to_owned()], "alpha", None)
+        .await;
     assert!(matches!(nowhere, Err(CatalogueError::NotFound { .. })));
 }
 

@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
     let begun = Instant::now();
-    let job = submit::submit(remote, TOUR.as_bytes(), None)?;
+    let job = submit::submit(remote, TOUR.as_bytes(), None, false)?;
     let job = submit::wait(remote, &job)?;
     let text = |name: &str| cell(&job[name]);
     let (id, dataset) = (text("id"), text("dataset"));

@@ -23,6 +23,7 @@ mod scenes;
 pub mod scrub;
 pub mod serve;
 mod sheet;
+mod stats;
 mod styles;
 mod submit;
 pub(crate) mod topics;
@@ -77,6 +78,8 @@ pub(crate) enum Command {
     Datasets(datasets::Arguments),
     /// List images by their parameters and metrics
     Query(query::Arguments),
+    /// Show statistics of metrics over datasets, in groups and side by side
+    Stats(stats::Arguments),
     /// Write a dataset into a folder for training
     Export(export::Arguments),
     /// List uploaded scenes
@@ -142,6 +145,7 @@ impl Command {
             Self::Completions(arguments) => completions::run(&arguments),
             Self::Man(arguments) => completions::write_pages(&arguments),
             Self::Query(arguments) => query::run(&arguments),
+            Self::Stats(arguments) => stats::run(&arguments),
             Self::Export(arguments) => export::run(&arguments),
             Self::Upload(arguments) => upload::run(&arguments),
             Self::Scrub(arguments) => scrub::run(&arguments, None),

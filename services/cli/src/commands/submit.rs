@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use cli::exit::Failure;
 use cli::files;
 use cli::progress::Progress;
-use cli::remote::{Remote, ServerArguments, encode};
+use cli::remote::{Remote, ServerArguments, encode, with_query};
 use serde_json::Value;
 
 /// Options of `fathom submit`.
@@ -19,6 +19,9 @@ pub(crate) struct Arguments {
     /// Key of the submission: submitting again with the same key returns the same job
     #[arg(long, value_name = "KEY")]
     idempotency_key: Option<String>,
+    /// Render it although its dataset has every image of it already
+    #[arg(long)]
+    again: bool,
     /// Print the job as JSON
     #[arg(long)]
     json: bool,
@@ -29,10 +32,12 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
+    let spec = files::read(&arguments.spec)?;
     let job = submit(
         &remote,
-        &files::read(&arguments.spec)?,
+        &spec,
         arguments.idempotency_key.as_deref(),
+        arguments.again,
     )?;
     if !arguments.wait {
         show(&job, arguments.json);
@@ -78,10 +83,11 @@ pub(crate) fn all_rendered(job: &Value) -> Result<(), Failure> {
     }
 }
 
-/// Submits a job description and returns the job as the service shows it.
-pub(crate) fn submit(remote: &Remote, spec: &[u8], key: Option<&str>) -> Result<Value, Failure> {
+/// Submits a job description and returns the job as the service shows it; with `again` also one whose images its dataset has.
+pub(crate) fn submit(remote: &Remote, spec: &[u8], key: Option<&str>, again: bool) -> Result<Value, Failure> {
     let headers: Vec<(&str, &str)> = key.map(|key| ("idempotency-key", key)).into_iter().collect();
-    let job = remote.post("/v1/jobs", &headers, spec)?;
+    let path = with_query("/v1/jobs", &[("again", again.then_some("true"))]);
+    let job = remote.post(&path, &headers, spec)?;
     for warning in job["warnings"].as_array().into_iter().flatten() {
         eprintln!("warning: {}", warning.as_str().unwrap_or_default());
     }

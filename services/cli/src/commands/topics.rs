@@ -50,6 +50,10 @@ const TOPICS: &[Topic] = &[
                 "query",
                 "fathom query 'uiqm > 0.8' --dataset tour --order-by=-uiqm",
             ),
+            (
+                "stats",
+                "fathom stats tour --metrics uiqm,uciqe --by water.optics,alpha:0.1",
+            ),
             ("sheet", "fathom sheet tour --kind semantics --out tour.png"),
             ("export", "fathom export tour --kinds rgb,range --out tour"),
             ("scenes", "fathom scenes"),

@@ -59,8 +59,9 @@ impl Checker<'_> {
         }
         let lacking = ScenePart::ALL.map(|part| lacking(&scenes, part));
         let of = |ask: &Ask| &lacking[ask.part as usize];
-        let fails =
-            |element: &&Element| element.asks.iter().filter(|ask| of(ask).is_certain).count() == element.values;
+        let fails = |element: &&Element| {
+            element.asks.iter().filter(|ask| of(ask).is_certain).count() == element.values
+        };
         for draws in [waters(document), lamps(document), artifacts(document)] {
             if draws
                 .iter()

@@ -255,8 +255,14 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
     assert_eq!(
         found,
         [
-            ("/water/optics", "`water.optics` needs a range, which scene `scn_b` lacks"),
-            ("/artifacts/1", "the artifact \"range\" needs a range, which scene `scn_b` lacks"),
+            (
+                "/water/optics",
+                "`water.optics` needs a range, which scene `scn_b` lacks"
+            ),
+            (
+                "/artifacts/1",
+                "the artifact \"range\" needs a range, which scene `scn_b` lacks"
+            ),
             (
                 "/artifacts/2",
                 "the artifact \"boxes\" needs an instance mask, which scene `scn_a` and 2 other scenes lack"
@@ -284,7 +290,11 @@ fn without_a_service_a_collection_says_that_it_needs_one() {
     let scene = json!({"kind": "collection", "name": "dock", "id": {"grid": ["scn_a", "scn_b"]}});
     let found = Job::parse(json!({"scene": scene}).to_string().as_bytes(), &vocabulary(true));
     let found = found.unwrap_err().0;
-    assert_eq!((found.len(), found[0].pointer.as_str()), (1, "/scene/kind"), "{found:?}");
+    assert_eq!(
+        (found.len(), found[0].pointer.as_str()),
+        (1, "/scene/kind"),
+        "{found:?}"
+    );
     assert_eq!(
         found[0].message,
         "`scene.kind` \"collection\" needs a service: upload its scenes there and submit the job with `fathom submit`"

@@ -1,8 +1,8 @@
 //! `GET /v1/datasets/{name}/stats`.
 
-use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
+use crate::http::{Json, Path, Problem, Query, Slug, State, Topic, bounds};
 
-use catalogue::{Catalogue, GroupStats};
+use catalogue::{Catalogue, GroupColumn, GroupStats, GroupedStats};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -17,6 +17,11 @@ pub(crate) struct Parameters {
     /// A column of `GET /v1/datasets/{name}`; images with the same value form a group.
     #[param(example = "water.style")]
     group_by: Option<String>,
+    /// Instead of `group_by` up to 8 columns, separated by commas, of numbers with the width of bins behind a colon: images
+    /// with the same value of each column, or in the same bin, form a group. A bin begins at each multiple of the width. At
+    /// most 1000 groups, in the order of their values.
+    #[param(example = "water.optics,alpha:0.1")]
+    by: Option<String>,
     /// Only images that fulfill this.
     filter: Option<String>,
 }
@@ -24,6 +29,10 @@ pub(crate) struct Parameters {
 /// All groups.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct Statistics {
+    /// The columns of `by`; absent without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    by: Option<Vec<GroupColumn>>,
     /// One entry for each group and metric.
     groups: Vec<GroupStats>,
 }
@@ -39,8 +48,16 @@ pub(crate) async fn stats(
 ) -> Result<Json<Statistics>, Problem> {
     let metrics = bounds::names(&asked.metrics);
     let filter = bounds::filter(asked.filter)?;
-    let groups = catalogue.stats(&name, &metrics, asked.group_by.as_deref(), filter.as_deref());
-    Ok(Json(Statistics {
-        groups: groups.await?,
-    }))
+    let Some(by) = asked.by else {
+        let groups = catalogue.stats(&name, &metrics, asked.group_by.as_deref(), filter.as_deref());
+        let groups = groups.await?;
+        return Ok(Json(Statistics { by: None, groups }));
+    };
+    if asked.group_by.is_some() {
+        let detail = "give `by` or `group_by`, not both";
+        return Err(Problem::new(Slug::InvalidQuery, detail));
+    }
+    let stats = catalogue.grouped_stats(&name, &metrics, &by, filter.as_deref());
+    let GroupedStats { by, groups } = stats.await?;
+    Ok(Json(Statistics { by: Some(by), groups }))
 }

@@ -8,6 +8,7 @@ use crate::http::extract::{PreferredWait, Submitter, listed};
 use crate::http::located::located;
 use crate::http::{Json, JsonBytes, Problem, Slug, State, Topic};
 use crate::jobs::Jobs;
+use crate::jobs::submit::Submission;
 use crate::jobs::wait::Until;
 use crate::limits;
 use crate::openapi::{Bytes, ImageRecord, JobDescription};
@@ -44,7 +45,13 @@ pub(crate) async fn create(
         return Err(Problem::field("/count", message));
     }
     let is_kept = names_dataset(&body) || submitter.idempotency_key.is_some();
-    let submitted = jobs.submit(job, limits::RENDER_PRIORITY, submitter).await?;
+    let submission = Submission {
+        submitter,
+        priority: limits::RENDER_PRIORITY,
+        // A render that leaves nothing behind must have a job of its own.
+        again: true,
+    };
+    let submitted = jobs.submit(job, submission).await?;
     let wait = wait.unwrap_or(limits::DEFAULT_RENDER_WAIT);
     let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
     let id = row.id.clone();

@@ -26,7 +26,10 @@ pub(crate) async fn get(
     params(("id" = String, Path, description = "`scn_…`")),
     responses((status = 204, description = "It is gone."),
               (status = 409, response = crate::openapi::Problem)))]
-pub(crate) async fn delete(State(scenes): Topic<Scenes>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub(crate) async fn delete(
+    State(scenes): Topic<Scenes>,
+    Path(id): Path<String>,
+) -> Result<StatusCode, Problem> {
     scenes.delete(id).await?;
     Ok(StatusCode::NO_CONTENT)
 }

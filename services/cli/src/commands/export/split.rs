@@ -50,7 +50,11 @@ impl Splits {
         let identity = IDENTITY.iter().filter_map(|column| {
             let value = row.get(column).filter(|value| !value.is_null())?;
             // The same scene, whether a job names it or its collection.
-            let value = if value == "collection" { UPLOADED } else { &value.to_string() };
+            let value = if value == "collection" {
+                UPLOADED
+            } else {
+                &value.to_string()
+            };
             Some(format!("\n{column}={value}"))
         });
         let place = place(&identity.collect::<String>());

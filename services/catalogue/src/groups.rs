@@ -1,0 +1,233 @@
+//! Groups of images: by columns and by bins of columns.
+
+use std::cmp::Ordering;
+
+use serde::Serialize;
+use serde_json::Value;
+use sqlx::sqlite::SqliteRow;
+use utoipa::ToSchema;
+
+use crate::columns::Columns;
+use crate::error::CatalogueError;
+use crate::filter::Column;
+use crate::page::{column, double, value};
+
+/// Most columns of one question: beyond it, groups have hardly more than one image each.
+const MOST_COLUMNS: usize = 8;
+/// Most groups of one question: longer tables are for a query of the images themselves.
+pub(crate) const MOST_GROUPS: usize = 1000;
+
+/// A column by which images are grouped.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct GroupColumn {
+    /// The column.
+    #[schema(example = "alpha")]
+    pub column: String,
+    /// Its unit, where it has one.
+    pub unit: Option<&'static str>,
+    /// Width of its bins; null: each value is a group.
+    #[schema(example = 0.1)]
+    pub width: Option<f64>,
+}
+
+/// A column of groups, as it is read from rows.
+pub(crate) struct Key {
+    pub(crate) shown: GroupColumn,
+    pub(crate) column: Column,
+    bins: Option<Bins>,
+}
+
+/// Reads `water.optics,alpha:0.1`.
+pub(crate) fn keys(columns: &Columns, by: &str) -> Result<Vec<Key>, CatalogueError> {
+    let keys = by.split(',').map(|part| Key::parse(columns, part.trim()));
+    let keys = keys.collect::<Result<Vec<_>, _>>()?;
+    if keys.len() > MOST_COLUMNS {
+        let message = format!("{} columns in `by`; there may be {MOST_COLUMNS}", keys.len());
+        return Err(CatalogueError::refused(message));
+    }
+    for (position, key) in keys.iter().enumerate() {
+        let name = &key.shown.column;
+        if keys[..position].iter().any(|other| other.shown.column == *name) {
+            return Err(CatalogueError::refused(format!("`{name}` stands twice in `by`")));
+        }
+    }
+    Ok(keys)
+}
+
+impl Key {
+    /// A column whose values are the groups.
+    pub(crate) fn plain(columns: &Columns, name: &str) -> Result<Self, CatalogueError> {
+        let column = column(columns, name)?;
+        Ok(Self {
+            shown: GroupColumn {
+                column: name.to_owned(),
+                unit: column.unit,
+                width: None,
+            },
+            column,
+            bins: None,
+        })
+    }
+
+    fn parse(columns: &Columns, text: &str) -> Result<Self, CatalogueError> {
+        let Some((name, width)) = text.rsplit_once(':') else {
+            return Self::plain(columns, text);
+        };
+        let mut key = Self::plain(columns, name)?;
+        if !key.column.kind.is_number() {
+            let message =
+                format!("`{name}` is no number, so it has no bins; without `:{width}` each value is a group");
+            return Err(CatalogueError::refused(message));
+        }
+        let parsed = width
+            .parse()
+            .ok()
+            .filter(|width: &f64| width.is_normal() && *width > 0.0);
+        let Some(parsed) = parsed else {
+            let message = format!(
+                "`{width}` is no width for the bins of `{name}`: it must be a number above 0, as in {name}:0.1"
+            );
+            return Err(CatalogueError::refused(message));
+        };
+        key.shown.width = Some(parsed);
+        key.bins = Some(Bins::new(parsed));
+        Ok(key)
+    }
+
+    /// The group of a row: the value, or the lower edge of its bin; null where there is none.
+    pub(crate) fn group(&self, row: &SqliteRow, index: usize) -> Result<Value, CatalogueError> {
+        let Some(bins) = &self.bins else {
+            return value(row, index, self.column.kind);
+        };
+        let number = double(row, index, self.column.kind)?;
+        Ok(number
+            .filter(|number| number.is_finite())
+            .map_or(Value::Null, |number| bins.lower_edge(number).into()))
+    }
+}
+
+/// Bins of equal width, of which one begins at 0. With a width of few decimals the edges are the doubles nearest to the
+/// decimal numbers: 0.3, not 3 · 0.1.
+struct Bins {
+    numerator: f64,
+    denominator: f64,
+}
+
+/// Most decimals of a width whose edges are decimal: powers of ten that are exact.
+const MOST_DECIMALS: usize = 15;
+
+impl Bins {
+    fn new(width: f64) -> Self {
+        let text = width.to_string();
+        let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        if decimals > MOST_DECIMALS {
+            return Self {
+                numerator: width,
+                denominator: 1.0,
+            };
+        }
+        let denominator = 10f64.powi(decimals as i32);
+        Self {
+            numerator: (width * denominator).round(),
+            denominator,
+        }
+    }
+
+    fn edge(&self, bin: f64) -> f64 {
+        bin * self.numerator / self.denominator + 0.0
+    }
+
+    /// The edge of the bin that holds a number: edge ≤ number < next edge.
+    fn lower_edge(&self, number: f64) -> f64 {
+        let bin = (number / (self.numerator / self.denominator)).floor();
+        // The division may round across an edge.
+        if self.edge(bin) > number {
+            self.edge(bin - 1.0)
+        } else if self.edge(bin + 1.0) <= number {
+            self.edge(bin + 1.0)
+        } else {
+            self.edge(bin)
+        }
+    }
+}
+
+/// The order of groups, column by column: no before yes, numbers by size, texts by their characters, what is missing
+/// last.
+#[must_use]
+pub fn compare_groups(one: &[Value], other: &[Value]) -> Ordering {
+    let pairs = one.iter().zip(other);
+    pairs
+        .map(|(one, other)| compare(one, other))
+        .find(|order| order.is_ne())
+        .unwrap_or(Ordering::Equal)
+}
+
+fn compare(one: &Value, other: &Value) -> Ordering {
+    match (one, other) {
+        (Value::Bool(one), Value::Bool(other)) => one.cmp(other),
+        (Value::Number(a), Value::Number(b)) => match (a.as_i128(), b.as_i128()) {
+            (Some(a), Some(b)) => a.cmp(&b),
+            _ => f64::total_cmp(&a.as_f64().unwrap_or(f64::NAN), &b.as_f64().unwrap_or(f64::NAN)),
+        },
+        (Value::String(one), Value::String(other)) => one.cmp(other),
+        _ => one.is_null().cmp(&other.is_null()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_number_is_in_the_bin_between_the_edges_that_are_returned() {
+        for width in [0.1, 0.25, 3.0, 1e-20, 1e300, 0.007, 1.0 / 3.0] {
+            let bins = Bins::new(width);
+            for step in -2000..2000 {
+                let number = f64::from(step) * width / 7.0;
+                let low = bins.lower_edge(number);
+                let bin = (low / width).round();
+                assert!(
+                    low <= number && number < bins.edge(bin + 1.0),
+                    "{number} at {low} of {width}"
+                );
+            }
+        }
+        let tenths = Bins::new(0.1);
+        for (number, edge) in [
+            (0.3, 0.3),
+            (0.29, 0.2),
+            (0.7, 0.7),
+            (-0.05, -0.1),
+            (0.0, 0.0),
+            (1.1, 1.1),
+        ] {
+            assert_eq!(tenths.lower_edge(number), edge, "{number}");
+        }
+    }
+
+    #[test]
+    fn groups_are_in_the_order_of_their_values() {
+        let mut groups = vec![
+            json!(["b", 10]),
+            json!(["a", null]),
+            json!(["a", 10]),
+            json!([null, 1]),
+            json!(["a", 9.5]),
+            json!(["a", -2]),
+        ];
+        groups.sort_by(|one, other| compare_groups(one.as_array().unwrap(), other.as_array().unwrap()));
+        let sorted = json!([
+            ["a", -2],
+            ["a", 9.5],
+            ["a", 10],
+            ["a", null],
+            ["b", 10],
+            [null, 1]
+        ]);
+        assert_eq!(json!(groups), sorted);
+        assert_eq!(compare(&json!(u64::MAX), &json!(u64::MAX - 1)), Ordering::Greater);
+        assert_eq!(compare(&json!(false), &json!(true)), Ordering::Less);
+    }
+}
