@@ -12,11 +12,16 @@ use crate::http::extract::Submitter;
 use crate::http::problem::{Problem, Slug};
 use crate::processes::compute::to_the_end;
 
-/// A job that is stored.
-pub(super) struct Submitted {
+/// A job of which one state is known.
+pub(super) struct Followed {
     pub(super) row: JobRow,
     /// Its changes since `row`.
     pub(super) changes: Receiver<()>,
+}
+
+/// A job that is stored.
+pub(super) struct Submitted {
+    pub(super) job: Followed,
     /// Whether it had every image of the description already, so that nothing was stored.
     pub(super) is_complete: bool,
 }
@@ -117,14 +122,15 @@ impl Jobs {
                 let (dataset, frames) = (&row.dataset, row.frames);
                 tracing::info!(job = id, dataset, frames, "job accepted");
                 Ok(Submitted {
-                    row,
-                    changes,
+                    job: Followed { row, changes },
                     is_complete: false,
                 })
             }
             InsertJob::Complete(row) => Ok(Submitted {
-                changes: self.leases.changes.subscribe(&row.id),
-                row,
+                job: Followed {
+                    changes: self.leases.changes.subscribe(&row.id),
+                    row,
+                },
                 is_complete: true,
             }),
             InsertJob::Replayed(row) => {
@@ -132,8 +138,7 @@ impl Jobs {
                 // It may have changed since it was read.
                 changes.mark_changed();
                 Ok(Submitted {
-                    row,
-                    changes,
+                    job: Followed { row, changes },
                     is_complete: false,
                 })
             }
@@ -215,8 +220,8 @@ mod tests {
             jobs.submit(job, submission)
         };
         let reads = jobs.catalogue.reads();
-        let stored = submit().await.unwrap().row;
-        let submitted = submit().await.unwrap();
+        let stored = submit().await.unwrap().job.row;
+        let submitted = submit().await.unwrap().job;
         assert_eq!(submitted.row, stored);
         let paused = jobs.pause(stored.id.clone()).await.unwrap();
         jobs.resume(stored.id.clone()).await.unwrap();

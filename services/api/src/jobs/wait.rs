@@ -6,7 +6,7 @@ use catalogue::JobRow;
 use tokio::time::{Instant, timeout_at};
 
 use super::Jobs;
-use super::submit::Submitted;
+use super::submit::Followed;
 use crate::http::problem::Problem;
 
 /// What to wait for.
@@ -30,18 +30,18 @@ impl Jobs {
     pub(super) async fn wait(&self, id: &str, limit: Duration, until: Until) -> Result<JobRow, Problem> {
         let changes = self.leases.changes.subscribe(id);
         let row = self.get(id).await?;
-        self.wait_on(Submitted { row, changes }, limit, until).await
+        self.wait_on(Followed { row, changes }, limit, until).await
     }
 
     /// The same for a job of which one state is known.
     pub(super) async fn wait_on(
         &self,
-        job: Submitted,
+        job: Followed,
         limit: Duration,
         until: Until,
     ) -> Result<JobRow, Problem> {
         let deadline = Instant::now() + limit;
-        let Submitted { mut row, mut changes } = job;
+        let Followed { mut row, mut changes } = job;
         while !until.has_come(&row) && !self.stop.is_cancelled() {
             tokio::select! {
                 woken = timeout_at(deadline, changes.changed()) => if woken.is_err() {

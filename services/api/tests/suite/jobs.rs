@@ -275,10 +275,7 @@ fn a_preview_shows_what_a_submission_would_do_and_stores_nothing() {
 fn a_job_whose_images_are_there_is_answered_with_them() {
     let service = start();
     let first = service.submit(&job());
-    let worker = Fake::register(&service);
-    while let Some(lease) = worker.lease(0) {
-        worker.finish(&lease).unwrap();
-    }
+    Fake::register(&service).work();
     let again = service.post("/v1/jobs", &job());
     assert_eq!(again.status, 200, "{}", again.text());
     assert_eq!(again.header("location"), format!("/v1/jobs/{first}"));

@@ -51,7 +51,7 @@ pub(crate) async fn create(
         again: asked.again,
     };
     let submitted = jobs.submit(job, submission).await?;
-    let mut row = submitted.row;
+    let mut row = submitted.job.row;
     warnings.append(&mut row.warnings);
     let status = match submitted.is_complete {
         true => StatusCode::OK,

@@ -51,7 +51,7 @@ pub(crate) async fn create(
         // A render that leaves nothing behind must have a job of its own.
         again: true,
     };
-    let submitted = jobs.submit(job, submission).await?;
+    let submitted = jobs.submit(job, submission).await?.job;
     let wait = wait.unwrap_or(limits::DEFAULT_RENDER_WAIT);
     let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
     let id = row.id.clone();
