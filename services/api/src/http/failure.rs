@@ -1,4 +1,4 @@
-//! From the errors of the crates below to problems: the only place where that is decided.
+//! From the errors of the crates below to problems: the only place where that is decided, apart from sets.
 
 use catalogue::CatalogueError;
 use proto::MessageError;

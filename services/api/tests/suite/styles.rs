@@ -86,12 +86,13 @@ fn an_added_style_is_listed_and_rendered_at_once_and_after_a_restart() {
     );
     assert_eq!(service.form("/v1/styles", form).status, 200, "the same again");
 
-    let done = |service: &Running| {
+    let mut done = |service: &Running, dataset: &str| {
+        styled["dataset"] = json!(dataset);
         let id = service.submit(&styled);
         let ended = service.get(&format!("/v1/jobs/{id}?wait=60")).json();
         assert_eq!(ended["state"], "done", "{ended}");
     };
-    done(&service);
+    done(&service, "before");
     drop(worker);
     let restarted = start_on(service.stop(), trusting());
     assert!(
@@ -101,7 +102,7 @@ fn an_added_style_is_listed_and_rendered_at_once_and_after_a_restart() {
             .contains(&card)
     );
     let _worker = Real::start(&restarted);
-    done(&restarted);
+    done(&restarted, "after");
 }
 
 #[test]

@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
     /// Columns whose values form groups, comma-separated; with a width behind a colon the bins of a number, as in alpha:0.1
     #[arg(long, value_name = "COLUMN[:WIDTH]", value_delimiter = ',')]
     by: Vec<String>,
-    /// Only images that fulfil this, such as 'water.depth_m < 10'
+    /// Only images that fulfill this, such as 'water.depth_m < 10'
     #[arg(long, default_value = "")]
     filter: String,
     /// Print one JSON object per dataset, group and metric

@@ -214,7 +214,7 @@ fn unknown_names_suggest_the_nearest() {
 fn what_decides_the_shape_must_be_there_and_constant() {
     let scene = |scene: Value| errors(&json!({"scene": scene})).remove(0);
     assert_eq!(scene(json!({})).message, "`scene.kind` is missing");
-    assert_eq!(scene(json!({})).allowed, ["procedural", "uploaded"]);
+    assert_eq!(scene(json!({})).allowed, ["procedural", "uploaded", "collection"]);
     assert!(
         scene(json!({"kind": {"choice": ["uploaded"]}}))
             .message

@@ -1,0 +1,114 @@
+//! A job on its way in, and the jobs that it may repeat.
+
+use sqlx::sqlite::SqliteConnection;
+
+use super::{known_job, of_set, row};
+use crate::error::CatalogueError;
+use crate::job_state::JobState;
+use crate::types::{InsertJob, JobRow, NewJob};
+
+/// Stores a job, unless it repeats one.
+pub(super) async fn insert(
+    connection: &mut SqliteConnection,
+    job: &NewJob,
+) -> Result<InsertJob, CatalogueError> {
+    if let Some(key) = &job.idempotency {
+        let known: Option<(String, String)> =
+            sqlx::query_as("SELECT body_digest, job_id FROM idempotency_keys WHERE owner = ? AND key = ?")
+                .bind(&key.owner)
+                .bind(&key.key)
+                .fetch_optional(&mut *connection)
+                .await?;
+        if let Some((digest, id)) = known {
+            return if digest == key.body_digest {
+                Ok(InsertJob::Replayed(known_job(connection, &id).await?))
+            } else {
+                Ok(InsertJob::KeyConflict)
+            };
+        }
+    }
+    if let Some(set) = &job.set
+        && let Some(known) = of_set(connection, set).await?
+    {
+        return Ok(InsertJob::Replayed(known));
+    }
+    let mut warnings = Vec::new();
+    match of_description(connection, job).await? {
+        Some(mut twin) if twin.state == JobState::Done => {
+            keep_key(connection, job, &twin.id).await?;
+            twin.warnings.push(format!(
+                "dataset `{}` has every image of this description already, from {}: nothing is rendered; with `again` they are \
+                 rendered once more",
+                twin.dataset, twin.id
+            ));
+            return Ok(InsertJob::Complete(twin));
+        }
+        Some(twin) => warnings.push(format!(
+            "{} in dataset `{}` has the same description and is {}: the dataset will have its images twice",
+            twin.id, twin.dataset, twin.state
+        )),
+        None => {}
+    }
+    let stored = sqlx::query(concat!(
+        "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms, set_location)
+         VALUES (?, ?, ?, ?, ?, ?, 'queued', ?, ?) RETURNING ",
+        columns!(),
+    ))
+    .bind(&job.id)
+    .bind(&job.dataset)
+    .bind(&job.spec)
+    .bind(&job.spec_digest)
+    .bind(job.frames as i64)
+    .bind(job.priority)
+    .bind(job.created_at.0 as i64)
+    .bind(&job.set)
+    .fetch_one(&mut *connection)
+    .await?;
+    sqlx::query(
+        "INSERT INTO datasets (name, jobs) VALUES (?, 1) ON CONFLICT (name) DO UPDATE SET jobs = jobs + 1",
+    )
+    .bind(&job.dataset)
+    .execute(&mut *connection)
+    .await?;
+    keep_key(connection, job, &job.id).await?;
+    Ok(InsertJob::Created(JobRow {
+        warnings,
+        ..row(&stored)?
+    }))
+}
+
+/// Keeps the key under which a repeat finds the job `id`.
+async fn keep_key(connection: &mut SqliteConnection, job: &NewJob, id: &str) -> Result<(), CatalogueError> {
+    if let Some(key) = &job.idempotency {
+        sqlx::query("INSERT INTO idempotency_keys (owner, key, body_digest, job_id) VALUES (?, ?, ?, ?)")
+            .bind(&key.owner)
+            .bind(&key.key)
+            .bind(&key.body_digest)
+            .bind(id)
+            .execute(connection)
+            .await?;
+    }
+    Ok(())
+}
+
+/// Another job of the same description and dataset that has images or will have them, one that is done first; none where
+/// the images are wanted again.
+async fn of_description(
+    connection: &mut SqliteConnection,
+    job: &NewJob,
+) -> Result<Option<JobRow>, CatalogueError> {
+    if job.again {
+        return Ok(None);
+    }
+    let found = sqlx::query(concat!(
+        "SELECT ",
+        columns!(),
+        " FROM jobs WHERE spec_digest = ? AND dataset = ? AND state != 'cancelled'
+           AND id NOT IN (SELECT job_id FROM deletions) ORDER BY state = 'done' DESC, id DESC LIMIT 1",
+    ))
+    .bind(&job.spec_digest)
+    .bind(&job.dataset)
+    .fetch_optional(connection)
+    .await?;
+    found.as_ref().map(row).transpose()
+}
