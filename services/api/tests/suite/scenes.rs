@@ -140,12 +140,12 @@ fn objects_get_their_classes_from_the_upload_to_the_record() {
         found["provenance"]["inputs"]["scene.classes"].is_string(),
         "{found}"
     );
+    let names = record(&unnamed)["scene"]["categories"].clone();
+    assert_eq!(names, json!([{"id": 255, "name": "unlabeled"}]));
     let rows = service
         .get("/v1/images?filter=instances.count%20%3D%203&fields=job")
         .json();
     assert_eq!(rows["items"].as_array().unwrap().len(), 2, "{rows}");
-    let names = record(&unnamed)["scene"]["categories"].clone();
-    assert_eq!(names, json!([{"id": 255, "name": "unlabeled"}]));
 }
 
 #[test]
