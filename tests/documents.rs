@@ -147,7 +147,7 @@ fn read_help(binary: &Path, command: &[String], found: &mut Commands) {
     let mut section = "";
     let mut options = BTreeSet::new();
     for line in text.lines() {
-        if !line.starts_with(' ') {
+        if !line.is_empty() && !line.starts_with(' ') {
             section = line;
         }
         let words: Vec<&str> = line

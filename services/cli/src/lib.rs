@@ -28,7 +28,7 @@ pub mod styles;
 pub mod table;
 pub mod worker;
 
-pub use commands::{scrub, serve};
+pub use commands::{export, scrub, serve};
 
 use std::ffi::OsString;
 
@@ -46,7 +46,9 @@ struct Arguments {
 
 /// Runs a command as a shell would, from the program's name on, and returns its exit status.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let matches = command().try_get_matches_from(arguments);
+    let words: Vec<OsString> = arguments.into_iter().collect();
+    commands::cluster::note(&words);
+    let matches = command().try_get_matches_from(words);
     match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => {
             let ready = faults::check().map_err(Failure::BadInput);

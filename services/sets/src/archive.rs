@@ -26,7 +26,7 @@ impl Archive {
 
     /// Adds a file of a frame, such as `rgb.png`; returns where its bytes begin.
     pub(crate) fn add(&mut self, frame: u64, name: &str, bytes: &[u8]) -> Result<u64, SetError> {
-        let path = format!("{frame:012}.{name}");
+        let path = spec::shard_member(frame, name);
         if path.len() > MOST_NAME_BYTES {
             return Err(SetError::Machine(format!("{path} is too long a name for a tar")));
         }

@@ -3,30 +3,10 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use spec::{FrameRecord, Leaf, LeafKind, Leaves};
+use spec::{FrameRecord, Leaf, Leaves};
 
+use crate::cells::{Cell, Kind};
 use crate::job::Card;
-
-/// What a cell holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Number,
-    Whole,
-    /// Up to 2^64 − 1.
-    Large,
-    Text,
-    Flag,
-}
-
-/// A value of a column.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Cell {
-    Number(f64),
-    /// Of a large column, the same 64 bits.
-    Whole(i64),
-    Text(String),
-    Flag(bool),
-}
 
 /// A column.
 #[derive(Debug, Clone)]
@@ -92,7 +72,7 @@ pub(crate) fn columns(card: &Card) -> Vec<Column> {
         .scalars
         .into_iter()
         .filter(|leaf| leaf.name != "dataset");
-    columns.extend(leaves.map(|leaf| column(leaf.name.clone(), kind(&leaf), Source::Leaf(leaf))));
+    columns.extend(leaves.map(|leaf| column(leaf.name.clone(), leaf.kind.into(), Source::Leaf(leaf))));
     for subject in card.subjects() {
         for metric in &card.metrics {
             let name = match subject.as_str() {
@@ -122,15 +102,6 @@ fn column(name: String, kind: Kind, source: Source) -> Column {
     Column { name, kind, source }
 }
 
-fn kind(leaf: &Leaf) -> Kind {
-    match leaf.kind {
-        LeafKind::Number => Kind::Number,
-        LeafKind::Whole | LeafKind::Length => Kind::Whole,
-        LeafKind::Large => Kind::Large,
-        LeafKind::Text => Kind::Text,
-    }
-}
-
 impl Column {
     /// What a row has in this column.
     pub(crate) fn cell(&self, row: &Row<'_>, common: &Common) -> Option<Cell> {
@@ -146,7 +117,7 @@ impl Column {
             Source::Failed => Some(Cell::Flag(false)),
             Source::Warned => Some(Cell::Flag(!row.record.warnings.is_empty())),
             Source::Tar => text(&common.tar),
-            Source::Leaf(leaf) => leaf_cell(leaf, row.json),
+            Source::Leaf(leaf) => Cell::of_leaf(leaf.kind, leaf.find(row.json)?),
             Source::Metric { subject, metric } => row
                 .record
                 .measurements
@@ -159,16 +130,5 @@ impl Column {
             Source::ArtifactBytes(kind) => whole(artifact(kind)?.bytes),
             Source::Record => Some(Cell::Text(row.json.to_string())),
         }
-    }
-}
-
-fn leaf_cell(leaf: &Leaf, record: &Value) -> Option<Cell> {
-    let value = leaf.find(record)?;
-    match leaf.kind {
-        LeafKind::Number => value.as_f64().map(Cell::Number),
-        LeafKind::Whole => value.as_i64().map(Cell::Whole),
-        LeafKind::Large => value.as_u64().map(|number| Cell::Whole(number as i64)),
-        LeafKind::Text => value.as_str().map(|text| Cell::Text(text.to_owned())),
-        LeafKind::Length => value.as_array().map(|items| Cell::Whole(items.len() as i64)),
     }
 }

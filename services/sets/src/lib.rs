@@ -5,6 +5,7 @@
 //! the only truth: no lease, no queue, no service. `layout` names the objects.
 
 mod archive;
+mod cells;
 mod child;
 mod columns;
 mod crew;
@@ -28,6 +29,7 @@ mod set;
 mod shard;
 mod state;
 mod store;
+mod table;
 #[cfg(test)]
 mod tests;
 mod transport;
@@ -35,6 +37,7 @@ mod upload;
 mod verify;
 mod watch;
 
+pub use cells::{Cell, Kind};
 pub use child::Recipe;
 pub use crew::Crew;
 pub use error::SetError;
@@ -50,6 +53,7 @@ pub use set::Set;
 pub use shard::{Outcome, run_shard};
 pub use state::State;
 pub use store::{Entry, Store};
+pub use table::Table;
 pub use upload::FileSum;
 pub use verify::Report;
 pub use watch::Watch;

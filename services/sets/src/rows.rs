@@ -2,15 +2,12 @@
 
 use std::sync::Arc;
 
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
-use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::Type;
+use parquet::file::writer::SerializedFileWriter;
 
-use crate::columns::{Cell, Column, Common, Kind, Row, columns};
+use crate::cells::{Cell, compressed, schema, write_column};
+use crate::columns::{Column, Common, Row, columns};
 use crate::error::SetError;
 use crate::job::Card;
 use crate::upload::{FileSum, Upload};
@@ -33,11 +30,10 @@ pub(crate) struct Rows {
 impl Rows {
     pub(crate) fn new(upload: Upload, card: &Card, common: Common) -> Result<Self, SetError> {
         let columns = columns(card);
-        let schema = schema(&columns).map_err(|error| upload.failure(error))?;
-        let level = ZstdLevel::default();
+        let fields = columns.iter().map(|column| (column.name.as_str(), column.kind));
+        let schema = schema(fields).map_err(|error| upload.failure(error))?;
         let note = |key: &str, value: &str| KeyValue::new(key.to_owned(), value.to_owned());
-        let properties = WriterProperties::builder()
-            .set_compression(Compression::ZSTD(level))
+        let properties = compressed()
             .set_key_value_metadata(Some(vec![
                 note("fathom.job", &card.digest),
                 note("fathom.schema", SCHEMA_VERSION),
@@ -86,92 +82,5 @@ impl Rows {
             group.close().map(drop)
         };
         write().map_err(|error: ParquetError| self.upload.failure(error))
-    }
-}
-
-fn schema(columns: &[Column]) -> Result<Type, ParquetError> {
-    let field = |column: &Column| {
-        let (physical, logical) = match column.kind {
-            Kind::Number => (Physical::DOUBLE, None),
-            Kind::Whole => (Physical::INT64, None),
-            Kind::Large => (Physical::INT64, Some(LogicalType::integer(64, false))),
-            Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-            Kind::Flag => (Physical::BOOLEAN, None),
-        };
-        let builder = Type::primitive_type_builder(&column.name, physical)
-            .with_repetition(Repetition::OPTIONAL)
-            .with_logical_type(logical);
-        builder.build().map(Arc::new)
-    };
-    let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
-    Type::group_type_builder("rows").with_fields(fields).build()
-}
-
-fn write_column(
-    group: &mut SerializedRowGroupWriter<'_, Upload>,
-    kind: Kind,
-    cells: &[Option<Cell>],
-) -> Result<(), ParquetError> {
-    let Some(mut writer) = group.next_column()? else {
-        return Err(ParquetError::General("the schema has fewer columns".to_owned()));
-    };
-    let levels: Vec<i16> = cells.iter().map(|cell| i16::from(cell.is_some())).collect();
-    let there = cells.iter().flatten();
-    match kind {
-        Kind::Number => {
-            let values: Vec<f64> = there.filter_map(Cell::number).collect();
-            writer
-                .typed::<DoubleType>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-        Kind::Whole | Kind::Large => {
-            let values: Vec<i64> = there.filter_map(Cell::whole).collect();
-            writer
-                .typed::<Int64Type>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-        Kind::Text => {
-            let values: Vec<ByteArray> = there.filter_map(Cell::text).map(ByteArray::from).collect();
-            writer
-                .typed::<ByteArrayType>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-        Kind::Flag => {
-            let values: Vec<bool> = there.filter_map(Cell::flag).collect();
-            writer
-                .typed::<BoolType>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-    }
-    writer.close()
-}
-
-impl Cell {
-    fn number(&self) -> Option<f64> {
-        match self {
-            Self::Number(number) => Some(*number),
-            _ => None,
-        }
-    }
-
-    fn whole(&self) -> Option<i64> {
-        match self {
-            Self::Whole(number) => Some(*number),
-            _ => None,
-        }
-    }
-
-    fn text(&self) -> Option<&str> {
-        match self {
-            Self::Text(text) => Some(text),
-            _ => None,
-        }
-    }
-
-    fn flag(&self) -> Option<bool> {
-        match self {
-            Self::Flag(flag) => Some(*flag),
-            _ => None,
-        }
     }
 }

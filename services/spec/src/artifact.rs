@@ -115,6 +115,15 @@ impl ArtifactKind {
         }
     }
 
+    /// Unit of the numbers in its file; none where they have none, are codes, or are several.
+    #[must_use]
+    pub fn unit(&self) -> Option<&'static str> {
+        match self {
+            Self::Range => Some("mm"),
+            _ => None,
+        }
+    }
+
     /// Whether it is made of labels, which are computed only for it.
     #[must_use]
     pub fn needs_labels(&self) -> bool {

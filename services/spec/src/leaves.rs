@@ -22,6 +22,8 @@ pub struct Leaf {
     pub kind: LeafKind,
     /// Unit of its number.
     pub unit: Option<&'static str>,
+    /// What it means.
+    pub doc: &'static str,
 }
 
 /// The water by name is that of a preset, or that of a water of the user's own.
@@ -88,83 +90,129 @@ impl Leaves {
     #[must_use]
     pub fn of_records() -> Self {
         let mut leaves = Self::default();
-        leaves.gather("", "/parameters", &Frame::SHAPE, None);
+        leaves.gather(&Spot::default().below("", "/parameters"), &Frame::SHAPE);
         for result in RESULTS {
-            leaves.gather(result.name, result.pointer, &result.shape, result.unit);
+            let spot = Spot {
+                unit: result.unit,
+                doc: result.doc,
+                ..Spot::default().below(result.name, result.pointer)
+            };
+            leaves.gather(&spot, &result.shape);
         }
         leaves
     }
 
-    fn gather(&mut self, name: &str, pointer: &str, shape: &Shape, unit: Option<&'static str>) {
+    fn gather(&mut self, spot: &Spot, shape: &Shape) {
         match shape {
-            Shape::Number(_) => self.add(name, pointer, LeafKind::Number, unit),
-            Shape::Integer(_, max) if *max > EXACT => self.add(name, pointer, LeafKind::Large, unit),
-            Shape::Integer(..) => self.add(name, pointer, LeafKind::Whole, unit),
-            Shape::Text(_) => self.add(name, pointer, LeafKind::Text, unit),
-            Shape::Rgb(_) => self.triple(name, pointer, ["r", "g", "b"], unit),
-            Shape::Vector(_) => self.triple(name, pointer, ["x", "y", "z"], unit),
+            Shape::Number(_) => self.add(spot, LeafKind::Number),
+            Shape::Integer(_, max) if *max > EXACT => self.add(spot, LeafKind::Large),
+            Shape::Integer(..) => self.add(spot, LeafKind::Whole),
+            Shape::Text(_) => self.add(spot, LeafKind::Text),
+            Shape::Rgb(_) => self.triple(spot, ["r", "g", "b"]),
+            Shape::Vector(_) => self.triple(spot, ["x", "y", "z"]),
             Shape::Object(fields) | Shape::OneOf(fields) | Shape::Short(_, fields) => {
-                self.fields(name, pointer, fields);
+                self.fields(spot, fields);
             }
             Shape::Either(_, object) => {
-                self.add(name, pointer, LeafKind::Text, None);
-                self.gather(name, pointer, object, unit);
+                self.add(
+                    &Spot {
+                        unit: None,
+                        ..spot.clone()
+                    },
+                    LeafKind::Text,
+                );
+                self.gather(spot, object);
             }
             Shape::Tagged { tag, options, .. } => {
-                self.add(
-                    &joined(name, tag),
-                    &format!("{pointer}/{tag}"),
-                    LeafKind::Text,
-                    None,
-                );
+                let tagged = spot.below(tag, &format!("/{tag}"));
+                self.add(&Spot { unit: None, ..tagged }, LeafKind::Text);
                 for option in *options {
-                    self.fields(name, pointer, option.fields);
+                    self.fields(spot, option.fields);
                 }
             }
-            Shape::List { element, .. } => {
-                self.add(&joined(name, "count"), pointer, LeafKind::Length, None);
-                let mut inside = Self::default();
-                inside.gather("", "", element, unit);
-                if !inside.scalars.is_empty() {
-                    self.lists.push(List {
-                        name: name.to_owned(),
-                        pointer: pointer.to_owned(),
-                        element: inside.scalars,
-                    });
-                }
-            }
+            Shape::List { element, .. } => self.list(spot, element),
             Shape::Bool | Shape::Labels | Shape::Scalar => {}
         }
     }
 
-    fn fields(&mut self, name: &str, pointer: &str, fields: &[Field]) {
+    fn list(&mut self, spot: &Spot, element: &Shape) {
+        let count = Spot {
+            name: joined(&spot.name, "count"),
+            unit: None,
+            ..spot.clone()
+        };
+        self.add(&count, LeafKind::Length);
+        let mut inside = Self::default();
+        let alone = Spot {
+            unit: spot.unit,
+            doc: spot.doc,
+            ..Spot::default()
+        };
+        inside.gather(&alone, element);
+        if !inside.scalars.is_empty() {
+            self.lists.push(List {
+                name: spot.name.clone(),
+                pointer: spot.pointer.clone(),
+                element: inside.scalars,
+            });
+        }
+    }
+
+    fn fields(&mut self, spot: &Spot, fields: &[Field]) {
         for field in fields {
-            let pointer = format!("{pointer}/{}", field.name);
-            self.gather(&joined(name, field.name), &pointer, &field.shape, field.unit);
+            let spot = Spot {
+                unit: field.unit,
+                doc: field.doc,
+                ..spot.below(field.name, &format!("/{}", field.name))
+            };
+            self.gather(&spot, &field.shape);
         }
     }
 
-    fn triple(&mut self, name: &str, pointer: &str, parts: [&str; 3], unit: Option<&'static str>) {
+    fn triple(&mut self, spot: &Spot, parts: [&str; 3]) {
         for (position, part) in parts.into_iter().enumerate() {
-            let pointer = format!("{pointer}/{position}");
-            self.add(&joined(name, part), &pointer, LeafKind::Number, unit);
+            self.add(&spot.below(part, &format!("/{position}")), LeafKind::Number);
         }
     }
 
-    fn add(&mut self, name: &str, pointer: &str, kind: LeafKind, unit: Option<&'static str>) {
-        if self.scalars.iter().all(|leaf| leaf.name != name) {
+    fn add(&mut self, spot: &Spot, kind: LeafKind) {
+        if self.scalars.iter().all(|leaf| leaf.name != spot.name) {
             self.scalars.push(Leaf {
-                name: name.to_owned(),
-                pointer: pointer.to_owned(),
+                name: spot.name.clone(),
+                pointer: spot.pointer.clone(),
                 kind,
-                unit,
+                unit: spot.unit,
+                doc: spot.doc,
             });
         }
     }
 }
 
+/// A place of a record, with what its declaration says of it.
+#[derive(Debug, Clone, Default)]
+struct Spot {
+    name: String,
+    pointer: String,
+    unit: Option<&'static str>,
+    doc: &'static str,
+}
+
+impl Spot {
+    fn below(&self, name: &str, pointer: &str) -> Self {
+        Self {
+            name: joined(&self.name, name),
+            pointer: format!("{}{pointer}", self.pointer),
+            ..self.clone()
+        }
+    }
+}
+
 fn joined(name: &str, field: &str) -> String {
-    let dot = if name.is_empty() { "" } else { "." };
+    let dot = if name.is_empty() || field.is_empty() {
+        ""
+    } else {
+        "."
+    };
     format!("{name}{dot}{field}")
 }
 
@@ -237,5 +285,8 @@ mod tests {
         );
         assert_eq!(leaf("absorption_per_m.r").unit, Some("1/m"));
         assert_eq!(leaf("lights.count").kind, LeafKind::Length);
+        assert_eq!(leaf("camera.hfov_deg").doc, "horizontal field of view");
+        let silent = leaves.scalars.iter().find(|leaf| leaf.doc.is_empty());
+        assert_eq!(silent, None, "every leaf says what it means");
     }
 }

@@ -16,6 +16,7 @@ from fathom import _native
 from fathom.errors import RenderError
 from fathom.frame import Frame
 from fathom.frames import Frames, Source
+from fathom.lines import Lines
 
 EXTENSIONS = {
     "image/png": "png",
@@ -27,23 +28,35 @@ EXTENSIONS = {
 """The extension of a file by its media type."""
 
 _KIND = re.compile(r"[a-z][a-z0-9_.]*")
+_NUMBER = re.compile(r"^\d{12}\.")
 
 
 def open(place: str | os.PathLike[str] | Source) -> Frames:
     """Open what was made before as `Frames`.
 
-    `place` is a folder of `fathom render`, a folder of `fathom export`, or what `Client.dataset` returned. Only frames
-    that have an image are in the sequence, in the order in which they are listed.
+    `place` is a folder of `fathom render`, a folder of `fathom export`, or what `Client.dataset` returned. An export in
+    the format webdataset may also lie at a URL such as `s3://bucket/set`, which fsspec reads. Only frames that have an
+    image are in the sequence, in the order in which they are listed.
     """
+    from fathom.sharded import Local, Remote, Sharded
+
     if not isinstance(place, (str, os.PathLike)):
         return Frames(place)
-    if str(place).startswith("s3://"):
-        raise ValueError(f"{place}: buckets cannot be opened; export the dataset, or open it with `Client.dataset`")
+    if "://" in str(place):
+        remote = Remote(str(place))
+        return Frames(Sharded(remote, remote.lines(Exported.LIST)))
     folder = Path(place)
-    for opened in (Rendered, Exported):
-        if (folder / opened.LIST).is_file():
-            return Frames(opened(folder))
-    raise FileNotFoundError(f"{folder} holds neither {Rendered.LIST} nor {Exported.LIST}")
+    if (folder / Rendered.LIST).is_file():
+        return Frames(Rendered(folder))
+    if not (folder / Exported.LIST).is_file():
+        raise FileNotFoundError(f"{folder} holds neither {Rendered.LIST} nor {Exported.LIST}")
+    rows = Lines(folder / Exported.LIST)
+    first = rows[0] if len(rows) > 0 else {}
+    if "tar" in first:
+        return Frames(Sharded(Local(folder), rows))
+    if "parquet" in first:
+        raise ValueError(f"{folder} holds Parquet files: read {folder / 'data'} with pyarrow, DuckDB or datasets")
+    return Frames(Exported(folder))
 
 
 def decode_artifact(kind: str, file: bytes) -> NDArray[Any] | str:
@@ -58,25 +71,6 @@ def decode_artifact(kind: str, file: bytes) -> NDArray[Any] | str:
     return meters
 
 
-class _Lines:
-    """The lines of a file, found by their places so that not all of them are in memory."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        with path.open("rb") as file:
-            self.ends = np.cumsum([len(line) for line in file if line.endswith(b"\n")], dtype=np.int64)
-
-    def __len__(self) -> int:
-        return len(self.ends)
-
-    def __getitem__(self, index: int) -> dict[str, Any]:
-        begin = int(self.ends[index - 1]) if index > 0 else 0
-        with self.path.open("rb") as file:
-            file.seek(begin)
-            line: dict[str, Any] = json.loads(file.read(int(self.ends[index]) - begin))
-        return line
-
-
 class Rendered:
     """A folder of `fathom render`: FRAME/KIND.EXTENSION, and one record a line."""
 
@@ -84,7 +78,7 @@ class Rendered:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._records = _Lines(folder / self.LIST)
+        self._records = Lines(folder / self.LIST)
 
     def __len__(self) -> int:
         return len(self._records)
@@ -111,7 +105,7 @@ class Exported:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
-        self._rows = _Lines(folder / self.LIST)
+        self._rows = Lines(folder / self.LIST)
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -134,7 +128,8 @@ def _files(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield kind and path of each file that a row names; the first stands under `file_name`."""
     for column, value in row.items():
         if isinstance(value, str) and "/" in value:
-            kind = value.rsplit("/", 1)[1].rpartition(".")[0]
+            # Files of a sequence begin with the number of their frame.
+            kind = _NUMBER.sub("", value.rsplit("/", 1)[1]).rpartition(".")[0]
             if column in ("file_name", kind):
                 yield kind, value
 

@@ -1,4 +1,4 @@
-//! Artifacts of an image as one tar, read one after the other while the client reads.
+//! Artifacts of an image, and its record if it is wanted, as one tar, read one after the other while the client reads.
 
 use std::io;
 use std::sync::Arc;
@@ -18,21 +18,27 @@ const BLOCK: u64 = 512;
 /// A tar ends with two blocks of zeros.
 const END: [u8; 2 * BLOCK as usize] = [0; 2 * BLOCK as usize];
 
-/// Sends the artifacts. One that cannot be read is a problem if it is the first; a later one cuts the response short, so that
-/// the client notices.
+/// Name of the record in the tar.
+const RECORD: &str = "record.json";
+
+/// Sends the record, if there is one, and the artifacts. What cannot be read is a problem if it comes first; later it cuts the
+/// response short, so that the client notices.
 pub(crate) async fn response(
     images: Arc<Images>,
+    record: Option<Vec<u8>>,
     artifacts: Vec<StoredArtifact>,
 ) -> Result<Response, Problem> {
-    let blocks = artifacts
-        .iter()
-        .map(|artifact| 1 + artifact.entry.bytes.div_ceil(BLOCK));
-    let blocks: u64 = blocks.sum();
+    let lengths = record.iter().map(|record| record.len() as u64);
+    let lengths = lengths.chain(artifacts.iter().map(|artifact| artifact.entry.bytes));
+    let blocks: u64 = lengths.map(|bytes| 1 + bytes.div_ceil(BLOCK)).sum();
     let length = blocks * BLOCK + END.len() as u64;
     let mut artifacts = artifacts.into_iter();
-    let first = match artifacts.next() {
-        Some(artifact) => file(&images, artifact).await?,
-        None => Bytes::new(),
+    let first = match record {
+        Some(record) => member(RECORD, &record)?,
+        None => match artifacts.next() {
+            Some(artifact) => file(&images, artifact).await?,
+            None => Bytes::new(),
+        },
     };
     let rest = stream::iter(artifacts).then(move |artifact| {
         let images = Arc::clone(&images);
@@ -50,7 +56,7 @@ pub(crate) async fn response(
     Ok((headers, Body::from_stream(all)).into_response())
 }
 
-/// An artifact with its header and the padding behind it.
+/// An artifact as a member of the tar.
 async fn file(images: &Images, artifact: StoredArtifact) -> Result<Bytes, Problem> {
     let entry = &artifact.entry;
     let name = format!("{}.{}", entry.kind, renderer::extension(&entry.media_type));
@@ -60,10 +66,14 @@ async fn file(images: &Images, artifact: StoredArtifact) -> Result<Bytes, Proble
         let what = format!("{name} has {} bytes but {length} in its record", stored.len());
         return Err(Problem::internal(&what));
     }
+    member(&name, &stored)
+}
+
+/// A file with its header and the padding behind it.
+fn member(name: &str, bytes: &[u8]) -> Result<Bytes, Problem> {
+    let length = bytes.len() as u64;
     let mut header = Header::new_ustar();
-    header
-        .set_path(&name)
-        .map_err(|error| Problem::internal(&error))?;
+    header.set_path(name).map_err(|error| Problem::internal(&error))?;
     header.set_entry_type(EntryType::Regular);
     header.set_mode(0o644);
     header.set_mtime(0);
@@ -72,7 +82,7 @@ async fn file(images: &Images, artifact: StoredArtifact) -> Result<Bytes, Proble
     let padded = (BLOCK + length.next_multiple_of(BLOCK)) as usize;
     let mut file = Vec::with_capacity(padded);
     file.extend_from_slice(header.as_bytes());
-    file.extend_from_slice(&stored);
+    file.extend_from_slice(bytes);
     file.resize(padded, 0);
     Ok(file.into())
 }

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 
 use cli::exit::Failure;
 
@@ -17,25 +18,36 @@ pub(crate) struct Arguments {
     _words: Vec<OsString>,
 }
 
+/// The words of this call. They are those of the process only where no other program, such as Python, runs the command.
+static WORDS: Mutex<Vec<OsString>> = Mutex::new(Vec::new());
+
+/// Notes the words of this call, from the program's name on.
+pub(crate) fn note(words: &[OsString]) {
+    *WORDS.lock().unwrap_or_else(PoisonError::into_inner) = words.to_vec();
+}
+
 /// Becomes `fathom-cluster` with the words of this call, so that signals and the exit status are its own.
 pub(crate) fn hand_over() -> Result<(), Failure> {
     let (own, program) = (own_program()?, program()?);
     let mut command = Command::new(&program);
-    command.args(std::env::args_os().skip(1)).env(OWN_PROGRAM, own);
+    let words = WORDS.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    command.args(words.into_iter().skip(1)).env(OWN_PROGRAM, own);
     let error = command.exec();
     Err(anyhow::anyhow!("cannot start {}: {error}", program.display()).into())
 }
 
-/// The file of `fathom-cluster`.
+/// The file of `fathom-cluster`: beside this program; else, for one that runs inside of another, that of the PATH.
 pub(super) fn program() -> Result<PathBuf, Failure> {
     let own = own_program()?;
-    let program = own.with_file_name(CLUSTER_PROGRAM);
-    if program.is_file() {
-        return Ok(program);
-    }
-    Err(Failure::BadInput(format!(
-        "sets are written and read by fathom-cluster, which is not beside {}; build it with \
-         `cargo build --release -p cluster`",
-        own.display()
-    )))
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let on_path = std::env::split_paths(&path).map(|folder| folder.join(CLUSTER_PROGRAM));
+    let mut programs = std::iter::once(own.with_file_name(CLUSTER_PROGRAM)).chain(on_path);
+    let program = programs.find(|program| program.is_file());
+    program.ok_or_else(|| {
+        Failure::BadInput(format!(
+            "sets and Parquet files are written and read by fathom-cluster, which is neither beside {} nor on the PATH; \
+             build it with `cargo build --release -p cluster`",
+            own.display()
+        ))
+    })
 }

@@ -2,14 +2,14 @@
 
 mod backup;
 mod check_style;
-mod cluster;
+pub(crate) mod cluster;
 mod completions;
 mod control;
 mod datasets;
 mod demo;
 mod enhance;
 mod errors;
-mod export;
+pub mod export;
 mod import;
 mod jobs;
 mod list;
@@ -146,7 +146,7 @@ impl Command {
             Self::Man(arguments) => completions::write_pages(&arguments),
             Self::Query(arguments) => query::run(&arguments),
             Self::Stats(arguments) => stats::run(&arguments),
-            Self::Export(arguments) => export::run(&arguments),
+            Self::Export(arguments) => export::run(&arguments, None),
             Self::Upload(arguments) => upload::run(&arguments),
             Self::Scrub(arguments) => scrub::run(&arguments, None),
             Self::Backup(arguments) => backup::run(&arguments),

@@ -1,6 +1,7 @@
 //! One file for each command.
 
 mod dispatch;
+mod export;
 mod frames;
 mod gc;
 mod import;
@@ -41,6 +42,8 @@ pub(crate) enum Command {
     /// Read a set for the service that imports it
     #[command(hide = true)]
     Shards(shards::Arguments),
+    /// Export a dataset, also to formats that hold Parquet
+    Export(cli::export::Arguments),
     /// Render frames for the supervisor that asks for them
     #[command(hide = true)]
     Frames(frames::Arguments),
@@ -59,6 +62,7 @@ impl Command {
             Self::Seal(arguments) => seal::run(&arguments),
             Self::Gc(arguments) => gc::run(&arguments),
             Self::Shards(arguments) => shards::run(&arguments),
+            Self::Export(arguments) => cli::export::run(&arguments, Some(export::write)),
             Self::Frames(arguments) => frames::run(&arguments),
         }
     }

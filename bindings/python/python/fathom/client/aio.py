@@ -6,11 +6,12 @@ import asyncio
 import os
 from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
 from itertools import islice
+from pathlib import Path
 from typing import Any, TypeVar
 
 import httpx
 
-from fathom.client import calls
+from fathom.client import calls, exports
 from fathom.client.calls import Call, Classes, Description, Picture
 from fathom.client.dataset import Dataset
 from fathom.client.rows import Rows
@@ -107,9 +108,9 @@ class AsyncClient:
         name: str | None = None,
     ) -> str:
         """Upload a scene and return its id."""
-        values = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
-        texts = {"collection": collection, "name": name}
-        return await self._run(calls.upload(rgb, range, z_depth, instances, classes, values | texts))
+        texts: dict[str, float | str | None] = {"collection": collection, "name": name}
+        numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
+        return await self._run(calls.upload(rgb, range, z_depth, instances, classes, texts | numbers))
 
     async def train(
         self,
@@ -126,6 +127,33 @@ class AsyncClient:
         """Return the images of a dataset, for `fathom.open`."""
         rows = await self.images(filter, dataset=name, fields=("job", "frame"), order_by="frame")
         return Dataset(self.server, self.token, rows)
+
+    async def export(
+        self,
+        dataset: str,
+        out: str | os.PathLike[str],
+        *,
+        format: str = "folder",
+        kinds: Sequence[str] = ("rgb",),
+        filter: str = "",
+        split: Mapping[str, float] | None = None,
+        shard_size: int | None = None,
+        license: str | None = None,
+    ) -> Path:
+        """Export a dataset into a folder."""
+        return await asyncio.to_thread(
+            exports.export,
+            self.server,
+            self.token,
+            dataset,
+            out,
+            format=format,
+            kinds=kinds,
+            filter=filter,
+            split=split,
+            shard_size=shard_size,
+            license=license,
+        )
 
 
 class AsyncSubmitted:

@@ -6,11 +6,12 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import islice
+from pathlib import Path
 from typing import Any, TypeVar
 
 import httpx
 
-from fathom.client import calls
+from fathom.client import calls, exports
 from fathom.client.calls import Call, Classes, Description, Picture
 from fathom.client.dataset import Dataset
 from fathom.client.rows import Rows
@@ -110,9 +111,9 @@ class Client:
         says what the instances are: `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON
         file.
         """
-        values = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
-        texts = {"collection": collection, "name": name}
-        return self._run(calls.upload(rgb, range, z_depth, instances, classes, values | texts))
+        texts: dict[str, float | str | None] = {"collection": collection, "name": name}
+        numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
+        return self._run(calls.upload(rgb, range, z_depth, instances, classes, texts | numbers))
 
     def train(
         self,
@@ -129,6 +130,36 @@ class Client:
         """Return the images of a dataset, for `fathom.open`."""
         rows = self.images(filter, dataset=name, fields=("job", "frame"), order_by="frame")
         return Dataset(self.server, self.token, rows)
+
+    def export(
+        self,
+        dataset: str,
+        out: str | os.PathLike[str],
+        *,
+        format: str = "folder",
+        kinds: Sequence[str] = ("rgb",),
+        filter: str = "",
+        split: Mapping[str, float] | None = None,
+        shard_size: int | None = None,
+        license: str | None = None,
+    ) -> Path:
+        """Export a dataset into a folder as `fathom export` does, and return the folder.
+
+        `format` is one of folder, webdataset, parquet, hf, coco, yolo, colmap and transforms; `split` names parts with
+        their shares, such as `{"train": 0.8, "val": 0.2}`. Repeat the call to resume. Raises `CommandError`.
+        """
+        return exports.export(
+            self.server,
+            self.token,
+            dataset,
+            out,
+            format=format,
+            kinds=kinds,
+            filter=filter,
+            split=split,
+            shard_size=shard_size,
+            license=license,
+        )
 
 
 class Submitted:

@@ -58,11 +58,15 @@ pub(crate) struct Parameters {
     /// Kinds of artifacts, separated by commas; absent: all.
     #[param(example = "rgb,range")]
     kinds: Option<String>,
+    /// Whether the record of the image comes first, as `record.json`.
+    #[serde(default)]
+    #[param(default = false)]
+    record: bool,
 }
 
 /// Several artifacts of an image as one tar.
 ///
-/// Its files are named `KIND.EXTENSION` and stand in the order of `kinds`. The length is known from the start; bytes are verified
+/// Its files are named `KIND.EXTENSION` and stand in the order of `kinds`, behind the record if that is wanted, too. The length is known from the start; bytes are verified
 /// against their digests while they are sent, and the response is cut short where they do not fit.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts", tag = "images",
     operation_id = "get_artifacts",
@@ -87,7 +91,11 @@ pub(crate) async fn artifacts(
         });
         artifacts = named.collect::<Result<_, _>>()?;
     }
-    archive::response(images, artifacts).await
+    let record = match asked.record {
+        true => Some(images.get(&job, frame).await?.to_string().into_bytes()),
+        false => None,
+    };
+    archive::response(images, record, artifacts).await
 }
 
 /// A thumbnail of the result: a PNG of at most 256 px a side.

@@ -1,6 +1,5 @@
 //! One frame of an export: its files, fetched with one request at most, and its line of metadata.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use cli::exit::Failure;
@@ -8,9 +7,13 @@ use cli::known::is_job_id;
 use cli::remote::{Remote, encode, with_query};
 use renderer::EXTENSIONS;
 use serde_json::{Map, Value};
-use spec::sha256;
+use spec::{FrameRecord, sha256};
 
+use super::archive::{Unpacked, unpacked};
 use super::target::{Target, read, write};
+
+/// The name of a frame's record among its kinds. No artifact is called so.
+pub(super) const RECORD: &str = "record";
 
 /// A frame whose files are in the folder.
 pub(super) struct Frame {
@@ -22,8 +25,17 @@ pub(super) struct Frame {
 
 /// A file by its path below the folder that holds the lists.
 pub(super) struct ListedFile {
+    pub(super) kind: String,
     pub(super) digest: String,
     pub(super) name: String,
+}
+
+impl Frame {
+    /// The file of a kind that was wanted.
+    pub(super) fn file(&self, kind: &str) -> &str {
+        let file = self.files.iter().find(|file| file.kind == kind);
+        file.map_or("", |file| file.name.as_str())
+    }
 }
 
 /// What to fetch of each frame, and where it goes.
@@ -36,13 +48,14 @@ pub(super) struct Order<'a> {
 }
 
 /// Job and frame of a row, in the form in which they may be names of folders.
+#[derive(Debug, Clone)]
 pub(super) struct Place {
-    job: String,
-    frame: u64,
+    pub(super) job: String,
+    pub(super) frame: u64,
 }
 
 impl Place {
-    fn of(row: &Value) -> Result<Self, Failure> {
+    pub(super) fn of(row: &Value) -> Result<Self, Failure> {
         let job = row["job"].as_str().filter(|id| is_job_id(id));
         match (job, row["frame"].as_u64()) {
             (Some(job), Some(frame)) => Ok(Self {
@@ -57,73 +70,177 @@ impl Place {
     }
 }
 
-/// An artifact to fetch or to keep.
-struct Wanted<'a> {
-    kind: &'a str,
-    digest: &'a str,
+/// Where the files of a frame go: names of folders below the one with the lists, and what their own names begin with.
+pub(super) struct Home {
+    pub(super) folders: Vec<String>,
+    pub(super) prefix: String,
+}
+
+impl Home {
+    /// As `fathom render` writes a job, below these folders.
+    pub(super) fn nested(above: &[&str], place: &Place) -> Self {
+        let above = above.iter().map(|name| (*name).to_owned());
+        let below = [place.job.clone(), place.frame.to_string()];
+        Self {
+            folders: above.chain(below).collect(),
+            prefix: String::new(),
+        }
+    }
+}
+
+/// A file to fetch or to keep.
+pub(super) struct Wanted<'a> {
+    pub(super) kind: &'a str,
+    /// That of its bytes, or of the frame that a record describes.
+    pub(super) digest: &'a str,
+}
+
+impl Wanted<'_> {
+    pub(super) fn is(&self, bytes: &[u8]) -> bool {
+        if self.kind != RECORD {
+            return sha256(bytes) == self.digest;
+        }
+        let record: Result<FrameRecord, _> = serde_json::from_slice(bytes);
+        record.is_ok_and(|record| record.digest() == self.digest)
+    }
+}
+
+/// A file that is in the folder.
+struct Kept {
+    name: String,
+    digest: String,
 }
 
 impl Order<'_> {
-    /// Brings a frame's files into the folder `part`, or into the root. Files that are there with the right digest are kept.
-    pub(super) fn carry_out(&self, row: &Value, part: Option<&str>) -> Result<Frame, Failure> {
-        let place = Place::of(row)?;
-        let wanted = self.kinds.iter().map(|kind| wanted(row, &place, kind));
-        let wanted = wanted.collect::<Result<Vec<_>, _>>()?;
-        let number = place.frame.to_string();
-        let names: Vec<&str> = part.into_iter().chain([place.job.as_str(), &number]).collect();
+    /// Fetches a frame into memory: one file for each kind, in their order.
+    pub(super) fn fetch(&self, row: &Value, place: &Place) -> Result<Vec<Unpacked>, Failure> {
+        let wanted = self.wanted(row, place)?;
+        let mut files = self.request(place, &wanted)?;
+        files.sort_by_key(|file| file.index);
+        let is_whole =
+            files.len() == wanted.len() && files.iter().enumerate().all(|(at, file)| at == file.index);
+        match is_whole {
+            true => Ok(files),
+            false => Err(untrusted(format!(
+                "not every file of {}/{}",
+                place.job, place.frame
+            ))),
+        }
+    }
+
+    /// Brings a frame's files into a folder of `part`, or of the root. Files that are there with the right digest are kept.
+    pub(super) fn carry_out(
+        &self,
+        row: &Value,
+        place: &Place,
+        part: Option<&str>,
+        home: &Home,
+    ) -> Result<Frame, Failure> {
+        let wanted = self.wanted(row, place)?;
+        let names: Vec<&str> = part
+            .into_iter()
+            .chain(home.folders.iter().map(String::as_str))
+            .collect();
         let folder = self.target.folder(&names)?;
-        let mut paths: Vec<Option<PathBuf>> = wanted.iter().map(|wanted| kept(&folder, wanted)).collect();
+        let mut found: Vec<Option<Kept>> = wanted.iter().map(|wanted| kept(&folder, home, wanted)).collect();
         let missing: Vec<usize> = (0..wanted.len())
-            .filter(|&index| paths[index].is_none())
+            .filter(|&index| found[index].is_none())
             .collect();
         if !missing.is_empty() {
-            let kinds: Vec<&str> = missing.iter().map(|&index| wanted[index].kind).collect();
-            let path = format!("/v1/images/{}/{}/artifacts", encode(&place.job), place.frame);
-            let archive = self
-                .remote
-                .get_bytes(&with_query(&path, &[("kinds", Some(&kinds.join(",")))]))?;
-            for file in unpacked(&archive, &wanted)? {
-                let path = folder.join(&file.name);
-                write(&path, &file.bytes)?;
-                paths[file.index] = Some(path);
+            let missing: Vec<Wanted<'_>> = missing.iter().map(|&index| Wanted { ..wanted[index] }).collect();
+            for file in self.request(place, &missing)? {
+                let kept = Kept {
+                    name: format!("{}{}", home.prefix, file.name),
+                    digest: sha256(&file.bytes),
+                };
+                write(&folder.join(&kept.name), &file.bytes)?;
+                let index = wanted
+                    .iter()
+                    .position(|wanted| wanted.kind == missing[file.index].kind);
+                found[index.unwrap_or_default()] = Some(kept);
             }
         }
-        self.listed(row, &place, &wanted, &paths, missing.len())
+        self.listed(row, place, home, found, missing.len())
+    }
+
+    /// What a row says of the files wanted.
+    fn wanted<'a>(&'a self, row: &'a Value, place: &Place) -> Result<Vec<Wanted<'a>>, Failure> {
+        self.kinds.iter().map(|kind| wanted(row, place, kind)).collect()
+    }
+
+    /// Asks for files of a frame, with one request.
+    fn request(&self, place: &Place, wanted: &[Wanted<'_>]) -> Result<Vec<Unpacked>, Failure> {
+        let image = format!("/v1/images/{}/{}", encode(&place.job), place.frame);
+        let kinds: Vec<&str> = wanted
+            .iter()
+            .map(|wanted| wanted.kind)
+            .filter(|kind| *kind != RECORD)
+            .collect();
+        if let ([only], []) = (wanted, kinds.as_slice()) {
+            let bytes = self.remote.get_bytes(&image)?;
+            return match only.is(&bytes) {
+                true => Ok(vec![Unpacked {
+                    index: 0,
+                    name: format!("{RECORD}.json"),
+                    bytes,
+                }]),
+                false => Err(untrusted(format!(
+                    "another record than that of {}/{}",
+                    place.job, place.frame
+                ))),
+            };
+        }
+        let record = (kinds.len() < wanted.len()).then_some("true");
+        let parameters = [
+            ("kinds", Some(kinds.join(","))),
+            ("record", record.map(str::to_owned)),
+        ];
+        let parameters = parameters
+            .each_ref()
+            .map(|(name, value)| (*name, value.as_deref()));
+        let archive = self
+            .remote
+            .get_bytes(&with_query(&format!("{image}/artifacts"), &parameters))?;
+        unpacked(&archive, wanted)
+    }
+
+    /// The columns of a row that are exported.
+    pub(super) fn values(&self, row: &Value) -> Map<String, Value> {
+        let columns = self.columns.iter();
+        columns
+            .filter_map(|name| Some((name.clone(), row.get(name)?.clone())))
+            .collect()
     }
 
     fn listed(
         &self,
         row: &Value,
         place: &Place,
-        wanted: &[Wanted<'_>],
-        paths: &[Option<PathBuf>],
+        home: &Home,
+        found: Vec<Option<Kept>>,
         fetched: usize,
     ) -> Result<Frame, Failure> {
-        let columns = self
-            .columns
-            .iter()
-            .filter_map(|name| Some((name.clone(), row.get(name)?.clone())));
-        let mut metadata: Map<String, Value> = columns.collect();
-        let mut files = Vec::with_capacity(wanted.len());
-        for (index, (wanted, path)) in wanted.iter().zip(paths).enumerate() {
-            let Some(name) = path.as_ref().and_then(|path| path.file_name()) else {
+        let mut metadata = self.values(row);
+        let mut files = Vec::with_capacity(found.len());
+        for (index, (kind, kept)) in self.kinds.iter().zip(found).enumerate() {
+            let Some(kept) = kept else {
                 return Err(untrusted(format!(
-                    "no artifact `{}` of {}/{}",
-                    wanted.kind, place.job, place.frame
+                    "no artifact `{kind}` of {}/{}",
+                    place.job, place.frame
                 )));
             };
-            let name = format!("{}/{}/{}", place.job, place.frame, name.to_string_lossy());
-            let column = if index == 0 { "file_name" } else { wanted.kind };
+            let name = format!("{}/{}", home.folders.join("/"), kept.name);
+            let column = if index == 0 { "file_name" } else { kind };
             // Ours come last: no column of the service may say where a file is.
             metadata.insert(column.to_owned(), name.clone().into());
             files.push(ListedFile {
-                digest: wanted.digest.to_owned(),
+                kind: kind.clone(),
+                digest: kept.digest,
                 name,
             });
         }
-        let metadata = Value::Object(metadata);
         Ok(Frame {
-            metadata,
+            metadata: Value::Object(metadata),
             files,
             fetched,
         })
@@ -133,7 +250,11 @@ impl Order<'_> {
 fn wanted<'a>(row: &'a Value, place: &Place, kind: &'a str) -> Result<Wanted<'a>, Failure> {
     let Place { job, frame } = place;
     let is_digest = |digest: &&str| digest.len() == 64 && digest.bytes().all(|byte| byte.is_ascii_hexdigit());
-    match &row[format!("artifacts.{kind}")] {
+    let column = match kind {
+        RECORD => "digest".to_owned(),
+        kind => format!("artifacts.{kind}"),
+    };
+    match &row[column] {
         Value::Null => Err(Failure::BadInput(format!(
             "image {job}/{frame} has no artifact `{kind}`; leave it out of --kinds, or such images out with --filter"
         ))),
@@ -147,51 +268,19 @@ fn wanted<'a>(row: &'a Value, place: &Place, kind: &'a str) -> Result<Wanted<'a>
 }
 
 /// The file of an artifact that an earlier export left, if it is whole.
-fn kept(folder: &Path, wanted: &Wanted<'_>) -> Option<PathBuf> {
-    let mut paths = EXTENSIONS
+fn kept(folder: &Path, home: &Home, wanted: &Wanted<'_>) -> Option<Kept> {
+    let mut names = EXTENSIONS
         .iter()
-        .map(|(_, extension)| folder.join(format!("{}.{extension}", wanted.kind)));
-    paths.find(|path| read(path).is_some_and(|bytes| sha256(&bytes) == wanted.digest))
-}
-
-/// A file of an archive.
-struct Unpacked {
-    /// Which of those wanted.
-    index: usize,
-    name: String,
-    bytes: Vec<u8>,
-}
-
-/// The files of an archive, each with a name that was asked for and bytes of its digest.
-fn unpacked(archive: &[u8], wanted: &[Wanted<'_>]) -> Result<Vec<Unpacked>, Failure> {
-    let damaged = |error: std::io::Error| untrusted(format!("a damaged archive: {error}"));
-    let mut archive = tar::Archive::new(archive);
-    let mut files = Vec::new();
-    for entry in archive.entries().map_err(damaged)? {
-        let mut entry = entry.map_err(damaged)?;
-        let name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
-        let is_name_of = |wanted: &Wanted<'_>| {
-            let mut extensions = EXTENSIONS.iter();
-            extensions.any(|(_, extension)| name == format!("{}.{extension}", wanted.kind))
-        };
-        let index = wanted.iter().position(is_name_of);
-        let Some(index) = index.filter(|_| entry.header().entry_type().is_file()) else {
-            return Err(untrusted(format!("a file {name:?} that was not asked for")));
-        };
-        let mut bytes = Vec::new();
-        entry.read_to_end(&mut bytes).map_err(damaged)?;
-        if sha256(&bytes) != wanted[index].digest {
-            return Err(untrusted(format!(
-                "{name} with another digest than {}",
-                wanted[index].digest
-            )));
-        }
-        files.push(Unpacked { index, name, bytes });
-    }
-    Ok(files)
+        .map(|(_, extension)| format!("{}{}.{extension}", home.prefix, wanted.kind));
+    names.find_map(|name| {
+        let path: PathBuf = folder.join(&name);
+        let bytes = read(&path).filter(|bytes| wanted.is(bytes))?;
+        let digest = sha256(&bytes);
+        Some(Kept { name, digest })
+    })
 }
 
 /// What a service sends that cannot be true.
-fn untrusted(what: String) -> Failure {
+pub(super) fn untrusted(what: String) -> Failure {
     anyhow::anyhow!("the service sent {what}; nothing of it was written").into()
 }

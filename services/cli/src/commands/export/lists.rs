@@ -1,15 +1,16 @@
 //! `metadata.jsonl`, `SHA256SUMS` and `categories.json` of a folder with frames.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use cli::classes::Named;
 use cli::exit::Failure;
 use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
 
-use super::frame::Frame;
 use super::target::{create, draft_of, write};
 
 pub(super) const METADATA: &str = "metadata.jsonl";
@@ -24,6 +25,8 @@ pub(super) struct Lists {
     pub(super) frames: u64,
     /// Classes of the objects in them.
     pub(super) classes: Named,
+    /// Columns that any of them has a value in.
+    pub(super) columns: BTreeSet<String>,
 }
 
 struct List {
@@ -31,49 +34,127 @@ struct List {
     file: BufWriter<File>,
 }
 
+/// The rows of a folder, complete but not yet in their place.
+pub(super) struct Rows {
+    pub(super) draft: PathBuf,
+    path: PathBuf,
+}
+
 impl Lists {
     pub(super) fn create(folder: &Path) -> Result<Self, Failure> {
-        let open = |name: &str| {
-            let path = folder.join(name);
-            let file = create(&draft_of(&path)).map(BufWriter::new);
-            let file = file.with_context(|| format!("cannot write {}", path.display()))?;
-            Ok::<_, anyhow::Error>(List { path, file })
-        };
         Ok(Self {
-            metadata: open(METADATA)?,
-            sums: open(SUMS)?,
+            metadata: List::create(folder.join(METADATA))?,
+            sums: List::create(folder.join(SUMS))?,
             frames: 0,
             classes: Named::new(),
+            columns: BTreeSet::new(),
         })
     }
 
-    pub(super) fn add(&mut self, frame: &Frame) -> Result<(), Failure> {
-        let mut write = || {
-            writeln!(self.metadata.file, "{}", frame.metadata)?;
-            let mut files = frame.files.iter();
-            files.try_for_each(|file| writeln!(self.sums.file, "{}  {}", file.digest, file.name))
-        };
-        write().context("cannot write the lists of the export")?;
+    /// Adds the line of a frame.
+    pub(super) fn add(&mut self, metadata: &Value) -> Result<(), Failure> {
         self.frames += 1;
-        Ok(())
+        let columns = metadata.as_object().into_iter().flat_map(|row| row.keys());
+        for column in columns
+            .filter(|column| !self.columns.contains(*column))
+            .collect::<Vec<_>>()
+        {
+            self.columns.insert(column.clone());
+        }
+        self.metadata.line(&metadata.to_string())
     }
 
-    pub(super) fn finish(self) -> Result<(), Failure> {
-        write_classes(&self.metadata.path.with_file_name(CATEGORIES), &self.classes)?;
-        for List { path, file } in [self.metadata, self.sums] {
-            let file = file.into_inner().map_err(|error| error.into_error());
-            file.and_then(|file| file.sync_all())
-                .and_then(|()| fs::rename(draft_of(&path), &path))
-                .with_context(|| format!("cannot write {}", path.display()))?;
+    /// Adds a file by its path below the folder.
+    pub(super) fn add_sum(&mut self, digest: &str, name: &str) -> Result<(), Failure> {
+        self.sums.line(&format!("{digest}  {name}"))
+    }
+
+    /// Adds files of the folder as they are now.
+    pub(super) fn add_files(&mut self, names: &[String]) -> Result<(), Failure> {
+        for name in names {
+            let digest = digest_of(&self.sums.path.with_file_name(name))?;
+            self.add_sum(&digest, name)?;
         }
         Ok(())
     }
+
+    /// Completes the rows; what becomes of them is for the format to say.
+    pub(super) fn finish_rows(&mut self) -> Result<Rows, Failure> {
+        self.metadata.finish()?;
+        let path = self.metadata.path.clone();
+        Ok(Rows {
+            draft: draft_of(&path),
+            path,
+        })
+    }
+
+    /// Writes the list of classes, and adds it to the sums. There is none without classes.
+    pub(super) fn finish_classes(&mut self) -> Result<(), Failure> {
+        let path = self.sums.path.with_file_name(CATEGORIES);
+        match write_classes(&path, &self.classes)? {
+            true => self.add_files(&[CATEGORIES.to_owned()]),
+            false => Ok(()),
+        }
+    }
+
+    pub(super) fn finish(mut self) -> Result<(), Failure> {
+        self.sums.finish()?;
+        let path = &self.sums.path;
+        Ok(fs::rename(draft_of(path), path).with_context(|| format!("cannot write {}", path.display()))?)
+    }
 }
 
-/// Writes the classes of all frames, and warns of a code that means different things in different scenes.
-fn write_classes(path: &Path, classes: &Named) -> Result<(), Failure> {
+impl Rows {
+    /// Leaves them as `metadata.jsonl`.
+    pub(super) fn keep(self) -> Result<(), Failure> {
+        let Self { draft, path } = self;
+        Ok(fs::rename(&draft, &path).with_context(|| format!("cannot write {}", path.display()))?)
+    }
+
+    /// Removes them once they stand elsewhere.
+    pub(super) fn remove(self) -> Result<(), Failure> {
+        let draft = &self.draft;
+        Ok(fs::remove_file(draft).with_context(|| format!("cannot remove {}", draft.display()))?)
+    }
+}
+
+impl List {
+    fn create(path: PathBuf) -> Result<Self, Failure> {
+        let file = create(&draft_of(&path)).map(BufWriter::new);
+        let file = file.with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Self { path, file })
+    }
+
+    fn line(&mut self, line: &str) -> Result<(), Failure> {
+        Ok(writeln!(self.file, "{line}").with_context(|| format!("cannot write {}", self.path.display()))?)
+    }
+
+    fn finish(&mut self) -> Result<(), Failure> {
+        let done = self.file.flush().and_then(|()| self.file.get_ref().sync_all());
+        Ok(done.with_context(|| format!("cannot write {}", self.path.display()))?)
+    }
+}
+
+/// SHA-256 of a file, lower-case hex.
+pub(super) fn digest_of(path: &Path) -> Result<String, Failure> {
+    let digest = || -> io::Result<String> {
+        let mut file = File::open(path)?;
+        let (mut hash, mut block) = (Sha256::new(), vec![0; 1 << 20]);
+        loop {
+            match file.read(&mut block)? {
+                0 => return Ok(spec::hex(&hash.finalize())),
+                length => hash.update(&block[..length]),
+            }
+        }
+    };
+    Ok(digest().with_context(|| format!("cannot read {}", path.display()))?)
+}
+
+/// Writes the classes of all frames, and warns of a code that means different things in different scenes; returns whether there
+/// are any.
+fn write_classes(path: &Path, classes: &Named) -> Result<bool, Failure> {
     if classes.is_empty() {
-        return Ok(());
+        return Ok(false);
     }
     let pairs = classes.iter().zip(classes.iter().skip(1));
     for ((id, name), (_, other)) in pairs.filter(|((id, _), (next, _))| id == next) {
@@ -83,5 +164,6 @@ fn write_classes(path: &Path, classes: &Named) -> Result<(), Failure> {
     }
     let list = classes.iter().map(|(id, name)| json!({"id": id, "name": name}));
     let list: Vec<Value> = list.collect();
-    write(path, format!("{:#}\n", json!(list)).as_bytes())
+    write(path, format!("{:#}\n", json!(list)).as_bytes())?;
+    Ok(true)
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use cli::exit::Failure;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// What an export is of; stands in the folder.
 const CARD: &str = "export.json";
@@ -20,13 +20,12 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// Opens a new or empty folder, or one that holds an export of this dataset with these splits.
-    pub(super) fn open(root: &Path, dataset: &str, split: Option<String>) -> Result<Self, Failure> {
+    /// Opens a new or empty folder, or one that holds an export with the same card.
+    pub(super) fn open(root: &Path, card: &Value) -> Result<Self, Failure> {
         fs::create_dir_all(root).with_context(|| format!("cannot create {}", root.display()))?;
         let target = Self {
             root: root.to_owned(),
         };
-        let card = json!({"dataset": dataset, "split": split, "layout": "JOB/FRAME/KIND.EXTENSION"});
         let path = root.join(CARD);
         let Some(found) = read(&path) else {
             let mut entries =
@@ -42,7 +41,7 @@ impl Target {
             return Ok(target);
         };
         match serde_json::from_slice::<Value>(&found) {
-            Ok(found) if found == card => Ok(target),
+            Ok(found) if found == *card => Ok(target),
             found => Err(Failure::BadInput(format!(
                 "{} holds another export ({}, not {card}); name an empty or a new folder",
                 root.display(),
@@ -118,13 +117,15 @@ pub(super) fn draft_of(path: &Path) -> PathBuf {
 mod tests {
     use std::os::unix::fs::symlink;
 
+    use serde_json::json;
+
     use super::*;
 
     #[test]
     fn links_are_replaced_or_refused_and_never_followed() {
         let outside = tempfile::tempdir().unwrap();
         let folder = tempfile::tempdir().unwrap();
-        let target = Target::open(folder.path(), "tour", None).unwrap();
+        let target = Target::open(folder.path(), &json!({})).unwrap();
         let secret = outside.path().join("secret");
         fs::write(&secret, b"mine").unwrap();
 
@@ -150,7 +151,7 @@ mod tests {
     fn only_an_export_of_the_same_kind_is_continued() {
         let folder = tempfile::tempdir().unwrap();
         let open = |dataset: &str, split: Option<&str>| {
-            Target::open(folder.path(), dataset, split.map(str::to_owned)).map(drop)
+            Target::open(folder.path(), &json!({"dataset": dataset, "split": split})).map(drop)
         };
         open("tour", None).unwrap();
         open("tour", None).unwrap();

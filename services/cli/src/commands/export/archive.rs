@@ -1,0 +1,45 @@
+//! The archive in which a service sends the files of a frame: nothing of it is believed.
+
+use std::io::{self, Read};
+
+use cli::exit::Failure;
+use renderer::EXTENSIONS;
+
+use super::frame::{Wanted, untrusted};
+
+/// A file of an archive.
+pub(super) struct Unpacked {
+    /// Which of those wanted.
+    pub(super) index: usize,
+    pub(super) name: String,
+    pub(super) bytes: Vec<u8>,
+}
+
+/// The files of an archive, each with a name that was asked for and bytes of its digest.
+pub(super) fn unpacked(archive: &[u8], wanted: &[Wanted<'_>]) -> Result<Vec<Unpacked>, Failure> {
+    let damaged = |error: io::Error| untrusted(format!("a damaged archive: {error}"));
+    let mut archive = tar::Archive::new(archive);
+    let mut files = Vec::new();
+    for entry in archive.entries().map_err(damaged)? {
+        let mut entry = entry.map_err(damaged)?;
+        let name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
+        let is_name_of = |wanted: &Wanted<'_>| {
+            let mut extensions = EXTENSIONS.iter();
+            extensions.any(|(_, extension)| name == format!("{}.{extension}", wanted.kind))
+        };
+        let index = wanted.iter().position(is_name_of);
+        let Some(index) = index.filter(|_| entry.header().entry_type().is_file()) else {
+            return Err(untrusted(format!("a file {name:?} that was not asked for")));
+        };
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).map_err(damaged)?;
+        if !wanted[index].is(&bytes) {
+            return Err(untrusted(format!(
+                "{name} with another digest than {}",
+                wanted[index].digest
+            )));
+        }
+        files.push(Unpacked { index, name, bytes });
+    }
+    Ok(files)
+}

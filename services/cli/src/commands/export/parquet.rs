@@ -1,0 +1,53 @@
+//! Rows with every column, the record, and the bytes of the files, each kind a column of its own.
+
+use std::fs::File;
+
+use cli::exit::Failure;
+use serde_json::{Map, Value};
+
+use super::frame::RECORD;
+use super::selection::Column;
+use super::shards::{Member, Pull};
+use super::tables::{CellKind, TableColumn, TableRow, WriteTable, table_columns, text_column};
+
+/// Holds nothing but the files, so that readers take the folder as one table.
+pub(super) const FOLDER: &str = "data";
+
+/// Writes a file of rows.
+pub(super) fn write(
+    write: WriteTable,
+    file: File,
+    columns: &[Column],
+    kinds: &[String],
+    pull: &mut Pull<'_>,
+) -> Result<(), Failure> {
+    let mut all = table_columns(columns);
+    all.push(text_column(RECORD));
+    let files = kinds
+        .iter()
+        .filter(|kind| *kind != RECORD)
+        .map(|kind| TableColumn {
+            name: kind.clone(),
+            kind: CellKind::File,
+        });
+    all.extend(files);
+    let row = |member: Member| {
+        let mut row = TableRow {
+            values: Value::Object(member.values),
+            files: Vec::new(),
+        };
+        for (kind, file) in kinds.iter().zip(member.files) {
+            match kind.as_str() {
+                RECORD => row.values[RECORD] = String::from_utf8_lossy(&file.bytes).into(),
+                _ => row.files.push(file.bytes),
+            }
+        }
+        row
+    };
+    write(file, &all, &mut || Ok(pull()?.into_iter().map(row).collect()))
+}
+
+/// What a line of metadata says of the file.
+pub(super) fn place(name: &str) -> Map<String, Value> {
+    Map::from_iter([("parquet".to_owned(), format!("{FOLDER}/{name}").into())])
+}

@@ -1,0 +1,72 @@
+//! The frames of camera paths, sequence by sequence, with the poses of each in one model.
+
+use std::collections::BTreeMap;
+
+use cli::exit::Failure;
+
+use super::colmap::{Shot, model};
+use super::format::Format;
+use super::frame::{Frame, Home, Place};
+use super::sequences::Spot;
+use super::target::{Target, write};
+use super::transforms::{TRANSFORMS, transforms};
+use super::view::View;
+
+/// Where the pictures of a sequence lie.
+const IMAGES: &str = "images";
+/// Where COLMAP's tools look for a model.
+const MODEL: [&str; 2] = ["sparse", "0"];
+
+/// The sequences of a part.
+#[derive(Default)]
+pub(super) struct Poses {
+    sequences: BTreeMap<String, Vec<Shot>>,
+}
+
+impl Poses {
+    /// Where the files of a frame go: side by side, since readers of such folders expect it.
+    pub(super) fn home(place: &Place, spot: &Spot) -> Home {
+        Home {
+            folders: vec![spot.sequence.clone(), IMAGES.to_owned()],
+            prefix: spec::shard_member(place.frame, ""),
+        }
+    }
+
+    pub(super) fn add(&mut self, frame: &Frame, spot: &Spot, view: View) {
+        let picture = frame.files.first().map_or("", |file| file.name.as_str());
+        let shot = Shot {
+            name: picture.rsplit('/').next().unwrap_or_default().to_owned(),
+            view,
+        };
+        self.sequences
+            .entry(spot.sequence.clone())
+            .or_default()
+            .push(shot);
+    }
+
+    /// Writes the models; returns the names of their files.
+    pub(super) fn finish(
+        self,
+        format: Format,
+        target: &Target,
+        part: Option<&str>,
+    ) -> Result<Vec<String>, Failure> {
+        let mut names = Vec::new();
+        for (sequence, shots) in self.sequences {
+            let below: &[&str] = if format == Format::Colmap { &MODEL } else { &[] };
+            let above = part.into_iter().chain([sequence.as_str()]);
+            let folders: Vec<&str> = above.chain(below.iter().copied()).collect();
+            let folder = target.folder(&folders)?;
+            let files = match format {
+                Format::Colmap => Vec::from(model(&shots)),
+                _ => vec![(TRANSFORMS, transforms(&shots, IMAGES))],
+            };
+            let inside = [&[sequence.as_str()], below].concat().join("/");
+            for (name, text) in files {
+                write(&folder.join(name), text.as_bytes())?;
+                names.push(format!("{inside}/{name}"));
+            }
+        }
+        Ok(names)
+    }
+}

@@ -1,0 +1,94 @@
+//! Which frames of a job were taken one after the other on one way of the camera.
+
+use std::collections::HashMap;
+
+use cli::exit::Failure;
+use cli::remote::{Remote, with_query};
+use serde_json::Value;
+
+use super::frame::{Place, untrusted};
+
+/// A frame's place in a sequence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Spot {
+    /// `JOB-NUMBER`, which may be the name of a folder.
+    pub(super) sequence: String,
+    /// Place on the way of the camera, from 0.
+    pub(super) index: u64,
+}
+
+/// The sequences of a dataset; each job is asked for once.
+pub(super) struct Sequences<'a> {
+    remote: &'a Remote,
+    dataset: &'a str,
+    /// Cells of the grid of each job.
+    cells: HashMap<String, u64>,
+}
+
+impl<'a> Sequences<'a> {
+    pub(super) fn new(remote: &'a Remote, dataset: &'a str) -> Self {
+        Self {
+            remote,
+            dataset,
+            cells: HashMap::new(),
+        }
+    }
+
+    /// Where a frame stands; none without a camera path.
+    pub(super) fn spot(&mut self, row: &Value, place: &Place) -> Result<Option<Spot>, Failure> {
+        let Some(frames) = row["camera.path.frames"].as_u64() else {
+            return Ok(None);
+        };
+        if frames == 0 {
+            return Err(untrusted("a camera path of no frames".to_owned()));
+        }
+        let index = row["camera.path.frame"].as_u64().unwrap_or(0);
+        let cells = match self.cells.get(&place.job) {
+            Some(cells) => *cells,
+            None => {
+                let cells = self.cells_of(&place.job)?;
+                self.cells.insert(place.job.clone(), cells);
+                cells
+            }
+        };
+        let number = number(place.frame, frames, cells);
+        Ok(Some(Spot {
+            sequence: format!("{}-{number}", place.job),
+            index,
+        }))
+    }
+
+    /// Each cell of a job's grid goes through the whole path, and the cells take turns: the first frame at the second place of
+    /// the path is as far from the start as there are cells.
+    fn cells_of(&self, job: &str) -> Result<u64, Failure> {
+        let filter = format!("job = \"{job}\" and camera.path.frame = 1");
+        let parameters = [
+            ("dataset", Some(self.dataset)),
+            ("filter", Some(filter.as_str())),
+            ("order_by", Some("frame")),
+            ("fields", Some("frame")),
+            ("limit", Some("1")),
+        ];
+        let page = self.remote.get(&with_query("/v1/images", &parameters))?;
+        Ok(page["items"][0]["frame"].as_u64().unwrap_or(1).max(1))
+    }
+}
+
+/// Number of the sequence of a frame: cell by cell, and then the next pass of all cells.
+fn number(frame: u64, frames: u64, cells: u64) -> u64 {
+    let pass = frame / cells / frames;
+    pass * cells + frame % cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_take_turns_and_passes_follow_each_other() {
+        // Three places, two cells: cells alternate, and after six frames both begin again.
+        let numbers: Vec<u64> = (0..12).map(|frame| number(frame, 3, 2)).collect();
+        assert_eq!(numbers, [0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3]);
+        assert_eq!(number(7, 1, 1), 7);
+    }
+}

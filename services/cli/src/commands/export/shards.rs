@@ -1,0 +1,186 @@
+//! Files that hold many frames each: gathered, fetched and written, or kept if an earlier export left them whole.
+//!
+//! Beside each shard lies a note (`.000000.tar.done`) with the digest of the rows that it was made of, that of its bytes, and where its
+//! frames lie in it. So a shard that is there costs no request.
+
+use std::fs::{self, File};
+use std::path::PathBuf;
+
+use anyhow::Context;
+use cli::exit::Failure;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::archive::Unpacked;
+use super::format::Format;
+use super::frame::{Order, Place};
+use super::lists::{Lists, digest_of};
+use super::selection::Column;
+use super::tables::WriteTable;
+use super::target::{create, draft_of, read, write};
+use super::{parquet, webdataset};
+
+/// Frames that are fetched side by side and in memory at a time.
+const FETCHED_FRAMES: usize = 32;
+
+/// How shards are written.
+pub(super) struct Writer<'a> {
+    pub(super) order: &'a Order<'a>,
+    pub(super) threads: &'a rayon::ThreadPool,
+    pub(super) format: Format,
+    pub(super) columns: &'a [Column],
+    pub(super) tables: Option<WriteTable>,
+}
+
+/// The shards of a part.
+pub(super) struct Shards {
+    folder: PathBuf,
+    /// Frames of a shard.
+    size: usize,
+    rows: Vec<Value>,
+    written: u64,
+}
+
+/// A frame of a shard.
+pub(super) struct Member {
+    pub(super) place: Place,
+    /// The columns of its row.
+    pub(super) values: Map<String, Value>,
+    /// One file for each kind, in their order.
+    pub(super) files: Vec<Unpacked>,
+}
+
+/// The frames of a shard in their order, some at a time, until there are none.
+pub(super) type Pull<'a> = dyn FnMut() -> Result<Vec<Member>, Failure> + 'a;
+
+/// What is known of a shard that is done.
+#[derive(Serialize, Deserialize)]
+struct Note {
+    /// Of what it was made.
+    rows: String,
+    /// SHA-256 of its bytes.
+    sha256: String,
+    /// What its frames have in their lines of metadata beside their columns.
+    places: Vec<Map<String, Value>>,
+}
+
+impl Shards {
+    pub(super) fn new(folder: PathBuf, size: usize) -> Self {
+        Self {
+            folder,
+            size,
+            rows: Vec::new(),
+            written: 0,
+        }
+    }
+
+    /// Adds the row of a frame; returns how many files were fetched for a shard that is full by it.
+    pub(super) fn add(
+        &mut self,
+        writer: &Writer<'_>,
+        lists: &mut Lists,
+        row: Value,
+    ) -> Result<usize, Failure> {
+        self.rows.push(row);
+        match self.rows.len() < self.size {
+            true => Ok(0),
+            false => self.write(writer, lists),
+        }
+    }
+
+    /// Writes the last shard, which may have fewer frames.
+    pub(super) fn finish(&mut self, writer: &Writer<'_>, lists: &mut Lists) -> Result<usize, Failure> {
+        match self.rows.is_empty() {
+            true => Ok(0),
+            false => self.write(writer, lists),
+        }
+    }
+
+    fn write(&mut self, writer: &Writer<'_>, lists: &mut Lists) -> Result<usize, Failure> {
+        let rows = std::mem::take(&mut self.rows);
+        let values = rows.iter().map(|row| writer.order.values(row));
+        let values: Vec<Map<String, Value>> = values.collect();
+        let extension = if writer.format == Format::Parquet {
+            "parquet"
+        } else {
+            "tar"
+        };
+        let name = format!("{:06}.{extension}", self.written);
+        self.written += 1;
+        let path = self.folder.join(&name);
+        let note_path = path.with_file_name(format!(".{name}.done"));
+        let made_of = made_of(&values, writer.order.kinds);
+        let found: Option<Note> = read(&note_path).and_then(|note| serde_json::from_slice(&note).ok());
+        let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
+        let found = found.filter(|note| is_file && note.rows == made_of && note.places.len() == rows.len());
+        let kept = found.filter(|note| digest_of(&path).is_ok_and(|digest| digest == note.sha256));
+        let fetched = if kept.is_some() {
+            0
+        } else {
+            rows.len() * writer.order.kinds.len()
+        };
+        let note = match kept {
+            Some(note) => note,
+            None => {
+                let draft = draft_of(&path);
+                let file = create(&draft).with_context(|| format!("cannot write {}", path.display()))?;
+                let places = writer.write(&name, file, &rows)?;
+                let sha256 = digest_of(&draft)?;
+                fs::rename(&draft, &path).with_context(|| format!("cannot write {}", path.display()))?;
+                let note = Note {
+                    rows: made_of,
+                    sha256,
+                    places,
+                };
+                write(
+                    &note_path,
+                    serde_json::to_string(&note).context("a note is JSON")?.as_bytes(),
+                )?;
+                note
+            }
+        };
+        for (mut line, place) in values.into_iter().zip(note.places) {
+            // Ours come last: no column of the service may say where a file is.
+            line.extend(place);
+            lists.add(&Value::Object(line))?;
+        }
+        let below = self.folder.file_name().filter(|name| *name == parquet::FOLDER);
+        let above = below.map_or_else(String::new, |below| format!("{}/", below.display()));
+        lists.add_sum(&note.sha256, &format!("{above}{name}"))?;
+        Ok(fetched)
+    }
+}
+
+impl Writer<'_> {
+    /// Fetches frames and writes them into a file.
+    fn write(&self, name: &str, file: File, rows: &[Value]) -> Result<Vec<Map<String, Value>>, Failure> {
+        let mut chunks = rows.chunks(FETCHED_FRAMES);
+        let mut pull = || {
+            let chunk = chunks.next().unwrap_or_default();
+            let fetch = |row: &Value| {
+                let place = Place::of(row)?;
+                Ok(Member {
+                    values: self.order.values(row),
+                    files: self.order.fetch(row, &place)?,
+                    place,
+                })
+            };
+            self.threads.install(|| chunk.par_iter().map(fetch).collect())
+        };
+        match self.tables {
+            Some(write) => {
+                parquet::write(write, file, self.columns, self.order.kinds, &mut pull)?;
+                Ok(vec![parquet::place(name); rows.len()])
+            }
+            None => webdataset::write(name, file, self.order.kinds, &mut pull),
+        }
+    }
+}
+
+/// A digest over the columns of frames and the kinds of their files.
+fn made_of(values: &[Map<String, Value>], kinds: &[String]) -> String {
+    let rows = values.iter().map(|row| Value::Object(row.clone()).to_string());
+    let text: Vec<String> = std::iter::once(kinds.join(",")).chain(rows).collect();
+    spec::sha256(text.join("\n").as_bytes())
+}

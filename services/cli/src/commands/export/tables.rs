@@ -1,0 +1,66 @@
+//! What writes Parquet. `fathom-cluster` brings it: `fathom` itself does not hold that library.
+
+use std::fs::File;
+
+use cli::exit::Failure;
+use serde_json::Value;
+use spec::{LeafKind, Leaves};
+
+use super::selection::Column;
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableColumn {
+    pub name: String,
+    pub kind: CellKind,
+}
+
+/// What the cells of a column hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CellKind {
+    /// A scalar of a record.
+    Leaf(LeafKind),
+    Flag,
+    /// The bytes of a file.
+    File,
+}
+
+/// A row: its values by the names of their columns, and the files of the columns of files in their order.
+pub struct TableRow {
+    pub values: Value,
+    pub files: Vec<Vec<u8>>,
+}
+
+/// Writes rows, some at a time, until there are none.
+pub type WriteTable =
+    fn(File, &[TableColumn], &mut dyn FnMut() -> Result<Vec<TableRow>, Failure>) -> Result<(), Failure>;
+
+/// Columns whose numbers are whole though no declaration of a record says so.
+const WHOLE: [&str; 2] = ["frame", "created_ms"];
+
+/// The columns of a dataset as those of a table.
+pub(super) fn table_columns(columns: &[Column]) -> Vec<TableColumn> {
+    let leaves = Leaves::of_records().scalars;
+    let kind = |column: &Column| match column.kind.as_str() {
+        "bool" => CellKind::Flag,
+        "number" if WHOLE.contains(&column.name.as_str()) => CellKind::Leaf(LeafKind::Whole),
+        "number" => {
+            let leaf = leaves.iter().find(|leaf| leaf.name == column.name);
+            CellKind::Leaf(leaf.map_or(LeafKind::Number, |leaf| leaf.kind))
+        }
+        _ => CellKind::Leaf(LeafKind::Text),
+    };
+    let column = |column: &Column| TableColumn {
+        name: column.name.clone(),
+        kind: kind(column),
+    };
+    columns.iter().map(column).collect()
+}
+
+/// A column of texts.
+pub(super) fn text_column(name: &str) -> TableColumn {
+    TableColumn {
+        name: name.to_owned(),
+        kind: CellKind::Leaf(LeafKind::Text),
+    }
+}

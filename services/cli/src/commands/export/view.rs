@@ -1,0 +1,56 @@
+//! The camera of a frame: its intrinsics and where it was.
+
+use std::path::Path;
+
+use cli::exit::Failure;
+use serde_json::Value;
+use spec::{FrameRecord, Intrinsics};
+
+use super::frame::{Frame, RECORD, untrusted};
+use super::target::read;
+
+/// A pinhole camera in the world.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct View {
+    pub(super) width: u64,
+    pub(super) height: u64,
+    pub(super) intrinsics: Intrinsics,
+    /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world, meters.
+    pub(super) world_from_camera: [[f64; 4]; 4],
+}
+
+impl View {
+    /// The camera of a frame whose record is in a folder.
+    pub(super) fn read(folder: &Path, frame: &Frame) -> Result<Self, Failure> {
+        let name = frame.file(RECORD);
+        let record: FrameRecord = serde_json::from_slice(&read(&folder.join(name)).unwrap_or_default())
+            .map_err(|error| untrusted(format!("{name}, which is no record: {error}")))?;
+        let side = |name: &str| {
+            record
+                .parameters
+                .pointer(&format!("/camera/{name}"))
+                .and_then(Value::as_u64)
+        };
+        let pose = record.scene.as_ref().and_then(|scene| scene.world_from_camera);
+        match (side("width"), side("height"), record.scene.as_ref(), pose) {
+            (Some(width), Some(height), Some(scene), Some(world_from_camera)) => Ok(Self {
+                width,
+                height,
+                intrinsics: scene.intrinsics,
+                world_from_camera,
+            }),
+            _ => Err(Failure::BadInput(format!("{name} has no pose of its camera"))),
+        }
+    }
+
+    /// Columns of the rotation from camera axes to the world: right, down, ahead.
+    pub(super) fn axes(&self) -> [[f64; 3]; 3] {
+        let column = |at: usize| [0, 1, 2].map(|row| self.world_from_camera[row][at]);
+        [column(0), column(1), column(2)]
+    }
+
+    /// Where the camera was, meters.
+    pub(super) fn position(&self) -> [f64; 3] {
+        [0, 1, 2].map(|row| self.world_from_camera[row][3])
+    }
+}
