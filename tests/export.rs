@@ -1,12 +1,10 @@
 //! A service that lies gets nothing written outside of the folder of an export; splits keep scenes together.
 
 use std::collections::BTreeSet;
-use std::io::{BufRead, BufReader, Write};
-use std::net::{TcpListener, TcpStream};
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-use fathom_tests::{Service, run};
+use fathom_tests::{Service, run, scripted};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use tar::{EntryType, Header};
@@ -26,7 +24,6 @@ fn digest(bytes: &[u8]) -> String {
 }
 
 /// What a lying service sends.
-#[derive(Clone)]
 struct Lie {
     row: Value,
     archive: Vec<u8>,
@@ -55,44 +52,19 @@ fn honest() -> Lie {
     }
 }
 
-/// Serves a dataset `lies` of one image; the thread ends with the test.
+/// Serves a dataset `lies` of one image.
 fn serve(lie: Lie) -> String {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let url = format!("http://{}", listener.local_addr().expect("an address"));
-    std::thread::spawn(move || {
-        for stream in listener.incoming().flatten() {
-            let lie = lie.clone();
-            std::thread::spawn(move || while respond(&stream, &lie).is_some() {});
-        }
-    });
-    url
-}
-
-fn respond(mut stream: &TcpStream, lie: &Lie) -> Option<()> {
-    let mut lines = BufReader::new(stream).lines();
-    let path = lines.next()?.ok()?.split(' ').nth(1)?.to_owned();
-    lines
-        .find(|line| line.as_ref().is_ok_and(String::is_empty))?
-        .ok()?;
-    let columns =
-        ["job", "frame", "artifacts.rgb", "alpha", "mask_file_name"].map(|name| json!({"name": name}));
-    let body = match path.split('?').next()? {
-        "/v1/datasets/lies" => json!({"name": "lies", "columns": columns})
-            .to_string()
-            .into_bytes(),
-        "/v1/datasets/lies/stats" => json!({"groups": [{"count": 1}]}).to_string().into_bytes(),
-        "/v1/images" => json!({"items": [lie.row], "next_cursor": null})
-            .to_string()
-            .into_bytes(),
-        _ => lie.archive.clone(),
-    };
-    write!(
-        stream,
-        "HTTP/1.1 200 OK\r\ncontent-length: {}\r\n\r\n",
-        body.len()
-    )
-    .ok()?;
-    stream.write_all(&body).ok()
+    scripted::serve(move |path| {
+        let columns =
+            ["job", "frame", "artifacts.rgb", "alpha", "mask_file_name"].map(|name| json!({"name": name}));
+        let body = match path.split('?').next() {
+            Some("/v1/datasets/lies") => json!({"name": "lies", "columns": columns}),
+            Some("/v1/datasets/lies/stats") => json!({"groups": [{"count": 1}]}),
+            Some("/v1/images") => json!({"items": [lie.row], "next_cursor": null}),
+            _ => return (200, lie.archive.clone()),
+        };
+        (200, body.to_string().into_bytes())
+    })
 }
 
 /// Every path below a folder.

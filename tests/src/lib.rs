@@ -5,6 +5,7 @@ pub mod ending;
 pub mod forms;
 pub mod memory;
 pub mod onnx;
+pub mod scripted;
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;

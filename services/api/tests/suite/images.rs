@@ -178,6 +178,17 @@ fn artifacts_of_an_image_come_in_one_archive() {
     assert_eq!(found, kinds);
     let one = service.get(&format!("{image}/artifacts?kinds={}", kinds[0]));
     assert_eq!(tar::Archive::new(&one.body[..]).entries().unwrap().count(), 1);
+    let with_record = service.get(&format!("{image}/artifacts?kinds={}&record=true", kinds[0]));
+    assert_eq!(
+        with_record.header("content-length"),
+        with_record.body.len().to_string()
+    );
+    let mut archive = tar::Archive::new(&with_record.body[..]);
+    let mut entries = archive.entries().unwrap().map(Result::unwrap);
+    let first = entries.next().unwrap();
+    assert_eq!(first.path().unwrap().to_str(), Some("record.json"));
+    assert_eq!(serde_json::from_reader::<_, Value>(first).unwrap(), record);
+    assert_eq!(entries.count(), 1);
     let problem = service
         .get(&format!("{image}/artifacts?kinds={},nothing", kinds[0]))
         .problem(404, "not-found");

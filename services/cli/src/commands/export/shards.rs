@@ -14,8 +14,9 @@ use serde_json::{Map, Value};
 
 use super::archive::Unpacked;
 use super::format::Format;
-use super::frame::{Order, Place};
+use super::frame::Place;
 use super::lists::{Lists, digest_of};
+use super::order::Order;
 use super::selection::Column;
 use super::tables::WriteTable;
 use super::target::{create, draft_of, read, write};

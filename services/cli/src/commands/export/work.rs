@@ -1,0 +1,213 @@
+//! An export under way: rows come in, files go out, part by part.
+
+use anyhow::Context;
+use cli::classes::{Named, SceneClasses};
+use cli::exit::Failure;
+use rayon::prelude::*;
+use serde_json::Value;
+
+use super::Arguments;
+use super::class_numbers::ClassNumbers;
+use super::documents::Documents;
+use super::format::Format;
+use super::frame::{Frame, Place};
+use super::order::Order;
+use super::origins::Met;
+use super::part::{Body, Content, Finish, Part, Task};
+use super::selection::Selection;
+use super::sequences::Sequences;
+use super::shards::Writer;
+use super::tables::WriteTable;
+
+/// Concurrent downloads: enough to keep a local service busy, few enough to leave it room for others.
+const DOWNLOADS: usize = 4;
+
+/// An export under way.
+pub(super) struct Export<'a> {
+    arguments: &'a Arguments,
+    tables: Option<WriteTable>,
+    selection: &'a Selection,
+    order: Order<'a>,
+    threads: rayon::ThreadPool,
+    parts: Vec<Part>,
+    sequences: Sequences<'a>,
+    scenes: SceneClasses<'a>,
+    /// Classes under the numbers that they have in all parts.
+    classes: ClassNumbers,
+    met: Met,
+    images: u64,
+    fetched: usize,
+}
+
+impl<'a> Export<'a> {
+    /// Opens the folders of all parts.
+    pub(super) fn begin(
+        arguments: &'a Arguments,
+        selection: &'a Selection,
+        order: Order<'a>,
+        tables: Option<WriteTable>,
+    ) -> Result<Self, Failure> {
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(DOWNLOADS).build();
+        let names: Vec<Option<String>> = match &arguments.split {
+            Some(split) => split.names().map(|name| Some(name.to_owned())).collect(),
+            None => vec![None],
+        };
+        let shard_size = arguments.shard_size as usize;
+        let part = |name: Option<String>| Part::open(order.target, name, arguments.format, shard_size);
+        Ok(Self {
+            parts: names.into_iter().map(part).collect::<Result<_, _>>()?,
+            threads: threads.context("cannot start threads")?,
+            sequences: Sequences::new(order.remote, &arguments.dataset),
+            scenes: SceneClasses::new(order.remote),
+            classes: ClassNumbers::default(),
+            met: Met::default(),
+            images: 0,
+            fetched: 0,
+            arguments,
+            selection,
+            order,
+            tables,
+        })
+    }
+
+    /// Images so far.
+    pub(super) fn images(&self) -> u64 {
+        self.images
+    }
+
+    /// Takes the next rows, in the order of jobs and frames.
+    pub(super) fn take(&mut self, rows: Vec<Value>) -> Result<(), Failure> {
+        self.images += rows.len() as u64;
+        let has_classes = self
+            .selection
+            .kinds
+            .iter()
+            .any(|kind| kind == "semantics" || kind == "boxes");
+        for row in &rows {
+            self.met.add(row);
+            if has_classes {
+                let mut classes = Named::new();
+                self.scenes.add(row, &mut classes)?;
+                self.classes.add(&classes);
+                let part = self.part_of(row);
+                self.parts[part].add_classes(classes);
+            }
+        }
+        match self.arguments.format.is_sharded() {
+            true => self.gather(rows),
+            false => self.fetch(rows),
+        }
+    }
+
+    fn part_of(&self, row: &Value) -> usize {
+        let split = self.arguments.split.as_ref();
+        split.map_or(0, |split| split.part_of(row))
+    }
+
+    /// Adds rows to the shards of their parts.
+    fn gather(&mut self, rows: Vec<Value>) -> Result<(), Failure> {
+        for row in rows {
+            let part = self.part_of(&row);
+            let writer = writer(
+                &self.order,
+                &self.threads,
+                self.arguments.format,
+                self.selection,
+                self.tables,
+            );
+            let Part { body, lists, .. } = &mut self.parts[part];
+            if let Body::Shards(shards) = body {
+                self.fetched += shards.add(&writer, lists, row)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Fetches the files of frames into the folders of their parts.
+    fn fetch(&mut self, rows: Vec<Value>) -> Result<(), Failure> {
+        let format = self.arguments.format;
+        let needs_spots = format.needs_poses() || format == Format::Coco;
+        let mut tasks = Vec::with_capacity(rows.len());
+        for row in rows {
+            let place = Place::of(&row)?;
+            let spot = match needs_spots {
+                true => self.sequences.spot(&row, &place)?,
+                false => None,
+            };
+            tasks.push(Task {
+                part: self.part_of(&row),
+                home: Task::home(format, &place, spot.as_ref()),
+                row,
+                place,
+                spot,
+            });
+        }
+        let (parts, order) = (&self.parts, &self.order);
+        let fetch = |task: &Task| {
+            let part = &parts[task.part];
+            let frame = order.carry_out(&task.row, &task.place, part.name.as_deref(), &task.home)?;
+            let content = Content::read(format, &part.folder, &frame)?;
+            Ok((frame, content))
+        };
+        let frames: Result<Vec<(Frame, Content)>, Failure> =
+            self.threads.install(|| tasks.par_iter().map(fetch).collect());
+        for (task, (frame, content)) in tasks.iter().zip(frames?) {
+            self.fetched += frame.fetched;
+            let part = &mut self.parts[task.part];
+            part.add(self.order.target, task, &frame, content, &mut self.classes)?;
+        }
+        Ok(())
+    }
+
+    /// Completes all parts, and what describes them.
+    pub(super) fn finish(mut self) -> Result<(), Failure> {
+        let format = self.arguments.format;
+        let writer = writer(&self.order, &self.threads, format, self.selection, self.tables);
+        for Part { body, lists, .. } in &mut self.parts {
+            if let Body::Shards(shards) = body {
+                self.fetched += shards.finish(&writer, lists)?;
+            }
+        }
+        println!(
+            "{} images in {} ({} files fetched, the others were there)",
+            self.images,
+            self.order.target.root().display(),
+            self.fetched
+        );
+        let whole = Finish {
+            dataset: &self.arguments.dataset,
+            format,
+            target: self.order.target,
+            selection: self.selection,
+            classes: &self.classes,
+            tables: self.tables,
+        };
+        let rows = self.parts.iter_mut().map(|part| part.finish(&whole));
+        let rows = rows.collect::<Result<Vec<_>, _>>()?;
+        let documents = Documents {
+            arguments: self.arguments,
+            selection: self.selection,
+            target: self.order.target,
+            classes: &self.classes,
+            origins: &self.met.origins(self.order.remote)?,
+            rows: &rows,
+        };
+        documents.write(self.parts)
+    }
+}
+
+fn writer<'a>(
+    order: &'a Order<'a>,
+    threads: &'a rayon::ThreadPool,
+    format: Format,
+    selection: &'a Selection,
+    tables: Option<WriteTable>,
+) -> Writer<'a> {
+    Writer {
+        order,
+        threads,
+        format,
+        columns: &selection.columns,
+        tables,
+    }
+}
