@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import json
 import os
@@ -424,6 +425,12 @@ def test_clients_export(formats: str, tmp_path: Path, monkeypatch: pytest.Monkey
     with fathom.Client(formats, token="secret") as client:
         out = client.export("labeled", tmp_path / "out", format="webdataset", kinds=["rgb"], filter="frame < 3")
         assert len(fathom.open(out)) == 3
+
+        async def again() -> Path:
+            async with fathom.AsyncClient(formats, token="secret") as client:
+                return await client.export("labeled", tmp_path / "other", kinds=["rgb"])
+
+        assert len(fathom.open(asyncio.run(again()))) == 6
         with pytest.raises(fathom.CommandError, match="no dataset `nothing`") as caught:
             client.export("nothing", tmp_path / "none")
         assert caught.value.status == 2
