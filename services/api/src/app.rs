@@ -13,6 +13,7 @@ use crate::bytes::Bytes;
 use crate::bytes::sets::SetFiles;
 use crate::config::{Config, Surroundings};
 use crate::data::{Data, DataError};
+use crate::datasets::Datasets;
 use crate::http::auth::TokenError;
 use crate::images::Images;
 use crate::jobs::Jobs;
@@ -65,6 +66,7 @@ pub(crate) struct App {
     pub(crate) jobs: Arc<Jobs>,
     pub(crate) sets: Arc<Sets>,
     pub(crate) scenes: Arc<Scenes>,
+    pub(crate) datasets: Arc<Datasets>,
     pub(crate) waters: Arc<Waters>,
     pub(crate) styles: Arc<Styles>,
     pub(crate) pictures: Arc<Pictures>,
@@ -145,6 +147,12 @@ impl App {
             scenes: Arc::new(Scenes {
                 catalogue: Arc::clone(&catalogue),
                 bytes: Arc::clone(&bytes),
+                processes: Arc::clone(&processes),
+                clock: clock.clone(),
+            }),
+            datasets: Arc::new(Datasets {
+                catalogue: Arc::clone(&catalogue),
+                images: Arc::clone(&images),
                 processes: Arc::clone(&processes),
                 clock: clock.clone(),
             }),

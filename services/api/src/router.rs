@@ -96,6 +96,8 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(datasets::routes::dataset::list))
         .routes(routes!(datasets::routes::dataset::get))
         .routes(routes!(datasets::routes::stats::stats))
+        .routes(routes!(datasets::routes::versions::list))
+        .routes(routes!(datasets::routes::versions::get))
         .routes(routes!(datasets::routes::histogram::histogram))
         .routes(routes!(leases::routes::worker::list))
 }
@@ -126,6 +128,7 @@ fn submitting() -> OpenApiRouter<App> {
         .routes(routes!(jobs::routes::control::resume))
         .routes(routes!(jobs::routes::control::retry_failed))
         .routes(routes!(datasets::routes::dataset::delete))
+        .routes(routes!(datasets::routes::versions::delete))
         .routes(routes!(sets::routes::create::create))
         .routes(routes!(sets::routes::set::delete))
         .routes(routes!(waters::routes::create::create))
@@ -151,7 +154,10 @@ fn training() -> OpenApiRouter<App> {
 }
 
 fn verifying() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(images::routes::verify::verify))
+    OpenApiRouter::new()
+        .routes(routes!(images::routes::verify::verify))
+        .routes(routes!(datasets::routes::versions::seal))
+        .routes(routes!(datasets::routes::verify::verify))
 }
 
 fn computing() -> OpenApiRouter<App> {

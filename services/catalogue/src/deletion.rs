@@ -10,6 +10,7 @@ use sqlx::{AssertSqlSafe, Row};
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::types::Deleted;
+use crate::versions::refuse_sealed;
 
 /// Rows of one table that one transaction removes: some 20 ms of the writer's time.
 const SWEEP_ROWS: u32 = 1000;
@@ -19,7 +20,7 @@ impl Catalogue {
     /// [`Catalogue::sweep`].
     ///
     /// # Errors
-    /// [`CatalogueError::NotFound`].
+    /// [`CatalogueError::NotFound`]; [`CatalogueError::Sealed`].
     pub async fn delete_job(&self, id: &str) -> Result<Deleted, CatalogueError> {
         let id = id.to_owned();
         self.write(move |c| Box::pin(async move { hide_job(c, &id).await }))
@@ -29,7 +30,7 @@ impl Catalogue {
     /// Hides a dataset with all its jobs and images.
     ///
     /// # Errors
-    /// [`CatalogueError::NotFound`]; [`CatalogueError::Transition`] naming a job of it that has not ended.
+    /// [`CatalogueError::NotFound`]; [`CatalogueError::Transition`] naming a job of it that has not ended; [`CatalogueError::Sealed`].
     pub async fn delete_dataset(&self, name: &str) -> Result<Deleted, CatalogueError> {
         let name = name.to_owned();
         self.write(move |c| Box::pin(async move { hide_dataset(c, &name).await }))
@@ -73,6 +74,7 @@ async fn hide_job(connection: &mut SqliteConnection, id: &str) -> Result<Deleted
     .fetch_optional(&mut *connection)
     .await?;
     let job = found.ok_or_else(|| CatalogueError::not_found("job", id))?;
+    refuse_sealed(connection, id).await?;
     let (dataset, images, bytes): (String, i64, i64) = (job.try_get(0)?, job.try_get(1)?, job.try_get(2)?);
     sqlx::query("INSERT INTO deletions (job_id) VALUES (?)")
         .bind(id)

@@ -41,6 +41,24 @@ pub enum CatalogueError {
         /// How many more do.
         others: usize,
     },
+    /// A change of a job whose images are sealed.
+    #[error(
+        "job {job} is part of {version}, which is sealed: its images stay as they are; `fathom rm {version}` unseals it"
+    )]
+    Sealed {
+        /// The job.
+        job: String,
+        /// The sealed version.
+        version: String,
+    },
+    /// A dataset that cannot be sealed now.
+    #[error("dataset `{dataset}` {reason}")]
+    Unsealable {
+        /// The dataset.
+        dataset: String,
+        /// Why not.
+        reason: String,
+    },
     /// A change that makes no sense for a job whose frames are rendered elsewhere.
     #[error(
         "job {id} is imported from the set {set}, where its frames are rendered; here it can only be deleted"

@@ -81,8 +81,9 @@ impl NewImage {
     }
 }
 
-/// What the catalogue knows of an image before it is stored.
-type Known = (Option<String>, bool, bool);
+/// What the catalogue knows of an image before it is stored: the dataset of its job, whether it is there, whether its frame was
+/// given up, and whether its job is sealed.
+type Known = (Option<String>, bool, bool, bool);
 
 /// Stores images and returns what became of each.
 pub(crate) async fn insert(
@@ -94,10 +95,14 @@ pub(crate) async fn insert(
     let mut first = HashSet::new();
     let mut answers = Vec::with_capacity(images.len());
     let mut new = Vec::with_capacity(images.len());
-    for (&image, (dataset, there, was_given_up)) in images.iter().zip(known) {
+    for (&image, (dataset, there, was_given_up, is_sealed)) in images.iter().zip(known) {
         answers.push(match dataset {
             None => Err(CatalogueError::not_found("job", &image.job)),
             Some(_) if there || !first.insert((&image.job, image.frame)) => Ok(InsertImage::AlreadyThere),
+            Some(_) if is_sealed => Err(CatalogueError::Sealed {
+                job: image.job.clone(),
+                version: "a version of its dataset".to_owned(),
+            }),
             Some(dataset) => {
                 new.push((image, dataset, was_given_up));
                 Ok(InsertImage::Inserted)
@@ -109,7 +114,6 @@ pub(crate) async fn insert(
     Ok(answers)
 }
 
-/// For each image the dataset of its job, whether it is there, and whether its frame was given up.
 async fn known(
     connection: &mut SqliteConnection,
     images: &[&NewImage],
@@ -121,7 +125,8 @@ async fn known(
     let known = sqlx::query_as(
         "SELECT jobs.dataset,
                 EXISTS (SELECT 1 FROM images WHERE job_id = jobs.id AND frame = asked.value ->> 1),
-                EXISTS (SELECT 1 FROM failures WHERE job_id = jobs.id AND frame = asked.value ->> 1 AND quarantined = 1)
+                EXISTS (SELECT 1 FROM failures WHERE job_id = jobs.id AND frame = asked.value ->> 1 AND quarantined = 1),
+                EXISTS (SELECT 1 FROM version_jobs WHERE job_id = jobs.id)
          FROM json_each(?) asked LEFT JOIN jobs
               ON jobs.id = asked.value ->> 0 AND jobs.id NOT IN (SELECT job_id FROM deletions)
          ORDER BY asked.key",

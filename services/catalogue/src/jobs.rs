@@ -10,6 +10,7 @@ use crate::job_state::JobState;
 use crate::recovery;
 use crate::types::{InsertJob, JobRow, NewJob, OpenJob, Page, Retried};
 use crate::values::Cells;
+use crate::versions::{Scope, refuse_sealed};
 
 /// The columns of a [`JobRow`], as [`row`] reads them.
 macro_rules! columns {
@@ -186,18 +187,28 @@ async fn list(
         " FROM jobs WHERE id NOT IN (SELECT job_id FROM deletions)"
     )
     .to_owned();
+    let scope = dataset.as_deref().map(Scope::parse);
+    let version = scope.and_then(|scope| scope.version);
     let conditions = [
-        (dataset, " AND dataset = ?"),
-        (state, " AND state = ?"),
-        (before, " AND id < ?"),
+        (scope.map(|scope| scope.dataset), " AND dataset = ?"),
+        (state.as_deref(), " AND state = ?"),
+        (before.as_deref(), " AND id < ?"),
     ];
     for (value, condition) in &conditions {
         sql.push_str(if value.is_some() { condition } else { "" });
+    }
+    if version.is_some() {
+        sql.push_str(
+            " AND id IN (SELECT job_id FROM version_jobs v WHERE v.dataset = jobs.dataset AND version = ?)",
+        );
     }
     sql.push_str(" ORDER BY id DESC LIMIT ?");
     let mut statement = sqlx::query(AssertSqlSafe(sql));
     for value in conditions.into_iter().filter_map(|(value, _)| value) {
         statement = statement.bind(value);
+    }
+    if let Some(version) = version {
+        statement = statement.bind(version as i64);
     }
     let rows = statement.bind(i64::from(limit) + 1).fetch_all(connection).await?;
     let items = rows.iter().map(row).collect::<Result<Vec<_>, _>>()?;
@@ -244,6 +255,7 @@ async fn retry_failed(connection: &mut SqliteConnection, id: &str) -> Result<Ret
     if matches!(job.state, JobState::Cancelled | JobState::Done) {
         return Err(cannot_become(&job, "tried again"));
     }
+    refuse_sealed(connection, id).await?;
     let mut frames: Vec<i64> =
         sqlx::query_scalar("DELETE FROM failures WHERE job_id = ? AND quarantined = 1 RETURNING frame")
             .bind(id)

@@ -33,6 +33,7 @@ mod time;
 mod types;
 mod upkeep;
 mod values;
+mod versions;
 mod waters;
 mod writer;
 
@@ -51,4 +52,5 @@ pub use types::{
     ImportedArtifact, ImportedShard, InsertImage, InsertJob, JobRow, NamedDigest, NewJob, NewShard, OpenJob,
     Page, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
 };
+pub use versions::{SealedImage, VersionJob, VersionRow};
 pub use waters::WaterRow;

@@ -7,6 +7,7 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::Kind;
 use crate::types::ColumnInfo;
+use crate::versions::Scope;
 
 impl Catalogue {
     /// The columns of a dataset: those that every image has, its labels, the metrics of every picture that was
@@ -45,21 +46,24 @@ async fn names(
         connection,
         dataset,
         "SELECT DISTINCT label.key FROM jobs, json_each(jobs.spec, '$.labels') AS label
-         WHERE dataset = ? AND jobs.id NOT IN (SELECT job_id FROM deletions)",
+         WHERE dataset = ?1 AND jobs.id NOT IN (SELECT job_id FROM deletions)
+           AND (?2 IS NULL OR jobs.id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2))",
     );
     let labels = labels.await?;
     let subjects = distinct(
         connection,
         dataset,
         "SELECT DISTINCT subject FROM measurements WHERE job_id IN
-             (SELECT id FROM jobs WHERE dataset = ? AND id NOT IN (SELECT job_id FROM deletions))",
+             (SELECT id FROM jobs WHERE dataset = ?1 AND id NOT IN (SELECT job_id FROM deletions)
+                 AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2)))",
     );
     let subjects = subjects.await?;
     let kinds = distinct(
         connection,
         dataset,
         "SELECT DISTINCT kind FROM artifacts WHERE job_id IN
-             (SELECT id FROM jobs WHERE dataset = ? AND id NOT IN (SELECT job_id FROM deletions))",
+             (SELECT id FROM jobs WHERE dataset = ?1 AND id NOT IN (SELECT job_id FROM deletions)
+                 AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2)))",
     );
     let kinds = kinds.await?;
     let mut names = columns.names();
@@ -72,13 +76,15 @@ async fn names(
     Ok(names)
 }
 
-/// The names that a statement finds in a dataset, in order.
+/// The names that a statement finds in a dataset or a version of it, in order.
 async fn distinct(
     connection: &mut SqliteConnection,
     dataset: &str,
     sql: &'static str,
 ) -> Result<Vec<String>, CatalogueError> {
-    let names = sqlx::query_scalar(sql).bind(dataset);
+    let scope = Scope::parse(dataset);
+    let names = sqlx::query_scalar(sql).bind(scope.dataset);
+    let names = names.bind(scope.version.map(|version| version as i64));
     let mut names: Vec<String> = names.fetch_all(connection).await?;
     names.sort_unstable();
     Ok(names)

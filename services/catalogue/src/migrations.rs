@@ -5,7 +5,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 10] = [
+const FILES: [(&str, &str); 11] = [
     (
         "catalogue",
         include_str!("../../../migrations/0001_catalogue.sql"),
@@ -25,6 +25,7 @@ const FILES: [(&str, &str); 10] = [
         "descriptions",
         include_str!("../../../migrations/0010_descriptions.sql"),
     ),
+    ("versions", include_str!("../../../migrations/0011_versions.sql")),
 ];
 
 /// The migrator that brings any older catalogue up to date.

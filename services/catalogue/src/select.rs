@@ -10,6 +10,7 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::{self, Bind, Column, Join};
 use crate::values::{Statement, bound};
+use crate::versions::Scope;
 
 /// SQLite joins 64 tables at most; no image has as many pictures.
 const MOST_JOINS: usize = 32;
@@ -22,7 +23,7 @@ pub(crate) struct Select {
 }
 
 impl Select {
-    /// Columns of all images, or of those of a dataset, under a filter. More conditions may follow.
+    /// Columns of all images, or of those of a dataset or a sealed version of one, under a filter. More conditions may follow.
     pub(crate) fn new(
         columns: &Columns,
         selected: &[Column],
@@ -47,8 +48,7 @@ impl Select {
             sql.binds.extend(filter.binds);
         }
         if let Some(dataset) = dataset {
-            sql.push(" AND images.dataset = ?");
-            sql.bind(Bind::Text(dataset.to_owned()));
+            Scope::parse(dataset).restrict(&mut sql);
         }
         Ok(sql)
     }

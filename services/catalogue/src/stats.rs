@@ -15,6 +15,7 @@ use crate::groups::{GroupColumn, Key, MOST_GROUPS, compare_groups, keys};
 use crate::page::{column, double};
 use crate::select::Select;
 use crate::types::GroupStats;
+use crate::versions::Scope;
 
 /// What is asked for.
 struct Question<'a> {
@@ -195,10 +196,16 @@ pub(crate) async fn check_dataset(
     connection: &mut SqliteConnection,
     name: &str,
 ) -> Result<(), CatalogueError> {
-    let there: Option<i64> = sqlx::query_scalar("SELECT 1 FROM datasets WHERE name = ?")
-        .bind(name)
-        .fetch_optional(connection)
-        .await?;
+    let scope = Scope::parse(name);
+    let there = match scope.version {
+        None => sqlx::query_scalar("SELECT 1 FROM datasets WHERE name = ?").bind(name),
+        Some(version) => sqlx::query_scalar(
+            "SELECT 1 FROM versions WHERE dataset = ? AND version = ? AND unsealed_ms IS NULL",
+        )
+        .bind(scope.dataset)
+        .bind(version as i64),
+    };
+    let there: Option<i64> = there.fetch_optional(connection).await?;
     there
         .map(drop)
         .ok_or_else(|| CatalogueError::not_found("dataset", name))

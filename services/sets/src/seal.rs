@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
+use spec::MerkleTree;
 
 use crate::error::SetError;
 use crate::layout;
@@ -105,30 +105,12 @@ impl Set {
     }
 }
 
-/// Root of the Merkle tree over the markers in the order of their shards. Leaves and nodes are hashed apart (a leading 0
-/// or 1), and the last of an odd number goes up as it is, as in RFC 6962.
+/// Root of the Merkle tree over the markers in the order of their shards.
 fn root(markers: &[Marker]) -> Result<String, SetError> {
-    let leaf = |marker: &Marker| {
-        let text = serde_json::to_vec(marker)
-            .map_err(|error| SetError::Machine(format!("a marker cannot be written: {error}")))?;
-        Ok(Sha256::new()
-            .chain_update([0])
-            .chain_update(text)
-            .finalize()
-            .to_vec())
-    };
-    let mut level: Vec<Vec<u8>> = markers.iter().map(leaf).collect::<Result<_, SetError>>()?;
-    while level.len() > 1 {
-        let node = |pair: &[Vec<u8>]| match pair {
-            [left, right] => Sha256::new()
-                .chain_update([1])
-                .chain_update(left)
-                .chain_update(right)
-                .finalize()
-                .to_vec(),
-            single => single.concat(),
-        };
-        level = level.chunks(2).map(node).collect();
+    let mut tree = MerkleTree::default();
+    for marker in markers {
+        let text = serde_json::to_vec(marker);
+        tree.push(text.map_err(|error| SetError::Machine(format!("a marker cannot be written: {error}")))?);
     }
-    Ok(hex::encode(level.concat()))
+    Ok(tree.root())
 }

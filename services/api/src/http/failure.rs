@@ -20,8 +20,10 @@ impl From<CatalogueError> for Problem {
             CatalogueError::Cursor => Self::new(Slug::InvalidCursor, error.to_string()),
             CatalogueError::NotFound { .. } => Self::not_found(error.to_string()),
             CatalogueError::Full { .. } => storage_full(&error),
+            CatalogueError::Sealed { .. } => Self::new(Slug::Sealed, error.to_string()),
             CatalogueError::InUse { .. } => Self::new(Slug::InUse, error.to_string()),
             CatalogueError::Transition { .. }
+            | CatalogueError::Unsealable { .. }
             | CatalogueError::Imported { .. }
             | CatalogueError::Contradicted { .. } => Self::new(Slug::JobState, error.to_string()),
             CatalogueError::Timeout { .. } => Self::new(Slug::QueryTooSlow, error.to_string()),

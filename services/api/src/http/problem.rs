@@ -86,6 +86,8 @@ slugs! {
     NameTaken = "name-taken", CONFLICT, "The name is taken";
     /// Jobs need what is to be deleted; `detail` names one of them.
     InUse = "in-use", CONFLICT, "It is in use";
+    /// The images belong to a sealed version of their dataset, which never changes; unseal it first.
+    Sealed = "sealed", CONFLICT, "The images are sealed";
     /// What was asked for makes no sense for a job in this state, such as resuming one that has ended.
     JobState = "job-state", CONFLICT, "The job is in another state";
     /// The question needs longer than the limit; narrow it with a filter or a dataset.

@@ -45,7 +45,13 @@ impl Images {
         Ok(artifacts)
     }
 
-    async fn artifact(&self, job: &str, frame: u64, kind: &str) -> Result<StoredArtifact, Problem> {
+    /// An artifact of an image.
+    pub(crate) async fn artifact(
+        &self,
+        job: &str,
+        frame: u64,
+        kind: &str,
+    ) -> Result<StoredArtifact, Problem> {
         let entry = self.catalogue.artifact(job, frame, kind).await?;
         entry.ok_or_else(|| Problem::not_found(format!("no artifact `{kind}` of image `{job}/{frame}`")))
     }

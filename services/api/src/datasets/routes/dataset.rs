@@ -23,7 +23,7 @@ pub(crate) struct DatasetDetail {
     columns: Vec<ColumnInfo>,
 }
 
-/// See a dataset: its counts, bytes and columns.
+/// See a dataset, or a sealed version such as `tour@1`: its counts, bytes and columns.
 #[utoipa::path(get, path = "/v1/datasets/{name}", tag = "datasets", operation_id = "get_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 200, description = "The dataset.", body = DatasetDetail)))]
@@ -38,13 +38,12 @@ pub(crate) async fn get(
 
 /// A dataset that exists.
 pub(super) async fn row(catalogue: &Catalogue, name: &str) -> Result<DatasetRow, Problem> {
-    let mut rows = catalogue.datasets().await?.into_iter();
-    found(rows.find(|row| row.name == name), "dataset", name)
+    found(catalogue.dataset(name).await?, "dataset", name)
 }
 
 /// Delete a dataset with all its jobs and images.
 ///
-/// Jobs that have not ended keep it: cancel them first. The space comes back in the background. Scenes stay.
+/// Jobs that have not ended keep it: cancel them first. Sealed versions keep it: unseal them first. The space comes back in the background. Scenes stay.
 #[utoipa::path(delete, path = "/v1/datasets/{name}", tag = "datasets", operation_id = "delete_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 200, description = "It is gone.", body = Deleted),

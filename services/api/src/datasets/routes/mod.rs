@@ -4,3 +4,5 @@ pub(crate) mod dataset;
 pub(crate) mod histogram;
 pub(crate) mod metadata;
 pub(crate) mod stats;
+pub(crate) mod verify;
+pub(crate) mod versions;

@@ -133,7 +133,7 @@ async fn compared(
 }
 
 /// Whether the bytes of an artifact are what was stored, and the bytes if they are.
-async fn condition(
+pub(crate) async fn condition(
     images: &Images,
     artifact: &StoredArtifact,
 ) -> Result<(StoredBytes, Option<Vec<u8>>), Problem> {

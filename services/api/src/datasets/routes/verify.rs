@@ -1,0 +1,195 @@
+//! `POST /v1/datasets/{name}/versions/{version}/verify`.
+
+use catalogue::{SealedImage, VersionJob};
+use serde::{Deserialize, Serialize};
+use spec::{FrameRecord, MerkleTree};
+use utoipa::ToSchema;
+
+use crate::datasets::Datasets;
+use crate::http::{Json, JsonBytes, Path, Problem, Slug, State, Topic};
+use crate::images::routes::verify::{StoredBytes, condition};
+use crate::limits::RECORDS_BATCH;
+
+/// Most damaged images that an answer names.
+const MOST_NAMED: usize = 100;
+
+/// What to verify.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(as = VersionWish)]
+pub(crate) struct Wish {
+    /// Also read the bytes of every artifact and hash them.
+    #[serde(default)]
+    #[schema(default = false)]
+    bytes: bool,
+}
+
+/// Something about an image that is not as it was sealed.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct DamagedImage {
+    /// Its job.
+    job: String,
+    /// Its frame; null: the images of the job as a whole.
+    frame: Option<u64>,
+    /// What is wrong.
+    reason: String,
+}
+
+/// What was found.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct VerifiedVersion {
+    /// Whether everything is as it was sealed.
+    intact: bool,
+    /// The root that was sealed.
+    root: String,
+    /// The root that follows from the records of the images now.
+    computed: String,
+    /// Images whose records were read.
+    images: u64,
+    /// Artifacts whose bytes were read.
+    artifacts: u64,
+    /// Number of findings.
+    damages: u64,
+    /// The first 100 of them.
+    damaged: Vec<DamagedImage>,
+}
+
+/// Verify a sealed version: compute its root again from the records of its images.
+///
+/// Each record is compared with the digest and the list of artifacts that the catalogue has beside it, and with `bytes` every artifact with its
+/// digest, which takes as long as reading all of them: at most five minutes.
+#[utoipa::path(post, path = "/v1/datasets/{name}/versions/{version}/verify", tag = "datasets", operation_id = "verify_version",
+    params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
+    request_body(content = Wish, content_type = "application/json"),
+    responses((status = 200, description = "What was found.", body = VerifiedVersion)))]
+pub(crate) async fn verify(
+    State(datasets): Topic<Datasets>,
+    Path((name, version)): Path<(String, u64)>,
+    JsonBytes(body): JsonBytes,
+) -> Result<Json<VerifiedVersion>, Problem> {
+    let wish: Wish =
+        serde_json::from_slice(&body).map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
+    let row = datasets.version(&name, version).await?;
+    let mut found = VerifiedVersion {
+        intact: true,
+        root: row.root,
+        computed: String::new(),
+        images: 0,
+        artifacts: 0,
+        damages: 0,
+        damaged: Vec::new(),
+    };
+    let mut tree = MerkleTree::default();
+    for job in datasets.catalogue.version_jobs(&name, version).await? {
+        let computed = found.job(&datasets, &job, wish.bytes).await?;
+        if computed != job.root {
+            found.add(
+                &job,
+                None,
+                "its images have another root than was sealed".to_owned(),
+            );
+        }
+        tree.push(computed);
+    }
+    found.computed = tree.root();
+    found.intact = found.damages == 0 && found.computed == found.root;
+    Ok(Json(found))
+}
+
+impl VerifiedVersion {
+    /// Verifies the images of a job and returns their root.
+    async fn job(&mut self, datasets: &Datasets, job: &VersionJob, bytes: bool) -> Result<String, Problem> {
+        let (mut tree, mut after) = (MerkleTree::default(), None);
+        loop {
+            let images = datasets
+                .catalogue
+                .sealed_images(&job.id, after, RECORDS_BATCH)
+                .await?;
+            let Some(last) = images.last() else { break };
+            after = Some(last.frame);
+            let check = move || images.iter().map(Checked::new).collect::<Vec<_>>();
+            for image in datasets.processes.compute.run(check).await? {
+                self.images += 1;
+                tree.push(&image.digest);
+                for reason in image.wrong {
+                    self.add(job, Some(image.frame), reason);
+                }
+                for kind in image.kinds.iter().filter(|_| bytes) {
+                    self.artifact(datasets, job, image.frame, kind).await?;
+                }
+            }
+        }
+        Ok(tree.root())
+    }
+
+    async fn artifact(
+        &mut self,
+        datasets: &Datasets,
+        job: &VersionJob,
+        frame: u64,
+        kind: &str,
+    ) -> Result<(), Problem> {
+        self.artifacts += 1;
+        let stored = datasets.images.artifact(&job.id, frame, kind).await?;
+        let what = match condition(&datasets.images, &stored).await?.0 {
+            StoredBytes::Good => return Ok(()),
+            StoredBytes::Corrupt => "damaged",
+            StoredBytes::Missing => "missing",
+        };
+        self.add(job, Some(frame), format!("the bytes of `{kind}` are {what}"));
+        Ok(())
+    }
+
+    fn add(&mut self, job: &VersionJob, frame: Option<u64>, reason: String) {
+        self.damages += 1;
+        if self.damaged.len() < MOST_NAMED {
+            let job = job.id.clone();
+            self.damaged.push(DamagedImage { job, frame, reason });
+        }
+    }
+}
+
+/// An image, with what its record says.
+struct Checked {
+    frame: u64,
+    /// As the record has it.
+    digest: String,
+    /// Its artifacts.
+    kinds: Vec<String>,
+    wrong: Vec<String>,
+}
+
+impl Checked {
+    fn new(image: &SealedImage) -> Self {
+        let kinds = image.artifacts.iter().map(|(kind, _)| kind.clone()).collect();
+        let mut wrong = Vec::new();
+        let digest = match serde_json::from_str::<FrameRecord>(&image.record) {
+            Ok(record) => {
+                let mut artifacts = record
+                    .artifacts
+                    .iter()
+                    .map(|entry| (&entry.kind, &entry.digest))
+                    .collect::<Vec<_>>();
+                artifacts.sort_unstable();
+                let stored = image.artifacts.iter().map(|(kind, digest)| (kind, digest));
+                if !stored.eq(artifacts) {
+                    wrong.push("its artifacts are not those of its record".to_owned());
+                }
+                record.digest()
+            }
+            Err(error) => {
+                wrong.push(format!("its record cannot be read: {error}"));
+                String::new()
+            }
+        };
+        if digest != image.digest && wrong.is_empty() {
+            wrong.push("its record has another digest than its row".to_owned());
+        }
+        Self {
+            frame: image.frame,
+            digest,
+            kinds,
+            wrong,
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! `GET` and `POST /v1/datasets/{name}/versions`; `GET` and `DELETE /v1/datasets/{name}/versions/{version}`.
+
+use axum::http::StatusCode;
+use catalogue::{Page, VersionJob, VersionRow};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::datasets::Datasets;
+use crate::http::located::{Located, created, located};
+use crate::http::{Json, Path, Problem, State, Topic};
+
+/// List the sealed versions of a dataset, all on one page, the oldest first.
+#[utoipa::path(get, path = "/v1/datasets/{name}/versions", tag = "datasets", operation_id = "list_versions",
+    params(("name" = String, Path, description = "Name of the dataset")),
+    responses((status = 200, description = "Its versions.", body = Page<VersionRow>)))]
+pub(crate) async fn list(
+    State(datasets): Topic<Datasets>,
+    Path(name): Path<String>,
+) -> Result<Json<Page<VersionRow>>, Problem> {
+    super::dataset::row(&datasets.catalogue, &name).await?;
+    Ok(Json(Page::whole(datasets.catalogue.versions(&name).await?)))
+}
+
+/// Seal a dataset: what it has now becomes its next version, `NAME@1`, `NAME@2` and so on.
+///
+/// All of its jobs must have ended. The version can be named wherever a dataset is asked for. Its images can be neither deleted nor
+/// added to until it is unsealed; the dataset itself may grow. A dataset that has not changed since it was sealed keeps
+/// its version.
+#[utoipa::path(post, path = "/v1/datasets/{name}/versions", tag = "datasets", operation_id = "seal_dataset",
+    params(("name" = String, Path, description = "Name of the dataset")),
+    responses((status = 201, description = "Sealed; `Location` is the version.", body = VersionRow),
+              (status = 200, description = "It was sealed before and has not changed since.", body = VersionRow),
+              (status = 409, response = crate::openapi::Problem)))]
+pub(crate) async fn seal(
+    State(datasets): Topic<Datasets>,
+    Path(name): Path<String>,
+) -> Result<Located<VersionRow>, Problem> {
+    let (row, is_new) = datasets.seal(name).await?;
+    let location = format!("/v1/datasets/{}/versions/{}", row.dataset, row.version);
+    Ok(located(created(is_new), location, row))
+}
+
+/// A sealed version with its jobs.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct VersionDetail {
+    #[serde(flatten)]
+    version: VersionRow,
+    /// Its jobs in the order of the root: by the digests of their descriptions.
+    parts: Vec<VersionJob>,
+}
+
+/// See a sealed version: its root, and the descriptions from which its images follow.
+#[utoipa::path(get, path = "/v1/datasets/{name}/versions/{version}", tag = "datasets", operation_id = "get_version",
+    params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
+    responses((status = 200, description = "The version.", body = VersionDetail)))]
+pub(crate) async fn get(
+    State(datasets): Topic<Datasets>,
+    Path((name, version)): Path<(String, u64)>,
+) -> Result<Json<VersionDetail>, Problem> {
+    Ok(Json(VersionDetail {
+        version: datasets.version(&name, version).await?,
+        parts: datasets.catalogue.version_jobs(&name, version).await?,
+    }))
+}
+
+/// Unseal a version. Its images stay, but may change and go from now on; its number is not used again.
+#[utoipa::path(delete, path = "/v1/datasets/{name}/versions/{version}", tag = "datasets", operation_id = "unseal_version",
+    params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
+    responses((status = 204, description = "It is unsealed.")))]
+pub(crate) async fn delete(
+    State(datasets): Topic<Datasets>,
+    Path((name, version)): Path<(String, u64)>,
+) -> Result<StatusCode, Problem> {
+    datasets.unseal(&name, version).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
