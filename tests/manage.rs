@@ -95,6 +95,104 @@ fn frames_that_failed_are_listed_with_reasons_and_tried_again() {
 }
 
 #[test]
+fn a_dataset_is_sealed_verified_compared_and_unsealed() {
+    let folder = temporary();
+    let service = Service::start(&folder.path().join("data"), &["--workers", "1", "--slots", "2"]);
+    let done = |job: &Value| service.finished(&service.submit(job))["id"].clone();
+    let id = done(&job("tour", 4));
+    let sealed = printed(&service, &["seal", "tour"]);
+    assert!(sealed.starts_with("tour@1 · 4 images of 1 jobs"), "{sealed}");
+    let root = sealed
+        .lines()
+        .nth(1)
+        .and_then(|line| line.strip_prefix("root "))
+        .expect("a root");
+    let verified = printed(&service, &["verify", "tour@1", "--bytes"]);
+    assert!(
+        verified.contains("4 records and the bytes of 4 artifacts read"),
+        "{verified}"
+    );
+    assert!(verified.contains(&format!("computed root {root}")), "{verified}");
+
+    // The same job again says that its images are there; another one makes the dataset grow.
+    let spec = folder.path().join("job.json");
+    std::fs::write(&spec, job("tour", 4).to_string()).expect("a writable folder");
+    let again = call(&service, &["submit", spec.to_str().expect("text"), "--json"]);
+    let told = text(&again.stderr);
+    assert!(
+        told.contains("has every image of this description already"),
+        "{told}"
+    );
+    assert_eq!(
+        serde_json::from_slice::<Value>(&again.stdout).expect("JSON")["id"],
+        id
+    );
+    let _more = done(&job("tour", 6));
+    assert!(printed(&service, &["seal", "tour"]).starts_with("tour@2 · 10 images of 2 jobs"));
+    assert!(printed(&service, &["datasets", "tour"]).contains(root));
+    assert_eq!(
+        lines(&service, &["query", "--dataset", "tour@1", "--json"]).len(),
+        4
+    );
+    let out = folder.path().join("out");
+    let out = out.to_str().expect("text");
+    let exported = printed(&service, &["export", "tour@1", "--kinds", "rgb", "--out", out]);
+    assert!(Path::new(out).join("metadata.jsonl").is_file(), "{exported}");
+    let metadata = std::fs::read_to_string(Path::new(out).join("metadata.jsonl")).expect("metadata");
+    assert_eq!(metadata.lines().count(), 4);
+
+    let beside = printed(
+        &service,
+        &[
+            "stats",
+            "tour@1",
+            "tour@2",
+            "--metrics",
+            "uiqm",
+            "--by",
+            "frame:4",
+        ],
+    );
+    let cells: Vec<Vec<&str>> = beside
+        .lines()
+        .skip(2)
+        .map(|line| line.split_whitespace().collect())
+        .collect();
+    assert_eq!((cells[0][2], cells[0][6]), ("4", "8"), "{beside}");
+    assert_eq!((cells[1][2], cells[1][6]), ("–", "2"), "{beside}");
+
+    let refused = call(&service, &["rm", "tour", "--yes"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        text(&refused.stderr).contains("`fathom rm tour@"),
+        "{}",
+        text(&refused.stderr)
+    );
+    let unsealed = printed(&service, &["rm", "tour@1", "tour@2", "--yes"]);
+    assert!(
+        unsealed.contains("deleted the seal of tour@1 (its 4 images stay)"),
+        "{unsealed}"
+    );
+    assert!(printed(&service, &["rm", "tour", "--yes"]).contains("10 images"));
+    for (words, said) in [
+        (&["seal", "tour@1"][..], "name of a version"),
+        (
+            &["verify", "tour"],
+            "a set is written with a slash, such as ./tour",
+        ),
+        (&["verify", "tour@1"], "no sealed version `tour@1`"),
+    ] {
+        let output = call(&service, words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        assert!(
+            text(&output.stderr).contains(said),
+            "{words:?}: {}",
+            text(&output.stderr)
+        );
+    }
+}
+
+#[test]
 fn unknown_names_exit_with_two_and_name_the_nearest() {
     let folder = temporary();
     let service = Service::start(&folder.path().join("data"), &["--workers", "0"]);

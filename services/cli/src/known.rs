@@ -14,9 +14,12 @@ pub fn job(remote: &Remote, id: &str) -> Result<Value, Failure> {
     found.map_or_else(|| Err(unknown_job(remote, id)?), Ok)
 }
 
-/// The dataset of this name, with its columns.
+/// The dataset or sealed version of this name, with its columns.
 pub fn dataset(remote: &Remote, name: &str) -> Result<Value, Failure> {
     let found = remote.find(&format!("/v1/datasets/{}", encode(name)))?;
+    if let (None, Some(Version { dataset, .. })) = (&found, version(name)) {
+        return Err(unknown_version(remote, dataset, name)?);
+    }
     found.map_or_else(|| Err(unknown_named(remote, "dataset", name)?), Ok)
 }
 
@@ -32,6 +35,19 @@ pub fn collection(remote: &Remote, name: &str) -> Result<Vec<Value>, Failure> {
         Some(page) => Ok(items(&page).to_vec()),
         None => Err(unknown_named(remote, "collection", name)?),
     }
+}
+
+/// A sealed version by its name.
+pub struct Version<'a> {
+    pub dataset: &'a str,
+    pub number: &'a str,
+}
+
+/// Reads a name such as `tour@1`; none for that of a dataset, which has no `@`.
+pub fn version(name: &str) -> Option<Version<'_>> {
+    let (dataset, number) = name.rsplit_once('@')?;
+    let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then_some(Version { dataset, number })
 }
 
 fn unknown_job(remote: &Remote, id: &str) -> Result<Failure, Failure> {
@@ -58,6 +74,21 @@ fn unknown_job(remote: &Remote, id: &str) -> Result<Failure, Failure> {
         &ids,
         &listed,
     ))
+}
+
+/// A version that is not there, of a dataset that may be.
+fn unknown_version(remote: &Remote, dataset: &str, name: &str) -> Result<Failure, Failure> {
+    let Some(page) = remote.find(&format!("/v1/datasets/{}/versions", encode(dataset)))? else {
+        return unknown_named(remote, "dataset", dataset);
+    };
+    let names = items(&page).iter().filter_map(|row| row["name"].as_str());
+    let names: Vec<String> = names.map(str::to_owned).collect();
+    let wanted = Named {
+        what: "sealed version",
+        kind: "sealed versions",
+        name,
+    };
+    Ok(unknown(&wanted, &names, &names))
 }
 
 /// A dataset or collection that is not there.

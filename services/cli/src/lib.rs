@@ -22,6 +22,7 @@ pub mod known;
 pub mod progress;
 pub mod remote;
 pub mod render;
+pub mod seal;
 pub mod sheet;
 pub mod signals;
 pub mod styles;

@@ -23,4 +23,5 @@ mod space;
 mod streams;
 mod styles;
 mod suspended;
+mod versions;
 mod waters;

@@ -17,3 +17,4 @@ mod questions;
 mod scale;
 mod upgrade;
 mod upkeep;
+mod versions;

@@ -1,14 +1,16 @@
-//! `fathom datasets`: lists the datasets of a service.
+//! `fathom datasets`: lists the datasets of a service, and the sealed versions of one.
 
 use cli::exit::Failure;
-use cli::known::items;
-use cli::remote::{Remote, ServerArguments};
+use cli::known::{self, items};
+use cli::remote::{Remote, ServerArguments, encode};
 use cli::table::table_of;
 
 /// Options of `fathom datasets`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Print one JSON object per dataset
+    /// List the sealed versions of this dataset
+    dataset: Option<String>,
+    /// Print one JSON object per dataset or version
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -17,13 +19,24 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let page = Remote::new(&arguments.server).get("/v1/datasets")?;
-    let datasets = items(&page);
+    let remote = Remote::new(&arguments.server);
+    let (page, more, what) = match &arguments.dataset {
+        Some(name) => {
+            known::dataset(&remote, name)?;
+            let page = remote.get(&format!("/v1/datasets/{}/versions", encode(name)))?;
+            (page, &["created_at", "root"][..], "sealed versions")
+        }
+        None => (remote.get("/v1/datasets")?, &[][..], "datasets"),
+    };
+    let rows = items(&page);
     if arguments.json {
-        datasets.iter().for_each(|dataset| println!("{dataset}"));
+        rows.iter().for_each(|row| println!("{row}"));
         return Ok(());
     }
-    println!("{}", table_of(&["name", "images", "bytes", "jobs"], datasets));
-    println!("{} datasets", datasets.len());
+    println!(
+        "{}",
+        table_of(&[&["name", "images", "bytes", "jobs"], more].concat(), rows)
+    );
+    println!("{} {what}", rows.len());
     Ok(())
 }

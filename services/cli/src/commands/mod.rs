@@ -21,6 +21,7 @@ mod rerender;
 mod rm;
 mod scenes;
 pub mod scrub;
+mod seal;
 pub mod serve;
 mod sheet;
 mod stats;
@@ -29,6 +30,7 @@ mod submit;
 pub(crate) mod topics;
 mod train;
 mod upload;
+mod verify;
 mod wait;
 mod waters;
 mod worker;
@@ -48,12 +50,12 @@ pub(crate) enum Command {
     Render(cli::render::Arguments),
     /// Show how much of a set is done
     Status(cluster::Arguments),
-    /// Read a set again and compare it with its markers
-    Verify(cluster::Arguments),
+    /// Read a sealed dataset or a set again and compare it with what it was
+    Verify(cli::seal::VerifyArguments),
     /// Show the images of a set in a service, whose bytes stay where they are
     Import(cli::import::Arguments),
-    /// Write the manifest of a complete set
-    Seal(cluster::Arguments),
+    /// Seal a dataset as a version that never changes, or a set with its manifest
+    Seal(cli::seal::SealArguments),
     /// Remove files of a set that belong to no shard
     Gc(cluster::Arguments),
     /// Show how a frame would be rendered: variant, error bound and cost of each stage
@@ -128,7 +130,9 @@ impl Command {
             Self::Serve(arguments) => serve::run(arguments, None),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),
-            Self::Status(_) | Self::Verify(_) | Self::Seal(_) | Self::Gc(_) => cluster::hand_over(),
+            Self::Status(_) | Self::Gc(_) => cluster::hand_over(),
+            Self::Seal(arguments) => seal::run(&arguments),
+            Self::Verify(arguments) => verify::run(&arguments),
             Self::Import(arguments) => import::run(&arguments),
             Self::Plan(arguments) => plan::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),

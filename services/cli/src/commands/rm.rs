@@ -4,7 +4,7 @@ use std::io::{BufRead, IsTerminal, Write};
 
 use anyhow::Context;
 use cli::exit::Failure;
-use cli::known;
+use cli::known::{self, Version};
 use cli::remote::{Remote, ServerArguments, encode};
 use cli::table::cell;
 use serde_json::Value;
@@ -12,7 +12,8 @@ use serde_json::Value;
 /// Options of `fathom rm`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Jobs and datasets to delete with all their images, and scenes that no job uses
+    /// Jobs and datasets to delete with all their images, and scenes that no job uses; of a version such as tour@1 the seal goes,
+    /// and its images stay
     #[arg(required_unless_present = "collection", value_name = "JOB|DATASET|SCENE")]
     names: Vec<String>,
     /// A collection to delete; its scenes stay
@@ -80,6 +81,13 @@ fn target(remote: &Remote, name: &str) -> Result<Target, Failure> {
         });
     }
     let dataset = known::dataset(remote, name)?;
+    if let Some(Version { dataset: of, number }) = known::version(name) {
+        let images = cell(&dataset["images"]);
+        return Ok(Target {
+            path: format!("/v1/datasets/{}/versions/{number}", encode(of)),
+            described: format!("the seal of {name} (its {images} images stay)"),
+        });
+    }
     let count = |name: &str| dataset.get(name).and_then(Value::as_u64).unwrap_or_default();
     Ok(Target {
         path: format!("/v1/datasets/{}", encode(name)),

@@ -62,15 +62,15 @@ const TOPICS: &[Topic] = &[
                 "fathom upload quay.png --range quay.range.png --unit-m 0.001 --invalid-code 0",
             ),
             ("rm", "fathom rm tour --yes"),
+            ("seal", "fathom seal tour"),
+            ("verify", "fathom verify tour@1"),
         ],
     },
     Topic {
         title: "Set commands",
         commands: &[
             ("status", "fathom status s3://bucket/set"),
-            ("verify", "fathom verify s3://bucket/set"),
             ("import", "fathom import s3://bucket/set --server --wait"),
-            ("seal", "fathom seal s3://bucket/set"),
             ("gc", "fathom gc s3://bucket/set"),
         ],
     },

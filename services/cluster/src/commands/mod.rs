@@ -28,7 +28,7 @@ pub(crate) enum Command {
     /// Show how much of a set is done
     Status(status::Arguments),
     /// Read a set again and compare it with its markers
-    Verify(verify::Arguments),
+    Verify(cli::seal::VerifyArguments),
     /// Show the images of a set in a service, whose bytes stay where they are
     Import(cli::import::Arguments),
     /// Start the service, also over a data folder with images of a set in a bucket
@@ -36,7 +36,7 @@ pub(crate) enum Command {
     /// Verify everything a stopped service has stored, also images of a set in a bucket
     Scrub(cli::scrub::Arguments),
     /// Write the manifest of a set that is complete
-    Seal(seal::Arguments),
+    Seal(cli::seal::SealArguments),
     /// Remove files that belong to no shard
     Gc(gc::Arguments),
     /// Read a set for the service that imports it

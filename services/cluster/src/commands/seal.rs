@@ -2,24 +2,15 @@
 
 use anyhow::Context;
 use cli::exit::Failure;
-use cli::styles::StyleArguments;
+use cli::seal::SealArguments;
 use optics::preset::presets;
 use sets::{Set, Source};
 
 use super::{failure, open};
 
-/// Options of `fathom seal`.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Folder or s3://BUCKET/PREFIX
-    set: String,
-    #[command(flatten)]
-    style: StyleArguments,
-}
-
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let set = open(&arguments.set)?;
+pub(crate) fn run(arguments: &SealArguments) -> Result<(), Failure> {
+    let set = open(&arguments.what)?;
     let mut sources = waters(&set);
     sources.extend(styles(&set, arguments)?);
     let manifest = set.seal(sources).map_err(failure)?;
@@ -44,7 +35,7 @@ fn waters(set: &Set) -> Vec<Source> {
     named.map(source).collect()
 }
 
-fn styles(set: &Set, arguments: &Arguments) -> Result<Vec<Source>, Failure> {
+fn styles(set: &Set, arguments: &SealArguments) -> Result<Vec<Source>, Failure> {
     let library = arguments.style.library()?;
     let source = |name: String| {
         let card = library.get(&name).map(|model| model.card.clone());

@@ -2,33 +2,15 @@
 
 use cli::exit::Failure;
 use cli::progress::Progress;
-use cli::render::LimitArguments;
-use cli::styles::StyleArguments;
+use cli::seal::VerifyArguments;
 use sets::{Crew, Set};
 
 use super::render::recipe;
 use super::{failure, open};
 
-/// Options of `fathom verify`.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Folder or s3://BUCKET/PREFIX
-    set: String,
-    /// Read only so many shards, spread over the set
-    #[arg(long, value_name = "SHARDS")]
-    sample: Option<u64>,
-    /// Render so many frames again, spread over the set, and compare them
-    #[arg(long, value_name = "FRAMES", default_value_t = 0)]
-    render: u64,
-    #[command(flatten)]
-    style: StyleArguments,
-    #[command(flatten)]
-    limits: LimitArguments,
-}
-
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let set = open(&arguments.set)?;
+pub(crate) fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
+    let set = open(&arguments.what)?;
     let done = set.done().map_err(failure)?;
     let shards = spread(&done, arguments.sample.unwrap_or(done.len() as u64));
     let mut progress = Progress::new("verify", "shards", shards.len() as u64);
@@ -62,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-fn render(arguments: &Arguments, set: &Set, done: &[u64]) -> Result<Vec<String>, Failure> {
+fn render(arguments: &VerifyArguments, set: &Set, done: &[u64]) -> Result<Vec<String>, Failure> {
     let mut crew = Crew::new(recipe(&arguments.style, 1, &arguments.limits)?, set.job());
     let frames: Vec<u64> = done
         .iter()
