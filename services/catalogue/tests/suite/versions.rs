@@ -29,10 +29,8 @@ impl Fixture {
         };
         self.catalogue.insert_job(job).await.unwrap();
         for frame in 0..frames {
-            let image = self
-                .catalogue
-                .insert_image(id, &synthetic::record(of, frame), 2000);
-            image.await.unwrap();
+            let record = synthetic::record(of, frame);
+            self.catalogue.insert_image(id, &record, 2000).await.unwrap();
         }
     }
 
