@@ -48,7 +48,7 @@ impl Select {
             sql.binds.extend(filter.binds);
         }
         if let Some(dataset) = dataset {
-            Scope::parse(dataset).restrict(&mut sql);
+            sql.restrict(Scope::parse(dataset));
         }
         Ok(sql)
     }
@@ -76,6 +76,19 @@ impl Select {
             }
         }
         Ok(())
+    }
+
+    /// Only images of a dataset, or of a sealed version of it.
+    fn restrict(&mut self, scope: Scope<'_>) {
+        self.push(" AND images.dataset = ?");
+        self.bind(Bind::Text(scope.dataset.to_owned()));
+        if let Some(version) = scope.version {
+            self.push(
+                " AND images.job_id IN (SELECT job_id FROM version_jobs WHERE dataset = ? AND version = ?)",
+            );
+            self.bind(Bind::Text(scope.dataset.to_owned()));
+            self.bind(Bind::Whole(version as i64));
+        }
     }
 
     pub(crate) fn push(&mut self, sql: &str) {

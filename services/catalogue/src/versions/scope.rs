@@ -1,8 +1,5 @@
 //! What a dataset's name stands for in questions: the dataset as it grows, or a sealed version of it.
 
-use crate::filter::Bind;
-use crate::select::Select;
-
 /// A dataset, or a version of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Scope<'a> {
@@ -28,19 +25,6 @@ impl<'a> Scope<'a> {
                 version: Some(version),
             },
         )
-    }
-
-    /// Restricts a statement over images to this dataset or version.
-    pub(crate) fn restrict(self, sql: &mut Select) {
-        sql.push(" AND images.dataset = ?");
-        sql.bind(Bind::Text(self.dataset.to_owned()));
-        if let Some(version) = self.version {
-            sql.push(
-                " AND images.job_id IN (SELECT job_id FROM version_jobs WHERE dataset = ? AND version = ?)",
-            );
-            sql.bind(Bind::Text(self.dataset.to_owned()));
-            sql.bind(Bind::Whole(version as i64));
-        }
     }
 }
 

@@ -58,7 +58,7 @@ pub(crate) struct VerifiedVersion {
 ///
 /// Each record is compared with the digest and the list of artifacts that the catalogue has beside it, and with `bytes` every artifact with its
 /// digest, which takes as long as reading all of them: at most five minutes.
-#[utoipa::path(post, path = "/v1/datasets/{name}/versions/{version}/verify", tag = "datasets", operation_id = "verify_version",
+#[utoipa::path(post, path = "/v1/datasets/{name}/versions/{version}/verify", tag = "datasets", operation_id = "verify_sealed_version",
     params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
     request_body(content = Wish, content_type = "application/json"),
     responses((status = 200, description = "What was found.", body = VerifiedVersion)))]

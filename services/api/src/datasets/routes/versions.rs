@@ -10,7 +10,7 @@ use crate::http::located::{Located, created, located};
 use crate::http::{Json, Path, Problem, State, Topic};
 
 /// List the sealed versions of a dataset, all on one page, the oldest first.
-#[utoipa::path(get, path = "/v1/datasets/{name}/versions", tag = "datasets", operation_id = "list_versions",
+#[utoipa::path(get, path = "/v1/datasets/{name}/versions", tag = "datasets", operation_id = "list_sealed_versions",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 200, description = "Its versions.", body = Page<VersionRow>)))]
 pub(crate) async fn list(
@@ -50,7 +50,7 @@ pub(crate) struct VersionDetail {
 }
 
 /// See a sealed version: its root, and the descriptions from which its images follow.
-#[utoipa::path(get, path = "/v1/datasets/{name}/versions/{version}", tag = "datasets", operation_id = "get_version",
+#[utoipa::path(get, path = "/v1/datasets/{name}/versions/{version}", tag = "datasets", operation_id = "get_sealed_version",
     params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
     responses((status = 200, description = "The version.", body = VersionDetail)))]
 pub(crate) async fn get(
