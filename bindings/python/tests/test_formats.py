@@ -241,6 +241,15 @@ def test_parquet_rows_hold_columns_and_files(export: Export, formats: str) -> No
     table = dataset.dataset(out / "data").to_table()
     rows = rows_of(out)
     assert (table.num_rows, len(rows)) == (6, 6)
+    types = {name: str(table.schema.field(name).type) for name in ("seed", "failed", "frame", "uiqm", "rgb", "record")}
+    assert types == {
+        "seed": "uint64",
+        "failed": "bool",
+        "frame": "int64",
+        "uiqm": "double",
+        "rgb": "binary",
+        "record": "string",
+    }
     for index, row in enumerate(table.to_pylist()):
         assert hashlib.sha256(row["rgb"]).hexdigest() == row["artifacts.rgb"] == rows[index]["artifacts.rgb"]
         assert hashlib.sha256(row["range"]).hexdigest() == row["artifacts.range"]
@@ -389,7 +398,7 @@ def test_what_a_dataset_cannot_give_is_refused_before_a_file_is_written(
         assert with_filter.returncode == 0, with_filter.stderr
 
 
-@pytest.mark.parametrize("format", ["folder", "webdataset", "coco", "hf"])
+@pytest.mark.parametrize("format", ["folder", "webdataset", "parquet", "hf", "coco", "yolo"])
 def test_cards_name_terms_units_and_classes(export: Export, format: str, no_torch: None) -> None:
     croissant = pytest.importorskip("mlcroissant")
     yaml = pytest.importorskip("yaml")

@@ -68,7 +68,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "folder")]
     format: Format,
     /// Which images, such as 'uiqm > 0.8 and water.style in ("muddy")' [default: all]
-    #[arg(long, default_value = "")]
+    #[arg(long, default_value = "", hide_default_value = true)]
     filter: String,
     /// Kinds of artifacts, comma-separated; the first one becomes the `file_name` column. Formats add those that they are made of
     #[arg(long, value_delimiter = ',', default_value = "rgb", value_parser = kind)]

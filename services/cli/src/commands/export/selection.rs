@@ -152,7 +152,7 @@ fn joined(filter: &str, condition: Option<&str>) -> String {
     }
 }
 
-/// How many images fulfil the filter, and a condition beside it; fails where the filter is wrong.
+/// How many images the filter takes, together with a condition; fails where the filter is wrong.
 fn count(remote: &Remote, arguments: &Arguments, condition: Option<&str>) -> Result<u64, Failure> {
     let path = format!("/v1/datasets/{}/stats", encode(&arguments.dataset));
     let filter = joined(&arguments.filter, condition);
