@@ -39,7 +39,7 @@ fn connect(service: &Service) -> TcpStream {
 fn submit(service: &Service, body: &str) -> u16 {
     let mut stream = connect(service);
     let head = format!(
-        "POST /v1/jobs HTTP/1.1\r\nhost: x\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
+        "POST /v1/jobs HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
         body.len()
     );
     // A shed request gets its response before its body is read, which may break the connection afterwards.
@@ -57,9 +57,9 @@ fn submit(service: &Service, body: &str) -> u16 {
 /// how many were accepted and how many shed.
 fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
     let requests = [
-        format!("GET /v1/jobs/{id}/events HTTP/1.1\r\nhost: x\r\n\r\n"),
-        "GET /v1/images?limit=1000 HTTP/1.1\r\nhost: x\r\n\r\n".to_owned(),
-        "GET /v1/jobs?limit=1000 HTTP/1.1\r\nhost: x\r\n\r\n".to_owned(),
+        format!("GET /v1/jobs/{id}/events HTTP/1.1\r\nhost: localhost\r\n\r\n"),
+        "GET /v1/images?limit=1000 HTTP/1.1\r\nhost: localhost\r\n\r\n".to_owned(),
+        "GET /v1/jobs?limit=1000 HTTP/1.1\r\nhost: localhost\r\n\r\n".to_owned(),
     ];
     let mut never_read = Vec::new();
     for request in &requests {

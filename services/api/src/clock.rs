@@ -1,9 +1,10 @@
 //! The two clocks of the service, passed in so that tests can set them.
 
-use std::sync::Arc;
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use catalogue::UnixMs;
+use uuid::{ContextV7, Timestamp, Uuid};
 
 /// The source of the time.
 #[derive(Clone)]
@@ -18,10 +19,7 @@ impl Clock {
     pub fn system() -> Self {
         let start = Instant::now();
         let monotonic = move || u64::try_from(start.elapsed().as_millis()).unwrap_or(u64::MAX);
-        let wall = || {
-            let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-            u64::try_from(since.as_millis()).unwrap_or(u64::MAX)
-        };
+        let wall = || u64::try_from(since_1970(SystemTime::now()).as_millis()).unwrap_or(u64::MAX);
         Self {
             monotonic: Arc::new(monotonic),
             wall: Arc::new(wall),
@@ -48,5 +46,38 @@ impl Clock {
     /// The time with which rows are stamped.
     pub(crate) fn wall(&self) -> UnixMs {
         UnixMs((self.wall)())
+    }
+}
+
+/// A UUID (version 7) that is greater than those before it in this process.
+pub(crate) fn ordered_id() -> Uuid {
+    id_at(SystemTime::now())
+}
+
+/// A machine without a battery for its clock may start before 1970: that counts as 1970.
+fn since_1970(now: SystemTime) -> Duration {
+    now.duration_since(UNIX_EPOCH).unwrap_or_default()
+}
+
+fn id_at(now: SystemTime) -> Uuid {
+    static ORDER: Mutex<ContextV7> = Mutex::new(ContextV7::new());
+    let since = since_1970(now);
+    Uuid::new_v7(Timestamp::from_unix(
+        &ORDER,
+        since.as_secs(),
+        since.subsec_nanos(),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_made_before_1970_and_grow_also_when_the_clock_goes_back() {
+        let long_ago = UNIX_EPOCH - Duration::from_secs(86_400);
+        let (first, second) = (id_at(long_ago), id_at(long_ago));
+        assert!(first < second);
+        assert!(second < id_at(SystemTime::now()));
     }
 }

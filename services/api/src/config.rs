@@ -25,6 +25,8 @@ pub struct Config {
     /// `SECRET` (may do everything) or `scope+scope:SECRET`, several separated by commas; scopes are read, submit,
     /// work and admin. Absent: open to everybody who reaches the loopback address.
     pub token: Option<String>,
+    /// Names beside those of the loopback interface to which a service without tokens responds.
+    pub hosts: Vec<String>,
     /// Folder with more style models, passed on to the workers.
     pub styles: Option<PathBuf>,
     /// Explicit ONNX Runtime library, passed on to the workers.

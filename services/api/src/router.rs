@@ -11,6 +11,7 @@ use utoipa_axum::routes;
 use crate::app::App;
 use crate::bytes::space;
 use crate::http::auth::{Scope, Tokens};
+use crate::http::hosts::{self, Hosts};
 use crate::http::layers::{Budget, Group, observe};
 use crate::http::problem;
 use crate::http::problem::Problem;
@@ -22,7 +23,7 @@ use crate::{
 };
 
 /// The whole application.
-pub(crate) fn router(app: App, tokens: &Arc<Tokens>, limits: &Limits) -> Router {
+pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limits) -> Router {
     let probing = Budget::new("probes", limits.requests);
     let requests = Budget::new("requests", limits.requests);
     let waits = Budget::new("waits", limits.waits);
@@ -63,6 +64,7 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, limits: &Limits) -> Router 
         .route("/problems/{slug}", get(problem::describe))
         .fallback(|| async { Problem::not_found("no such route; see /docs") })
         .layer(from_fn_with_state(space, space::note))
+        .layer(from_fn_with_state(hosts, hosts::known))
         .layer(from_fn(observe))
 }
 

@@ -9,12 +9,13 @@ use proto::limits::shorten;
 use tokio::net::TcpListener;
 use tokio::task::{JoinError, JoinHandle};
 use tokio_util::sync::CancellationToken;
-use uuid::Uuid;
 
 use crate::app::{App, StartError};
 use crate::bytes::reclaim;
+use crate::clock::ordered_id;
 use crate::config::{Config, Surroundings};
 use crate::http::auth::Tokens;
+use crate::http::hosts::Hosts;
 use crate::http::listener;
 use crate::leases::Leases;
 use crate::processes::fleet::{Fleet, OnExit, Recipe};
@@ -67,7 +68,8 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
     let listener = TcpListener::bind(config.listen).await.map_err(listen)?;
     let address = listener.local_addr().map_err(listen)?;
     let end = CancellationToken::new();
-    let router = router::router(app.clone(), &Arc::new(tokens), &limits);
+    let hosts = Hosts::new(worker_token.is_some(), &config.hosts);
+    let router = router::router(app.clone(), &Arc::new(tokens), hosts, &limits);
     let tasks = vec![
         tokio::spawn(listener::serve(listener, router, limits, end.clone())),
         tokio::spawn(expire_leases(Arc::clone(&app.leases), end.clone())),
@@ -116,7 +118,7 @@ impl Service {
 
 /// A secret that only the service and its own workers know.
 fn random_secret() -> String {
-    format!("{}{}", Uuid::now_v7().simple(), Uuid::now_v7().simple())
+    format!("{}{}", ordered_id().simple(), ordered_id().simple())
 }
 
 fn recipe(config: &Config, address: SocketAddr, token: Option<String>) -> Recipe {
@@ -175,5 +177,8 @@ async fn tidy_up(app: App, end: CancellationToken) {
     let mut ticks = tokio::time::interval(UPKEEP_INTERVAL);
     while end.run_until_cancelled(ticks.tick()).await.is_some() {
         app.bytes.naming.tidy_up();
+        app.leases
+            .puts
+            .tidy_up(|token| app.leases.dispatch.has_lease(token));
     }
 }

@@ -2,7 +2,10 @@
 
 use serde::Deserialize;
 
+use crate::encode::Encode;
 use crate::scene_parts::ScenePart;
+
+const PNG: &str = "image/png";
 
 /// Longest name of a kind or a media type.
 const MOST_NAME_BYTES: usize = 64;
@@ -142,6 +145,40 @@ impl ArtifactKind {
             Self::Normals | Self::Findings => Some(ScenePart::Surfaces),
             _ => None,
         }
+    }
+
+    /// The media type of its file, where pictures are encoded like this.
+    #[must_use]
+    pub fn media_type(&self, encode: Encode) -> &'static str {
+        match self {
+            Self::Rgb
+            | Self::Clean
+            | Self::Scattered
+            | Self::Styled
+            | Self::Hazed
+            | Self::Enhanced(_)
+            | Self::Preview => match encode {
+                Encode::Png => PNG,
+                Encode::Webp => "image/webp",
+                Encode::Jpeg { .. } => "image/jpeg",
+            },
+            Self::Range
+            | Self::Instances
+            | Self::Semantics
+            | Self::Findings
+            | Self::SnowMask
+            | Self::HscmMask => PNG,
+            Self::Direct | Self::ForwardScatter | Self::Backscatter | Self::Transmittance | Self::Normals => {
+                "application/x-npy"
+            }
+            Self::Boxes => "application/json",
+        }
+    }
+
+    /// Whether a frame that asks for it may be without it: what the scene lacks, and an enhancement that did not run.
+    #[must_use]
+    pub fn may_be_absent(&self) -> bool {
+        self.needs().is_some() || matches!(self, Self::Enhanced(_) | Self::HscmMask)
     }
 
     /// Whether this is the name of a kind that may become part of paths and file names: the name of a method is a plain

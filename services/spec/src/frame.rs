@@ -8,6 +8,7 @@ use spec_derive::Described;
 
 use crate::artifact::ArtifactKind;
 use crate::camera::Camera;
+use crate::encode::Encode;
 use crate::light::{Haze, Light};
 use crate::scene_files::{RangeFile, RangeKind, SceneFiles};
 use crate::schema::EXACT;
@@ -247,21 +248,4 @@ impl Fidelity {
     pub const REFERENCE: Self = Self::Variant(Variant::Reference);
     /// One code of the 8-bit picture.
     pub const DISPLAY: Self = Self::Variant(Variant::Display);
-}
-
-/// How RGB-like artifacts are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
-#[serde(tag = "format", rename_all = "snake_case")]
-#[described(default = "png")]
-pub enum Encode {
-    /// PNG, lossless.
-    Png,
-    /// WebP, lossless.
-    Webp,
-    /// JPEG.
-    Jpeg {
-        /// JPEG quality
-        #[field(within(1, 100), default = 95)]
-        quality: u8,
-    },
 }

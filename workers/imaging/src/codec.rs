@@ -10,11 +10,13 @@ mod npy;
 mod openexr;
 mod picture;
 mod scale;
+mod sides;
 
 pub use decode::{FilePlane, Radiance, decode_picture, decode_plane, decode_radiance};
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_webp_lossless};
 pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_plane, encode_npy_rgb};
 pub use scale::downscale;
+pub use sides::read_sides;
 
 /// Longest side of a picture: beyond it a frame no longer fits the buffers of one worker slot.
 pub const MAX_SIDE_PX: usize = 16_384;

@@ -117,6 +117,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         slots_per_worker: 1,
         // None is started.
         worker_program: PathBuf::new(),
+        hosts: Vec::new(),
         token: None,
         styles: None,
         onnxruntime: None,

@@ -96,7 +96,12 @@ impl<S: Send + Sync> FromRequestParts<S> for Submitter {
         let caller = parts.extensions.get::<Caller>();
         let owner = caller.ok_or_else(|| Problem::internal(&"a route that asks for no scope"))?;
         let refuse = |why: String| Problem::new(Slug::InvalidHeader, format!("Idempotency-Key {why}"));
-        let key = parts.headers.get("idempotency-key").map(|value| {
+        let mut keys = parts.headers.get_all("idempotency-key").iter();
+        let (key, another) = (keys.next(), keys.next());
+        if another.is_some() {
+            return Err(refuse("stands there more than once".to_owned()));
+        }
+        let key = key.map(|value| {
             let key = value
                 .to_str()
                 .map_err(|_| refuse("is not visible ASCII".to_owned()))?;

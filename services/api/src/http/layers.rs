@@ -14,8 +14,8 @@ use futures::FutureExt;
 use tokio::sync::Semaphore;
 use tracing::Instrument;
 use utoipa_axum::router::OpenApiRouter;
-use uuid::Uuid;
 
+use crate::clock::ordered_id;
 use crate::http::auth::{Guard, Scope, Tokens, require};
 use crate::http::held::Held;
 use crate::http::problem::{Problem, Slug};
@@ -158,7 +158,7 @@ fn request_id(headers: &HeaderMap) -> String {
     };
     given
         .filter(usable)
-        .map_or_else(|| format!("req_{}", Uuid::now_v7().simple()), str::to_owned)
+        .map_or_else(|| format!("req_{}", ordered_id().simple()), str::to_owned)
 }
 
 /// Whether a browser sent this on behalf of another site's page: an open service on loopback would obey.

@@ -7,6 +7,7 @@ pub(crate) mod extract;
 pub(crate) mod failure;
 pub(crate) mod form;
 mod held;
+pub(crate) mod hosts;
 pub(crate) mod layers;
 pub(crate) mod lines;
 pub(crate) mod listener;

@@ -68,6 +68,8 @@ slugs! {
     Forbidden = "forbidden", FORBIDDEN, "The token does not allow this";
     /// A browser sent this from a page of another site.
     CrossOrigin = "cross-origin", FORBIDDEN, "Requests from other sites are refused";
+    /// The `Host` header names another service; without tokens only the names of this machine and those of `--hosts` are known.
+    UnknownHost = "unknown-host", MISDIRECTED_REQUEST, "This service has another name";
     /// No such route, job, image, artifact, dataset or scene.
     NotFound = "not-found", NOT_FOUND, "There is no such thing";
     /// The route exists, for other methods.

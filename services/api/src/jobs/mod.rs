@@ -12,10 +12,9 @@ use catalogue::{Catalogue, JobRow};
 use spec::Vocabulary;
 use tokio::sync::Mutex;
 use tokio_util::sync::CancellationToken;
-use uuid::Uuid;
 
 use crate::bytes::Bytes;
-use crate::clock::Clock;
+use crate::clock::{Clock, ordered_id};
 use crate::http::problem::{Problem, found};
 use crate::images::Images;
 use crate::leases::Leases;
@@ -25,7 +24,7 @@ use crate::waters::Waters;
 
 /// An id for a new job; later ones are greater.
 pub(crate) fn new_job_id() -> String {
-    format!("job_{}", Uuid::now_v7().simple())
+    format!("job_{}", ordered_id().simple())
 }
 
 /// Everything that handles a job from its submission to its end.

@@ -180,6 +180,7 @@ mod tests {
             workers: 0,
             slots_per_worker: 1,
             worker_program: "/bin/false".into(),
+            hosts: Vec::new(),
             token: None,
             styles: None,
             onnxruntime: None,

@@ -11,21 +11,22 @@ use catalogue::{JobState, OpenJob, UnixMs};
 use proto::wire::{BeatResponse, RegisterRequest};
 use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
-use uuid::Uuid;
 
 use super::Worker;
 use super::granted::Granted;
+use super::liars::Liars;
 use super::table::{JobEntry, LeaseTable, Millis, StrikeEvent};
-use crate::clock::Clock;
+use crate::clock::{Clock, ordered_id};
 use crate::telemetry;
 
 /// A waiting worker checks again after this time: frames become free when a pause after a failure ends, which sends no
 /// notification.
 const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
-struct State {
-    table: LeaseTable,
+pub(super) struct State {
+    pub(super) table: LeaseTable,
     open: HashMap<String, Open>,
+    pub(super) liars: Liars,
 }
 
 /// What is known of an open job beside its frames.
@@ -47,10 +48,11 @@ impl Dispatch {
         let state = State {
             table: LeaseTable::new(),
             open: HashMap::new(),
+            liars: Liars::default(),
         };
         // Tokens only grow, also from one life of the service to the next: the high half of a UUIDv7 is the time in
         // milliseconds and a random part.
-        let first_token = Uuid::now_v7().as_u64_pair().0;
+        let first_token = ordered_id().as_u64_pair().0;
         Self {
             state: Mutex::new(state),
             work: Notify::new(),
@@ -98,11 +100,15 @@ impl Dispatch {
         freed
     }
 
-    /// Registers a worker and returns its id.
-    pub(crate) fn register(&self, about: RegisterRequest) -> String {
-        let id = format!("wrk_{}", Uuid::now_v7().simple());
-        self.table(|table, now| table.register(&id, about, now));
-        id
+    /// Registers a worker and returns its id; none for the name of a worker that was dismissed.
+    pub(crate) fn register(&self, about: RegisterRequest) -> Option<String> {
+        let mut state = self.state();
+        if state.liars.has(&about.name) {
+            return None;
+        }
+        let id = format!("wrk_{}", ordered_id().simple());
+        state.table.register(&id, about, self.now());
+        Some(id)
     }
 
     /// Waits for frames to render. `None`: none came in time. `Err`: the worker is not registered.
@@ -153,6 +159,8 @@ impl Dispatch {
         let now = self.now();
         telemetry::expired(state.table.ended(now));
         let events = state.table.expire(now);
+        let State { table, liars, .. } = &mut *state;
+        liars.keep(|id| table.has_worker(id));
         drop(state);
         self.after_loss(events)
     }
@@ -213,17 +221,17 @@ impl Dispatch {
         telemetry::queue(totals.queued, totals.leased, age_ms);
     }
 
-    fn after_loss(&self, events: Vec<StrikeEvent>) -> Vec<StrikeEvent> {
+    pub(super) fn after_loss(&self, events: Vec<StrikeEvent>) -> Vec<StrikeEvent> {
         telemetry::strikes(events.len());
         self.work.notify_waiters();
         events
     }
 
-    fn now(&self) -> Millis {
+    pub(super) fn now(&self) -> Millis {
         Millis(self.clock.monotonic_ms())
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    pub(super) fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -248,7 +256,7 @@ mod tests {
         let clock = Clock::from_functions(move || read.load(Ordering::SeqCst), || 0);
         let dispatch = Dispatch::new(clock);
         dispatch.add_job(job("job_a"));
-        let worker = dispatch.register(about());
+        let worker = dispatch.register(about()).unwrap();
         (dispatch, worker, hand)
     }
 
@@ -332,7 +340,7 @@ mod tests {
         assert!(dispatch.lease(&worker, Duration::ZERO, 0.0).await.is_err());
         assert!(dispatch.workers().is_empty());
         hand.store(1_000, Ordering::SeqCst);
-        let next = dispatch.register(about());
+        let next = dispatch.register(about()).unwrap();
         assert!(token(&dispatch, &next).await.is_some());
     }
 

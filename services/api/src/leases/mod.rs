@@ -1,9 +1,13 @@
 //! Which worker renders which frames: the lease table, the workers, and their reports.
 
 pub(crate) mod changes;
+mod checks;
 pub(crate) mod costs;
+mod descriptions;
 pub(crate) mod dispatch;
 mod granted;
+mod liars;
+pub(crate) mod puts;
 pub(crate) mod routes;
 mod strikes;
 pub mod table;
@@ -19,13 +23,17 @@ use crate::bytes::Bytes;
 use crate::clock::Clock;
 use changes::Changes;
 use costs::Costs;
+use descriptions::Descriptions;
 use dispatch::Dispatch;
+use puts::Puts;
 
 /// Leased and queued frames, and the costs learned from finished ones.
 pub(crate) struct Leases {
     pub(crate) dispatch: Dispatch,
     pub(crate) changes: Changes,
     pub(crate) costs: Costs,
+    descriptions: Descriptions,
+    pub(crate) puts: Puts,
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,
     clock: Clock,
@@ -43,6 +51,8 @@ impl Leases {
             dispatch: Dispatch::new(clock.clone()),
             changes: Changes::default(),
             costs: Costs::default(),
+            descriptions: Descriptions::default(),
+            puts: Puts::default(),
             catalogue,
             bytes,
             clock,

@@ -10,10 +10,10 @@ use scenes::SceneError;
 use scenes::uploaded::{check_objects, decode};
 use spec::SceneFiles;
 use store::Blob;
-use uuid::Uuid;
 
 use super::Scenes;
 use super::upload::SceneForm;
+use crate::clock::ordered_id;
 use crate::http::problem::Problem;
 use crate::processes::compute::to_the_end;
 
@@ -87,7 +87,7 @@ fn checked(form: SceneForm, created_at: UnixMs) -> Result<(SceneRow, Vec<Blob>),
         Ok(digest)
     });
     let row = SceneRow {
-        id: format!("scn_{}", Uuid::now_v7().simple()),
+        id: format!("scn_{}", ordered_id().simple()),
         content_digest: content_digest(&files),
         files,
         width: side(scene.radiance.width()),

@@ -103,7 +103,7 @@ fn clients_that_dribble_are_cut_off_and_nobody_else_waits_for_them() {
                     let mut stream = TcpStream::connect(service.url.trim_start_matches("http://")).unwrap();
                     let begun = Instant::now();
                     let head =
-                        b"GET /v1/jobs HTTP/1.1\r\nhost: test\r\nx-slow: aaaaaaaaaaaaaaaaaaaaaaaaaaaaaa";
+                        b"GET /v1/jobs HTTP/1.1\r\nhost: localhost\r\nx-slow: aaaaaaaaaaaaaaaaaaaaaaaaaaaaaa";
                     for byte in head.iter().cycle() {
                         if stream.write_all(&[*byte]).is_err() || begun.elapsed() > Duration::from_secs(20) {
                             break;

@@ -12,8 +12,7 @@ use serde_json::json;
 /// Opens a connection that has sent the head of a submission and keeps its body back.
 fn half_sent(service: &Running) -> TcpStream {
     let mut stream = connect(service);
-    let head =
-        "POST /v1/jobs HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\ncontent-length: 9\r\n\r\n";
+    let head = "POST /v1/jobs HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 9\r\n\r\n";
     stream.write_all(head.as_bytes()).unwrap();
     stream
 }
@@ -109,6 +108,53 @@ fn pages_of_other_sites_cannot_submit() {
     service
         .post_with("/v1/jobs", &headers, job().to_string().as_bytes())
         .problem(403, "cross-origin");
+    assert_eq!(service.shown()[0], 0);
+}
+
+#[test]
+fn an_open_service_responds_to_its_own_names_alone() {
+    let service = start();
+    let ask = |host: &str| {
+        let mut stream = connect(&service);
+        let head = format!("GET /v1/jobs HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n");
+        stream.write_all(head.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    };
+    for host in ["localhost", "127.0.0.1:80", "[::1]:7311"] {
+        assert!(ask(host).starts_with("HTTP/1.1 200"), "{host}");
+    }
+    for host in ["evil.example", "localhost.evil.example:7311", "192.168.0.7"] {
+        let answer = ask(host);
+        assert!(
+            answer.starts_with("HTTP/1.1 421") && answer.contains("/problems/unknown-host"),
+            "{host}: {answer}"
+        );
+    }
+    let guarded = start_with(Setup {
+        token: Some("secret"),
+        ..Setup::default()
+    });
+    let mut stream = connect(&guarded);
+    let head = "GET /v1/jobs HTTP/1.1\r\nhost: fathom.example\r\nauthorization: Bearer secret\r\nconnection: close\r\n\r\n";
+    stream.write_all(head.as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+}
+
+#[test]
+fn two_idempotency_keys_are_refused() {
+    let service = start();
+    let headers = [
+        ("content-type", "application/json"),
+        ("idempotency-key", "a"),
+        ("idempotency-key", "b"),
+    ];
+    service
+        .post_with("/v1/jobs", &headers, job().to_string().as_bytes())
+        .problem(400, "invalid-header");
     assert_eq!(service.shown()[0], 0);
 }
 

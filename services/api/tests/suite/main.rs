@@ -14,6 +14,7 @@ mod hostile;
 mod images;
 mod jobs;
 mod lamps;
+mod liars;
 mod load;
 mod messages;
 mod pictures;

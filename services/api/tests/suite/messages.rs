@@ -2,6 +2,7 @@
 
 use crate::bad_input::nothing_changes;
 use crate::common::Running;
+use crate::common::bytes::png;
 use crate::common::worker::{Fake, claim, commit, record};
 use prost::Message;
 use proto::limits;
@@ -144,6 +145,7 @@ fn artifacts_that_are_too_many_or_have_names_like_paths_are_not_stored() {
         assert!(detail(&problem).contains("../../rgb"), "{problem}");
         let wrong_digest = wire::Artifact {
             kind: "rgb".to_owned(),
+            data: png(32, 24),
             ..path
         };
         let problem = refused(service, "artifacts", &put(vec![wrong_digest]));
@@ -158,7 +160,7 @@ fn a_record_of_another_frame_or_of_files_that_were_not_stored_is_no_image() {
         let worker = Fake::register(service);
         let lease = worker.lease(1000).unwrap();
         let held = claim(&lease);
-        let record = record(held.frame, &"ab".repeat(32), 9);
+        let record = record(&worker.frame(&lease).unwrap(), &"ab".repeat(32), 9);
         let mut commit = commit(held, &record);
         let problem = refused(service, "commit", &commit);
         assert!(detail(&problem).contains("was not stored"), "{problem}");

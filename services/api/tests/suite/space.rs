@@ -8,7 +8,7 @@ use crate::common::bytes::{noise_png, png};
 use crate::common::worker::{Fake, Real};
 use crate::common::{Running, Setup, job, start, start_in_folder};
 use api::Limits;
-use serde_json::json;
+use serde_json::{Value, json};
 
 #[path = "../../../../tests/src/small_disk.rs"]
 mod small_disk;
@@ -37,12 +37,18 @@ fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
+/// A camera whose pictures have this side.
+fn square(side: usize) -> Value {
+    json!({"width": side, "height": side, "hfov_deg": 80})
+}
+
 /// A job of one frame whose picture has about this many bytes.
 fn render(service: &Running, worker: &Fake, dataset: &str, seed: u64, side: usize) -> String {
     let mut one = job();
     one["count"] = json!(1);
     one["dataset"] = json!(dataset);
     one["seed"] = json!(seed);
+    one["camera"] = square(side);
     let id = service.submit(&one);
     let lease = worker.lease(5000).expect("a frame");
     worker.finish_with(&lease, noise_png(side, seed)).unwrap();
@@ -123,6 +129,7 @@ fn writing_on_a_full_disk() {
     // A frame that does not fit: its worker is told to wait, nothing of it is visible.
     let mut one = job();
     one["count"] = json!(1);
+    one["camera"] = square(2200);
     let waiting = service.submit(&one);
     let lease = worker.lease(5000).expect("a frame");
     let large = noise_png(2200, 2);
@@ -140,7 +147,7 @@ fn writing_on_a_full_disk() {
 
     std::fs::remove_file(&ballast).unwrap();
     assert_eq!(service.get("/readyz").status, 200, "no restart is needed");
-    worker.finish_with(&lease, noise_png(900, 2)).unwrap();
+    worker.finish_with(&lease, large).unwrap();
     assert_eq!(
         service.get(&format!("/v1/jobs/{waiting}")).json()["state"],
         "done"

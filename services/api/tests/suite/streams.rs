@@ -18,7 +18,7 @@ fn events(service: &Running, job: &str, last: Option<&str>, most: usize) -> Vec<
     let last = last.map_or_else(String::new, |id| format!("last-event-id: {id}\r\n"));
     write!(
         stream,
-        "GET /v1/jobs/{job}/events HTTP/1.0\r\nhost: test\r\n{last}\r\n"
+        "GET /v1/jobs/{job}/events HTTP/1.0\r\nhost: localhost\r\n{last}\r\n"
     )
     .unwrap();
     let mut found = Vec::new();
@@ -142,7 +142,11 @@ fn readers_that_never_read_are_few_and_are_cut_off() {
     let id = service.submit(&job());
     let follow = || {
         let mut stream = TcpStream::connect(service.url.trim_start_matches("http://")).unwrap();
-        write!(stream, "GET /v1/jobs/{id}/events HTTP/1.1\r\nhost: test\r\n\r\n").unwrap();
+        write!(
+            stream,
+            "GET /v1/jobs/{id}/events HTTP/1.1\r\nhost: localhost\r\n\r\n"
+        )
+        .unwrap();
         stream
     };
     let held: Vec<_> = (0..3).map(|_| follow()).collect();

@@ -52,6 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         workers: 1,
         slots: None,
         token: None,
+        hosts: Vec::new(),
         style_trial_s: 60,
         stores: Vec::new(),
         style: arguments.style.clone(),

@@ -38,6 +38,9 @@ pub struct Arguments {
     /// Token, or tokens as scope+scope:SECRET,… with the scopes read, submit, work, admin
     #[arg(long, env = "FATHOM_TOKEN", hide_env_values = true)]
     pub(crate) token: Option<String>,
+    /// More names of this service, comma-separated: without tokens it responds to localhost, 127.0.0.0/8 and [::1] alone
+    #[arg(long, env = "FATHOM_HOSTS", value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) hosts: Vec<String>,
     #[command(flatten)]
     pub(crate) style: StyleArguments,
     /// Longest time to try a style network that somebody adds
@@ -102,6 +105,7 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         cluster_program,
         stores: arguments.stores,
         token: arguments.token,
+        hosts: arguments.hosts,
         styles: arguments.style.styles,
         onnxruntime: arguments.style.onnxruntime,
         library,

@@ -69,15 +69,15 @@ pub(super) fn decode_sheet(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
 }
 
 /// The header, and the data after it.
-struct Header<'a> {
+pub(super) struct Header<'a> {
     kind: &'a str,
     is_fortran: bool,
-    shape: Vec<usize>,
+    pub(super) shape: Vec<usize>,
     data: &'a [u8],
 }
 
 impl<'a> Header<'a> {
-    fn read(bytes: &'a [u8]) -> Result<Self, DecodeError> {
+    pub(super) fn read(bytes: &'a [u8]) -> Result<Self, DecodeError> {
         let (prefix_bytes, header_bytes) = match bytes {
             [_, _, _, _, _, _, 1, _, low, high, ..] => (10, usize::from(u16::from_le_bytes([*low, *high]))),
             [_, _, _, _, _, _, 2 | 3, _, a, b, c, d, ..] => {

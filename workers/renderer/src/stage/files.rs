@@ -19,8 +19,6 @@ use crate::file::File;
 /// Longer side of a thumbnail.
 const PREVIEW_PX: usize = 256;
 
-const PNG: &str = "image/png";
-
 /// The results of the stages.
 pub(crate) struct Pictures<'a> {
     pub(crate) layers: &'a Layers,
@@ -41,8 +39,9 @@ pub(crate) fn encode(
     let mut files = Vec::new();
     for kind in &shot.frame.artifacts {
         if let Some(content) = content_or_warn(shot, pictures, kind, record) {
-            let (media_type, bytes) = encode_content(content, shot.frame.encode, &mut record.counts)?;
-            files.push(File::new(kind.to_string(), media_type, bytes));
+            let encode = shot.frame.encode;
+            let bytes = encode_content(content, encode, &mut record.counts)?;
+            files.push(File::new(kind.to_string(), kind.media_type(encode), bytes));
         }
     }
     let saturated = record.counts.range_saturated;
@@ -136,26 +135,22 @@ where
     plane.map(|plane| Content::Codes(plane.clone().into()))
 }
 
-/// Media type and bytes; the saturated pixels of a range are counted.
-fn encode_content(
-    content: Content<'_>,
-    encode: Encode,
-    counts: &mut Counts,
-) -> Result<(&'static str, Vec<u8>), EncodeError> {
+/// The bytes of a file; the saturated pixels of a range are counted.
+fn encode_content(content: Content<'_>, encode: Encode, counts: &mut Counts) -> Result<Vec<u8>, EncodeError> {
     Ok(match content {
         Content::Picture(picture) => match encode {
-            Encode::Png => (PNG, codec::encode_png(&Raster::from(picture.into_owned()))?),
-            Encode::Webp => ("image/webp", codec::encode_webp_lossless(&picture)?),
-            Encode::Jpeg { quality } => ("image/jpeg", codec::encode_jpeg(&picture, quality)?),
+            Encode::Png => codec::encode_png(&Raster::from(picture.into_owned()))?,
+            Encode::Webp => codec::encode_webp_lossless(&picture)?,
+            Encode::Jpeg { quality } => codec::encode_jpeg(&picture, quality)?,
         },
-        Content::Codes(codes) => (PNG, codec::encode_png(&codes)?),
-        Content::Linear(layer) => ("application/x-npy", codec::encode_npy_rgb(&layer)),
+        Content::Codes(codes) => codec::encode_png(&codes)?,
+        Content::Linear(layer) => codec::encode_npy_rgb(&layer),
         Content::Range(range) => {
             let (codes, saturated) = millimeters(&range);
             counts.range_saturated = saturated;
-            (PNG, codec::encode_png(&codes.into())?)
+            codec::encode_png(&codes.into())?
         }
-        Content::Json(value) => ("application/json", value.to_string().into_bytes()),
+        Content::Json(value) => value.to_string().into_bytes(),
     })
 }
 

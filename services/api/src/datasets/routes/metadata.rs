@@ -1,5 +1,6 @@
 //! `GET /v1/datasets/{name}/metadata.jsonl` and `metadata.csv`.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use axum::response::Response;
@@ -41,7 +42,8 @@ pub(crate) async fn jsonl(
 
 /// Read everything that is known of a dataset's images as a table.
 ///
-/// The first line names the columns; what is absent is empty.
+/// The first line names the columns; what is absent is empty. Texts that a spreadsheet would take for a formula begin with an
+/// apostrophe.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.csv", tag = "datasets", operation_id = "export_metadata_csv",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String)))]
@@ -128,8 +130,17 @@ fn record(cells: impl Iterator<Item = String>) -> String {
 fn cell(value: Option<&Value>) -> String {
     match value {
         None | Some(Value::Null) => String::new(),
-        Some(Value::String(text)) => quoted(text),
+        Some(Value::String(text)) => quoted(&plain(text)),
         Some(other) => quoted(&other.to_string()),
+    }
+}
+
+/// A text that no spreadsheet takes for a formula: one that begins like it gets an apostrophe in front.
+fn plain(text: &str) -> Cow<'_, str> {
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        format!("'{text}").into()
+    } else {
+        text.into()
     }
 }
 
@@ -146,6 +157,16 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    #[test]
+    fn no_text_is_a_formula_and_no_number_changes() {
+        for formula in ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1"] {
+            assert_eq!(cell(Some(&json!(formula))), format!("'{formula}"));
+        }
+        assert_eq!(cell(Some(&json!("=A1,\"x\""))), "\"'=A1,\"\"x\"\"\"");
+        assert_eq!(cell(Some(&json!(-1.5))), "-1.5");
+        assert_eq!(cell(Some(&json!("a=b"))), "a=b");
+    }
 
     #[test]
     fn cells_are_quoted_where_they_must_be_and_empty_where_nothing_is() {

@@ -1,12 +1,16 @@
 //! `POST /v1/worker/artifacts`, `commit` and `fail`: what the holder of a lease reports of a frame.
 
 use catalogue::InsertImage;
-use proto::wire::{Claim, CommitRequest, CommitResponse, FailRequest, PutArtifactsRequest};
-use spec::{ArtifactEntry, FrameRecord};
+use imaging::codec::read_sides;
+use proto::limits::shorten;
+use proto::wire::{Artifact, Claim, CommitRequest, CommitResponse, FailRequest, PutArtifactsRequest};
+use spec::{ArtifactEntry, Frame, FrameRecord};
 use store::Blob;
 
 use crate::http::{Problem, Protobuf, Slug, State, Topic};
 use crate::leases::Leases;
+use crate::leases::checks::{Evidence, check_file};
+use crate::leases::puts::Put;
 use crate::processes::compute::to_the_end;
 use crate::telemetry;
 
@@ -19,6 +23,13 @@ pub(crate) async fn artifacts(
     let current = leases.dispatch.table(|table, _| table.check(&claim));
     current.map_err(|_| stale_lease(&claim))?;
     leases.bytes.space.room().await?;
+    let frame = leases.frame(&claim).await?;
+    let faults = request.artifacts.iter().flat_map(|file| check_file(&frame, file));
+    let faults: Vec<String> = faults.collect();
+    if !faults.is_empty() {
+        return Err(leases.refuse(&claim, &faults).await);
+    }
+    let puts = request.artifacts.iter().map(put).collect();
     let blobs = request.artifacts.into_iter().map(|file| Blob {
         digest: file.digest,
         bytes: file.data,
@@ -31,6 +42,7 @@ pub(crate) async fn artifacts(
         .announce(blobs.iter().map(|blob| blob.digest.clone()))
         .await;
     leases.bytes.store.put_all(blobs).await?;
+    leases.puts.add(&claim, puts);
     faults::point("artifacts.stored");
     Ok(())
 }
@@ -42,6 +54,9 @@ pub(crate) async fn commit(
 ) -> Result<Protobuf<CommitResponse>, Problem> {
     let record = request.record()?;
     let claim = request.claim.unwrap_or_default();
+    let current = leases.dispatch.table(|table, _| table.check(&claim));
+    current.map_err(|_| stale_lease(&claim))?;
+    leases.examine(&claim, &record).await?;
     let begun = leases
         .dispatch
         .table(|table, now| table.begin_commit(&claim, now));
@@ -63,11 +78,57 @@ pub(crate) async fn fail(
         .dispatch
         .table(|table, now| table.fail(&claim, request.retryable, &request.error, now));
     let event = event.map_err(|_| stale_lease(&claim))?;
+    leases.puts.remove(&claim);
     leases.record_strikes(vec![event]).await;
     Ok(())
 }
 
+fn put(file: &Artifact) -> Put {
+    Put {
+        entry: ArtifactEntry {
+            kind: file.kind.clone(),
+            digest: file.digest.clone(),
+            bytes: file.data.len() as u64,
+            media_type: file.media_type.clone(),
+        },
+        sides: read_sides(&file.data),
+    }
+}
+
 impl Leases {
+    /// The frame of a claim as its description resolves it.
+    async fn frame(&self, claim: &Claim) -> Result<Frame, Problem> {
+        let job = self.descriptions.get(&self.catalogue, &claim.job_id).await?;
+        job.resolve(claim.frame)
+            .map_err(|error| Problem::internal(&error))
+    }
+
+    /// Compares a record with what is known of its frame.
+    async fn examine(&self, claim: &Claim, record: &FrameRecord) -> Result<(), Problem> {
+        let worker = self.dispatch.holder(claim.token);
+        let (_, worker) = worker.ok_or_else(|| stale_lease(claim))?;
+        let evidence = Evidence {
+            frame: &self.frame(claim).await?,
+            puts: &self.puts.get(claim),
+            worker: &worker,
+            record,
+        };
+        let faults = evidence.faults();
+        if faults.is_empty() {
+            return Ok(());
+        }
+        Err(self.refuse(claim, &faults).await)
+    }
+
+    /// Refuses what a worker says of a frame: the frame is offered again, and the worker is dismissed after a few times.
+    async fn refuse(&self, claim: &Claim, faults: &[String]) -> Problem {
+        self.puts.remove(claim);
+        let detail = shorten(&faults.join("; "));
+        let events = self.dispatch.refuse(claim, &detail);
+        self.record_strikes(events).await;
+        Problem::new(Slug::InvalidBody, detail)
+    }
+
     /// Stores the image of a pinned frame and unpins it.
     async fn commit(&self, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
         let inserted = self.insert(claim, record).await;
@@ -89,7 +150,7 @@ impl Leases {
         let _turn = self.bytes.naming.beside_others().await;
         for ArtifactEntry { kind, digest, .. } in &record.artifacts {
             if !self.bytes.store.contains(digest).await? {
-                let detail = format!("artifact `{kind}` with digest {digest} was not stored");
+                let detail = format!("artifact `{kind}` with digest {digest} is no longer stored");
                 return Err(Problem::new(Slug::InvalidBody, detail));
             }
         }
@@ -97,6 +158,7 @@ impl Leases {
         let inserted = self.catalogue.insert_image(&claim.job_id, record, now_ms).await?;
         let digests = record.artifacts.iter().map(|artifact| artifact.digest.as_str());
         self.bytes.naming.named(digests);
+        self.puts.remove(claim);
         Ok(inserted)
     }
 }

@@ -17,7 +17,7 @@ use crate::limits;
 pub(crate) async fn register(
     State(leases): Topic<Leases>,
     Protobuf(about): Protobuf<RegisterRequest>,
-) -> Protobuf<RegisterResponse> {
+) -> Result<Protobuf<RegisterResponse>, Problem> {
     let RegisterRequest {
         name,
         slots,
@@ -25,12 +25,14 @@ pub(crate) async fn register(
         ..
     } = &about;
     tracing::info!(worker = name, slots, version = code_version, "worker registered");
-    Protobuf(RegisterResponse {
-        worker_id: leases.dispatch.register(about),
+    let detail = format!("worker `{name}` was dismissed: what it said of frames could not be true");
+    let worker_id = leases.dispatch.register(about);
+    Ok(Protobuf(RegisterResponse {
+        worker_id: worker_id.ok_or_else(|| Problem::new(Slug::Forbidden, detail))?,
         lease_term_ms: TERM_MS,
         beat_ms: limits::BEAT_MS,
         protocol: proto::VERSION,
-    })
+    }))
 }
 
 /// Waits for frames to render and leases them. Touches no database.

@@ -65,6 +65,22 @@ impl LeaseTable {
         }
     }
 
+    /// The report on a frame was refused: the frame is offered again, without a strike, since the blame is its worker's.
+    ///
+    /// # Errors
+    /// [`Stale`].
+    pub fn refuse(&mut self, claim: &Claim) -> Result<(), Stale> {
+        self.check(claim)?;
+        if self.pinned.contains_key(&frame_of(claim)) {
+            return Err(Stale);
+        }
+        self.leases.take_out(claim.token, claim.frame);
+        if let Some(job) = self.jobs.get_mut(&claim.job_id) {
+            job.give_back(claim.frame);
+        }
+        Ok(())
+    }
+
     /// An attempt failed.
     ///
     /// # Errors

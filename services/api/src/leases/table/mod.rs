@@ -266,6 +266,13 @@ impl LeaseTable {
         workers.map(|(id, worker)| (id.as_str(), &worker.about, worker.seen))
     }
 
+    /// The worker that holds a lease: its id and registration.
+    #[must_use]
+    pub fn holder(&self, token: u64) -> Option<(&str, &RegisterRequest)> {
+        let id = &self.leases.get(token)?.worker;
+        Some((id, &self.workers.get(id)?.about))
+    }
+
     /// Frames that a worker holds.
     #[must_use]
     pub fn held_by(&self, worker: &str) -> usize {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use axum::http::StatusCode;
 use serde::Serialize;
 use utoipa::ToSchema;
-use uuid::Uuid;
 
+use crate::clock::ordered_id;
 use crate::http::failure::writing;
 use crate::http::{Json, Problem, State, Topic};
 use crate::operations::Operations;
@@ -44,7 +44,7 @@ async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
     // Nothing that a copied row names may be taken away before its bytes are copied.
     let _alone = operations.bytes.upkeep.lock().await;
     let backups = operations.data.join("backups");
-    let name = format!("bak_{}", Uuid::now_v7().simple());
+    let name = format!("bak_{}", ordered_id().simple());
     let (unfinished, folder) = (backups.join(format!(".{name}")), backups.join(&name));
     let failed = |error: std::io::Error| Problem::internal(&error);
     tokio::fs::create_dir_all(&unfinished).await.map_err(failed)?;

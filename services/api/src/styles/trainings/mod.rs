@@ -18,9 +18,9 @@ use style::Card;
 use tempfile::TempDir;
 use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
-use uuid::Uuid;
 
 use super::Styles;
+use crate::clock::ordered_id;
 use crate::http::problem::{Problem, Slug};
 use crate::limits;
 use crate::processes::child::Children;
@@ -139,7 +139,7 @@ impl Trainings {
             return Err(Problem::overloaded(detail));
         }
         let training = Arc::new(Training {
-            id: format!("trn_{}", Uuid::now_v7().simple()),
+            id: format!("trn_{}", ordered_id().simple()),
             order,
             state: Mutex::new(Progress::Open),
             ended: Notify::new(),

@@ -11,6 +11,12 @@ pub(crate) fn png(width: usize, height: usize) -> Vec<u8> {
     encode_png(&picture.into()).unwrap()
 }
 
+/// A picture of its own for each number.
+pub(crate) fn numbered_png(width: usize, height: usize, number: u64) -> Vec<u8> {
+    let picture = Rgb8::from_fn(width, height, |x, y| [x as u8, y as u8, number as u8]);
+    encode_png(&picture.into()).unwrap()
+}
+
 /// Range as float NPY, in meters.
 pub(crate) fn range_npy(width: usize, height: usize, meters: impl Fn(usize, usize) -> f32) -> Vec<u8> {
     encode_npy_plane(&Plane::from_fn(width, height, meters))

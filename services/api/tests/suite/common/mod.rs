@@ -136,6 +136,7 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         workers: 0,
         slots_per_worker: 1,
         worker_program: "/bin/false".into(),
+        hosts: Vec::new(),
         token: token.map(str::to_owned),
         styles: None,
         onnxruntime: None,

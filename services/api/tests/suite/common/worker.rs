@@ -12,11 +12,11 @@ use proto::wire::{
 use renderer::worker::client::{Client, ClientError};
 use renderer::worker::{Limits, WorkerOptions};
 use serde_json::{Map, json};
-use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
+use spec::{ArtifactEntry, Counts, Frame, FrameRecord, Job, Provenance};
 use style::Library;
 
 use super::Running;
-use super::bytes::png;
+use super::bytes::numbered_png;
 
 pub(crate) struct Fake {
     pub(crate) client: Client,
@@ -30,17 +30,25 @@ impl Fake {
 
     /// A worker that has, or lacks, the runtime of the style models.
     pub(crate) fn with_runtime(service: &Running, onnx_runtime: Option<&str>) -> Self {
+        Self::try_named(service, "fake", onnx_runtime).unwrap()
+    }
+
+    pub(crate) fn try_named(
+        service: &Running,
+        name: &str,
+        onnx_runtime: Option<&str>,
+    ) -> Result<Self, ClientError> {
         let client = Client::new(&service.url, service.token);
         let about = RegisterRequest {
-            name: "fake".into(),
+            name: name.into(),
             slots: 1,
             code_version: "test".into(),
             onnx_runtime: onnx_runtime.map(str::to_owned),
             cpu_features: "none".into(),
             protocol: proto::VERSION,
         };
-        let id = client.register(&about).unwrap().worker_id;
-        Self { client, id }
+        let id = client.register(&about)?.worker_id;
+        Ok(Self { client, id })
     }
 
     pub(crate) fn try_lease(&self, wait_ms: u32) -> Result<Option<Lease>, ClientError> {
@@ -70,14 +78,23 @@ impl Fake {
 
     /// Puts and commits the first frame of a lease; says whether it was there already.
     pub(crate) fn finish(&self, lease: &Lease) -> Result<bool, ClientError> {
-        self.finish_with(lease, png(32 + lease.frames[0].frame as usize, 24))
+        let frame = self.frame(lease)?;
+        let picture = numbered_png(frame.camera.width, frame.camera.height, frame.index);
+        self.finish_with(lease, picture)
+    }
+
+    /// The first frame of a lease, as its description resolves it.
+    pub(crate) fn frame(&self, lease: &Lease) -> Result<Frame, ClientError> {
+        let description = self.client.description(&lease.job_id)?;
+        let job = Job::trusted(&String::from_utf8(description).unwrap()).unwrap();
+        Ok(job.resolve(lease.frames[0].frame).unwrap())
     }
 
     /// The same with this picture.
     pub(crate) fn finish_with(&self, lease: &Lease, picture: Vec<u8>) -> Result<bool, ClientError> {
         let claim = claim(lease);
         let digest = spec::sha256(&picture);
-        let record = record(claim.frame, &digest, picture.len() as u64);
+        let record = record(&self.frame(lease)?, &digest, picture.len() as u64);
         let file = Artifact {
             kind: "rgb".into(),
             media_type: "image/png".into(),
@@ -168,11 +185,16 @@ pub(crate) fn commit(claim: Claim, record: &FrameRecord) -> CommitRequest {
     }
 }
 
-pub(crate) fn record(frame: u64, digest: &str, bytes: u64) -> FrameRecord {
-    let measured = BTreeMap::from([("uiqm".to_owned(), 0.5 + frame as f64), ("uciqe".to_owned(), 0.4)]);
+/// What an honest worker says of a frame.
+pub(crate) fn record(frame: &Frame, digest: &str, bytes: u64) -> FrameRecord {
+    let values = [("uiqm", 0.5 + frame.index as f64), ("uciqe", 0.4)].into_iter();
+    let measured = values.filter(|(metric, _)| frame.metrics.iter().any(|asked| asked == metric));
+    let measured = measured
+        .map(|(metric, value)| (metric.to_owned(), value))
+        .collect();
     FrameRecord {
-        frame,
-        parameters: json!({"dataset": "tests", "alpha": 1.0, "seed": 7, "labels": {"run": "a, \"b\""}}),
+        frame: frame.index,
+        parameters: frame.parameters.clone(),
         optics: Map::new(),
         plan: json!([]),
         measurements: BTreeMap::from([("rgb".to_owned(), measured)]),
@@ -186,6 +208,10 @@ pub(crate) fn record(frame: u64, digest: &str, bytes: u64) -> FrameRecord {
         timings_ms: BTreeMap::from([("water".to_owned(), 3.0)]),
         warnings: Vec::new(),
         scene: None,
-        provenance: Provenance::default(),
+        provenance: Provenance {
+            code_version: "test".into(),
+            cpu_features: "none".into(),
+            ..Provenance::default()
+        },
     }
 }

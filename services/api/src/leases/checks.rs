@@ -1,0 +1,232 @@
+//! What a worker may say of a frame, held against what the service knows: the description, the files that were put under the same
+//! lease, and the worker's registration. A worker that lies is not the author of a fact.
+
+use proto::wire::{Artifact, RegisterRequest};
+use serde_json::Value;
+use spec::{ArtifactKind, Counts, Frame, FrameRecord, Scene};
+
+use super::puts::Put;
+
+/// Longest time of a stage, ms: a week.
+const MOST_MS: f64 = 7.0 * 86_400e3;
+/// Most warnings of a frame, and the longest of them: a handful of sentences.
+const WARNINGS: usize = 64;
+const WARNING_BYTES: usize = 4096;
+
+/// Everything wrong with a file of a frame.
+pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
+    let Some(kind) = asked(frame, &file.kind) else {
+        let asked: Vec<String> = frame.artifacts.iter().map(ToString::to_string).collect();
+        return vec![format!(
+            "`{}` was not asked for, but {}",
+            file.kind,
+            asked.join(", ")
+        )];
+    };
+    let media_type = kind.media_type(frame.encode);
+    let mut faults = Vec::new();
+    if file.media_type != media_type {
+        faults.push(format!("`{kind}` is {media_type}, not {}", file.media_type));
+    }
+    let is_json = matches!(kind, ArtifactKind::Boxes);
+    let is_readable = if is_json {
+        serde_json::from_slice::<serde::de::IgnoredAny>(&file.data).is_ok()
+    } else {
+        imaging::codec::read_sides(&file.data).is_some()
+    };
+    if !is_readable {
+        faults.push(format!("the bytes of `{kind}` are no {media_type}"));
+    }
+    faults
+}
+
+/// A record, and what is known beside it.
+pub(crate) struct Evidence<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) puts: &'a [Put],
+    pub(crate) worker: &'a RegisterRequest,
+    pub(crate) record: &'a FrameRecord,
+}
+
+impl Evidence<'_> {
+    /// Everything wrong with the record.
+    pub(crate) fn faults(&self) -> Vec<String> {
+        let checks = [
+            self.parameters(),
+            self.artifacts(),
+            self.sides(),
+            self.measurements(),
+            self.numbers(),
+            self.origin(),
+        ];
+        checks.into_iter().flatten().collect()
+    }
+
+    /// The parameters are those that the description resolves to. The camera of a scene that is not procedural is its own.
+    fn parameters(&self) -> Vec<String> {
+        // The record came through a parser, so the expected numbers go through it as well.
+        let expected = serde_json::from_str(&self.frame.parameters.to_string()).unwrap_or_default();
+        let (mut expected, mut found): (Value, Value) = (expected, self.record.parameters.clone());
+        if !self.is_procedural() {
+            for parameters in [&mut expected, &mut found] {
+                if let Some(parameters) = parameters.as_object_mut() {
+                    parameters.remove("camera");
+                }
+            }
+        }
+        let place = difference(&expected, &found, "/parameters");
+        let fault = place.map(|place| format!("{place} is not what the description resolves to"));
+        fault.into_iter().collect()
+    }
+
+    /// The files are those that were put, each once, and nothing is missing that every such frame has.
+    fn artifacts(&self) -> Vec<String> {
+        let named = &self.record.artifacts;
+        let mut faults = Vec::new();
+        for (position, entry) in named.iter().enumerate() {
+            let kind = &entry.kind;
+            if named[..position].iter().any(|other| other.kind == *kind) {
+                faults.push(format!("`{kind}` is named twice"));
+            }
+            if !self.puts.iter().any(|put| put.entry == *entry) {
+                faults.push(format!(
+                    "`{kind}` with the digest {}, {} bytes, {} was not stored under this lease",
+                    entry.digest, entry.bytes, entry.media_type
+                ));
+            }
+        }
+        for kind in self.frame.artifacts.iter().filter(|kind| !kind.may_be_absent()) {
+            let kind = kind.to_string();
+            if !named.iter().any(|entry| entry.kind == kind) {
+                faults.push(format!("`{kind}` is missing"));
+            }
+        }
+        faults
+    }
+
+    /// Every picture but the thumbnail has the size of the frame.
+    fn sides(&self) -> Vec<String> {
+        let Some(size) = self.size() else {
+            return vec!["/parameters/camera has no width and height".to_owned()];
+        };
+        let preview = ArtifactKind::Preview.to_string();
+        let pictures = self.puts.iter().filter(|put| put.entry.kind != preview);
+        let wrong = pictures.filter_map(|put| Some((&put.entry.kind, put.sides?)));
+        let wrong = wrong.filter(|(_, sides)| *sides != size);
+        let fault = |(kind, (width, height)): (&String, (usize, usize))| {
+            format!("`{kind}` is {width}×{height}, the frame {}×{}", size.0, size.1)
+        };
+        wrong.map(fault).collect()
+    }
+
+    /// Only what was asked for was measured, of pictures that the frame has.
+    fn measurements(&self) -> Vec<String> {
+        let frame = self.frame;
+        let mut faults = Vec::new();
+        for (subject, values) in &self.record.measurements {
+            if subject != "rgb" && !frame.enhance.contains(subject) {
+                faults.push(format!("/measurements/{subject}: the frame has no such picture"));
+            }
+            let others = values.keys().filter(|metric| !frame.metrics.contains(metric));
+            faults.extend(others.map(|metric| format!("/measurements/{subject}/{metric} was not asked for")));
+        }
+        faults
+    }
+
+    /// Counts, times and warnings are no larger than any frame has them, so that sums over many frames stay numbers.
+    fn numbers(&self) -> Vec<String> {
+        let Counts {
+            holes,
+            negative_radiance,
+            clamped,
+            range_saturated,
+        } = self.record.counts;
+        let pixels = self
+            .size()
+            .map_or(0, |(width, height)| width as u64 * height as u64);
+        let counts = [
+            ("holes", holes, pixels),
+            ("negative_radiance", negative_radiance, 3 * pixels),
+            ("clamped", clamped, 3 * pixels),
+            ("range_saturated", range_saturated, pixels),
+        ];
+        let beyond = counts.into_iter().filter(|(_, count, most)| count > most);
+        let mut faults: Vec<String> = beyond
+            .map(|(name, count, most)| format!("/counts/{name} is {count}, the limit is {most}"))
+            .collect();
+        let times = &self.record.timings_ms;
+        if times.len() > proto::limits::TIMINGS || times.values().any(|ms| !(0.0..=MOST_MS).contains(ms)) {
+            faults.push(format!(
+                "/timings_ms has more than {} stages, or one beyond 0..={MOST_MS}",
+                proto::limits::TIMINGS
+            ));
+        }
+        let warnings = &self.record.warnings;
+        if warnings.len() > WARNINGS || warnings.iter().any(|warning| warning.len() > WARNING_BYTES) {
+            faults.push(format!(
+                "/warnings has more than {WARNINGS} texts, or one beyond {WARNING_BYTES} bytes"
+            ));
+        }
+        faults
+    }
+
+    /// The frame was made with what its worker registered with.
+    fn origin(&self) -> Vec<String> {
+        let (made, worker) = (&self.record.provenance, self.worker);
+        let runtime = made.onnx_runtime.as_deref();
+        let pairs = [
+            ("code_version", &made.code_version == &worker.code_version),
+            ("cpu_features", &made.cpu_features == &worker.cpu_features),
+            (
+                "onnx_runtime",
+                runtime.is_none() || runtime == worker.onnx_runtime.as_deref(),
+            ),
+        ];
+        let wrong = pairs.into_iter().filter(|(_, is_same)| !is_same);
+        wrong
+            .map(|(name, _)| format!("/provenance/{name} is not that of the worker's registration"))
+            .collect()
+    }
+
+    fn is_procedural(&self) -> bool {
+        matches!(self.frame.scene, Scene::Procedural { .. })
+    }
+
+    fn size(&self) -> Option<(usize, usize)> {
+        if self.is_procedural() {
+            return Some((self.frame.camera.width, self.frame.camera.height));
+        }
+        let side = |name: &str| self.record.parameters["camera"][name].as_u64();
+        Some((side("width")? as usize, side("height")? as usize))
+    }
+}
+
+/// The artifact of this name, if the frame asks for it.
+fn asked<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
+    frame.artifacts.iter().find(|kind| kind.to_string() == name)
+}
+
+/// Where two values differ first, as a JSON pointer.
+fn difference(expected: &Value, found: &Value, place: &str) -> Option<String> {
+    match (expected, found) {
+        (Value::Object(a), Value::Object(b)) => {
+            let extra = b.keys().find(|key| !a.contains_key(*key));
+            let inside = a.iter().find_map(|(key, value)| {
+                let place = format!("{place}/{key}");
+                match b.get(key) {
+                    Some(other) => difference(value, other, &place),
+                    None => Some(place),
+                }
+            });
+            inside.or_else(|| extra.map(|key| format!("{place}/{key}")))
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            let mut pairs = a.iter().zip(b).enumerate();
+            pairs.find_map(|(index, (a, b))| difference(a, b, &format!("{place}/{index}")))
+        }
+        _ => (expected != found).then(|| place.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,150 @@
+use imaging::Rgb8;
+use imaging::codec::encode_png;
+use serde_json::json;
+use spec::{ArtifactEntry, Job, Provenance, Vocabulary};
+
+use super::*;
+
+fn frame() -> Frame {
+    let description = json!({
+        "count": 2, "seed": u64::MAX, "alpha": {"uniform": [0.1, 0.9]},
+        "scene": {"kind": "procedural", "family": "structure", "seed": 3},
+        "camera": {"width": 32, "height": 24, "hfov_deg": 80.1},
+        "water": {"optics": "jerlov-3C"},
+        "enhance": ["hscm"],
+        "metrics": ["uiqm", "uciqe"],
+        "artifacts": ["rgb", "range", "enhanced.hscm"]
+    });
+    let vocabulary: Vocabulary = renderer::vocabulary(&style::Library::embedded().unwrap(), false);
+    let job = Job::parse(description.to_string().as_bytes(), &vocabulary).unwrap();
+    job.resolve(1).unwrap()
+}
+
+fn worker() -> RegisterRequest {
+    RegisterRequest {
+        name: "far".to_owned(),
+        slots: 1,
+        code_version: "1".to_owned(),
+        cpu_features: "avx2".to_owned(),
+        ..RegisterRequest::default()
+    }
+}
+
+fn put(kind: &str, sides: (usize, usize)) -> Put {
+    Put {
+        entry: ArtifactEntry {
+            kind: kind.to_owned(),
+            digest: "ab".repeat(32),
+            bytes: 9,
+            media_type: "image/png".to_owned(),
+        },
+        sides: Some(sides),
+    }
+}
+
+/// What an honest worker says.
+fn record(frame: &Frame, puts: &[Put]) -> FrameRecord {
+    let text = frame.parameters.to_string();
+    FrameRecord {
+        frame: 1,
+        parameters: serde_json::from_str(&text).unwrap(),
+        measurements: [("rgb".to_owned(), [("uiqm".to_owned(), 0.5)].into())].into(),
+        artifacts: puts.iter().map(|put| put.entry.clone()).collect(),
+        timings_ms: [("water".to_owned(), 3.0)].into(),
+        provenance: Provenance {
+            code_version: "1".to_owned(),
+            cpu_features: "avx2".to_owned(),
+            ..Provenance::default()
+        },
+        ..FrameRecord::default()
+    }
+}
+
+#[test]
+fn an_honest_record_has_no_fault_and_each_lie_is_named() {
+    let (frame, worker) = (frame(), worker());
+    let puts = [put("rgb", (32, 24)), put("range", (32, 24))];
+    let honest = record(&frame, &puts);
+    let faults = |puts: &[Put], record: &FrameRecord| {
+        let evidence = Evidence {
+            frame: &frame,
+            puts,
+            worker: &worker,
+            record,
+        };
+        evidence.faults()
+    };
+    assert!(faults(&puts, &honest).is_empty(), "{:?}", faults(&puts, &honest));
+    let changes: [(&str, fn(&mut FrameRecord)); 14] = [
+        ("/parameters/alpha", |record| {
+            record.parameters["alpha"] = json!(0.5)
+        }),
+        ("/parameters/water", |record| {
+            record.parameters["water"] = json!({})
+        }),
+        ("/parameters/more", |record| record.parameters["more"] = json!(1)),
+        ("/parameters", |record| record.parameters = Value::Null),
+        ("`rgb` is missing", |record| record.artifacts.clear()),
+        ("`rgb` is named twice", |record| {
+            record.artifacts.push(record.artifacts[0].clone());
+        }),
+        ("was not stored", |record| {
+            record.artifacts[0].bytes = u64::MAX >> 1
+        }),
+        ("was not stored", |record| {
+            record.artifacts[0].media_type = "text/html".to_owned()
+        }),
+        ("/measurements/clahe", |record| {
+            record
+                .measurements
+                .insert("clahe".to_owned(), [("uiqm".to_owned(), 1.0)].into());
+        }),
+        ("/measurements/rgb/psnr", |record| {
+            let rgb = record.measurements.get_mut("rgb").unwrap();
+            rgb.insert("psnr".to_owned(), 99.0);
+        }),
+        ("/counts/holes", |record| record.counts.holes = u64::MAX >> 1),
+        ("/timings_ms", |record| {
+            record.timings_ms.insert("plan".to_owned(), -1.0);
+        }),
+        ("/warnings", |record| record.warnings = vec!["x".repeat(5000)]),
+        ("/provenance/code_version", |record| {
+            record.provenance.code_version = "2".to_owned()
+        }),
+    ];
+    for (said, change) in changes {
+        let mut lie = honest.clone();
+        change(&mut lie);
+        let found = faults(&puts, &lie);
+        assert!(
+            found.iter().any(|fault| fault.contains(said)),
+            "{said}: {found:?}"
+        );
+    }
+    let small = [put("rgb", (32, 24)), put("range", (31, 24))];
+    assert_eq!(faults(&small, &honest), ["`range` is 31×24, the frame 32×24"]);
+}
+
+#[test]
+fn a_file_is_of_a_kind_that_was_asked_for_and_what_its_type_says() {
+    let frame = frame();
+    let picture = encode_png(&Rgb8::from_fn(32, 24, |_, _| [9; 3]).into()).unwrap();
+    let file = |kind: &str, media_type: &str, data: &[u8]| {
+        let file = Artifact {
+            kind: kind.to_owned(),
+            media_type: media_type.to_owned(),
+            data: data.to_vec(),
+            digest: String::new(),
+        };
+        check_file(&frame, &file).join("; ")
+    };
+    assert_eq!(file("rgb", "image/png", &picture), "");
+    assert_eq!(
+        file("direct", "application/x-npy", &picture),
+        "`direct` was not asked for, but rgb, range, enhanced.hscm"
+    );
+    assert_eq!(
+        file("range", "text/html", b"<script>"),
+        "`range` is image/png, not text/html; the bytes of `range` are no image/png"
+    );
+}

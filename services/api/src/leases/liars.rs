@@ -1,0 +1,107 @@
+//! Workers whose reports were refused: what they said cannot be so.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use proto::wire::{Claim, RegisterRequest};
+
+use super::dispatch::Dispatch;
+use super::table::StrikeEvent;
+
+/// A worker is dismissed at this many refused reports: one may be a bit that fell over on its way.
+const MOST_REFUSALS: u32 = 3;
+/// Names that are kept; they come from workers.
+const MOST_NAMES: usize = 1000;
+
+/// Refused reports, and who was dismissed for them in this life of the service.
+#[derive(Default)]
+pub(crate) struct Liars {
+    refusals: BTreeMap<String, u32>,
+    dismissed: BTreeSet<String>,
+}
+
+impl Liars {
+    /// Counts a refused report of a worker with this id and name; returns whether that dismisses it.
+    pub(crate) fn refused(&mut self, id: &str, name: &str) -> bool {
+        let count = self.refusals.entry(id.to_owned()).or_default();
+        *count += 1;
+        if *count < MOST_REFUSALS {
+            return false;
+        }
+        self.refusals.remove(id);
+        if self.dismissed.len() < MOST_NAMES {
+            self.dismissed.insert(name.to_owned());
+        }
+        true
+    }
+
+    /// Whether workers of this name may not register again.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.dismissed.contains(name)
+    }
+
+    /// Forgets the refusals of workers that are gone.
+    pub(crate) fn keep(&mut self, is_registered: impl Fn(&str) -> bool) {
+        self.refusals.retain(|id, _| is_registered(id));
+    }
+}
+
+impl Dispatch {
+    /// The worker that holds a lease: its id and registration.
+    pub(crate) fn holder(&self, token: u64) -> Option<(String, RegisterRequest)> {
+        self.table(|table, _| {
+            let (id, about) = table.holder(token)?;
+            Some((id.to_owned(), about.clone()))
+        })
+    }
+
+    /// The report on a frame was refused: the frame is offered again, and a worker that goes on like this is dismissed with all
+    /// its leases.
+    pub(crate) fn refuse(&self, claim: &Claim, error: &str) -> Vec<StrikeEvent> {
+        let mut state = self.state();
+        let now = self.now();
+        let holder = state.table.holder(claim.token);
+        let Some((id, name)) = holder.map(|(id, about)| (id.to_owned(), about.name.clone())) else {
+            return Vec::new();
+        };
+        let Claim { job_id, frame, .. } = claim;
+        tracing::warn!(
+            worker = name,
+            job = job_id,
+            frame,
+            error,
+            "a report that cannot be true"
+        );
+        // A lease that has ended meanwhile has given the frame back already.
+        let _ = state.table.refuse(claim);
+        let events = if state.liars.refused(&id, &name) {
+            tracing::error!(worker = name, "worker dismissed: its reports cannot be true");
+            state.table.drop_worker(&id, now)
+        } else {
+            Vec::new()
+        };
+        drop(state);
+        self.after_loss(events)
+    }
+
+    /// Whether a lease is out under this token.
+    pub(crate) fn has_lease(&self, token: u64) -> bool {
+        self.table(|table, _| table.holder(token).is_some())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_third_refusal_dismisses_a_worker_and_its_name() {
+        let mut liars = Liars::default();
+        assert!(!liars.refused("wrk_1", "a") && !liars.refused("wrk_1", "a"));
+        assert!(!liars.refused("wrk_2", "b"));
+        assert!(!liars.has("a"));
+        assert!(liars.refused("wrk_1", "a"));
+        assert!(liars.has("a") && !liars.has("b"));
+        liars.keep(|_| false);
+        assert!(!liars.refused("wrk_2", "b"));
+    }
+}
