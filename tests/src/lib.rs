@@ -109,7 +109,7 @@ impl Service {
     #[must_use]
     pub fn try_submit(&self, job: &Value, key: &str) -> Option<String> {
         let mut response = agent()
-            .post(format!("{}/v1/jobs", self.url))
+            .post(format!("{}/v1/jobs?again=true", self.url))
             .header("content-type", "application/json")
             .header("idempotency-key", key)
             .send(job.to_string())
