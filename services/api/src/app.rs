@@ -14,6 +14,7 @@ use crate::bytes::sets::SetFiles;
 use crate::config::{Config, Surroundings};
 use crate::data::{Data, DataError};
 use crate::datasets::Datasets;
+use crate::engine::Engine;
 use crate::http::auth::TokenError;
 use crate::images::Images;
 use crate::jobs::Jobs;
@@ -128,6 +129,8 @@ impl App {
             processes: Arc::clone(&processes),
             data: config.data.clone(),
         });
+        let engine = config.engine.clone().zip(config.stores.first());
+        let engine = engine.map(|(options, store)| Engine::new(&config.cluster_program, store, options));
         let jobs = Arc::new(Jobs {
             catalogue: Arc::clone(&catalogue),
             leases: Arc::clone(&leases),
@@ -136,6 +139,7 @@ impl App {
             styles: Arc::clone(&styles),
             waters: Arc::clone(&waters),
             processes: Arc::clone(&processes),
+            engine,
             turn: Default::default(),
             clock: clock.clone(),
             stop: stop.clone(),

@@ -8,6 +8,7 @@ use style::{Library, Runtime};
 
 use crate::bytes::sets::ReadBucket;
 use crate::clock::Clock;
+use crate::engine::EngineOptions;
 use crate::limits::Limits;
 
 /// What the user configures.
@@ -37,6 +38,8 @@ pub struct Config {
     pub cluster_program: PathBuf,
     /// Folders and `s3://BUCKET/PREFIX` below which a client may have sets imported; none: it may not.
     pub stores: Vec<String>,
+    /// The broker that hands out jobs; they become sets in the only one of `stores`.
+    pub engine: Option<EngineOptions>,
     /// What reads sets in buckets; without it a data folder with images of such a set is refused.
     pub buckets: Option<ReadBucket>,
     /// How long a network that a user adds may take to be tried.

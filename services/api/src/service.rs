@@ -75,6 +75,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(expire_leases(Arc::clone(&app.leases), end.clone())),
         tokio::spawn(tidy_up(app.clone(), end.clone())),
         tokio::spawn(reclaim::run(Arc::clone(&app.bytes), end.clone())),
+        tokio::spawn(Arc::clone(&app.sets).show_shared()),
     ];
     let recipe = recipe(&config, address, worker_token);
     let fleet = Fleet::start(recipe, config.workers, &frames_back(&app.leases));

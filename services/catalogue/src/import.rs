@@ -64,17 +64,18 @@ impl Catalogue {
         Ok(rows.into_iter().map(shard).collect())
     }
 
-    /// Number of shards of a job that are imported as a whole.
+    /// How many shards of a job are imported as a whole, and when the last of their markers was written; 0 without one.
     ///
     /// # Errors
     /// [`CatalogueError`].
-    pub async fn count_imported_shards(&self, job: &str) -> Result<u64, CatalogueError> {
-        let count: i64 =
-            sqlx::query_scalar("SELECT count(*) FROM shards WHERE job_id = ? AND digest IS NOT NULL")
-                .bind(job)
-                .fetch_one(&mut *self.reader().await?)
-                .await?;
-        Ok(count as u64)
+    pub async fn imported_extent(&self, job: &str) -> Result<(u64, i64), CatalogueError> {
+        let (count, changed_ms): (i64, i64) = sqlx::query_as(
+            "SELECT count(*), coalesce(max(changed_ms), 0) FROM shards WHERE job_id = ? AND digest IS NOT NULL",
+        )
+        .bind(job)
+        .fetch_one(&mut *self.reader().await?)
+        .await?;
+        Ok((count as u64, changed_ms))
     }
 }
 

@@ -38,7 +38,17 @@ impl Catalogue {
     /// [`CatalogueError::NotFound`], [`CatalogueError::Transition`].
     pub async fn set_state(&self, id: &str, state: JobState) -> Result<JobRow, CatalogueError> {
         let id = id.to_owned();
-        self.write(move |c| Box::pin(async move { set_state(c, &id, state).await }))
+        self.write(move |c| Box::pin(async move { set_state(c, &id, state, false).await }))
+            .await
+    }
+
+    /// The same for a job of which the set has changed.
+    ///
+    /// # Errors
+    /// As [`Catalogue::set_state`].
+    pub async fn set_shared_state(&self, id: &str, state: JobState) -> Result<JobRow, CatalogueError> {
+        let id = id.to_owned();
+        self.write(move |c| Box::pin(async move { set_state(c, &id, state, true).await }))
             .await
     }
 
@@ -49,8 +59,27 @@ impl Catalogue {
     /// [`CatalogueError::NotFound`]; [`CatalogueError::Transition`] for a job that was cancelled or is done.
     pub async fn retry_failed(&self, id: &str) -> Result<Retried, CatalogueError> {
         let id = id.to_owned();
-        self.write(move |c| Box::pin(async move { retry_failed(c, &id).await }))
+        self.write(move |c| Box::pin(async move { retry_failed(c, &id, false).await }))
             .await
+    }
+
+    /// The same for a job of which the set renders the failed frames again.
+    ///
+    /// # Errors
+    /// As [`Catalogue::retry_failed`].
+    pub async fn retry_shared(&self, id: &str) -> Result<JobRow, CatalogueError> {
+        let id = id.to_owned();
+        let again = self.write(move |c| Box::pin(async move { retry_failed(c, &id, true).await }));
+        Ok(again.await?.job)
+    }
+
+    /// A job of the same description and dataset as one to store, which [`Catalogue::insert_job`] would find if it is done,
+    /// with a warning that says so.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn twin(&self, job: &NewJob) -> Result<Option<JobRow>, CatalogueError> {
+        submit::twin(&mut *self.reader().await?, job).await
     }
 
     /// A job.
@@ -219,6 +248,7 @@ async fn set_state(
     connection: &mut SqliteConnection,
     id: &str,
     state: JobState,
+    shared: bool,
 ) -> Result<JobRow, CatalogueError> {
     use JobState::{Cancelled, Done, DoneWithFailures, Paused, Queued, Running};
     let job = known_job(connection, id).await?;
@@ -226,7 +256,7 @@ async fn set_state(
         (from, to) if from == to => return Ok(job),
         (Queued | Running, Queued | Running) => return Ok(job),
         (from, Cancelled) if from.has_ended() => return Ok(job),
-        _ if job.set.is_some() => return Err(imported(job)),
+        _ if job.set.is_some() && !shared => return Err(imported(job)),
         (from, Cancelled | Paused) => (state, !from.has_ended()),
         // A job goes on as what it is: its frames say whether it has begun.
         (from, Queued | Running) if job.done + job.failed > 0 => (Running, from == Paused),
@@ -247,9 +277,13 @@ async fn set_state(
         .await?)
 }
 
-async fn retry_failed(connection: &mut SqliteConnection, id: &str) -> Result<Retried, CatalogueError> {
+async fn retry_failed(
+    connection: &mut SqliteConnection,
+    id: &str,
+    shared: bool,
+) -> Result<Retried, CatalogueError> {
     let job = known_job(connection, id).await?;
-    if job.set.is_some() {
+    if job.set.is_some() && !shared {
         return Err(imported(job));
     }
     if matches!(job.state, JobState::Cancelled | JobState::Done) {

@@ -108,6 +108,15 @@ pub struct JobRow {
     pub spec_digest: String,
 }
 
+impl JobRow {
+    /// Whether services share the job: its set is named by its id, and a change of it is one of the set.
+    #[must_use]
+    pub fn is_shared(&self) -> bool {
+        let named = self.set.as_deref().and_then(|set| set.rsplit_once('/'));
+        named.is_some_and(|(_, name)| name == self.id)
+    }
+}
+
 /// A job that has not ended, with what is left of it.
 #[derive(Debug, Clone)]
 pub struct OpenJob {

@@ -9,6 +9,7 @@
 //! alarm/000123-ATTEMPT.json      a marker that contradicts the one that is there
 //! state.json                     running, paused or cancelled
 //! manifest.json                  the sealed set
+//! deleted.json                   what job.json was, of a job that a service has deleted
 //! probe/RANDOM                   left by a process that was killed while it tried the store
 //! ```
 
@@ -24,6 +25,8 @@ pub(crate) const ROWS: &str = "rows";
 pub(crate) const DONE: &str = "done";
 pub(crate) const FAILED: &str = "failed";
 pub(crate) const ALARM: &str = "alarm";
+pub(crate) const DELETED: &str = "deleted.json";
+pub(crate) const KEYS: &str = "keys";
 pub(crate) const PROBE: &str = "probe";
 
 /// One try at a shard: a random name, so that no two tries ever write the same object.

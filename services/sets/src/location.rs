@@ -62,6 +62,18 @@ impl Location {
         }
     }
 
+    /// A place below this one.
+    #[must_use]
+    pub fn join(&self, name: &str) -> Self {
+        match self {
+            Self::Folder(path) => Self::Folder(path.join(name)),
+            Self::S3 { bucket, prefix } => Self::S3 {
+                bucket: bucket.clone(),
+                prefix: format!("{prefix}/{name}").trim_start_matches('/').to_owned(),
+            },
+        }
+    }
+
     /// The same place from every working folder.
     ///
     /// # Errors

@@ -113,6 +113,51 @@ impl Set {
     pub fn state(&self) -> Result<State, SetError> {
         State::read(self.store.get(layout::STATE)?.as_deref())
     }
+
+    /// Changes whether the set is to be worked on. What is cancelled stays so.
+    ///
+    /// # Errors
+    /// [`SetError::Refused`] for a set that is cancelled; otherwise [`SetError`] of the store.
+    pub fn set_state(&self, state: State) -> Result<(), SetError> {
+        match self.state()? {
+            before if before == state => Ok(()),
+            State::Cancelled => State::Cancelled.allow(),
+            _ => self.store.replace(layout::STATE, &state.document()?),
+        }
+    }
+
+    /// Has the shards with failed frames rendered again; returns how many there are.
+    ///
+    /// # Errors
+    /// [`SetError`] of the store, and markers that cannot be read.
+    pub fn retry_failed(&self) -> Result<u64, SetError> {
+        let mut again = 0;
+        for entry in self.store.list(layout::FAILED)? {
+            let Some(shard) = layout::shard_of(&entry.name) else {
+                continue;
+            };
+            // The note in `failed/` stays: whoever renders the shard next may be writing one.
+            if self
+                .marker(shard)?
+                .is_some_and(|marker| !marker.failed.is_empty())
+            {
+                self.store.delete(&layout::done(shard))?;
+                again += 1;
+            }
+        }
+        Ok(again)
+    }
+
+    /// Cancels the set for good and hides it from services; its images stay until somebody removes the folder.
+    ///
+    /// # Errors
+    /// [`SetError`] of the store.
+    pub fn retire(&self) -> Result<(), SetError> {
+        self.set_state(State::Cancelled)?;
+        let text = self.store.get(layout::JOB)?.unwrap_or_default();
+        self.store.create(layout::DELETED, &text)?;
+        self.store.delete(layout::JOB)
+    }
 }
 
 /// Refuses a store that creates an object although it is there: two attempts could both win.

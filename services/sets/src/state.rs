@@ -17,7 +17,7 @@ pub enum State {
     Cancelled,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 struct Document {
     state: State,
 }
@@ -30,6 +30,11 @@ impl State {
         let document: Document =
             serde_json::from_slice(text).map_err(|error| SetError::unreadable(layout::STATE, error))?;
         Ok(document.state)
+    }
+
+    pub(crate) fn document(self) -> Result<Vec<u8>, SetError> {
+        serde_json::to_vec(&Document { state: self })
+            .map_err(|error| SetError::Machine(format!("{} cannot be written: {error}", layout::STATE)))
     }
 
     /// Refuses to begin a shard in this state.

@@ -189,6 +189,13 @@ impl Store {
         self.wait(entries.try_collect())
     }
 
+    /// Names of the folders directly below.
+    pub(crate) fn folders(&self) -> Result<Vec<String>, SetError> {
+        let listing = self.wait(self.objects.list_with_delimiter(Some(&self.root)))?;
+        let names = listing.common_prefixes.iter().filter_map(|path| path.filename());
+        Ok(names.map(str::to_owned).collect())
+    }
+
     /// Removes what uploads that were cut off left in a folder; returns how many files. The listing of a folder leaves
     /// them out, and a bucket shows parts of an upload to nobody: it has a rule of its own for them.
     pub(crate) fn sweep_unfinished(&self, newest_ms: i64) -> Result<u64, SetError> {

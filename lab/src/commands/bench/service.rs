@@ -124,6 +124,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         library: Library::embedded().context("the embedded style models")?,
         cluster_program: PathBuf::new(),
         stores: Vec::new(),
+        engine: None,
         buckets: None,
         style_trial: Duration::from_secs(60),
     };

@@ -6,14 +6,16 @@ use std::sync::Arc;
 use catalogue::{CatalogueError, Deleted, JobRow, JobState};
 
 use super::Jobs;
+use crate::engine::Engine;
 use crate::http::problem::Problem;
+use crate::limits;
 use crate::processes::compute::to_the_end;
 
 impl Jobs {
     /// Stops a job; finished images stay. A job that has ended stays as it is.
     pub(crate) async fn cancel(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
-            let row = jobs.catalogue.set_state(&id, JobState::Cancelled).await?;
+            let row = jobs.set_state(&id, JobState::Cancelled).await?;
             if row.state == JobState::Cancelled {
                 jobs.leases.dispatch.table(|table, _| table.cancel(&id));
                 jobs.notify(&id, "cancelled");
@@ -26,7 +28,7 @@ impl Jobs {
     /// Stops offering a job's frames for now; frames that workers hold are finished.
     pub(crate) async fn pause(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
-            let row = jobs.catalogue.set_state(&id, JobState::Paused).await?;
+            let row = jobs.set_state(&id, JobState::Paused).await?;
             jobs.leases.dispatch.table(|table, _| table.pause(&id));
             jobs.notify(&id, "paused");
             Ok(row)
@@ -37,7 +39,7 @@ impl Jobs {
     /// Offers a paused job again.
     pub(crate) async fn resume(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
-            let row = jobs.catalogue.set_state(&id, JobState::Running).await?;
+            let row = jobs.set_state(&id, JobState::Running).await?;
             jobs.leases.dispatch.free(|table, _| table.resume(&id));
             jobs.notify(&id, "resumed");
             Ok(row)
@@ -45,9 +47,42 @@ impl Jobs {
         .await
     }
 
+    /// Changes the state in the catalogue; of a job that services share in its set first, which all of them follow.
+    async fn set_state(&self, id: &str, state: JobState) -> Result<JobRow, Problem> {
+        let Some((engine, row)) = self.shared(id).await? else {
+            return Ok(self.catalogue.set_state(id, state).await?);
+        };
+        if !row.state.has_ended() {
+            let word = match state {
+                JobState::Paused => "paused",
+                JobState::Cancelled => "cancelled",
+                _ => "running",
+            };
+            engine.change(&row, word).await?;
+        }
+        Ok(self.catalogue.set_shared_state(id, state).await?)
+    }
+
+    /// A job that services share, and what renders it.
+    async fn shared(&self, id: &str) -> Result<Option<(&Engine, JobRow)>, Problem> {
+        let Some(engine) = &self.engine else {
+            return Ok(None);
+        };
+        let row = self.get(id).await?;
+        Ok(row.is_shared().then_some((engine, row)))
+    }
+
     /// Offers the quarantined frames again.
     pub(crate) async fn retry_failed(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
+            if let Some((engine, row)) = jobs.shared(&id).await? {
+                if !matches!(row.state, JobState::Cancelled | JobState::Done) {
+                    engine.retry(&row).await?;
+                }
+                let row = jobs.catalogue.retry_shared(&id).await?;
+                jobs.notify(&id, "tried again");
+                return Ok(row);
+            }
             let again = jobs.catalogue.retry_failed(&id).await?;
             // The table has forgotten a job that had ended.
             let dispatch = &jobs.leases.dispatch;
@@ -65,6 +100,9 @@ impl Jobs {
     /// Deletes a job with its images, whatever it is doing. Their space is reclaimed in the background.
     pub(crate) async fn delete(self: &Arc<Self>, id: String) -> Result<Deleted, Problem> {
         self.in_turn(|jobs| async move {
+            if let Some((engine, row)) = jobs.shared(&id).await? {
+                engine.retire(&row).await?;
+            }
             let deleted = jobs.with_reserve(|| jobs.catalogue.delete_job(&id)).await?;
             jobs.leases.dispatch.table(|table, _| table.cancel(&id));
             jobs.notify(&id, "deleted");
@@ -76,12 +114,37 @@ impl Jobs {
     /// Deletes a dataset with all its jobs, which must have ended.
     pub(crate) async fn delete_dataset(self: &Arc<Self>, name: String) -> Result<Deleted, Problem> {
         self.in_turn(|jobs| async move {
+            jobs.retire_dataset(&name).await?;
             let deleted = jobs.with_reserve(|| jobs.catalogue.delete_dataset(&name)).await?;
             let Deleted { jobs, images, .. } = deleted;
             tracing::info!(dataset = name, jobs, images, "dataset deleted");
             Ok(deleted)
         })
         .await
+    }
+
+    /// Hides the sets of a dataset from every service, if its jobs have ended, so that it can be deleted.
+    async fn retire_dataset(&self, name: &str) -> Result<(), Problem> {
+        let Some(engine) = &self.engine else { return Ok(()) };
+        let (mut rows, mut cursor) = (Vec::new(), None);
+        loop {
+            let name = Some(name.to_owned());
+            let page = self
+                .catalogue
+                .jobs(name, None, limits::MAX_PAGE_ROWS, cursor)
+                .await?;
+            rows.extend(page.items);
+            cursor = page.next_cursor;
+            if cursor.is_none() {
+                break;
+            }
+        }
+        if rows.iter().all(|row| row.state.has_ended()) {
+            for row in rows.iter().filter(|row| row.is_shared()) {
+                engine.retire(row).await?;
+            }
+        }
+        Ok(())
     }
 
     /// Deletes, on a full disk with the help of the reserve, which the reclaiming that follows restores.

@@ -15,6 +15,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
 use crate::clock::{Clock, ordered_id};
+use crate::engine::Engine;
 use crate::http::problem::{Problem, found};
 use crate::images::Images;
 use crate::leases::Leases;
@@ -36,6 +37,8 @@ pub(crate) struct Jobs {
     pub(crate) styles: Arc<Styles>,
     pub(crate) waters: Arc<Waters>,
     pub(crate) processes: Arc<Processes>,
+    /// What renders jobs in place of the workers of this service.
+    pub(crate) engine: Option<Engine>,
     /// Held while a job is paused, cancelled, deleted and so on.
     pub(crate) turn: Mutex<()>,
     pub(crate) clock: Clock,

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use catalogue::{Idempotency, InsertJob, JobRow, NewJob};
+use catalogue::{Idempotency, InsertJob, JobRow, JobState, NewJob};
 use spec::{Draft, Job, Uploads};
 use tokio::sync::watch::Receiver;
 
 use super::{Jobs, new_job_id};
+use crate::engine::orders::{Accepted, Order};
 use crate::http::extract::Submitter;
 use crate::http::problem::{Problem, Slug};
 use crate::processes::compute::to_the_end;
@@ -47,6 +48,63 @@ impl Jobs {
         self.bytes.space.room().await?;
         let jobs = Arc::clone(self);
         to_the_end(async move { jobs.store(&job, submission).await }).await
+    }
+
+    /// Has a job rendered by whoever renders jobs here: the workers of the broker, if there is one and they can, else those of
+    /// this service.
+    pub(super) async fn accept(
+        self: &Arc<Self>,
+        job: Job,
+        submission: Submission,
+    ) -> Result<Submitted, Problem> {
+        if self.engine.as_ref().is_none_or(|engine| !engine.takes(&job)) {
+            return self.submit(job, submission).await;
+        }
+        self.bytes.space.room().await?;
+        let jobs = Arc::clone(self);
+        to_the_end(async move { jobs.begin_set(&job, submission).await }).await
+    }
+
+    /// Begins the set of a job and shows it. Its store knows the key, so a repeat finds it through every service.
+    async fn begin_set(&self, job: &Job, submission: Submission) -> Result<Submitted, Problem> {
+        let engine = self.engine.as_ref();
+        let engine = engine.ok_or_else(|| Problem::internal(&"a set is begun without an engine"))?;
+        let mut new = self.row_of(job, submission);
+        let twin = self.catalogue.twin(&new).await?;
+        if let Some(twin) = twin.as_ref().filter(|twin| twin.state == JobState::Done) {
+            return Ok(self.submitted(twin.clone(), true));
+        }
+        let key = new.idempotency.take();
+        let order = Order {
+            id: new.id.clone(),
+            job: new.spec.clone(),
+            key: key.map(|Idempotency { owner, key, .. }| spec::sha256(format!("{owner}\n{key}").as_bytes())),
+        };
+        let Accepted::Job { id, location } = engine.submit(&order).await? else {
+            return Err(key_conflict());
+        };
+        (new.id, new.set, new.again) = (id, Some(location), true);
+        match self.catalogue.insert_job(new).await? {
+            InsertJob::Created(mut row) => {
+                let (job, set) = (&row.id, &row.set);
+                tracing::info!(job, set, frames = row.frames, "job accepted");
+                row.warnings = twin.map(|twin| twin.warnings).unwrap_or_default();
+                Ok(self.submitted(row, false))
+            }
+            InsertJob::Replayed(row) => Ok(self.submitted(row, false)),
+            InsertJob::Complete(row) => Ok(self.submitted(row, true)),
+            InsertJob::KeyConflict => Err(key_conflict()),
+        }
+    }
+
+    fn submitted(&self, row: JobRow, is_complete: bool) -> Submitted {
+        let mut changes = self.leases.changes.subscribe(&row.id);
+        // It may have changed since it was read.
+        changes.mark_changed();
+        Submitted {
+            job: Followed { row, changes },
+            is_complete,
+        }
     }
 
     /// Reads a description and checks it, over the scenes that it names as well.
@@ -142,10 +200,7 @@ impl Jobs {
                     is_complete: false,
                 })
             }
-            InsertJob::KeyConflict => {
-                let detail = "this Idempotency-Key was used before with another description";
-                Err(Problem::new(Slug::IdempotencyKeyReused, detail))
-            }
+            InsertJob::KeyConflict => Err(key_conflict()),
         }
     }
 
@@ -161,6 +216,11 @@ impl Jobs {
             _ => Ok(()),
         }
     }
+}
+
+fn key_conflict() -> Problem {
+    let detail = "this Idempotency-Key was used before with another description";
+    Problem::new(Slug::IdempotencyKeyReused, detail)
 }
 
 #[cfg(test)]
@@ -187,6 +247,7 @@ mod tests {
             library: style::Library::embedded().unwrap(),
             cluster_program: "/bin/false".into(),
             stores: Vec::new(),
+            engine: None,
             buckets: None,
             style_trial: Duration::from_secs(1),
         };

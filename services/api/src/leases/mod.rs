@@ -12,10 +12,10 @@ pub(crate) mod routes;
 mod strikes;
 pub mod table;
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use catalogue::Catalogue;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tokio_util::sync::CancellationToken;
 use utoipa::ToSchema;
 
@@ -36,6 +36,8 @@ pub(crate) struct Leases {
     pub(crate) puts: Puts,
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,
+    /// Workers that render for a broker.
+    elsewhere: Mutex<Vec<Worker>>,
     clock: Clock,
     stop: CancellationToken,
 }
@@ -55,29 +57,45 @@ impl Leases {
             puts: Puts::default(),
             catalogue,
             bytes,
+            elsewhere: Mutex::default(),
             clock,
             stop,
         }
     }
 }
 
+impl Leases {
+    /// All workers: those that are registered here, and those of the broker.
+    fn workers(&self) -> Vec<Worker> {
+        let mut workers = self.dispatch.workers();
+        let elsewhere = self.elsewhere.lock().unwrap_or_else(PoisonError::into_inner);
+        workers.extend(elsewhere.iter().cloned());
+        workers
+    }
+
+    /// Replaces the workers of the broker.
+    pub(crate) fn set_workers_elsewhere(&self, workers: Vec<Worker>) {
+        *self.elsewhere.lock().unwrap_or_else(PoisonError::into_inner) = workers;
+    }
+}
+
 /// A worker process.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Worker {
-    /// `wrk_…`, new with every registration.
-    pub(crate) id: String,
+#[derive(Debug, Clone, Serialize, Deserialize, ToSchema)]
+pub struct Worker {
+    /// `wrk_…`, new with every registration; of a worker of the broker, its name.
+    pub id: String,
     /// The name it gave itself; the service's own are `local-1`, `local-2`, …
-    pub(crate) name: String,
+    pub name: String,
     /// Frames that it renders side by side.
-    pub(crate) slots: u32,
+    pub slots: u32,
     /// Frames that it holds.
-    pub(crate) leased_frames: u64,
+    pub leased_frames: u64,
     /// Milliseconds since it was last heard of.
-    pub(crate) silent_ms: u64,
+    pub silent_ms: u64,
     /// Version of its code.
-    pub(crate) code_version: String,
+    pub code_version: String,
     /// Version of its ONNX Runtime; null: none.
-    pub(crate) onnx_runtime: Option<String>,
+    pub onnx_runtime: Option<String>,
     /// CPU features that choose its code paths.
-    pub(crate) cpu_features: String,
+    pub cpu_features: String,
 }

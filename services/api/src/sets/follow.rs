@@ -12,6 +12,8 @@ use crate::http::problem::Problem;
 
 /// The shortest pause between two looks.
 const PAUSE: Duration = Duration::from_secs(2);
+/// The same where every change of the set is told of.
+const PAUSE_TOLD: Duration = Duration::from_secs(30);
 /// A look at a large set takes longer: the pause is so many times as long.
 const PAUSE_SHARE: u32 = 10;
 
@@ -42,8 +44,8 @@ impl Sets {
     pub(super) async fn import(self: &Arc<Self>, url: String) -> Result<JobRow, Problem> {
         let reader = self.reader()?;
         self.jobs.bytes.space.room().await?;
-        let row = self.begin(reader, &url).await?;
-        self.follow(&row);
+        let row = self.begin(reader, &url, None).await?;
+        self.follow(&row, false);
         Ok(row)
     }
 
@@ -52,7 +54,8 @@ impl Sets {
         if self.reader.is_some() {
             let jobs = self.jobs.catalogue.imported_jobs().await?;
             let open = jobs.iter().filter(|job| !job.state.has_ended());
-            open.for_each(|job| self.follow(job));
+            let told = |job: &JobRow| self.jobs.engine.is_some() && job.is_shared();
+            open.for_each(|job| self.follow(job, told(job)));
         }
         Ok(())
     }
@@ -67,7 +70,8 @@ impl Sets {
         Ok(deleted)
     }
 
-    fn follow(self: &Arc<Self>, row: &JobRow) {
+    /// Looks at a set now, and again until it is complete: often, unless somebody tells of each change.
+    pub(super) fn follow(self: &Arc<Self>, row: &JobRow, told: bool) {
         let Some(location) = row.set.clone() else { return };
         let followed = Arc::clone(self.followed().entry(row.id.clone()).or_default());
         if std::mem::replace(&mut followed.last().goes_on, true) {
@@ -75,21 +79,22 @@ impl Sets {
             return;
         }
         let (sets, job) = (Arc::clone(self), row.id.clone());
+        let least = if told { PAUSE_TOLD } else { PAUSE };
         tokio::spawn(async move {
             let stop = sets.jobs.stop.clone();
-            stop.run_until_cancelled(sets.follow_to_the_end(&location, &job, &followed))
+            stop.run_until_cancelled(sets.follow_to_the_end(&location, &job, &followed, least))
                 .await;
         });
     }
 
-    async fn follow_to_the_end(&self, location: &str, job: &str, followed: &Followed) {
+    async fn follow_to_the_end(&self, location: &str, job: &str, followed: &Followed, least: Duration) {
         let Some(reader) = &self.reader else { return };
         loop {
             let begun = Instant::now();
             if !self.look_once(reader, location, job, followed).await {
                 return;
             }
-            let pause = PAUSE.max(begun.elapsed() * PAUSE_SHARE);
+            let pause = least.max(begun.elapsed() * PAUSE_SHARE);
             let _ = tokio::time::timeout(pause, followed.wake.notified()).await;
         }
     }

@@ -79,6 +79,11 @@ impl<'c> Intake<'c> {
         &self.id
     }
 
+    /// Names the job that is not stored yet.
+    pub(crate) fn set_id(&mut self, id: &str) {
+        id.clone_into(&mut self.id);
+    }
+
     /// Whether that job is stored.
     #[must_use]
     pub fn is_there(&self) -> bool {

@@ -1,12 +1,13 @@
 //! One look at a set: what is new of it is imported.
 
-use catalogue::{CatalogueError, JobRow};
+use catalogue::{CatalogueError, JobRow, UnixMs};
+use futures::StreamExt;
+use uuid::Uuid;
 
 use super::Sets;
 use super::intake::{Intake, IntakeError};
 use super::reader::Reader;
 use crate::http::problem::{Problem, Slug};
-use futures::StreamExt;
 
 /// Why a look ends early. What was stored stays, and the next look goes on from there.
 #[derive(Debug, thiserror::Error)]
@@ -57,12 +58,21 @@ impl From<LookError> for Problem {
 }
 
 impl Sets {
-    /// Opens a set and stores its job, unless it is there.
-    pub(super) async fn begin(&self, reader: &Reader, url: &str) -> Result<JobRow, LookError> {
+    /// Opens a set and stores its job, unless it is there; under this id, if services share it.
+    pub(super) async fn begin(
+        &self,
+        reader: &Reader,
+        url: &str,
+        id: Option<&str>,
+    ) -> Result<JobRow, LookError> {
         let (head, _reading) = reader.open(url).await?;
         let mut intake = Intake::open(&self.jobs.catalogue, head, &self.jobs.vocabulary()).await?;
         let is_new = !intake.is_there();
-        let row = intake.begin(self.jobs.clock.wall()).await?;
+        if let Some(id) = id.filter(|_| is_new) {
+            intake.set_id(id);
+        }
+        let accepted_at = id.and_then(accepted_at).unwrap_or_else(|| self.jobs.clock.wall());
+        let row = intake.begin(accepted_at).await?;
         if is_new {
             let (job, dataset, set) = (&row.id, &row.dataset, &row.set);
             tracing::info!(job, dataset, set, "a set is followed");
@@ -94,5 +104,26 @@ impl Sets {
             self.jobs.leases.changes.notify(job);
         }
         Ok(catalogue.job(job).await?)
+    }
+}
+
+/// When the service that accepted a job made its id.
+fn accepted_at(id: &str) -> Option<UnixMs> {
+    let id = Uuid::parse_str(id.strip_prefix("job_")?).ok()?;
+    let (seconds, nanoseconds) = id.get_timestamp()?.to_unix();
+    Some(UnixMs(seconds * 1000 + u64::from(nanoseconds / 1_000_000)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::new_job_id;
+
+    #[test]
+    fn an_id_says_when_its_job_was_accepted() {
+        let now = std::time::SystemTime::UNIX_EPOCH.elapsed().unwrap().as_millis() as u64;
+        let at = accepted_at(&new_job_id()).unwrap();
+        assert!(at.0.abs_diff(now) < 60_000, "{at} is not now");
+        assert_eq!(accepted_at("job_a"), None);
     }
 }

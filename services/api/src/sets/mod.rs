@@ -6,6 +6,7 @@ pub(crate) mod intake;
 mod look;
 mod reader;
 pub(crate) mod routes;
+mod shared;
 mod view;
 
 use std::collections::BTreeMap;

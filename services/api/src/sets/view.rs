@@ -58,7 +58,7 @@ impl Sets {
     }
 
     pub(super) async fn view(&self, row: JobRow) -> Result<SetView, Problem> {
-        let shards = self.jobs.catalogue.count_imported_shards(&row.id).await?;
+        let (shards, _) = self.jobs.catalogue.imported_extent(&row.id).await?;
         let followed = self.followed().get(&row.id).cloned();
         let last = followed.map(|followed| followed.last().clone());
         let Last { goes_on, at, error } = last.unwrap_or_default();

@@ -32,23 +32,14 @@ pub(super) async fn insert(
     {
         return Ok(InsertJob::Replayed(known));
     }
-    let mut warnings = Vec::new();
-    match of_description(connection, job).await? {
-        Some(mut twin) if twin.state == JobState::Done => {
+    let warnings = match twin(connection, job).await? {
+        Some(twin) if twin.state == JobState::Done => {
             keep_key(connection, job, &twin.id).await?;
-            twin.warnings.push(format!(
-                "dataset `{}` has every image of this description already, from {}: nothing is rendered; with `again` they are \
-                 rendered once more",
-                twin.dataset, twin.id
-            ));
             return Ok(InsertJob::Complete(twin));
         }
-        Some(twin) => warnings.push(format!(
-            "{} in dataset `{}` has the same description and is {}: the dataset will have its images twice",
-            twin.id, twin.dataset, twin.state
-        )),
-        None => {}
-    }
+        Some(twin) => twin.warnings,
+        None => Vec::new(),
+    };
     let stored = sqlx::query(concat!(
         "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms, set_location)
          VALUES (?, ?, ?, ?, ?, ?, 'queued', ?, ?) RETURNING ",
@@ -92,7 +83,28 @@ async fn keep_key(connection: &mut SqliteConnection, job: &NewJob, id: &str) -> 
 }
 
 /// Another job of the same description and dataset that has images or will have them, one that is done first; none where
-/// the images are wanted again.
+/// the images are wanted again. Its warnings say what that means for a job that repeats it.
+pub(super) async fn twin(
+    connection: &mut SqliteConnection,
+    job: &NewJob,
+) -> Result<Option<JobRow>, CatalogueError> {
+    let found = of_description(connection, job).await?;
+    Ok(found.map(|mut twin| {
+        let JobRow { id, dataset, state, .. } = &twin;
+        let warning = match state {
+            JobState::Done => format!(
+                "dataset `{dataset}` has every image of this description already, from {id}: nothing is rendered; with `again` \
+                 they are rendered once more"
+            ),
+            _ => format!(
+                "{id} in dataset `{dataset}` has the same description and is {state}: the dataset will have its images twice"
+            ),
+        };
+        twin.warnings.push(warning);
+        twin
+    }))
+}
+
 async fn of_description(
     connection: &mut SqliteConnection,
     job: &NewJob,

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
+use cli::engine::EngineArguments;
 use cli::exit::Failure;
 use cli::images::Question;
 use cli::remote::{Remote, ServerArguments, with_query};
@@ -55,6 +56,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         hosts: Vec::new(),
         style_trial_s: 60,
         stores: Vec::new(),
+        engine: EngineArguments {
+            engine: None,
+            engine_token: None,
+            lease_s: 60.0,
+            replicas: 1,
+        },
         style: arguments.style.clone(),
     })?;
     let service = runtime.block_on(api::start(config)).map_err(Failure::input)?;

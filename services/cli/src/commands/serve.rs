@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
-use api::{ReadBucket, StartError};
+use api::{EngineOptions, ReadBucket, StartError};
+use cli::engine::EngineArguments;
 use cli::exit::Failure;
 use cli::styles::StyleArguments;
 use tracing_subscriber::filter::{LevelFilter, Targets};
@@ -46,7 +47,8 @@ pub struct Arguments {
     /// Longest time to try a style network that somebody adds
     #[arg(long, env = "FATHOM_STYLE_TRIAL_S", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=3600))]
     pub(crate) style_trial_s: u64,
-    /// Folder or s3://BUCKET/PREFIX below which clients may have sets imported; may be given several times
+    /// Folder or s3://BUCKET/PREFIX below which clients may have sets imported; may be given several times. With --engine one:
+    /// jobs become sets in it
     #[arg(
         long = "store",
         env = "FATHOM_STORE",
@@ -54,6 +56,8 @@ pub struct Arguments {
         value_delimiter = ','
     )]
     pub(crate) stores: Vec<String>,
+    #[command(flatten)]
+    pub(crate) engine: EngineArguments,
 }
 
 /// Names the program of these commands where they run inside of another.
@@ -90,6 +94,16 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
     let slots = arguments
         .slots
         .map_or_else(|| cores.div_ceil(workers.max(1)), usize::from);
+    let EngineArguments {
+        engine,
+        engine_token,
+        lease_s,
+        replicas,
+    } = arguments.engine;
+    if engine.is_some() && arguments.stores.len() != 1 {
+        let message = "`--engine` needs one `--store`: where the sets of the jobs are to lie";
+        return Err(Failure::input(message));
+    }
     let library = arguments.style.library()?;
     let own = own_program()?;
     let cluster_program = match arguments.stores.as_slice() {
@@ -104,6 +118,12 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         worker_program: own,
         cluster_program,
         stores: arguments.stores,
+        engine: engine.map(|url| EngineOptions {
+            url,
+            token: engine_token,
+            lease_s,
+            replicas,
+        }),
         token: arguments.token,
         hosts: arguments.hosts,
         styles: arguments.style.styles,

@@ -37,11 +37,7 @@ pub(super) fn run(
 ) -> Result<Tally, Failure> {
     let broker = Broker::connect(&arguments.engine, engine)?;
     let place = set.location().clone().absolute().map_err(failure)?.to_string();
-    let mut window = Window {
-        size: arguments.window,
-        set: place.clone(),
-        published: BTreeMap::new(),
-    };
+    let mut window = Window::new(&place, arguments.window);
     let mut patience = Patience::default();
     let stop = stop_at_signal()?;
     let frames_of = |shards: &[u64]| -> u64 {
@@ -79,7 +75,7 @@ pub(super) fn run(
 }
 
 /// What the broker should hold.
-struct Window {
+pub(super) struct Window {
     /// Shards that wait at the same time, as the user says.
     size: Option<u64>,
     set: String,
@@ -87,7 +83,16 @@ struct Window {
 }
 
 impl Window {
-    fn fill(&mut self, broker: &Broker, missing: &[u64]) -> Result<(), BrokerError> {
+    pub(super) fn new(set: &str, size: Option<u64>) -> Self {
+        Self {
+            size,
+            set: set.to_owned(),
+            published: BTreeMap::new(),
+        }
+    }
+
+    /// Publishes of what is missing as much as there is room for.
+    pub(super) fn fill(&mut self, broker: &Broker, missing: &[u64]) -> Result<(), BrokerError> {
         let waiting = broker.waiting()?;
         if waiting == 0 {
             // Rendered, or lost with all that the broker had.
@@ -142,11 +147,16 @@ impl Patience {
                 Some(value)
             }
             Err(error) => {
-                if !std::mem::replace(&mut self.is_away, true) {
-                    eprintln!("{error}; going on when it is back");
-                }
+                self.wait(&error.to_string());
                 None
             }
+        }
+    }
+
+    /// Says why nothing can be done for now, unless that was said.
+    pub(super) fn wait(&mut self, reason: &str) {
+        if !std::mem::replace(&mut self.is_away, true) {
+            eprintln!("{reason}; going on when it is back");
         }
     }
 }

@@ -5,6 +5,7 @@ mod export;
 mod frames;
 mod gc;
 mod import;
+mod jobs;
 mod render;
 mod seal;
 mod shards;
@@ -44,6 +45,9 @@ pub(crate) enum Command {
     Shards(shards::Arguments),
     /// Export a dataset, also to formats that hold Parquet
     Export(cli::export::Arguments),
+    /// Begin, change and watch the sets of a service's jobs
+    #[command(hide = true)]
+    Jobs(jobs::Arguments),
     /// Render frames for the supervisor that asks for them
     #[command(hide = true)]
     Frames(frames::Arguments),
@@ -63,6 +67,7 @@ impl Command {
             Self::Gc(arguments) => gc::run(&arguments),
             Self::Shards(arguments) => shards::run(&arguments),
             Self::Export(arguments) => cli::export::run(&arguments, Some(export::write)),
+            Self::Jobs(arguments) => jobs::run(&arguments),
             Self::Frames(arguments) => frames::run(&arguments),
         }
     }

@@ -1,7 +1,7 @@
 //! `fathom worker --engine`: renders the shards that a broker hands out, until it is told to stop.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::Duration;
 
@@ -24,6 +24,8 @@ const AGAIN_SOON: Duration = Duration::from_secs(15);
 const AGAIN_LATER: Duration = Duration::from_secs(60);
 /// How often a set's state is looked at.
 const STATE_INTERVAL: Duration = Duration::from_secs(15);
+/// Between two entries of a worker that takes one shard after the other, at least.
+const LEAST_RENEWAL: Duration = Duration::from_secs(1);
 /// Renewals of an entry in the fleet before it would expire.
 const RENEWALS: u32 = 4;
 
@@ -40,16 +42,33 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let slots = usize::from(arguments.slots);
     let broker = Broker::connect(&arguments.engine, engine)?;
     let stop = stop_at_signal()?;
+    let library = arguments.style.library()?;
+    let renderer = renderer::Engine::new(library, arguments.style.onnxruntime.as_deref());
     let member = Member {
         name: arguments.name(),
         slots: slots as u64,
+        frames: 0,
+        code_version: renderer::CODE_VERSION.to_owned(),
+        onnx_runtime: renderer
+            .runtime()
+            .ok()
+            .map(|runtime| runtime.version().to_string()),
+        cpu_features: renderer::cpu_features(),
     };
+    drop(renderer);
     let ended = Arc::new(AtomicBool::new(false));
-    let renewal = keep_listed(broker.fleet(), member, &ended, broker.lease() / RENEWALS);
+    let frames = Arc::new(AtomicU64::new(0));
+    let entry = Entry {
+        member,
+        frames: Arc::clone(&frames),
+        every: broker.lease() / RENEWALS,
+    };
+    let renewal = keep_listed(broker.fleet(), entry, &ended);
     let mut worker = Worker {
         store,
         recipe: render::recipe(&arguments.style, slots, &arguments.limits)?,
         current: None,
+        frames,
         patience: Patience::default(),
         stop,
     };
@@ -59,20 +78,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     result
 }
 
-/// Keeps a worker in the list while it lives.
-fn keep_listed(
-    fleet: Fleet,
+/// What a worker says of itself, and how often.
+struct Entry {
     member: Member,
-    ended: &Arc<AtomicBool>,
+    /// Of the shard that it has.
+    frames: Arc<AtomicU64>,
     every: Duration,
-) -> thread::JoinHandle<()> {
+}
+
+/// Keeps a worker in the list while it lives.
+fn keep_listed(fleet: Fleet, entry: Entry, ended: &Arc<AtomicBool>) -> thread::JoinHandle<()> {
     /// So long the end of the worker may wait for this thread.
     const STEP: Duration = Duration::from_millis(100);
     let ended = Arc::clone(ended);
+    let Entry {
+        mut member,
+        frames,
+        every,
+    } = entry;
     thread::spawn(move || {
         let mut since = every;
         while !ended.load(Ordering::SeqCst) {
-            if since >= every {
+            let now = frames.load(Ordering::Relaxed);
+            if since >= every || (now != member.frames && since >= LEAST_RENEWAL) {
+                member.frames = now;
                 // Without a broker there is no list.
                 let _ = fleet.enter(&member);
                 since = Duration::ZERO;
@@ -91,6 +120,8 @@ struct Worker {
     /// The set of the last shard: the next is most often of the same.
     current: Option<Current>,
     patience: Patience,
+    /// Of the shard that is being rendered.
+    frames: Arc<AtomicU64>,
     stop: Arc<AtomicBool>,
 }
 
@@ -152,7 +183,10 @@ impl Worker {
         }
         current.set.state()?.allow()?;
         let watch = &current.watch;
+        let frames = current.set.card().frames_of(task.shard);
+        self.frames.store(frames.end - frames.start, Ordering::Relaxed);
         let outcome = run_shard(&current.set, task.shard, &mut current.crew, &|| watch.check());
+        self.frames.store(0, Ordering::Relaxed);
         self.current = Some(current);
         outcome
     }

@@ -1,8 +1,9 @@
 //! The workers that are there, as they say themselves.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
+use api::Worker;
 use async_nats::jetstream::Context;
 use async_nats::jetstream::kv::{Config, Store};
 use async_nats::jetstream::stream::StorageType;
@@ -21,6 +22,18 @@ pub(crate) struct Member {
     pub(crate) name: String,
     /// Frames that it renders side by side.
     pub(crate) slots: u64,
+    /// Frames of the shard that it has.
+    #[serde(default)]
+    pub(crate) frames: u64,
+    /// Version of its code.
+    #[serde(default)]
+    pub(crate) code_version: String,
+    /// Version of its ONNX Runtime, if it has one.
+    #[serde(default)]
+    pub(crate) onnx_runtime: Option<String>,
+    /// CPU features that choose its code paths.
+    #[serde(default)]
+    pub(crate) cpu_features: String,
 }
 
 /// The list of workers, of which each expires unless it is renewed.
@@ -62,18 +75,41 @@ impl Fleet {
 
     /// The workers that are there.
     pub(crate) fn members(&self) -> Result<Vec<Member>, BrokerError> {
+        let entries = self.entries()?;
+        Ok(entries.into_iter().map(|(member, _)| member).collect())
+    }
+
+    /// The workers that are there, as a service shows them.
+    pub(crate) fn workers(&self) -> Result<Vec<Worker>, BrokerError> {
+        let worker = |(member, since): (Member, SystemTime)| Worker {
+            id: member.name.clone(),
+            name: member.name,
+            slots: u32::try_from(member.slots).unwrap_or(u32::MAX),
+            leased_frames: member.frames,
+            // The clock is that of the broker.
+            silent_ms: since.elapsed().map_or(0, |silent| silent.as_millis() as u64),
+            code_version: member.code_version,
+            onnx_runtime: member.onnx_runtime,
+            cpu_features: member.cpu_features,
+        };
+        Ok(self.entries()?.into_iter().map(worker).collect())
+    }
+
+    /// The workers, with the time at which each said last that it is there.
+    fn entries(&self) -> Result<Vec<(Member, SystemTime)>, BrokerError> {
         self.runtime.block_on(async {
             let store = self.store().await?;
             let mut keys = store.keys().await.map_err(BrokerError::new)?;
             let mut members = Vec::new();
             while let Some(key) = keys.next().await {
-                let value = store.get(key.map_err(BrokerError::new)?).await;
-                let Some(value) = value.map_err(BrokerError::new)? else {
+                let entry = store.entry(key.map_err(BrokerError::new)?).await;
+                let Some(entry) = entry.map_err(BrokerError::new)? else {
                     continue;
                 };
-                members.extend(serde_json::from_slice::<Member>(&value).ok());
+                let member = serde_json::from_slice::<Member>(&entry.value).ok();
+                members.extend(member.map(|member| (member, SystemTime::from(entry.created))));
             }
-            members.sort_by(|a, b| a.name.cmp(&b.name));
+            members.sort_by(|(a, _), (b, _)| a.name.cmp(&b.name));
             Ok(members)
         })
     }

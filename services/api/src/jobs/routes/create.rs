@@ -36,7 +36,8 @@ pub(crate) struct Parameters {
         (status = 202, description = "Accepted and durable; `Location` is the job.", body = JobRow),
         (status = 200, description = "Nothing is rendered: the dataset has every image of this description, from the job of the \
             answer, whose `warnings` say so.", body = JobRow),
-        (status = 409, response = crate::openapi::Problem)))]
+        (status = 409, response = crate::openapi::Problem),
+        (status = 502, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(jobs): Topic<Jobs>,
     submitter: Submitter,
@@ -50,7 +51,7 @@ pub(crate) async fn create(
         priority: limits::JOB_PRIORITY,
         again: asked.again,
     };
-    let submitted = jobs.submit(job, submission).await?;
+    let submitted = jobs.accept(job, submission).await?;
     let mut row = submitted.job.row;
     warnings.append(&mut row.warnings);
     let status = match submitted.is_complete {

@@ -77,9 +77,9 @@ fn unknown_worker(_: Unknown) -> Problem {
     Problem::new(Slug::UnknownWorker, detail)
 }
 
-/// List the workers that are registered, all on one page.
+/// List the workers that are registered and those of the broker, all on one page.
 #[utoipa::path(get, path = "/v1/workers", tag = "operations", operation_id = "list_workers",
     responses((status = 200, description = "All workers.", body = Page<Worker>)))]
 pub(crate) async fn list(State(leases): Topic<Leases>) -> Json<Page<Worker>> {
-    Json(Page::whole(leases.dispatch.workers()))
+    Json(Page::whole(leases.workers()))
 }

@@ -143,6 +143,7 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         library: library(data),
         cluster_program: "/bin/false".into(),
         stores: Vec::new(),
+        engine: None,
         buckets: None,
         style_trial: Duration::from_secs(10),
     }

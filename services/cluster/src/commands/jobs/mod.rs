@@ -1,0 +1,110 @@
+//! `fathom-cluster jobs`: what a service asks of the store that it shares with others, and of the broker.
+
+mod watch;
+
+use std::io::{Read, Write, stdin, stdout};
+
+use anyhow::Context;
+use api::{Accepted, Order};
+use cli::exit::Failure;
+use serde::Serialize;
+use sets::{JobStore, Location, NewSet, Set, SetError, State, Submission};
+use spec::Job;
+
+use super::shards::resolved;
+use super::{failure, open};
+
+/// A job has so many shards, unless they would be smaller or larger than these.
+const SHARDS: u64 = 100;
+const LEAST_FRAMES: u64 = 10;
+const MOST_FRAMES: u64 = 500;
+
+/// Options of `fathom-cluster jobs`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Begin the set of the job that standard input describes
+    Submit { store: String },
+    /// Change whether a set is worked on
+    State { set: String, state: String },
+    /// Have the shards with failed frames rendered again
+    Retry { set: String },
+    /// Cancel a set and hide it from services
+    Retire { set: String },
+    /// Say how the sets of a store grow, and fill a broker with what is missing
+    Watch(watch::Arguments),
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    match &arguments.action {
+        Action::Submit { store } => submit(store),
+        Action::State { set, state } => {
+            let state = serde_json::from_value(state.clone().into());
+            let state: State = state.map_err(Failure::input)?;
+            open(set)?.set_state(state).map_err(failure)
+        }
+        Action::Retry { set } => open(set)?.retry_failed().map(drop).map_err(failure),
+        Action::Retire { set } => retire(set),
+        Action::Watch(arguments) => watch::run(arguments),
+    }
+}
+
+fn submit(store: &str) -> Result<(), Failure> {
+    let mut text = String::new();
+    stdin()
+        .read_to_string(&mut text)
+        .context("cannot read the order")?;
+    let order: Order = serde_json::from_str(&text).map_err(Failure::input)?;
+    let job = Job::trusted(&order.job).map_err(Failure::input)?;
+    let new = NewSet {
+        job: &job,
+        frames_per_shard: Some((job.frames() / SHARDS).clamp(LEAST_FRAMES, MOST_FRAMES)),
+        code_version: renderer::CODE_VERSION,
+        metrics: quality::MetricId::all()
+            .map(|metric| metric.to_string())
+            .collect(),
+    };
+    let submitted = shared(store)?.submit(&order.id, order.key.as_deref(), &new);
+    let accepted = match submitted.map_err(failure)? {
+        Submission::KeyConflict => Accepted::KeyConflict,
+        Submission::Set { id, set } => Accepted::Job {
+            id,
+            location: set.location().to_string(),
+        },
+    };
+    say(&accepted)
+}
+
+/// Hiding a set that is hidden is no failure: a service may have died before it knew.
+fn retire(set: &str) -> Result<(), Failure> {
+    match Set::open(&Location::parse(set).map_err(failure)?) {
+        Ok(set) => set.retire().map_err(failure),
+        Err(SetError::Refused(_)) => Ok(()),
+        Err(error) => Err(failure(error)),
+    }
+}
+
+/// The store, by the one name that all services of this machine give it.
+fn shared(store: &str) -> Result<JobStore, Failure> {
+    let location = Location::parse(store)
+        .and_then(Location::absolute)
+        .map_err(failure)?;
+    // A folder is made here, so that links to it can be followed.
+    JobStore::open(&location).map_err(failure)?;
+    JobStore::open(&resolved(&location)?).map_err(failure)
+}
+
+/// Writes a line for the service.
+fn say(message: &impl Serialize) -> Result<(), Failure> {
+    let mut line = serde_json::to_vec(message).context("a line cannot be written")?;
+    line.push(b'\n');
+    let mut out = stdout().lock();
+    let written = out.write_all(&line).and_then(|()| out.flush());
+    Ok(written.context("nobody reads this")?)
+}

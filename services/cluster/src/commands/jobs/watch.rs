@@ -1,0 +1,255 @@
+//! `fathom-cluster jobs watch`: looks at the sets of a store, tells a service how they grow, and hands what is missing to a
+//! broker. Any number of them may watch the same store: what two of them publish waits once.
+
+use std::collections::BTreeMap;
+use std::io::{Read, stdin};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use api::{Event, SeenSet};
+use cli::engine::EngineArguments;
+use cli::exit::Failure;
+use sets::{DoneShard, JobStore, Set, SetError, State};
+
+use super::super::dispatch::{Patience, Window};
+use super::{say, shared};
+use crate::engine::Broker;
+
+/// Between two rounds.
+const ROUND: Duration = Duration::from_millis(500);
+/// A set is looked at so often, at most.
+const LOOK: Duration = Duration::from_secs(1);
+/// The share of the time that looking at a set may take.
+const LOOK_SHARE: u32 = 20;
+/// The same for one of which every shard is done, or which is not to be worked on; another service may change that.
+const LOOK_DONE: Duration = Duration::from_secs(3);
+/// A set that cannot be read is tried again after this time.
+const LOOK_FAILED: Duration = Duration::from_secs(15);
+/// What has not changed is said again after this time, in case it was not understood.
+const SAY_AGAIN: Duration = Duration::from_secs(60);
+/// Between two lists of workers, and two tries to reach the broker.
+const WORKERS: Duration = Duration::from_secs(2);
+
+/// Options of `fathom-cluster jobs watch`.
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    store: String,
+    #[command(flatten)]
+    engine: EngineArguments,
+}
+
+/// Watches until standard input closes, as it does when the service ends, however it ends.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let url = arguments.engine.engine.as_deref();
+    let url = url.ok_or_else(|| Failure::input("`--engine` is missing: the broker to fill"))?;
+    let store = shared(&arguments.store)?;
+    let ended = Arc::new(AtomicBool::new(false));
+    let end = Arc::clone(&ended);
+    thread::spawn(move || {
+        let _ = stdin().read_to_end(&mut Vec::new());
+        end.store(true, Ordering::SeqCst);
+    });
+    let mut watch = Watch {
+        store,
+        sets: BTreeMap::new(),
+        broker: None,
+        patience: Patience::default(),
+        workers_due: Instant::now(),
+    };
+    while !ended.load(Ordering::SeqCst) {
+        watch.reach_broker(&arguments.engine, url)?;
+        watch.round()?;
+        thread::sleep(ROUND);
+    }
+    Ok(())
+}
+
+struct Watch {
+    store: JobStore,
+    sets: BTreeMap<String, Watched>,
+    /// The sets are told of without it, too.
+    broker: Option<Broker>,
+    patience: Patience,
+    workers_due: Instant,
+}
+
+/// A set of the store.
+struct Watched {
+    set: Option<Set>,
+    window: Option<Window>,
+    due: Instant,
+    said: Option<(SeenSet, Instant)>,
+    /// Of the last look, so that a failure is printed once.
+    failure: Option<String>,
+}
+
+impl Watch {
+    fn reach_broker(&mut self, arguments: &EngineArguments, url: &str) -> Result<(), Failure> {
+        if self.workers_due > Instant::now() {
+            return Ok(());
+        }
+        self.workers_due = Instant::now() + WORKERS;
+        match &self.broker {
+            Some(broker) => {
+                if let Some(workers) = self.patience.judge(broker.fleet().workers()) {
+                    say(&Event::Workers(workers))?;
+                }
+            }
+            None => match Broker::connect(arguments, url) {
+                Ok(broker) => self.broker = Some(broker),
+                Err(Failure::Later(reason)) => self.patience.wait(&reason),
+                Err(error) => return Err(error),
+            },
+        }
+        Ok(())
+    }
+
+    fn round(&mut self) -> Result<(), Failure> {
+        match self.store.ids() {
+            Ok(ids) => {
+                self.sets.retain(|id, _| ids.contains(id));
+                for id in ids {
+                    self.sets.entry(id).or_insert_with(Watched::new);
+                }
+            }
+            Err(error) => {
+                eprintln!("{error}");
+                thread::sleep(LOOK);
+            }
+        }
+        for (id, watched) in &mut self.sets {
+            if watched.due > Instant::now() {
+                continue;
+            }
+            let begun = Instant::now();
+            match watched.look(id, &self.store) {
+                Ok((seen, missing)) => {
+                    watched.failure = None;
+                    let is_running = seen.state == word(State::Running) && !missing.is_empty();
+                    let pause = if is_running { LOOK } else { LOOK_DONE };
+                    if let Some(broker) = &self.broker {
+                        self.patience.judge(watched.dispatch(broker, &seen, &missing));
+                    }
+                    watched.tell(seen)?;
+                    watched.due = Instant::now() + pause.max(begun.elapsed() * LOOK_SHARE);
+                }
+                Err(error) => watched.fail(id, &error),
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Watched {
+    fn new() -> Self {
+        Self {
+            set: None,
+            window: None,
+            due: Instant::now(),
+            said: None,
+            failure: None,
+        }
+    }
+
+    /// How far the set is, and which shards are missing.
+    fn look(&mut self, id: &str, store: &JobStore) -> Result<(SeenSet, Vec<u64>), SetError> {
+        let set = match self.set.take() {
+            Some(set) => set,
+            None => Set::open(&store.location_of(id))?,
+        };
+        let (state, done) = (set.state()?, set.done_shards()?);
+        if state == State::Cancelled {
+            // A job that was deleted is cancelled, too, and is no longer there.
+            Set::open(set.location())?;
+        }
+        let seen = SeenSet {
+            id: id.to_owned(),
+            location: set.location().to_string(),
+            state: word(state).to_owned(),
+            done: done.len() as u64,
+            changed_ms: done.iter().map(|shard| shard.changed_ms).max().unwrap_or(0),
+        };
+        let missing = missing(set.card().shards(), &done);
+        self.set = Some(set);
+        Ok((seen, missing))
+    }
+
+    fn dispatch(
+        &mut self,
+        broker: &Broker,
+        seen: &SeenSet,
+        missing: &[u64],
+    ) -> Result<(), crate::engine::BrokerError> {
+        if seen.state == word(State::Running) {
+            let window = self
+                .window
+                .get_or_insert_with(|| Window::new(&seen.location, None));
+            return window.fill(broker, missing);
+        }
+        // What workers hold they finish or drop, as the state says; what waits need not.
+        match self.window.take() {
+            Some(_) => broker.withdraw(&seen.location),
+            None => Ok(()),
+        }
+    }
+
+    fn tell(&mut self, seen: SeenSet) -> Result<(), Failure> {
+        let is_known = |(said, at): &(SeenSet, Instant)| *said == seen && at.elapsed() < SAY_AGAIN;
+        if self.said.as_ref().is_some_and(is_known) {
+            return Ok(());
+        }
+        say(&Event::Set(seen.clone()))?;
+        self.said = Some((seen, Instant::now()));
+        Ok(())
+    }
+
+    fn fail(&mut self, id: &str, error: &SetError) {
+        let text = error.to_string();
+        // A folder without a job is that of one that was deleted, or that is being made.
+        let is_hidden = self.set.is_none() && matches!(error, SetError::Refused(_));
+        if !is_hidden && self.failure.as_ref() != Some(&text) {
+            eprintln!("{id}: {text}");
+        }
+        self.failure = Some(text);
+        let pause = if self.said.is_none() && is_hidden {
+            LOOK_DONE
+        } else {
+            LOOK_FAILED
+        };
+        self.due = Instant::now() + pause;
+    }
+}
+
+/// The shards that are not done.
+fn missing(shards: u64, done: &[DoneShard]) -> Vec<u64> {
+    let mut done = done.iter().map(|done| done.shard).peekable();
+    (0..shards)
+        .filter(|shard| done.next_if_eq(shard).is_none())
+        .collect()
+}
+
+fn word(state: State) -> &'static str {
+    match state {
+        State::Running => "running",
+        State::Paused => "paused",
+        State::Cancelled => "cancelled",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_is_what_has_no_marker() {
+        let done = |shards: &[u64]| -> Vec<DoneShard> {
+            let done = |&shard| DoneShard { shard, changed_ms: 1 };
+            shards.iter().map(done).collect()
+        };
+        assert_eq!(missing(4, &done(&[])), [0, 1, 2, 3]);
+        assert_eq!(missing(4, &done(&[1, 2])), [0, 3]);
+        assert!(missing(4, &done(&[0, 1, 2, 3])).is_empty());
+    }
+}
