@@ -75,6 +75,7 @@ def shows(service, name):
 
 def check_whole(service, name, digest):
     """The job is done with this digest, and its artifacts can be had."""
+    wait_until(lambda: shows(service, name), "the service hears of the job")
     row = service.wait_for(name, state="done", done=FRAMES)
     assert row["digest"] == digest
     for frame in (0, FRAMES // 2, FRAMES - 1):

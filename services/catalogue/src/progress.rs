@@ -62,7 +62,7 @@ pub(crate) struct Added {
     pub(crate) last_ms: u64,
 }
 
-/// Counts new images of a job.
+/// Counts new images of a job. One that had ended without some of them ends anew.
 pub(crate) async fn count_images(
     connection: &mut SqliteConnection,
     job: &str,
@@ -77,7 +77,8 @@ pub(crate) async fn count_images(
     let changed = sqlx::query_as(
         "UPDATE jobs SET done = done + ?2, failed = failed - ?3, bytes = bytes + ?4, version = version + ?2,
                          started_ms = coalesce(started_ms, ?5),
-                         state = CASE state WHEN 'queued' THEN 'running' ELSE state END
+                         state = CASE WHEN state = 'queued' OR (state = 'done_with_failures' AND ?3 > 0)
+                                      THEN 'running' ELSE state END
          WHERE id = ?1
          RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused'), dataset, failed",
     )

@@ -177,6 +177,35 @@ async fn a_set_is_one_job_whose_frames_nobody_renders_here() {
 }
 
 #[tokio::test]
+async fn a_frame_that_had_failed_and_is_imported_ends_its_job_anew() {
+    let at = Fixture::new().await;
+    at.catalogue.insert_job(new_job(JOB, 2)).await.unwrap();
+    let whole = |tar: &str, changed_ms, failed| NewShard {
+        end: Some(ShardEnd {
+            failed,
+            ..end(changed_ms)
+        }),
+        ..shard(0, tar)
+    };
+    let failed = vec![failure(1, 3, "boom", true)];
+    let image = |frame| at.image(JOB, frame, 0);
+    at.catalogue
+        .import(JOB, vec![image(0)], whole("a.tar", 1, failed))
+        .await
+        .unwrap();
+    let row = at.catalogue.job(JOB).await.unwrap().unwrap();
+    assert_eq!((row.state, row.failed), (JobState::DoneWithFailures, 1));
+    at.catalogue
+        .import(JOB, vec![image(0), image(1)], whole("b.tar", 2, Vec::new()))
+        .await
+        .unwrap();
+    let row = at.catalogue.job(JOB).await.unwrap().unwrap();
+    assert_eq!((row.state, row.done, row.failed), (JobState::Done, 2, 0));
+    assert!(row.digest.is_some());
+    at.is_sound().await;
+}
+
+#[tokio::test]
 async fn a_deleted_import_leaves_nothing_and_keeps_what_the_packs_hold() {
     let at = Fixture::new().await;
     // The same images, rendered here: their bytes are in the packs.
