@@ -8,6 +8,9 @@ use parquet::data_type::{ByteArray, DataType};
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 
+/// A column of whole numbers with what names it.
+pub(crate) type Named = (String, Vec<Option<i64>>);
+
 /// A group of rows.
 pub(crate) struct Group<'a> {
     reader: Box<dyn RowGroupReader + 'a>,
@@ -44,11 +47,7 @@ impl<'a> Group<'a> {
     }
 
     /// The columns of whole numbers whose names begin and end like this, by what stands between.
-    pub(crate) fn numbers_within(
-        &self,
-        head: &str,
-        tail: &str,
-    ) -> Result<Vec<(String, Vec<Option<i64>>)>, String> {
+    pub(crate) fn numbers_within(&self, head: &str, tail: &str) -> Result<Vec<Named>, String> {
         let mut found = Vec::new();
         for column in self.schema.columns() {
             let name = column.name();

@@ -9,7 +9,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use spec::{ArtifactEntry, FrameRecord, sha256};
 
 use crate::error::SetError;
-use crate::group::Group;
+use crate::group::{Group, Named};
 use crate::layout;
 use crate::marker::Marker;
 use crate::set::Set;
@@ -302,7 +302,7 @@ fn images(
             }
             let created_ms = times[row].filter(|time| (0..=LAST_MS).contains(time));
             let created_ms = created_ms.ok_or_else(|| missing("created_ms that is a time"))? as u64;
-            let place = |(kind, offsets): &(String, Vec<Option<i64>>)| {
+            let place = |(kind, offsets): &Named| {
                 let offset = u64::try_from(offsets[row]?).ok()?;
                 Some((kind.clone(), offset))
             };

@@ -100,10 +100,12 @@ impl Jobs {
     /// Deletes a job with its images, whatever it is doing. Their space is reclaimed in the background.
     pub(crate) async fn delete(self: &Arc<Self>, id: String) -> Result<Deleted, Problem> {
         self.in_turn(|jobs| async move {
-            if let Some((engine, row)) = jobs.shared(&id).await? {
+            let shared = jobs.shared(&id).await?;
+            let deleted = jobs.with_reserve(|| jobs.catalogue.delete_job(&id)).await?;
+            // Only now: a deletion that is refused hides nothing.
+            if let Some((engine, row)) = shared {
                 engine.retire(&row).await?;
             }
-            let deleted = jobs.with_reserve(|| jobs.catalogue.delete_job(&id)).await?;
             jobs.leases.dispatch.table(|table, _| table.cancel(&id));
             jobs.notify(&id, "deleted");
             Ok(deleted)
@@ -114,8 +116,12 @@ impl Jobs {
     /// Deletes a dataset with all its jobs, which must have ended.
     pub(crate) async fn delete_dataset(self: &Arc<Self>, name: String) -> Result<Deleted, Problem> {
         self.in_turn(|jobs| async move {
-            jobs.retire_dataset(&name).await?;
+            let shared = jobs.shared_in(&name).await?;
             let deleted = jobs.with_reserve(|| jobs.catalogue.delete_dataset(&name)).await?;
+            // Only now: a deletion that is refused hides nothing.
+            for (engine, row) in shared {
+                engine.retire(&row).await?;
+            }
             let Deleted { jobs, images, .. } = deleted;
             tracing::info!(dataset = name, jobs, images, "dataset deleted");
             Ok(deleted)
@@ -123,28 +129,25 @@ impl Jobs {
         .await
     }
 
-    /// Hides the sets of a dataset from every service, if its jobs have ended, so that it can be deleted.
-    async fn retire_dataset(&self, name: &str) -> Result<(), Problem> {
-        let Some(engine) = &self.engine else { return Ok(()) };
-        let (mut rows, mut cursor) = (Vec::new(), None);
+    /// The jobs of a dataset that services share, each with what renders it.
+    async fn shared_in(&self, dataset: &str) -> Result<Vec<(&Engine, JobRow)>, Problem> {
+        let Some(engine) = &self.engine else {
+            return Ok(Vec::new());
+        };
+        let (mut shared, mut cursor) = (Vec::new(), None);
         loop {
-            let name = Some(name.to_owned());
+            let name = Some(dataset.to_owned());
             let page = self
                 .catalogue
                 .jobs(name, None, limits::MAX_PAGE_ROWS, cursor)
                 .await?;
-            rows.extend(page.items);
+            let found = page.items.into_iter().filter(JobRow::is_shared);
+            shared.extend(found.map(|row| (engine, row)));
             cursor = page.next_cursor;
             if cursor.is_none() {
-                break;
+                return Ok(shared);
             }
         }
-        if rows.iter().all(|row| row.state.has_ended()) {
-            for row in rows.iter().filter(|row| row.is_shared()) {
-                engine.retire(row).await?;
-            }
-        }
-        Ok(())
     }
 
     /// Deletes, on a full disk with the help of the reserve, which the reclaiming that follows restores.
