@@ -175,8 +175,8 @@ impl Evidence<'_> {
         let (made, worker) = (&self.record.provenance, self.worker);
         let runtime = made.onnx_runtime.as_deref();
         let pairs = [
-            ("code_version", &made.code_version == &worker.code_version),
-            ("cpu_features", &made.cpu_features == &worker.cpu_features),
+            ("code_version", made.code_version == worker.code_version),
+            ("cpu_features", made.cpu_features == worker.cpu_features),
             (
                 "onnx_runtime",
                 runtime.is_none() || runtime == worker.onnx_runtime.as_deref(),
