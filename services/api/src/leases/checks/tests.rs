@@ -42,6 +42,9 @@ fn put(kind: &str, sides: (usize, usize)) -> Put {
     }
 }
 
+/// A change of an honest record.
+type Lie = fn(&mut FrameRecord);
+
 /// What an honest worker says.
 fn record(frame: &Frame, puts: &[Put]) -> FrameRecord {
     let text = frame.parameters.to_string();
@@ -75,7 +78,7 @@ fn an_honest_record_has_no_fault_and_each_lie_is_named() {
         evidence.faults()
     };
     assert!(faults(&puts, &honest).is_empty(), "{:?}", faults(&puts, &honest));
-    let changes: [(&str, fn(&mut FrameRecord)); 14] = [
+    let changes: [(&str, Lie); 14] = [
         ("/parameters/alpha", |record| {
             record.parameters["alpha"] = json!(0.5)
         }),
