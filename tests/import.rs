@@ -256,7 +256,7 @@ fn a_set_that_contradicts_itself_is_refused() {
         let output = run_on(&work, "import", &["--json", "--data", &text_of(&data(&work))]);
         match output.status.code() {
             Some(1) => {}
-            // A column that nobody reads: the images are made from their records, and these have their digest.
+            // Imports do not read this column: they make images from the records, which have a digest.
             Some(0) if at < whole.len() - 6 => {
                 let printed: Value = serde_json::from_slice(&output.stdout).expect("JSON");
                 assert_eq!(printed["job"]["digest"], good["digest"], "{at}");

@@ -7,6 +7,7 @@ mod buckets;
 mod commands;
 mod engine;
 mod failure;
+mod lines;
 mod reading;
 
 use std::process::ExitCode;

@@ -50,7 +50,7 @@ pub(crate) fn read_all<P: Send>(
             });
         }
         drop(send);
-        // When it ends early, nobody takes what the threads read, and they end, too.
+        // An early end closes the channel, which ends the threads.
         parts.into_iter().try_for_each(|part| take(part?))
     })
 }
@@ -72,7 +72,7 @@ fn read<P>(
             .unwrap_or_default()
             .into_iter();
         let is_last_group = groups.peek().is_none();
-        // At least one part: a shard without images has an end, too.
+        // At least one part, since the last one carries the end of the shard, which may have no images.
         loop {
             let some: Vec<SetImage> = images.by_ref().take(PART_IMAGES).map(image).collect();
             let is_last = is_last_group && images.len() == 0;

@@ -53,7 +53,7 @@ pub use reading::{DoneShard, ShardImage, ShardRows};
 pub use seal::{Manifest, Source};
 pub use set::Set;
 pub use shard::{Outcome, run_shard};
-pub use state::State;
+pub use state::allow_work;
 pub use store::{Entry, Store};
 pub use table::Table;
 pub use upload::FileSum;

@@ -1,13 +1,13 @@
 //! A set that is open: its store, its job, its markers.
 
-use spec::Job;
+use spec::{Job, SetState};
 
 use crate::error::SetError;
 use crate::job::{Card, NewSet};
 use crate::layout::{self, Attempt};
 use crate::location::Location;
 use crate::marker::Marker;
-use crate::state::State;
+use crate::state;
 use crate::store::Store;
 
 /// An open set.
@@ -110,19 +110,19 @@ impl Set {
     ///
     /// # Errors
     /// [`SetError`] of the store, and a `state.json` that cannot be read.
-    pub fn state(&self) -> Result<State, SetError> {
-        State::read(self.store.get(layout::STATE)?.as_deref())
+    pub fn state(&self) -> Result<SetState, SetError> {
+        state::read(self.store.get(layout::STATE)?.as_deref())
     }
 
     /// Changes whether the set is to be worked on. What is cancelled stays so.
     ///
     /// # Errors
     /// [`SetError::Refused`] for a set that is cancelled; otherwise [`SetError`] of the store.
-    pub fn set_state(&self, state: State) -> Result<(), SetError> {
+    pub fn set_state(&self, state: SetState) -> Result<(), SetError> {
         match self.state()? {
             before if before == state => Ok(()),
-            State::Cancelled => State::Cancelled.allow(),
-            _ => self.store.replace(layout::STATE, &state.document()?),
+            SetState::Cancelled => state::allow_work(SetState::Cancelled),
+            _ => self.store.replace(layout::STATE, &state::document(state)?),
         }
     }
 
@@ -148,12 +148,12 @@ impl Set {
         Ok(again)
     }
 
-    /// Cancels the set for good and hides it from services; its images stay until somebody removes the folder.
+    /// Cancels the set for good and hides it from services; its images stay until the folder is removed.
     ///
     /// # Errors
     /// [`SetError`] of the store.
     pub fn retire(&self) -> Result<(), SetError> {
-        self.set_state(State::Cancelled)?;
+        self.set_state(SetState::Cancelled)?;
         let text = self.store.get(layout::JOB)?.unwrap_or_default();
         self.store.create(layout::DELETED, &text)?;
         self.store.delete(layout::JOB)

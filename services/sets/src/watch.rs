@@ -5,9 +5,11 @@ use std::sync::{Arc, mpsc};
 use std::thread;
 use std::time::Duration;
 
+use spec::SetState;
+
 use crate::error::SetError;
 use crate::set::Set;
-use crate::state::State;
+use crate::state::allow_work;
 
 /// Looks at the state of a set from time to time while shards are rendered.
 pub struct Watch {
@@ -27,7 +29,7 @@ impl Watch {
         thread::spawn(move || {
             while ended.recv_timeout(every) == Err(mpsc::RecvTimeoutError::Timeout) {
                 // A store that does not respond is noticed by whoever writes to it.
-                if matches!(set.state(), Ok(State::Cancelled)) {
+                if matches!(set.state(), Ok(SetState::Cancelled)) {
                     flag.store(true, Ordering::SeqCst);
                 }
             }
@@ -45,7 +47,7 @@ impl Watch {
     /// [`SetError::Refused`] after the set was cancelled, [`SetError::Later`] when this process is asked to end.
     pub fn check(&self) -> Result<(), SetError> {
         if self.is_cancelled.load(Ordering::SeqCst) {
-            return State::Cancelled.allow();
+            return allow_work(SetState::Cancelled);
         }
         if self.stop.load(Ordering::SeqCst) {
             return Err(SetError::Later("stopped; run again to go on".to_owned()));

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 use catalogue::JobRow;
-use spec::Job;
+use spec::{Job, SetState};
 use style::Library;
 use tokio::io::AsyncWriteExt;
 use tokio::process::Command;
@@ -68,10 +68,11 @@ impl Engine {
         serde_json::from_slice(&said).map_err(|error| Problem::internal(&error))
     }
 
-    /// Changes the state of a job's set: `running`, `paused` or `cancelled`.
-    pub(crate) async fn change(&self, job: &JobRow, state: &str) -> Result<(), Problem> {
+    /// Changes the state of a job's set.
+    pub(crate) async fn change(&self, job: &JobRow, state: SetState) -> Result<(), Problem> {
         let set = job.set.as_deref().unwrap_or_default();
-        self.call(&["state", set, state], b"").await.map(drop)
+        let input = serde_json::to_vec(&state).map_err(|error| Problem::internal(&error))?;
+        self.call(&["state", set], &input).await.map(drop)
     }
 
     /// Has the failed frames of a job's set rendered again.
@@ -94,7 +95,7 @@ impl Engine {
             replicas,
         } = &self.options;
         let mut command = Command::new(&self.program);
-        // Addresses and tokens are nobody's business: other users of the machine see arguments.
+        // In the environment, since other users of the machine can see arguments.
         command
             .arg("jobs")
             .args(words)

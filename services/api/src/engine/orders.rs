@@ -1,6 +1,7 @@
 //! What the service and `fathom-cluster jobs` tell each other, as JSON.
 
 use serde::{Deserialize, Serialize};
+use spec::SetState;
 
 use crate::leases::Worker;
 
@@ -47,8 +48,8 @@ pub struct SeenSet {
     pub id: String,
     /// Where the set lies.
     pub location: String,
-    /// `running`, `paused` or `cancelled`.
-    pub state: String,
+    /// Whether it is worked on.
+    pub state: SetState,
     /// Shards that are done.
     pub done: u64,
     /// When the last of them was, by the clock of the store; 0 without one.

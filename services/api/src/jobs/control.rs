@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use catalogue::{CatalogueError, Deleted, JobRow, JobState};
+use spec::SetState;
 
 use super::Jobs;
 use crate::engine::Engine;
@@ -15,7 +16,7 @@ impl Jobs {
     /// Stops a job; finished images stay. A job that has ended stays as it is.
     pub(crate) async fn cancel(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
-            let row = jobs.set_state(&id, JobState::Cancelled).await?;
+            let row = jobs.set_state(&id, SetState::Cancelled).await?;
             if row.state == JobState::Cancelled {
                 jobs.leases.dispatch.table(|table, _| table.cancel(&id));
                 jobs.notify(&id, "cancelled");
@@ -28,7 +29,7 @@ impl Jobs {
     /// Stops offering a job's frames for now; frames that workers hold are finished.
     pub(crate) async fn pause(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
-            let row = jobs.set_state(&id, JobState::Paused).await?;
+            let row = jobs.set_state(&id, SetState::Paused).await?;
             jobs.leases.dispatch.table(|table, _| table.pause(&id));
             jobs.notify(&id, "paused");
             Ok(row)
@@ -39,7 +40,7 @@ impl Jobs {
     /// Offers a paused job again.
     pub(crate) async fn resume(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
-            let row = jobs.set_state(&id, JobState::Running).await?;
+            let row = jobs.set_state(&id, SetState::Running).await?;
             jobs.leases.dispatch.free(|table, _| table.resume(&id));
             jobs.notify(&id, "resumed");
             Ok(row)
@@ -48,19 +49,19 @@ impl Jobs {
     }
 
     /// Changes the state in the catalogue; of a job that services share in its set first, which all of them follow.
-    async fn set_state(&self, id: &str, state: JobState) -> Result<JobRow, Problem> {
+    async fn set_state(&self, id: &str, state: SetState) -> Result<JobRow, Problem> {
+        let wanted = match state {
+            SetState::Running => JobState::Running,
+            SetState::Paused => JobState::Paused,
+            SetState::Cancelled => JobState::Cancelled,
+        };
         let Some((engine, row)) = self.shared(id).await? else {
-            return Ok(self.catalogue.set_state(id, state).await?);
+            return Ok(self.catalogue.set_state(id, wanted).await?);
         };
         if !row.state.has_ended() {
-            let word = match state {
-                JobState::Paused => "paused",
-                JobState::Cancelled => "cancelled",
-                _ => "running",
-            };
-            engine.change(&row, word).await?;
+            engine.change(&row, state).await?;
         }
-        Ok(self.catalogue.set_shared_state(id, state).await?)
+        Ok(self.catalogue.set_shared_state(id, wanted).await?)
     }
 
     /// A job that services share, and what renders it.

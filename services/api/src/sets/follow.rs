@@ -70,7 +70,8 @@ impl Sets {
         Ok(deleted)
     }
 
-    /// Looks at a set now, and again until it is complete: often, unless somebody tells of each change.
+    /// Looks at a set now and then again until it is complete. `told`: each of its changes is announced, so that looking rarely
+    /// is enough.
     pub(super) fn follow(self: &Arc<Self>, row: &JobRow, told: bool) {
         let Some(location) = row.set.clone() else { return };
         let followed = Arc::clone(self.followed().entry(row.id.clone()).or_default());

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use catalogue::{JobRow, JobState};
+use spec::SetState;
 use tokio::sync::mpsc;
 
 use super::Sets;
@@ -45,7 +46,7 @@ impl Sets {
             Some(row) => row,
             None => self.begin(reader, &set.location, Some(&set.id)).await?,
         };
-        let row = self.take_state(row, &set.state).await?;
+        let row = self.take_state(row, set.state).await?;
         let imported = catalogue.imported_extent(&row.id).await?;
         if !row.state.has_ended() || imported != (set.done, set.changed_ms) {
             self.follow(&row, true);
@@ -54,11 +55,13 @@ impl Sets {
     }
 
     /// Another service may have changed it.
-    async fn take_state(&self, row: JobRow, state: &str) -> Result<JobRow, LookError> {
+    async fn take_state(&self, row: JobRow, state: SetState) -> Result<JobRow, LookError> {
         let wanted = match (state, row.state) {
-            ("paused", JobState::Queued | JobState::Running) => JobState::Paused,
-            ("running", JobState::Paused) => JobState::Running,
-            ("cancelled", JobState::Queued | JobState::Running | JobState::Paused) => JobState::Cancelled,
+            (SetState::Paused, JobState::Queued | JobState::Running) => JobState::Paused,
+            (SetState::Running, JobState::Paused) => JobState::Running,
+            (SetState::Cancelled, JobState::Queued | JobState::Running | JobState::Paused) => {
+                JobState::Cancelled
+            }
             _ => return Ok(row),
         };
         let row = self.jobs.catalogue.set_shared_state(&row.id, wanted).await?;

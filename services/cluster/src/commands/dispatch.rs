@@ -12,7 +12,8 @@ use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::render::SetArguments;
 use cli::signals::stop_at_signal;
-use sets::{Selection, Set, State};
+use sets::{Selection, Set, allow_work};
+use spec::SetState;
 
 use super::failure;
 use super::render::Tally;
@@ -50,13 +51,13 @@ pub(super) fn run(
     let mut progress = Progress::new("render", "frames", frames_of(&first));
     while !missing.is_empty() {
         let state = set.state().map_err(failure)?;
-        if state == State::Cancelled || stop.load(Ordering::SeqCst) {
+        if state == SetState::Cancelled || stop.load(Ordering::SeqCst) {
             // What is left in the broker would do no harm: workers look at the state themselves.
             let _ = broker.withdraw(&place);
-            state.allow().map_err(failure)?;
+            allow_work(state).map_err(failure)?;
             return Err(Failure::Later("stopped; run again to go on".to_owned()));
         }
-        if state == State::Running {
+        if state == SetState::Running {
             patience.judge(window.fill(&broker, &missing));
         }
         let looked = Instant::now();

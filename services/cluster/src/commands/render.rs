@@ -10,7 +10,7 @@ use cli::progress::Progress;
 use cli::render::{Arguments, LimitArguments, SetArguments};
 use cli::signals::stop_at_signal;
 use cli::styles::StyleArguments;
-use sets::{Crew, Location, NewSet, Outcome, Recipe, Selection, Set, Watch, run_shard};
+use sets::{Crew, Location, NewSet, Outcome, Recipe, Selection, Set, Watch, allow_work, run_shard};
 
 use super::{dispatch, failure};
 
@@ -76,7 +76,7 @@ fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tal
     );
     let mut passed = 0;
     for shard in missing {
-        set.state().and_then(|state| state.allow()).map_err(failure)?;
+        set.state().and_then(allow_work).map_err(failure)?;
         let outcome = run_shard(set, shard, &mut crew, &|| watch.check()).map_err(failure)?;
         if let Outcome::Committed(marker) = outcome {
             tally.shards += 1;

@@ -1,20 +1,20 @@
 //! `fathom-cluster shards`: reads a set for a service that imports it, as `api`'s feed says.
 
-use std::io::{BufRead, Write, stdin, stdout};
+use std::io::{BufRead, stdin};
 
 use anyhow::Context;
 use api::{Known, Line, SetHead};
 use cli::exit::Failure;
-use serde::Serialize;
 use sets::{Location, Set};
 
 use super::failure;
+use crate::lines::{line, write};
 use crate::reading::{missing, read_all};
 
 /// Options of `fathom-cluster shards`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The set, as somebody names it who may know nothing of this machine
+    /// The set; the name comes from a client of the service and is not trusted
     set: String,
     /// Where sets may lie
     #[arg(long, value_name = "DIR|URL", required = true)]
@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         location: location.to_string(),
         job: set.card().job.clone(),
     };
-    say(&line(&Line::Set(head))?)?;
+    write(&line(&Line::Set(head))?)?;
     let mut known = String::new();
     stdin()
         .lock()
@@ -41,19 +41,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let known: Known = serde_json::from_str(&known).context("what is known cannot be read")?;
     let missing = missing(&set, &known)?;
-    read_all(&set, &missing, |part| line(&Line::Part(part)), |line| say(&line))
-}
-
-fn line(line: &impl Serialize) -> Result<Vec<u8>, Failure> {
-    let mut text = serde_json::to_vec(line).context("a line cannot be written")?;
-    text.push(b'\n');
-    Ok(text)
-}
-
-fn say(line: &[u8]) -> Result<(), Failure> {
-    let mut out = stdout().lock();
-    let written = out.write_all(line).and_then(|()| out.flush());
-    Ok(written.context("nobody reads this")?)
+    read_all(
+        &set,
+        &missing,
+        |part| line(&Line::Part(part)),
+        |line| write(&line),
+    )
 }
 
 /// The set's location, in one form, if it lies in one of the stores. Of others not even whether they exist is said.

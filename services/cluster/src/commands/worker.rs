@@ -8,7 +8,8 @@ use std::time::Duration;
 use cli::exit::Failure;
 use cli::signals::stop_at_signal;
 use cli::worker::Arguments;
-use sets::{Crew, Location, Outcome, Recipe, Set, SetError, State, Watch, run_shard};
+use sets::{Crew, Location, Outcome, Recipe, Set, SetError, Watch, allow_work, run_shard};
+use spec::SetState;
 
 use super::dispatch::Patience;
 use super::{failure, render};
@@ -181,7 +182,7 @@ impl Worker {
                 current.set.card().shards()
             )));
         }
-        current.set.state()?.allow()?;
+        allow_work(current.set.state()?)?;
         let watch = &current.watch;
         let frames = current.set.card().frames_of(task.shard);
         self.frames.store(frames.end - frames.start, Ordering::Relaxed);
@@ -215,7 +216,7 @@ impl Worker {
     fn verdict(&self, result: &Result<Outcome, SetError>) -> Verdict {
         let is_cancelled = || {
             let state = self.current.as_ref().map(|current| current.set.state());
-            matches!(state, Some(Ok(State::Cancelled)))
+            matches!(state, Some(Ok(SetState::Cancelled)))
         };
         match result {
             Ok(_) => Verdict::Done,

@@ -1,22 +1,18 @@
 //! Jobs by the digest of their description, fetched and parsed once rather than for every lease.
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use proto::wire::Lease;
-use spec::Job;
+use spec::{Job, RecentJobs};
 
 use super::fetch::fetch_bytes;
 use super::held::Hold;
 use super::{Shared, styles};
 use crate::error::RenderError;
 
-/// A service works on few jobs at a time; each takes a few kilobytes, at most some megabytes.
-const MOST_JOBS: usize = 16;
-
 /// The jobs that were used last.
 #[derive(Default)]
-pub(crate) struct Jobs(Mutex<BTreeMap<String, Arc<Job>>>);
+pub(crate) struct Jobs(Mutex<RecentJobs>);
 
 impl Jobs {
     /// The job of a lease.
@@ -24,13 +20,10 @@ impl Jobs {
         // Held during the fetch: slots that lease frames of the same job wait for the one that fetches it.
         let mut jobs = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(job) = jobs.get(&lease.spec_digest) {
-            return Ok(Arc::clone(job));
+            return Ok(job);
         }
         let job = Arc::new(fetch(shared, hold, lease)?);
-        if jobs.len() == MOST_JOBS {
-            jobs.clear();
-        }
-        jobs.insert(lease.spec_digest.clone(), Arc::clone(&job));
+        jobs.insert(&lease.spec_digest, Arc::clone(&job));
         Ok(job)
     }
 }

@@ -66,8 +66,8 @@ pub(crate) struct Parameters {
 
 /// Several artifacts of an image as one tar.
 ///
-/// Its files are named `KIND.EXTENSION` and stand in the order of `kinds`, behind the record if that is wanted, too. The length is known from the start; bytes are verified
-/// against their digests while they are sent, and the response is cut short where they do not fit.
+/// Its files are named `KIND.EXTENSION` and stand in the order of `kinds`, after the record if that is asked for. The length is known
+/// from the start; bytes are verified against their digests while they are sent, and the response is cut short where they differ.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts", tag = "images",
     operation_id = "get_artifacts",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"), Parameters),

@@ -2,17 +2,18 @@
 
 mod watch;
 
-use std::io::{Read, Write, stdin, stdout};
+use std::io::{Read, stdin};
 
 use anyhow::Context;
 use api::{Accepted, Order};
 use cli::exit::Failure;
 use serde::Serialize;
-use sets::{JobStore, Location, NewSet, Set, SetError, State, Submission};
-use spec::Job;
+use sets::{JobStore, Location, NewSet, Set, SetError, Submission};
+use spec::{Job, SetState};
 
 use super::shards::resolved;
 use super::{failure, open};
+use crate::lines::{line, write};
 
 /// A job has so many shards, unless they would be smaller or larger than these.
 const SHARDS: u64 = 100;
@@ -30,8 +31,8 @@ pub(crate) struct Arguments {
 enum Action {
     /// Begin the set of the job that standard input describes
     Submit { store: String },
-    /// Change whether a set is worked on
-    State { set: String, state: String },
+    /// Change whether a set is worked on to what standard input says
+    State { set: String },
     /// Have the shards with failed frames rendered again
     Retry { set: String },
     /// Cancel a set and hide it from services
@@ -44,9 +45,8 @@ enum Action {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.action {
         Action::Submit { store } => submit(store),
-        Action::State { set, state } => {
-            let state = serde_json::from_value(state.clone().into());
-            let state: State = state.map_err(Failure::input)?;
+        Action::State { set } => {
+            let state: SetState = serde_json::from_reader(stdin().lock()).map_err(Failure::input)?;
             open(set)?.set_state(state).map_err(failure)
         }
         Action::Retry { set } => open(set)?.retry_failed().map(drop).map_err(failure),
@@ -100,11 +100,7 @@ fn shared(store: &str) -> Result<JobStore, Failure> {
     JobStore::open(&resolved(&location)?).map_err(failure)
 }
 
-/// Writes a line for the service.
+/// Writes a message for the service.
 fn say(message: &impl Serialize) -> Result<(), Failure> {
-    let mut line = serde_json::to_vec(message).context("a line cannot be written")?;
-    line.push(b'\n');
-    let mut out = stdout().lock();
-    let written = out.write_all(&line).and_then(|()| out.flush());
-    Ok(written.context("nobody reads this")?)
+    write(&line(message)?)
 }

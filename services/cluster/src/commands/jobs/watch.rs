@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 use api::{Event, SeenSet};
 use cli::engine::EngineArguments;
 use cli::exit::Failure;
-use sets::{DoneShard, JobStore, Set, SetError, State};
+use sets::{DoneShard, JobStore, Set, SetError};
+use spec::SetState;
 
 use super::super::dispatch::{Patience, Window};
 use super::{say, shared};
@@ -69,7 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 struct Watch {
     store: JobStore,
     sets: BTreeMap<String, Watched>,
-    /// The sets are told of without it, too.
+    /// None while it cannot be reached; how the sets grow is said even then.
     broker: Option<Broker>,
     patience: Patience,
     workers_due: Instant,
@@ -127,7 +128,7 @@ impl Watch {
             match watched.look(id, &self.store) {
                 Ok((seen, missing)) => {
                     watched.failure = None;
-                    let is_running = seen.state == word(State::Running) && !missing.is_empty();
+                    let is_running = seen.state == SetState::Running && !missing.is_empty();
                     let pause = if is_running { LOOK } else { LOOK_DONE };
                     if let Some(broker) = &self.broker {
                         self.patience.judge(watched.dispatch(broker, &seen, &missing));
@@ -160,14 +161,14 @@ impl Watched {
             None => Set::open(&store.location_of(id))?,
         };
         let (state, done) = (set.state()?, set.done_shards()?);
-        if state == State::Cancelled {
-            // A job that was deleted is cancelled, too, and is no longer there.
+        if state == SetState::Cancelled {
+            // The set of a deleted job is cancelled before it is hidden: this fails once it is gone.
             Set::open(set.location())?;
         }
         let seen = SeenSet {
             id: id.to_owned(),
             location: set.location().to_string(),
-            state: word(state).to_owned(),
+            state,
             done: done.len() as u64,
             changed_ms: done.iter().map(|shard| shard.changed_ms).max().unwrap_or(0),
         };
@@ -182,7 +183,7 @@ impl Watched {
         seen: &SeenSet,
         missing: &[u64],
     ) -> Result<(), crate::engine::BrokerError> {
-        if seen.state == word(State::Running) {
+        if seen.state == SetState::Running {
             let window = self
                 .window
                 .get_or_insert_with(|| Window::new(&seen.location, None));
@@ -228,14 +229,6 @@ fn missing(shards: u64, done: &[DoneShard]) -> Vec<u64> {
     (0..shards)
         .filter(|shard| done.next_if_eq(shard).is_none())
         .collect()
-}
-
-fn word(state: State) -> &'static str {
-    match state {
-        State::Running => "running",
-        State::Paused => "paused",
-        State::Cancelled => "cancelled",
-    }
 }
 
 #[cfg(test)]
