@@ -66,6 +66,7 @@ mod tests {
         let beat = BeatRequest {
             worker_id: "wrk_1".to_owned(),
             tokens: vec![1, u64::MAX],
+            wait_ms: 7,
         };
         assert_eq!(decode(&beat.encode_to_vec()), Ok(beat));
     }

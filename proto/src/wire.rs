@@ -74,10 +74,13 @@ pub struct BeatRequest {
     pub worker_id: ::prost::alloc::string::String,
     #[prost(uint64, repeated, tag = "2")]
     pub tokens: ::prost::alloc::vec::Vec<u64>,
+    /// How long the service may hold the request while none of the worker's leases is cancelled.
+    #[prost(uint32, tag = "3")]
+    pub wait_ms: u32,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct BeatResponse {
-    /// Leases of cancelled jobs: drop the frames and release.
+    /// Leases of cancelled jobs, whether the request named them or not: drop the frames.
     #[prost(uint64, repeated, tag = "1")]
     pub cancelled: ::prost::alloc::vec::Vec<u64>,
     /// Leases that have ended: drop the frames.

@@ -126,6 +126,7 @@ fn too_many_and_too_long_are_refused_with_the_limit() {
     let beat = BeatRequest {
         worker_id: "wrk_1".to_owned(),
         tokens: vec![1; limits::BEAT_TOKENS + 1],
+        wait_ms: 0,
     };
     assert_eq!(
         beat.check().unwrap_err().to_string(),

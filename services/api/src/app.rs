@@ -121,6 +121,7 @@ impl App {
             Arc::clone(&catalogue),
             Arc::clone(&bytes),
             clock.clone(),
+            config.rules(),
             stop.clone(),
         ));
         let images = Arc::new(Images {

@@ -9,7 +9,8 @@ use style::{Library, Runtime};
 use crate::bytes::sets::ReadBucket;
 use crate::clock::Clock;
 use crate::engine::EngineOptions;
-use crate::limits::Limits;
+use crate::leases::table::Rules;
+use crate::limits::{self, Limits};
 
 /// What the user configures.
 pub struct Config {
@@ -44,9 +45,22 @@ pub struct Config {
     pub buckets: Option<ReadBucket>,
     /// How long a network that a user adds may take to be tried.
     pub style_trial: Duration,
+    /// Longest time of one frame, which the workers keep themselves; one that does not loses its lease a while later.
+    pub frame_limit: Duration,
+    /// Whether workers of different versions, CPU features or ONNX Runtimes may share a job.
+    pub mix_workers: bool,
 }
 
 impl Config {
+    /// What holds for the leases of all jobs.
+    pub(crate) fn rules(&self) -> Rules {
+        let limit = self.frame_limit.saturating_add(limits::HAND_IN);
+        Rules {
+            frame_limit_ms: u64::try_from(limit.as_millis()).unwrap_or(u64::MAX),
+            mixed: self.mix_workers,
+        }
+    }
+
     /// Options that tell the service's processes where to find styles and their runtime.
     pub(crate) fn style_options(&self) -> Vec<(&'static str, PathBuf)> {
         let options = [("--styles", &self.styles), ("--onnxruntime", &self.onnxruntime)];

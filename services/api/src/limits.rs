@@ -56,6 +56,20 @@ pub(crate) const DRAIN: Duration = Duration::from_secs(10);
 /// How long a worker process may take to hand its leases back: it takes 10 s at most itself.
 pub(crate) const WORKER_STOP: Duration = Duration::from_secs(12);
 
+/// How long a request waits for a place before it is shed: long enough for a burst of submissions to pass in group
+/// commits, short enough for a client to notice.
+pub(crate) const SHED_AFTER: Duration = Duration::from_millis(500);
+/// The same of a question to the catalogue, which takes a tenth of a second.
+pub(crate) const SHED_QUESTION_AFTER: Duration = Duration::from_secs(2);
+/// The same of an upload: its bytes have come already, and those before it are decoded within seconds.
+pub(crate) const SHED_UPLOAD_AFTER: Duration = Duration::from_secs(15);
+/// The same of what holds its place for long: waiting would not help.
+pub(crate) const SHED_AT_ONCE: Duration = Duration::ZERO;
+/// Slowest body, in the mean: what an old modem sends.
+pub(crate) const BODY_BYTES_PER_S: f64 = 1024.0;
+/// Files that the service opens itself: catalogue, packs, children.
+const OWN_FILES: usize = 256;
+
 /// A page of a list.
 pub(crate) const DEFAULT_PAGE_ROWS: u32 = 100;
 /// The largest page: a few hundred kilobytes of JSON.
@@ -80,6 +94,9 @@ pub(crate) const PREVIEW_PX: usize = 256;
 /// The beat of a worker.
 pub(crate) const BEAT_MS: u32 = 5_000;
 
+/// How long a worker may hold a frame beyond the time that it may take to render: for its files to arrive on a busy line.
+pub(crate) const HAND_IN: Duration = Duration::from_secs(60);
+
 /// A frame's priority when a person waits for it, and of an ordinary job.
 pub(crate) const RENDER_PRIORITY: i32 = 100;
 /// The priority of an ordinary job.
@@ -88,16 +105,30 @@ pub(crate) const JOB_PRIORITY: i32 = 0;
 /// Numbers that a test wants smaller.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Public requests at work at the same time; the next is shed with 503. Each holds at most a small body and an
-    /// artifact in memory.
+    /// Of every budget below, what one caller may take: a token, or an address where there are none.
+    pub caller_percent: usize,
+    /// Public reads at work at the same time; the next is shed with 503. Each holds at most an artifact in memory.
     pub requests: usize,
-    /// Public requests that wait: long-polls and direct renders. They hold a few kilobytes each, and must not take
-    /// the places of the others.
+    /// Questions over many images: fewer than the catalogue has readers, so that plain reads find one.
+    pub questions: usize,
+    /// Submissions and changes.
+    pub submissions: usize,
+    /// Long-polls. They hold a few kilobytes each.
     pub waits: usize,
-    /// Responses that go on for as long as the client reads: events and lines. Each holds a batch of rows in memory.
+    /// Direct renders and verifications, which wait for frames.
+    pub renders: usize,
+    /// Events of jobs, for as long as the client listens. Each holds a few events in memory.
     pub streams: usize,
-    /// Uploads at the same time: each may hold 256 MiB.
+    /// Results and metadata, line by line for as long as the client reads. Each holds a batch of rows in memory.
+    pub lines: usize,
+    /// Uploads that are decoded at the same time: each by a process that may take 256 MiB.
     pub uploads: usize,
+    /// Bodies of requests in memory, all together.
+    pub body_bytes: usize,
+    /// The same of workers: the artifacts of one frame are 512 MiB at most, usually 2 MiB.
+    pub worker_body_bytes: usize,
+    /// How long a body may take beside the time that its bytes allow.
+    pub body_grace: Duration,
     /// Pictures enhanced or measured at the same time: each may hold 3 GiB.
     pub pictures: usize,
     /// Processes that render or try a model within a request.
@@ -105,8 +136,10 @@ pub struct Limits {
     /// Worker calls at the same time, apart from those that wait for a lease. Their own budget, so that a flood of
     /// public requests cannot let leases expire.
     pub worker_calls: usize,
-    /// Artifact messages at the same time: each may hold 512 MiB, usually 2 MiB.
+    /// Artifact messages that are stored at the same time.
     pub worker_uploads: usize,
+    /// Beats that wait for a cancelled lease: one for each worker.
+    pub worker_beats: usize,
     /// Worker calls that wait for a lease: one for each slot of the fleet.
     pub worker_waits: usize,
     /// Open connections; further ones wait in the listen queue.
@@ -127,20 +160,40 @@ impl Default for Limits {
     fn default() -> Self {
         let cores = std::thread::available_parallelism().map_or(4, usize::from);
         Self {
+            caller_percent: 50,
             requests: 256,
+            questions: 6,
+            submissions: 256,
             waits: 1024,
+            renders: 256,
             streams: 128,
+            lines: 128,
             uploads: 4,
+            body_bytes: 1 << 30,
+            worker_body_bytes: 2 << 30,
+            body_grace: Duration::from_secs(10),
             pictures: 2,
             children: 2,
             worker_calls: 256,
-            worker_uploads: 64,
+            worker_uploads: 128,
+            worker_beats: 4096,
             worker_waits: 4096,
-            connections: 16_384,
+            connections: open_files().saturating_sub(OWN_FILES).clamp(64, 16_384),
             head_read: Duration::from_secs(30),
             unread: Duration::from_secs(60),
             reserve_bytes: 32 << 20,
             compute: cores,
         }
     }
+}
+
+/// Files and connections that the system lets this process have at the same time.
+fn open_files() -> usize {
+    const USUAL: usize = 1024;
+    let limits = std::fs::read_to_string("/proc/self/limits").unwrap_or_default();
+    let line = limits
+        .lines()
+        .find_map(|line| line.strip_prefix("Max open files"));
+    let soft = line.and_then(|line| line.split_whitespace().next()?.parse().ok());
+    soft.unwrap_or(USUAL)
 }

@@ -1,6 +1,7 @@
 //! The router: one line for each endpoint, grouped by what they need.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Router;
 use axum::middleware::{from_fn, from_fn_with_state};
@@ -11,11 +12,13 @@ use utoipa_axum::routes;
 use crate::app::App;
 use crate::bytes::space;
 use crate::http::auth::{Scope, Tokens};
+use crate::http::budget::{Budget, Share};
 use crate::http::hosts::{self, Hosts};
-use crate::http::layers::{Budget, Group, observe};
+use crate::http::layers::{Choice, Group, observe};
 use crate::http::problem;
 use crate::http::problem::Problem;
-use crate::limits::{self, Limits};
+use crate::http::receive::{PLACE_BYTES, Receiving};
+use crate::limits::{self, Limits, SHED_AFTER, SHED_AT_ONCE, SHED_QUESTION_AFTER, SHED_UPLOAD_AFTER};
 use crate::lists::List;
 use crate::{
     bytes, datasets, http, images, jobs, leases, lists, openapi, operations, pictures, scenes, sets, styles,
@@ -24,18 +27,30 @@ use crate::{
 
 /// The whole application.
 pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limits) -> Router {
-    let probing = Budget::new("probes", limits.requests);
-    let requests = Budget::new("requests", limits.requests);
-    let waits = Budget::new("waits", limits.waits);
-    let streams = Budget::new("streams", limits.streams);
-    let uploads = Budget::new("uploads", limits.uploads);
-    let pictures = Budget::new("pictures", limits.pictures);
-    let backups = Budget::new("backups", 1);
-    let group = |scope, budget: &Budget, timeout, body_bytes| Group {
+    let budgets = Budgets(limits);
+    let probing = budgets.new("probes", limits.requests, SHED_AFTER);
+    let requests = budgets.new("reads", limits.requests, SHED_AFTER);
+    let questions = budgets.new("questions", limits.questions, SHED_QUESTION_AFTER);
+    let submissions = budgets.new("submissions", limits.submissions, SHED_AFTER);
+    let renders = budgets.new("renders", limits.renders, SHED_AT_ONCE);
+    let streams = budgets.new("events", limits.streams, SHED_AT_ONCE);
+    let lines = budgets.new("lines", limits.lines, SHED_AT_ONCE);
+    let uploads = budgets.new("uploads", limits.uploads, SHED_UPLOAD_AFTER);
+    let pictures = budgets.new("pictures", limits.pictures, SHED_UPLOAD_AFTER);
+    let backups = budgets.new("backups", 1, SHED_AT_ONCE);
+    let memory = budgets.bodies("bodies", limits.body_bytes);
+    let followers = Choice::ByWait {
+        waits: budgets.new("waits", limits.waits, SHED_AT_ONCE),
+        others: requests.clone(),
+    };
+    let group_of = |scope, budget, timeout, most_bytes| Group {
         scope,
-        budget: budget.clone(),
+        budget,
         timeout,
-        body_bytes,
+        receiving: budgets.receiving(&memory, most_bytes),
+    };
+    let group = |scope, budget: &Budget, timeout, most_bytes| {
+        group_of(scope, Choice::One(budget.clone()), timeout, most_bytes)
     };
     let (read, submit) = (Some(Scope::Read), Some(Scope::Submit));
     let (request, upload) = (limits::REQUEST, limits::UPLOAD);
@@ -43,17 +58,19 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
     let routes = OpenApiRouter::with_openapi(openapi::frame())
         .merge(group(None, &probing, request, 0).around(probes(), tokens))
         .merge(group(read, &requests, request, 0).around(reading(), tokens))
-        .merge(group(read, &waits, wait, 0).around(following(), tokens))
-        .merge(group(read, &streams, request, 0).around(streaming(), tokens))
-        .merge(group(submit, &requests, request, limits::JSON_BYTES).around(submitting(), tokens))
-        .merge(group(submit, &waits, wait, limits::JSON_BYTES).around(rendering(), tokens))
+        .merge(group(read, &questions, request, 0).around(asking(), tokens))
+        .merge(group_of(read, followers, wait, 0).around(following(), tokens))
+        .merge(group(read, &streams, request, 0).around(telling(), tokens))
+        .merge(group(read, &lines, request, 0).around(listing(), tokens))
+        .merge(group(submit, &submissions, request, limits::JSON_BYTES).around(submitting(), tokens))
+        .merge(group(submit, &renders, wait, limits::JSON_BYTES).around(rendering(), tokens))
         .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
         .merge(group(submit, &uploads, upload, limits::STYLE_BYTES).around(adding(), tokens))
         .merge(group(submit, &uploads, upload, limits::PHOTOS_BYTES).around(training(), tokens))
         .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
-        .merge(group(submit, &waits, upload, limits::JSON_BYTES).around(verifying(), tokens))
+        .merge(group(submit, &renders, upload, limits::JSON_BYTES).around(verifying(), tokens))
         .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
-    let (public, routes) = routes.merge(worker_protocol(tokens, limits)).split_for_parts();
+    let (public, routes) = routes.merge(worker_protocol(tokens, &budgets)).split_for_parts();
     let shipped = List::all().iter().filter(|list| list.stored_at.is_none());
     let list_names: Vec<&str> = shipped.map(|list| list.name).collect();
     let document = openapi::document(routes, &app.styles.vocabulary(&app.waters), &list_names);
@@ -79,7 +96,6 @@ fn reading() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(operations::routes::probes::metrics))
         .routes(routes!(jobs::routes::list::list))
-        .routes(routes!(images::routes::list::list))
         .routes(routes!(images::routes::image::get))
         .routes(routes!(images::routes::image::artifact))
         .routes(routes!(images::routes::image::artifacts))
@@ -97,11 +113,17 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(lists::routes::get::get))
         .routes(routes!(datasets::routes::dataset::list))
         .routes(routes!(datasets::routes::dataset::get))
-        .routes(routes!(datasets::routes::stats::stats))
         .routes(routes!(datasets::routes::versions::list))
         .routes(routes!(datasets::routes::versions::get))
-        .routes(routes!(datasets::routes::histogram::histogram))
         .routes(routes!(leases::routes::worker::list))
+}
+
+/// Questions whose time grows with the number of images.
+fn asking() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(images::routes::list::list))
+        .routes(routes!(datasets::routes::stats::stats))
+        .routes(routes!(datasets::routes::histogram::histogram))
 }
 
 fn following() -> OpenApiRouter<App> {
@@ -110,9 +132,12 @@ fn following() -> OpenApiRouter<App> {
         .routes(routes!(styles::routes::training::get))
 }
 
-fn streaming() -> OpenApiRouter<App> {
+fn telling() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(jobs::routes::events::events))
+}
+
+fn listing() -> OpenApiRouter<App> {
     OpenApiRouter::new()
-        .routes(routes!(jobs::routes::events::events))
         .routes(routes!(jobs::routes::lines::results))
         .routes(routes!(jobs::routes::lines::errors))
         .routes(routes!(datasets::routes::metadata::jsonl))
@@ -172,17 +197,43 @@ fn operating() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(operations::routes::backup::create))
 }
 
+/// Makes budgets of one size for each caller.
+struct Budgets<'a>(&'a Limits);
+
+impl Budgets<'_> {
+    fn new(&self, name: &'static str, places: usize, patience: Duration) -> Budget {
+        let share = Share {
+            percent: self.0.caller_percent,
+        };
+        Budget::new(name, places, share, patience)
+    }
+
+    /// A budget of bodies in memory.
+    fn bodies(&self, name: &'static str, bytes: usize) -> Budget {
+        self.new(name, bytes / PLACE_BYTES, SHED_AT_ONCE)
+    }
+
+    fn receiving(&self, memory: &Budget, most_bytes: usize) -> Receiving {
+        Receiving {
+            most_bytes,
+            grace: self.0.body_grace,
+            memory: memory.clone(),
+        }
+    }
+}
+
 /// Calls of workers have budgets of their own: no flood of public requests can let a lease expire.
-fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<App> {
-    let group = |budget, timeout, body_bytes| Group {
+fn worker_protocol(tokens: &Arc<Tokens>, budgets: &Budgets<'_>) -> OpenApiRouter<App> {
+    let limits = budgets.0;
+    let memory = budgets.bodies("bodies of workers", limits.worker_body_bytes);
+    let group = |name, places, patience, timeout, most_bytes| Group {
         scope: Some(Scope::Work),
-        budget,
+        budget: Choice::One(budgets.new(name, places, patience)),
         timeout,
-        body_bytes,
+        receiving: budgets.receiving(&memory, most_bytes),
     };
     let calls = OpenApiRouter::new()
         .route("/v1/worker/register", post(leases::routes::worker::register))
-        .route("/v1/worker/beat", post(leases::routes::worker::beat))
         .route("/v1/worker/commit", post(leases::routes::frame::commit))
         .route("/v1/worker/fail", post(leases::routes::frame::fail))
         .route("/v1/worker/release", post(leases::routes::worker::release))
@@ -194,14 +245,19 @@ fn worker_protocol(tokens: &Arc<Tokens>, limits: &Limits) -> OpenApiRouter<App> 
         .route("/v1/worker/styles", get(styles::routes::model::styles))
         .route("/v1/worker/styles/{name}", get(styles::routes::model::style))
         .route("/v1/worker/blobs/{digest}", get(bytes::routes::blob));
+    let beats = OpenApiRouter::new().route("/v1/worker/beat", post(leases::routes::worker::beat));
     let waits = OpenApiRouter::new().route("/v1/worker/lease", post(leases::routes::worker::lease));
     let uploads = OpenApiRouter::new().route("/v1/worker/artifacts", post(leases::routes::frame::artifacts));
-    let waiting = limits::MAX_WAIT + limits::LONG_POLL_GRACE;
-    let calls_budget = Budget::new("worker calls", limits.worker_calls);
-    let waits_budget = Budget::new("worker waits", limits.worker_waits);
-    let uploads_budget = Budget::new("worker uploads", limits.worker_uploads);
+    let (request, waiting) = (limits::REQUEST, limits::MAX_WAIT + limits::LONG_POLL_GRACE);
+    let message = limits::WORKER_MESSAGE_BYTES;
+    let (upload, files) = (limits::UPLOAD, limits::ARTIFACT_BYTES);
+    let calling = group("worker calls", limits.worker_calls, SHED_AFTER, request, message);
+    let beating = group("worker beats", limits.worker_beats, SHED_AFTER, waiting, message);
+    let leasing = group("worker waits", limits.worker_waits, SHED_AFTER, waiting, message);
+    let uploading = group("worker uploads", limits.worker_uploads, SHED_AFTER, upload, files);
     OpenApiRouter::new()
-        .merge(group(calls_budget, limits::REQUEST, limits::WORKER_MESSAGE_BYTES).around(calls, tokens))
-        .merge(group(waits_budget, waiting, limits::WORKER_MESSAGE_BYTES).around(waits, tokens))
-        .merge(group(uploads_budget, limits::UPLOAD, limits::ARTIFACT_BYTES).around(uploads, tokens))
+        .merge(calling.around(calls, tokens))
+        .merge(beating.around(beats, tokens))
+        .merge(leasing.around(waits, tokens))
+        .merge(uploading.around(uploads, tokens))
 }

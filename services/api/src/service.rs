@@ -53,10 +53,8 @@ pub async fn start(config: Config) -> Result<Service, StartError> {
 /// Whatever keeps it from answering requests.
 pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Service, StartError> {
     let mut tokens = Tokens::parse(config.token.as_deref(), config.listen)?;
-    let worker_token = tokens.are_needed().then(random_secret);
-    if let Some(secret) = &worker_token {
-        tokens.add_worker(secret);
-    }
+    let (are_tokens_needed, own_secret) = (tokens.are_needed(), random_secret());
+    tokens.add_own_worker(&own_secret);
     let limits = surroundings.limits;
     let (app, lock) = App::open(&config, &surroundings).await?;
     app.jobs.resume_all().await?;
@@ -68,7 +66,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
     let listener = TcpListener::bind(config.listen).await.map_err(listen)?;
     let address = listener.local_addr().map_err(listen)?;
     let end = CancellationToken::new();
-    let hosts = Hosts::new(worker_token.is_some(), &config.hosts);
+    let hosts = Hosts::new(are_tokens_needed, &config.hosts);
     let router = router::router(app.clone(), &Arc::new(tokens), hosts, &limits);
     let tasks = vec![
         tokio::spawn(listener::serve(listener, router, limits, end.clone())),
@@ -77,7 +75,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(reclaim::run(Arc::clone(&app.bytes), end.clone())),
         tokio::spawn(Arc::clone(&app.sets).show_shared()),
     ];
-    let recipe = recipe(&config, address, worker_token);
+    let recipe = recipe(&config, address, own_secret);
     let fleet = Fleet::start(recipe, config.workers, &frames_back(&app.leases));
     tracing::info!(%address, data = %config.data.display(), workers = config.workers, "service started");
     Ok(Service {
@@ -122,7 +120,7 @@ fn random_secret() -> String {
     format!("{}{}", ordered_id().simple(), ordered_id().simple())
 }
 
-fn recipe(config: &Config, address: SocketAddr, token: Option<String>) -> Recipe {
+fn recipe(config: &Config, address: SocketAddr, token: String) -> Recipe {
     let host = match address.ip() {
         IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
         IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
@@ -144,10 +142,14 @@ fn recipe(config: &Config, address: SocketAddr, token: Option<String>) -> Recipe
     for (option, path) in config.style_options() {
         arguments.extend([option.to_owned(), path.display().to_string()]);
     }
+    arguments.extend([
+        "--frame-limit-s".to_owned(),
+        config.frame_limit.as_secs_f64().to_string(),
+    ]);
     Recipe {
         program: config.worker_program.clone(),
         arguments,
-        token,
+        token: Some(token),
     }
 }
 

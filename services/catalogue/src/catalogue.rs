@@ -10,9 +10,13 @@ use sqlx::sqlite::{Sqlite, SqliteConnection, SqlitePool};
 use tokio::task::JoinHandle;
 
 use crate::columns::Columns;
+use crate::cursor;
 use crate::error::CatalogueError;
-use crate::types::DatasetRow;
+use crate::types::{DatasetRow, Page};
 use crate::writer::{Running, Writer};
+
+/// Name, images, bytes and jobs of a dataset.
+type Counts = (String, i64, i64, i64);
 
 /// The longest a question may take.
 const QUESTION_LIMIT: Duration = Duration::from_secs(20);
@@ -28,22 +32,35 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// All datasets by name.
+    /// A page of datasets by name.
     ///
     /// # Errors
-    /// [`CatalogueError`].
-    pub async fn datasets(&self) -> Result<Vec<DatasetRow>, CatalogueError> {
-        let rows: Vec<(String, i64, i64, i64)> =
-            sqlx::query_as("SELECT name, images, bytes, jobs FROM datasets ORDER BY name")
-                .fetch_all(&mut *self.reader().await?)
-                .await?;
-        let dataset = |(name, images, bytes, jobs)| DatasetRow {
-            name,
-            images: images as u64,
-            bytes: bytes as u64,
-            jobs: jobs as u64,
-        };
-        Ok(rows.into_iter().map(dataset).collect())
+    /// [`CatalogueError`], also [`CatalogueError::Cursor`].
+    pub async fn datasets(
+        &self,
+        limit: u32,
+        cursor: Option<String>,
+    ) -> Result<Page<DatasetRow>, CatalogueError> {
+        let question = cursor::question(&[Some("datasets")]);
+        let after = cursor::read_id(&question, cursor.as_deref())?;
+        let rows: Vec<Counts> = sqlx::query_as(
+            "SELECT name, images, bytes, jobs FROM datasets WHERE ?1 IS NULL OR name > ?1 ORDER BY name LIMIT ?2",
+        )
+        .bind(after)
+        .bind(i64::from(limit) + 1)
+        .fetch_all(&mut *self.reader().await?)
+        .await?;
+        let rows = rows.into_iter().map(dataset).collect();
+        Ok(cursor::page(&question, rows, limit, |row: &DatasetRow| &row.name))
+    }
+
+    /// The dataset of a name that is no sealed version.
+    pub(crate) async fn unsealed(&self, name: &str) -> Result<Option<DatasetRow>, CatalogueError> {
+        let row = sqlx::query_as("SELECT name, images, bytes, jobs FROM datasets WHERE name = ?")
+            .bind(name)
+            .fetch_optional(&mut *self.reader().await?)
+            .await?;
+        Ok(row.map(dataset))
     }
 
     /// How often this process has read from the catalogue. Reads within a change are part of the change.
@@ -71,8 +88,18 @@ impl Catalogue {
         self.reads.fetch_add(1, Ordering::Relaxed);
         match self.readers.acquire().await {
             Err(sqlx::Error::PoolClosed) => Err(CatalogueError::Closed),
+            Err(sqlx::Error::PoolTimedOut) => Err(CatalogueError::Busy),
             acquired => Ok(acquired?),
         }
+    }
+}
+
+fn dataset((name, images, bytes, jobs): Counts) -> DatasetRow {
+    DatasetRow {
+        name,
+        images: images as u64,
+        bytes: bytes as u64,
+        jobs: jobs as u64,
     }
 }
 

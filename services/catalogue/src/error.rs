@@ -89,6 +89,9 @@ pub enum CatalogueError {
         /// The limit.
         seconds: u64,
     },
+    /// All readers are at work.
+    #[error("the catalogue is too busy; try again")]
+    Busy,
     /// The SQLite library is too old.
     #[error("SQLite {version} has a fault that can damage the write-ahead log; {least} or later is needed")]
     SqliteTooOld {

@@ -28,6 +28,8 @@ const CACHE: &str = "-32768";
 const ROWS: usize = 2048;
 /// How long a connection waits for a lock of another process, such as a backup.
 const LOCK_WAIT: Duration = Duration::from_secs(5);
+/// How long a question waits for a reader.
+const READER_WAIT: Duration = Duration::from_secs(10);
 
 impl Catalogue {
     /// Opens or creates a catalogue whose images have these metrics (`uiqm`, `uiqm@table1`, …).
@@ -75,6 +77,7 @@ impl Catalogue {
         fill(&mut connection, &columns).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
+            .acquire_timeout(READER_WAIT)
             .connect_with(options.pragma("query_only", "ON").row_buffer_size(ROWS))
             .await
             .map_err(|e| unusable(&e))?;

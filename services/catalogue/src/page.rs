@@ -1,5 +1,6 @@
 //! Pages of images: filter, order, fields, and cursors that begin the next page where the last one ended.
 
+use futures::TryStreamExt;
 use serde_json::{Map, Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{Row, TypeInfo, ValueRef};
@@ -14,6 +15,8 @@ use crate::types::{ImageQuery, Page};
 
 /// Every column of a dataset with ten enhancements are some hundreds; SQLite returns at most 2000.
 const MOST_FIELDS: usize = 1000;
+/// A page ends with the row that reaches this size, about that of its JSON: a thousand ordinary rows have 2 MB.
+const PAGE_BYTES: usize = 8 << 20;
 
 /// A column by its name, or an error with the nearest one.
 pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueError> {
@@ -28,7 +31,7 @@ pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueE
 }
 
 impl Catalogue {
-    /// A page of images.
+    /// A page of images: as many as are asked for, or fewer if they are large.
     ///
     /// # Errors
     /// [`CatalogueError::Filter`] for filter, order or fields; [`CatalogueError::Cursor`]; [`CatalogueError::Timeout`].
@@ -43,21 +46,34 @@ async fn images(
     query: &ImageQuery,
 ) -> Result<Page<Value>, CatalogueError> {
     let question = Question::new(columns, query)?;
-    let rows = question.sql.statement().fetch_all(connection).await?;
-    let limit = query.limit as usize;
-    let next_cursor = match rows.get(limit.wrapping_sub(1)).filter(|_| rows.len() > limit) {
-        Some(row) => {
-            let place = question.order.place(row, question.names.len())?;
-            Some(cursor::write(&question.identity, &place))
+    let mut rows = question.sql.statement().fetch(connection);
+    let (mut items, mut bytes) = (Vec::new(), 0);
+    let mut last = None;
+    let mut next_cursor = None;
+    while let Some(row) = rows.try_next().await? {
+        if items.len() == query.limit as usize || bytes >= PAGE_BYTES {
+            let places = last.map(|row| question.order.place(&row, question.names.len()));
+            next_cursor = places
+                .transpose()?
+                .map(|place| cursor::write(&question.identity, &place));
+            break;
         }
-        None => None,
-    };
-    let items = rows
-        .iter()
-        .take(limit)
-        .map(|row| item(row, &question.names))
-        .collect::<Result<_, _>>()?;
+        let item = item(&row, &question.names)?;
+        bytes += size(&item);
+        items.push(Value::Object(item));
+        last = Some(row);
+    }
     Ok(Page { items, next_cursor })
+}
+
+/// About the length of an item as JSON.
+fn size(item: &Map<String, Value>) -> usize {
+    /// Quotes, colon, comma and a number of usual length.
+    const BESIDE: usize = 16;
+    let pairs = item.iter();
+    pairs
+        .map(|(name, value)| name.len() + BESIDE + value.as_str().map_or(0, str::len))
+        .sum()
 }
 
 /// A page as a statement.
@@ -196,7 +212,7 @@ impl Order {
 }
 
 /// A row as an object; what is missing is left out.
-fn item(row: &SqliteRow, names: &[(String, Kind)]) -> Result<Value, CatalogueError> {
+fn item(row: &SqliteRow, names: &[(String, Kind)]) -> Result<Map<String, Value>, CatalogueError> {
     let mut item = Map::new();
     for (index, (name, kind)) in names.iter().enumerate() {
         let value = value(row, index, *kind)?;
@@ -204,7 +220,7 @@ fn item(row: &SqliteRow, names: &[(String, Kind)]) -> Result<Value, CatalogueErr
             item.insert(name.clone(), value);
         }
     }
-    Ok(Value::Object(item))
+    Ok(item)
 }
 
 /// A value as it is meant: SQLite has no booleans and no numbers from 2^63 on, and keeps whole numbers of old catalogues

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use spec::Provenance;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use crate::catalogue::{Catalogue, within};
@@ -40,6 +41,7 @@ pub(crate) async fn what_is_left(
     row: JobRow,
 ) -> Result<OpenJob, CatalogueError> {
     let done = done_ranges(connection, &row.id).await?;
+    let provenance = provenance(connection, &row.id).await?;
     let (given_up, tried): (Vec<_>, Vec<_>) = failures(connection, &row.id, None, u32::MAX)
         .await?
         .into_iter()
@@ -59,7 +61,21 @@ pub(crate) async fn what_is_left(
         row,
         done,
         strikes,
+        provenance,
     })
+}
+
+/// What the first image of a job was made with. One of an old catalogue may not tell.
+async fn provenance(
+    connection: &mut SqliteConnection,
+    job: &str,
+) -> Result<Option<Provenance>, CatalogueError> {
+    let sql = "SELECT record ->> '$.provenance' FROM records WHERE job_id = ? ORDER BY frame LIMIT 1";
+    let text: Option<Option<String>> = sqlx::query_scalar(sql)
+        .bind(job)
+        .fetch_optional(connection)
+        .await?;
+    Ok(text.flatten().and_then(|text| serde_json::from_str(&text).ok()))
 }
 
 /// Runs of neighboring frames that have an image: the frame number less its place in the list is constant in a run.

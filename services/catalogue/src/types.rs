@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use spec::{ArtifactEntry, SceneFiles};
+use spec::{ArtifactEntry, Provenance, SceneFiles};
 use utoipa::ToSchema;
 
 use crate::job_state::JobState;
@@ -128,6 +128,8 @@ pub struct OpenJob {
     pub failed: Vec<u64>,
     /// Strikes of frames that are still tried.
     pub strikes: BTreeMap<u64, u32>,
+    /// What its first image was made with.
+    pub provenance: Option<Provenance>,
 }
 
 impl From<JobRow> for OpenJob {
@@ -138,6 +140,7 @@ impl From<JobRow> for OpenJob {
             done: Vec::new(),
             failed: Vec::new(),
             strikes: BTreeMap::new(),
+            provenance: None,
         }
     }
 }

@@ -165,8 +165,7 @@ impl Catalogue {
     pub async fn dataset(&self, name: &str) -> Result<Option<DatasetRow>, CatalogueError> {
         let scope = Scope::parse(name);
         let Some(version) = scope.version else {
-            let mut all = self.datasets().await?.into_iter();
-            return Ok(all.find(|row| row.name == name));
+            return self.unsealed(name).await;
         };
         let found = self.version(scope.dataset, version).await?;
         Ok(found.map(|row| DatasetRow {

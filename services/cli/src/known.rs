@@ -94,8 +94,8 @@ fn unknown_version(remote: &Remote, dataset: &str, name: &str) -> Result<Failure
 /// A dataset or collection that is not there.
 fn unknown_named(remote: &Remote, what: &str, name: &str) -> Result<Failure, Failure> {
     let kind = format!("{what}s");
-    let all = remote.get(&format!("/v1/{kind}"))?;
-    let names = items(&all).iter().filter_map(|row| row["name"].as_str());
+    let all = remote.rows(&format!("/v1/{kind}"), &[], usize::MAX)?;
+    let names = all.iter().filter_map(|row| row["name"].as_str());
     let names: Vec<String> = names.map(str::to_owned).collect();
     Ok(unknown(
         &Named {

@@ -68,10 +68,10 @@ pub struct LimitArguments {
 impl LimitArguments {
     pub fn limits(&self) -> Limits {
         let usual = || available_bytes().map_or(u64::MAX, |bytes| bytes / 4 * 3);
-        Limits {
-            frame: Duration::from_secs_f64(self.frame_limit_s),
-            memory_bytes: self.memory_limit_mib.map_or_else(usual, |mib| mib << 20),
-        }
+        Limits::new(
+            Duration::from_secs_f64(self.frame_limit_s),
+            self.memory_limit_mib.map_or_else(usual, |mib| mib << 20),
+        )
     }
 }
 

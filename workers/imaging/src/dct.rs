@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 use rustfft::{Fft, FftNum, FftPlanner};
 
+use crate::cancel;
+
 /// Columns that a vertical pass gathers together: 16 f32 fill a cache line.
 const COLUMNS: usize = 16;
 
@@ -79,10 +81,12 @@ impl<T: FftNum> Dct2<T> {
             return;
         }
         for pair in plane.chunks_mut(2 * self.width) {
+            cancel::check();
             let (first, second) = pair.split_at_mut(self.width);
             pass(&mut self.rows, first, second);
         }
         for left in (0..self.width).step_by(COLUMNS) {
+            cancel::check();
             let count = COLUMNS.min(self.width - left);
             for (y, row) in plane.chunks_exact(self.width).enumerate() {
                 for (x, &sample) in row[left..left + count].iter().enumerate() {

@@ -1,8 +1,10 @@
 //! Planes, rasters, color transfer, transforms, codecs and the counter-based random stream.
 //!
-//! Everything here is a pure function of its arguments: no file, clock, environment or global state.
+//! Everything here is a pure function of its arguments: no file, clock, environment or global state. [`cancel`] ends a
+//! computation early and changes none.
 
 mod border;
+pub mod cancel;
 pub mod codec;
 pub mod dct;
 pub mod digest;

@@ -1,5 +1,7 @@
 //! One band of a picture, row-major: sample (x, y) is at `y * width + x`, x to the right and y down.
 
+use crate::cancel;
+
 /// A buffer does not hold `width * height` samples, or planes that belong together differ in size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SizeError {
@@ -66,6 +68,7 @@ impl<T> Plane<T> {
     pub fn from_fn(width: usize, height: usize, mut sample: impl FnMut(usize, usize) -> T) -> Self {
         let mut data = Vec::with_capacity(width * height);
         for y in 0..height {
+            cancel::check();
             for x in 0..width {
                 data.push(sample(x, y));
             }

@@ -1,5 +1,6 @@
 //! Three planes of one size, in the order red, green, blue.
 
+use crate::cancel;
 use crate::plane::{Plane, SizeError};
 
 /// A planar color picture. What the samples mean (linear radiance, encoded values) is up to the user.
@@ -36,6 +37,7 @@ impl<T> Rgb<T> {
             band.reserve_exact(width * height);
         }
         for y in 0..height {
+            cancel::check();
             for x in 0..width {
                 for (band, sample) in bands.iter_mut().zip(pixel(x, y)) {
                     band.push(sample);

@@ -1,6 +1,8 @@
-//! Loops compiled for the vector instructions of the CPU that runs them.
+//! Loops compiled for the vector instructions of the CPU that runs them. Each ends a computation that is cancelled.
 
 use pulp::{Arch, Simd, WithSimd};
+
+use crate::cancel;
 
 /// Compiles what is inlined in an expression for the vector instructions of this CPU; see [`vectorize`].
 #[macro_export]
@@ -19,6 +21,7 @@ macro_rules! vectorized {
 /// loop scalar. Rust fuses no multiplication with an addition by itself, so the result does not depend on the CPU.
 #[inline(always)]
 pub fn vectorize<R>(work: impl FnMut() -> R) -> R {
+    cancel::check();
     Arch::new().dispatch(Work(work))
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use imaging::Rgb8;
+use imaging::{Rgb8, cancel};
 
 use crate::error::QualityError;
 use crate::registry::{Compute, MetricId};
@@ -51,6 +51,7 @@ fn value(work: &Work, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> 
     if let Some(value) = known.get(&metric) {
         return *value;
     }
+    cancel::check();
     let computed = match metric.info().compute {
         Compute::Direct(compute) => compute(work),
         Compute::Sum(terms) => {

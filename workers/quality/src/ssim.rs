@@ -8,7 +8,7 @@
 
 use std::borrow::Cow;
 
-use imaging::{Plane, reflected, vectorized};
+use imaging::{Plane, cancel, reflected, vectorized};
 
 use crate::work::{Gray, Work};
 
@@ -86,6 +86,7 @@ fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
     let mut similarities = vec![0.0; columns];
     let mut sum = 0.0;
     for top in 0..rows {
+        cancel::check();
         for line in [&mut x, &mut y, &mut squares, &mut product] {
             line.clear();
             line.resize(width, 0.0f64);

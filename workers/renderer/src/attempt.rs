@@ -1,8 +1,9 @@
-//! One attempt at a frame that turns a panic into an error.
+//! One attempt at a frame that turns a panic into an error, and the end of a cancelled computation into another.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use imaging::cancel::Cancelled;
 use spec::Frame;
 
 use crate::content::Contents;
@@ -14,7 +15,7 @@ impl Slot {
     /// Renders a frame. A panic resets the caches, which may be inconsistent.
     ///
     /// # Errors
-    /// As [`Slot::render`], and [`RenderError::Panic`].
+    /// As [`Slot::render`], [`RenderError::Panic`], and [`RenderError::Cancelled`] within [`imaging::cancel::watched`].
     pub fn attempt(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
         self.guard(frame, |slot| slot.render(frame, source))
     }
@@ -38,9 +39,16 @@ impl Slot {
         };
         catch_unwind(AssertUnwindSafe(guarded)).unwrap_or_else(|panic| {
             *self = Self::new(&self.networks.engine);
-            Err(RenderError::Panic(message(&*panic)))
+            Err(failure(&*panic))
         })
     }
+}
+
+fn failure(panic: &(dyn Any + Send)) -> RenderError {
+    if panic.is::<Cancelled>() {
+        return RenderError::Cancelled;
+    }
+    RenderError::Panic(message(panic))
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

@@ -81,6 +81,9 @@ pub enum RenderError {
     /// The result does not fit the file format.
     #[error(transparent)]
     Encode(#[from] EncodeError),
+    /// Nobody waits for it any more.
+    #[error("the frame was cancelled")]
+    Cancelled,
     /// A bug in this program.
     #[error("rendering panicked: {0}")]
     Panic(String),

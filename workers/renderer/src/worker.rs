@@ -119,42 +119,53 @@ pub fn run(options: WorkerOptions, stop: Arc<AtomicBool>) -> anyhow::Result<()> 
     let threads = start(&shared, options.slots)?;
     let defect = watch(&threads, &shared.stop);
     shared.stop.set();
-    finish(&shared, &threads);
+    finish(&shared, &threads.slots);
     if defect {
         bail!("a thread of the worker ended unexpectedly");
     }
     Ok(())
 }
 
-fn start(shared: &Arc<Shared>, slots: usize) -> anyhow::Result<Vec<JoinHandle<()>>> {
-    let mut threads = Vec::new();
-    let mut spawn = |name: String, body: Box<dyn FnOnce(&Shared) + Send>| {
+/// The threads of a worker.
+struct Threads {
+    /// Rendering and handing in, which end after their frames.
+    slots: Vec<JoinHandle<()>>,
+    /// The beat, which may wait for the service when the worker stops, and the watchdog.
+    others: Vec<JoinHandle<()>>,
+}
+
+fn start(shared: &Arc<Shared>, slots: usize) -> anyhow::Result<Threads> {
+    let spawn = |name: String, body: Box<dyn FnOnce(&Shared) + Send>| {
         let shared = Arc::clone(shared);
         let thread = thread::Builder::new().name(name).spawn(move || body(&shared));
-        thread
-            .map(|thread| threads.push(thread))
-            .context("cannot start a thread")
+        thread.context("cannot start a thread")
+    };
+    let mut threads = Threads {
+        slots: Vec::new(),
+        others: vec![
+            spawn("beat".to_owned(), Box::new(beat::run))?,
+            spawn("watchdog".to_owned(), Box::new(watchdog::run))?,
+        ],
     };
     for slot in 0..slots {
         let (send, finished) = mpsc::sync_channel(WAITING_FRAMES);
-        spawn(
+        threads.slots.push(spawn(
             format!("render-{slot}"),
             Box::new(move |shared| slot::run(shared, slot, &send)),
-        )?;
-        spawn(
+        )?);
+        threads.slots.push(spawn(
             format!("deliver-{slot}"),
             Box::new(move |shared| deliver::run(shared, &finished)),
-        )?;
+        )?);
     }
-    spawn("beat".to_owned(), Box::new(beat::run))?;
-    spawn("watchdog".to_owned(), Box::new(watchdog::run))?;
     Ok(threads)
 }
 
 /// Waits until the worker is to stop or a thread has ended; returns whether it was the latter.
-fn watch(threads: &[JoinHandle<()>], stop: &Stop) -> bool {
+fn watch(threads: &Threads, stop: &Stop) -> bool {
     while !stop.is_set() {
-        if threads.iter().any(JoinHandle::is_finished) {
+        let mut all = threads.slots.iter().chain(&threads.others);
+        if all.any(JoinHandle::is_finished) {
             // Told to stop in between, a thread has every reason to end.
             return !stop.is_set();
         }

@@ -127,6 +127,8 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         engine: None,
         buckets: None,
         style_trial: Duration::from_secs(60),
+        frame_limit: Duration::from_secs(600),
+        mix_workers: false,
     };
     let service = runtime
         .block_on(api::start(config))

@@ -62,11 +62,23 @@ pub enum TokenError {
     Open(SocketAddr),
 }
 
+/// Owner of what is sent without a token.
+const ANYONE: &str = "local";
+
 /// Who sent a request: rows that belong to a caller carry `owner`.
 #[derive(Debug, Clone)]
 pub(crate) struct Caller {
     /// Hash of the token, or `local` where none is needed.
     pub(crate) owner: String,
+    /// Whether it is a worker that the service has started.
+    pub(crate) is_own_worker: bool,
+}
+
+impl Caller {
+    /// Whether nothing tells it from others.
+    pub(crate) fn is_anyone(&self) -> bool {
+        self.owner == ANYONE
+    }
 }
 
 struct Entry {
@@ -74,15 +86,19 @@ struct Entry {
     scopes: Vec<Scope>,
 }
 
-/// The known tokens; if there are none, every request may do everything.
-pub(crate) struct Tokens(Vec<Entry>);
+/// The known tokens; if the user has set none, every request may do everything.
+pub(crate) struct Tokens {
+    entries: Vec<Entry>,
+    /// Hash of the secret that only the service's own workers have.
+    own_worker: Option<[u8; 32]>,
+}
 
 impl Tokens {
     /// Reads `SECRET` or `scope+scope:SECRET` entries, separated by commas.
     pub(crate) fn parse(setting: Option<&str>, listen: SocketAddr) -> Result<Self, TokenError> {
         let Some(setting) = setting.filter(|text| !text.is_empty()) else {
             return if listen.ip().is_loopback() {
-                Ok(Self(Vec::new()))
+                Ok(Self::of(Vec::new()))
             } else {
                 Err(TokenError::Open(listen))
             };
@@ -91,37 +107,49 @@ impl Tokens {
             .split(',')
             .zip(1..)
             .map(|(text, position)| Entry::parse(text.trim(), position));
-        Ok(Self(entries.collect::<Result<_, _>>()?))
+        Ok(Self::of(entries.collect::<Result<_, _>>()?))
+    }
+
+    fn of(entries: Vec<Entry>) -> Self {
+        Self {
+            entries,
+            own_worker: None,
+        }
     }
 
     /// Returns whether requests need a token.
     pub(crate) fn are_needed(&self) -> bool {
-        !self.0.is_empty()
+        !self.entries.is_empty()
     }
 
-    /// Adds a secret with the scope of a worker.
-    pub(crate) fn add_worker(&mut self, secret: &str) {
-        self.0.push(Entry {
-            hash: Sha256::digest(secret).into(),
-            scopes: vec![Scope::Work],
-        });
+    /// Takes the secret of the service's own workers, which has their scope alone.
+    pub(crate) fn add_own_worker(&mut self, secret: &str) {
+        self.own_worker = Some(Sha256::digest(secret).into());
     }
 
     fn check(&self, headers: &HeaderMap, needed: Scope) -> Result<Caller, Problem> {
-        if self.0.is_empty() {
+        let hash: Option<[u8; 32]> = bearer(headers).map(|secret| Sha256::digest(secret).into());
+        let is_own = |hash: [u8; 32]| self.own_worker.is_some_and(|own| same(&own, &hash));
+        if let Some(hash) = hash.filter(|hash| needed == Scope::Work && is_own(*hash)) {
             return Ok(Caller {
-                owner: "local".to_owned(),
+                owner: spec::hex(&hash),
+                is_own_worker: true,
             });
         }
-        let Some(secret) = bearer(headers) else {
+        if self.entries.is_empty() {
+            return Ok(Caller {
+                owner: ANYONE.to_owned(),
+                is_own_worker: false,
+            });
+        }
+        let Some(hash) = hash else {
             return Err(unauthorized(
                 "this request needs the header `Authorization: Bearer TOKEN`",
                 "Bearer",
             ));
         };
-        let hash: [u8; 32] = Sha256::digest(secret).into();
         // Every entry is compared, whichever matches.
-        let known = self.0.iter().fold(None, |found, entry| {
+        let known = self.entries.iter().fold(None, |found, entry| {
             if same(&entry.hash, &hash) {
                 Some(entry)
             } else {
@@ -137,6 +165,7 @@ impl Tokens {
         if entry.scopes.contains(&needed) || entry.scopes.contains(&Scope::Admin) {
             return Ok(Caller {
                 owner: spec::hex(&hash),
+                is_own_worker: false,
             });
         }
         let detail = format!("this request needs a token with the scope `{}`", needed.name());

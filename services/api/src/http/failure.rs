@@ -27,6 +27,7 @@ impl From<CatalogueError> for Problem {
             | CatalogueError::Imported { .. }
             | CatalogueError::Contradicted { .. } => Self::new(Slug::JobState, error.to_string()),
             CatalogueError::Timeout { .. } => Self::new(Slug::QueryTooSlow, error.to_string()),
+            CatalogueError::Busy => Self::overloaded(error.to_string()),
             CatalogueError::Closed => Self::overloaded("the service is stopping"),
             CatalogueError::SqliteTooOld { .. }
             | CatalogueError::Open { .. }

@@ -5,7 +5,8 @@ use std::task::{Context, Poll, ready};
 
 use axum::body::{Body, Bytes};
 use hyper::body::{Frame, SizeHint};
-use tokio::sync::OwnedSemaphorePermit;
+
+use crate::http::budget::Place;
 
 /// Bytes passed to the connection at a time: while a client does not read, the rest and the place stay here.
 const PIECE_BYTES: usize = 64 << 10;
@@ -14,12 +15,12 @@ const PIECE_BYTES: usize = 64 << 10;
 pub(crate) struct Held {
     body: Body,
     rest: Bytes,
-    _place: OwnedSemaphorePermit,
+    _place: Place,
 }
 
 impl Held {
     /// The body, in pieces, with the place.
-    pub(crate) fn around(body: Body, place: OwnedSemaphorePermit) -> Body {
+    pub(crate) fn around(body: Body, place: Place) -> Body {
         Body::new(Self {
             body,
             rest: Bytes::new(),
@@ -68,29 +69,30 @@ impl hyper::body::Body for Held {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
+    use std::time::Duration;
 
     use futures::StreamExt;
     use hyper::body::Body as _;
-    use tokio::sync::Semaphore;
 
     use super::*;
+    use crate::http::budget::{Budget, Share};
 
     #[tokio::test]
     async fn the_place_is_free_when_the_last_piece_is_taken_and_nothing_is_changed() {
-        let places = Arc::new(Semaphore::new(1));
+        let places = Budget::new("tests", 1, Share { percent: 100 }, Duration::ZERO);
         let sent: Vec<u8> = (0..PIECE_BYTES * 2 + 9).map(|n| (n % 251) as u8).collect();
-        let place = Arc::clone(&places).try_acquire_owned().unwrap();
+        let place = places.take("a").await.ok().unwrap();
         let held = Held::around(Body::from(sent.clone()), place);
         assert_eq!(held.size_hint().exact(), Some(sent.len() as u64));
         let mut pieces = held.into_data_stream();
         let mut taken = Vec::new();
         for _ in 0..3 {
-            assert_eq!(places.available_permits(), 0);
+            assert!(places.take("b").await.is_err());
             taken.extend(pieces.next().await.unwrap().unwrap());
         }
         assert!(pieces.next().await.is_none());
         drop(pieces);
-        assert_eq!((places.available_permits(), taken), (1, sent));
+        assert!(places.take("b").await.is_ok());
+        assert_eq!(taken, sent);
     }
 }

@@ -1,5 +1,5 @@
 //! What every request passes through, from the outside in: request id and log line, problems, panics, other sites'
-//! pages; then what its group needs: scope, a place in the group's budget, a time limit, a body limit.
+//! pages; then what its group needs: scope, a time limit, its body, a place in the group's budget.
 
 use std::any::Any;
 use std::panic::AssertUnwindSafe;
@@ -11,28 +11,52 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use futures::FutureExt;
-use tokio::sync::Semaphore;
 use tracing::Instrument;
 use utoipa_axum::router::OpenApiRouter;
 
 use crate::clock::ordered_id;
 use crate::http::auth::{Guard, Scope, Tokens, require};
+use crate::http::budget::{Budget, caller_of};
 use crate::http::held::Held;
 use crate::http::problem::{Problem, Slug};
+use crate::http::receive::{Receiving, receive};
 use crate::telemetry;
 
-/// How long a request waits for a place before it is shed: long enough for a burst of submissions to pass in group
-/// commits, short enough for a client to notice. Those who wait have sent no more than their head.
-const SHED_AFTER: Duration = Duration::from_millis(500);
 /// Longest request id accepted from a client.
 const REQUEST_ID_BYTES: usize = 64;
 
 /// The layers of a group of routes.
 pub(crate) struct Group {
     pub(crate) scope: Option<Scope>,
-    pub(crate) budget: Budget,
+    pub(crate) budget: Choice,
     pub(crate) timeout: Duration,
-    pub(crate) body_bytes: usize,
+    pub(crate) receiving: Receiving,
+}
+
+/// The budget of a request.
+#[derive(Clone)]
+pub(crate) enum Choice {
+    /// That of its group.
+    One(Budget),
+    /// One for those that ask to wait, so that they take no places of those that do not.
+    ByWait { waits: Budget, others: Budget },
+}
+
+impl Choice {
+    fn of(&self, request: &Request) -> &Budget {
+        match self {
+            Self::One(budget) => budget,
+            Self::ByWait { waits, .. } if asks_to_wait(request) => waits,
+            Self::ByWait { others, .. } => others,
+        }
+    }
+}
+
+/// Whether the query has a `wait` other than 0.
+fn asks_to_wait(request: &Request) -> bool {
+    let query = request.uri().query().unwrap_or_default();
+    let waits = query.split('&').filter_map(|pair| pair.strip_prefix("wait="));
+    waits.into_iter().any(|seconds| seconds != "0")
 }
 
 impl Group {
@@ -43,9 +67,10 @@ impl Group {
         tokens: &Arc<Tokens>,
     ) -> OpenApiRouter<S> {
         let routes = routes
-            .route_layer(DefaultBodyLimit::max(self.body_bytes))
-            .route_layer(from_fn_with_state(self.timeout, in_time))
-            .route_layer(from_fn_with_state(self.budget, within_budget));
+            .route_layer(DefaultBodyLimit::max(self.receiving.most_bytes))
+            .route_layer(from_fn_with_state(self.budget, within_budget))
+            .route_layer(from_fn_with_state(self.receiving, receive))
+            .route_layer(from_fn_with_state(self.timeout, in_time));
         match self.scope {
             Some(scope) => routes.route_layer(from_fn_with_state(
                 Guard {
@@ -59,36 +84,12 @@ impl Group {
     }
 }
 
-/// How many requests of a kind may run at the same time. Clones share the places: a layer is cloned for each route,
-/// and the limit must hold over all of them.
-#[derive(Clone)]
-pub(crate) struct Budget {
-    name: &'static str,
-    places: Arc<Semaphore>,
-}
-
-impl Budget {
-    pub(crate) fn new(name: &'static str, places: usize) -> Self {
-        Self {
-            name,
-            places: Arc::new(Semaphore::new(places)),
-        }
-    }
-}
-
 async fn within_budget(
-    State(budget): State<Budget>,
+    State(choice): State<Choice>,
     request: Request,
     next: Next,
 ) -> Result<Response, Problem> {
-    let place = tokio::time::timeout(SHED_AFTER, budget.places.acquire_owned());
-    let Ok(Ok(place)) = place.await else {
-        telemetry::shed(budget.name);
-        return Err(Problem::overloaded(format!(
-            "all places for {} are taken",
-            budget.name
-        )));
-    };
+    let place = choice.of(&request).take(&caller_of(&request)).await?;
     let response = next.run(request).await;
     Ok(response.map(|body| Held::around(body, place)))
 }
@@ -219,6 +220,8 @@ mod tests {
     use tower::ServiceExt;
 
     use super::*;
+    use crate::http::budget::Share;
+    use crate::limits::SHED_AFTER;
 
     async fn ask(app: &Router, request: Request) -> Response {
         app.clone().oneshot(request).await.unwrap()
@@ -240,11 +243,11 @@ mod tests {
                 inside.fetch_sub(1, Ordering::SeqCst);
             }
         };
-        let budget = Budget::new("tests", 3);
+        let budget = Budget::new("tests", 3, Share { percent: 100 }, SHED_AFTER);
         let app = Router::new()
             .route("/a", get(work.clone()))
             .route("/b", get(work))
-            .layer(from_fn_with_state(budget, within_budget))
+            .layer(from_fn_with_state(Choice::One(budget), within_budget))
             .layer(from_fn(observe));
         let calls: Vec<_> = (0..40)
             .map(|i| tokio::spawn(app.clone().oneshot(path(if i % 2 == 0 { "/a" } else { "/b" }))))
@@ -294,6 +297,13 @@ mod tests {
             let body = axum::body::to_bytes(response.into_body(), 4096).await.unwrap();
             assert!(String::from_utf8_lossy(&body).contains(r#""instance":"mine-1""#));
         }
+    }
+
+    #[test]
+    fn only_a_request_that_asks_to_wait_counts_as_one() {
+        let asks = |query: &str| asks_to_wait(&path(&format!("/v1/jobs/a{query}")));
+        assert!(asks("?wait=10") && asks("?since=3&wait=60"));
+        assert!(!asks("") && !asks("?wait=0") && !asks("?since=3") && !asks("?xwait=3"));
     }
 
     #[test]

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::{Service, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use hyper_util::service::TowerToHyperService;
@@ -14,6 +16,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
+use crate::http::budget::{Budget, Peer, Share};
 use crate::http::patient::Patient;
 use crate::limits::{self, Limits};
 
@@ -28,12 +31,16 @@ pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, st
         .max_header_size(limits::HEADER_BYTES);
     let graceful = GracefulShutdown::new();
     let places = Arc::new(Semaphore::new(limits.connections));
+    let share = Share {
+        percent: limits.caller_percent,
+    };
+    let peers = Budget::new("connections", limits.connections, share, Duration::ZERO);
     loop {
         let accepted = tokio::select! {
             () = stop.cancelled() => break,
             accepted = accept(&listener, &places) => accepted,
         };
-        let (stream, place) = match accepted {
+        let (stream, peer, place) = match accepted {
             Ok(accepted) => accepted,
             Err(error) => {
                 tracing::warn!(%error, "cannot accept a connection");
@@ -41,13 +48,20 @@ pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, st
                 continue;
             }
         };
-        let service = TowerToHyperService::new(app.clone());
+        let Ok(share) = peers.take(&peer.0.to_string()).await else {
+            continue;
+        };
+        let app = TowerToHyperService::new(app.clone());
+        let service = service_fn(move |mut request: hyper::Request<Incoming>| {
+            request.extensions_mut().insert(peer);
+            app.call(request)
+        });
         let connection =
             graceful.watch(http.serve_connection(TokioIo::new(Patient::new(stream, limits.unread)), service));
         tokio::spawn(async move {
             // Broken connections are the client's affair; what the service did is logged with the request.
             let _ = connection.await;
-            drop(place);
+            drop((place, share));
         });
     }
     drop(listener);
@@ -62,12 +76,12 @@ pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, st
 async fn accept(
     listener: &TcpListener,
     places: &Arc<Semaphore>,
-) -> io::Result<(TcpStream, tokio::sync::OwnedSemaphorePermit)> {
+) -> io::Result<(TcpStream, Peer, tokio::sync::OwnedSemaphorePermit)> {
     let place = Arc::clone(places)
         .acquire_owned()
         .await
         .map_err(io::Error::other)?;
-    let (stream, _) = listener.accept().await?;
+    let (stream, address) = listener.accept().await?;
     stream.set_nodelay(true)?;
-    Ok((stream, place))
+    Ok((stream, Peer(address.ip()), place))
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod auth;
 pub(crate) mod bounds;
+pub(crate) mod budget;
 pub(crate) mod docs;
 pub(crate) mod extract;
 pub(crate) mod failure;
@@ -15,6 +16,7 @@ pub(crate) mod located;
 mod patient;
 pub(crate) mod picture;
 pub(crate) mod problem;
+pub(crate) mod receive;
 pub(crate) mod stored;
 
 use std::sync::Arc;

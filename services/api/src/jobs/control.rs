@@ -18,7 +18,7 @@ impl Jobs {
         self.in_turn(|jobs| async move {
             let row = jobs.set_state(&id, SetState::Cancelled).await?;
             if row.state == JobState::Cancelled {
-                jobs.leases.dispatch.table(|table, _| table.cancel(&id));
+                jobs.leases.dispatch.cancel(&id);
                 jobs.notify(&id, "cancelled");
             }
             Ok(row)
@@ -107,7 +107,7 @@ impl Jobs {
             if let Some((engine, row)) = shared {
                 engine.retire(&row).await?;
             }
-            jobs.leases.dispatch.table(|table, _| table.cancel(&id));
+            jobs.leases.dispatch.cancel(&id);
             jobs.notify(&id, "deleted");
             Ok(deleted)
         })

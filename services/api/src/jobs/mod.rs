@@ -51,9 +51,11 @@ impl Jobs {
         self.styles.vocabulary(&self.waters)
     }
 
-    /// A stored job.
+    /// A stored job, with a warning if it waits for a worker like its first one.
     pub(crate) async fn get(&self, id: &str) -> Result<JobRow, Problem> {
-        found(self.catalogue.job(id).await?, "job", id)
+        let mut row = found(self.catalogue.job(id).await?, "job", id)?;
+        row.warnings.extend(self.leases.dispatch.waits_for(id));
+        Ok(row)
     }
 
     /// Offers the frames that an earlier run of the service left open.

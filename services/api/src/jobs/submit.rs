@@ -250,6 +250,8 @@ mod tests {
             engine: None,
             buckets: None,
             style_trial: Duration::from_secs(1),
+            frame_limit: Duration::from_secs(600),
+            mix_workers: false,
         };
         let surroundings = Surroundings {
             clock: crate::clock::Clock::system(),

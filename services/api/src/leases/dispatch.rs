@@ -2,7 +2,7 @@
 //!
 //! The table itself is a pure state machine. It is held for microseconds at a time and never across an await.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -15,7 +15,7 @@ use tokio::time::{Instant, timeout_at};
 use super::Worker;
 use super::granted::Granted;
 use super::liars::Liars;
-use super::table::{JobEntry, LeaseTable, Millis, StrikeEvent};
+use super::table::{JobEntry, LeaseTable, Making, Millis, Rules, StrikeEvent};
 use crate::clock::{Clock, ordered_id};
 use crate::telemetry;
 
@@ -27,6 +27,8 @@ pub(super) struct State {
     pub(super) table: LeaseTable,
     open: HashMap<String, Open>,
     pub(super) liars: Liars,
+    /// The workers that the service has started, by id.
+    own: BTreeSet<String>,
 }
 
 /// What is known of an open job beside its frames.
@@ -39,16 +41,19 @@ struct Open {
 pub(crate) struct Dispatch {
     state: Mutex<State>,
     work: Notify,
+    /// Rung when leases were cancelled.
+    cancelled: Notify,
     next_token: AtomicU64,
     clock: Clock,
 }
 
 impl Dispatch {
-    pub(crate) fn new(clock: Clock) -> Self {
+    pub(crate) fn new(clock: Clock, rules: Rules) -> Self {
         let state = State {
-            table: LeaseTable::new(),
+            table: LeaseTable::with_rules(rules),
             open: HashMap::new(),
             liars: Liars::default(),
+            own: BTreeSet::new(),
         };
         // Tokens only grow, also from one life of the service to the next: the high half of a UUIDv7 is the time in
         // milliseconds and a random part.
@@ -56,6 +61,7 @@ impl Dispatch {
         Self {
             state: Mutex::new(state),
             work: Notify::new(),
+            cancelled: Notify::new(),
             next_token: AtomicU64::new(first_token),
             clock,
         }
@@ -68,6 +74,7 @@ impl Dispatch {
             done,
             failed,
             strikes,
+            provenance,
         } = job;
         let open = Open {
             submitted_at: row.created_at,
@@ -83,6 +90,7 @@ impl Dispatch {
             failed,
             strikes,
             paused: row.state == JobState::Paused,
+            made: provenance.as_ref().map(Making::of),
         });
         drop(state);
         self.work.notify_waiters();
@@ -101,12 +109,15 @@ impl Dispatch {
     }
 
     /// Registers a worker and returns its id; none for the name of a worker that was dismissed.
-    pub(crate) fn register(&self, about: RegisterRequest) -> Option<String> {
+    pub(crate) fn register(&self, about: RegisterRequest, is_own: bool) -> Option<String> {
         let mut state = self.state();
         if state.liars.has(&about.name) {
             return None;
         }
         let id = format!("wrk_{}", ordered_id().simple());
+        if is_own {
+            state.own.insert(id.clone());
+        }
         state.table.register(&id, about, self.now());
         Some(id)
     }
@@ -144,13 +155,38 @@ impl Dispatch {
         }
     }
 
-    /// Prolongs a worker's leases.
-    pub(crate) fn beat(&self, worker: &str, tokens: &[u64]) -> Result<BeatResponse, Unknown> {
-        let mut state = self.state();
-        if !state.table.has_worker(worker) {
-            return Err(Unknown);
+    /// Offers nothing more of a job, and tells the workers that hold frames of it.
+    pub(crate) fn cancel(&self, job: &str) {
+        self.table(|table, _| table.cancel(job));
+        self.cancelled.notify_waiters();
+    }
+
+    /// Prolongs a worker's leases; waits until one of its leases is cancelled, if none is.
+    pub(crate) async fn beat(
+        &self,
+        worker: &str,
+        tokens: &[u64],
+        wait: Duration,
+    ) -> Result<BeatResponse, Unknown> {
+        let deadline = Instant::now() + wait;
+        let mut named = tokens;
+        loop {
+            let mut bell = std::pin::pin!(self.cancelled.notified());
+            bell.as_mut().enable();
+            let beat = {
+                let mut state = self.state();
+                if !state.table.has_worker(worker) {
+                    return Err(Unknown);
+                }
+                state.table.beat(worker, named, self.now())
+            };
+            let is_news = !(beat.cancelled.is_empty() && beat.lost.is_empty());
+            if is_news || timeout_at(deadline, bell).await.is_err() {
+                return Ok(beat);
+            }
+            // They were prolonged when the beat came.
+            named = &[];
         }
-        Ok(state.table.beat(worker, tokens, self.now()))
     }
 
     /// Takes back expired leases.
@@ -158,9 +194,16 @@ impl Dispatch {
         let mut state = self.state();
         let now = self.now();
         telemetry::expired(state.table.ended(now));
-        let events = state.table.expire(now);
-        let State { table, liars, .. } = &mut *state;
+        let stalled = state.table.stalled(now);
+        let mut events = state.table.expire(now);
+        for worker in stalled {
+            events.extend(state.blame(&worker, "it holds frames and hands none in", now));
+        }
+        let State {
+            table, liars, own, ..
+        } = &mut *state;
         liars.keep(|id| table.has_worker(id));
+        own.retain(|id| table.has_worker(id));
         drop(state);
         self.after_loss(events)
     }
@@ -179,6 +222,17 @@ impl Dispatch {
         }
         drop(state);
         (registered, self.after_loss(events))
+    }
+
+    /// Why a job waits although there are workers.
+    pub(crate) fn waits_for(&self, job: &str) -> Option<String> {
+        self.table(|table, _| {
+            let made = table.waits_for(job)?;
+            Some(format!(
+                "no worker makes the same bytes as this job's images, which were made with {made}: start such a worker, or the \
+                 service with --mix-workers"
+            ))
+        })
     }
 
     /// Whether a registered worker has the runtime of the style models.
@@ -236,6 +290,22 @@ impl Dispatch {
     }
 }
 
+impl State {
+    /// Counts a fault of a worker, which is dismissed with all its leases after a few.
+    pub(super) fn blame(&mut self, id: &str, why: &str, now: Millis) -> Vec<StrikeEvent> {
+        let name = self.table.workers().find(|(known, ..)| *known == id);
+        let Some(name) = name.map(|(_, about, _)| about.name.clone()) else {
+            return Vec::new();
+        };
+        let is_own = self.own.contains(id);
+        if !self.liars.refused(id, &name, is_own) {
+            return Vec::new();
+        }
+        tracing::error!(worker = name, why, "worker dismissed");
+        self.table.drop_worker(id, now)
+    }
+}
+
 /// The worker is not registered with this life of the service.
 pub(crate) struct Unknown;
 
@@ -254,9 +324,9 @@ mod tests {
         let hand = Arc::new(AtomicU64::new(0));
         let read = Arc::clone(&hand);
         let clock = Clock::from_functions(move || read.load(Ordering::SeqCst), || 0);
-        let dispatch = Dispatch::new(clock);
+        let dispatch = Dispatch::new(clock, Rules::default());
         dispatch.add_job(job("job_a"));
-        let worker = dispatch.register(about()).unwrap();
+        let worker = dispatch.register(about(), false).unwrap();
         (dispatch, worker, hand)
     }
 
@@ -340,8 +410,75 @@ mod tests {
         assert!(dispatch.lease(&worker, Duration::ZERO, 0.0).await.is_err());
         assert!(dispatch.workers().is_empty());
         hand.store(1_000, Ordering::SeqCst);
-        let next = dispatch.register(about()).unwrap();
+        let next = dispatch.register(about(), false).unwrap();
         assert!(token(&dispatch, &next).await.is_some());
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_cancel_is_told_at_once_and_nothing_else_ends_a_beat_early() {
+        let (dispatch, worker, _) = one_frame();
+        let token = token(&dispatch, &worker).await.unwrap();
+        let dispatch = Arc::new(dispatch);
+        let wait = Duration::from_secs(5);
+        let begun = Instant::now();
+        let quiet = dispatch.beat(&worker, &[token], wait).await.ok().unwrap();
+        assert_eq!((quiet, begun.elapsed()), (BeatResponse::default(), wait));
+        // Also of a lease that the beat does not name.
+        let beat = {
+            let (dispatch, worker) = (Arc::clone(&dispatch), worker.clone());
+            tokio::spawn(async move { dispatch.beat(&worker, &[], wait).await.ok() })
+        };
+        tokio::task::yield_now().await;
+        let begun = Instant::now();
+        dispatch.cancel("job_a");
+        assert_eq!(beat.await.unwrap().unwrap().cancelled, [token]);
+        assert_eq!(begun.elapsed(), Duration::ZERO);
+        // Once.
+        let again = dispatch.beat(&worker, &[], Duration::ZERO).await.ok().unwrap();
+        assert_eq!(again, BeatResponse::default());
+    }
+
+    #[tokio::test]
+    async fn a_worker_that_holds_frames_and_hands_none_in_is_dismissed_at_the_third() {
+        let hand = Arc::new(AtomicU64::new(0));
+        let read = Arc::clone(&hand);
+        let clock = Clock::from_functions(move || read.load(Ordering::SeqCst), || 0);
+        let rules = Rules {
+            frame_limit_ms: 60_000,
+            ..Rules::default()
+        };
+        let dispatch = Dispatch::new(clock, rules);
+        for job_id in ["job_a", "job_b", "job_c"] {
+            dispatch.add_job(job(job_id));
+        }
+        let worker = dispatch.register(about(), true).unwrap();
+        let mut now = 0;
+        for stalls in 1..=3 {
+            let token = token(&dispatch, &worker).await.unwrap();
+            let begun = now;
+            let event = loop {
+                let beat = dispatch
+                    .beat(&worker, &[token], Duration::ZERO)
+                    .await
+                    .ok()
+                    .unwrap();
+                assert!(beat.lost.is_empty());
+                now += 5000;
+                hand.store(now, Ordering::SeqCst);
+                if let Some(event) = dispatch.expire().pop() {
+                    break event;
+                }
+            };
+            assert_eq!(now - begun, 60_000);
+            assert!(
+                event.error.contains("held this frame for 60 s"),
+                "{}",
+                event.error
+            );
+            assert_eq!(dispatch.workers().is_empty(), stalls == 3);
+        }
+        assert_eq!(dispatch.dismissed_own(), ["local-1"]);
+        assert!(dispatch.register(about(), true).is_none());
     }
 
     #[tokio::test(start_paused = true)]

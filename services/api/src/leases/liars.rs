@@ -17,21 +17,31 @@ const MOST_NAMES: usize = 1000;
 pub(crate) struct Liars {
     refusals: BTreeMap<String, u32>,
     dismissed: BTreeSet<String>,
+    /// Of these, workers that the service has started.
+    own: BTreeSet<String>,
 }
 
 impl Liars {
     /// Counts a refused report of a worker with this id and name; returns whether that dismisses it.
-    pub(crate) fn refused(&mut self, id: &str, name: &str) -> bool {
+    pub(crate) fn refused(&mut self, id: &str, name: &str, is_own: bool) -> bool {
         let count = self.refusals.entry(id.to_owned()).or_default();
         *count += 1;
         if *count < MOST_REFUSALS {
             return false;
         }
+        self.dismiss(id, name, is_own);
+        true
+    }
+
+    /// Lets no worker of this name register again.
+    pub(crate) fn dismiss(&mut self, id: &str, name: &str, is_own: bool) {
         self.refusals.remove(id);
         if self.dismissed.len() < MOST_NAMES {
             self.dismissed.insert(name.to_owned());
         }
-        true
+        if is_own {
+            self.own.insert(name.to_owned());
+        }
     }
 
     /// Whether workers of this name may not register again.
@@ -73,14 +83,14 @@ impl Dispatch {
         );
         // A lease that has ended meanwhile has given the frame back already.
         let _ = state.table.refuse(claim);
-        let events = if state.liars.refused(&id, &name) {
-            tracing::error!(worker = name, "worker dismissed: its reports cannot be true");
-            state.table.drop_worker(&id, now)
-        } else {
-            Vec::new()
-        };
+        let events = state.blame(&id, "its reports cannot be true", now);
         drop(state);
         self.after_loss(events)
+    }
+
+    /// The service's own workers that were dismissed: they render nothing more until it is started again.
+    pub(crate) fn dismissed_own(&self) -> Vec<String> {
+        self.state().liars.own.iter().cloned().collect()
     }
 
     /// Whether a lease is out under this token.
@@ -96,12 +106,13 @@ mod tests {
     #[test]
     fn the_third_refusal_dismisses_a_worker_and_its_name() {
         let mut liars = Liars::default();
-        assert!(!liars.refused("wrk_1", "a") && !liars.refused("wrk_1", "a"));
-        assert!(!liars.refused("wrk_2", "b"));
+        let refused = |liars: &mut Liars, id, name| liars.refused(id, name, false);
+        assert!(!refused(&mut liars, "wrk_1", "a") && !refused(&mut liars, "wrk_1", "a"));
+        assert!(!refused(&mut liars, "wrk_2", "b"));
         assert!(!liars.has("a"));
-        assert!(liars.refused("wrk_1", "a"));
+        assert!(refused(&mut liars, "wrk_1", "a"));
         assert!(liars.has("a") && !liars.has("b"));
         liars.keep(|_| false);
-        assert!(!liars.refused("wrk_2", "b"));
+        assert!(!refused(&mut liars, "wrk_2", "b"));
     }
 }

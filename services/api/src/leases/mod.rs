@@ -26,6 +26,7 @@ use costs::Costs;
 use descriptions::Descriptions;
 use dispatch::Dispatch;
 use puts::Puts;
+use table::Rules;
 
 /// Leased and queued frames, and the costs learned from finished ones.
 pub(crate) struct Leases {
@@ -47,10 +48,11 @@ impl Leases {
         catalogue: Arc<Catalogue>,
         bytes: Arc<Bytes>,
         clock: Clock,
+        rules: Rules,
         stop: CancellationToken,
     ) -> Self {
         Self {
-            dispatch: Dispatch::new(clock.clone()),
+            dispatch: Dispatch::new(clock.clone(), rules),
             changes: Changes::default(),
             costs: Costs::default(),
             descriptions: Descriptions::default(),

@@ -27,6 +27,9 @@ const LAST_LINES: Duration = Duration::from_millis(500);
 /// Lines kept of what a child printed last.
 const TAIL_LINES: usize = 12;
 
+/// What the names of the service's own workers begin with, before a number.
+pub(crate) const OWN_WORKER: &str = "local-";
+
 /// How the children are started.
 pub(crate) struct Recipe {
     /// The program.
@@ -52,7 +55,7 @@ impl Fleet {
     pub(crate) fn start(recipe: Recipe, workers: usize, on_exit: &OnExit) -> Self {
         let (recipe, stop) = (Arc::new(recipe), CancellationToken::new());
         let keeper = |number: usize| {
-            let name = format!("local-{number}");
+            let name = format!("{OWN_WORKER}{number}");
             tokio::spawn(keep(Arc::clone(&recipe), name, Arc::clone(on_exit), stop.clone()))
         };
         Self {

@@ -9,43 +9,143 @@ use crate::common::{Running, Setup, job, start, start_with};
 use api::Limits;
 use serde_json::json;
 
-/// Opens a connection that has sent the head of a submission and keeps its body back.
-fn half_sent(service: &Running) -> TcpStream {
+/// Opens a connection that has sent the head of a request with a body and keeps the body back.
+fn half_sent(service: &Running, path: &str, content_type: &str) -> TcpStream {
     let mut stream = connect(service);
-    let head = "POST /v1/jobs HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 9\r\n\r\n";
+    let head = format!(
+        "POST {path} HTTP/1.1\r\nhost: localhost\r\ncontent-type: {content_type}\r\ncontent-length: 1000\r\n\r\n{{"
+    );
     stream.write_all(head.as_bytes()).unwrap();
     stream
 }
 
-#[test]
-fn requests_beyond_the_budget_are_shed_and_workers_are_not_among_them() {
-    let limits = Limits {
-        requests: 2,
-        ..Limits::default()
-    };
-    let service = start_with(Setup {
+/// A connection with a request of which nothing is read.
+fn asked(service: &Running, path: &str) -> TcpStream {
+    let mut stream = connect(service);
+    let head = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\n\r\n");
+    stream.write_all(head.as_bytes()).unwrap();
+    stream
+}
+
+fn limited(limits: Limits) -> Running {
+    start_with(Setup {
         limits,
         ..Setup::default()
-    });
-    service.submit(&job());
-    let held = [half_sent(&service), half_sent(&service)];
-    // The two hold their places as soon as the service has read their heads.
-    let shed = loop {
-        let answer = service.get("/v1/jobs");
-        if answer.status == 503 {
-            break answer;
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    };
-    shed.problem(503, "overloaded");
-    assert_eq!(shed.header("retry-after"), "1");
-    assert_eq!(service.get("/livez").status, 200);
-    let worker = Fake::register(&service);
-    assert!(worker.lease(1000).is_some(), "workers have a budget of their own");
-    drop(held);
-    while service.get("/v1/jobs").status != 200 {
-        std::thread::sleep(Duration::from_millis(10));
+    })
+}
+
+/// What must be possible whatever else is going on: reads of every kind, a submission, an upload, a frame of a worker.
+fn others_are_served(service: &Running, worker: &Fake) {
+    let begun = Instant::now();
+    let id = service.submit(&job());
+    for path in ["/v1/jobs", &format!("/v1/jobs/{id}"), "/v1/images", "/livez"] {
+        assert_eq!(service.get(path).status, 200, "{path}");
     }
+    let refused = service.upload(&[("rgb", b"no picture")]);
+    refused.problem(422, "validation");
+    worker.work();
+    for path in ["results", "errors"] {
+        assert_eq!(
+            service.get(&format!("/v1/jobs/{id}/{path}")).status,
+            200,
+            "{path}"
+        );
+    }
+    let elapsed = begun.elapsed();
+    assert!(elapsed < Duration::from_secs(10), "{elapsed:?}");
+}
+
+#[test]
+fn slow_bodies_hold_nothing_that_others_need_and_are_cut() {
+    let service = limited(Limits {
+        body_grace: Duration::from_secs(4),
+        ..Limits::default()
+    });
+    let worker = Fake::register(&service);
+    let json = (0..260).map(|_| half_sent(&service, "/v1/jobs", "application/json"));
+    let mut held: Vec<TcpStream> = json.collect();
+    let form = "multipart/form-data; boundary=x";
+    held.extend((0..8).map(|_| half_sent(&service, "/v1/scenes", form)));
+    let message = "application/x-protobuf";
+    held.extend((0..260).map(|_| half_sent(&service, "/v1/worker/artifacts", message)));
+    others_are_served(&service, &worker);
+    for mut stream in held {
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        assert!(
+            answer.starts_with("HTTP/1.1 408") && answer.contains("bytes a second"),
+            "{answer}"
+        );
+    }
+}
+
+#[test]
+fn long_polls_and_event_streams_beyond_their_budget_are_shed_at_once_and_harm_nobody() {
+    let service = limited(Limits {
+        waits: 100,
+        streams: 20,
+        ..Limits::default()
+    });
+    let worker = Fake::register(&service);
+    let held_job = service.submit(&job());
+    let lease = worker.lease(1000).unwrap();
+    let polls = format!("/v1/jobs/{held_job}?wait=60&since=999999");
+    let events = format!("/v1/jobs/{held_job}/events");
+    let mut held: Vec<TcpStream> = (0..200).map(|_| asked(&service, &polls)).collect();
+    held.extend((0..200).map(|_| asked(&service, &events)));
+    // This address has half of the places.
+    let mut shed = 0;
+    for stream in &mut held {
+        stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
+        let mut head = [0; 12];
+        shed += usize::from(stream.read_exact(&mut head).is_ok() && head == *b"HTTP/1.1 503");
+    }
+    assert_eq!(shed, 150 + 190);
+    let begun = Instant::now();
+    let refused = service.get(&polls);
+    refused.problem(503, "overloaded");
+    assert_eq!(refused.header("retry-after"), "1");
+    assert!(begun.elapsed() < Duration::from_secs(1));
+    worker.release(&lease);
+    others_are_served(&service, &worker);
+}
+
+#[test]
+fn datasets_come_in_pages() {
+    let service = start();
+    for name in ["a", "b", "c"] {
+        let mut job = job();
+        job["dataset"] = json!(name);
+        service.submit(&job);
+    }
+    let first = service.get("/v1/datasets?limit=2").json();
+    let names = |page: &serde_json::Value| -> Vec<String> {
+        let items = page["items"].as_array().unwrap().iter();
+        items
+            .map(|row| row["name"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(names(&first), ["a", "b"]);
+    let cursor = first["next_cursor"].as_str().unwrap();
+    let last = service
+        .get(&format!("/v1/datasets?limit=2&cursor={cursor}"))
+        .json();
+    assert_eq!(
+        (names(&last), &last["next_cursor"]),
+        (vec!["c".to_owned()], &json!(null))
+    );
+    service.get("/v1/datasets?limit=0").problem(400, "invalid-query");
+    service
+        .get("/v1/datasets?cursor=x")
+        .problem(400, "invalid-cursor");
+}
+
+#[test]
+fn names_of_the_services_own_workers_are_theirs() {
+    let service = start();
+    let taken = Fake::try_named(&service, "local-1", None);
+    assert!(taken.is_err_and(|error| error.to_string().contains("own workers")));
+    assert!(Fake::try_named(&service, "local-x", None).is_ok());
 }
 
 #[test]

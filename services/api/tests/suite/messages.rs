@@ -96,6 +96,7 @@ fn a_field_that_is_missing_too_long_or_out_of_its_range_is_named_with_the_limit(
         );
         let beat = wire::BeatRequest {
             worker_id: "wrk_1".to_owned(),
+            wait_ms: 0,
             tokens: vec![1; limits::BEAT_TOKENS + 1],
         };
         let problem = refused(service, "beat", &beat);

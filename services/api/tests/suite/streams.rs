@@ -132,6 +132,7 @@ fn a_deleted_job_says_so_to_those_who_follow_it() {
 fn readers_that_never_read_are_few_and_are_cut_off() {
     let limits = Limits {
         streams: 3,
+        caller_percent: 100,
         unread: Duration::from_millis(500),
         ..Limits::default()
     };

@@ -106,6 +106,6 @@ async fn deleting_while_images_arrive_leaves_nothing_behind() {
         ],
         [0; 4]
     );
-    assert!(at.catalogue.datasets().await.unwrap().is_empty());
+    assert!(at.datasets().await.is_empty());
     at.is_sound().await;
 }

@@ -37,10 +37,10 @@ async fn a_deleted_job_is_out_of_sight_at_once_and_its_dataset_counts_without_it
     at.job("job_a", "bay", 5, 3).await;
     at.job("job_b", "bay", 5, 2).await;
     at.give_up("job_a", 4).await;
-    let before = at.catalogue.datasets().await.unwrap();
+    let before = at.datasets().await;
     let gone = at.catalogue.delete_job("job_a").await.unwrap();
     assert_eq!((gone.jobs, gone.images), (1, 3));
-    let after = at.catalogue.datasets().await.unwrap();
+    let after = at.datasets().await;
     assert_eq!((after[0].jobs, after[0].images), (1, 2));
     assert_eq!(after[0].bytes + gone.bytes, before[0].bytes);
     assert_eq!(at.catalogue.job("job_a").await.unwrap(), None);
@@ -198,7 +198,7 @@ async fn a_dataset_goes_with_all_its_jobs_unless_one_of_them_is_under_way() {
     at.job("job_d", "bay", 1, 1).await;
     sweep_to_the_end(&at).await;
     at.is_sound().await;
-    let left = at.catalogue.datasets().await.unwrap();
+    let left = at.datasets().await;
     let sums: Vec<_> = left
         .iter()
         .map(|row| (row.name.as_str(), row.images, row.jobs))

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use catalogue::{Catalogue, FailureRow, OpenJob};
+use catalogue::{Catalogue, DatasetRow, FailureRow, OpenJob};
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Executor};
 
@@ -38,6 +38,10 @@ impl Fixture {
     pub(crate) async fn open_job(&self, id: &str) -> OpenJob {
         let row = self.catalogue.job(id).await.unwrap().unwrap();
         self.catalogue.open_job(row).await.unwrap()
+    }
+
+    pub(crate) async fn datasets(&self) -> Vec<DatasetRow> {
+        self.catalogue.datasets(1000, None).await.unwrap().items
     }
 
     pub(crate) async fn all_failures(&self, job: &str) -> Vec<FailureRow> {

@@ -29,7 +29,7 @@ async fn rows_of_the_first_version_are_kept_and_found() {
     at.is_sound().await;
     let job = at.catalogue.job("job_old").await.unwrap().unwrap();
     assert_eq!((job.state, job.done, job.priority), (JobState::Running, 3, 0));
-    let dataset = &at.catalogue.datasets().await.unwrap()[0];
+    let dataset = &at.datasets().await[0];
     assert_eq!((dataset.images, dataset.bytes, dataset.jobs), (3, job.bytes, 2));
     assert!(job.bytes > 1_000_000, "filled in by the upgrade");
     let results = at.catalogue.results("job_old", None, 10).await.unwrap();

@@ -20,22 +20,22 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let remote = Remote::new(&arguments.server);
-    let (page, more, what) = match &arguments.dataset {
+    let (rows, more, what) = match &arguments.dataset {
         Some(name) => {
             known::dataset(&remote, name)?;
             let page = remote.get(&format!("/v1/datasets/{}/versions", encode(name)))?;
-            (page, &["created_at", "root"][..], "sealed versions")
+            let rows = items(&page).to_vec();
+            (rows, &["created_at", "root"][..], "sealed versions")
         }
-        None => (remote.get("/v1/datasets")?, &[][..], "datasets"),
+        None => (remote.rows("/v1/datasets", &[], usize::MAX)?, &[][..], "datasets"),
     };
-    let rows = items(&page);
     if arguments.json {
         rows.iter().for_each(|row| println!("{row}"));
         return Ok(());
     }
     println!(
         "{}",
-        table_of(&[&["name", "images", "bytes", "jobs"], more].concat(), rows)
+        table_of(&[&["name", "images", "bytes", "jobs"], more].concat(), &rows)
     );
     println!("{} {what}", rows.len());
     Ok(())

@@ -55,6 +55,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         token: None,
         hosts: Vec::new(),
         style_trial_s: 60,
+        frame_limit_s: 600.0,
+        mix_workers: false,
         stores: Vec::new(),
         engine: EngineArguments {
             engine: None,

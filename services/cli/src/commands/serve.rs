@@ -9,6 +9,7 @@ use anyhow::Context;
 use api::{EngineOptions, ReadBucket, StartError};
 use cli::engine::EngineArguments;
 use cli::exit::Failure;
+use cli::render::seconds;
 use cli::styles::StyleArguments;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
@@ -47,6 +48,12 @@ pub struct Arguments {
     /// Longest time to try a style network that somebody adds
     #[arg(long, env = "FATHOM_STYLE_TRIAL_S", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=3600))]
     pub(crate) style_trial_s: u64,
+    /// Longest time of one frame: a worker process that takes longer is ended, and one that goes on loses its lease
+    #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = seconds)]
+    pub(crate) frame_limit_s: f64,
+    /// Let workers of different versions, CPU features or ONNX Runtimes share a job, whose frames may then differ in their last digits
+    #[arg(long, env = "FATHOM_MIX_WORKERS")]
+    pub(crate) mix_workers: bool,
     /// Folder or s3://BUCKET/PREFIX below which clients may have sets imported; may be given several times. With --engine one:
     /// jobs become sets in it
     #[arg(
@@ -131,6 +138,8 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         library,
         buckets: None,
         style_trial: Duration::from_secs(arguments.style_trial_s),
+        frame_limit: Duration::from_secs_f64(arguments.frame_limit_s),
+        mix_workers: arguments.mix_workers,
     })
 }
 

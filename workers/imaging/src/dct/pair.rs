@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::group::{Group, TILE};
-use crate::vectorized;
+use crate::{cancel, vectorized};
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
@@ -94,6 +94,7 @@ impl PairDct {
             return;
         }
         for (y, row) in self.plane.chunks_exact_mut(self.width).enumerate() {
+            cancel::check();
             fill(y, row);
             self.rows.forward.process_with_scratch(row, &mut self.scratch);
         }

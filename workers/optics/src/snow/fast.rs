@@ -1,6 +1,6 @@
 //! Snow in f32: each particle on the pixels that it changes by more than its share of the tolerance.
 
-use imaging::{Plane, Rgb};
+use imaging::{Plane, Rgb, cancel};
 
 use super::LitFlake;
 use super::flakes::REACH;
@@ -26,6 +26,7 @@ pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, toler
         color,
     } in flakes
     {
+        cancel::check();
         let most = (0..3).fold(0.0f64, |most, i| {
             brightest[i] = brightest[i].max(color[i]);
             most.max(opacity[i] * brightest[i])

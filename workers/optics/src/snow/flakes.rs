@@ -1,5 +1,6 @@
 //! Which particles a camera meets.
 
+use imaging::cancel;
 use imaging::random::Stream;
 use spec::Snow;
 
@@ -134,6 +135,7 @@ impl<'a> Cells<'a> {
         let [low, high] = self.box_of;
         for i in low[0]..=high[0] {
             for j in low[1]..=high[1] {
+                cancel::check();
                 for k in low[2]..=high[2] {
                     if self.in_view([i, j, k]) {
                         self.cell([i, j, k], &mut take);

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use imaging::codec::{self, EncodeError};
-use imaging::{Plane, Raster, Rgb, Rgb8, transfer};
+use imaging::{Plane, Raster, Rgb, Rgb8, cancel, transfer};
 use optics::chain::Layers;
 use serde_json::json;
 use spec::{ArtifactKind, Counts, Encode, FrameRecord, ScenePart};
@@ -38,6 +38,7 @@ pub(crate) fn encode(
 ) -> Result<Vec<File>, RenderError> {
     let mut files = Vec::new();
     for kind in &shot.frame.artifacts {
+        cancel::check();
         if let Some(content) = content_or_warn(shot, pictures, kind, record) {
             let encode = shot.frame.encode;
             let bytes = encode_content(content, encode, &mut record.counts)?;

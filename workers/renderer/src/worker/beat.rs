@@ -1,31 +1,53 @@
-//! One beat for all leases of the worker.
+//! One beat for all leases of the worker. The service holds its response until the next beat is due or a lease is cancelled, so that
+//! what nobody waits for ends at once.
+
+use std::time::{Duration, Instant};
 
 use proto::wire::BeatRequest;
 
 use super::Shared;
 use super::client::ClientError;
 
+/// Shortest time between two beats, however many leases are cancelled one after another.
+const SHORTEST: Duration = Duration::from_millis(100);
+
 /// Beats until the worker is to stop.
 pub(crate) fn run(shared: &Shared) {
     while !shared.stop.is_set() {
-        beat(shared);
-        shared.stop.pause(shared.membership.beat_interval());
+        let begun = Instant::now();
+        let interval = match beat(shared) {
+            Beat::Cancelled => SHORTEST,
+            Beat::Over => shared.membership.beat_interval(),
+        };
+        shared.stop.pause(interval.saturating_sub(begun.elapsed()));
     }
 }
 
-fn beat(shared: &Shared) {
+/// What a beat came to.
+enum Beat {
+    /// Leases are cancelled, and others may follow at once.
+    Cancelled,
+    /// Nothing, or an error.
+    Over,
+}
+
+fn beat(shared: &Shared) -> Beat {
     let (worker_id, tokens) = (shared.membership.worker_id(), shared.held.tokens());
+    let interval = shared.membership.beat_interval();
     let leases = BeatRequest {
         worker_id: worker_id.clone(),
         tokens: tokens.clone(),
+        wait_ms: u32::try_from(interval.as_millis()).unwrap_or(0),
     };
     match shared.client.beat(&leases) {
         Ok(beat) => {
-            if !beat.cancelled.is_empty() || !beat.lost.is_empty() {
+            let is_over = beat.cancelled.is_empty();
+            if !is_over || !beat.lost.is_empty() {
                 tracing::info!(cancelled = ?beat.cancelled, lost = ?beat.lost, "leases have ended");
             }
             shared.held.lose(&beat.cancelled);
             shared.held.lose(&beat.lost);
+            return if is_over { Beat::Over } else { Beat::Cancelled };
         }
         Err(ClientError::UnknownWorker) => {
             // The service has restarted and offers all our frames again.
@@ -36,4 +58,5 @@ fn beat(shared: &Shared) {
         }
         Err(error) => tracing::warn!(%error, "a beat did not arrive"),
     }
+    Beat::Over
 }

@@ -12,7 +12,8 @@ pub(crate) struct Held(Mutex<BTreeMap<u64, Hold>>);
 #[derive(Clone)]
 pub(crate) struct Hold {
     pub(crate) token: u64,
-    lost: Arc<AtomicBool>,
+    /// Ends what is computed for it.
+    pub(crate) lost: Arc<AtomicBool>,
 }
 
 impl Hold {

@@ -3,6 +3,7 @@
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
+use imaging::cancel;
 use proto::wire::{Claim, FrameClaim, Lease, LeaseRequest};
 use spec::Job;
 
@@ -81,12 +82,16 @@ fn work(
             break;
         }
         let begun = Instant::now();
-        shared.running.begin(number, &lease.job_id, frame);
+        shared.running.begin(number, &lease.job_id, frame, &hold);
         let outcome = match &job {
             Ok(job) => render(shared, slot, job, frame, &hold).map_err(Refusal::from),
             Err(refusal) => Err(refusal.clone()),
         };
         shared.running.end(number);
+        if hold.is_lost() {
+            finished = false;
+            break;
+        }
         *frame_ms = mean(*frame_ms, begun.elapsed().as_secs_f64() * 1000.0);
         let claim = Claim {
             token: lease.token,
@@ -117,7 +122,7 @@ fn render(
         Some(id) => SceneSource::Uploaded(shared.scenes.get(shared, hold, id)?),
         None => SceneSource::Local,
     };
-    slot.attempt(&frame, &source)
+    cancel::watched(&hold.lost, || slot.attempt(&frame, &source))
 }
 
 fn mean(running: f64, newest: f64) -> f64 {

@@ -1,21 +1,27 @@
-//! Ends the process when a frame runs without end or eats the machine's memory: nothing inside a process can stop a
-//! thread that computes, and the service knows how to go on after a worker that died.
+//! Ends the process when a frame runs without end or eats the machine's memory, or when one that was cancelled does not look at its
+//! flag: nothing inside a process can stop a thread that computes, and the service knows how to go on after a worker that died.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::Shared;
+use super::held::Hold;
 use super::memory::resident_bytes;
 
 /// How often the frames and the memory are looked at.
 const LOOK: Duration = Duration::from_millis(100);
+/// How long a frame may go on after its lease is lost. Loops look at their flag every few milliseconds; what takes longer runs in
+/// a library that does not.
+const AFTER_LOSS: Duration = Duration::from_secs(8);
 
 /// What a frame may cost before the worker gives itself up.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Longest time of one frame.
     pub frame: Duration,
+    /// How long a frame may go on after its lease is lost.
+    pub lost: Duration,
     /// Most resident memory of the whole worker, bytes.
     pub memory_bytes: u64,
 }
@@ -24,8 +30,19 @@ impl Limits {
     /// No limit: for a worker that shares its process with its supervisor.
     pub const NONE: Self = Self {
         frame: Duration::MAX,
+        lost: Duration::MAX,
         memory_bytes: u64::MAX,
     };
+
+    /// These limits of a frame's time and a worker's memory.
+    #[must_use]
+    pub fn new(frame: Duration, memory_bytes: u64) -> Self {
+        Self {
+            frame,
+            lost: AFTER_LOSS,
+            memory_bytes,
+        }
+    }
 }
 
 /// The frames that are being rendered, by slot.
@@ -37,13 +54,30 @@ struct Frame {
     job: String,
     frame: u64,
     begun: Instant,
+    hold: Hold,
+    /// When the loss of its lease was seen.
+    lost: Option<Instant>,
+}
+
+/// Why the process must end.
+#[derive(Debug, PartialEq)]
+enum Verdict {
+    /// One frame or the memory is to blame.
+    Guilty(String),
+    /// A frame that nobody waits for: the others go back.
+    Idle(String),
 }
 
 impl Running {
-    pub(crate) fn begin(&self, slot: usize, job: &str, frame: u64) {
-        let begun = Instant::now();
-        let job = job.to_owned();
-        self.map().insert(slot, Frame { job, frame, begun });
+    pub(crate) fn begin(&self, slot: usize, job: &str, frame: u64, hold: &Hold) {
+        let frame = Frame {
+            job: job.to_owned(),
+            frame,
+            begun: Instant::now(),
+            hold: hold.clone(),
+            lost: None,
+        };
+        self.map().insert(slot, frame);
     }
 
     pub(crate) fn end(&self, slot: usize) {
@@ -51,29 +85,36 @@ impl Running {
     }
 
     /// Why the process must end, if it must.
-    fn verdict(&self, limits: &Limits, memory_bytes: Option<u64>) -> Option<String> {
-        let running = self.map();
+    fn verdict(&self, limits: &Limits, memory_bytes: Option<u64>) -> Option<Verdict> {
+        let mut running = self.map();
+        for frame in running.values_mut().filter(|frame| frame.hold.is_lost()) {
+            let lost = frame.lost.get_or_insert_with(Instant::now);
+            if lost.elapsed() > limits.lost {
+                let Frame { job, frame, .. } = frame;
+                let message = format!("frame {frame} of {job} goes on although nobody waits for it");
+                return Some(Verdict::Idle(message));
+            }
+        }
         if let Some(late) = running
             .values()
             .find(|frame| frame.begun.elapsed() > limits.frame)
         {
             let Frame { job, frame, .. } = late;
             let limit = limits.frame.as_secs_f64();
-            return Some(format!(
-                "frame {frame} of {job} took more than {limit} s (--frame-limit-s)"
-            ));
+            let message = format!("frame {frame} of {job} took more than {limit} s (--frame-limit-s)");
+            return Some(Verdict::Guilty(message));
         }
         let memory = memory_bytes.filter(|&bytes| bytes > limits.memory_bytes)?;
         let frames: Vec<String> = running
             .values()
             .map(|f| format!("{} of {}", f.frame, f.job))
             .collect();
-        Some(format!(
+        Some(Verdict::Guilty(format!(
             "the worker takes {} MiB and may take {} (--memory-limit-mib) while it renders frames: {}",
             memory >> 20,
             limits.memory_bytes >> 20,
             frames.join(", ")
-        ))
+        )))
     }
 
     fn map(&self) -> MutexGuard<'_, BTreeMap<usize, Frame>> {
@@ -84,9 +125,22 @@ impl Running {
 /// Watches until the worker is to stop.
 pub(crate) fn run(shared: &Shared) {
     while !shared.stop.is_set() {
-        if let Some(verdict) = shared.running.verdict(&shared.limits, resident_bytes()) {
-            tracing::error!("{verdict}; the worker ends itself");
-            std::process::abort();
+        match shared.running.verdict(&shared.limits, resident_bytes()) {
+            None => {}
+            Some(Verdict::Guilty(message)) => {
+                tracing::error!("{message}; the worker ends itself");
+                std::process::abort();
+            }
+            Some(Verdict::Idle(message)) => {
+                tracing::warn!("{message}; the worker ends itself");
+                for token in shared.held.tokens() {
+                    // What does not arrive runs out with the worker.
+                    let _ = shared
+                        .client
+                        .release(token, "the worker ends itself for another frame");
+                }
+                std::process::abort();
+            }
         }
         shared.stop.pause(LOOK);
     }
@@ -95,29 +149,48 @@ pub(crate) fn run(shared: &Shared) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::worker::held::Held;
 
     #[test]
     fn what_is_within_its_limits_goes_on_and_what_is_not_is_named() {
         let running = Running::default();
-        let limits = Limits {
-            frame: Duration::from_millis(5),
-            memory_bytes: 100 << 20,
+        let hold = Held::default().take(1);
+        let limits = Limits::new(Duration::from_millis(5), 100 << 20);
+        let guilty = |verdict| match verdict {
+            Some(Verdict::Guilty(message)) => message,
+            other => panic!("{other:?}"),
         };
         assert_eq!(running.verdict(&limits, Some(100 << 20)), None);
-        running.begin(0, "job_a", 7);
+        running.begin(0, "job_a", 7, &hold);
         assert_eq!(running.verdict(&limits, None), None);
-        let greedy = running.verdict(&limits, Some(101 << 20)).unwrap();
+        let greedy = guilty(running.verdict(&limits, Some(101 << 20)));
         assert!(
             greedy.contains("101 MiB") && greedy.contains("7 of job_a"),
             "{greedy}"
         );
         std::thread::sleep(Duration::from_millis(10));
-        let late = running.verdict(&limits, None).unwrap();
+        let late = guilty(running.verdict(&limits, None));
         assert!(
             late.contains("frame 7 of job_a") && late.contains("0.005 s"),
             "{late}"
         );
         running.end(0);
         assert_eq!(running.verdict(&limits, None), None);
+    }
+
+    #[test]
+    fn a_frame_that_nobody_waits_for_may_go_on_for_a_while() {
+        let running = Running::default();
+        let hold = Held::default().take(1);
+        let limits = Limits {
+            lost: Duration::from_millis(5),
+            ..Limits::NONE
+        };
+        running.begin(0, "job_a", 7, &hold);
+        hold.lose();
+        assert_eq!(running.verdict(&limits, None), None);
+        std::thread::sleep(Duration::from_millis(10));
+        let verdict = running.verdict(&limits, None);
+        assert!(matches!(verdict, Some(Verdict::Idle(message)) if message.contains("frame 7 of job_a")));
     }
 }

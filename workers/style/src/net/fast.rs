@@ -7,7 +7,7 @@ mod multiply;
 mod packed;
 mod planes;
 
-use imaging::{Plane, Rgb};
+use imaging::{Plane, Rgb, cancel};
 use pulp::{Simd, WithSimd};
 
 use across::{Widened, place};
@@ -109,6 +109,7 @@ impl WithSimd for Run<'_> {
         }
         let (mut copied, mut made) = (0, 0);
         for y in 0..height {
+            cancel::check();
             while made < (y + 2).min(height) {
                 while copied < (made + 2).min(height) {
                     for (channel, plane) in encoded.planes().iter().enumerate() {

@@ -1,17 +1,33 @@
 //! `GET /v1/datasets`; `GET` and `DELETE /v1/datasets/{name}`.
 
 use catalogue::{Catalogue, ColumnInfo, DatasetRow, Deleted, Page};
-use serde::Serialize;
-use utoipa::ToSchema;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
 
-use crate::http::{Json, Path, Problem, State, Topic, found};
+use crate::http::{Json, Path, Problem, Query, State, Topic, bounds, found};
 use crate::jobs::Jobs;
 
-/// List datasets by name, all on one page.
-#[utoipa::path(get, path = "/v1/datasets", tag = "datasets", operation_id = "list_datasets",
-    responses((status = 200, description = "All datasets.", body = Page<DatasetRow>)))]
-pub(crate) async fn list(State(catalogue): Topic<Catalogue>) -> Result<Json<Page<DatasetRow>>, Problem> {
-    Ok(Json(Page::whole(catalogue.datasets().await?)))
+/// Which page.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct Parameters {
+    /// Rows of the page, 1..=1000.
+    #[param(default = 100, minimum = 1, maximum = 1000)]
+    limit: Option<u32>,
+    /// `next_cursor` of the page before.
+    cursor: Option<String>,
+}
+
+/// List datasets by name.
+#[utoipa::path(get, path = "/v1/datasets", tag = "datasets", operation_id = "list_datasets", params(Parameters),
+    responses((status = 200, description = "A page of datasets.", body = Page<DatasetRow>)))]
+pub(crate) async fn list(
+    State(catalogue): Topic<Catalogue>,
+    Query(asked): Query<Parameters>,
+) -> Result<Json<Page<DatasetRow>>, Problem> {
+    let limit = bounds::rows(asked.limit)?;
+    Ok(Json(catalogue.datasets(limit, asked.cursor).await?))
 }
 
 /// A dataset with its columns.

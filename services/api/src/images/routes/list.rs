@@ -22,7 +22,7 @@ pub(crate) struct Parameters {
     /// A column of those lists; with `-` before it the largest comes first.
     #[param(example = "-uiqm")]
     order_by: Option<String>,
-    /// Rows of the page, 1..=1000.
+    /// Rows of the page, 1..=1000; a page of large rows ends before 8 MiB.
     #[param(default = 100, minimum = 1, maximum = 1000)]
     limit: Option<u32>,
     /// `next_cursor` of the page before; the other parameters must be the same.

@@ -11,6 +11,7 @@ use crate::http::{Problem, Protobuf, Slug, State, Topic};
 use crate::leases::Leases;
 use crate::leases::checks::{Evidence, check_file};
 use crate::leases::puts::Put;
+use crate::leases::table::{Making, Stale};
 use crate::processes::compute::to_the_end;
 use crate::telemetry;
 
@@ -22,7 +23,7 @@ pub(crate) async fn artifacts(
     let claim = request.claim.unwrap_or_default();
     let current = leases.dispatch.table(|table, _| table.check(&claim));
     current.map_err(|_| stale_lease(&claim))?;
-    leases.bytes.space.room().await?;
+    leases.room(&claim).await?;
     let frame = leases.frame(&claim).await?;
     let faults = request.artifacts.iter().flat_map(|file| check_file(&frame, file));
     let faults: Vec<String> = faults.collect();
@@ -57,9 +58,13 @@ pub(crate) async fn commit(
     let current = leases.dispatch.table(|table, _| table.check(&claim));
     current.map_err(|_| stale_lease(&claim))?;
     leases.examine(&claim, &record).await?;
-    let begun = leases
-        .dispatch
-        .table(|table, now| table.begin_commit(&claim, now));
+    let begun = leases.dispatch.free(|table, now| {
+        if table.made_with(&claim.job_id, &Making::of(&record.provenance)) {
+            return table.begin_commit(&claim, now);
+        }
+        // Another worker came first with other versions: nobody is to blame, and the frame is rendered again.
+        table.refuse(&claim).and(Err(Stale))
+    });
     begun.map_err(|_| stale_lease(&claim))?;
     faults::point("commit.begun");
     // From here on the frame is pinned: the task unpins it even if the worker hangs up.
@@ -96,6 +101,15 @@ fn put(file: &Artifact) -> Put {
 }
 
 impl Leases {
+    /// Fails on a full disk, for which no worker is to blame.
+    async fn room(&self, claim: &Claim) -> Result<(), Problem> {
+        let room = self.bytes.space.room().await;
+        if room.is_err() {
+            self.dispatch.table(|table, now| table.excuse(claim.token, now));
+        }
+        room
+    }
+
     /// The frame of a claim as its description resolves it.
     async fn frame(&self, claim: &Claim) -> Result<Frame, Problem> {
         let job = self.descriptions.get(&self.catalogue, &claim.job_id).await?;
@@ -146,7 +160,7 @@ impl Leases {
     }
 
     async fn insert(&self, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
-        self.bytes.space.room().await?;
+        self.room(claim).await?;
         let _turn = self.bytes.naming.beside_others().await;
         for ArtifactEntry { kind, digest, .. } in &record.artifacts {
             if !self.bytes.store.contains(digest).await? {

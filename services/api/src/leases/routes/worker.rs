@@ -2,20 +2,24 @@
 
 use std::time::Duration;
 
+use axum::Extension;
 use catalogue::Page;
 use proto::wire::{
     BeatRequest, BeatResponse, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ReleaseRequest,
 };
 
+use crate::http::auth::Caller;
 use crate::http::{Json, Problem, Protobuf, Slug, State, Topic};
 use crate::leases::dispatch::Unknown;
 use crate::leases::table::TERM_MS;
 use crate::leases::{Leases, Worker};
 use crate::limits;
+use crate::processes::fleet::OWN_WORKER;
 
 /// Registers a worker. It registers again whenever a response is `unknown-worker`.
 pub(crate) async fn register(
     State(leases): Topic<Leases>,
+    Extension(caller): Extension<Caller>,
     Protobuf(about): Protobuf<RegisterRequest>,
 ) -> Result<Protobuf<RegisterResponse>, Problem> {
     let RegisterRequest {
@@ -25,8 +29,12 @@ pub(crate) async fn register(
         ..
     } = &about;
     tracing::info!(worker = name, slots, version = code_version, "worker registered");
+    if !caller.is_own_worker && is_own_name(name) {
+        let detail = format!("`{name}` is a name of the service's own workers; choose another");
+        return Err(Problem::new(Slug::Forbidden, detail));
+    }
     let detail = format!("worker `{name}` was dismissed: what it said of frames could not be true");
-    let worker_id = leases.dispatch.register(about);
+    let worker_id = leases.dispatch.register(about, caller.is_own_worker);
     Ok(Protobuf(RegisterResponse {
         worker_id: worker_id.ok_or_else(|| Problem::new(Slug::Forbidden, detail))?,
         lease_term_ms: TERM_MS,
@@ -54,13 +62,24 @@ pub(crate) async fn lease(
     Ok(Protobuf(LeaseResponse { lease }))
 }
 
-/// Prolongs the worker's leases; names those that were cancelled or lost. Touches no database.
+/// Prolongs the worker's leases; names those that were cancelled or lost, and waits for one if the worker wants it. Touches no
+/// database.
 pub(crate) async fn beat(
     State(leases): Topic<Leases>,
     Protobuf(beat): Protobuf<BeatRequest>,
 ) -> Result<Protobuf<BeatResponse>, Problem> {
-    let beat = leases.dispatch.beat(&beat.worker_id, &beat.tokens);
-    beat.map(Protobuf).map_err(unknown_worker)
+    let wait = Duration::from_millis(beat.wait_ms.into()).min(limits::MAX_WAIT);
+    let told = tokio::select! {
+        told = leases.dispatch.beat(&beat.worker_id, &beat.tokens, wait) => told,
+        () = leases.stop.cancelled() => Ok(BeatResponse::default()),
+    };
+    told.map(Protobuf).map_err(unknown_worker)
+}
+
+/// `local-1`, `local-2`, …
+fn is_own_name(name: &str) -> bool {
+    let number = name.strip_prefix(OWN_WORKER);
+    number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
 /// Takes a lease back. No attempt is burned; a stale token changes nothing.

@@ -32,11 +32,13 @@ impl LeaseTable {
     /// [`Stale`], also when the lease has run out by `now` or the frame is being written already.
     pub fn begin_commit(&mut self, claim: &Claim, now: Millis) -> Result<(), Stale> {
         self.check(claim)?;
-        let lease = self.leases.get(claim.token);
+        let lease = self.leases.get_mut(claim.token);
         let frame = frame_of(claim);
-        if lease.is_none_or(|lease| lease.ends <= now) || self.pinned.contains_key(&frame) {
+        let lease = lease.filter(|lease| lease.ends > now).ok_or(Stale)?;
+        if self.pinned.contains_key(&frame) {
             return Err(Stale);
         }
+        lease.since = now;
         self.pinned.insert(frame, claim.token);
         Ok(())
     }
@@ -97,6 +99,7 @@ impl LeaseTable {
             return Err(Stale);
         }
         let (job, frame) = (&claim.job_id, claim.frame);
+        self.excuse(claim.token, now);
         self.leases.take_out(claim.token, frame);
         let entry = self.jobs.get_mut(job).ok_or(Stale)?;
         let Struck { strikes, again } = entry.strike(frame, retryable, now);

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use super::types::{JobEntry, Millis};
+use super::types::{JobEntry, Making, Millis};
 
 /// A frame that kills its worker or fails this often is quarantined.
 const STRIKES: u32 = 3;
@@ -16,8 +16,12 @@ pub(crate) struct Job {
     pub(crate) held_back: bool,
     /// When it was served last, counted in grants: the longest waiting goes first.
     pub(crate) served: u64,
+    /// What its images are made with; none before the first.
+    pub(crate) made: Option<Making>,
     frames: u64,
     finished: u64,
+    /// Whether any frame has an image.
+    has_images: bool,
     leased: u64,
     cursor: u64,
     /// Ranges ahead of the cursor that it must not offer: start → end.
@@ -45,8 +49,10 @@ impl Job {
             priority: entry.priority,
             held_back: entry.paused,
             served: 0,
+            made: entry.made.clone(),
             frames: entry.frames,
             finished: 0,
+            has_images: !entry.done.is_empty(),
             leased: 0,
             cursor: 0,
             skipped: BTreeMap::new(),
@@ -93,6 +99,11 @@ impl Job {
     /// Frames that are held.
     pub(crate) fn leased(&self) -> u64 {
         self.leased
+    }
+
+    /// Whether no frame has its image.
+    pub(crate) fn is_untouched(&self) -> bool {
+        !self.has_images
     }
 
     pub(crate) fn finished(&self) -> bool {
@@ -162,6 +173,7 @@ impl Job {
     pub(crate) fn complete(&mut self, frame: u64) {
         self.leased -= 1;
         self.finished += 1;
+        self.has_images = true;
         self.strikes.remove(&frame);
     }
 

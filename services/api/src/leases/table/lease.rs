@@ -15,6 +15,10 @@ pub(crate) struct Lease {
     pub(crate) apart: bool,
     /// Whether its job was cancelled; the lease stays until its worker has been notified.
     pub(crate) cancelled: bool,
+    /// Whether its worker has been notified.
+    pub(crate) told: bool,
+    /// When it was given, or a frame of it came last.
+    pub(crate) since: Millis,
     pub(crate) ends: Millis,
 }
 

@@ -14,6 +14,7 @@
 mod claims;
 mod job;
 mod lease;
+mod making;
 mod suspects;
 mod types;
 
@@ -26,7 +27,7 @@ use proto::wire::{BeatResponse, RegisterRequest};
 use self::job::{Job, Struck};
 use self::lease::{Lease, Leases};
 use self::suspects::{Suspect, Suspects};
-pub use self::types::{Grant, JobEntry, Millis, Stale, StrikeEvent, Totals};
+pub use self::types::{Grant, JobEntry, Making, Millis, Rules, Stale, StrikeEvent, Totals};
 
 /// How long a lease lasts without a beat: three of them may be missed.
 pub const TERM_MS: u32 = 15_000;
@@ -49,6 +50,7 @@ pub struct LeaseTable {
     pub(crate) pinned: HashMap<(String, u64), u64>,
     workers: BTreeMap<String, Worker>,
     grants: u64,
+    rules: Rules,
 }
 
 struct Worker {
@@ -61,6 +63,15 @@ impl LeaseTable {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// An empty table with rules of its own.
+    #[must_use]
+    pub fn with_rules(rules: Rules) -> Self {
+        Self {
+            rules,
+            ..Self::default()
+        }
     }
 
     /// Offers a job's open frames.
@@ -129,7 +140,11 @@ impl LeaseTable {
         if self.leases.of_worker(worker).any(|lease| lease.apart) || self.leases.contains(token) {
             return None;
         }
-        let offered = |job: &str| self.jobs.get(job).is_some_and(|job| !job.held_back);
+        let about = &self.workers.get(worker)?.about;
+        let offered = |job: &str| {
+            let job = self.jobs.get(job);
+            job.is_some_and(|job| !job.held_back && self.rules.fits(job, about))
+        };
         if let Some(suspect) = self.suspects.due(now, offered) {
             if self.leases.of_worker(worker).next().is_none() {
                 return self.grant_suspect(worker, now, token, &suspect);
@@ -144,8 +159,12 @@ impl LeaseTable {
             .values()
             .filter(|worker| worker.seen.plus(TERM_MS.into()) > now);
         let slots: u64 = alive.map(|worker| u64::from(worker.about.slots)).sum();
+        let about = &self.workers.get(worker)?.about;
         let found = self.line.iter().find_map(|(_, _, id)| {
             let job = self.jobs.get_mut(id)?;
+            if !self.rules.fits(job, about) {
+                return None;
+            }
             // What is left is shared among all slots.
             let most = most.min(job.queued().div_ceil(slots.max(1))).max(1);
             Some((id.clone(), job.take(most, now)?))
@@ -184,6 +203,8 @@ impl LeaseTable {
             frames,
             apart,
             cancelled: false,
+            told: false,
+            since: now,
             ends: now.plus(TERM_MS.into()),
         };
         self.leases.insert(token, lease);
@@ -194,7 +215,7 @@ impl LeaseTable {
         }
     }
 
-    /// Prolongs a worker's leases.
+    /// Prolongs a worker's leases, and names those that are cancelled or lost.
     pub fn beat(&mut self, worker: &str, tokens: &[u64], now: Millis) -> BeatResponse {
         self.saw(worker, now);
         let mut beat = BeatResponse::default();
@@ -202,13 +223,36 @@ impl LeaseTable {
             match self.leases.get_mut(token).filter(|lease| lease.worker == worker) {
                 None => beat.lost.push(token),
                 Some(lease) if lease.cancelled => {
+                    lease.told = true;
                     beat.cancelled.push(token);
                     self.leases.remove_if_empty(token);
                 }
-                Some(_) => self.leases.prolong(token, now.plus(TERM_MS.into())),
+                Some(lease) => {
+                    let last = lease.since.plus(self.rules.frame_limit_ms);
+                    self.leases.prolong(token, last.min(now.plus(TERM_MS.into())));
+                }
             }
         }
+        // Granted while the worker's last beat was on its way.
+        for token in self.cancelled_of(worker) {
+            if let Some(lease) = self.leases.get_mut(token) {
+                lease.told = true;
+            }
+            beat.cancelled.push(token);
+            self.leases.remove_if_empty(token);
+        }
         beat
+    }
+
+    /// The cancelled leases of a worker that it was not told of yet.
+    #[must_use]
+    pub fn cancelled_of(&self, worker: &str) -> Vec<u64> {
+        let tokens = self.leases.tokens_of(worker).into_iter();
+        let is_news = |token: &u64| {
+            let lease = self.leases.get(*token);
+            lease.is_some_and(|lease| lease.cancelled && !lease.told)
+        };
+        tokens.filter(is_news).collect()
     }
 
     /// Takes the open frames of a lease back; no attempt is burned.
@@ -238,6 +282,22 @@ impl LeaseTable {
             worker.seen.plus(FORGET_AFTER_MS) > now || leases.of_worker(id).next().is_some()
         });
         events
+    }
+
+    /// Workers that hold a lease whose frame has taken longer than any may: [`LeaseTable::expire`] would take it back.
+    #[must_use]
+    pub fn stalled(&self, now: Millis) -> BTreeSet<String> {
+        let ended = self.leases.ended(now).into_iter();
+        let leases = ended.filter_map(|token| self.leases.get(token));
+        let stalled = leases.filter(|lease| self.rules.is_stalled(lease, now));
+        stalled.map(|lease| lease.worker.clone()).collect()
+    }
+
+    /// A frame has come that the service cannot take for now: its worker is not to blame.
+    pub fn excuse(&mut self, token: u64, now: Millis) {
+        if let Some(lease) = self.leases.get_mut(token) {
+            lease.since = now;
+        }
     }
 
     /// Takes back all leases of a worker whose process has ended.
@@ -297,7 +357,9 @@ impl LeaseTable {
         let name = known.map_or(worker, |known| &known.about.name).to_owned();
         let mut events = Vec::new();
         for &token in tokens {
-            let several = self.leases.get(token).is_some_and(|lease| lease.several);
+            let lease = self.leases.get(token);
+            let several = lease.is_some_and(|lease| lease.several);
+            let is_stalled = lease.is_some_and(|lease| self.rules.is_stalled(lease, now));
             for (job, frame) in self.drop_open(token) {
                 let Some(entry) = self.jobs.get_mut(&job) else {
                     continue;
@@ -314,7 +376,15 @@ impl LeaseTable {
                     if let Some(from) = again {
                         self.suspects.add(from, job.clone(), frame);
                     }
-                    let error = format!("worker `{name}` was lost while it rendered this frame and no other");
+                    let error = match is_stalled {
+                        true => format!(
+                            "worker `{name}` held this frame for {} s without an image",
+                            self.rules.frame_limit_ms / 1000
+                        ),
+                        false => {
+                            format!("worker `{name}` was lost while it rendered this frame and no other")
+                        }
+                    };
                     events.push(event(&job, frame, strikes, error, again.is_none()));
                     self.forget_finished(&job);
                 }

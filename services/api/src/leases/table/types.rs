@@ -15,6 +15,35 @@ impl Millis {
     }
 }
 
+/// What holds for all jobs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rules {
+    /// How long a worker may hold a frame: longer than it may take to render and to hand in.
+    pub frame_limit_ms: u64,
+    /// Whether frames of one job may be made with different programs and machines.
+    pub mixed: bool,
+}
+
+impl Default for Rules {
+    fn default() -> Self {
+        Self {
+            frame_limit_ms: u64::MAX,
+            mixed: false,
+        }
+    }
+}
+
+/// What a frame is made with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Making {
+    /// Version of the code.
+    pub code_version: String,
+    /// CPU features that choose its code paths.
+    pub cpu_features: String,
+    /// Version of the ONNX Runtime that was used.
+    pub onnx_runtime: Option<String>,
+}
+
 /// A job as the table takes it up, fresh or after a restart.
 #[derive(Debug, Clone, Default)]
 pub struct JobEntry {
@@ -32,6 +61,8 @@ pub struct JobEntry {
     pub strikes: BTreeMap<u64, u32>,
     /// Whether to hold its frames back.
     pub paused: bool,
+    /// What its images were made with; none before the first.
+    pub made: Option<Making>,
 }
 
 /// Frames given to a worker.

@@ -16,7 +16,8 @@ pub(crate) async fn livez() -> &'static str {
     "ok\n"
 }
 
-/// Whether requests can be answered: the catalogue is readable, there is space, and the service is not stopping.
+/// Whether requests can be answered: the catalogue is readable, there is space, the service is not stopping, and none of its own
+/// workers was dismissed.
 ///
 /// A full disk is looked at again each time: as soon as there is space the answer is 200.
 #[utoipa::path(get, path = "/readyz", tag = "operations", operation_id = "get_readiness", security(()),
@@ -29,6 +30,14 @@ pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<&'sta
     if operations.bytes.space.is_full().await {
         let detail = "there is no space left for the data directory; reading goes on";
         return Err(Problem::new(Slug::StorageFull, detail));
+    }
+    let dismissed = operations.leases.dispatch.dismissed_own();
+    if !dismissed.is_empty() {
+        let detail = format!(
+            "dismissed for frames that could not be true: {}; have this machine's memory tested, then start the service again",
+            dismissed.join(", ")
+        );
+        return Err(Problem::overloaded(detail));
     }
     operations
         .catalogue

@@ -122,6 +122,7 @@ impl Service {
                 .map(|(frame, &strikes)| (frame.1, strikes))
                 .collect(),
             paused: self.paused.contains(id),
+            made: None,
         });
     }
 

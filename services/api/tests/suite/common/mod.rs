@@ -146,6 +146,8 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         engine: None,
         buckets: None,
         style_trial: Duration::from_secs(10),
+        frame_limit: Duration::from_secs(600),
+        mix_workers: false,
     }
 }
 

@@ -68,6 +68,7 @@ impl Fake {
         let leases = BeatRequest {
             worker_id: self.id.clone(),
             tokens: tokens.to_vec(),
+            wait_ms: 0,
         };
         self.client.beat(&leases).unwrap()
     }

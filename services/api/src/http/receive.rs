@@ -1,0 +1,179 @@
+//! Bodies are received before a request takes a place: a client that sends slowly holds a connection and the bytes that it has sent,
+//! and nothing that others wait for.
+
+use std::time::Duration;
+
+use axum::body::{Body, Bytes};
+use axum::extract::{Request, State};
+use axum::http::header;
+use axum::middleware::Next;
+use axum::response::Response;
+use futures::{StreamExt, stream};
+use hyper::body::Body as _;
+use tokio::time::{Instant, timeout_at};
+
+use crate::http::budget::{Budget, Place, caller_of};
+use crate::http::problem::{Problem, Slug};
+use crate::limits::BODY_BYTES_PER_S;
+
+/// Bytes of a place in the budget of bodies.
+pub(crate) const PLACE_BYTES: usize = 1 << 10;
+
+/// How bodies of a group are received.
+#[derive(Clone)]
+pub(crate) struct Receiving {
+    pub(crate) most_bytes: usize,
+    /// How long a body may take beside what its bytes allow.
+    pub(crate) grace: Duration,
+    /// KiB of bodies in memory.
+    pub(crate) memory: Budget,
+}
+
+/// Receives the body of a request and passes it on whole. Its bytes count until there is a response.
+pub(crate) async fn receive(
+    State(receiving): State<Receiving>,
+    request: Request,
+    next: Next,
+) -> Result<Response, Problem> {
+    if receiving.most_bytes == 0 || request.body().is_end_stream() {
+        return Ok(next.run(request).await);
+    }
+    let length = request.headers().get(header::CONTENT_LENGTH);
+    let length = length.and_then(|length| length.to_str().ok()?.parse().ok());
+    if length.is_some_and(|bytes: u64| bytes > receiving.most_bytes as u64) {
+        return Err(receiving.too_large());
+    }
+    let caller = caller_of(&request);
+    let (parts, body) = request.into_parts();
+    let Received { pieces, _memory } = receiving.whole(body, &caller).await?;
+    let pieces = pieces.into_iter().map(Ok::<_, std::convert::Infallible>);
+    let body = Body::from_stream(stream::iter(pieces));
+    Ok(next.run(Request::from_parts(parts, body)).await)
+}
+
+/// A body in memory.
+struct Received {
+    pieces: Vec<Bytes>,
+    _memory: Vec<Place>,
+}
+
+impl Receiving {
+    async fn whole(&self, body: Body, caller: &str) -> Result<Received, Problem> {
+        let begun = Instant::now();
+        let mut coming = body.into_data_stream();
+        let (mut bytes, mut places) = (0, 0);
+        let mut received = Received {
+            pieces: Vec::new(),
+            _memory: Vec::new(),
+        };
+        loop {
+            // Each byte prolongs the time by what it may take.
+            let allowed = self.grace + Duration::from_secs_f64(bytes as f64 / BODY_BYTES_PER_S);
+            let Ok(piece) = timeout_at(begun + allowed, coming.next()).await else {
+                return Err(self.too_slow(bytes, begun));
+            };
+            let Some(piece) = piece else { return Ok(received) };
+            let piece = piece.map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
+            bytes += piece.len();
+            if bytes > self.most_bytes {
+                return Err(self.too_large());
+            }
+            let more = bytes.div_ceil(PLACE_BYTES) - places;
+            if more > 0 {
+                let count = u32::try_from(more).map_err(|_| self.too_large())?;
+                received._memory.push(self.memory.take_many(caller, count).await?);
+                places += more;
+            }
+            received.pieces.push(piece);
+        }
+    }
+
+    fn too_large(&self) -> Problem {
+        let detail = format!(
+            "the body is larger than the {} bytes that this route takes",
+            self.most_bytes
+        );
+        Problem::new(Slug::TooLarge, detail)
+    }
+
+    fn too_slow(&self, bytes: usize, begun: Instant) -> Problem {
+        let seconds = begun.elapsed().as_secs_f64();
+        let detail = format!(
+            "{bytes} bytes of the body came in {seconds:.1} s; after {} s it must have come with {BODY_BYTES_PER_S} bytes a second",
+            self.grace.as_secs_f64()
+        );
+        Problem::new(Slug::RequestTimeout, detail)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::http::budget::Share;
+
+    const GRACE: Duration = Duration::from_secs(10);
+
+    fn receiving(most_bytes: usize, memory_kib: usize) -> Receiving {
+        Receiving {
+            most_bytes,
+            grace: GRACE,
+            memory: Budget::new("bodies", memory_kib, Share { percent: 100 }, Duration::ZERO),
+        }
+    }
+
+    /// A body whose pieces come one by one, each after a pause.
+    fn dripping(pieces: usize, bytes: usize, pause: Duration) -> Body {
+        let pieces = stream::iter(0..pieces).then(move |_| async move {
+            tokio::time::sleep(pause).await;
+            Ok::<_, std::convert::Infallible>(Bytes::from(vec![7; bytes]))
+        });
+        Body::from_stream(pieces)
+    }
+
+    async fn bytes(receiving: &Receiving, body: Body) -> Result<usize, Problem> {
+        let received = receiving.whole(body, "a").await?;
+        Ok(received.pieces.iter().map(Bytes::len).sum())
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_slow_body_is_cut_and_a_steady_one_is_not() {
+        let receiving = receiving(1 << 20, 1 << 20);
+        let second = Duration::from_secs(1);
+        let steady = bytes(&receiving, dripping(60, 1100, second)).await;
+        assert_eq!(steady.ok(), Some(66_000));
+        let begun = Instant::now();
+        let slow = bytes(&receiving, dripping(600, 100, second)).await;
+        assert!(slow.is_err_and(|problem| problem.is(Slug::RequestTimeout)));
+        let after = begun.elapsed();
+        assert!(after > GRACE && after < GRACE + 3 * second, "{after:?}");
+        let stalled = bytes(
+            &receiving,
+            Body::from_stream(stream::pending::<Result<Bytes, std::io::Error>>()),
+        );
+        assert!(
+            stalled
+                .await
+                .is_err_and(|problem| problem.is(Slug::RequestTimeout))
+        );
+    }
+
+    #[tokio::test]
+    async fn bodies_are_bounded_one_by_one_and_together() {
+        let receiving = receiving(5000, 6);
+        let body = |bytes: usize| Body::from(vec![0; bytes]);
+        assert_eq!(bytes(&receiving, body(5000)).await.ok(), Some(5000));
+        assert!(
+            bytes(&receiving, body(5001))
+                .await
+                .is_err_and(|problem| problem.is(Slug::TooLarge))
+        );
+        let held = receiving.whole(body(3000), "a").await.ok();
+        assert!(
+            bytes(&receiving, body(4000))
+                .await
+                .is_err_and(|problem| problem.is(Slug::Overloaded))
+        );
+        drop(held);
+        assert_eq!(bytes(&receiving, body(4000)).await.ok(), Some(4000));
+    }
+}

@@ -1,0 +1,98 @@
+//! Computations that nobody waits for any more end early.
+//!
+//! A frame may take minutes. Whoever computes one for somebody else does so under a flag ([`watched`]); the loops of this
+//! crate and of those above it look at it every few milliseconds ([`check`]) and, once it is set, unwind with [`Cancelled`] up to
+//! whoever catches panics. No value depends on the flag: a computation that ends has computed what it would have without.
+
+use std::cell::RefCell;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a cancelled computation unwinds with. No panic hook hears of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cancelled;
+
+thread_local! {
+    static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
+}
+
+/// Puts the flag of whoever computed before back.
+struct Restored(Option<Arc<AtomicBool>>);
+
+impl Drop for Restored {
+    fn drop(&mut self) {
+        FLAG.set(self.0.take());
+    }
+}
+
+/// Computes on this thread until the flag is set.
+///
+/// # Panics
+/// Unwinds with [`Cancelled`] once a loop has seen the flag.
+pub fn watched<T>(flag: &Arc<AtomicBool>, compute: impl FnOnce() -> T) -> T {
+    let _restored = Restored(FLAG.replace(Some(Arc::clone(flag))));
+    compute()
+}
+
+/// Computes to the end whatever the flag says: for values that all frames share, which must not be left half done.
+pub fn unwatched<T>(compute: impl FnOnce() -> T) -> T {
+    let _restored = Restored(FLAG.replace(None));
+    compute()
+}
+
+/// Ends a computation that is cancelled. A nanosecond otherwise: for each row, not for each pixel.
+///
+/// # Panics
+/// Unwinds with [`Cancelled`].
+#[inline]
+pub fn check() {
+    let is_set = |flag: &Arc<AtomicBool>| flag.load(Ordering::Relaxed);
+    if FLAG.with_borrow(|flag| flag.as_ref().is_some_and(is_set)) {
+        end();
+    }
+}
+
+#[cold]
+fn end() -> ! {
+    resume_unwind(Box::new(Cancelled))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    use super::*;
+    use crate::{Plane, Rgb};
+
+    fn outcome<T>(flag: &Arc<AtomicBool>, compute: impl FnOnce() -> T) -> Option<T> {
+        let caught = catch_unwind(AssertUnwindSafe(|| watched(flag, compute)));
+        caught.map_err(|payload| assert!(payload.is::<Cancelled>())).ok()
+    }
+
+    #[test]
+    fn loops_end_at_the_next_row_once_the_flag_is_set() {
+        let flag = Arc::new(AtomicBool::new(false));
+        let set = || flag.store(true, Ordering::Relaxed);
+        let mut seen = 0;
+        let cancelled = outcome(&flag, || {
+            Plane::from_fn(10, 100, |x, y| {
+                if (x, y) == (9, 3) {
+                    set();
+                }
+                seen += 1;
+            })
+        });
+        assert_eq!((cancelled, seen), (None, 40));
+        assert!(outcome(&flag, || Rgb::from_fn(2, 2, |_, _| [0u8; 3])).is_none());
+        assert!(outcome(&flag, || crate::vectorized!(1 + 1)).is_none());
+        assert_eq!(
+            outcome(&flag, || unwatched(|| crate::vectorized!(1 + 1))),
+            Some(2)
+        );
+        // The thread is free for the next one.
+        check();
+        flag.store(false, Ordering::Relaxed);
+        assert_eq!(outcome(&flag, || crate::vectorized!(1 + 1)), Some(2));
+    }
+}
