@@ -10,9 +10,9 @@ const SOON: Duration = Duration::from_secs(5);
 /// The same where the process must be ended and started again.
 const ENDED: Duration = Duration::from_secs(15);
 
-fn small() -> Value {
+fn small(seed: u64) -> Value {
     json!({
-        "dataset": "small", "count": 1,
+        "dataset": "small", "count": 1, "seed": seed,
         "scene": {"kind": "procedural", "family": "structure", "seed": 1},
         "camera": {"width": 32, "height": 20, "hfov_deg": 80}
     })
@@ -32,7 +32,7 @@ fn long() -> Vec<(&'static str, Value)> {
         job
     };
     let lamp = json!({"kind": "point", "position_m": [0.3, 0, 0], "intensity": [1, 1, 1]});
-    let lamps = vec![lamp; 4];
+    let lamps = vec![lamp; 16];
     vec![
         ("scene", frame((8000, 8000), json!({}))),
         (
@@ -46,14 +46,14 @@ fn long() -> Vec<(&'static str, Value)> {
             "reference water",
             frame(
                 (256, 200),
-                json!({"fidelity": "reference", "water": {"optics": "jerlov-3C"}}),
+                json!({"fidelity": {"variant": "reference"}, "water": {"optics": "jerlov-3C"}}),
             ),
         ),
         (
             "reference lamps",
             frame(
-                (2000, 2000),
-                json!({"fidelity": "reference", "water": {"optics": "jerlov-3C", "scatter": {"model": "none"}}, "lights": lamps}),
+                (256, 250),
+                json!({"fidelity": {"variant": "reference"}, "water": {"optics": "jerlov-3C"}, "lights": lamps}),
             ),
         ),
         (
@@ -67,7 +67,7 @@ fn long() -> Vec<(&'static str, Value)> {
 }
 
 /// Cancels or deletes a job whose first frame is being rendered; returns how long the slot then needs for a small frame.
-fn freed_after(service: &Service, job: &Value, end: impl Fn(&str)) -> Duration {
+fn freed_after(service: &Service, job: &Value, seed: u64, end: impl Fn(&str)) -> Duration {
     let id = service.submit(job);
     let begun = Instant::now();
     let is_leased = || service.get("/v1/workers").1["items"][0]["leased_frames"].as_u64() > Some(0);
@@ -83,7 +83,7 @@ fn freed_after(service: &Service, job: &Value, end: impl Fn(&str)) -> Duration {
     assert!(is_leased(), "the frame was too quick to be cancelled: {job}");
     let ended = Instant::now();
     end(&id);
-    let small = service.submit(&small());
+    let small = service.submit(&small(seed));
     assert_eq!(service.finished(&small)["state"], "done");
     ended.elapsed()
 }
@@ -93,12 +93,14 @@ fn freed_after(service: &Service, job: &Value, end: impl Fn(&str)) -> Duration {
 fn a_cancelled_or_deleted_jobs_frame_ends_at_once() {
     let data = tempfile::tempdir().expect("a temporary folder");
     let service = Service::start(data.path(), &["--workers", "1", "--slots", "1"]);
-    let first = service.submit(&small());
-    let digest = service.finished(&first)["digest"].clone();
+    let first = service.submit(&small(1));
+    let picture = |id: &str| service.get_bytes(&format!("/v1/images/{id}/0/artifacts/rgb"));
+    assert_eq!(service.finished(&first)["state"], "done");
+    let expected = picture(&first);
     let cancel = |id: &str| assert_eq!(service.post(&format!("/v1/jobs/{id}/cancel"), &json!({})).0, 200);
     let delete = |id: &str| assert_eq!(service.delete(&format!("/v1/jobs/{id}")).0, 200);
-    for (stage, job) in long() {
-        let after = freed_after(&service, &job, cancel);
+    for ((stage, job), seed) in long().into_iter().zip(2..) {
+        let after = freed_after(&service, &job, seed, cancel);
         println!(
             "{stage}: the slot was free and the next frame done {:.2} s after the cancel",
             after.as_secs_f64()
@@ -106,13 +108,14 @@ fn a_cancelled_or_deleted_jobs_frame_ends_at_once() {
         assert!(after < SOON, "{stage}: {after:?}");
     }
     let (stage, job) = &long()[2];
-    let after = freed_after(&service, job, delete);
+    let after = freed_after(&service, job, 100, delete);
     println!("{stage}: {:.2} s after the deletion", after.as_secs_f64());
     assert!(after < SOON, "{stage}: {after:?}");
-    let mut again = small();
+    let mut again = small(1);
     again["dataset"] = json!("again");
     let again = service.submit(&again);
-    assert_eq!(service.finished(&again)["digest"], digest);
+    assert_eq!(service.finished(&again)["state"], "done");
+    assert_eq!((expected.0, picture(&again)), (200, expected));
 }
 
 /// Failure: a frame that never looks at its flag keeps its slot for more than 10 s, or a neighbor is given a strike.
@@ -121,9 +124,9 @@ fn a_frame_that_does_not_look_is_ended_with_its_process() {
     let data = tempfile::tempdir().expect("a temporary folder");
     let faults = [("FATHOM_FAULTS", "frame=hang#1")];
     let service = Service::start_with(data.path(), &["--workers", "1", "--slots", "1"], &faults);
-    let mut job = small();
+    let mut job = small(1);
     job["count"] = json!(2);
-    let after = freed_after(&service, &job, |id| {
+    let after = freed_after(&service, &job, 2, |id| {
         assert_eq!(service.post(&format!("/v1/jobs/{id}/cancel"), &json!({})).0, 200);
     });
     println!(

@@ -39,12 +39,14 @@ pub(crate) async fn receive(
         return Ok(next.run(request).await);
     }
     let length = request.headers().get(header::CONTENT_LENGTH);
-    let length = length.and_then(|length| length.to_str().ok()?.parse().ok());
-    if length.is_some_and(|bytes: u64| bytes > receiving.most_bytes as u64) {
-        return Err(receiving.too_large());
-    }
+    let length = length.and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
+    let is_beyond = length.is_some_and(|bytes| bytes > receiving.most_bytes as u64);
     let caller = caller_of(&request);
     let (parts, body) = request.into_parts();
+    if is_beyond {
+        // A client that is still sending hears of it; nothing is kept.
+        return Err(receiving.discarded(body).await);
+    }
     let Received { pieces, _memory } = receiving.whole(body, &caller).await?;
     let pieces = pieces.into_iter().map(Ok::<_, std::convert::Infallible>);
     let body = Body::from_stream(stream::iter(pieces));
@@ -86,6 +88,18 @@ impl Receiving {
             }
             received.pieces.push(piece);
         }
+    }
+
+    /// Reads as much of a body as the route would take.
+    async fn discarded(&self, body: Body) -> Problem {
+        let (begun, mut coming, mut bytes) = (Instant::now(), body.into_data_stream(), 0);
+        while let Ok(Some(Ok(piece))) = timeout_at(begun + self.grace, coming.next()).await {
+            bytes += piece.len();
+            if bytes > self.most_bytes {
+                break;
+            }
+        }
+        self.too_large()
     }
 
     fn too_large(&self) -> Problem {
