@@ -1,4 +1,4 @@
-//! The commands of the `fathom` binary.
+//! The commands of the `fathom` and `fathom-cluster` binaries.
 
 use std::ffi::OsString;
 
@@ -9,4 +9,11 @@ use pyo3::prelude::*;
 pub(crate) fn run(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     let program = OsString::from("fathom");
     py.detach(|| cli::run(std::iter::once(program).chain(arguments)))
+}
+
+/// Runs a command as `fathom-cluster` would and returns its exit status.
+#[pyfunction]
+pub(crate) fn run_cluster(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    let program = OsString::from("fathom-cluster");
+    py.detach(|| cluster::run(std::iter::once(program).chain(arguments)))
 }

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import fathom
 from conftest import BINARY
 
 
@@ -16,6 +17,20 @@ def test_the_module_runs_the_commands_of_the_binary() -> None:
     assert (ours.returncode, ours.stdout) == (theirs.returncode, theirs.stdout)
     assert "muddy" in ours.stdout
     assert _run("--version").stdout == subprocess.run([BINARY, "--version"], capture_output=True, text=True).stdout
+
+
+def test_sets_need_no_other_program(job: fathom.Job, tmp_path: Path) -> None:
+    (tmp_path / "job.json").write_text(job.canonical)
+    place = (tmp_path / "set").as_uri()
+    made = _run("render", str(tmp_path / "job.json"), "--out", place, "--frames-per-shard", "4", "--slots", "1")
+    assert made.returncode == 0, made.stderr
+    assert "2 shards with 8 frames" in made.stdout
+    state = _run("status", place, "--json")
+    assert state.returncode == 0, state.stderr
+    assert _run("verify", place, "--render", "1").returncode == 0
+    refused = _run("render", str(tmp_path / "job.json"), "--out", place, "--frames-per-shard", "5")
+    assert refused.returncode == 2
+    assert "4 frames per shard, not 5" in refused.stderr
 
 
 def test_the_exit_status_is_that_of_the_binary(tmp_path: Path) -> None:

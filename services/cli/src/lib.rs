@@ -29,6 +29,7 @@ pub mod styles;
 pub mod table;
 pub mod worker;
 
+pub use commands::cluster::program as cluster_program;
 pub use commands::{export, scrub, serve};
 
 use std::ffi::OsString;
@@ -47,13 +48,24 @@ struct Arguments {
 
 /// Runs a command as a shell would, from the program's name on, and returns its exit status.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let words: Vec<OsString> = arguments.into_iter().collect();
+    run_words(command(), arguments, |arguments: Arguments| {
+        arguments.command.run()
+    })
+}
+
+/// Runs a command of this program or of `fathom-cluster`.
+pub fn run_words<A: FromArgMatches>(
+    command: clap::Command,
+    words: impl IntoIterator<Item = OsString>,
+    run: impl FnOnce(A) -> Result<(), Failure>,
+) -> u8 {
+    let words: Vec<OsString> = words.into_iter().collect();
     commands::cluster::note(&words);
-    let matches = command().try_get_matches_from(words);
-    match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
+    let matches = command.try_get_matches_from(words);
+    match matches.and_then(|matches| A::from_arg_matches(&matches)) {
         Ok(arguments) => {
             let ready = faults::check().map_err(Failure::BadInput);
-            exit::end("fathom", ready.and_then(|()| arguments.command.run()))
+            exit::end("fathom", ready.and_then(|()| run(arguments)))
         }
         Err(error) => {
             // Nobody is left to be told when even this cannot be printed.

@@ -37,7 +37,7 @@ pub(crate) fn hand_over() -> Result<(), Failure> {
 }
 
 /// The file of `fathom-cluster`: beside this program; else, for one that runs inside of another, that of the PATH.
-pub(super) fn program() -> Result<PathBuf, Failure> {
+pub fn program() -> Result<PathBuf, Failure> {
     let own = own_program()?;
     let path = std::env::var_os("PATH").unwrap_or_default();
     let on_path = std::env::split_paths(&path).map(|folder| folder.join(CLUSTER_PROGRAM));

@@ -4,7 +4,6 @@ use std::ffi::OsString;
 use std::hash::{BuildHasher, RandomState};
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::render::{Arguments, LimitArguments, SetArguments};
@@ -95,7 +94,7 @@ pub(super) fn recipe(
     slots: usize,
     limits: &LimitArguments,
 ) -> Result<Recipe, Failure> {
-    let program = std::env::current_exe().context("this program does not know its own file")?;
+    let program = cli::cluster_program()?;
     let mut arguments: Vec<OsString> = vec!["frames".into()];
     for (option, value) in [("--styles", &style.styles), ("--onnxruntime", &style.onnxruntime)] {
         if let Some(value) = value {
