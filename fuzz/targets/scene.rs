@@ -13,6 +13,7 @@ fuzz_target!(|parts: (Vec<u8>, Vec<u8>, Option<f64>, Option<u16>, bool)| {
         range: Some(RangeFile { file: range, kind, unit_m, invalid_code }),
         intrinsics: None,
         classes: None,
+        world_from_camera: None,
         instances: None,
     };
     if let Ok(scene) = uploaded::decode(&upload) {

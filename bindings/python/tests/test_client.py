@@ -62,6 +62,24 @@ def test_rows_become_tables(client: fathom.Client, submitted: Any) -> None:
     assert rows.to_arrow().num_rows == 8
 
 
+def test_statistics_stand_side_by_side(client: fathom.Client, submitted: Any) -> None:
+    job = description(dataset="beside", count=4, seed=8)
+    client.submit(job).wait()
+    whole = client.stats("python", "beside", metrics=["uiqm"])
+    assert [(row["dataset"], row["metric"], row["count"]) for row in whole] == [
+        ("python", "uiqm", 8),
+        ("beside", "uiqm", 4),
+    ]
+    values = [row["uiqm"] for row in client.images(dataset="beside", fields=["uiqm"])]
+    assert whole[1]["mean"] == pytest.approx(np.mean(values))
+    bins = client.stats("python", metrics=["uiqm", "uciqe"], by=["water.optics", "water.range_scale:0.25"])
+    assert {row["water.optics"] for row in bins} == {"jerlov-1C/williamson2022"}
+    assert sum(row["count"] for row in bins if row["metric"] == "uiqm") == 8
+    assert all((row["water.range_scale"] / 0.25).is_integer() for row in bins)
+    with pytest.raises(fathom.Problem, match="nothing"):
+        client.stats("python", by=["nothing"])
+
+
 def test_frames_come_in_order_and_in_parallel(client: fathom.Client, submitted: Any) -> None:
     rows = client.images(dataset="python", order_by="frame")
     frames = list(client.frames(rows, ["rgb"], parallel=3))

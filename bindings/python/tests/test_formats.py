@@ -6,7 +6,6 @@ import asyncio
 import hashlib
 import json
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -430,7 +429,7 @@ def test_cards_name_terms_units_and_classes(export: Export, format: str, no_torc
     assert found == 6
 
 
-def test_clients_export(formats: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_clients_export(formats: str, tmp_path: Path) -> None:
     with fathom.Client(formats, token="secret") as client:
         out = client.export("labeled", tmp_path / "out", format="webdataset", kinds=["rgb"], filter="frame < 3")
         assert len(fathom.open(out)) == 3
@@ -443,9 +442,89 @@ def test_clients_export(formats: str, tmp_path: Path, monkeypatch: pytest.Monkey
         with pytest.raises(fathom.CommandError, match="no dataset `nothing`") as caught:
             client.export("nothing", tmp_path / "none")
         assert caught.value.status == 2
-        # What holds Parquet is made by the program for sets, of the PATH.
-        assert shutil.which(BINARY)
-        folder = str(Path(shutil.which(BINARY) or "").resolve().parent)
-        monkeypatch.setenv("PATH", folder + os.pathsep + os.environ["PATH"])
+        # What holds Parquet is made by the program for sets, which the wheel carries.
         parts = client.export("labeled", tmp_path / "hf", format="hf", split={"train": 0.5, "test": 0.5})
         assert (parts / "train" / "metadata.parquet").is_file()
+
+
+def test_a_sealed_version_is_exported_as_it_was_sealed(formats: str, tmp_path: Path) -> None:
+    job = description(dataset="sealed", count=2, artifacts=["rgb", "instances", "boxes"])
+    with fathom.Client(formats, token="secret") as client:
+        client.submit(job).wait()
+        version = client.seal("sealed")
+        assert (version["name"], version["images"], len(version["root"])) == ("sealed@1", 2, 64)
+        client.submit(job | {"seed": 8}).wait()
+        for format in ("folder", "webdataset", "parquet", "hf", "coco"):
+            out = client.export("sealed@1", tmp_path / format, format=format)
+            check_sums(out)
+            assert len((out / "metadata.jsonl").read_text().splitlines() if format != "hf" else [0, 0]) == 2
+        assert len(fathom.open(client.export("sealed", tmp_path / "all"))) == 4
+        assert len(fathom.open(client.dataset("sealed@1"))) == 2
+
+
+def test_poses_of_uploads_come_back_in_models(formats: str, tmp_path: Path) -> None:
+    shots = tmp_path / "shots"
+    shots.mkdir()
+    frames = []
+    for number in range(3):
+        codes = np.full((12, 16, 3), 60 + 20 * number, np.uint8)
+        (shots / f"{number}.png").write_bytes(fathom._native.encode_png(codes))
+        matrix = [[1, 0, 0, float(number)], [0, 0, -1, 2.5], [0, 1, 0, -1], [0, 0, 0, 1]]
+        frames.append({"file_path": f"images/{number}.png", "transform_matrix": matrix})
+    (shots / "transforms.json").write_text(json.dumps({"frames": frames[:2]}))
+    # What lies beside the picture in its own file: axes right, down, ahead.
+    own: list[list[float]] = [[1, 0, 0, 2], [0, 0, 1, 2.5], [0, -1, 0, -1], [0, 0, 0, 1]]
+    (shots / "2.pose.json").write_text(json.dumps({"world_from_camera": own}))
+    upload = [BINARY, "upload", str(shots), "--pose", str(shots / "transforms.json"), "--collection", "way"]
+    environment = os.environ | {"FATHOM_TOKEN": "secret"}
+    options = ["--hfov-deg", "70", "--server", formats]
+    ended = subprocess.run([*upload, *options], env=environment, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
+    assert "3 of 3 pictures have a pose" in ended.stderr
+    with fathom.Client(formats, token="secret") as client:
+        job = {"dataset": "way", "count": 2, "scene": {"kind": "collection", "name": "way"}, "artifacts": ["rgb"]}
+        made = client.submit(job | {"metrics": []}).wait()
+        assert made.state["done"] == 6, made.state
+        record = client.frame(made.id, 2).record
+        assert record["scene"]["world_from_camera"] == own
+        out = client.export("way", tmp_path / "out", format="transforms")
+        for sequence in (f"{made.id}-0", f"{made.id}-1"):
+            model = json.loads((out / sequence / "transforms.json").read_text())
+            matrices = [frame["transform_matrix"] for frame in model["frames"]]
+            assert matrices[:2] == [frame["transform_matrix"] for frame in frames[:2]]
+            assert matrices[2][0] == [1, 0, 0, 2]
+            assert model["frames"][0]["w"] == 16
+            assert all((out / sequence / frame["file_path"]).is_file() for frame in model["frames"])
+        flat = client.upload(np.full((12, 16, 3), 8, np.uint8), hfov_deg=70)
+        client.submit({"dataset": "flat", "scene": {"kind": "uploaded", "id": flat}, "metrics": []}).wait()
+        with pytest.raises(fathom.CommandError, match=f"which the scenes `{flat}` came without"):
+            client.export("flat", tmp_path / "flat", format="colmap")
+        assert not (tmp_path / "flat").exists()
+        # In Python the matrix is an array.
+        picture = np.full((12, 16, 3), 9, np.uint8)
+        scene = client.upload(picture, hfov_deg=70, pose=np.array(own))
+        assert client.upload(picture, hfov_deg=70, pose=own) == scene != client.upload(picture, hfov_deg=70)
+        with pytest.raises(fathom.Problem, match="right-handed"):
+            client.upload(picture, pose=np.diag([-1.0, 1.0, 1.0, 1.0]))
+        with pytest.raises(ValueError, match=r"shape \(3, 4\)"):
+            client.upload(picture, pose=np.eye(4)[:3])
+
+
+def test_png_files_say_their_unit_where_a_job_asks_for_it(formats: str, tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    kinds = ["rgb", "range", "instances"]
+    with fathom.Client(formats, token="secret") as client:
+        plain = client.submit(description(dataset="silent", count=1, artifacts=kinds)).wait()
+        telling = client.submit(description(dataset="telling", count=1, artifacts=kinds, png_text=True)).wait()
+        out = client.export("telling", tmp_path / "out", kinds=kinds)
+        with image.open(next(out.rglob("range.png"))) as file:
+            assert file.text["Unit"] == "mm"
+            assert "0 = hole" in file.text["Description"]
+        with image.open(next(out.rglob("instances.png"))) as file:
+            assert "Unit" not in file.text
+            assert file.text["Software"] == "Fathom"
+        with image.open(next(client.export("silent", tmp_path / "silent", kinds=kinds).rglob("range.png"))) as file:
+            assert not file.text
+        for kind in kinds:
+            pixels = [client.frame(job.id, 0, [kind])[kind] for job in (plain, telling)]
+            np.testing.assert_array_equal(pixels[0], pixels[1])

@@ -91,6 +91,7 @@ impl Mixture {
                 }),
                 instances: None,
                 classes: None,
+                world_from_camera: None,
                 intrinsics: Some(camera),
             },
             water,

@@ -146,6 +146,7 @@ fn own(picture: &Path, range: &Path) -> Result<ChartScene, Failure> {
         }),
         intrinsics: None,
         classes: None,
+        world_from_camera: None,
         instances: None,
     };
     let bad = |message: String| Failure::BadInput(format!("{}: {message}", picture.display()));

@@ -5,7 +5,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 11] = [
+const FILES: [(&str, &str); 12] = [
     (
         "catalogue",
         include_str!("../../../migrations/0001_catalogue.sql"),
@@ -26,6 +26,7 @@ const FILES: [(&str, &str); 11] = [
         include_str!("../../../migrations/0010_descriptions.sql"),
     ),
     ("versions", include_str!("../../../migrations/0011_versions.sql")),
+    ("poses", include_str!("../../../migrations/0012_poses.sql")),
 ];
 
 /// The migrator that brings any older catalogue up to date.

@@ -13,7 +13,7 @@ use crate::values::Cells;
 macro_rules! columns {
     () => {
         "id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code, instances_digest, width, height,
-         focal_px, cx, cy, created_ms, classes"
+         focal_px, cx, cy, created_ms, classes, world_from_camera"
     };
 }
 
@@ -110,7 +110,7 @@ async fn insert(
     let stored = sqlx::query(concat!(
         "INSERT INTO scenes (",
         columns!(),
-        ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING RETURNING ",
+        ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING RETURNING ",
         columns!(),
     ))
     .bind(&scene.id)
@@ -128,6 +128,7 @@ async fn insert(
     .bind(camera.map(|camera| camera.cy))
     .bind(scene.created_at.0 as i64)
     .bind(files.classes.as_ref().map(serde_json::to_string).transpose()?)
+    .bind(files.world_from_camera.as_ref().map(serde_json::to_string).transpose()?)
     .fetch_optional(&mut *connection)
     .await?;
     if let Some(stored) = stored {
@@ -190,10 +191,8 @@ fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {
         _ => None,
     };
     let created_at = cells.time()?;
-    let classes = cells
-        .take::<Option<&str>>()?
-        .map(serde_json::from_str)
-        .transpose();
+    let classes = cells.json()?;
+    let world_from_camera = cells.json()?;
     Ok(SceneRow {
         id,
         content_digest,
@@ -207,7 +206,8 @@ fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {
             }),
             instances,
             intrinsics,
-            classes: classes.map_err(|error| sqlx::Error::Decode(error.into()))?,
+            classes,
+            world_from_camera,
         },
         width,
         height,

@@ -1,5 +1,6 @@
 //! Values on their way into statements and out of rows.
 
+use serde::de::DeserializeOwned;
 use sqlx::query::Query;
 use sqlx::sqlite::{Sqlite, SqliteArguments, SqliteRow};
 use sqlx::{Decode, Error, Row, Type};
@@ -42,6 +43,13 @@ impl<'r> Cells<'r> {
 
     pub(crate) fn time(&mut self) -> Result<UnixMs, Error> {
         self.count().map(UnixMs)
+    }
+
+    /// A value that is stored as JSON.
+    pub(crate) fn json<T: DeserializeOwned>(&mut self) -> Result<Option<T>, Error> {
+        let text = self.take::<Option<&str>>()?;
+        let value = text.map(serde_json::from_str).transpose();
+        value.map_err(|error| Error::Decode(error.into()))
     }
 
     pub(crate) fn optional_time(&mut self) -> Result<Option<UnixMs>, Error> {

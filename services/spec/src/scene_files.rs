@@ -20,6 +20,9 @@ pub struct SceneFiles<T> {
     /// What the objects of the instance mask are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub classes: Option<Classes>,
+    /// Where the camera was: rows of the matrix from camera axes (right, down, ahead, 1) to the world, meters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world_from_camera: Option<[[f64; 4]; 4]>,
 }
 
 /// A map of distances: 8- or 16-bit gray PNG, NPY float16, float32, float64, uint8 or uint16, or the channel Z of an EXR file.
@@ -88,6 +91,7 @@ impl<T> SceneFiles<T> {
             instances: self.instances.as_ref().map(change).transpose()?,
             intrinsics: self.intrinsics,
             classes: self.classes.clone(),
+            world_from_camera: self.world_from_camera,
         })
     }
 

@@ -50,6 +50,9 @@ pub enum SceneError {
         /// What is allowed.
         limit: &'static str,
     },
+    /// A matrix that is no pose.
+    #[error("`pose`: {0}")]
+    Pose(&'static str),
     /// A camera inside a solid or too close to one.
     #[error(
         "`path`: frame {frame} is {distance_m:.3} m from a surface but must be at least {} m away",
@@ -89,6 +92,7 @@ impl SceneError {
             Self::UnknownFamily { .. } => "family",
             Self::Radiance { .. } => "rgb",
             Self::Blocked { .. } => "path",
+            Self::Pose(_) => "pose",
             Self::File { field, .. }
             | Self::Objects { field, .. }
             | Self::Size { field, .. }

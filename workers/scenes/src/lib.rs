@@ -9,7 +9,7 @@ mod families;
 pub mod labels;
 mod path;
 mod pipeline;
-mod pose;
+pub mod pose;
 mod shaft;
 mod site;
 mod structure;

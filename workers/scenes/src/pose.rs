@@ -1,6 +1,13 @@
 //! Position and orientation of a camera in the world of a scene.
 
 use imaging::vector::{DVec3, vec3};
+use serde_json::Value;
+use spec::{FieldError, Invalid};
+
+/// How far the axes of an uploaded pose may be from orthonormal: files round them to three decimals at worst.
+pub const ORTHONORMAL_TOLERANCE: f64 = 2e-3;
+/// Farthest place of an uploaded camera along an axis, in meters: the size of the Earth, in which frames of geodesy count.
+pub const MAX_POSITION_M: f64 = 1e7;
 
 /// Position and axes of a camera in the world: meters, z up, the ground at z = 0.
 ///
@@ -42,6 +49,48 @@ impl CameraPose {
         }
     }
 
+    /// The pose of a matrix from camera coordinates to the world's, by rows. Axes within [`ORTHONORMAL_TOLERANCE`] of an
+    /// orthonormal right-handed system are made one: the optical axis keeps its direction, then the picture's rows.
+    ///
+    /// # Errors
+    /// What is wrong with the matrix.
+    pub fn from_matrix(matrix: &[[f64; 4]; 4]) -> Result<Self, &'static str> {
+        let column = |at: usize| -> DVec3 { [0, 1, 2].map(|row: usize| matrix[row][at]).into() };
+        let (right, down, ahead, position_m) = (column(0), column(1), column(2), column(3));
+        if matrix.as_flattened().iter().any(|value| !value.is_finite()) {
+            return Err("all numbers must be finite");
+        }
+        if matrix[3] != [0.0, 0.0, 0.0, 1.0] {
+            return Err("the last row must be [0, 0, 0, 1]");
+        }
+        if [position_m.x, position_m.y, position_m.z]
+            .into_iter()
+            .any(|place| place.abs() > MAX_POSITION_M)
+        {
+            return Err("the camera must be within 1e7 m of the origin");
+        }
+        let products = [right.dot(down), down.dot(ahead), ahead.dot(right)];
+        let lengths = [right, down, ahead].map(|axis| axis.dot(axis) - 1.0);
+        if products
+            .into_iter()
+            .chain(lengths)
+            .any(|off| off.abs() > ORTHONORMAL_TOLERANCE)
+        {
+            return Err("the first three columns must have length 1 and stand at right angles");
+        }
+        if right.cross(down).dot(ahead) < 0.0 {
+            return Err("the axes right, down, ahead must be right-handed");
+        }
+        let ahead = ahead.normalized();
+        let right = (right - ahead * right.dot(ahead)).normalized();
+        Ok(Self {
+            position_m,
+            right,
+            down: ahead.cross(right),
+            ahead,
+        })
+    }
+
     /// The 4x4 matrix, by rows, from camera coordinates to the world's.
     #[must_use]
     pub fn world_from_camera(&self) -> [[f64; 4]; 4] {
@@ -60,9 +109,78 @@ impl CameraPose {
     }
 }
 
+/// Reads the pose of an uploaded scene: `{"world_from_camera": [[…], …]}`, the matrix by rows, or the matrix alone.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn read(text: &[u8]) -> Result<[[f64; 4]; 4], Invalid> {
+    let refused = |message: &str| Invalid(vec![FieldError::new("", message)]);
+    let shape =
+        "a pose must be {\"world_from_camera\": [[…], […], […], [0, 0, 0, 1]]}, four rows of four numbers";
+    let mut value = spec::read_json(text)?;
+    if let Value::Object(map) = &mut value {
+        value = match (map.len(), map.remove("world_from_camera")) {
+            (1, Some(matrix)) => matrix,
+            _ => return Err(refused(shape)),
+        };
+    }
+    let matrix: [[f64; 4]; 4] = serde_json::from_value(value).map_err(|_| refused(shape))?;
+    CameraPose::from_matrix(&matrix).map_err(refused)?;
+    Ok(matrix)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const LEVEL: &str = "[[1, 0, 0, 7], [0, 0, 1, 8], [0, -1, 0, 9], [0, 0, 0, 1]]";
+
+    #[test]
+    fn a_pose_is_a_matrix_with_or_without_its_name() {
+        let named = format!("{{\"world_from_camera\": {LEVEL}}}");
+        let matrix = read(LEVEL.as_bytes()).unwrap();
+        assert_eq!(read(named.as_bytes()).unwrap(), matrix);
+        assert_eq!(
+            CameraPose::from_matrix(&matrix).unwrap().world_from_camera(),
+            matrix
+        );
+    }
+
+    #[test]
+    fn a_pose_that_is_none_is_refused_with_the_reason() {
+        let wrong = |text: &str| read(text.as_bytes()).unwrap_err().to_string();
+        for (change, reason) in [
+            (("[1, 0, 0, 7]", "[-1, 0, 0, 7]"), "right-handed"),
+            (("[1, 0, 0, 7]", "[2, 0, 0, 7]"), "length 1"),
+            (("[1, 0, 0, 7]", "[1, 0, 0.1, 7]"), "right angles"),
+            (("[1, 0, 0, 7]", "[1, 0, 0, 1e8]"), "1e7 m"),
+            (("[0, 0, 0, 1]", "[0, 0, 0, 2]"), "last row"),
+            (("[0, 0, 0, 1]", "[0, 0, 1]"), "four rows of four numbers"),
+        ] {
+            let message = wrong(&LEVEL.replace(change.0, change.1));
+            assert!(message.contains(reason), "{message}");
+        }
+        for text in ["{}", "{\"pose\": []}", "7", "null", "[[\"a\"]]"] {
+            assert!(wrong(text).contains("world_from_camera"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_rounded_pose_becomes_orthonormal() {
+        let mut matrix =
+            CameraPose::looking(vec3(1.0, -2.0, 3.0), vec3(4.0, 0.0, 2.0), -0.4).world_from_camera();
+        for value in matrix.as_flattened_mut() {
+            *value = (*value * 1e3).round() / 1e3;
+        }
+        let pose = CameraPose::from_matrix(&matrix).unwrap();
+        for (a, b) in [
+            (pose.right, pose.down),
+            (pose.down, pose.ahead),
+            (pose.ahead, pose.right),
+        ] {
+            assert!(a.dot(b).abs() < 1e-12 && (a.length() - 1.0).abs() < 1e-12);
+        }
+    }
 
     #[test]
     fn axes_are_orthonormal_and_right_handed_even_straight_down() {

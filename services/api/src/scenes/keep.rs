@@ -110,7 +110,7 @@ fn camera(form: &SceneForm) -> Result<Option<Intrinsics>, Problem> {
     Ok(form.camera(width, height))
 }
 
-/// SHA-256 over everything that a render of the scene depends on. Without classes it is what it was before there were any.
+/// SHA-256 over everything that a render of the scene depends on. Without classes and a pose it is what it was before there were any.
 fn content_digest(files: &SceneFiles<String>) -> String {
     let (range, camera) = (files.range.as_ref(), files.intrinsics.as_ref());
     let mut content = serde_json::json!([
@@ -124,8 +124,10 @@ fn content_digest(files: &SceneFiles<String>) -> String {
         camera.map(|camera| camera.cx),
         camera.map(|camera| camera.cy),
     ]);
-    if let (Some(classes), Some(content)) = (&files.classes, content.as_array_mut()) {
-        content.push(serde_json::json!(classes));
+    if let Some(content) = content.as_array_mut() {
+        content.extend(files.classes.iter().map(|classes| serde_json::json!(classes)));
+        let pose = files.world_from_camera.iter();
+        content.extend(pose.map(|pose| serde_json::json!({"world_from_camera": pose})));
     }
     spec::sha256(format!("fathom-scene-v1{content}"))
 }

@@ -8,12 +8,13 @@ use spec::{Classes, RangeFile, RangeKind, SceneFiles};
 use crate::http::form::{Form, Kind};
 use crate::http::problem::Problem;
 
-const FIELDS: [(&str, Kind); 14] = [
+const FIELDS: [(&str, Kind); 15] = [
     ("rgb", Kind::File),
     ("range", Kind::File),
     ("z_depth", Kind::File),
     ("instances", Kind::File),
     ("classes", Kind::File),
+    ("pose", Kind::File),
     ("unit_m", Kind::Text),
     ("invalid_code", Kind::Text),
     ("fx", Kind::Text),
@@ -35,6 +36,7 @@ pub(super) struct SceneForm {
     z_depth: Option<Bytes>,
     instances: Option<Bytes>,
     classes: Option<Classes>,
+    pose: Option<[[f64; 4]; 4]>,
     unit_m: Option<f64>,
     invalid_code: Option<u16>,
     focal_px: Option<f64>,
@@ -62,6 +64,8 @@ impl SceneForm {
         let classes = form.get("classes").map(|text| scenes::classes::read(text));
         let classes =
             classes.and_then(|read| read.map_err(|wrong| form.refuse_inside("classes", wrong)).ok());
+        let pose = form.get("pose").map(|text| scenes::pose::read(text));
+        let pose = pose.and_then(|read| read.map_err(|wrong| form.refuse_inside("pose", wrong)).ok());
         let collection = form.texts("collection").next();
         if let Some(name) = collection.as_deref().filter(|name| !spec::is_collection(name)) {
             let limit = spec::schema::Names::Collection.describe();
@@ -86,6 +90,7 @@ impl SceneForm {
             z_depth: form.get("z_depth").cloned(),
             instances: form.get("instances").cloned(),
             classes,
+            pose,
             unit_m: form.number("unit_m", "a number above 0", above_0),
             invalid_code: form.number("invalid_code", "a whole number in 0..=65535", |_| true),
             focal_px: focal_px.or(fx),
@@ -147,6 +152,7 @@ impl SceneForm {
             instances: self.instances,
             intrinsics: camera,
             classes: self.classes,
+            world_from_camera: self.pose,
         }
     }
 }

@@ -32,6 +32,9 @@ pub(crate) struct SceneView {
     /// number in the mask.
     #[schema(value_type = Option<Object>)]
     classes: Option<Classes>,
+    /// Where the camera was: the rows of the matrix from camera axes (right, down, ahead) to the world, in meters.
+    #[schema(value_type = Option<Vec<Vec<f64>>>)]
+    world_from_camera: Option<[[f64; 4]; 4]>,
     /// Focal length in pixels.
     focal_px: Option<f64>,
     /// Column of the principal point in pixels.
@@ -51,6 +54,7 @@ impl From<SceneRow> for SceneView {
             instances,
             intrinsics,
             classes,
+            world_from_camera,
         } = row.files;
         Self {
             id: row.id,
@@ -63,6 +67,7 @@ impl From<SceneRow> for SceneView {
             range_digest: range.map(|range| range.file),
             instances_digest: instances,
             classes,
+            world_from_camera,
             focal_px: intrinsics.map(|camera| camera.focal_px),
             cx: intrinsics.map(|camera| camera.cx),
             cy: intrinsics.map(|camera| camera.cy),

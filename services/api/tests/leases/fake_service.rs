@@ -98,6 +98,7 @@ impl FakeService {
             instances: None,
             intrinsics: None,
             classes: None,
+            world_from_camera: None,
         });
         state.blobs.extend([(digest(&rgb), rgb), (digest(&range), range)]);
     }

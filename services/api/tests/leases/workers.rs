@@ -119,6 +119,7 @@ fn expected(job: &Job) -> BTreeMap<u64, String> {
         range,
         intrinsics: None,
         classes: None,
+        world_from_camera: None,
         instances: None,
     }));
     let engine = Arc::new(Engine::new(library(), Some(Path::new(NO_RUNTIME))));

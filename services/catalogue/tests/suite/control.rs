@@ -193,6 +193,12 @@ async fn a_change_returns_its_row_without_a_read() {
                     category_id: 2,
                 }],
             }),
+            world_from_camera: Some([
+                [1.0, 0.0, 0.0, 7.5],
+                [0.0, 0.0, 1.0, 0.1],
+                [0.0, -1.0, 0.0, 0.0],
+                [0.0, 0.0, 0.0, 1.0],
+            ]),
         },
         width: 4,
         height: 3,

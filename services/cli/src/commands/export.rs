@@ -28,6 +28,7 @@ mod order;
 mod origins;
 mod parquet;
 mod part;
+mod posed;
 mod poses;
 mod rle;
 mod selection;

@@ -1,5 +1,7 @@
 //! `fathom upload`: pictures of the user's own with their range, as scenes of the service.
 
+mod poses;
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +17,7 @@ use ureq::unversioned::multipart::{Form, Part};
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The picture (PNG, JPEG, WebP; NPY or EXR with linear radiance), or a folder of pictures: NAME.png with NAME.range.png or
-    /// NAME.z_depth.npy, NAME.instances.png and NAME.classes.json beside it
+    /// NAME.z_depth.npy, NAME.instances.png, NAME.classes.json and NAME.pose.json beside it
     rgb: PathBuf,
     /// Distances along the line of sight (16-bit PNG, NPY, or EXR with a channel Z)
     #[arg(long, value_name = "FILE", conflicts_with = "z_depth")]
@@ -48,6 +50,10 @@ pub(crate) struct Arguments {
     /// panoptic annotations. Of a folder: of all its masks, which need not show every object
     #[arg(long, value_name = "FILE")]
     classes: Option<PathBuf>,
+    /// Where the camera was: JSON {"world_from_camera": [[…], […], […], [0, 0, 0, 1]]}, the rows of the matrix from camera axes (right,
+    /// down, ahead) to the world, meters. Of a folder: the transforms.json of nerfstudio, which names its pictures
+    #[arg(long, value_name = "FILE")]
+    pose: Option<PathBuf>,
     /// The collection that the scenes join, under the names of their files: a job may then name the collection
     #[arg(long, value_name = "NAME")]
     collection: Option<String>,
@@ -63,6 +69,8 @@ struct Files {
     rgb: PathBuf,
     companions: Vec<(&'static str, PathBuf)>,
     classes: Option<PathBuf>,
+    /// JSON of where the camera was.
+    pose: Option<Vec<u8>>,
 }
 
 /// Runs the command.
@@ -84,10 +92,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let rgb = arguments.rgb.clone();
     let classes = arguments.classes.clone();
+    let pose = arguments.pose.as_deref().map(files::read).transpose()?;
     let files = Files {
         rgb,
         companions,
         classes,
+        pose,
     };
     let (id, is_new) = upload(&remote, arguments, &files)?;
     println!("{id}");
@@ -100,10 +110,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Uploads every picture of a folder with the files that belong to it. Scenes are found again by their content, so that an
 /// interrupted upload is simply repeated.
 fn folder(remote: &Remote, arguments: &Arguments) -> Result<(), Failure> {
-    let scenes = scenes(&arguments.rgb)?;
+    let mut scenes = scenes(&arguments.rgb)?;
     if scenes.is_empty() {
         let message = format!("{} holds no PNG, JPEG, WebP or EXR", arguments.rgb.display());
         return Err(Failure::BadInput(message));
+    }
+    if let Some(path) = &arguments.pose {
+        let poses = poses::read(path)?;
+        for files in scenes.iter_mut().filter(|files| files.pose.is_none()) {
+            files.pose = files.rgb.file_stem().and_then(|stem| poses.get(stem).cloned());
+        }
+        let posed = scenes.iter().filter(|files| files.pose.is_some()).count();
+        eprintln!("{posed} of {} pictures have a pose", scenes.len());
     }
     let mut progress = Progress::new("upload", "scenes", scenes.len() as u64);
     let (mut refused, mut known) = (Vec::new(), 0);
@@ -146,18 +164,20 @@ fn scenes(folder: &Path) -> Result<Vec<Files>, Failure> {
             Some((role, named.into_iter().find(|path| path.is_file())?))
         };
         let companions = COMPANIONS.into_iter().filter_map(companion).collect();
-        let classes = Some(rgb.with_extension("classes.json")).filter(|path| path.is_file());
-        Files {
+        let beside = |extension: &str| Some(rgb.with_extension(extension)).filter(|path| path.is_file());
+        let pose = beside("pose.json").as_deref().map(files::read).transpose()?;
+        Ok(Files {
+            classes: beside("classes.json"),
             rgb,
             companions,
-            classes,
-        }
+            pose,
+        })
     };
     let pictures = files::with_extensions(folder, &["png", "jpg", "jpeg", "webp", "exr"])?.into_iter();
-    Ok(pictures
+    pictures
         .filter(|path| !is_companion(path))
         .map(files_of)
-        .collect())
+        .collect()
 }
 
 /// Uploads one scene; returns its id, and whether it is new to the service.
@@ -170,6 +190,7 @@ fn upload(remote: &Remote, arguments: &Arguments, files: &Files) -> Result<(Stri
     if let Some(classes) = classes(arguments, files, mask.map(|(_, mask)| mask.as_slice()))? {
         contents.push(("classes", classes));
     }
+    contents.extend(files.pose.clone().map(|pose| ("pose", pose)));
     // Without a range file the service would refuse what belongs to one.
     let has_range = files.companions.iter().any(|(role, _)| *role != "instances");
     let stem = files

@@ -37,6 +37,14 @@ impl EncodeError {
 /// # Errors
 /// [`EncodeError`] when the picture is empty.
 pub fn encode_png(raster: &Raster) -> Result<Vec<u8>, EncodeError> {
+    encode_png_with_text(raster, &[])
+}
+
+/// The same with text chunks (PNG specification, section 11.3.3.2): keywords of 1 to 79 characters, keywords and texts in Latin-1.
+///
+/// # Errors
+/// [`EncodeError`] when the picture is empty or a text is not allowed.
+pub fn encode_png_with_text(raster: &Raster, texts: &[(&str, &str)]) -> Result<Vec<u8>, EncodeError> {
     let channels = raster.channels();
     let (bytes, depth): (Cow<[u8]>, _) = match (raster.samples(), raster.alpha()) {
         (Samples::U8(codes), None) => (codes.into(), BitDepth::Eight),
@@ -59,6 +67,11 @@ pub fn encode_png(raster: &Raster) -> Result<Vec<u8>, EncodeError> {
     encoder.set_depth(depth);
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Adaptive);
+    for (keyword, text) in texts {
+        encoder
+            .add_text_chunk((*keyword).to_owned(), (*text).to_owned())
+            .map_err(|error| EncodeError::new(raster.width(), raster.height(), "PNG", &error))?;
+    }
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(&bytes))

@@ -93,6 +93,22 @@ fn encoding_twice_gives_the_same_bytes() {
 }
 
 #[test]
+fn texts_stand_in_a_png_beside_the_same_pixels() {
+    let codes = Plane::new(2, 1, vec![7u16, 65535]).unwrap();
+    let raster = Raster::from(codes.clone());
+    let file = codec::encode_png_with_text(&raster, &[("Unit", "mm")]).unwrap();
+    let chunk = b"tEXtUnit\0mm";
+    assert!(file.windows(chunk.len()).any(|bytes| bytes == chunk));
+    assert_eq!(codec::decode_plane(&file).unwrap(), FilePlane::Codes(codes));
+    assert_eq!(
+        codec::encode_png_with_text(&raster, &[]).unwrap(),
+        codec::encode_png(&raster).unwrap()
+    );
+    assert!(codec::encode_png_with_text(&raster, &[("", "mm")]).is_err());
+    assert!(codec::encode_png_with_text(&raster, &[("Unit", "µm→")]).is_err());
+}
+
+#[test]
 fn an_empty_picture_has_no_file() {
     let empty = Rgb8::new(0, 3, Vec::new()).unwrap();
     assert!(codec::encode_png(&Raster::from(empty.clone())).is_err());

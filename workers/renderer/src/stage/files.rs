@@ -41,7 +41,11 @@ pub(crate) fn encode(
         cancel::check();
         if let Some(content) = content_or_warn(shot, pictures, kind, record) {
             let encode = shot.frame.encode;
-            let bytes = encode_content(content, encode, &mut record.counts)?;
+            let texts = match shot.frame.png_text {
+                Some(true) => texts(kind),
+                _ => Vec::new(),
+            };
+            let bytes = encode_content(content, encode, &texts, &mut record.counts)?;
             files.push(File::new(kind.to_string(), kind.media_type(encode), bytes));
         }
     }
@@ -136,20 +140,34 @@ where
     plane.map(|plane| Content::Codes(plane.clone().into()))
 }
 
+/// What a PNG file says of itself.
+fn texts(kind: &ArtifactKind) -> Vec<(&'static str, &'static str)> {
+    let unit = kind.unit().map(|unit| ("Unit", unit));
+    [("Software", "Fathom"), ("Description", kind.about())]
+        .into_iter()
+        .chain(unit)
+        .collect()
+}
+
 /// The bytes of a file; the saturated pixels of a range are counted.
-fn encode_content(content: Content<'_>, encode: Encode, counts: &mut Counts) -> Result<Vec<u8>, EncodeError> {
+fn encode_content(
+    content: Content<'_>,
+    encode: Encode,
+    texts: &[(&str, &str)],
+    counts: &mut Counts,
+) -> Result<Vec<u8>, EncodeError> {
     Ok(match content {
         Content::Picture(picture) => match encode {
-            Encode::Png => codec::encode_png(&Raster::from(picture.into_owned()))?,
+            Encode::Png => codec::encode_png_with_text(&Raster::from(picture.into_owned()), texts)?,
             Encode::Webp => codec::encode_webp_lossless(&picture)?,
             Encode::Jpeg { quality } => codec::encode_jpeg(&picture, quality)?,
         },
-        Content::Codes(codes) => codec::encode_png(&codes)?,
+        Content::Codes(codes) => codec::encode_png_with_text(&codes, texts)?,
         Content::Linear(layer) => codec::encode_npy_rgb(&layer),
         Content::Range(range) => {
             let (codes, saturated) = millimeters(&range);
             counts.range_saturated = saturated;
-            codec::encode_png(&codes.into())?
+            codec::encode_png_with_text(&codes.into(), texts)?
         }
         Content::Json(value) => value.to_string().into_bytes(),
     })

@@ -25,7 +25,7 @@ pub(crate) struct Prepared {
     pub(crate) negative_radiance: u64,
     /// Pixels without a valid range; 0 without range.
     pub(crate) holes: u64,
-    /// Pose of the camera; only of procedural scenes.
+    /// Pose of the camera: of procedural scenes, and of uploaded ones that came with it.
     pub(crate) pose: Option<CameraPose>,
     /// Its labels, where an artifact needs them.
     pub(crate) labels: Option<Labels>,
@@ -104,7 +104,11 @@ fn pose(frame: &Frame, world: &World) -> Result<CameraPose, RenderError> {
 }
 
 fn from_files(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError> {
-    let prepared = decoded(frame, files)?;
+    let pose = files.world_from_camera.as_ref().map(CameraPose::from_matrix);
+    let prepared = Prepared {
+        pose: pose.transpose().map_err(SceneError::Pose)?,
+        ..decoded(frame, files)?
+    };
     let mask = prepared.scene.instances.as_ref().filter(|_| needs_labels(frame));
     let Some(mask) = mask else {
         return Ok(prepared);
@@ -127,6 +131,9 @@ fn decoded(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError> {
             "scene.classes".to_owned(),
             spec::sha256(json!(classes).to_string()),
         );
+    }
+    if let Some(pose) = &files.world_from_camera {
+        digests.insert("scene.pose".to_owned(), spec::sha256(json!(pose).to_string()));
     }
     let is_z_depth = files
         .range

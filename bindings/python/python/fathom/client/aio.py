@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import httpx
 
 from fathom.client import calls, exports
-from fathom.client.calls import Call, Classes, Description, Picture
+from fathom.client.calls import Call, Classes, Description, Picture, Pose
 from fathom.client.dataset import Dataset
 from fathom.client.rows import Rows
 from fathom.client.sync import SERVER
@@ -67,6 +67,20 @@ class AsyncClient:
         """Ask for images by their parameters and metrics."""
         return await self._run(calls.images(filter, dataset, order_by, fields, limit))
 
+    async def stats(
+        self,
+        *datasets: str,
+        metrics: Sequence[str] = ("uiqm", "uciqe"),
+        by: Sequence[str] = (),
+        filter: str = "",
+    ) -> Rows:
+        """Return statistics of metrics, a row for each dataset, group and metric."""
+        return await self._run(calls.stats(datasets, metrics, by, filter))
+
+    async def seal(self, dataset: str) -> dict[str, Any]:
+        """Make the next version of a dataset, such as `tour@1`, and return it."""
+        return await self._run(calls.seal(dataset))
+
     async def frame(self, job: str, frame: int, kinds: Sequence[str] | None = None) -> Frame:
         """Fetch an image with its record."""
         return await self._run(calls.frame(job, frame, kinds))
@@ -100,6 +114,7 @@ class AsyncClient:
         z_depth: Picture | None = None,
         instances: Picture | None = None,
         classes: Classes | None = None,
+        pose: Pose | None = None,
         unit_m: float | None = None,
         invalid_code: int | None = None,
         focal_px: float | None = None,
@@ -110,7 +125,7 @@ class AsyncClient:
         """Upload a scene and return its id."""
         texts: dict[str, float | str | None] = {"collection": collection, "name": name}
         numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
-        return await self._run(calls.upload(rgb, range, z_depth, instances, classes, texts | numbers))
+        return await self._run(calls.upload(rgb, range, z_depth, instances, classes, pose, texts | numbers))
 
     async def train(
         self,

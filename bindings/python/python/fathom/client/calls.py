@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
+from urllib.parse import quote
 
 import httpx
 import numpy as np
@@ -37,6 +38,7 @@ PARALLEL = 8
 
 Description: TypeAlias = "Job | Mapping[str, Any] | str | os.PathLike[str]"
 Picture: TypeAlias = "str | os.PathLike[str] | NDArray[Any]"
+Pose: TypeAlias = "str | os.PathLike[str] | NDArray[Any] | Sequence[Sequence[float]]"
 Classes: TypeAlias = "Mapping[int, str] | Mapping[str, Any] | str | os.PathLike[str]"
 
 
@@ -122,6 +124,29 @@ def images(
     return rows
 
 
+def stats(datasets: Sequence[str], metrics: Sequence[str], by: Sequence[str], filter: str) -> Call[Rows]:
+    """Ask for statistics of metrics, one dataset after the other."""
+    rows = Rows()
+    for dataset in datasets:
+        answer = yield from get(
+            f"/v1/datasets/{quote(dataset, safe='')}/stats",
+            metrics=",".join(metrics),
+            by=",".join(by) or None,
+            filter=filter or None,
+        )
+        for entry in answer["groups"]:
+            group = entry.pop("group") or {}
+            rows.append({"dataset": dataset} | group | entry)
+    return rows
+
+
+def seal(dataset: str) -> Call[dict[str, Any]]:
+    """Make the next version of a dataset."""
+    response = yield Request("POST", f"/v1/datasets/{quote(dataset, safe='')}/versions")
+    version: dict[str, Any] = response.json()
+    return version
+
+
 def frame(job: str, number: int, kinds: Sequence[str] | None) -> Call[Frame]:
     """Ask for the record of an image and its artifacts."""
     record = yield from get(f"/v1/images/{job}/{number}")
@@ -139,6 +164,7 @@ def upload(
     z_depth: Picture | None,
     instances: Picture | None,
     classes: Classes | None,
+    pose: Pose | None,
     values: Mapping[str, float | str | None],
 ) -> Call[str]:
     """Upload a scene and return its id."""
@@ -147,9 +173,20 @@ def upload(
     if classes is not None:
         text = json.dumps(classes).encode() if isinstance(classes, Mapping) else Path(classes).read_bytes()
         files["classes"] = ("classes", text)
+    if pose is not None:
+        place = Path(pose).read_bytes() if isinstance(pose, (str, os.PathLike)) else _matrix(pose)
+        files["pose"] = ("pose", place)
     data = {name: str(value) for name, value in values.items() if value is not None}
     response = yield Request("POST", "/v1/scenes", {"files": files, "data": data})
     return str(response.json()["id"])
+
+
+def _matrix(pose: Any) -> bytes:
+    """Return the matrix of a pose as JSON."""
+    matrix = np.asarray(pose, dtype=np.float64)
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+        raise ValueError(f"pose has shape {matrix.shape} but a finite matrix of (4, 4) is needed")
+    return json.dumps({"world_from_camera": matrix.tolist()}).encode()
 
 
 def _scene_file(name: str, part: Picture) -> bytes:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import httpx
 
 from fathom.client import calls, exports
-from fathom.client.calls import Call, Classes, Description, Picture
+from fathom.client.calls import Call, Classes, Description, Picture, Pose
 from fathom.client.dataset import Dataset
 from fathom.client.rows import Rows
 from fathom.frame import Frame
@@ -67,6 +67,24 @@ class Client:
         """Ask for images by their parameters and metrics, such as `uiqm > 0.5 and water.style in ("muddy")`."""
         return self._run(calls.images(filter, dataset, order_by, fields, limit))
 
+    def stats(
+        self,
+        *datasets: str,
+        metrics: Sequence[str] = ("uiqm", "uciqe"),
+        by: Sequence[str] = (),
+        filter: str = "",
+    ) -> Rows:
+        """Return statistics of metrics, a row for each dataset, group and metric.
+
+        `by` names columns whose values form groups; with a width behind a colon the bins of a number, such as
+        `alpha:0.1`. A row has `count`, `mean`, `sd`, `min`, `q25`, `median`, `q75` and `max`.
+        """
+        return self._run(calls.stats(datasets, metrics, by, filter))
+
+    def seal(self, dataset: str) -> dict[str, Any]:
+        """Make the next version of a dataset, such as `tour@1`, which never changes, and return it with its `root`."""
+        return self._run(calls.seal(dataset))
+
     def frame(self, job: str, frame: int, kinds: Sequence[str] | None = None) -> Frame:
         """Fetch an image with its record; absent kinds: all that it has."""
         return self._run(calls.frame(job, frame, kinds))
@@ -97,6 +115,7 @@ class Client:
         z_depth: Picture | None = None,
         instances: Picture | None = None,
         classes: Classes | None = None,
+        pose: Pose | None = None,
         unit_m: float | None = None,
         invalid_code: int | None = None,
         focal_px: float | None = None,
@@ -109,11 +128,12 @@ class Client:
         Each part is a file or an array: `rgb` uint8 or uint16 codes, or float linear radiance, (H, W, 3); `range` or
         `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` uint8 or uint16, (H, W). `classes`
         says what the instances are: `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON
-        file.
+        file. `pose` says where the camera was: the (4, 4) matrix from camera axes (right, down, ahead) to the world, or
+        a JSON file.
         """
         texts: dict[str, float | str | None] = {"collection": collection, "name": name}
         numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
-        return self._run(calls.upload(rgb, range, z_depth, instances, classes, texts | numbers))
+        return self._run(calls.upload(rgb, range, z_depth, instances, classes, pose, texts | numbers))
 
     def train(
         self,

@@ -40,6 +40,10 @@ pub(crate) struct SceneUpload {
     /// `segments_info` as in COCO's panoptic annotations.
     #[schema(value_type = Option<String>, format = Binary)]
     classes: Option<Vec<u8>>,
+    /// Where the camera was, as JSON: `{"world_from_camera": [[…], […], […], [0, 0, 0, 1]]}`, the rows of the matrix from
+    /// camera axes (right, down, ahead) to the world, whose z axis points up, in meters.
+    #[schema(value_type = Option<String>, format = Binary)]
+    pose: Option<Vec<u8>>,
     /// The collection that the scene joins, such as `dock`: a job may then name the collection.
     collection: Option<String>,
     /// Its name in the collection, which decides the order; absent: its id. The same name again replaces the scene.

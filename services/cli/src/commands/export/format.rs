@@ -20,9 +20,9 @@ pub(super) enum Format {
     Coco,
     /// Boxes as text files, and data.yaml
     Yolo,
-    /// Cameras and poses of each camera path as a text model of COLMAP
+    /// Cameras and poses of each sequence as a text model of COLMAP
     Colmap,
-    /// Cameras and poses of each camera path as transforms.json of nerfstudio
+    /// Cameras and poses of each sequence as transforms.json of nerfstudio
     Transforms,
 }
 
@@ -61,7 +61,7 @@ impl Format {
         matches!(self, Self::Parquet | Self::Hf)
     }
 
-    /// Whether its frames must come from camera paths.
+    /// Whether its frames must have poses.
     pub(super) fn needs_poses(self) -> bool {
         matches!(self, Self::Colmap | Self::Transforms)
     }

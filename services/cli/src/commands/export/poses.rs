@@ -1,4 +1,4 @@
-//! The frames of camera paths, sequence by sequence, with the poses of each in one model.
+//! Frames with poses, sequence by sequence, with the poses of each in one model.
 
 use std::collections::BTreeMap;
 

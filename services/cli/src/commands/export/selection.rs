@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::Arguments;
 use super::frame::RECORD;
+use super::posed::PosedScenes;
 
 /// A column of the dataset.
 #[derive(Debug, Clone, Deserialize)]
@@ -28,8 +29,10 @@ pub(super) struct Selection {
     pub(super) columns: Vec<Column>,
 }
 
-/// Column that only frames of a camera path have.
-const PATH_FRAMES: &str = "camera.path.frames";
+/// What frames must have that may have a pose: a camera path, or an uploaded scene.
+const MAY_HAVE_POSE: &str = "(camera.path.frames is not null or scene.id is not null)";
+/// Frames whose pose must come from their scene.
+const POSE_OF_SCENE: &str = "camera.path.frames is null and scene.id is not null";
 
 impl Selection {
     /// Asks the service. Refuses what no image, or not every image, can give.
@@ -95,26 +98,34 @@ impl Selection {
         let format = arguments.format.name();
         if arguments.format.needs_poses() {
             let needed = format!(
-                "the format {format} is made of poses along a camera path: give /camera/path in the job"
+                "the format {format} is made of poses: give /camera/path in the job, or upload scenes with their pose"
             );
-            self.check_column(remote, arguments, PATH_FRAMES, &needed)?;
+            self.check_images(remote, arguments, MAY_HAVE_POSE, &needed)?;
+            let of_scenes = joined(&arguments.filter, Some(POSE_OF_SCENE));
+            let lacking = PosedScenes::new(remote).without(&arguments.dataset, &of_scenes)?;
+            if let Some(scenes) = lacking {
+                return Err(Failure::BadInput(format!(
+                    "the format {format} is made of poses, which the scenes {scenes} came without: upload them with `pose`, or leave \
+                     their images out with --filter"
+                )));
+            }
         }
         for kind in self.artifacts() {
             let needed = format!("there is no artifact `{kind}` of them; leave it out of --kinds");
-            self.check_column(remote, arguments, &format!("artifacts.{kind}"), &needed)?;
+            let condition = format!("artifacts.{kind} is not null");
+            self.check_images(remote, arguments, &condition, &needed)?;
         }
         Ok(())
     }
 
-    fn check_column(
+    fn check_images(
         &self,
         remote: &Remote,
         arguments: &Arguments,
-        column: &str,
+        condition: &str,
         needed: &str,
     ) -> Result<(), Failure> {
-        let condition = format!("{column} is not null");
-        let there = count(remote, arguments, Some(&condition))?;
+        let there = count(remote, arguments, Some(condition))?;
         if there >= self.images {
             return Ok(());
         }
@@ -123,7 +134,7 @@ impl Selection {
             0 => String::new(),
             _ => format!(
                 ", or take the others with --filter '{}'",
-                joined(&arguments.filter, Some(&condition))
+                joined(&arguments.filter, Some(condition))
             ),
         };
         Err(Failure::BadInput(format!(

@@ -7,13 +7,14 @@ use cli::remote::{Remote, with_query};
 use serde_json::Value;
 
 use super::frame::{Place, untrusted};
+use super::posed::PosedScenes;
 
 /// A frame's place in a sequence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Spot {
     /// `JOB-NUMBER`, which may be the name of a folder.
     pub(super) sequence: String,
-    /// Place on the way of the camera, from 0.
+    /// Place on the way of the camera, or among the scenes of the sequence, from 0.
     pub(super) index: u64,
 }
 
@@ -23,6 +24,32 @@ pub(super) struct Sequences<'a> {
     dataset: &'a str,
     /// Cells of the grid of each job.
     cells: HashMap<String, u64>,
+    posed: PosedScenes<'a>,
+    uploads: Uploads,
+}
+
+/// The sequences of uploaded scenes with poses.
+#[derive(Default)]
+struct Uploads {
+    /// Frames so far of each scene in each job.
+    visits: HashMap<(String, String), u64>,
+    /// Frames so far of each sequence.
+    lengths: HashMap<String, u64>,
+}
+
+impl Uploads {
+    /// The next place: a job's first frame of each scene is of its first sequence, the second of its second, and so on.
+    fn next(&mut self, job: &str, scene: &str) -> Spot {
+        let visits = self.visits.entry((job.to_owned(), scene.to_owned())).or_default();
+        let sequence = format!("{job}-{visits}");
+        *visits += 1;
+        let length = self.lengths.entry(sequence.clone()).or_default();
+        *length += 1;
+        Spot {
+            sequence,
+            index: *length - 1,
+        }
+    }
 }
 
 impl<'a> Sequences<'a> {
@@ -31,13 +58,15 @@ impl<'a> Sequences<'a> {
             remote,
             dataset,
             cells: HashMap::new(),
+            posed: PosedScenes::new(remote),
+            uploads: Uploads::default(),
         }
     }
 
-    /// Where a frame stands; none without a camera path.
+    /// Where a frame stands, given in the order of frames; none without a camera path and without a scene that came with a pose.
     pub(super) fn spot(&mut self, row: &Value, place: &Place) -> Result<Option<Spot>, Failure> {
         let Some(frames) = row["camera.path.frames"].as_u64() else {
-            return Ok(None);
+            return self.uploaded(row, place);
         };
         if frames == 0 {
             return Err(untrusted("a camera path of no frames".to_owned()));
@@ -56,6 +85,14 @@ impl<'a> Sequences<'a> {
             sequence: format!("{}-{number}", place.job),
             index,
         }))
+    }
+
+    fn uploaded(&mut self, row: &Value, place: &Place) -> Result<Option<Spot>, Failure> {
+        let Some(id) = row["scene.id"].as_str() else {
+            return Ok(None);
+        };
+        let posed = self.posed.contains(id)?;
+        Ok(posed.then(|| self.uploads.next(&place.job, id)))
     }
 
     /// Each cell of a job's grid goes through the whole path, and the cells take turns: the first frame at the second place of
@@ -83,6 +120,25 @@ fn number(frame: u64, frames: u64, cells: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn each_round_of_uploaded_scenes_is_a_sequence() {
+        let mut uploads = Uploads::default();
+        let spots: Vec<Spot> = ["a", "b", "c", "a", "b", "c"]
+            .iter()
+            .map(|scene| uploads.next("job", scene))
+            .collect();
+        let places: Vec<(&str, u64)> = spots
+            .iter()
+            .map(|spot| (spot.sequence.as_str(), spot.index))
+            .collect();
+        let rounds = ["job-0", "job-0", "job-0", "job-1", "job-1", "job-1"];
+        assert_eq!(
+            places,
+            rounds.into_iter().zip([0, 1, 2, 0, 1, 2]).collect::<Vec<_>>()
+        );
+        assert_eq!(uploads.next("other", "a").sequence, "other-0");
+    }
 
     #[test]
     fn cells_take_turns_and_passes_follow_each_other() {
