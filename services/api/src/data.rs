@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use catalogue::{Catalogue, CatalogueError};
 use store::{Store, StoreError};
 
+use crate::operations::routes::backup::newest;
+
 /// Why a data folder cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum DataError {
@@ -28,6 +30,33 @@ pub enum DataError {
         path: PathBuf,
         /// What the file system said.
         source: io::Error,
+    },
+    /// Packs without their catalogue.
+    #[error(
+        "{} has packs of artifacts, but catalogue.sqlite is missing or empty. Put it back, or move the whole folder away and \
+         restore a backup; `fathom scrub --rebuild` takes the catalogue of the newest backup in it, and what came later is \
+         rendered again", .0.display()
+    )]
+    NoCatalogue(PathBuf),
+    /// A catalogue without its packs.
+    #[error(
+        "the catalogue in {} names artifacts, but its folder packs is missing or empty. Put it back, or restore a backup; \
+         `fathom scrub --rebuild` renders everything again", .0.display()
+    )]
+    NoPacks(PathBuf),
+    /// The packs of another catalogue.
+    #[error(
+        "the packs in {} belong to another catalogue than the one beside them: put the right one back, or move it away and run \
+         `fathom scrub --rebuild`", .0.display()
+    )]
+    OtherPacks(PathBuf),
+    /// What cannot be rebuilt.
+    #[error("{} cannot get its catalogue from a backup: {reason}", path.display())]
+    NotRebuilt {
+        /// The folder.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
     },
     /// The catalogue cannot be opened.
     #[error(transparent)]
@@ -56,12 +85,98 @@ impl Data {
         tokio::fs::create_dir_all(folder)
             .await
             .map_err(|source| DataError::Folder { path, source })?;
+        Self::open_as(folder, metrics, has_packs(folder)).await
+    }
+
+    /// The same where packs may be lost.
+    ///
+    /// # Errors
+    /// [`DataError`].
+    pub async fn open_without_packs(folder: &Path, metrics: &[String]) -> Result<Self, DataError> {
+        Self::open_as(folder, metrics, true).await
+    }
+
+    async fn open_as(folder: &Path, metrics: &[String], packs: bool) -> Result<Self, DataError> {
         let lock = lock(folder)?;
-        Ok(Self {
-            catalogue: Catalogue::open(&folder.join("catalogue.sqlite"), metrics).await?,
+        let path = folder.join(CATALOGUE);
+        if is_missing(&path) && has_packs(folder) {
+            return Err(DataError::NoCatalogue(folder.to_owned()));
+        }
+        let data = Self {
+            catalogue: Catalogue::open(&path, metrics).await?,
             store: Store::open(folder).await?,
             lock,
-        })
+        };
+        match data.belong_together(folder, packs).await {
+            Ok(()) => Ok(data),
+            Err(error) => {
+                data.close().await;
+                Err(error)
+            }
+        }
+    }
+
+    async fn belong_together(&self, folder: &Path, packs: bool) -> Result<(), DataError> {
+        if !packs && self.catalogue.names_bytes().await? {
+            return Err(DataError::NoPacks(folder.to_owned()));
+        }
+        let id = match self.catalogue.folder().await {
+            Err(error @ CatalogueError::Damaged { .. }) => {
+                tracing::error!(%error, "whether the packs belong to this catalogue is not known");
+                self.catalogue.note_damage(&error.to_string());
+                return Ok(());
+            }
+            other => other?,
+        };
+        match self.store.folder()? {
+            Some(known) if known != id => Err(DataError::OtherPacks(folder.to_owned())),
+            Some(_) => Ok(()),
+            None => {
+                // On a full disk it has time until the next start.
+                if let Err(error) = self.store.set_folder(&id) {
+                    tracing::warn!(%error, "the packs do not name their catalogue yet");
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Takes the catalogue of the newest backup for packs that have lost theirs, and returns the backup's folder; `None` if they
+    /// have it.
+    ///
+    /// # Errors
+    /// [`DataError::NotRebuilt`] without a backup; [`DataError::Taken`].
+    pub fn rebuild(folder: &Path) -> Result<Option<PathBuf>, DataError> {
+        let path = folder.join(CATALOGUE);
+        if !is_missing(&path) {
+            return Ok(None);
+        }
+        let _lock = lock(folder)?;
+        let refused = |reason: String| DataError::NotRebuilt {
+            path: folder.to_owned(),
+            reason,
+        };
+        let failed = |error: io::Error| refused(error.to_string());
+        let backup = newest(folder).map_err(failed)?;
+        let backup = backup.ok_or_else(|| {
+            refused("its folder `backups` has none; put one there, as `fathom backup` makes it".to_owned())
+        })?;
+        let unfinished = path.with_extension("unfinished");
+        let copy = || {
+            std::fs::copy(backup.join(CATALOGUE), &unfinished)?;
+            File::open(&unfinished)?.sync_all()?;
+            // The log of the one that is gone would be taken for that of this one.
+            for end in ["sqlite-wal", "sqlite-shm"] {
+                match std::fs::remove_file(path.with_extension(end)) {
+                    Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                    _ => {}
+                }
+            }
+            std::fs::rename(&unfinished, &path)?;
+            File::open(folder)?.sync_all()
+        };
+        copy().map_err(failed)?;
+        Ok(Some(backup))
     }
 
     /// Closes the databases in order; the folder is free afterwards.
@@ -69,6 +184,20 @@ impl Data {
         self.catalogue.close().await;
         self.store.close().await;
     }
+}
+
+const CATALOGUE: &str = "catalogue.sqlite";
+
+fn is_missing(catalogue: &Path) -> bool {
+    std::fs::metadata(catalogue).map_or(true, |file| file.len() == 0)
+}
+
+/// Whether there is anything beside which a catalogue must be; packs that were set aside count.
+fn has_packs(folder: &Path) -> bool {
+    let entries = std::fs::read_dir(folder.join("packs")).into_iter().flatten().flatten();
+    entries
+        .map(|entry| entry.file_name())
+        .any(|name| name != "folder.id")
 }
 
 /// Takes the data directory. The lock ends when the file is dropped, also when the process is killed.

@@ -44,6 +44,7 @@ pub use leases::Worker;
 pub use leases::table as lease_table;
 pub use limits::Limits;
 pub use lists::{Entry, List};
+pub use operations::routes::backup::clear_unfinished;
 pub use service::{Service, start, start_in};
 pub use sets::feed::{Known, Line, SetHead, SetImage, SetPart};
 pub use sets::intake::{Intake, IntakeError, prepare};

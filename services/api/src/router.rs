@@ -74,13 +74,13 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
     let shipped = List::all().iter().filter(|list| list.stored_at.is_none());
     let list_names: Vec<&str> = shipped.map(|list| list.name).collect();
     let document = openapi::document(routes, &app.styles.vocabulary(&app.waters), &list_names);
-    let space = Arc::clone(&app.bytes.space);
+    let stored = Arc::clone(&app.bytes);
     public
         .with_state(app)
         .merge(http::docs::router(&document))
         .route("/problems/{slug}", get(problem::describe))
         .fallback(|| async { Problem::not_found("no such route; see /docs") })
-        .layer(from_fn_with_state(space, space::note))
+        .layer(from_fn_with_state(stored, space::note))
         .layer(from_fn_with_state(hosts, hosts::known))
         .layer(from_fn(observe))
 }

@@ -11,12 +11,13 @@ use tokio::task::{JoinError, JoinHandle};
 use tokio_util::sync::CancellationToken;
 
 use crate::app::{App, StartError};
-use crate::bytes::reclaim;
+use crate::bytes::{reclaim, unnamed};
 use crate::clock::ordered_id;
 use crate::config::{Config, Surroundings};
 use crate::http::auth::Tokens;
 use crate::http::hosts::Hosts;
 use crate::http::listener;
+use crate::operations::routes::backup;
 use crate::leases::Leases;
 use crate::processes::fleet::{Fleet, OnExit, Recipe};
 use crate::router;
@@ -57,6 +58,9 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
     tokens.add_own_worker(&own_secret);
     let limits = surroundings.limits;
     let (app, lock) = App::open(&config, &surroundings).await?;
+    if let Err(error) = backup::clear_unfinished(&config.data) {
+        tracing::warn!(%error, "backups that never finished stay");
+    }
     app.jobs.resume_all().await?;
     app.sets.resume_all().await?;
     let listen = |source| StartError::Listen {
@@ -73,6 +77,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(expire_leases(Arc::clone(&app.leases), end.clone())),
         tokio::spawn(tidy_up(app.clone(), end.clone())),
         tokio::spawn(reclaim::run(Arc::clone(&app.bytes), end.clone())),
+        tokio::spawn(unnamed::run(Arc::clone(&app.bytes), end.clone())),
         tokio::spawn(Arc::clone(&app.sets).show_shared()),
     ];
     let recipe = recipe(&config, address, own_secret);

@@ -1,23 +1,31 @@
 //! The catalogue: its connections, and how reads and writes reach them. What is read and written stands with each topic.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use sqlx::pool::PoolConnection;
-use sqlx::sqlite::{Sqlite, SqliteConnection, SqlitePool};
+use sqlx::sqlite::{Sqlite, SqliteConnection, SqlitePool, SqliteRow};
 use tokio::task::JoinHandle;
 
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
+use crate::row_digests::{Side, Table};
 use crate::types::{DatasetRow, Page};
+use crate::values::Cells;
 use crate::writer::{Running, Writer};
 
-/// Name, images, bytes and jobs of a dataset.
-type Counts = (String, i64, i64, i64);
+pub(crate) const DATASETS: Table = Table {
+    name: "datasets",
+    columns: "name, images, bytes, jobs",
+    keys: 1,
+};
 
+/// Most findings that are kept: beyond it is clear that all has to be read.
+const MOST_DAMAGE: usize = 100;
 /// The longest a question may take.
 const QUESTION_LIMIT: Duration = Duration::from_secs(20);
 
@@ -27,6 +35,7 @@ pub struct Catalogue {
     pub(crate) columns: Columns,
     pub(crate) readers: SqlitePool,
     pub(crate) reads: AtomicU64,
+    pub(crate) damage: Mutex<BTreeSet<String>>,
     pub(crate) writer: Mutex<Option<Writer>>,
     pub(crate) task: Mutex<Option<JoinHandle<()>>>,
 }
@@ -43,24 +52,54 @@ impl Catalogue {
     ) -> Result<Page<DatasetRow>, CatalogueError> {
         let question = cursor::question(&[Some("datasets")]);
         let after = cursor::read_id(&question, cursor.as_deref())?;
-        let rows: Vec<Counts> = sqlx::query_as(
-            "SELECT name, images, bytes, jobs FROM datasets WHERE ?1 IS NULL OR name > ?1 ORDER BY name LIMIT ?2",
+        let rows = sqlx::query(
+            "SELECT name, images, bytes, jobs, row_digest FROM datasets WHERE ?1 IS NULL OR name > ?1 ORDER BY name LIMIT ?2",
         )
         .bind(after)
         .bind(i64::from(limit) + 1)
         .fetch_all(&mut *self.reader().await?)
         .await?;
-        let rows = rows.into_iter().map(dataset).collect();
+        let rows = rows.iter().map(dataset).collect::<Result<_, _>>()?;
         Ok(cursor::page(&question, rows, limit, |row: &DatasetRow| &row.name))
     }
 
     /// The dataset of a name that is no sealed version.
     pub(crate) async fn unsealed(&self, name: &str) -> Result<Option<DatasetRow>, CatalogueError> {
-        let row = sqlx::query_as("SELECT name, images, bytes, jobs FROM datasets WHERE name = ?")
+        let row = sqlx::query("SELECT name, images, bytes, jobs, row_digest FROM datasets WHERE name = ?")
             .bind(name)
             .fetch_optional(&mut *self.reader().await?)
             .await?;
-        Ok(row.map(dataset))
+        row.as_ref().map(dataset).transpose()
+    }
+
+    /// What was found to be damaged since the catalogue was opened, here or in the packs.
+    #[must_use]
+    pub fn damage(&self) -> Vec<String> {
+        let damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
+        damage.iter().cloned().collect()
+    }
+
+    /// Notes damage that was found.
+    pub fn note_damage(&self, what: &str) {
+        let mut damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
+        if damage.len() < MOST_DAMAGE {
+            damage.insert(what.to_owned());
+        }
+    }
+
+    /// Leaves a damaged row out of a list without which the service could not start.
+    pub(crate) fn unless_damaged<T>(
+        &self,
+        row: Result<T, CatalogueError>,
+    ) -> Option<Result<T, CatalogueError>> {
+        match row {
+            Err(error @ CatalogueError::Damaged { .. }) => {
+                tracing::error!(%error, "left out");
+                self.note_damage(&error.to_string());
+                None
+            }
+            other => Some(other),
+        }
     }
 
     /// How often this process has read from the catalogue. Reads within a change are part of the change.
@@ -94,13 +133,15 @@ impl Catalogue {
     }
 }
 
-fn dataset((name, images, bytes, jobs): Counts) -> DatasetRow {
-    DatasetRow {
-        name,
-        images: images as u64,
-        bytes: bytes as u64,
-        jobs: jobs as u64,
-    }
+fn dataset(row: &SqliteRow) -> Result<DatasetRow, CatalogueError> {
+    DATASETS.verify(row, Side::Reader)?;
+    let mut cells = Cells::new(row);
+    Ok(DatasetRow {
+        name: cells.take()?,
+        images: cells.count()?,
+        bytes: cells.count()?,
+        jobs: cells.count()?,
+    })
 }
 
 pub(crate) async fn within<T>(

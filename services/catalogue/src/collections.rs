@@ -1,12 +1,19 @@
 //! Collections of uploaded scenes.
 
 use serde::Serialize;
-use sqlx::sqlite::SqliteRow;
+use sqlx::Row;
 use utoipa::ToSchema;
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
-use crate::values::Cells;
+use crate::row_digests::{Side, Table};
+use crate::scenes;
+
+pub(crate) const TABLE: Table = Table {
+    name: "collection_scenes",
+    columns: "collection, name, scene_id",
+    keys: 2,
+};
 
 /// A collection of uploaded scenes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
@@ -101,14 +108,29 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn collection(&self, name: &str) -> Result<Vec<CollectionScene>, CatalogueError> {
+        let mut reader = self.reader().await?;
         let rows = sqlx::query(
-            "SELECT name, id, width, height, range_kind, instances_digest IS NOT NULL
-             FROM collection_scenes JOIN scenes ON id = scene_id WHERE collection = ? ORDER BY name",
+            "SELECT collection, name, scene_id, row_digest FROM collection_scenes WHERE collection = ? ORDER BY name",
         )
         .bind(name)
-        .fetch_all(&mut *self.reader().await?)
+        .fetch_all(&mut *reader)
         .await?;
-        rows.iter().map(member).collect()
+        let mut members = Vec::with_capacity(rows.len());
+        for row in &rows {
+            TABLE.verify(row, Side::Reader)?;
+            let (name, id): (String, String) = (row.try_get(1)?, row.try_get(2)?);
+            let scene = scenes::get(&mut reader, &id).await?;
+            let scene = scene.ok_or_else(|| CatalogueError::damaged(format!("scene {id}")))?;
+            members.push(CollectionScene {
+                name,
+                id,
+                width: scene.width,
+                height: scene.height,
+                range_kind: scene.files.range.map(|range| range.kind.name().to_owned()),
+                instances: scene.files.instances.is_some(),
+            });
+        }
+        Ok(members)
     }
 
     /// Removes a collection, whose scenes stay. Returns whether there was one.
@@ -128,16 +150,4 @@ impl Catalogue {
         })
         .await
     }
-}
-
-fn member(row: &SqliteRow) -> Result<CollectionScene, CatalogueError> {
-    let mut cells = Cells::new(row);
-    Ok(CollectionScene {
-        name: cells.take()?,
-        id: cells.take()?,
-        width: cells.take()?,
-        height: cells.take()?,
-        range_kind: cells.take()?,
-        instances: cells.take()?,
-    })
 }

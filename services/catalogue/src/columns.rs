@@ -7,6 +7,7 @@ use serde_json::Value;
 use spec::{Leaf, LeafKind, Leaves, List};
 
 use crate::filter::{Bind, Column, Join, Kind, OFFSET};
+use crate::found::Found;
 
 /// Names from before every leaf had a column of its own name.
 const ALIASES: &[(&str, &str)] = &[
@@ -126,12 +127,24 @@ impl Columns {
             .collect()
     }
 
+    /// A record and its digest, with what the digest is over beside the record, as [`crate::images::About::verified`] reads them.
+    pub(crate) fn of_record(&self) -> Vec<Column> {
+        let beside = ["job", "frame", "dataset", "created_ms", "digest"];
+        let own = beside.into_iter().filter_map(|name| self.get(name));
+        let record = ["record", "row_digest"].map(|name| Column {
+            join: Some(Join::Record),
+            ..Column::new(format!("{}.{name}", Join::Record.alias()), Kind::Text)
+        });
+        own.chain(record).collect()
+    }
+
     /// The column of a name.
     pub(crate) fn get(&self, name: &str) -> Option<Column> {
         if let Some((_, sql, kind, unit)) = OWN.iter().find(|(own, ..)| *own == name) {
             return Some(Column {
                 unit: *unit,
                 always: true,
+                found: (name == "warned").then_some(Found::Warned),
                 ..Column::new((*sql).to_owned(), *kind)
             });
         }
@@ -140,6 +153,7 @@ impl Columns {
         if let Some(leaf) = self.leaves.iter().find(|leaf| leaf.name == name) {
             return Some(Column {
                 unit: leaf.unit,
+                found: Some(Found::Leaf(leaf.clone())),
                 ..Column::new(format!("images.\"{}\"", stored_name(leaf)), kind(leaf))
             });
         }
@@ -161,8 +175,10 @@ impl Columns {
         (plain && !subject.is_empty()).then(|| {
             let join = Join::Measured(subject.to_owned());
             let sql = format!("{}.\"{known}\"", join.alias());
+            let (subject, metric) = (subject.to_owned(), known.clone());
             Column {
                 join: Some(join),
+                found: Some(Found::Metric { subject, metric }),
                 ..Column::new(sql, Kind::Number)
             }
         })
@@ -212,6 +228,7 @@ fn open_family(name: &str) -> Option<Column> {
                     WHERE a.job_id = images.job_id AND a.frame = images.frame AND a.kind = ?)";
         return Some(Column {
             binds: vec![Bind::Text(kind.to_owned())],
+            found: Some(Found::Artifact(kind.to_owned())),
             ..Column::new(sql.to_owned(), Kind::Text)
         });
     }

@@ -108,6 +108,12 @@ pub enum CatalogueError {
         /// Why.
         reason: String,
     },
+    /// What is stored is not what was written: it is not served.
+    #[error("{what} in the catalogue is damaged: `fathom scrub` names all that is, and `--repair` restores images")]
+    Damaged {
+        /// What, such as `the record of job_…/3`.
+        what: String,
+    },
     /// The catalogue was closed.
     #[error("the catalogue is closed")]
     Closed,
@@ -145,6 +151,10 @@ impl CatalogueError {
         Self::NotFound { what, name }
     }
 
+    pub(crate) fn damaged(what: String) -> Self {
+        Self::Damaged { what }
+    }
+
     /// A question that is refused for another reason than its filter.
     pub(crate) fn refused(message: String) -> Self {
         FilterError::new(message).into()
@@ -154,23 +164,27 @@ impl CatalogueError {
 impl From<sqlx::Error> for CatalogueError {
     fn from(error: sqlx::Error) -> Self {
         /// FULL, and the shared-memory file of the log that could not grow.
-        const FULL: [&str; 2] = ["13", "4874"];
+        const FULL: [i32; 2] = [13, 4874];
+        /// CORRUPT and NOTADB.
+        const DAMAGED: [i32; 2] = [11, 26];
         let code = error.as_database_error().and_then(|error| error.code());
-        let full = code.is_some_and(|code| FULL.contains(&code.as_ref()));
+        let code: Option<i32> = code.and_then(|code| code.parse().ok());
         let message = error.to_string();
-        if full {
-            Self::Full { message }
-        } else {
-            Self::Failed { message }
+        match (code, &error) {
+            (Some(code), _) if FULL.contains(&code) => Self::Full { message },
+            (Some(code), _) if DAMAGED.contains(&(code & 0xff)) => Self::damaged(format!("a page ({message})")),
+            // Every value has the type of its column when it is written.
+            (_, sqlx::Error::ColumnDecode { .. } | sqlx::Error::Decode(_)) => {
+                Self::damaged(format!("a value ({message})"))
+            }
+            _ => Self::Failed { message },
         }
     }
 }
 
 impl From<serde_json::Error> for CatalogueError {
     fn from(error: serde_json::Error) -> Self {
-        Self::Failed {
-            message: format!("a stored record is damaged: {error}"),
-        }
+        Self::damaged(format!("a stored record ({error})"))
     }
 }
 

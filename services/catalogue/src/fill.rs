@@ -4,13 +4,17 @@ use std::collections::BTreeSet;
 use std::time::Instant;
 
 use serde_json::Value;
-use sqlx::sqlite::SqliteConnection;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{AssertSqlSafe, Connection, Row};
 
 use crate::columns::Columns;
 use crate::error::CatalogueError;
+use crate::images::About;
+use crate::row_digests;
 use crate::values::bound;
 
+/// Stands among the columns to be filled in a catalogue whose rows have no digests yet.
+const ROW_DIGEST: &str = "row_digest";
 /// Images of one transaction: some megabytes of log, and little to repeat after a kill.
 const BATCH: i64 = 2000;
 
@@ -71,6 +75,11 @@ pub(crate) async fn fill(connection: &mut SqliteConnection, columns: &Columns) -
     if unfilled.is_empty() {
         return Ok(());
     }
+    if unfilled.contains(ROW_DIGEST) {
+        let mut transaction = connection.begin().await?;
+        row_digests::fill(&mut transaction).await?;
+        transaction.commit().await?;
+    }
     let (began, mut rows) = (Instant::now(), 0);
     tracing::info!(
         columns = unfilled.len(),
@@ -85,6 +94,31 @@ pub(crate) async fn fill(connection: &mut SqliteConnection, columns: &Columns) -
     Ok(())
 }
 
+/// Gives records of an older catalogue their digests.
+async fn digest_records(
+    connection: &mut SqliteConnection,
+    records: &[SqliteRow],
+) -> Result<(), CatalogueError> {
+    for row in records {
+        let (job, frame): (&str, i64) = (row.try_get(2)?, row.try_get(3)?);
+        let about = About {
+            job,
+            frame,
+            dataset: row.try_get(4)?,
+            created_ms: row.try_get(5)?,
+            digest: row.try_get(6)?,
+        };
+        let digest = about.row_digest(&spec::sha256(row.try_get::<&str, _>(1)?.as_bytes()));
+        sqlx::query("UPDATE records SET row_digest = ? WHERE job_id = ? AND frame = ?")
+            .bind(digest)
+            .bind(job)
+            .bind(frame)
+            .execute(&mut *connection)
+            .await?;
+    }
+    Ok(())
+}
+
 /// Fills one batch; returns its length, or nothing after the last image.
 async fn batch(
     connection: &mut SqliteConnection,
@@ -93,7 +127,8 @@ async fn batch(
 ) -> Result<Option<usize>, CatalogueError> {
     let mut transaction = connection.begin().await?;
     let records = sqlx::query(
-        "SELECT images.rowid, record FROM images JOIN records USING (job_id, frame)
+        "SELECT images.rowid, record, images.job_id, images.frame, dataset, created_ms, digest
+         FROM images JOIN records USING (job_id, frame)
          WHERE images.rowid > (SELECT min(filled_to) FROM unfilled) ORDER BY images.rowid LIMIT ?",
     );
     let records = records.bind(BATCH).fetch_all(&mut *transaction).await?;
@@ -119,6 +154,9 @@ async fn batch(
         }
         let statement = statement.bind(row.try_get::<i64, _>(0)?);
         statement.execute(&mut *transaction).await?;
+    }
+    if unfilled.contains(ROW_DIGEST) {
+        digest_records(&mut transaction, &records).await?;
     }
     sqlx::query("UPDATE unfilled SET filled_to = ?")
         .bind(last)

@@ -16,6 +16,7 @@ pub(crate) use compile::compile;
 use std::collections::BTreeSet;
 
 pub use crate::error::FilterError;
+use crate::found::Found;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +59,8 @@ pub(crate) struct Column {
     pub(crate) always: bool,
     /// The row beside that of the image in which it stands.
     pub(crate) join: Option<Join>,
+    /// Where the record has its value, unless the column is an extract of the record.
+    pub(crate) found: Option<Found>,
 }
 
 impl Column {
@@ -70,6 +73,7 @@ impl Column {
             unit: None,
             always: false,
             join: None,
+            found: None,
         }
     }
 }
@@ -100,4 +104,6 @@ pub(crate) struct Compiled {
     pub(crate) sql: String,
     pub(crate) binds: Vec<Bind>,
     pub(crate) joins: BTreeSet<Join>,
+    /// What it asks that the record has, too.
+    pub(crate) asked: Vec<Column>,
 }

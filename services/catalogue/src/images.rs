@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::Deserialize;
 use serde_json::Value;
 use spec::{ArtifactEntry, FrameRecord};
 use sqlx::sqlite::SqliteRow;
@@ -9,6 +10,8 @@ use sqlx::sqlite::SqliteRow;
 use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
 use crate::insert::NewImage;
+use crate::row_digests::RowDigest;
+use crate::time::UnixMs;
 use crate::types::{InsertImage, Place, StoredArtifact};
 use crate::values::Cells;
 
@@ -33,8 +36,9 @@ impl Catalogue {
     /// [`CatalogueError`].
     pub async fn image(&self, job: &str, frame: u64) -> Result<Option<Value>, CatalogueError> {
         let found = sqlx::query(
-            "SELECT job_id, dataset, created_ms, record FROM images JOIN records USING (job_id, frame)
-             WHERE job_id = ? AND frame = ? AND job_id NOT IN (SELECT job_id FROM deletions)",
+            "SELECT images.job_id, images.frame, dataset, created_ms, digest, record, row_digest
+             FROM images LEFT JOIN records ON records.job_id = images.job_id AND records.frame = images.frame
+             WHERE images.job_id = ? AND images.frame = ? AND images.job_id NOT IN (SELECT job_id FROM deletions)",
         )
         .bind(job)
         .bind(number(frame))
@@ -55,9 +59,10 @@ impl Catalogue {
     ) -> Result<Vec<Value>, CatalogueError> {
         let mut reader = self.reader().await?;
         let rows = sqlx::query(
-            "SELECT job_id, dataset, created_ms, record FROM images JOIN records USING (job_id, frame)
-             WHERE job_id = ? AND frame > ? AND job_id NOT IN (SELECT job_id FROM deletions)
-             ORDER BY frame LIMIT ?",
+            "SELECT images.job_id, images.frame, dataset, created_ms, digest, record, row_digest
+             FROM images LEFT JOIN records ON records.job_id = images.job_id AND records.frame = images.frame
+             WHERE images.job_id = ? AND images.frame > ? AND images.job_id NOT IN (SELECT job_id FROM deletions)
+             ORDER BY images.frame LIMIT ?",
         )
         .bind(job)
         .bind(after.map_or(-1, number))
@@ -92,7 +97,18 @@ impl Catalogue {
         .bind(kind)
         .fetch_optional(&mut *self.reader().await?)
         .await?;
-        found.as_ref().map(|row| stored(kind, row)).transpose()
+        let found = found.as_ref().map(|row| stored(kind, row)).transpose()?;
+        let Some(image) = self.image(job, frame).await? else {
+            return Ok(None);
+        };
+        // Where it lies is only here: its bytes are verified. What it is stands in the record.
+        let entries = Vec::<ArtifactEntry>::deserialize(&image["artifacts"])?;
+        let entry = entries.into_iter().find(|entry| entry.kind == kind);
+        if found.as_ref().map(|artifact| &artifact.entry) != entry.as_ref() {
+            let what = format!("artifact `{kind}` of {job}/{frame}");
+            return Err(CatalogueError::damaged(what));
+        }
+        Ok(found)
     }
 }
 
@@ -120,14 +136,57 @@ fn stored(kind: &str, row: &SqliteRow) -> Result<StoredArtifact, CatalogueError>
     Ok(StoredArtifact { entry, place })
 }
 
+/// What a record's digest is over beside the record.
+pub(crate) struct About<'a> {
+    pub(crate) job: &'a str,
+    pub(crate) frame: i64,
+    pub(crate) dataset: &'a str,
+    pub(crate) created_ms: i64,
+    /// Of the frame.
+    pub(crate) digest: &'a str,
+}
+
+impl<'a> About<'a> {
+    /// `record_digest`: SHA-256 of the record.
+    pub(crate) fn row_digest(&self, record_digest: &str) -> i64 {
+        let mut digest = RowDigest::default();
+        digest.add_text("job_id", self.job);
+        digest.add_whole("frame", self.frame);
+        digest.add_text("dataset", self.dataset);
+        digest.add_whole("created_ms", self.created_ms);
+        digest.add_text("digest", self.digest);
+        digest.add_text("record", record_digest);
+        digest.end()
+    }
+
+    /// Reads a row that begins with its values, record and digest, and returns them with the record if they are what was stored.
+    pub(crate) fn verified(row: &'a SqliteRow) -> Result<(Self, Value), CatalogueError> {
+        let mut cells = Cells::new(row);
+        let about = Self {
+            job: cells.take()?,
+            frame: cells.take()?,
+            dataset: cells.take()?,
+            created_ms: cells.take()?,
+            digest: cells.take()?,
+        };
+        let (record, stored): (Option<&str>, Option<i64>) = (cells.take()?, cells.take()?);
+        let is_good = |record: &&str| stored == Some(about.row_digest(&spec::sha256(record.as_bytes())));
+        let Some(record) = record.filter(is_good) else {
+            return Err(CatalogueError::damaged(format!(
+                "the record of {}/{}",
+                about.job, about.frame
+            )));
+        };
+        Ok((about, serde_json::from_str(record)?))
+    }
+}
+
 fn image(row: &SqliteRow) -> Result<Value, CatalogueError> {
-    let mut cells = Cells::new(row);
-    let (job, dataset): (String, String) = (cells.take()?, cells.take()?);
-    let created_at = cells.time()?.to_string();
-    let mut image: Value = serde_json::from_str(cells.take()?)?;
+    let (about, mut image) = About::verified(row)?;
     if let Some(members) = image.as_object_mut() {
-        members.insert("job".to_owned(), job.into());
-        members.insert("dataset".to_owned(), dataset.into());
+        members.insert("job".to_owned(), about.job.into());
+        members.insert("dataset".to_owned(), about.dataset.into());
+        let created_at = UnixMs(about.created_ms as u64).to_string();
         members.insert("created_at".to_owned(), created_at.into());
     }
     Ok(image)

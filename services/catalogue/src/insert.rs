@@ -13,6 +13,7 @@ use sqlx::sqlite::SqliteConnection;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::Bind;
+use crate::images::About;
 use crate::progress;
 use crate::types::InsertImage;
 use crate::values::{Statement, bound};
@@ -29,6 +30,8 @@ pub struct NewImage {
     pub(crate) frame: i64,
     digest: String,
     record: String,
+    /// SHA-256 of the record.
+    record_digest: String,
     /// Of the wide columns, in their order.
     parameters: Vec<Option<Bind>>,
     /// Of each subject, in the order of the metrics. One that the catalogue does not know stays in the record only.
@@ -54,6 +57,7 @@ impl NewImage {
         offsets: &BTreeMap<String, u64>,
     ) -> Result<Self, CatalogueError> {
         let json = serde_json::to_value(record)?;
+        let text = json.to_string();
         let metrics = columns.metrics();
         let measured = record.measurements.iter().map(|(subject, values)| {
             let values = metrics.iter().map(|metric| values.get(metric).copied());
@@ -67,7 +71,8 @@ impl NewImage {
             job: job.to_owned(),
             frame: record.frame as i64,
             digest: record.digest(),
-            record: json.to_string(),
+            record_digest: spec::sha256(text.as_bytes()),
+            record: text,
             parameters: columns.stored_values(&json),
             measurements: measured.collect(),
             artifacts: artifacts.collect(),
@@ -134,7 +139,7 @@ async fn known(
     Ok(known.bind(json!(asked).to_string()).fetch_all(connection).await?)
 }
 
-async fn insert_rows(
+pub(crate) async fn insert_rows(
     connection: &mut SqliteConnection,
     columns: &Columns,
     new: &[(&NewImage, String, bool)],
@@ -163,9 +168,17 @@ async fn insert_rows(
     })
     .await?;
 
-    let head = "INSERT INTO records (job_id, frame, record)";
-    insert_all(connection, head, 3, new, |statement, (image, ..)| {
-        statement.bind(&image.job).bind(image.frame).bind(&image.record)
+    let head = "INSERT INTO records (job_id, frame, record, row_digest)";
+    insert_all(connection, head, 4, new, |statement, (image, dataset, _)| {
+        let about = About {
+            job: &image.job,
+            frame: image.frame,
+            dataset,
+            created_ms: image.now_ms as i64,
+            digest: &image.digest,
+        };
+        let fixed = statement.bind(&image.job).bind(image.frame).bind(&image.record);
+        fixed.bind(about.row_digest(&image.record_digest))
     })
     .await?;
 

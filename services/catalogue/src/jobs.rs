@@ -8,6 +8,7 @@ use crate::cursor;
 use crate::error::CatalogueError;
 use crate::job_state::JobState;
 use crate::recovery;
+use crate::row_digests::{Side, Table};
 use crate::types::{InsertJob, JobRow, NewJob, OpenJob, Page, Retried};
 use crate::values::Cells;
 use crate::versions::{Scope, refuse_sealed};
@@ -17,6 +18,25 @@ macro_rules! columns {
     () => {
         "id, dataset, state, frames, done, failed, bytes, version, created_ms, started_ms, finished_ms, digest,
          priority, spec_digest, set_location"
+    };
+}
+
+pub(crate) const TABLE: Table = Table {
+    name: "jobs",
+    columns: columns!(),
+    keys: 1,
+};
+
+pub(crate) const KEYS: Table = Table {
+    name: "idempotency_keys",
+    columns: "owner, key, body_digest, job_id",
+    keys: 2,
+};
+
+/// The same with the digest over them.
+macro_rules! digested {
+    () => {
+        concat!(columns!(), ", row_digest")
     };
 }
 
@@ -79,7 +99,7 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn twin(&self, job: &NewJob) -> Result<Option<JobRow>, CatalogueError> {
-        submit::twin(&mut *self.reader().await?, job).await
+        submit::twin(&mut *self.reader().await?, job, Side::Reader).await
     }
 
     /// A job.
@@ -87,7 +107,7 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn job(&self, id: &str) -> Result<Option<JobRow>, CatalogueError> {
-        get(&mut *self.reader().await?, id).await
+        get(&mut *self.reader().await?, id, Side::Reader).await
     }
 
     /// The canonical description of a job.
@@ -95,10 +115,14 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn description(&self, id: &str) -> Result<Option<String>, CatalogueError> {
-        let text = sqlx::query_scalar(
-            "SELECT spec FROM jobs WHERE id = ? AND id NOT IN (SELECT job_id FROM deletions)",
-        );
-        Ok(text.bind(id).fetch_optional(&mut *self.reader().await?).await?)
+        let found: Option<(String, String)> = sqlx::query_as(
+            "SELECT spec, spec_digest FROM jobs WHERE id = ? AND id NOT IN (SELECT job_id FROM deletions)",
+        )
+        .bind(id)
+        .fetch_optional(&mut *self.reader().await?)
+        .await?;
+        let text = |(spec, digest): (String, String)| intact(id, &spec, &digest).map(str::to_owned);
+        found.map(text).transpose()
     }
 
     /// Jobs, newest first.
@@ -118,18 +142,20 @@ impl Catalogue {
         within(list(&mut *self.reader().await?, dataset, state, limit, cursor)).await
     }
 
-    /// Jobs that are imported from sets, newest first.
+    /// Jobs that are imported from sets, newest first. Damaged ones are noted and left out.
     ///
     /// # Errors
     /// [`CatalogueError`].
     pub async fn imported_jobs(&self) -> Result<Vec<JobRow>, CatalogueError> {
         let rows = sqlx::query(concat!(
             "SELECT ",
-            columns!(),
+            digested!(),
             " FROM jobs WHERE set_location IS NOT NULL AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id DESC",
         ));
         let rows = rows.fetch_all(&mut *self.reader().await?).await?;
-        rows.iter().map(row).collect()
+        rows.iter()
+            .filter_map(|row| self.unless_damaged(verified(row, Side::Reader)))
+            .collect()
     }
 
     /// The job that is imported from a set.
@@ -137,10 +163,10 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn job_of_set(&self, set: &str) -> Result<Option<JobRow>, CatalogueError> {
-        of_set(&mut *self.reader().await?, set).await
+        of_set(&mut *self.reader().await?, set, Side::Reader).await
     }
 
-    /// Jobs that are to be rendered here and have not ended, with what is left of them.
+    /// Jobs that are to be rendered here and have not ended, with what is left of them. Damaged ones are noted and left out.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -148,7 +174,7 @@ impl Catalogue {
         let mut reader = self.reader().await?;
         let rows = sqlx::query(concat!(
             "SELECT ",
-            columns!(),
+            digested!(),
             " FROM jobs
               WHERE state IN ('queued', 'running', 'paused') AND set_location IS NULL
                 AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id",
@@ -156,7 +182,12 @@ impl Catalogue {
         let rows = rows.fetch_all(&mut *reader).await?;
         let mut open = Vec::with_capacity(rows.len());
         for found in &rows {
-            open.push(recovery::what_is_left(&mut reader, row(found)?).await?);
+            let row = match self.unless_damaged(verified(found, Side::Reader)) {
+                Some(row) => row?,
+                None => continue,
+            };
+            let left = recovery::what_is_left(&mut reader, row).await;
+            open.extend(self.unless_damaged(left).transpose()?);
         }
         Ok(open)
     }
@@ -170,32 +201,48 @@ impl Catalogue {
     }
 }
 
-async fn get(connection: &mut SqliteConnection, id: &str) -> Result<Option<JobRow>, CatalogueError> {
+/// A description, if it has its digest.
+pub(crate) fn intact<'a>(id: &str, spec: &'a str, digest: &str) -> Result<&'a str, CatalogueError> {
+    if spec::sha256(spec.as_bytes()) == digest {
+        return Ok(spec);
+    }
+    Err(CatalogueError::damaged(format!("the description of {id}")))
+}
+
+pub(crate) async fn get(
+    connection: &mut SqliteConnection,
+    id: &str,
+    side: Side,
+) -> Result<Option<JobRow>, CatalogueError> {
     let found = sqlx::query(concat!(
         "SELECT ",
-        columns!(),
+        digested!(),
         " FROM jobs WHERE id = ?1 AND id NOT IN (SELECT job_id FROM deletions)",
     ))
     .bind(id)
     .fetch_optional(connection)
     .await?;
-    found.as_ref().map(row).transpose()
+    found.as_ref().map(|row| verified(row, side)).transpose()
 }
 
-async fn of_set(connection: &mut SqliteConnection, set: &str) -> Result<Option<JobRow>, CatalogueError> {
+async fn of_set(
+    connection: &mut SqliteConnection,
+    set: &str,
+    side: Side,
+) -> Result<Option<JobRow>, CatalogueError> {
     let found = sqlx::query(concat!(
         "SELECT ",
-        columns!(),
+        digested!(),
         " FROM jobs WHERE set_location = ? AND id NOT IN (SELECT job_id FROM deletions)",
     ))
     .bind(set)
     .fetch_optional(connection)
     .await?;
-    found.as_ref().map(row).transpose()
+    found.as_ref().map(|row| verified(row, side)).transpose()
 }
 
 async fn known_job(connection: &mut SqliteConnection, id: &str) -> Result<JobRow, CatalogueError> {
-    get(connection, id)
+    get(connection, id, Side::Writer)
         .await?
         .ok_or_else(|| CatalogueError::not_found("job", id))
 }
@@ -212,7 +259,7 @@ async fn list(
     // Each condition only where it is asked for: an `OR` around it would keep the index from being used.
     let mut sql = concat!(
         "SELECT ",
-        columns!(),
+        digested!(),
         " FROM jobs WHERE id NOT IN (SELECT job_id FROM deletions)"
     )
     .to_owned();
@@ -240,7 +287,10 @@ async fn list(
         statement = statement.bind(version as i64);
     }
     let rows = statement.bind(i64::from(limit) + 1).fetch_all(connection).await?;
-    let items = rows.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    let items = rows
+        .iter()
+        .map(|row| verified(row, Side::Reader))
+        .collect::<Result<Vec<_>, _>>()?;
     Ok(cursor::page(&question, items, limit, |job| &job.id))
 }
 
@@ -326,6 +376,11 @@ fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
         from: job.state.to_string(),
         to: to.to_owned(),
     }
+}
+
+fn verified(found: &SqliteRow, side: Side) -> Result<JobRow, CatalogueError> {
+    TABLE.verify(found, side)?;
+    row(found)
 }
 
 fn row(row: &SqliteRow) -> Result<JobRow, CatalogueError> {

@@ -5,7 +5,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 12] = [
+const FILES: [(&str, &str); 14] = [
     (
         "catalogue",
         include_str!("../../../migrations/0001_catalogue.sql"),
@@ -27,6 +27,8 @@ const FILES: [(&str, &str); 12] = [
     ),
     ("versions", include_str!("../../../migrations/0011_versions.sql")),
     ("poses", include_str!("../../../migrations/0012_poses.sql")),
+    ("digests", include_str!("../../../migrations/0013_digests.sql")),
+    ("folder", include_str!("../../../migrations/0014_folder.sql")),
 ];
 
 /// The migrator that brings any older catalogue up to date.

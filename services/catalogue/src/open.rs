@@ -14,6 +14,7 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::fill::{add_columns, fill};
 use crate::migrations::migrator;
+use crate::row_digests;
 use crate::writer::Writer;
 
 /// Earlier versions can damage the write-ahead log when it is reset.
@@ -74,6 +75,7 @@ impl Catalogue {
             })?;
         let columns = Columns::new(metrics);
         add_columns(&mut connection, &columns).await?;
+        row_digests::prepare(&mut connection).await?;
         fill(&mut connection, &columns).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
@@ -87,6 +89,7 @@ impl Catalogue {
             columns,
             readers,
             reads: AtomicU64::new(0),
+            damage: Mutex::default(),
             writer: Mutex::new(Some(writer)),
             task: Mutex::new(Some(task)),
         })

@@ -10,6 +10,8 @@ use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
 use crate::filter::{Bind, Column, FilterError, Kind, OFFSET};
+use crate::found::{self, Found};
+use crate::images::About;
 use crate::select::Select;
 use crate::types::{ImageQuery, Page};
 
@@ -52,13 +54,13 @@ async fn images(
     let mut next_cursor = None;
     while let Some(row) = rows.try_next().await? {
         if items.len() == query.limit as usize || bytes >= PAGE_BYTES {
-            let places = last.map(|row| question.order.place(&row, question.names.len()));
+            let places = last.map(|row| question.place(&row));
             next_cursor = places
                 .transpose()?
                 .map(|place| cursor::write(&question.identity, &place));
             break;
         }
-        let item = item(&row, &question.names)?;
+        let item = question.item(&row)?;
         bytes += size(&item);
         items.push(Value::Object(item));
         last = Some(row);
@@ -76,14 +78,23 @@ fn size(item: &Map<String, Value>) -> usize {
         .sum()
 }
 
-/// A page as a statement.
+/// A page as a statement, of which the first columns are those of [`Columns::of_record`].
 struct Question {
     sql: Select,
-    /// The fields of an item, with what they hold.
-    names: Vec<(String, Kind)>,
-    order: Order,
+    /// The fields of an item.
+    fields: Vec<(String, Shown)>,
+    /// What filter and order asked: it must be what the record has.
+    compared: Vec<(usize, Kind, Found)>,
+    /// Where the value of the order's column stands.
+    key: Option<usize>,
     /// What a cursor belongs to.
     identity: String,
+}
+
+/// Where a field's value comes from.
+enum Shown {
+    Record(Found),
+    Cell(usize, Kind),
 }
 
 impl Question {
@@ -97,17 +108,30 @@ impl Question {
             let message = format!("{} fields; there may be {MOST_FIELDS}", names.len());
             return Err(CatalogueError::refused(message));
         }
-        let mut selected = names
-            .iter()
-            .map(|name| column(columns, name))
-            .collect::<Result<Vec<_>, _>>()?;
-        let kinds: Vec<Kind> = selected.iter().map(|column| column.kind).collect();
-        let order = Order::parse(columns, query.order_by.as_deref())?;
-        // The cursor needs the place of the last row, whatever was asked for.
-        selected.extend([column(columns, "job")?, column(columns, "frame")?]);
-        selected.extend(order.column.clone());
-
         let (filter, dataset) = (query.filter.as_deref(), query.dataset.as_deref());
+        let mut selected = columns.of_record();
+        let mut fields = Vec::with_capacity(names.len());
+        for name in names {
+            let column = column(columns, &name)?;
+            let shown = match &column.found {
+                Some(found) => Shown::Record(found.clone()),
+                None => Shown::Cell(selected.len(), column.kind),
+            };
+            if let Shown::Cell(..) = shown {
+                selected.push(column);
+            }
+            fields.push((name, shown));
+        }
+        let order = Order::parse(columns, query.order_by.as_deref())?;
+        let key = order.column.as_ref().map(|_| selected.len());
+        let asked = Select::filter(columns, filter)?.map_or_else(Vec::new, |filter| filter.asked);
+        let mut compared = Vec::new();
+        for column in order.column.iter().cloned().chain(asked) {
+            if let Some(found) = &column.found {
+                compared.push((selected.len(), column.kind, found.clone()));
+            }
+            selected.push(column);
+        }
         let mut sql = Select::new(columns, &selected, filter, dataset)?;
         let identity = cursor::question(&[dataset, filter, query.order_by.as_deref()]);
         if let Some(text) = &query.cursor {
@@ -118,10 +142,39 @@ impl Question {
         sql.bind(Bind::Whole(i64::from(query.limit) + 1));
         Ok(Self {
             sql,
-            names: names.into_iter().zip(kinds).collect(),
-            order,
+            fields,
+            compared,
+            key,
             identity,
         })
+    }
+
+    /// A row as an object; what is missing is left out.
+    fn item(&self, row: &SqliteRow) -> Result<Map<String, Value>, CatalogueError> {
+        let (about, record) = About::verified(row)?;
+        for (at, kind, found) in &self.compared {
+            if value(row, *at, *kind)? != found.of(&record) {
+                let what = format!("a parameter or metric of {}/{}", about.job, about.frame);
+                return Err(CatalogueError::damaged(what));
+            }
+        }
+        let mut item = Map::new();
+        for (name, shown) in &self.fields {
+            let value = match shown {
+                Shown::Record(found) => found.of(&record),
+                Shown::Cell(at, kind) => value(row, *at, *kind)?,
+            };
+            if !value.is_null() {
+                item.insert(name.clone(), value);
+            }
+        }
+        Ok(item)
+    }
+
+    /// Where a row stands: the value of the order column, job, frame.
+    fn place(&self, row: &SqliteRow) -> Result<Value, CatalogueError> {
+        let key = self.key.map(|at| stored(row, at)).transpose()?;
+        Ok(json!([key, stored(row, 0)?, stored(row, 1)?]))
     }
 }
 
@@ -199,28 +252,6 @@ impl Order {
         sql.push(")");
         Ok(())
     }
-
-    /// Where a row stands: the value of the order column, job, frame.
-    fn place(&self, row: &SqliteRow, fields: usize) -> Result<Value, CatalogueError> {
-        let key = if self.column.is_some() {
-            stored(row, fields + 2)?
-        } else {
-            Value::Null
-        };
-        Ok(json!([key, stored(row, fields)?, stored(row, fields + 1)?]))
-    }
-}
-
-/// A row as an object; what is missing is left out.
-fn item(row: &SqliteRow, names: &[(String, Kind)]) -> Result<Map<String, Value>, CatalogueError> {
-    let mut item = Map::new();
-    for (index, (name, kind)) in names.iter().enumerate() {
-        let value = value(row, index, *kind)?;
-        if !value.is_null() {
-            item.insert(name.clone(), value);
-        }
-    }
-    Ok(item)
 }
 
 /// A value as it is meant: SQLite has no booleans and no numbers from 2^63 on, and keeps whole numbers of old catalogues
@@ -255,16 +286,7 @@ fn stored(row: &SqliteRow, index: usize) -> Result<Value, CatalogueError> {
     }
     match raw.type_info().name() {
         "INTEGER" => Ok(json!(row.try_get_unchecked::<i64, _>(index)?)),
-        "REAL" => {
-            let number = row.try_get_unchecked::<f64, _>(index)?;
-            // Whole ones read better as whole numbers, and were returned so when all numbers were doubles.
-            let whole = number.fract() == 0.0 && number.abs() < 9e15;
-            Ok(if whole {
-                json!(number as i64)
-            } else {
-                json!(number)
-            })
-        }
+        "REAL" => Ok(found::number(row.try_get_unchecked(index)?)),
         _ => Ok(json!(row.try_get_unchecked::<String, _>(index)?)),
     }
 }

@@ -7,9 +7,16 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
+use crate::row_digests::{Side, Table};
 use crate::types::{FailureRow, JobRow, OpenJob};
 use crate::values::Cells;
 use crate::{images, progress};
+
+pub(crate) const FAILURES: Table = Table {
+    name: "failures",
+    columns: "job_id, frame, strikes, quarantined, error",
+    keys: 2,
+};
 
 impl Catalogue {
     /// Records a failed attempt.
@@ -104,7 +111,7 @@ async fn failures(
     limit: u32,
 ) -> Result<Vec<FailureRow>, CatalogueError> {
     let rows = sqlx::query(
-        "SELECT frame, strikes, quarantined, error FROM failures
+        "SELECT job_id, frame, strikes, quarantined, error, row_digest FROM failures
          WHERE job_id = ? AND frame > ? AND job_id NOT IN (SELECT job_id FROM deletions)
          ORDER BY frame LIMIT ?",
     )
@@ -113,8 +120,10 @@ async fn failures(
     .bind(limit)
     .fetch_all(connection)
     .await?;
-    let failure = |row: &SqliteRow| -> Result<FailureRow, sqlx::Error> {
+    let failure = |row: &SqliteRow| -> Result<FailureRow, CatalogueError> {
+        FAILURES.verify(row, Side::Reader)?;
         let mut cells = Cells::new(row);
+        cells.take::<&str>()?;
         Ok(FailureRow {
             frame: cells.count()?,
             strikes: cells.take()?,
@@ -122,5 +131,5 @@ async fn failures(
             error: cells.take()?,
         })
     };
-    Ok(rows.iter().map(failure).collect::<Result<_, _>>()?)
+    rows.iter().map(failure).collect()
 }

@@ -6,6 +6,7 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use crate::catalogue::Catalogue;
 use crate::cursor;
 use crate::error::CatalogueError;
+use crate::row_digests::{Side, Table};
 use crate::types::{Page, SceneRow};
 use crate::values::Cells;
 
@@ -16,6 +17,19 @@ macro_rules! columns {
          focal_px, cx, cy, created_ms, classes, world_from_camera"
     };
 }
+
+/// The same with the digest over them.
+macro_rules! digested {
+    () => {
+        concat!(columns!(), ", row_digest")
+    };
+}
+
+pub(crate) const TABLE: Table = Table {
+    name: "scenes",
+    columns: columns!(),
+    keys: 1,
+};
 
 impl Catalogue {
     /// Stores a scene, unless one of the same content is stored. Returns the row of the one that is, and whether it is
@@ -33,9 +47,7 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn scene(&self, id: &str) -> Result<Option<SceneRow>, CatalogueError> {
-        let found = sqlx::query(concat!("SELECT ", columns!(), " FROM scenes WHERE id = ?"));
-        let found = found.bind(id).fetch_optional(&mut *self.reader().await?).await?;
-        Ok(found.as_ref().map(row).transpose()?)
+        get(&mut *self.reader().await?, id).await
     }
 
     /// Those of these scenes that there are, in no order.
@@ -48,12 +60,12 @@ impl Catalogue {
         }
         let found = sqlx::query(concat!(
             "SELECT ",
-            columns!(),
+            digested!(),
             " FROM scenes WHERE id IN (SELECT value FROM json_each(?))"
         ));
         let found = found.bind(serde_json::to_string(ids)?);
         let rows = found.fetch_all(&mut *self.reader().await?).await?;
-        Ok(rows.iter().map(row).collect::<Result<_, _>>()?)
+        rows.iter().map(|row| verified(row, Side::Reader)).collect()
     }
 
     /// The first of these scenes that is not there.
@@ -89,16 +101,28 @@ impl Catalogue {
         let question = cursor::question(&[Some("scenes")]);
         let rows = sqlx::query(concat!(
             "SELECT ",
-            columns!(),
+            digested!(),
             " FROM scenes WHERE ?1 IS NULL OR id < ?1 ORDER BY id DESC LIMIT ?2"
         ))
         .bind(cursor::read_id(&question, cursor.as_deref())?)
         .bind(i64::from(limit) + 1)
         .fetch_all(&mut *self.reader().await?)
         .await?;
-        let items = rows.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+        let items = rows
+            .iter()
+            .map(|row| verified(row, Side::Reader))
+            .collect::<Result<Vec<_>, _>>()?;
         Ok(cursor::page(&question, items, limit, |scene| &scene.id))
     }
+}
+
+pub(crate) async fn get(
+    connection: &mut SqliteConnection,
+    id: &str,
+) -> Result<Option<SceneRow>, CatalogueError> {
+    let found = sqlx::query(concat!("SELECT ", digested!(), " FROM scenes WHERE id = ?"));
+    let found = found.bind(id).fetch_optional(connection).await?;
+    found.as_ref().map(|row| verified(row, Side::Reader)).transpose()
 }
 
 async fn insert(
@@ -136,11 +160,11 @@ async fn insert(
     }
     let earlier = sqlx::query(concat!(
         "SELECT ",
-        columns!(),
+        digested!(),
         " FROM scenes WHERE content_digest = ?"
     ));
     let earlier = earlier.bind(&scene.content_digest).fetch_one(connection).await?;
-    Ok((row(&earlier)?, false))
+    Ok((verified(&earlier, Side::Writer)?, false))
 }
 
 async fn delete(connection: &mut SqliteConnection, id: &str) -> Result<(), CatalogueError> {
@@ -177,6 +201,11 @@ async fn delete(connection: &mut SqliteConnection, id: &str) -> Result<(), Catal
             .await?;
     }
     Ok(())
+}
+
+fn verified(found: &SqliteRow, side: Side) -> Result<SceneRow, CatalogueError> {
+    TABLE.verify(found, side)?;
+    Ok(row(found)?)
 }
 
 fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {

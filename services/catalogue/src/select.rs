@@ -8,7 +8,7 @@ use sqlx::AssertSqlSafe;
 
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::filter::{self, Bind, Column, Join};
+use crate::filter::{self, Bind, Column, Compiled, Join};
 use crate::values::{Statement, bound};
 use crate::versions::Scope;
 
@@ -30,9 +30,7 @@ impl Select {
         filter: Option<&str>,
         dataset: Option<&str>,
     ) -> Result<Self, CatalogueError> {
-        let filter = filter.filter(|text| !text.trim().is_empty());
-        let filter = filter.map(|text| filter::compile(text, &|name| columns.get(name), &columns.names()));
-        let filter = filter.transpose()?;
+        let filter = Self::filter(columns, filter)?;
         let mut joins: BTreeSet<Join> = selected.iter().filter_map(|column| column.join.clone()).collect();
         joins.extend(filter.iter().flat_map(|filter| filter.joins.clone()));
         let mut sql = Self::default();
@@ -51,6 +49,13 @@ impl Select {
             sql.restrict(Scope::parse(dataset));
         }
         Ok(sql)
+    }
+
+    /// A filter, unless it is empty.
+    pub(crate) fn filter(columns: &Columns, text: Option<&str>) -> Result<Option<Compiled>, CatalogueError> {
+        let text = text.filter(|text| !text.trim().is_empty());
+        let filter = text.map(|text| filter::compile(text, &|name| columns.get(name), &columns.names()));
+        Ok(filter.transpose()?)
     }
 
     /// Left joins with conditions that SQLite cannot see through: it goes through the images in the order of their

@@ -11,7 +11,7 @@ use crate::error::CatalogueError;
 use crate::open::wal_path;
 
 /// Most findings of one kind, as many as SQLite lists of its own; a damaged file may have millions.
-const MOST_FINDINGS: u32 = 100;
+pub(crate) const MOST_FINDINGS: u32 = 100;
 
 impl Catalogue {
     /// Writes a consistent copy while the service runs. The file appears whole or not at all; one that is there stays.
@@ -70,7 +70,7 @@ impl Catalogue {
     }
 
     /// A connection for something long: it takes no place among the readers.
-    async fn apart(&self) -> Result<SqliteConnection, CatalogueError> {
+    pub(crate) async fn apart(&self) -> Result<SqliteConnection, CatalogueError> {
         let options = SqliteConnectOptions::new().filename(&self.path);
         Ok(options.disable_statement_logging().connect().await?)
     }

@@ -5,11 +5,14 @@ mod seal;
 
 use serde::Serialize;
 use serde_json::Value;
+use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use utoipa::ToSchema;
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
+use crate::jobs;
+use crate::row_digests::{Side, Table};
 use crate::time::UnixMs;
 use crate::types::DatasetRow;
 use crate::values::Cells;
@@ -74,10 +77,22 @@ pub struct SealedImage {
 /// The columns of a [`VersionRow`], as [`row`] reads them.
 macro_rules! columns {
     () => {
-        "dataset, version, root, images, bytes, code_versions, created_ms,
+        "dataset, version, root, images, bytes, code_versions, created_ms, unsealed_ms, row_digest,
          (SELECT count(*) FROM version_jobs j WHERE j.dataset = versions.dataset AND j.version = versions.version)"
     };
 }
+
+pub(crate) const TABLE: Table = Table {
+    name: "versions",
+    columns: "dataset, version, root, images, bytes, code_versions, created_ms, unsealed_ms",
+    keys: 2,
+};
+
+pub(crate) const JOBS: Table = Table {
+    name: "version_jobs",
+    columns: "dataset, version, job_id, root",
+    keys: 3,
+};
 
 impl Catalogue {
     /// The sealed versions of a dataset, the oldest first.
@@ -91,7 +106,7 @@ impl Catalogue {
             " FROM versions WHERE dataset = ? AND unsealed_ms IS NULL ORDER BY version"
         ));
         let rows = rows.bind(dataset).fetch_all(&mut *self.reader().await?).await?;
-        rows.iter().map(row).collect()
+        rows.iter().map(|found| row(found, Side::Reader)).collect()
     }
 
     /// A sealed version.
@@ -99,7 +114,7 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn version(&self, dataset: &str, version: u64) -> Result<Option<VersionRow>, CatalogueError> {
-        get(&mut *self.reader().await?, dataset, version).await
+        get(&mut *self.reader().await?, dataset, version, Side::Reader).await
     }
 
     /// The jobs of a sealed version in the order of its root.
@@ -107,23 +122,30 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn version_jobs(&self, dataset: &str, version: u64) -> Result<Vec<VersionJob>, CatalogueError> {
-        let rows: Vec<(String, String, i64, String)> = sqlx::query_as(
-            "SELECT id, root, done, spec FROM version_jobs JOIN jobs ON id = job_id
+        let mut reader = self.reader().await?;
+        let rows = sqlx::query(
+            "SELECT version_jobs.dataset, version_jobs.version, job_id, root, version_jobs.row_digest, spec, spec_digest
+             FROM version_jobs JOIN jobs ON id = job_id
              WHERE version_jobs.dataset = ? AND version_jobs.version = ? ORDER BY spec_digest, root, id",
         )
         .bind(dataset)
         .bind(version as i64)
-        .fetch_all(&mut *self.reader().await?)
+        .fetch_all(&mut *reader)
         .await?;
-        let job = |(id, root, images, spec): (String, String, i64, String)| {
-            Ok(VersionJob {
+        let mut jobs = Vec::with_capacity(rows.len());
+        for row in &rows {
+            JOBS.verify(row, Side::Reader)?;
+            let id: String = row.try_get(2)?;
+            let job = jobs::get(&mut reader, &id, Side::Reader).await?;
+            let job = job.ok_or_else(|| CatalogueError::not_found("job", &id))?;
+            jobs.push(VersionJob {
+                root: row.try_get(3)?,
+                images: job.done,
+                description: serde_json::from_str(jobs::intact(&id, row.try_get(5)?, row.try_get(6)?)?)?,
                 id,
-                root,
-                images: images as u64,
-                description: serde_json::from_str(&spec)?,
-            })
-        };
-        rows.into_iter().map(job).collect()
+            });
+        }
+        Ok(jobs)
     }
 
     /// Images of a job by frame, those after a frame.
@@ -181,6 +203,7 @@ async fn get(
     connection: &mut SqliteConnection,
     dataset: &str,
     version: u64,
+    side: Side,
 ) -> Result<Option<VersionRow>, CatalogueError> {
     let found = sqlx::query(concat!(
         "SELECT ",
@@ -192,7 +215,7 @@ async fn get(
         .fetch_optional(connection)
         .await?
         .as_ref()
-        .map(row)
+        .map(|found| row(found, side))
         .transpose()
 }
 
@@ -214,7 +237,8 @@ pub(crate) async fn refuse_sealed(
     })
 }
 
-fn row(row: &SqliteRow) -> Result<VersionRow, CatalogueError> {
+fn row(row: &SqliteRow, side: Side) -> Result<VersionRow, CatalogueError> {
+    TABLE.verify(row, side)?;
     let mut cells = Cells::new(row);
     let (dataset, version) = (cells.take::<String>()?, cells.count()?);
     Ok(VersionRow {
@@ -226,6 +250,9 @@ fn row(row: &SqliteRow) -> Result<VersionRow, CatalogueError> {
         bytes: cells.count()?,
         code_versions: serde_json::from_str(cells.take()?)?,
         created_at: cells.time()?,
-        jobs: cells.count()?,
+        jobs: {
+            let (_unsealed, _digest) = (cells.optional_time()?, cells.take::<Option<i64>>()?);
+            cells.count()?
+        },
     })
 }

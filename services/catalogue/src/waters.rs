@@ -2,7 +2,15 @@
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
+use crate::row_digests::{Side, Table};
 use crate::time::UnixMs;
+use crate::values::Cells;
+
+pub(crate) const TABLE: Table = Table {
+    name: "waters",
+    columns: "name, description, created_ms",
+    keys: 1,
+};
 
 /// A water of a user's own.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,21 +44,26 @@ impl Catalogue {
         .await
     }
 
-    /// All waters in the order of their names.
+    /// All waters in the order of their names. Damaged ones are noted and left out.
     ///
     /// # Errors
     /// [`CatalogueError`].
     pub async fn waters(&self) -> Result<Vec<WaterRow>, CatalogueError> {
-        let rows: Vec<(String, String, i64)> =
-            sqlx::query_as("SELECT name, description, created_ms FROM waters ORDER BY name")
-                .fetch_all(&mut *self.reader().await?)
-                .await?;
-        let water = |(name, description, created_ms)| WaterRow {
-            name,
-            description,
-            created_at: UnixMs(created_ms as u64),
+        let rows = sqlx::query("SELECT name, description, created_ms, row_digest FROM waters ORDER BY name")
+            .fetch_all(&mut *self.reader().await?)
+            .await?;
+        let water = |row| {
+            TABLE.verify(row, Side::Reader)?;
+            let mut cells = Cells::new(row);
+            Ok(WaterRow {
+                name: cells.take()?,
+                description: cells.take()?,
+                created_at: cells.time()?,
+            })
         };
-        Ok(rows.into_iter().map(water).collect())
+        rows.iter()
+            .filter_map(|row| self.unless_damaged(water(row)))
+            .collect()
     }
 
     /// Deletes a water; returns whether there was one. Jobs hold its numbers and go on.

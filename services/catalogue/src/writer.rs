@@ -14,6 +14,7 @@ use tokio::time::{Instant, timeout_at};
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::insert::{self, NewImage};
+use crate::row_digests;
 use crate::types::InsertImage;
 
 /// Operations that may wait for the writer: beyond it callers wait to be taken on, which slows them down before memory
@@ -178,6 +179,9 @@ async fn group(
     }
     if failure.is_none() {
         failure = store(connection, columns, &mut images, &mut replies).await;
+    }
+    if failure.is_none() {
+        failure = row_digests::fill(connection).await.err();
     }
     if failure.is_none() {
         faults::point("catalogue.written");

@@ -69,7 +69,7 @@ impl Store {
     }
 
     /// Moves the blobs of a pack to the one that grows; returns their bytes. Damaged ones stay, and so does the pack.
-    async fn empty(&self, pack: u32) -> Result<u64, StoreError> {
+    pub(crate) async fn empty(&self, pack: u32) -> Result<u64, StoreError> {
         let (mut step, mut in_step, mut moved) = (Vec::new(), 0, 0);
         let blobs = self.index().blobs_of(pack);
         for digest in blobs {
@@ -112,6 +112,7 @@ impl Store {
         for pack in packs {
             self.copy(pack, &copies).await?;
         }
+        self.copy_folder(&copies.0)?;
         copies.sync()
     }
 

@@ -179,6 +179,10 @@ impl Index {
         self.newest + 1
     }
 
+    pub(crate) fn digests(&self) -> Vec<[u8; 32]> {
+        self.places.keys().map(|digest| digest.0).collect()
+    }
+
     /// The blobs of a pack.
     pub(crate) fn blobs_of(&self, pack: u32) -> Vec<Digest> {
         let of = self.places.iter().filter(|(_, place)| place.pack == pack);

@@ -14,6 +14,7 @@
 //! Which pack holds a digest is kept in memory, 50 to 85 bytes a blob, and read from the packs at start. There is no
 //! index file that could disagree with them.
 
+mod check;
 mod compaction;
 mod digest;
 mod error;

@@ -25,7 +25,7 @@ pub fn job(id: &str, dataset: &str, frames: u64, now_ms: u64) -> NewJob {
         id: id.to_owned(),
         dataset: dataset.to_owned(),
         spec: spec.to_string(),
-        spec_digest: digest_like(id, 0),
+        spec_digest: spec::sha256(spec.to_string().as_bytes()),
         frames,
         priority: 0,
         created_at: UnixMs(now_ms),

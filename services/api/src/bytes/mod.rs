@@ -5,6 +5,7 @@ pub(crate) mod reclaim;
 pub(crate) mod routes;
 pub(crate) mod sets;
 pub(crate) mod space;
+pub(crate) mod unnamed;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,7 +29,7 @@ pub(crate) struct Bytes {
     pub(crate) upkeep: Mutex<()>,
     /// Notified after each deletion.
     pub(crate) reclaim: Notify,
-    catalogue: Arc<Catalogue>,
+    pub(crate) catalogue: Arc<Catalogue>,
 }
 
 impl Bytes {

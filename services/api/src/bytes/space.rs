@@ -10,6 +10,7 @@ use axum::extract::{Request, State};
 use axum::middleware::Next;
 use axum::response::Response;
 
+use crate::bytes::Bytes;
 use crate::http::failure::storage_full;
 use crate::http::problem::{Problem, Slug};
 
@@ -33,7 +34,7 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    /// Writes the reserve, if there is room for it.
+    /// Writes the reserve, if there is room for it. If there is none for the probe, either, the disk is full from the start.
     pub(crate) fn new(folder: &Path, reserve_bytes: u64) -> Self {
         let space = Self {
             folder: folder.to_owned(),
@@ -44,6 +45,7 @@ impl Space {
         };
         if let Err(error) = space.lay_aside() {
             tracing::warn!(%error, "there is no room for a reserve: on a full disk nothing can be deleted");
+            space.full.store(space.probe().is_err(), Ordering::SeqCst);
         }
         space
     }
@@ -91,7 +93,10 @@ impl Space {
         if self.in_use.load(Ordering::SeqCst) {
             return Err(io::ErrorKind::StorageFull.into());
         }
-        self.lay_aside()?;
+        let laid_aside = self.lay_aside();
+        if self.given.load(Ordering::SeqCst) {
+            laid_aside?;
+        }
         let written = std::fs::write(&path, vec![1; PROBE_BYTES]);
         let removed = std::fs::remove_file(&path);
         written.and(removed)
@@ -130,12 +135,13 @@ fn fill(mut file: File, bytes: u64) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Middleware that notices responses reporting a full disk.
-pub(crate) async fn note(State(space): State<Arc<Space>>, request: Request, next: Next) -> Response {
+/// Middleware that notices responses reporting a full disk or damage.
+pub(crate) async fn note(State(bytes): State<Arc<Bytes>>, request: Request, next: Next) -> Response {
     let response = next.run(request).await;
-    let problem = response.extensions().get::<Problem>();
-    if problem.is_some_and(|problem| problem.is(Slug::StorageFull)) {
-        space.full.store(true, Ordering::SeqCst);
+    match response.extensions().get::<Problem>() {
+        Some(problem) if problem.is(Slug::StorageFull) => bytes.space.full.store(true, Ordering::SeqCst),
+        Some(problem) if problem.is(Slug::CorruptArtifact) => bytes.catalogue.note_damage(problem.detail()),
+        _ => {}
     }
     response
 }

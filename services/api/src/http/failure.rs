@@ -28,6 +28,10 @@ impl From<CatalogueError> for Problem {
             | CatalogueError::Contradicted { .. } => Self::new(Slug::JobState, error.to_string()),
             CatalogueError::Timeout { .. } => Self::new(Slug::QueryTooSlow, error.to_string()),
             CatalogueError::Busy => Self::overloaded(error.to_string()),
+            CatalogueError::Damaged { .. } => {
+                tracing::error!(%error, "the catalogue is damaged");
+                Self::new(Slug::CorruptArtifact, error.to_string())
+            }
             CatalogueError::Closed => Self::overloaded("the service is stopping"),
             CatalogueError::SqliteTooOld { .. }
             | CatalogueError::Open { .. }
@@ -48,9 +52,11 @@ impl From<StoreError> for Problem {
                 Self::new(Slug::CorruptArtifact, error.to_string())
             }
             StoreError::Closed => Self::overloaded("the service is stopping"),
-            StoreError::Pack { .. } | StoreError::Damaged { .. } | StoreError::Failed { .. } => {
-                Self::internal(&error)
+            StoreError::Damaged { .. } => {
+                tracing::error!(%error, "a pack of artifacts is damaged");
+                Self::new(Slug::CorruptArtifact, error.to_string())
             }
+            StoreError::Pack { .. } | StoreError::Failed { .. } => Self::internal(&error),
         }
     }
 }

@@ -26,6 +26,7 @@ pub(crate) fn compile(
         depth: 0,
         binds: Vec::new(),
         joins: BTreeSet::new(),
+        asked: Vec::new(),
     };
     let sql = parser.either()?;
     if parser.next < parser.tokens.len() {
@@ -35,6 +36,7 @@ pub(crate) fn compile(
         sql,
         binds: parser.binds,
         joins: parser.joins,
+        asked: parser.asked,
     })
 }
 
@@ -47,6 +49,7 @@ struct Parser<'a> {
     depth: usize,
     binds: Vec<Bind>,
     joins: BTreeSet<Join>,
+    asked: Vec<Column>,
 }
 
 impl Parser<'_> {
@@ -97,6 +100,9 @@ impl Parser<'_> {
         })?;
         self.binds.extend(column.binds.iter().cloned());
         self.joins.extend(column.join.clone());
+        if column.found.is_some() && !self.asked.contains(&column) {
+            self.asked.push(column.clone());
+        }
         let sql = &column.sql;
         // Two-valued: what is missing compares as false. Where nothing is missing an index can be used.
         let known = |condition: String| {

@@ -1,10 +1,12 @@
 //! A job on its way in, and the jobs that it may repeat.
 
+use sqlx::Row;
 use sqlx::sqlite::SqliteConnection;
 
-use super::{known_job, of_set, row};
+use super::{KEYS, known_job, of_set, row, verified};
 use crate::error::CatalogueError;
 use crate::job_state::JobState;
+use crate::row_digests::Side;
 use crate::types::{InsertJob, JobRow, NewJob};
 
 /// Stores a job, unless it repeats one.
@@ -13,13 +15,16 @@ pub(super) async fn insert(
     job: &NewJob,
 ) -> Result<InsertJob, CatalogueError> {
     if let Some(key) = &job.idempotency {
-        let known: Option<(String, String)> =
-            sqlx::query_as("SELECT body_digest, job_id FROM idempotency_keys WHERE owner = ? AND key = ?")
-                .bind(&key.owner)
-                .bind(&key.key)
-                .fetch_optional(&mut *connection)
-                .await?;
-        if let Some((digest, id)) = known {
+        let known = sqlx::query(
+            "SELECT owner, key, body_digest, job_id, row_digest FROM idempotency_keys WHERE owner = ? AND key = ?",
+        )
+        .bind(&key.owner)
+        .bind(&key.key)
+        .fetch_optional(&mut *connection)
+        .await?;
+        if let Some(known) = known {
+            KEYS.verify(&known, Side::Writer)?;
+            let (digest, id): (String, String) = (known.try_get(2)?, known.try_get(3)?);
             return if digest == key.body_digest {
                 Ok(InsertJob::Replayed(known_job(connection, &id).await?))
             } else {
@@ -28,11 +33,11 @@ pub(super) async fn insert(
         }
     }
     if let Some(set) = &job.set
-        && let Some(known) = of_set(connection, set).await?
+        && let Some(known) = of_set(connection, set, Side::Writer).await?
     {
         return Ok(InsertJob::Replayed(known));
     }
-    let warnings = match twin(connection, job).await? {
+    let warnings = match twin(connection, job, Side::Writer).await? {
         Some(twin) if twin.state == JobState::Done => {
             keep_key(connection, job, &twin.id).await?;
             return Ok(InsertJob::Complete(twin));
@@ -87,8 +92,9 @@ async fn keep_key(connection: &mut SqliteConnection, job: &NewJob, id: &str) -> 
 pub(super) async fn twin(
     connection: &mut SqliteConnection,
     job: &NewJob,
+    side: Side,
 ) -> Result<Option<JobRow>, CatalogueError> {
-    let found = of_description(connection, job).await?;
+    let found = of_description(connection, job, side).await?;
     Ok(found.map(|mut twin| {
         let JobRow { id, dataset, state, .. } = &twin;
         let warning = match state {
@@ -108,13 +114,14 @@ pub(super) async fn twin(
 async fn of_description(
     connection: &mut SqliteConnection,
     job: &NewJob,
+    side: Side,
 ) -> Result<Option<JobRow>, CatalogueError> {
     if job.again {
         return Ok(None);
     }
     let found = sqlx::query(concat!(
         "SELECT ",
-        columns!(),
+        digested!(),
         " FROM jobs WHERE spec_digest = ? AND dataset = ? AND state != 'cancelled'
            AND id NOT IN (SELECT job_id FROM deletions) ORDER BY state = 'done' DESC, id DESC LIMIT 1",
     ))
@@ -122,5 +129,5 @@ async fn of_description(
     .bind(&job.dataset)
     .fetch_optional(connection)
     .await?;
-    found.as_ref().map(row).transpose()
+    found.as_ref().map(|row| verified(row, side)).transpose()
 }

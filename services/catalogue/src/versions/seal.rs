@@ -10,6 +10,7 @@ use super::{VersionRow, get};
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::job_state::JobState;
+use crate::row_digests::Side;
 use crate::time::UnixMs;
 
 /// A job of a dataset that is to be sealed.
@@ -183,7 +184,7 @@ async fn found(
     version: i64,
     is_new: bool,
 ) -> Result<(VersionRow, bool), CatalogueError> {
-    let row = get(connection, dataset, version as u64).await?;
+    let row = get(connection, dataset, version as u64, Side::Writer).await?;
     let row = row.ok_or_else(|| CatalogueError::not_found("version", &format!("{dataset}@{version}")))?;
     Ok((row, is_new))
 }

@@ -1,11 +1,12 @@
 //! `fathom scrub`: verifies everything that a stopped service has stored, and optionally repairs it.
 
 mod repair;
+mod space;
 
 use std::path::PathBuf;
 
 use api::{Data, ReadBucket, SetFiles, Unread};
-use catalogue::{ImportedArtifact, JobRow};
+use catalogue::{CatalogueError, ImportedArtifact, JobRow};
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::styles::StyleArguments;
@@ -22,9 +23,12 @@ pub struct Arguments {
     /// Data folder of the service, which must be stopped
     #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
     data: PathBuf,
-    /// Render damaged artifacts again, and store them if their digest is the same
+    /// Render damaged images again, store what has the same digest, and free what is in nobody's use
     #[arg(long)]
     repair: bool,
+    /// Restore a lost catalogue from the newest backup in the folder, or lost packs by rendering every image again; then repair
+    #[arg(long)]
+    rebuild: bool,
     /// Print the findings as one JSON object
     #[arg(long)]
     json: bool,
@@ -37,8 +41,15 @@ const BATCH: u32 = 1000;
 
 /// Runs the command. Without `buckets` it becomes `fathom-cluster` if the folder has images of a set in a bucket.
 pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
-    if !arguments.data.join("catalogue.sqlite").is_file() {
-        let message = format!("{} holds no catalogue.sqlite", arguments.data.display());
+    if arguments.rebuild {
+        if let Some(backup) = Data::rebuild(&arguments.data).map_err(Failure::input)? {
+            eprintln!("the catalogue is that of {}", backup.display());
+        }
+    } else if !arguments.data.join("catalogue.sqlite").is_file() {
+        let message = format!(
+            "{} holds no catalogue.sqlite; `--rebuild` takes that of the newest backup",
+            arguments.data.display()
+        );
         return Err(Failure::BadInput(message));
     }
     let runtime = tokio::runtime::Runtime::new().map_err(anyhow::Error::from)?;
@@ -68,9 +79,34 @@ struct Findings {
     bytes: u64,
     /// Errors in the catalogue itself.
     catalogue: Vec<String>,
+    /// Rows of the catalogue that are not what was written.
+    rows: Vec<Row>,
     /// Packs that cannot be read at all.
     packs_set_aside: u64,
+    /// Errors in packs, apart from the bytes of blobs.
+    packs: Vec<String>,
     damaged: Vec<Damaged>,
+    unnamed: Unnamed,
+}
+
+/// A row of the catalogue that is not what was written.
+#[derive(Serialize)]
+struct Row {
+    /// Which, and what of it.
+    what: String,
+    /// None: repair was not requested.
+    repaired: Option<bool>,
+    /// Why it was not repaired.
+    reason: Option<String>,
+}
+
+/// Space in nobody's use: no damage.
+#[derive(Default, Serialize)]
+struct Unnamed {
+    /// Blobs that no row names.
+    blobs: u64,
+    /// Bytes of the disk that are free again.
+    freed: u64,
 }
 
 /// A damaged or missing blob that a row names.
@@ -109,7 +145,8 @@ impl Findings {
             .iter()
             .filter(|damaged| damaged.repaired != Some(true));
         // A pack that was set aside is no loss once all its blobs are restored.
-        self.catalogue.len() + left.count()
+        let rows = self.rows.iter().filter(|row| row.repaired != Some(true));
+        self.catalogue.len() + self.packs.len() + rows.count() + left.count()
     }
 
     fn print(&self) {
@@ -122,6 +159,21 @@ impl Findings {
         for finding in &self.catalogue {
             println!("catalogue: {finding}");
         }
+        for Row {
+            what,
+            repaired,
+            reason,
+        } in &self.rows
+        {
+            println!("catalogue: damaged {what}{}", outcome(*repaired, reason.as_deref()));
+        }
+        for finding in &self.packs {
+            println!("packs: {finding}");
+        }
+        if self.unnamed.blobs > 0 {
+            let Unnamed { blobs, freed } = self.unnamed;
+            println!("{blobs} blobs that no row names; {freed} bytes freed");
+        }
         if self.packs_set_aside > 0 {
             println!(
                 "{} packs could not be read and were set aside",
@@ -132,11 +184,7 @@ impl Findings {
             let Damaged {
                 digest, state, owner, ..
             } = damaged;
-            let outcome = match (damaged.repaired, &damaged.reason) {
-                (Some(true), _) => "; rendered again".to_owned(),
-                (_, Some(reason)) => format!("; not repaired: {reason}"),
-                (_, None) => String::new(),
-            };
+            let outcome = outcome(damaged.repaired, damaged.reason.as_deref());
             println!("{state} {digest}: {owner}{outcome}");
         }
         if self.left() == 0 {
@@ -145,12 +193,24 @@ impl Findings {
     }
 }
 
+fn outcome(repaired: Option<bool>, reason: Option<&str>) -> String {
+    match (repaired, reason) {
+        (Some(true), _) => "; restored".to_owned(),
+        (_, Some(reason)) => format!("; not repaired: {reason}"),
+        (_, None) => String::new(),
+    }
+}
+
 /// Reads everything; returns nothing if there is a set that this program cannot read.
 async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>, Failure> {
     let library = arguments.style.library_of_service(&arguments.data)?;
     let vocabulary = renderer::vocabulary(&library, false);
-    let opened = Data::open(&arguments.data, &vocabulary.metrics).await;
+    let opened = match arguments.rebuild {
+        true => Data::open_without_packs(&arguments.data, &vocabulary.metrics).await,
+        false => Data::open(&arguments.data, &vocabulary.metrics).await,
+    };
     let data = opened.map_err(Failure::input)?;
+    let wants_repair = arguments.repair || arguments.rebuild;
     let jobs = data
         .catalogue
         .imported_jobs()
@@ -164,23 +224,69 @@ async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>
         data.close().await;
         return Ok(None);
     }
-    let integrity = data.catalogue.integrity_check().await;
     let mut findings = Findings {
-        catalogue: integrity.map_err(anyhow::Error::from)?,
         packs_set_aside: data.store.stats().set_aside,
         ..Findings::default()
     };
     // Scenes first: a frame of a damaged scene cannot be rendered.
     scenes(&data, &mut findings).await?;
-    let mut repair = arguments
-        .repair
-        .then(|| Repair::new(library, arguments.style.onnxruntime.as_deref()));
+    let mut repair =
+        wants_repair.then(|| Repair::new(library, arguments.style.onnxruntime.as_deref()));
+    rows(&data, repair.as_mut(), &mut findings).await?;
     artifacts(&data, repair.as_mut(), &mut findings).await?;
     for job in jobs {
-        imported(&data, &sets, &job, arguments.repair, &mut findings).await?;
+        imported(&data, &sets, &job, wants_repair, &mut findings).await?;
     }
+    space::look(&data, &arguments.data, wants_repair, &mut findings).await?;
     data.close().await;
     Ok(Some(findings))
+}
+
+/// Rows of the catalogue: what follows from a good record is written anew, other images are rendered again.
+async fn rows(data: &Data, mut repair: Option<&mut Repair>, findings: &mut Findings) -> anyhow::Result<()> {
+    let mut integrity = whole(data).await?;
+    let damaged = match data.catalogue.damaged_rows().await {
+        Ok(rows) => rows,
+        Err(CatalogueError::Damaged { what }) => {
+            integrity.push(format!("{what}: restore a backup"));
+            Vec::new()
+        }
+        Err(error) => return Err(error.into()),
+    };
+    let any = !integrity.is_empty() || !damaged.is_empty();
+    for row in damaged {
+        let repair = match (repair.as_deref_mut(), &row.image) {
+            (None, _) => None,
+            (Some(repair), Some((job, frame))) => Some(repair.image(data, job, *frame).await),
+            (Some(_), None) => Some(Err(anyhow::anyhow!("restore a backup"))),
+        };
+        findings.rows.push(Row {
+            what: row.what,
+            repaired: repair.as_ref().map(Result::is_ok),
+            reason: repair.and_then(Result::err).map(|error| error.to_string()),
+        });
+    }
+    if any && repair.is_some() {
+        data.catalogue.restore_sums().await?;
+        integrity = whole(data).await?;
+        let left = data.catalogue.damaged_rows().await?;
+        for row in &mut findings.rows {
+            // Sums of datasets are counted anew.
+            if left.iter().all(|left| left.what != row.what) {
+                (row.repaired, row.reason) = (Some(true), None);
+            }
+        }
+    }
+    findings.catalogue = integrity;
+    Ok(())
+}
+
+/// What is wrong with the file of the catalogue; so much may be that SQLite cannot say.
+async fn whole(data: &Data) -> anyhow::Result<Vec<String>> {
+    match data.catalogue.integrity_check().await {
+        Err(CatalogueError::Damaged { what }) => Ok(vec![what]),
+        other => Ok(other?),
+    }
 }
 
 async fn scenes(data: &Data, findings: &mut Findings) -> anyhow::Result<()> {

@@ -1,6 +1,6 @@
 //! `POST /v1/backups`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use axum::http::StatusCode;
@@ -12,6 +12,11 @@ use crate::http::failure::writing;
 use crate::http::{Json, Problem, State, Topic};
 use crate::operations::Operations;
 use crate::processes::compute::to_the_end;
+
+/// Beginning of the name of a backup's folder; the rest grows from backup to backup.
+const PREFIX: &str = "bak_";
+/// The same while it is made.
+const UNFINISHED: &str = ".bak_";
 
 /// A copy of everything that the service has stored.
 #[derive(Debug, Serialize, ToSchema)]
@@ -44,7 +49,7 @@ async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
     // Nothing that a copied row names may be taken away before its bytes are copied.
     let _alone = operations.bytes.upkeep.lock().await;
     let backups = operations.data.join("backups");
-    let name = format!("bak_{}", ordered_id().simple());
+    let name = format!("{PREFIX}{}", ordered_id().simple());
     let (unfinished, folder) = (backups.join(format!(".{name}")), backups.join(&name));
     let failed = |error: std::io::Error| Problem::internal(&error);
     tokio::fs::create_dir_all(&unfinished).await.map_err(failed)?;
@@ -62,7 +67,11 @@ async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
             .await?;
         copied.map_err(|error| writing(&error))?;
         tokio::fs::rename(&unfinished, &folder).await.map_err(failed)?;
-        size(&folder).await.map_err(failed)
+        let counted = folder.clone();
+        let counted = tokio::task::spawn_blocking(move || below(&counted)).await;
+        counted
+            .map_err(|error| Problem::internal(&error))?
+            .map_err(failed)
     };
     let copied: Result<u64, Problem> = copied.await;
     if copied.is_err()
@@ -78,17 +87,56 @@ async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
     })
 }
 
-async fn size(folder: &Path) -> std::io::Result<u64> {
+/// The newest backup of a data folder.
+///
+/// # Errors
+/// The folder cannot be read.
+pub(crate) fn newest(data: &Path) -> std::io::Result<Option<PathBuf>> {
+    let backups = data.join("backups");
+    if !backups.is_dir() {
+        return Ok(None);
+    }
+    let mut newest: Option<PathBuf> = None;
+    for entry in std::fs::read_dir(backups)? {
+        let entry = entry?;
+        let is_backup = entry.file_name().to_string_lossy().starts_with(PREFIX);
+        if is_backup && newest.as_ref().is_none_or(|known| *known < entry.path()) {
+            newest = Some(entry.path());
+        }
+    }
+    Ok(newest)
+}
+
+/// Removes what killed services have left of their backups; returns the bytes. Nobody else may be making one.
+///
+/// # Errors
+/// The folder cannot be read or changed.
+pub fn clear_unfinished(data: &Path) -> std::io::Result<u64> {
+    let backups = data.join("backups");
     let mut bytes = 0;
-    let mut open = vec![folder.to_owned()];
+    if !backups.is_dir() {
+        return Ok(0);
+    }
+    for entry in std::fs::read_dir(backups)? {
+        let entry = entry?;
+        if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+            bytes += below(&entry.path())?;
+            std::fs::remove_dir_all(entry.path())?;
+            tracing::info!(folder = %entry.path().display(), "a backup that never finished is gone");
+        }
+    }
+    Ok(bytes)
+}
+
+/// Bytes of all files below a folder.
+fn below(folder: &Path) -> std::io::Result<u64> {
+    let (mut bytes, mut open) = (0, vec![folder.to_owned()]);
     while let Some(folder) = open.pop() {
-        let mut entries = tokio::fs::read_dir(folder).await?;
-        while let Some(entry) = entries.next_entry().await? {
-            let about = entry.metadata().await?;
-            if about.is_dir() {
-                open.push(entry.path());
-            } else {
-                bytes += about.len();
+        for entry in std::fs::read_dir(folder)? {
+            let entry = entry?;
+            match entry.metadata()? {
+                about if about.is_dir() => open.push(entry.path()),
+                about => bytes += about.len(),
             }
         }
     }

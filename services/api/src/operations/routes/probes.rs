@@ -19,11 +19,12 @@ pub(crate) async fn livez() -> &'static str {
 /// Whether requests can be answered: the catalogue is readable, there is space, the service is not stopping, and none of its own
 /// workers was dismissed.
 ///
-/// A full disk is looked at again each time: as soon as there is space the answer is 200.
+/// A full disk is looked at again each time: as soon as there is space the answer is 200. Damage that was found since the start stands
+/// below, a line each: what is damaged is not served, the rest is.
 #[utoipa::path(get, path = "/readyz", tag = "operations", operation_id = "get_readiness", security(()),
     responses((status = 200, description = "Ready.", body = String),
               (status = 507, response = crate::openapi::Problem)))]
-pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<&'static str, Problem> {
+pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<String, Problem> {
     if operations.stop.is_cancelled() {
         return Err(Problem::overloaded("the service is stopping"));
     }
@@ -44,7 +45,9 @@ pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<&'sta
         .job("")
         .await
         .map_err(|error| Problem::overloaded(error.to_string()))?;
-    Ok("ready\n")
+    let damage = operations.catalogue.damage();
+    let lines = damage.iter().map(|what| format!("damaged: {what}\n"));
+    Ok(["ready\n".to_owned()].into_iter().chain(lines).collect())
 }
 
 /// What runs here.

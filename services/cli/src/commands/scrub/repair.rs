@@ -8,9 +8,12 @@ use anyhow::Context;
 use api::Data;
 use catalogue::NamedDigest;
 use renderer::{Engine, File, SceneBytes, SceneSource, Slot};
-use spec::Job;
+use spec::{FrameRecord, Job};
 use store::Blob;
 use style::Library;
+
+const DIFFERS: &str =
+    "the frame now renders to other bytes: this build, ONNX Runtime or processor differs from that of the record";
 
 /// Renders frames of stored jobs.
 pub(crate) struct Repair {
@@ -22,6 +25,7 @@ pub(crate) struct Repair {
 struct Rendered {
     job: String,
     frame: u64,
+    record: FrameRecord,
     files: Vec<Blob>,
 }
 
@@ -37,39 +41,52 @@ impl Repair {
     /// Puts an artifact back, if the frame still renders to the same digest.
     pub(crate) async fn artifact(&mut self, data: &Data, artifact: &NamedDigest) -> anyhow::Result<()> {
         let (job, frame) = (&artifact.job_id, artifact.frame);
+        let files = &self.rendered(data, job, frame).await?.files;
+        let file = files.iter().find(|file| file.digest == artifact.digest).context(DIFFERS)?;
+        Ok(data.store.put_all(vec![file.clone()]).await?)
+    }
+
+    /// Puts the rows of an image back: from its record, or by rendering its frame if that is damaged.
+    pub(crate) async fn image(&mut self, data: &Data, job: &str, frame: u64) -> anyhow::Result<()> {
+        if data.catalogue.restore_from_record(job, frame).await? {
+            return Ok(());
+        }
+        let record = self.rendered(data, job, frame).await?.record.clone();
+        anyhow::ensure!(data.catalogue.restore_image(job, record).await?, DIFFERS);
+        Ok(())
+    }
+
+    async fn rendered(&mut self, data: &Data, job: &str, frame: u64) -> anyhow::Result<&Rendered> {
         let last = self
             .last
             .take()
             .filter(|last| last.job == *job && last.frame == frame);
         let last = match last {
             Some(last) => last,
-            None => Rendered {
-                job: job.clone(),
-                frame,
-                files: self.render(data, job, frame).await?,
-            },
+            None => self.render(data, job, frame).await?,
         };
-        let files = &self.last.insert(last).files;
-        let file = files.iter().find(|file| file.digest == artifact.digest).context(
-            "the frame now renders to other bytes: this build, ONNX Runtime or processor differs from that of the record",
-        )?;
-        Ok(data.store.put_all(vec![file.clone()]).await?)
+        Ok(self.last.insert(last))
     }
 
-    async fn render(&mut self, data: &Data, job: &str, frame: u64) -> anyhow::Result<Vec<Blob>> {
+    async fn render(&mut self, data: &Data, job: &str, frame: u64) -> anyhow::Result<Rendered> {
         let spec = data.catalogue.description(job).await?;
         let spec = spec.with_context(|| format!("job {job} is not stored"))?;
-        let frame = Job::trusted(&spec)?.resolve(frame)?;
-        let source = match frame.scene.uploaded_id() {
+        let described = Job::trusted(&spec)?.resolve(frame)?;
+        let source = match described.scene.uploaded_id() {
             Some(id) => SceneSource::Uploaded(Arc::new(uploaded(data, id).await?)),
             None => SceneSource::Local,
         };
-        let rendered = tokio::task::block_in_place(|| self.slot.render(&frame, &source))?;
+        let rendered = tokio::task::block_in_place(|| self.slot.render(&described, &source))?;
         let blob = |file: File| Blob {
             digest: file.digest,
             bytes: file.bytes,
         };
-        Ok(rendered.files.into_iter().map(blob).collect())
+        Ok(Rendered {
+            job: job.to_owned(),
+            frame,
+            record: rendered.record,
+            files: rendered.files.into_iter().map(blob).collect(),
+        })
     }
 }
 
