@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use fathom_tests::{Service, Worker, digest_by_render, run};
+use fathom_tests::{Dice, Service, Worker, digest_by_render, run};
 use serde_json::{Value, json};
 
 /// Every named point of the service, its store, its catalogue and its workers.
@@ -44,19 +44,6 @@ fn temporary() -> tempfile::TempDir {
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
-}
-
-/// A small generator of its own, so that a failed run can be repeated.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, n: u64) -> u64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) % n
-    }
 }
 
 /// Reads a stopped service's folder: every row's bytes must be there and match, counts must agree, the databases must be

@@ -1,6 +1,7 @@
 //! Runs the real `fathom` binary for end-to-end tests: services, workers and single commands.
 
 mod commands;
+mod dice;
 pub mod ending;
 pub mod forms;
 pub mod memory;
@@ -12,6 +13,8 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
+
+pub use dice::Dice;
 
 pub use commands::{digest_by_render, fathom, muddy_photo, root, run, run_lab};
 
@@ -44,11 +47,20 @@ impl Service {
     /// # Panics
     /// When it does not listen in time; what it printed is in the message.
     #[must_use]
-    #[expect(
-        clippy::zombie_processes,
-        reason = "waited for when dropped, and the test ends where it panics"
-    )]
     pub fn start_with(data: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Self {
+        Self::launch(data, arguments, environment).unwrap_or_else(|printed| {
+            panic!("the service does not listen; it printed:\n{printed}");
+        })
+    }
+
+    /// As [`Service::start`]; what it printed if it refuses to start.
+    ///
+    /// # Errors
+    /// What it printed.
+    ///
+    /// # Panics
+    /// When the binary cannot be started.
+    pub fn launch(data: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Result<Self, String> {
         let mut child = Command::new(fathom())
             .args(["serve", "--listen", "127.0.0.1:0", "--data"])
             .arg(data)
@@ -77,7 +89,7 @@ impl Service {
                         std::thread::spawn(move || {
                             receiver.iter().for_each(|line| eprintln!("service: {line}"))
                         });
-                        return Self { child, url };
+                        return Ok(Self { child, url });
                     }
                     printed.push(line);
                 }
@@ -86,7 +98,8 @@ impl Service {
             }
         }
         let _ = child.kill();
-        panic!("the service does not listen; it printed:\n{}", printed.join("\n"));
+        let _ = child.wait();
+        Err(printed.join("\n"))
     }
 
     /// Sends the service SIGKILL and waits for its end.

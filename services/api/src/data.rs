@@ -194,7 +194,10 @@ fn is_missing(catalogue: &Path) -> bool {
 
 /// Whether there is anything beside which a catalogue must be; packs that were set aside count.
 fn has_packs(folder: &Path) -> bool {
-    let entries = std::fs::read_dir(folder.join("packs")).into_iter().flatten().flatten();
+    let entries = std::fs::read_dir(folder.join("packs"))
+        .into_iter()
+        .flatten()
+        .flatten();
     entries
         .map(|entry| entry.file_name())
         .any(|name| name != "folder.id")

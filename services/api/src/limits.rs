@@ -152,6 +152,8 @@ pub struct Limits {
     /// Bytes that are laid aside for deletions on a full disk. Taking a thousand rows away writes up to 20 MiB of log
     /// before any space comes back.
     pub reserve_bytes: u64,
+    /// How long stored bytes may be without a row that names them: longer than any lease.
+    pub unnamed: Duration,
     /// Decoding and thumbnails at the same time: one for each core, they hold whole pictures.
     pub compute: usize,
 }
@@ -182,6 +184,7 @@ impl Default for Limits {
             head_read: Duration::from_secs(30),
             unread: Duration::from_secs(60),
             reserve_bytes: 32 << 20,
+            unnamed: Duration::from_secs(3600),
             compute: cores,
         }
     }

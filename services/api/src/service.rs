@@ -17,8 +17,8 @@ use crate::config::{Config, Surroundings};
 use crate::http::auth::Tokens;
 use crate::http::hosts::Hosts;
 use crate::http::listener;
-use crate::operations::routes::backup;
 use crate::leases::Leases;
+use crate::operations::routes::backup;
 use crate::processes::fleet::{Fleet, OnExit, Recipe};
 use crate::router;
 
@@ -77,7 +77,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(expire_leases(Arc::clone(&app.leases), end.clone())),
         tokio::spawn(tidy_up(app.clone(), end.clone())),
         tokio::spawn(reclaim::run(Arc::clone(&app.bytes), end.clone())),
-        tokio::spawn(unnamed::run(Arc::clone(&app.bytes), end.clone())),
+        tokio::spawn(unnamed::run(Arc::clone(&app.bytes), limits.unnamed, end.clone())),
         tokio::spawn(Arc::clone(&app.sets).show_shared()),
     ];
     let recipe = recipe(&config, address, own_secret);

@@ -109,7 +109,9 @@ pub enum CatalogueError {
         reason: String,
     },
     /// What is stored is not what was written: it is not served.
-    #[error("{what} in the catalogue is damaged: `fathom scrub` names all that is, and `--repair` restores images")]
+    #[error(
+        "{what} in the catalogue is damaged: `fathom scrub` names all that is, and `--repair` restores images"
+    )]
     Damaged {
         /// What, such as `the record of job_…/3`.
         what: String,
@@ -172,7 +174,9 @@ impl From<sqlx::Error> for CatalogueError {
         let message = error.to_string();
         match (code, &error) {
             (Some(code), _) if FULL.contains(&code) => Self::Full { message },
-            (Some(code), _) if DAMAGED.contains(&(code & 0xff)) => Self::damaged(format!("a page ({message})")),
+            (Some(code), _) if DAMAGED.contains(&(code & 0xff)) => {
+                Self::damaged(format!("a page ({message})"))
+            }
             // Every value has the type of its column when it is written.
             (_, sqlx::Error::ColumnDecode { .. } | sqlx::Error::Decode(_)) => {
                 Self::damaged(format!("a value ({message})"))

@@ -8,7 +8,10 @@ use spec::{Leaf, LeafKind};
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Found {
     Leaf(Leaf),
-    Metric { subject: String, metric: String },
+    Metric {
+        subject: String,
+        metric: String,
+    },
     Warned,
     /// The digest of the artifact of a kind.
     Artifact(String),

@@ -101,20 +101,15 @@ async fn restore(
     Ok(true)
 }
 
-async fn stored(
-    connection: &mut SqliteConnection,
-    job: &str,
-    frame: u64,
-) -> Result<Stored, CatalogueError> {
+async fn stored(connection: &mut SqliteConnection, job: &str, frame: u64) -> Result<Stored, CatalogueError> {
     let row = jobs::get(connection, job, Side::Writer).await?;
     let row = row.ok_or_else(|| CatalogueError::not_found("job", job))?;
-    let image: Option<(i64, Vec<u8>)> = sqlx::query_as(
-        "SELECT created_ms, CAST(digest AS BLOB) FROM images WHERE job_id = ? AND frame = ?",
-    )
-    .bind(job)
-    .bind(number(frame))
-    .fetch_optional(&mut *connection)
-    .await?;
+    let image: Option<(i64, Vec<u8>)> =
+        sqlx::query_as("SELECT created_ms, CAST(digest AS BLOB) FROM images WHERE job_id = ? AND frame = ?")
+            .bind(job)
+            .bind(number(frame))
+            .fetch_optional(&mut *connection)
+            .await?;
     let (created_ms, digest) =
         image.ok_or_else(|| CatalogueError::not_found("image", &format!("{job}/{frame}")))?;
     let artifacts: Vec<(Vec<u8>, Vec<u8>, Option<i64>)> = sqlx::query_as(

@@ -200,7 +200,10 @@ impl Table {
     }
 
     /// The rows that do not have their digests.
-    pub(crate) async fn damaged(&self, connection: &mut SqliteConnection) -> Result<Vec<String>, CatalogueError> {
+    pub(crate) async fn damaged(
+        &self,
+        connection: &mut SqliteConnection,
+    ) -> Result<Vec<String>, CatalogueError> {
         use futures::TryStreamExt;
         let sql = format!("SELECT {}, row_digest FROM {}", self.columns, self.name);
         let mut rows = sqlx::query(AssertSqlSafe(sql)).fetch(connection);

@@ -99,7 +99,8 @@ async fn descriptions(connection: &mut SqliteConnection) -> Result<Vec<String>, 
     for (id, spec, digest) in rows {
         let id = String::from_utf8_lossy(&id);
         let (spec, digest) = (std::str::from_utf8(&spec), std::str::from_utf8(&digest));
-        let is_intact = matches!((spec, digest), (Ok(spec), Ok(digest)) if jobs::intact(&id, spec, digest).is_ok());
+        let is_intact =
+            matches!((spec, digest), (Ok(spec), Ok(digest)) if jobs::intact(&id, spec, digest).is_ok());
         if !is_intact {
             damaged.push(format!("the description of {id}"));
         }
@@ -167,7 +168,10 @@ impl Images {
             let Some(what) = self.difference(row, &beside) else {
                 continue;
             };
-            let image = row.try_get::<String, _>(0).ok().zip(row.try_get::<i64, _>(1).ok());
+            let image = row
+                .try_get::<String, _>(0)
+                .ok()
+                .zip(row.try_get::<i64, _>(1).ok());
             if image.as_ref().is_some_and(|(job, _)| deleted.contains(job)) {
                 continue;
             }
@@ -238,7 +242,10 @@ impl Images {
         for row in &rows {
             let values = (0..self.metrics.len()).map(|at| value(row, at + 3, Kind::Number));
             let subject = String::from_utf8_lossy(row.try_get(2)?).into_owned();
-            let of_image = beside.measured.entry((row.try_get(0)?, row.try_get(1)?)).or_default();
+            let of_image = beside
+                .measured
+                .entry((row.try_get(0)?, row.try_get(1)?))
+                .or_default();
             of_image.insert(subject, values.collect::<Result<_, _>>()?);
         }
         let rows: Vec<(String, i64, Vec<u8>, Vec<u8>, i64, Vec<u8>)> = sqlx::query_as(
@@ -253,9 +260,13 @@ impl Images {
         for (job, frame, kind, digest, bytes, media_type) in rows {
             let [kind, digest, media_type] =
                 [kind, digest, media_type].map(|text| String::from_utf8_lossy(&text).into_owned());
-            beside.artifacts.entry((job, frame)).or_default().push(serde_json::json!({
-                "kind": kind, "digest": digest, "bytes": bytes, "media_type": media_type
-            }));
+            beside
+                .artifacts
+                .entry((job, frame))
+                .or_default()
+                .push(serde_json::json!({
+                    "kind": kind, "digest": digest, "bytes": bytes, "media_type": media_type
+                }));
         }
         Ok(beside)
     }

@@ -34,7 +34,7 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    /// Writes the reserve, if there is room for it. If there is none for the probe, either, the disk is full from the start.
+    /// Writes the reserve, if there is room for it, and looks whether the disk is full from the start.
     pub(crate) fn new(folder: &Path, reserve_bytes: u64) -> Self {
         let space = Self {
             folder: folder.to_owned(),
@@ -45,8 +45,8 @@ impl Space {
         };
         if let Err(error) = space.lay_aside() {
             tracing::warn!(%error, "there is no room for a reserve: on a full disk nothing can be deleted");
-            space.full.store(space.probe().is_err(), Ordering::SeqCst);
         }
+        space.full.store(space.probe().is_err(), Ordering::SeqCst);
         space
     }
 

@@ -9,30 +9,28 @@ use tokio_util::sync::CancellationToken;
 use super::Bytes;
 use crate::http::problem::Problem;
 
-/// What is without a name twice in a row, so far apart, goes. No lease is as long.
-const INTERVAL: Duration = Duration::from_secs(3600);
 /// Digests of one question.
 const BATCH: usize = 1000;
 
-/// Looks for such bytes at the start, when no lease is out that could still name them, and then again and again.
-pub(crate) async fn run(bytes: Arc<Bytes>, end: CancellationToken) {
-    let mut before: Option<HashSet<[u8; 32]>> = None;
+/// Looks for such bytes again and again; what has no name twice in a row, `interval` apart, goes.
+pub(crate) async fn run(bytes: Arc<Bytes>, interval: Duration, end: CancellationToken) {
+    let mut before = HashSet::new();
     loop {
-        match sweep(&bytes, before.as_ref(), &end).await {
-            Ok(left) => before = Some(left),
+        match sweep(&bytes, &before, &end).await {
+            Ok(left) => before = left,
             Err(problem) => tracing::error!(%problem, "bytes without a name stay for now"),
         }
         tokio::select! {
             () = end.cancelled() => return,
-            () = tokio::time::sleep(INTERVAL) => {}
+            () = tokio::time::sleep(interval) => {}
         }
     }
 }
 
-/// Hands what had no name `before`, either, over to be reclaimed; `None`: whatever has none. Returns what has none now.
+/// Hands what had no name `before`, either, over to be reclaimed. Returns what has none for the first time.
 async fn sweep(
     bytes: &Bytes,
-    before: Option<&HashSet<[u8; 32]>>,
+    before: &HashSet<[u8; 32]>,
     end: &CancellationToken,
 ) -> Result<HashSet<[u8; 32]>, Problem> {
     let mut left = HashSet::new();
@@ -48,9 +46,10 @@ async fn sweep(
             if !unnamed.contains(&text) || bytes.naming.is_fresh(&text) {
                 continue;
             }
-            match before {
-                Some(before) if !before.contains(digest) => drop(left.insert(*digest)),
-                _ => gone.push(text),
+            if before.contains(digest) {
+                gone.push(text);
+            } else {
+                left.insert(*digest);
             }
         }
         orphans += gone.len();

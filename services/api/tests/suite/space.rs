@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::bytes::{noise_png, png};
 use crate::common::worker::{Fake, Real};
-use crate::common::{Running, Setup, job, start, start_in_folder};
+use crate::common::{Running, Setup, job, start, start_in_folder, start_on};
 use api::Limits;
 use serde_json::{Value, json};
 
@@ -154,6 +154,72 @@ fn writing_on_a_full_disk() {
     );
     assert_eq!(service.upload(&[("rgb", &png(8, 6))]).status, 201);
     drop(service.stop());
+}
+
+#[test]
+fn a_service_that_starts_on_a_full_disk_is_not_ready_until_there_is_space() {
+    small_disk::run("space::starting_on_a_full_disk", "size=24m");
+}
+
+#[test]
+#[ignore = "run by the test above, on a small disk"]
+fn starting_on_a_full_disk() {
+    let folder = small_disk();
+    let limits = Limits {
+        reserve_bytes: 4 << 20,
+        ..Limits::default()
+    };
+    let setup = || Setup {
+        limits,
+        ..Setup::default()
+    };
+    drop(start_in_folder(&folder, setup()).stop());
+    // Some kilobytes are left, which the catalogue needs to be opened.
+    let ballast = folder.join("ballast");
+    let small = folder.join("small");
+    std::fs::write(&small, vec![7; 512 << 10]).unwrap();
+    fill_up(&ballast);
+    std::fs::remove_file(&small).unwrap();
+    let service = start_in_folder(&folder, setup());
+    service.get("/readyz").problem(507, "storage-full");
+    assert_eq!(service.get("/v1/jobs").status, 200);
+    std::fs::remove_file(&ballast).unwrap();
+    assert_eq!(service.get("/readyz").status, 200, "no restart is needed");
+    drop(service.stop());
+}
+
+#[test]
+fn bytes_of_which_the_commit_never_came_go_after_a_while() {
+    let service = start();
+    let worker = Fake::register(&service);
+    let kept = render(&service, &worker, "kept", 1, 64);
+    let mut lost = job();
+    lost["count"] = json!(1);
+    lost["seed"] = json!(2);
+    let id = service.submit(&lost);
+    let lease = worker.lease(5000).expect("a frame");
+    worker.put(&lease, noise_png(64, 2)).unwrap();
+    let data = service.stop();
+    let limits = Limits {
+        reserve_bytes: 0,
+        unnamed: Duration::from_millis(100),
+        ..Limits::default()
+    };
+    let service = start_on(
+        data,
+        Setup {
+            limits,
+            ..Setup::default()
+        },
+    );
+    assert_eq!(service.delete(&format!("/v1/jobs/{id}")).status, 200);
+    let blobs = |count: u64| {
+        let told = service.get("/metrics").text();
+        told.contains(&format!("fathom_store_blobs {count}\n"))
+    };
+    eventually("the end of bytes without a name", || blobs(1));
+    let picture = service.get(&format!("/v1/images/{kept}/0/artifacts/rgb"));
+    assert_eq!(picture.status, 200);
 }
 
 /// Takes the last byte of the disk.

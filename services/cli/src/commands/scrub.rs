@@ -165,7 +165,10 @@ impl Findings {
             reason,
         } in &self.rows
         {
-            println!("catalogue: damaged {what}{}", outcome(*repaired, reason.as_deref()));
+            println!(
+                "catalogue: damaged {what}{}",
+                outcome(*repaired, reason.as_deref())
+            );
         }
         for finding in &self.packs {
             println!("packs: {finding}");
@@ -230,8 +233,7 @@ async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>
     };
     // Scenes first: a frame of a damaged scene cannot be rendered.
     scenes(&data, &mut findings).await?;
-    let mut repair =
-        wants_repair.then(|| Repair::new(library, arguments.style.onnxruntime.as_deref()));
+    let mut repair = wants_repair.then(|| Repair::new(library, arguments.style.onnxruntime.as_deref()));
     rows(&data, repair.as_mut(), &mut findings).await?;
     artifacts(&data, repair.as_mut(), &mut findings).await?;
     for job in jobs {

@@ -93,6 +93,12 @@ impl Fake {
 
     /// The same with this picture.
     pub(crate) fn finish_with(&self, lease: &Lease, picture: Vec<u8>) -> Result<bool, ClientError> {
+        let record = self.put(lease, picture)?;
+        self.client.commit(&commit(claim(lease), &record))
+    }
+
+    /// Stores a picture for the first frame of a lease; returns the record to commit.
+    pub(crate) fn put(&self, lease: &Lease, picture: Vec<u8>) -> Result<FrameRecord, ClientError> {
         let claim = claim(lease);
         let digest = spec::sha256(&picture);
         let record = record(&self.frame(lease)?, &digest, picture.len() as u64);
@@ -103,10 +109,10 @@ impl Fake {
             digest,
         };
         self.client.put_artifacts(&PutArtifactsRequest {
-            claim: Some(claim.clone()),
+            claim: Some(claim),
             artifacts: vec![file],
         })?;
-        self.client.commit(&commit(claim, &record))
+        Ok(record)
     }
 
     /// Gives the first frame of a lease up.

@@ -29,6 +29,7 @@ fn lookup(name: &str) -> Option<Column> {
         unit: None,
         always: false,
         join: None,
+        found: None,
     })
 }
 

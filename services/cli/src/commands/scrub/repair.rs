@@ -12,8 +12,7 @@ use spec::{FrameRecord, Job};
 use store::Blob;
 use style::Library;
 
-const DIFFERS: &str =
-    "the frame now renders to other bytes: this build, ONNX Runtime or processor differs from that of the record";
+const DIFFERS: &str = "the frame now renders to other bytes: this build, ONNX Runtime or processor differs from that of the record";
 
 /// Renders frames of stored jobs.
 pub(crate) struct Repair {
@@ -42,7 +41,10 @@ impl Repair {
     pub(crate) async fn artifact(&mut self, data: &Data, artifact: &NamedDigest) -> anyhow::Result<()> {
         let (job, frame) = (&artifact.job_id, artifact.frame);
         let files = &self.rendered(data, job, frame).await?.files;
-        let file = files.iter().find(|file| file.digest == artifact.digest).context(DIFFERS)?;
+        let file = files
+            .iter()
+            .find(|file| file.digest == artifact.digest)
+            .context(DIFFERS)?;
         Ok(data.store.put_all(vec![file.clone()]).await?)
     }
 
