@@ -43,7 +43,7 @@ fn images(service: &Service, job: &str) -> Vec<(Value, Vec<u8>, Vec<u8>)> {
 fn folder(data: &Path) -> (String, PathBuf) {
     let service = Service::start(data, &["--workers", "1", "--slots", "2"]);
     let id = service.submit(&job("kept"));
-    service.finished(&id);
+    let _ = service.finished(&id);
     let (status, backup) = service.post("/v1/backups", &json!({}));
     assert_eq!(status, 201, "{backup}");
     (id, PathBuf::from(backup["folder"].as_str().expect("a folder")))
@@ -114,7 +114,7 @@ fn a_lost_catalogue_comes_from_the_last_backup_and_the_packs() {
     let (before, open, digest) = {
         let service = Service::start(&data, &["--workers", "1", "--slots", "2"]);
         let id = service.submit(&job("kept"));
-        service.finished(&id);
+        let _ = service.finished(&id);
         let open = service.submit(&json!({"dataset": "open", "count": 200, "seed": 6,
             "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}},
             "camera": {"width": 40, "height": 24, "hfov_deg": 80}, "artifacts": ["rgb"]}));

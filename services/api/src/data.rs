@@ -107,6 +107,10 @@ impl Data {
             store: Store::open(folder).await?,
             lock,
         };
+        // SQLite makes the bytes of a new catalogue safe, not its name.
+        if let Err(error) = File::open(folder).and_then(|folder| folder.sync_all()) {
+            tracing::warn!(%error, "the names in the data folder may not survive a power cut");
+        }
         match data.belong_together(folder, packs).await {
             Ok(()) => Ok(data),
             Err(error) => {

@@ -21,10 +21,12 @@ fn job_root(of: &str, frames: u64) -> String {
 }
 
 impl Fixture {
-    /// A job with the images of another one's frames, and a description of this digest.
-    async fn made_of(&self, id: &str, of: &str, digest: &str, frames: u64) {
+    /// A job with the images of another one's frames, and a description with this label.
+    async fn made_of(&self, id: &str, of: &str, label: &str, frames: u64) {
+        let spec = format!(r#"{{"dataset":"bay","labels":{{"of":"{label}"}}}}"#);
         let job = NewJob {
-            spec_digest: digest.to_owned(),
+            spec_digest: spec::sha256(spec.as_bytes()),
+            spec,
             ..synthetic::job(id, "bay", frames, 1000)
         };
         self.catalogue.insert_job(job).await.unwrap();
@@ -47,8 +49,8 @@ impl Fixture {
 #[tokio::test]
 async fn the_root_follows_from_descriptions_and_images_whatever_the_jobs_are_called() {
     let at = Fixture::new().await;
-    at.made_of("job_1", "a", "digest 2", 3).await;
-    at.made_of("job_2", "b", "digest 1", 5).await;
+    at.made_of("job_1", "a", "digest 4", 3).await;
+    at.made_of("job_2", "b", "digest 3", 5).await;
     let (version, is_new) = at.catalogue.seal("bay", NOW).await.unwrap();
     assert!(is_new);
     assert_eq!(
@@ -63,15 +65,15 @@ async fn the_root_follows_from_descriptions_and_images_whatever_the_jobs_are_cal
     assert_eq!(parts[0].description["dataset"], "bay");
 
     let other = Fixture::new().await;
-    other.made_of("job_8", "b", "digest 1", 5).await;
-    other.made_of("job_9", "a", "digest 2", 3).await;
+    other.made_of("job_8", "b", "digest 3", 5).await;
+    other.made_of("job_9", "a", "digest 4", 3).await;
     assert_eq!(
         other.catalogue.seal("bay", NOW).await.unwrap().0.root,
         version.root
     );
     let third = Fixture::new().await;
-    third.made_of("job_8", "b", "digest 1", 5).await;
-    third.made_of("job_9", "a", "digest 2", 2).await;
+    third.made_of("job_8", "b", "digest 3", 5).await;
+    third.made_of("job_9", "a", "digest 4", 2).await;
     assert_ne!(
         third.catalogue.seal("bay", NOW).await.unwrap().0.root,
         version.root
