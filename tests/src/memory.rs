@@ -3,6 +3,12 @@
 use crate::Service;
 
 impl Service {
+    /// Of the service's own process.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Resident bytes of the service's own process, without its workers.
     ///
     /// # Panics

@@ -19,11 +19,13 @@ use crate::http::auth::TokenError;
 use crate::images::Images;
 use crate::jobs::Jobs;
 use crate::leases::Leases;
+use crate::leases::probes::Probes;
 use crate::operations::Operations;
 use crate::pictures::Pictures;
 use crate::processes::Processes;
 use crate::processes::child::Children;
 use crate::processes::compute::Compute;
+use crate::processes::decoding::Decoding;
 use crate::scenes::Scenes;
 use crate::sets::Sets;
 use crate::styles::{AddedStyleError, Styles};
@@ -107,6 +109,11 @@ impl App {
         let processes = Arc::new(Processes {
             compute: Compute::new(limits.compute),
             children: Children::new(&config.worker_program, config.style_options(), limits.children),
+            decoding: Decoding::new(
+                &config.worker_program,
+                limits.uploads + limits.pictures,
+                limits.decoding_mib,
+            ),
         });
         let waters = Arc::new(Waters::open(Arc::clone(&catalogue), clock.clone()).await?);
         let styles = Styles::open(
@@ -122,6 +129,7 @@ impl App {
             Arc::clone(&bytes),
             clock.clone(),
             config.rules(),
+            Probes::new(config.spot_check),
             stop.clone(),
         ));
         let images = Arc::new(Images {
@@ -161,7 +169,7 @@ impl App {
                 processes: Arc::clone(&processes),
                 clock: clock.clone(),
             }),
-            pictures: Arc::new(Pictures(Compute::new(limits.pictures))),
+            pictures: Arc::new(Pictures(Arc::clone(&processes))),
             operations: Arc::new(Operations {
                 data: config.data.clone(),
                 catalogue: Arc::clone(&catalogue),

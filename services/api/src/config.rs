@@ -49,6 +49,8 @@ pub struct Config {
     pub frame_limit: Duration,
     /// Whether workers of different versions, CPU features or ONNX Runtimes may share a job.
     pub mix_workers: bool,
+    /// One in so many frames of each worker is rendered again and compared; 0: none.
+    pub spot_check: u64,
 }
 
 impl Config {

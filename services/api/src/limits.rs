@@ -129,8 +129,10 @@ pub struct Limits {
     pub worker_body_bytes: usize,
     /// How long a body may take beside the time that its bytes allow.
     pub body_grace: Duration,
-    /// Pictures enhanced or measured at the same time: each may hold 3 GiB.
+    /// Pictures enhanced or measured at the same time: each by a process that may take 3 GiB.
     pub pictures: usize,
+    /// MiB that processes which decode may take together: one of the largest scene or picture, or many usual ones.
+    pub decoding_mib: usize,
     /// Processes that render or try a model within a request.
     pub children: usize,
     /// Worker calls at the same time, apart from those that wait for a lease. Their own budget, so that a flood of
@@ -175,6 +177,7 @@ impl Default for Limits {
             worker_body_bytes: 2 << 30,
             body_grace: Duration::from_secs(10),
             pictures: 2,
+            decoding_mib: 4096,
             children: 2,
             worker_calls: 256,
             worker_uploads: 128,

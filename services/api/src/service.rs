@@ -17,6 +17,7 @@ use crate::config::{Config, Surroundings};
 use crate::http::auth::Tokens;
 use crate::http::hosts::Hosts;
 use crate::http::listener;
+use crate::jobs::probe;
 use crate::leases::Leases;
 use crate::operations::routes::backup;
 use crate::processes::fleet::{Fleet, OnExit, Recipe};
@@ -79,6 +80,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(reclaim::run(Arc::clone(&app.bytes), end.clone())),
         tokio::spawn(unnamed::run(Arc::clone(&app.bytes), limits.unnamed, end.clone())),
         tokio::spawn(Arc::clone(&app.sets).show_shared()),
+        tokio::spawn(probe::run(Arc::clone(&app.jobs), end.clone())),
     ];
     let recipe = recipe(&config, address, own_secret);
     let fleet = Fleet::start(recipe, config.workers, &frames_back(&app.leases));
@@ -188,5 +190,7 @@ async fn tidy_up(app: App, end: CancellationToken) {
         app.leases
             .puts
             .tidy_up(|token| app.leases.dispatch.has_lease(token));
+        let dispatch = &app.leases.dispatch;
+        app.leases.probes.keep(|worker| dispatch.has_worker(worker));
     }
 }

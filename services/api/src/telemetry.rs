@@ -28,6 +28,7 @@ struct Telemetry {
     requests: IntCounterVec,
     request_seconds: HistogramVec,
     shed: IntCounterVec,
+    checked: IntCounterVec,
     committed: IntCounter,
     commit_bytes: Histogram,
     stage_seconds: HistogramVec,
@@ -59,6 +60,11 @@ impl Telemetry {
                 "Time from the head of a request to the head of its response",
                 &["route"],
                 request
+            )?,
+            checked: register_int_counter_vec!(
+                "fathom_frames_checked_total",
+                "Frames that were rendered a second time, by outcome",
+                &["outcome"]
             )?,
             shed: register_int_counter_vec!(
                 "fathom_requests_shed_total",
@@ -142,6 +148,11 @@ pub(crate) fn request(method: &Method, route: &str, status: u16, seconds: f64) {
 
 pub(crate) fn shed(budget: &'static str) {
     TELEMETRY.shed.with_label_values(&[budget]).inc();
+}
+
+/// Counts a frame that was rendered a second time.
+pub(crate) fn checked(outcome: &'static str) {
+    TELEMETRY.checked.with_label_values(&[outcome]).inc();
 }
 
 /// Counts a committed frame and its stages.

@@ -40,6 +40,7 @@ macro_rules! digested {
     };
 }
 
+mod reopen;
 mod submit;
 
 impl Catalogue {

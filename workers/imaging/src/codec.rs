@@ -16,7 +16,7 @@ pub use decode::{FilePlane, Radiance, decode_picture, decode_plane, decode_radia
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_png_with_text, encode_webp_lossless};
 pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_plane, encode_npy_rgb};
 pub use scale::downscale;
-pub use sides::read_sides;
+pub use sides::{announced_pixels, read_sides};
 
 /// Longest side of a picture: beyond it a frame no longer fits the buffers of one worker slot.
 pub const MAX_SIDE_PX: usize = 16_384;

@@ -116,7 +116,10 @@ impl Slot {
         let styled = watch.time("style", || self.networks.run(shot, scattered, &mut record))?;
         let hazed = watch.time("haze", || haze::run(shot, &styled));
 
-        let (rgb, clamped) = watch.time("encode", || transfer::encode_rgb8(&hazed));
+        let (mut rgb, clamped) = watch.time("encode", || transfer::encode_rgb8(&hazed));
+        if faults::frame_point("rgb.wrong", frame.index) {
+            rgb.data_mut()[0] ^= 1;
+        }
         record.counts.clamped = clamped;
         let enhancements = watch.time("enhance", || enhance::run(shot, &rgb, &mut record))?;
         watch.time("metrics", || measure::run(shot, &rgb, &enhancements, &mut record))?;

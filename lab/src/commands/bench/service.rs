@@ -136,6 +136,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         style_trial: Duration::from_secs(60),
         frame_limit: Duration::from_secs(600),
         mix_workers: false,
+        spot_check: 0,
     };
     let service = runtime
         .block_on(api::start(config))

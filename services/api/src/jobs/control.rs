@@ -98,6 +98,23 @@ impl Jobs {
         .await
     }
 
+    /// Takes the images of some frames away, which are then rendered again.
+    pub(super) async fn reopen(self: &Arc<Self>, id: String, frames: Vec<u64>) -> Result<JobRow, Problem> {
+        self.in_turn(|jobs| async move {
+            let again = jobs.catalogue.reopen(&id, frames).await?;
+            let dispatch = &jobs.leases.dispatch;
+            let is_known = dispatch.free(|table, _| table.reopen(&id, &again.frames));
+            if !is_known && !again.job.state.has_ended() {
+                let open = jobs.catalogue.open_job(again.job.clone()).await?;
+                dispatch.add_job(open);
+            }
+            jobs.bytes.reclaim.notify_one();
+            jobs.notify(&id, "opened again");
+            Ok(again.job)
+        })
+        .await
+    }
+
     /// Deletes a job with its images, whatever it is doing. Their space is reclaimed in the background.
     pub(crate) async fn delete(self: &Arc<Self>, id: String) -> Result<Deleted, Problem> {
         self.in_turn(|jobs| async move {

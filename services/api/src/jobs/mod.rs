@@ -2,6 +2,7 @@
 
 pub(crate) mod control;
 mod follow;
+pub(crate) mod probe;
 pub(crate) mod routes;
 mod submit;
 mod wait;

@@ -252,6 +252,7 @@ mod tests {
             style_trial: Duration::from_secs(1),
             frame_limit: Duration::from_secs(600),
             mix_workers: false,
+            spot_check: 0,
         };
         let surroundings = Surroundings {
             clock: crate::clock::Clock::system(),

@@ -306,6 +306,27 @@ impl State {
     }
 }
 
+impl Dispatch {
+    /// Dismisses a worker whose frame is not what it renders to.
+    pub(crate) fn dismiss(&self, id: &str) -> Vec<StrikeEvent> {
+        let mut state = self.state();
+        let now = self.now();
+        let known = state.table.workers().find(|(known, ..)| *known == id);
+        let Some(name) = known.map(|(_, about, _)| about.name.clone()) else {
+            return Vec::new();
+        };
+        let is_own = state.own.contains(id);
+        state.liars.dismiss(id, &name, is_own);
+        tracing::error!(
+            worker = name,
+            "worker dismissed: a frame of it is not what it renders to"
+        );
+        let events = state.table.drop_worker(id, now);
+        drop(state);
+        self.after_loss(events)
+    }
+}
+
 /// The worker is not registered with this life of the service.
 pub(crate) struct Unknown;
 

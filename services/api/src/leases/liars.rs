@@ -93,6 +93,11 @@ impl Dispatch {
         self.state().liars.own.iter().cloned().collect()
     }
 
+    /// Whether a worker is registered.
+    pub(crate) fn has_worker(&self, id: &str) -> bool {
+        self.table(|table, _| table.has_worker(id))
+    }
+
     /// Whether a lease is out under this token.
     pub(crate) fn has_lease(&self, token: u64) -> bool {
         self.table(|table, _| table.holder(token).is_some())

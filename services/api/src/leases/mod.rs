@@ -7,6 +7,7 @@ mod descriptions;
 pub(crate) mod dispatch;
 mod granted;
 mod liars;
+pub(crate) mod probes;
 pub(crate) mod puts;
 pub(crate) mod routes;
 mod strikes;
@@ -25,6 +26,7 @@ use changes::Changes;
 use costs::Costs;
 use descriptions::Descriptions;
 use dispatch::Dispatch;
+use probes::Probes;
 use puts::Puts;
 use table::Rules;
 
@@ -35,6 +37,7 @@ pub(crate) struct Leases {
     pub(crate) costs: Costs,
     descriptions: Descriptions,
     pub(crate) puts: Puts,
+    pub(crate) probes: Probes,
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,
     /// Workers that render for a broker.
@@ -49,6 +52,7 @@ impl Leases {
         bytes: Arc<Bytes>,
         clock: Clock,
         rules: Rules,
+        probes: Probes,
         stop: CancellationToken,
     ) -> Self {
         Self {
@@ -57,6 +61,7 @@ impl Leases {
             costs: Costs::default(),
             descriptions: Descriptions::default(),
             puts: Puts::default(),
+            probes,
             catalogue,
             bytes,
             elsewhere: Mutex::default(),

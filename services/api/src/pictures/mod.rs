@@ -2,35 +2,36 @@
 
 pub(crate) mod routes;
 
-use imaging::Raster;
-use imaging::codec::decode_picture;
+use std::sync::Arc;
 
+use serde::de::DeserializeOwned;
+
+use crate::decode::Request;
 use crate::http::form::Form;
 use crate::http::problem::Problem;
-use crate::limits;
-use crate::processes::compute::Compute;
+use crate::processes::Processes;
+use crate::processes::decoding::{Decoded, Files};
 
-/// The pool for whole pictures of a user: they take much more memory than other computations.
-pub(crate) struct Pictures(pub(crate) Compute);
+/// A method holds up to 200 bytes a pixel, beside the picture and its result.
+const PIXEL_BYTES: usize = 220;
 
-/// A field as a picture of bearable size. Computes: not for async threads.
-fn picture(form: &Form, name: &str) -> Result<Option<Raster>, Problem> {
-    let Some(bytes) = form.get(name) else {
-        return Ok(None);
-    };
-    let refuse = |message: String| Problem::field(&format!("/{name}"), message);
-    let picture = decode_picture(bytes).map_err(|error| refuse(format!("`{name}`: {error}")))?;
-    let (width, height) = (picture.width(), picture.height());
-    match width * height {
-        0..=limits::PICTURE_PIXELS => Ok(Some(picture)),
-        pixels => Err(refuse(format!(
-            "`{name}` is {width}×{height} = {pixels} pixels, the limit is {}",
-            limits::PICTURE_PIXELS
-        ))),
+/// Where pictures are decoded and worked on.
+pub(crate) struct Pictures(pub(crate) Arc<Processes>);
+
+impl Pictures {
+    /// Has a process do what a request says with the pictures of a form, which have the names of their fields.
+    async fn run<R: DeserializeOwned>(
+        &self,
+        request: &Request,
+        form: &Form,
+        fields: &[&'static str],
+    ) -> Result<Decoded<R>, Problem> {
+        let named = fields.iter().filter_map(|field| Some((*field, form.get(field)?)));
+        let files = Files {
+            field: "picture",
+            named: named.collect(),
+            bytes_per_pixel: PIXEL_BYTES,
+        };
+        self.0.decoding.run(request, files).await
     }
-}
-
-/// The field `picture`, which every form has.
-fn required_picture(form: &Form) -> Result<Raster, Problem> {
-    picture(form, "picture")?.ok_or_else(|| Problem::field("/picture", "`picture` is missing"))
 }

@@ -2,10 +2,12 @@
 
 pub(crate) mod child;
 pub(crate) mod compute;
+pub(crate) mod decoding;
 pub(crate) mod fleet;
 
 /// Where handlers send what takes long.
 pub(crate) struct Processes {
     pub(crate) compute: compute::Compute,
     pub(crate) children: child::Children,
+    pub(crate) decoding: decoding::Decoding,
 }

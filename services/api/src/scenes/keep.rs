@@ -3,19 +3,21 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
+use axum::body::Bytes;
 use catalogue::{SceneRow, UnixMs};
-use imaging::codec::{Radiance, decode_radiance};
-use imaging::geometry::Intrinsics;
-use scenes::SceneError;
-use scenes::uploaded::{check_objects, decode};
 use spec::SceneFiles;
 use store::Blob;
 
 use super::Scenes;
 use super::upload::SceneForm;
 use crate::clock::ordered_id;
+use crate::decode::{Request, SceneFacts, SceneRequest};
 use crate::http::problem::Problem;
 use crate::processes::compute::to_the_end;
+use crate::processes::decoding::Files;
+
+/// Memory of a pixel while a scene is decoded: codes of 16 bits with alpha, linear light, range and instances.
+const PIXEL_BYTES: usize = 40;
 
 impl Scenes {
     /// Stores a scene, unless one with the same content is stored; returns its row and whether it is new. Goes on to
@@ -24,11 +26,7 @@ impl Scenes {
         self.bytes.space.room().await?;
         let created_at = self.clock.wall();
         let (collection, name) = (form.collection.clone(), form.name.clone());
-        let (row, blobs) = self
-            .processes
-            .compute
-            .run(move || checked(form, created_at))
-            .await??;
+        let (row, blobs) = self.checked(form, created_at).await?;
         let scenes = Arc::clone(self);
         to_the_end(async move {
             let _turn = scenes.bytes.naming.beside_others().await;
@@ -71,12 +69,54 @@ impl Scenes {
     }
 }
 
-/// Decodes everything once, so that no worker meets a scene that cannot be read.
-fn checked(form: SceneForm, created_at: UnixMs) -> Result<(SceneRow, Vec<Blob>), Problem> {
-    let camera = camera(&form)?;
-    let files = form.files(camera);
-    let scene = decode(&files).map_err(|error| refusal(&error))?;
-    check_objects(&scene, files.classes.as_ref()).map_err(|error| refusal(&error))?;
+impl Scenes {
+    /// Has everything decoded once, so that no worker meets a scene that cannot be read.
+    async fn checked(&self, form: SceneForm, created_at: UnixMs) -> Result<(SceneRow, Vec<Blob>), Problem> {
+        let camera = form.camera();
+        let mut files = form.files();
+        let request = Request::Scene(SceneRequest {
+            files: named(&files),
+            camera,
+        });
+        let to_decode = Files {
+            field: "rgb",
+            named: files.named().collect(),
+            bytes_per_pixel: PIXEL_BYTES,
+        };
+        let decoded = self
+            .processes
+            .decoding
+            .run::<SceneFacts>(&request, to_decode)
+            .await?;
+        let SceneFacts {
+            width,
+            height,
+            camera,
+        } = decoded.reply;
+        files.intrinsics = camera;
+        let hashed = move || hashed(&files);
+        let (files, blobs) = self.processes.compute.run(hashed).await?;
+        let row = SceneRow {
+            id: format!("scn_{}", ordered_id().simple()),
+            content_digest: content_digest(&files),
+            files,
+            width: side(width),
+            height: side(height),
+            created_at,
+        };
+        Ok((row, blobs))
+    }
+}
+
+/// The files by the names under which they are decoded.
+fn named(files: &SceneFiles<Bytes>) -> SceneFiles<String> {
+    let mut names = files.named().map(|(name, _)| name.to_owned());
+    let Ok(named) = files.try_map(|_| Ok::<_, Infallible>(names.next().unwrap_or_default()));
+    named
+}
+
+/// The files by their digests, and their bytes.
+fn hashed(files: &SceneFiles<Bytes>) -> (SceneFiles<String>, Vec<Blob>) {
     let mut blobs = Vec::new();
     let Ok(files) = files.try_map(|bytes| -> Result<_, Infallible> {
         let digest = spec::sha256(bytes);
@@ -86,28 +126,7 @@ fn checked(form: SceneForm, created_at: UnixMs) -> Result<(SceneRow, Vec<Blob>),
         });
         Ok(digest)
     });
-    let row = SceneRow {
-        id: format!("scn_{}", ordered_id().simple()),
-        content_digest: content_digest(&files),
-        files,
-        width: side(scene.radiance.width()),
-        height: side(scene.radiance.height()),
-        created_at,
-    };
-    Ok((row, blobs))
-}
-
-/// The camera needs the picture's size, which only decoding tells for every format.
-fn camera(form: &SceneForm) -> Result<Option<Intrinsics>, Problem> {
-    if !form.has_camera() {
-        return Ok(None);
-    }
-    let picture = decode_radiance(&form.rgb);
-    let (width, height) = match picture.map_err(|error| Problem::field("/rgb", format!("rgb: {error}")))? {
-        Radiance::Encoded(raster) => (raster.width(), raster.height()),
-        Radiance::Linear(picture) => (picture.width(), picture.height()),
-    };
-    Ok(form.camera(width, height))
+    (files, blobs)
 }
 
 /// SHA-256 over everything that a render of the scene depends on. Without classes and a pose it is what it was before there were any.
@@ -130,10 +149,6 @@ fn content_digest(files: &SceneFiles<String>) -> String {
         content.extend(pose.map(|pose| serde_json::json!({"world_from_camera": pose})));
     }
     spec::sha256(format!("fathom-scene-v1{content}"))
-}
-
-fn refusal(error: &SceneError) -> Problem {
-    Problem::field(&format!("/{}", error.field()), error.to_string())
 }
 
 fn side(pixels: usize) -> u32 {

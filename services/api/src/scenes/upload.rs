@@ -2,9 +2,9 @@
 
 use axum::body::Bytes;
 use axum::extract::Multipart;
-use imaging::geometry::Intrinsics;
 use spec::{Classes, RangeFile, RangeKind, SceneFiles};
 
+use crate::decode::GivenCamera;
 use crate::http::form::{Form, Kind};
 use crate::http::problem::Problem;
 
@@ -31,7 +31,7 @@ const MAX_NAME: usize = 255;
 
 /// The fields of a scene upload.
 pub(super) struct SceneForm {
-    pub(super) rgb: Bytes,
+    rgb: Bytes,
     range: Option<Bytes>,
     z_depth: Option<Bytes>,
     instances: Option<Bytes>,
@@ -109,7 +109,7 @@ impl SceneForm {
         if scene.focal_px.is_some() && scene.hfov_deg.is_some() {
             form.refuse("hfov_deg", "give `focal_px` or `hfov_deg`, not both".to_owned());
         }
-        if !scene.has_camera() && (scene.cx.is_some() || scene.cy.is_some()) {
+        if scene.camera().is_none() && (scene.cx.is_some() || scene.cy.is_some()) {
             form.refuse(
                 "cx",
                 "a principal point needs `focal_px` or `hfov_deg`".to_owned(),
@@ -119,25 +119,25 @@ impl SceneForm {
         Ok(scene)
     }
 
-    /// Whether anything is said about the camera.
-    pub(super) fn has_camera(&self) -> bool {
-        self.focal_px.is_some() || self.hfov_deg.is_some()
-    }
-
-    /// The camera, for a picture of this size. A principal point that is not given lies in the middle.
-    pub(super) fn camera(&self, width: usize, height: usize) -> Option<Intrinsics> {
-        let from_angle = |degrees: f64| width as f64 / 2.0 / (degrees.to_radians() / 2.0).tan();
-        let focal_px = self.focal_px.or_else(|| self.hfov_deg.map(from_angle))?;
-        let centered = Intrinsics::centered(focal_px, width, height);
-        Some(Intrinsics {
-            cx: self.cx.unwrap_or(centered.cx),
-            cy: self.cy.unwrap_or(centered.cy),
-            ..centered
+    /// What is said about the camera.
+    pub(super) fn camera(&self) -> Option<GivenCamera> {
+        let Self {
+            focal_px,
+            cx,
+            cy,
+            hfov_deg,
+            ..
+        } = *self;
+        (focal_px.is_some() || hfov_deg.is_some()).then_some(GivenCamera {
+            focal_px,
+            cx,
+            cy,
+            hfov_deg,
         })
     }
 
-    /// The files, with a camera if anything is said about one.
-    pub(super) fn files(self, camera: Option<Intrinsics>) -> SceneFiles<Bytes> {
+    /// The files, without their camera.
+    pub(super) fn files(self) -> SceneFiles<Bytes> {
         let range = self.range.map(|file| (file, RangeKind::Range));
         let z_depth = self.z_depth.map(|file| (file, RangeKind::ZDepth));
         let (unit_m, invalid_code) = (self.unit_m, self.invalid_code);
@@ -150,7 +150,7 @@ impl SceneForm {
                 invalid_code,
             }),
             instances: self.instances,
-            intrinsics: camera,
+            intrinsics: None,
             classes: self.classes,
             world_from_camera: self.pose,
         }

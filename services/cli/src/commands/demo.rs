@@ -57,6 +57,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         style_trial_s: 60,
         frame_limit_s: 600.0,
         mix_workers: false,
+        spot_check: 0,
         stores: Vec::new(),
         engine: EngineArguments {
             engine: None,

@@ -6,6 +6,7 @@ pub(crate) mod cluster;
 mod completions;
 mod control;
 mod datasets;
+mod decode;
 mod demo;
 mod enhance;
 mod errors;
@@ -117,6 +118,9 @@ pub(crate) enum Command {
     /// Render a stored frame once more, for the service
     #[command(hide = true)]
     Rerender(rerender::Arguments),
+    /// Decode what was uploaded, for the service
+    #[command(hide = true)]
+    Decode(decode::Arguments),
     /// Try a style network, for the service
     #[command(hide = true)]
     CheckStyle(check_style::Arguments),
@@ -127,6 +131,7 @@ impl Command {
         match self {
             Self::Rerender(arguments) => rerender::run(&arguments),
             Self::CheckStyle(arguments) => check_style::run(&arguments),
+            Self::Decode(arguments) => decode::run(&arguments),
             Self::Serve(arguments) => serve::run(arguments, None),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),

@@ -54,6 +54,9 @@ pub struct Arguments {
     /// Let workers of different versions, CPU features or ONNX Runtimes share a job, whose frames may then differ in their last digits
     #[arg(long, env = "FATHOM_MIX_WORKERS")]
     pub(crate) mix_workers: bool,
+    /// Render one in so many frames of each worker a second time and compare, and the first of each; a worker that differs is dismissed. 0: none
+    #[arg(long, env = "FATHOM_SPOT_CHECK", default_value_t = 200, value_name = "FRAMES")]
+    pub(crate) spot_check: u64,
     /// Folder or s3://BUCKET/PREFIX below which clients may have sets imported; may be given several times. With --engine one:
     /// jobs become sets in it
     #[arg(
@@ -140,6 +143,7 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         style_trial: Duration::from_secs(arguments.style_trial_s),
         frame_limit: Duration::from_secs_f64(arguments.frame_limit_s),
         mix_workers: arguments.mix_workers,
+        spot_check: arguments.spot_check,
     })
 }
 

@@ -25,6 +25,21 @@ pub(super) fn is_exr(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
+/// Columns and rows of the data window that stands first in the header.
+pub(super) fn announced_sides(bytes: &[u8]) -> Option<(usize, usize)> {
+    /// Headers have a few hundred bytes.
+    const HEADER_BYTES: usize = 1 << 16;
+    const NAME: &[u8] = b"dataWindow\0box2i\0\x10\0\0\0";
+    let head = bytes
+        .get(..HEADER_BYTES.min(bytes.len()))
+        .filter(|head| is_exr(head))?;
+    let place = head.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
+    let corners = head.get(place..place + 16)?.as_chunks::<4>().0;
+    let at = |index: usize| i64::from(i32::from_le_bytes(corners[index]));
+    let side = |first: i64, last: i64| usize::try_from(last - first + 1).ok();
+    Some((side(at(0), at(2))?, side(at(1), at(3))?))
+}
+
 /// Decodes the channels R, G and B.
 pub(super) fn decode_rgb(bytes: &[u8]) -> Result<Rgb<f32>, DecodeError> {
     let planes = decode(bytes, &["R", "G", "B"], "channels R, G and B of half or float")?;

@@ -69,6 +69,9 @@ fn decode_png(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(png::Transformations::EXPAND);
+    // Profiles and texts are not used, and may unpack to hundreds of megabytes.
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_ignore_text_chunk(true);
     let header = decoder.read_header_info().map_err(damaged)?;
     let (width, height) = (header.width as usize, header.height as usize);
     check_size(width, height)?;

@@ -5,6 +5,7 @@ use std::io::Cursor;
 use zune_core::bytestream::ZCursor;
 
 use super::npy::{self, Header};
+use super::openexr;
 use super::picture::Format;
 
 /// Columns and rows that the header of a PNG, JPEG, WebP or NPY file announces, the latter of shape [height, width] or
@@ -36,6 +37,13 @@ pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     }
 }
 
+/// Pixels that the header of any file announces that is decoded here; 0 for other bytes. Only as true as the header.
+#[must_use]
+pub fn announced_pixels(bytes: &[u8]) -> usize {
+    let sides = read_sides(bytes).or_else(|| openexr::announced_sides(bytes));
+    sides.map_or(0, |(width, height)| width.saturating_mul(height))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -58,5 +66,6 @@ mod tests {
             }
         }
         assert_eq!(read_sides(b"{}"), None);
+        assert_eq!(announced_pixels(b"{}"), 0);
     }
 }

@@ -57,7 +57,7 @@ pub(crate) async fn commit(
     let claim = request.claim.unwrap_or_default();
     let current = leases.dispatch.table(|table, _| table.check(&claim));
     current.map_err(|_| stale_lease(&claim))?;
-    leases.examine(&claim, &record).await?;
+    let worker = leases.examine(&claim, &record).await?;
     let begun = leases.dispatch.free(|table, now| {
         if table.made_with(&claim.job_id, &Making::of(&record.provenance)) {
             return table.begin_commit(&claim, now);
@@ -68,7 +68,7 @@ pub(crate) async fn commit(
     begun.map_err(|_| stale_lease(&claim))?;
     faults::point("commit.begun");
     // From here on the frame is pinned: the task unpins it even if the worker hangs up.
-    let stored = to_the_end(async move { leases.commit(&claim, &record).await }).await?;
+    let stored = to_the_end(async move { leases.commit(&claim, &record, &worker).await }).await?;
     let already_there = stored == InsertImage::AlreadyThere;
     Ok(Protobuf(CommitResponse { already_there }))
 }
@@ -117,10 +117,10 @@ impl Leases {
             .map_err(|error| Problem::internal(&error))
     }
 
-    /// Compares a record with what is known of its frame.
-    async fn examine(&self, claim: &Claim, record: &FrameRecord) -> Result<(), Problem> {
+    /// Compares a record with what is known of its frame; returns the worker.
+    async fn examine(&self, claim: &Claim, record: &FrameRecord) -> Result<String, Problem> {
         let worker = self.dispatch.holder(claim.token);
-        let (_, worker) = worker.ok_or_else(|| stale_lease(claim))?;
+        let (id, worker) = worker.ok_or_else(|| stale_lease(claim))?;
         let evidence = Evidence {
             frame: &self.frame(claim).await?,
             puts: &self.puts.get(claim),
@@ -129,7 +129,7 @@ impl Leases {
         };
         let faults = evidence.faults();
         if faults.is_empty() {
-            return Ok(());
+            return Ok(id);
         }
         Err(self.refuse(claim, &faults).await)
     }
@@ -144,7 +144,12 @@ impl Leases {
     }
 
     /// Stores the image of a pinned frame and unpins it.
-    async fn commit(&self, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
+    async fn commit(
+        &self,
+        claim: &Claim,
+        record: &FrameRecord,
+        worker: &str,
+    ) -> Result<InsertImage, Problem> {
         let inserted = self.insert(claim, record).await;
         faults::point("commit.inserted");
         match inserted {
@@ -154,6 +159,7 @@ impl Leases {
         if matches!(inserted, Ok(InsertImage::Inserted)) {
             telemetry::committed(record);
             self.costs.learn(record);
+            self.probes.committed(worker, &claim.job_id, claim.frame);
         }
         self.changes.notify(&claim.job_id);
         inserted

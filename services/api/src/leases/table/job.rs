@@ -230,6 +230,12 @@ impl Job {
         }
     }
 
+    /// Offers a frame again that has lost its image.
+    pub(crate) fn reopen(&mut self, frame: u64) {
+        self.finished -= 1;
+        self.alone.insert(frame);
+    }
+
     /// Offers a frame again, after a pause.
     pub(crate) fn pause(&mut self, frame: u64, until: Millis) {
         self.pausing.insert((until, frame));

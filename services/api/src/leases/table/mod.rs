@@ -121,6 +121,15 @@ impl LeaseTable {
         true
     }
 
+    /// Offers frames again that have lost their image, one at a time. Returns whether the table has the job.
+    pub fn reopen(&mut self, job: &str, frames: &[u64]) -> bool {
+        let Some(job) = self.jobs.get_mut(job) else {
+            return false;
+        };
+        frames.iter().for_each(|&frame| job.reopen(frame));
+        true
+    }
+
     /// Registers a worker.
     pub fn register(&mut self, worker: &str, about: RegisterRequest, now: Millis) {
         self.workers

@@ -3,15 +3,15 @@
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use enhance::Method;
-use imaging::codec::{encode_png, encode_webp_lossless};
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
+use crate::decode::{EnhanceRequest, Request};
 use crate::http::form::{Form, Kind};
 use crate::http::picture::PictureFormat;
 use crate::http::{MultipartBody, Problem, Query, State, Topic};
 use crate::openapi::{Bytes, Enhancement};
-use crate::pictures::{Pictures, required_picture};
+use crate::pictures::Pictures;
 
 /// Codes of what the method is known to do badly with this picture.
 const WARNINGS: HeaderName = HeaderName::from_static("fathom-warnings");
@@ -73,28 +73,17 @@ pub(crate) async fn enhance(
         PictureFormat::Png => "image/png",
         PictureFormat::Webp => "image/webp",
     };
-    let (bytes, warnings) = pictures.0.run(move || enhanced(&form, &method, &asked)).await??;
+    let request = Request::Enhance(EnhanceRequest {
+        picture: "picture".to_owned(),
+        method: method.name().to_owned(),
+        masked: asked.mask,
+        is_webp: matches!(asked.format, PictureFormat::Webp),
+    });
+    let enhanced = pictures.run::<String>(&request, &form, &["picture"]).await?;
+    let (bytes, warnings) = (enhanced.result().await?, &enhanced.reply);
     let mut response = ([(header::CONTENT_TYPE, media_type)], bytes).into_response();
-    if let Ok(codes) = HeaderValue::from_str(&warnings) {
+    if let Ok(codes) = HeaderValue::from_str(warnings) {
         response.headers_mut().insert(WARNINGS, codes);
     }
     Ok(response)
-}
-
-fn enhanced(form: &Form, method: &Method, asked: &Parameters) -> Result<(Vec<u8>, String), Problem> {
-    let refuse = |message: String| Problem::field("/picture", message);
-    let enhanced =
-        enhance::run(method, &required_picture(form)?).map_err(|error| refuse(error.to_string()))?;
-    let result = if asked.mask {
-        enhanced.picture
-    } else {
-        enhanced.unmasked
-    };
-    let bytes = match asked.format {
-        PictureFormat::Png => encode_png(&result),
-        PictureFormat::Webp => encode_webp_lossless(&result.to_rgb8()),
-    };
-    let bytes = bytes.map_err(|error| refuse(error.to_string()))?;
-    let codes: Vec<_> = enhanced.warnings.iter().map(|warning| warning.code()).collect();
-    Ok((bytes, codes.join(", ")))
 }

@@ -1,14 +1,13 @@
 //! `POST /v1/measure`.
 
-use std::collections::BTreeMap;
-
 use quality::MetricId;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
+use crate::decode::{MeasureRequest, Measured, Request};
 use crate::http::form::{Form, Kind};
 use crate::http::{Json, MultipartBody, Problem, Query, State, Topic};
-use crate::pictures::{self, Pictures, required_picture};
+use crate::pictures::Pictures;
 
 /// As in a job that names none.
 const USUAL: &str = "entropy,uicm,uism,uiconm,uiqm,uciqe";
@@ -35,17 +34,6 @@ pub(crate) struct MeasureUpload {
     clean: Option<Vec<u8>>,
 }
 
-/// What was measured.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Measured {
-    /// Columns of the picture.
-    width: usize,
-    /// Rows of the picture.
-    height: usize,
-    /// Values by metric.
-    metrics: BTreeMap<String, f64>,
-}
-
 /// Measure a picture of your own. Nothing is stored.
 #[utoipa::path(post, path = "/v1/measure", tag = "pictures", operation_id = "measure_picture", params(Parameters),
     request_body(content = MeasureUpload, content_type = "multipart/form-data"),
@@ -60,8 +48,13 @@ pub(crate) async fn measure(
     let mut form = Form::read(body, &fields).await?;
     form.require("picture");
     form.check()?;
-    let measured = pictures.0.run(move || measured(&form, &metrics)).await??;
-    Ok(Json(measured))
+    let request = Request::Measure(MeasureRequest {
+        picture: "picture".to_owned(),
+        clean: form.get("clean").map(|_| "clean".to_owned()),
+        metrics: metrics.iter().map(ToString::to_string).collect(),
+    });
+    let measured = pictures.run(&request, &form, &["picture", "clean"]).await?;
+    Ok(Json(measured.reply))
 }
 
 fn metrics(list: &str) -> Result<Vec<MetricId>, Problem> {
@@ -73,19 +66,4 @@ fn metrics(list: &str) -> Result<Vec<MetricId>, Problem> {
         })
     };
     list.split(',').map(|name| parse(name.trim())).collect()
-}
-
-fn measured(form: &Form, metrics: &[MetricId]) -> Result<Measured, Problem> {
-    let picture = required_picture(form)?.to_rgb8();
-    let clean = pictures::picture(form, "clean")?.map(|clean| clean.to_rgb8());
-    let values = quality::measure(&picture, clean.as_ref(), metrics)
-        .map_err(|error| Problem::field("/clean", error.to_string()))?;
-    Ok(Measured {
-        width: picture.width(),
-        height: picture.height(),
-        metrics: values
-            .into_iter()
-            .map(|(id, value)| (id.to_string(), value))
-            .collect(),
-    })
 }

@@ -21,7 +21,7 @@ pub(crate) struct Setup {
     pub(crate) clock: Clock,
     /// Instead of the shipped styles and one of another form.
     pub(crate) library: Option<Library>,
-    /// What is started to try a style: one that takes each, or none.
+    /// What is started to decode, and to try a style: this takes none.
     pub(crate) program: &'static str,
 }
 
@@ -35,7 +35,7 @@ impl Default for Setup {
             },
             clock: Clock::system(),
             library: None,
-            program: "/bin/false",
+            program: env!("CARGO_BIN_EXE_api-child"),
         }
     }
 }
@@ -148,6 +148,7 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         style_trial: Duration::from_secs(10),
         frame_limit: Duration::from_secs(600),
         mix_workers: false,
+        spot_check: 0,
     }
 }
 

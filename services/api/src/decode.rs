@@ -1,0 +1,234 @@
+//! What users send is decoded by a process of its own, `PROGRAM decode --folder FOLDER`, which the service gives so much memory and
+//! time and no more. The folder holds `request.json` and the files; the process leaves `reply.json` there.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use enhance::Method;
+use imaging::Raster;
+use imaging::codec::{Radiance, decode_picture, decode_radiance, encode_png, encode_webp_lossless};
+use imaging::geometry::Intrinsics;
+use quality::MetricId;
+use scenes::SceneError;
+use scenes::uploaded::{check_objects, decode};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use spec::SceneFiles;
+use utoipa::ToSchema;
+
+use crate::limits;
+
+pub(crate) const REQUEST: &str = "request.json";
+pub(crate) const REPLY: &str = "reply.json";
+/// The picture that an enhancement leaves.
+pub(crate) const RESULT: &str = "result";
+
+/// What to do with the files.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Request {
+    /// Check a scene; replies with [`SceneFacts`].
+    Scene(SceneRequest),
+    /// Enhance a picture; replies with the codes of warnings.
+    Enhance(EnhanceRequest),
+    /// Measure a picture; replies with [`Measured`].
+    Measure(MeasureRequest),
+}
+
+/// The files of a scene by their names, and what is said of its camera.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct SceneRequest {
+    pub(crate) files: SceneFiles<String>,
+    pub(crate) camera: Option<GivenCamera>,
+}
+
+/// A camera as a form describes it. A principal point that is not given lies in the middle.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+pub(crate) struct GivenCamera {
+    pub(crate) focal_px: Option<f64>,
+    pub(crate) cx: Option<f64>,
+    pub(crate) cy: Option<f64>,
+    pub(crate) hfov_deg: Option<f64>,
+}
+
+/// What only decoding tells of a scene.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct SceneFacts {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) camera: Option<Intrinsics>,
+}
+
+/// A picture to enhance.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct EnhanceRequest {
+    pub(crate) picture: String,
+    pub(crate) method: String,
+    /// Whether pixels outside of the method's mask are blacked out.
+    pub(crate) masked: bool,
+    pub(crate) is_webp: bool,
+}
+
+/// A picture to measure.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct MeasureRequest {
+    pub(crate) picture: String,
+    pub(crate) clean: Option<String>,
+    pub(crate) metrics: Vec<String>,
+}
+
+/// What was measured.
+#[derive(Debug, Serialize, Deserialize, ToSchema)]
+pub(crate) struct Measured {
+    /// Columns of the picture.
+    width: usize,
+    /// Rows of the picture.
+    height: usize,
+    /// Values by metric.
+    metrics: BTreeMap<String, f64>,
+}
+
+/// Why a file is refused, and the field of the form that held it.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Refusal {
+    pub(crate) pointer: String,
+    pub(crate) message: String,
+}
+
+impl Refusal {
+    fn new(field: &str, message: impl ToString) -> Self {
+        Self {
+            pointer: format!("/{field}"),
+            message: message.to_string(),
+        }
+    }
+}
+
+impl From<SceneError> for Refusal {
+    fn from(error: SceneError) -> Self {
+        Self::new(error.field(), error)
+    }
+}
+
+/// Does what the service asks for in a folder: the process of `PROGRAM decode`.
+///
+/// # Errors
+/// The folder is not one of the service.
+pub fn decode_folder(folder: &Path) -> io::Result<()> {
+    let request = serde_json::from_slice(&fs::read(folder.join(REQUEST))?)?;
+    let reply = match request {
+        Request::Scene(request) => scene(folder, &request)?.map(|facts| serde_json::json!(facts)),
+        Request::Enhance(request) => enhanced(folder, &request)?.map(Value::String),
+        Request::Measure(request) => measured(folder, &request)?.map(|values| serde_json::json!(values)),
+    };
+    fs::write(folder.join(REPLY), serde_json::to_vec(&reply)?)
+}
+
+/// What reading files and refusing them comes to.
+type Checked<T> = io::Result<Result<T, Refusal>>;
+
+fn scene(folder: &Path, SceneRequest { files, camera }: &SceneRequest) -> Checked<SceneFacts> {
+    let mut files = files.try_map(|name| fs::read(folder.join(name)))?;
+    Ok((|| {
+        if let Some(given) = camera {
+            files.intrinsics = camera_of(given, &files.rgb)?;
+        }
+        let scene = decode(&files)?;
+        check_objects(&scene, files.classes.as_ref())?;
+        Ok(SceneFacts {
+            width: scene.radiance.width(),
+            height: scene.radiance.height(),
+            camera: files.intrinsics,
+        })
+    })())
+}
+
+/// The camera needs the picture's size, which only decoding tells for every format.
+fn camera_of(given: &GivenCamera, rgb: &[u8]) -> Result<Option<Intrinsics>, Refusal> {
+    let picture = decode_radiance(rgb).map_err(|error| Refusal::new("rgb", format!("rgb: {error}")))?;
+    let (width, height) = match picture {
+        Radiance::Encoded(raster) => (raster.width(), raster.height()),
+        Radiance::Linear(picture) => picture.size(),
+    };
+    let from_angle = |degrees: f64| width as f64 / 2.0 / (degrees.to_radians() / 2.0).tan();
+    let Some(focal_px) = given.focal_px.or_else(|| given.hfov_deg.map(from_angle)) else {
+        return Ok(None);
+    };
+    let centered = Intrinsics::centered(focal_px, width, height);
+    Ok(Some(Intrinsics {
+        cx: given.cx.unwrap_or(centered.cx),
+        cy: given.cy.unwrap_or(centered.cy),
+        ..centered
+    }))
+}
+
+fn enhanced(folder: &Path, request: &EnhanceRequest) -> Checked<String> {
+    let bytes = fs::read(folder.join(&request.picture))?;
+    let encoded = (|| {
+        let refuse = |message: String| Refusal::new("picture", message);
+        let unknown = || Refusal::new("method", format!("method is `{}`", request.method));
+        let method = Method::parse(&request.method).ok_or_else(unknown)?;
+        let picture = picture("picture", &bytes)?;
+        let enhanced = enhance::run(&method, &picture).map_err(|error| refuse(error.to_string()))?;
+        let result = match request.masked {
+            true => enhanced.picture,
+            false => enhanced.unmasked,
+        };
+        let bytes = match request.is_webp {
+            true => encode_webp_lossless(&result.to_rgb8()),
+            false => encode_png(&result),
+        };
+        let codes: Vec<_> = enhanced.warnings.iter().map(|warning| warning.code()).collect();
+        Ok((
+            bytes.map_err(|error| refuse(error.to_string()))?,
+            codes.join(", "),
+        ))
+    })();
+    match encoded {
+        Err(refusal) => Ok(Err(refusal)),
+        Ok((bytes, warnings)) => {
+            fs::write(folder.join(RESULT), bytes)?;
+            Ok(Ok(warnings))
+        }
+    }
+}
+
+fn measured(folder: &Path, request: &MeasureRequest) -> Checked<Measured> {
+    let bytes = fs::read(folder.join(&request.picture))?;
+    let clean = request.clean.as_ref().map(|name| fs::read(folder.join(name)));
+    let clean = clean.transpose()?;
+    Ok((|| {
+        let picture = picture("picture", &bytes)?.to_rgb8();
+        let clean = clean.map(|bytes| self::picture("clean", &bytes)).transpose()?;
+        let clean = clean.map(|clean| clean.to_rgb8());
+        let metrics: Vec<MetricId> = request
+            .metrics
+            .iter()
+            .filter_map(|name| MetricId::parse(name))
+            .collect();
+        let values = quality::measure(&picture, clean.as_ref(), &metrics)
+            .map_err(|error| Refusal::new("clean", error))?;
+        let named = values.into_iter().map(|(id, value)| (id.to_string(), value));
+        Ok(Measured {
+            width: picture.width(),
+            height: picture.height(),
+            metrics: named.collect(),
+        })
+    })())
+}
+
+/// A picture of bearable size.
+fn picture(field: &str, bytes: &[u8]) -> Result<Raster, Refusal> {
+    let refuse = |message: String| Refusal::new(field, message);
+    let picture = decode_picture(bytes).map_err(|error| refuse(format!("`{field}`: {error}")))?;
+    let (width, height) = (picture.width(), picture.height());
+    match width * height {
+        0..=limits::PICTURE_PIXELS => Ok(picture),
+        pixels => Err(refuse(format!(
+            "`{field}` is {width}×{height} = {pixels} pixels, the limit is {}",
+            limits::PICTURE_PIXELS
+        ))),
+    }
+}

@@ -1,0 +1,170 @@
+//! Frames that are rendered a second time, by a process of the service, and compared with what a worker has committed. A worker whose
+//! frame differs is dismissed; its frames since the last that was found good lose their images and are rendered by others.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use imaging::Samples;
+use imaging::codec::decode_picture;
+use serde_json::{Value, json};
+use tokio_util::sync::CancellationToken;
+
+use super::Jobs;
+use crate::http::problem::Problem;
+use crate::images::rerender::Again;
+use crate::leases::probes::Probe;
+use crate::telemetry;
+
+/// How often frames to be checked are looked for.
+const LOOK: Duration = Duration::from_millis(200);
+/// Of the time of one core, checks take one part in so many at most: small frames come faster than a process starts.
+const MOST_PAUSES: u32 = 99;
+/// What of a record is a function of the job alone, on one program and one kind of machine.
+const FACTS: [&str; 8] = [
+    "parameters",
+    "optics",
+    "plan",
+    "measurements",
+    "artifacts",
+    "counts",
+    "warnings",
+    "scene",
+];
+/// Mean difference of two pictures, 8-bit codes, that another kind of machine may make: it changes the last place before rounding.
+const OTHER_MACHINE_CODES: f64 = 1.0;
+
+/// What a check came to.
+enum Verdict {
+    Good,
+    /// Nothing can be said.
+    Open(String),
+    /// What differs.
+    Differs(String),
+}
+
+/// Checks frames until the end.
+pub(crate) async fn run(jobs: Arc<Jobs>, end: CancellationToken) {
+    let probes = &jobs.leases.probes;
+    let pauses =
+        u32::try_from(probes.one_in.saturating_sub(1)).map_or(MOST_PAUSES, |rest| rest.min(MOST_PAUSES));
+    let work = async {
+        loop {
+            let Some(probe) = probes.next() else {
+                tokio::time::sleep(LOOK).await;
+                continue;
+            };
+            let begun = Instant::now();
+            jobs.check(&probe).await;
+            tokio::time::sleep(begun.elapsed() * pauses).await;
+        }
+    };
+    end.run_until_cancelled(work).await;
+}
+
+impl Jobs {
+    /// Checks a frame, and draws the consequences.
+    async fn check(self: &Arc<Self>, probe: &Probe) {
+        let Probe {
+            worker, job, frame, ..
+        } = probe;
+        let job: &str = job;
+        let verdict = match self.verdict(job, *frame).await {
+            Ok(verdict) => verdict,
+            Err(problem) => Verdict::Open(problem.to_string()),
+        };
+        match verdict {
+            Verdict::Good => {
+                telemetry::checked("good");
+                self.leases.probes.is_good(probe);
+            }
+            Verdict::Open(why) => {
+                telemetry::checked("open");
+                tracing::info!(worker, job, frame, why, "a frame could not be checked");
+                self.leases.probes.is_open(probe);
+            }
+            Verdict::Differs(what) => {
+                telemetry::checked("differs");
+                tracing::error!(worker, job, frame, what, "a frame is not what it renders to");
+                let events = self.leases.dispatch.dismiss(worker);
+                self.leases.record_strikes(events).await;
+                self.take_back(worker).await;
+            }
+        }
+    }
+
+    /// Has all frames of a worker rendered again that nothing speaks for.
+    async fn take_back(self: &Arc<Self>, worker: &str) {
+        for (job, frames) in self.leases.probes.take(worker) {
+            let count = frames.len();
+            match self.reopen(job.clone(), frames).await {
+                Ok(row) => {
+                    tracing::warn!(job, worker, frames = count, state = %row.state, "images taken back")
+                }
+                Err(problem) => {
+                    tracing::error!(job, worker, frames = count, %problem, "images cannot be taken back")
+                }
+            }
+        }
+    }
+
+    async fn verdict(&self, job: &str, frame: u64) -> Result<Verdict, Problem> {
+        let image = self.images.get(job, frame).await?;
+        let again = self.images.rerender(job, frame).await?;
+        let record = json!(again.record);
+        let same = |name: &str| image.pointer(name) == record.pointer(name);
+        if !same("/provenance/code_version") || !same("/provenance/onnx_runtime") {
+            return Ok(Verdict::Open("it was made with another version".to_owned()));
+        }
+        if !same("/provenance/inputs") {
+            return Ok(Verdict::Differs("/provenance/inputs".to_owned()));
+        }
+        if same("/provenance/cpu_features") {
+            let fact = |record: &Value, name: &str| record.get(name).cloned().unwrap_or_default();
+            let other = FACTS
+                .iter()
+                .find(|name| fact(&image, name) != fact(&record, name));
+            return Ok(other.map_or(Verdict::Good, |name| Verdict::Differs((*name).to_owned())));
+        }
+        self.on_other_machine(job, frame, again).await
+    }
+
+    /// Compares the pictures alone, which may differ in their last place.
+    async fn on_other_machine(&self, job: &str, frame: u64, again: Again) -> Result<Verdict, Problem> {
+        const PICTURE: &str = "rgb";
+        let Some(bytes) = again.bytes(PICTURE) else {
+            return Ok(Verdict::Open(
+                "it was made on another kind of machine and has no picture".to_owned(),
+            ));
+        };
+        let stored = self.images.artifact(job, frame, PICTURE).await?;
+        let stored = self.images.stored(stored).await?.bytes;
+        let mean = self
+            .processes
+            .compute
+            .run(move || mean_difference(&stored, &bytes))
+            .await?;
+        Ok(match mean {
+            Some(codes) if codes <= OTHER_MACHINE_CODES => Verdict::Good,
+            Some(codes) => Verdict::Differs(format!("{PICTURE}, by {codes:.1} codes in the mean")),
+            None => Verdict::Differs(format!("the size of {PICTURE}")),
+        })
+    }
+}
+
+/// Mean difference of two pictures of one size and depth, 8-bit codes.
+fn mean_difference(one: &[u8], other: &[u8]) -> Option<f64> {
+    let (one, other) = (decode_picture(one).ok()?, decode_picture(other).ok()?);
+    let sum = |pairs: &mut dyn Iterator<Item = f64>| pairs.sum::<f64>();
+    let (sum, count) = match (one.samples(), other.samples()) {
+        (Samples::U8(a), Samples::U8(b)) if a.len() == b.len() => (
+            sum(&mut a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)))),
+            a.len(),
+        ),
+        (Samples::U16(a), Samples::U16(b)) if a.len() == b.len() => (
+            sum(&mut a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)) / 257.0)),
+            a.len(),
+        ),
+        _ => return None,
+    };
+    Some(sum / count.max(1) as f64)
+}

@@ -1,0 +1,186 @@
+//! Which frames are rendered a second time: the first of each worker and then one in so many, drawn so that nobody can foresee it; and
+//! what a worker has committed since its last frame that was found good.
+
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::hash::{BuildHasher, RandomState};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Frames of a worker that are remembered: some megabytes. The oldest are forgotten where checks fall so far behind.
+const MOST_UNPROVEN: usize = 100_000;
+
+/// The frames of all workers that were not compared yet.
+pub(crate) struct Probes {
+    /// One frame in so many is rendered again; 0: none.
+    pub(crate) one_in: u64,
+    draw: RandomState,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    workers: HashMap<String, Unproven>,
+    waiting: VecDeque<Probe>,
+}
+
+/// What a worker has committed since its last good check.
+#[derive(Default)]
+struct Unproven {
+    frames: VecDeque<(Arc<str>, u64)>,
+    has_been_checked: bool,
+    is_waiting: bool,
+}
+
+/// A frame to render again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Probe {
+    pub(crate) worker: String,
+    pub(crate) job: Arc<str>,
+    pub(crate) frame: u64,
+    /// Frames of the worker that it speaks for, itself included.
+    covers: usize,
+}
+
+impl Probes {
+    pub(crate) fn new(one_in: u64) -> Self {
+        Self {
+            one_in,
+            draw: RandomState::new(),
+            state: Mutex::default(),
+        }
+    }
+
+    /// Notes a frame that a worker has committed.
+    pub(crate) fn committed(&self, worker: &str, job: &str, frame: u64) {
+        if self.one_in == 0 {
+            return;
+        }
+        let is_drawn = self.draw.hash_one((job, frame)) % self.one_in == 0;
+        let mut state = self.state();
+        let State { workers, waiting } = &mut *state;
+        if !workers.contains_key(worker) {
+            workers.insert(worker.to_owned(), Unproven::default());
+        }
+        let Some(unproven) = workers.get_mut(worker) else {
+            return;
+        };
+        let job = match unproven.frames.back() {
+            Some((last, _)) if **last == *job => Arc::clone(last),
+            _ => Arc::from(job),
+        };
+        if unproven.frames.len() == MOST_UNPROVEN {
+            unproven.frames.pop_front();
+        }
+        unproven.frames.push_back((Arc::clone(&job), frame));
+        if !unproven.is_waiting && (is_drawn || !unproven.has_been_checked) {
+            unproven.is_waiting = true;
+            waiting.push_back(Probe {
+                worker: worker.to_owned(),
+                job,
+                frame,
+                covers: unproven.frames.len(),
+            });
+        }
+    }
+
+    /// The frame that has waited longest.
+    pub(crate) fn next(&self) -> Option<Probe> {
+        self.state().waiting.pop_front()
+    }
+
+    /// A frame was found good, and so are those that its worker had committed before.
+    pub(crate) fn is_good(&self, probe: &Probe) {
+        self.end(probe, |unproven| {
+            unproven.has_been_checked = true;
+            let known = unproven.frames.iter();
+            let place = known
+                .take(probe.covers)
+                .position(|(job, frame)| *job == probe.job && *frame == probe.frame);
+            unproven.frames.drain(..place.map_or(0, |place| place + 1));
+        });
+    }
+
+    /// Nothing can be said of a frame: another one is taken.
+    pub(crate) fn is_open(&self, probe: &Probe) {
+        self.end(probe, |_| {});
+    }
+
+    fn end(&self, probe: &Probe, change: impl FnOnce(&mut Unproven)) {
+        if let Some(unproven) = self.state().workers.get_mut(&probe.worker) {
+            unproven.is_waiting = false;
+            change(unproven);
+        }
+    }
+
+    /// Takes the frames of a worker that nothing speaks for, by job.
+    pub(crate) fn take(&self, worker: &str) -> BTreeMap<String, Vec<u64>> {
+        let mut state = self.state();
+        state.waiting.retain(|probe| probe.worker != worker);
+        let unproven = state.workers.remove(worker).unwrap_or_default();
+        let mut by_job: BTreeMap<String, Vec<u64>> = BTreeMap::new();
+        for (job, frame) in unproven.frames {
+            by_job.entry(job.to_string()).or_default().push(frame);
+        }
+        by_job
+    }
+
+    /// Forgets workers that are gone and were checked.
+    pub(crate) fn keep(&self, is_registered: impl Fn(&str) -> bool) {
+        self.state()
+            .workers
+            .retain(|worker, unproven| unproven.is_waiting || is_registered(worker));
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn commit(probes: &Probes, worker: &str, frames: std::ops::Range<u64>) {
+        frames.for_each(|frame| probes.committed(worker, "job_a", frame));
+    }
+
+    #[test]
+    fn the_first_frame_of_each_worker_is_checked_and_then_one_in_so_many() {
+        let probes = Probes::new(100);
+        commit(&probes, "a", 0..1);
+        commit(&probes, "b", 1..2);
+        let first = [probes.next(), probes.next()].map(|probe| probe.map(|probe| probe.frame));
+        assert_eq!((first, probes.next()), ([Some(0), Some(1)], None));
+        let mut checked = 0;
+        for frame in 0..20_000 {
+            commit(&probes, "c", frame..frame + 1);
+            if let Some(probe) = probes.next() {
+                probes.is_good(&probe);
+                checked += 1;
+            }
+        }
+        assert!((120..300).contains(&checked), "{checked} of 20000");
+        let none = Probes::new(0);
+        commit(&none, "a", 0..1000);
+        assert_eq!(none.next(), None);
+    }
+
+    #[test]
+    fn what_came_after_the_last_good_frame_is_not_proven() {
+        let probes = Probes::new(1);
+        commit(&probes, "a", 0..5);
+        let first = probes.next().unwrap();
+        assert_eq!((first.frame, probes.next()), (0, None));
+        probes.is_good(&first);
+        commit(&probes, "a", 5..7);
+        let second = probes.next().unwrap();
+        assert_eq!(second.frame, 5);
+        probes.is_open(&second);
+        commit(&probes, "b", 100..101);
+        assert_eq!(
+            probes.take("a"),
+            BTreeMap::from([("job_a".to_owned(), vec![1, 2, 3, 4, 5, 6])])
+        );
+        assert_eq!(probes.next().map(|probe| probe.worker), Some("b".to_owned()));
+        assert!(probes.take("a").is_empty());
+    }
+}

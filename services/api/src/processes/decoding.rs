@@ -1,0 +1,119 @@
+//! Processes that decode what users send: each within its own memory and time, all together within a budget.
+
+use std::ffi::OsStr;
+use std::path::Path;
+use std::time::Duration;
+
+use axum::body::Bytes;
+use imaging::codec::{MAX_PIXELS, announced_pixels};
+use serde::de::DeserializeOwned;
+use tempfile::TempDir;
+use tokio::sync::Semaphore;
+
+use crate::decode::{REPLY, REQUEST, RESULT, Refusal, Request};
+use crate::http::failure::writing;
+use crate::http::problem::Problem;
+use crate::processes::child::{Allowance, Children, Ended};
+
+/// What a process may take whatever it decodes.
+const LEAST_MIB: usize = 256;
+/// What it takes beside its files and pixels.
+const BESIDE_MIB: usize = 64;
+/// The slowest method takes a second for a million pixels.
+const TIME: Duration = Duration::from_secs(120);
+
+/// Starts the processes.
+pub(crate) struct Decoding {
+    children: Children,
+    /// MiB that they may take together.
+    memory: Semaphore,
+    most_mib: usize,
+}
+
+/// Files to be decoded, and what their pixels may take.
+pub(crate) struct Files<'a> {
+    /// The field of the form whose file decides about memory.
+    pub(crate) field: &'static str,
+    /// By the names that the request uses.
+    pub(crate) named: Vec<(&'static str, &'a Bytes)>,
+    pub(crate) bytes_per_pixel: usize,
+}
+
+impl Files<'_> {
+    /// Memory of a process that decodes them.
+    fn mib(&self) -> usize {
+        let pixels = self.named.iter().map(|(_, file)| announced_pixels(file)).max();
+        let pixels = pixels.unwrap_or(0).min(MAX_PIXELS);
+        let files: usize = self.named.iter().map(|(_, file)| file.len()).sum();
+        let bytes = pixels * self.bytes_per_pixel + 2 * files;
+        ((bytes >> 20) + BESIDE_MIB).max(LEAST_MIB)
+    }
+}
+
+/// What a process has left.
+pub(crate) struct Decoded<R> {
+    pub(crate) reply: R,
+    folder: TempDir,
+}
+
+impl<R> Decoded<R> {
+    /// The picture that was made.
+    pub(crate) async fn result(&self) -> Result<Vec<u8>, Problem> {
+        let read = tokio::fs::read(self.folder.path().join(RESULT)).await;
+        read.map_err(|error| Problem::internal(&error))
+    }
+}
+
+impl Decoding {
+    pub(crate) fn new(program: &Path, places: usize, most_mib: usize) -> Self {
+        Self {
+            children: Children::new(program, Vec::new(), places),
+            memory: Semaphore::new(most_mib),
+            most_mib,
+        }
+    }
+
+    /// Has files decoded as a request says.
+    pub(crate) async fn run<R: DeserializeOwned>(
+        &self,
+        request: &Request,
+        files: Files<'_>,
+    ) -> Result<Decoded<R>, Problem> {
+        let mib = files.mib().min(self.most_mib);
+        let places = u32::try_from(mib).unwrap_or(u32::MAX);
+        let memory = self.memory.acquire_many(places).await;
+        let _memory = memory.map_err(|error| Problem::internal(&error))?;
+        let folder = TempDir::new().map_err(|error| writing(&error))?;
+        let request = serde_json::to_vec(request).map_err(|error| Problem::internal(&error))?;
+        write(folder.path(), REQUEST, &request).await?;
+        for (name, bytes) in &files.named {
+            write(folder.path(), name, bytes).await?;
+        }
+        let allowance = Allowance {
+            time: TIME,
+            memory_bytes: (mib as u64) << 20,
+        };
+        let arguments = [OsStr::new("--folder"), folder.path().as_os_str()];
+        let refuse = |why: String| Problem::field(&format!("/{}", files.field), why);
+        match self.children.run("decode", &arguments, allowance).await? {
+            Ended::Well => {}
+            Ended::Refused(why) | Ended::Lacking(why) => return Err(refuse(why)),
+            Ended::Badly(why) => {
+                return Err(refuse(format!(
+                    "it cannot be decoded; of the process that tried it: {why}"
+                )));
+            }
+        }
+        let reply = tokio::fs::read(folder.path().join(REPLY)).await;
+        let reply = reply.map_err(|error| Problem::internal(&error))?;
+        let reply: Result<R, Refusal> =
+            serde_json::from_slice(&reply).map_err(|error| Problem::internal(&error))?;
+        let reply = reply.map_err(|Refusal { pointer, message }| Problem::field(&pointer, message))?;
+        Ok(Decoded { reply, folder })
+    }
+}
+
+async fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Problem> {
+    let written = tokio::fs::write(folder.join(name), bytes).await;
+    written.map_err(|error| writing(&error))
+}

@@ -1,0 +1,82 @@
+//! Images that cannot be trusted are taken away, and their frames are open again.
+
+use serde_json::json;
+use sqlx::AssertSqlSafe;
+use sqlx::sqlite::SqliteConnection;
+
+use super::{imported, known_job, row};
+use crate::catalogue::Catalogue;
+use crate::error::CatalogueError;
+use crate::types::Retried;
+use crate::versions::refuse_sealed;
+
+/// Tables whose rows belong to the image of a frame, its own row apart.
+const BESIDE: [&str; 3] = ["artifacts", "measurements", "records"];
+/// Which rows: of this job and these frames.
+const WHERE: &str = "WHERE job_id = ?1 AND frame IN (SELECT value FROM json_each(?2))";
+
+impl Catalogue {
+    /// Removes the images of some frames of a job, whose bytes lose their names. A job that had ended with them goes on, unless it was
+    /// cancelled. Returns the frames that had an image; the caller offers them to workers.
+    ///
+    /// # Errors
+    /// [`CatalogueError::NotFound`]; [`CatalogueError::Sealed`]; [`CatalogueError::Imported`].
+    pub async fn reopen(&self, id: &str, frames: Vec<u64>) -> Result<Retried, CatalogueError> {
+        let id = id.to_owned();
+        self.write(move |c| Box::pin(async move { reopen(c, &id, &frames).await }))
+            .await
+    }
+}
+
+async fn reopen(
+    connection: &mut SqliteConnection,
+    id: &str,
+    frames: &[u64],
+) -> Result<Retried, CatalogueError> {
+    let job = known_job(connection, id).await?;
+    if job.set.is_some() {
+        return Err(imported(job));
+    }
+    refuse_sealed(connection, id).await?;
+    let list = json!(frames).to_string();
+    let sql = format!("SELECT coalesce(sum(bytes), 0) FROM artifacts {WHERE}");
+    let bytes: i64 = sqlx::query_scalar(AssertSqlSafe(sql))
+        .bind(id)
+        .bind(&list)
+        .fetch_one(&mut *connection)
+        .await?;
+    let orphans = format!("INSERT OR IGNORE INTO orphans (digest) SELECT digest FROM artifacts {WHERE}");
+    let removals = BESIDE.map(|table| format!("DELETE FROM {table} {WHERE}"));
+    for sql in std::iter::once(orphans).chain(removals) {
+        let statement = sqlx::query(AssertSqlSafe(sql)).bind(id).bind(&list);
+        statement.execute(&mut *connection).await?;
+    }
+    let sql = format!("DELETE FROM images {WHERE} RETURNING frame");
+    let mut gone: Vec<i64> = sqlx::query_scalar(AssertSqlSafe(sql))
+        .bind(id)
+        .bind(&list)
+        .fetch_all(&mut *connection)
+        .await?;
+    gone.sort_unstable();
+    sqlx::query("UPDATE datasets SET images = images - ?, bytes = bytes - ? WHERE name = ?")
+        .bind(gone.len() as i64)
+        .bind(bytes)
+        .bind(&job.dataset)
+        .execute(&mut *connection)
+        .await?;
+    let changed = sqlx::query(concat!(
+        "UPDATE jobs SET done = done - ?2, bytes = bytes - ?3, version = version + 1, digest = NULL, finished_ms = NULL,
+                         state = CASE WHEN state IN ('done', 'done_with_failures') THEN 'running' ELSE state END
+         WHERE id = ?1 RETURNING ",
+        columns!(),
+    ))
+    .bind(id)
+    .bind(gone.len() as i64)
+    .bind(bytes)
+    .fetch_one(connection)
+    .await?;
+    Ok(Retried {
+        job: row(&changed)?,
+        frames: gone.into_iter().map(|frame| frame as u64).collect(),
+    })
+}
