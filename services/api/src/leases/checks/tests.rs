@@ -151,3 +151,61 @@ fn a_file_is_of_a_kind_that_was_asked_for_and_what_its_type_says() {
         "`range` is image/png, not text/html; the bytes of `range` are no image/png"
     );
 }
+
+/// A seeded stream of numbers.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % sides
+    }
+}
+
+/// Failure: a panic, or a record that differs in a checked fact and has no fault.
+#[test]
+fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_facts() {
+    const ROUNDS: usize = 20_000;
+    let (frame, worker) = (frame(), worker());
+    let puts = [put("rgb", (32, 24)), put("range", (32, 24))];
+    let honest = record(&frame, &puts);
+    let text = serde_json::to_vec(&honest).unwrap();
+    let mut dice = Dice(7);
+    let (mut parsed, mut passed) = (0, 0);
+    for _ in 0..ROUNDS {
+        let mut bytes = text.clone();
+        for _ in 0..=dice.roll(3) {
+            let (at, other) = (dice.roll(bytes.len()), dice.roll(bytes.len()));
+            match dice.roll(4) {
+                0 => bytes[at] ^= 1 << dice.roll(8),
+                1 => bytes[at] = b"0123456789-+.eE\"{}[]:,"[dice.roll(22)],
+                2 => bytes.swap(at, other),
+                _ => drop(bytes.remove(at)),
+            }
+        }
+        let Ok(changed) = serde_json::from_slice::<FrameRecord>(&bytes) else {
+            continue;
+        };
+        parsed += 1;
+        let evidence = Evidence {
+            frame: &frame,
+            puts: &puts,
+            worker: &worker,
+            record: &changed,
+        };
+        if evidence.faults().is_empty() {
+            passed += 1;
+            assert_eq!(changed.parameters, honest.parameters);
+            assert_eq!(changed.provenance.code_version, honest.provenance.code_version);
+            let is_put = |entry: &ArtifactEntry| puts.iter().any(|put| put.entry == *entry);
+            assert!(changed.artifacts.iter().all(is_put));
+        }
+    }
+    assert!(
+        parsed > ROUNDS / 50 && passed > 0,
+        "{parsed} parsed, {passed} passed"
+    );
+}
