@@ -14,9 +14,11 @@
 mod claims;
 mod job;
 mod lease;
+mod loss;
 mod making;
 mod suspects;
 mod types;
+mod workers;
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -24,7 +26,7 @@ use std::ops::Range;
 
 use proto::wire::{BeatResponse, RegisterRequest};
 
-use self::job::{Job, Struck};
+use self::job::Job;
 use self::lease::{Lease, Leases};
 use self::suspects::{Suspect, Suspects};
 pub use self::types::{Grant, JobEntry, Making, Millis, Rules, Stale, StrikeEvent, Totals};
@@ -128,18 +130,6 @@ impl LeaseTable {
         };
         frames.iter().for_each(|&frame| job.reopen(frame));
         true
-    }
-
-    /// Registers a worker.
-    pub fn register(&mut self, worker: &str, about: RegisterRequest, now: Millis) {
-        self.workers
-            .insert(worker.to_owned(), Worker { about, seen: now });
-    }
-
-    /// Whether a worker is registered.
-    #[must_use]
-    pub fn has_worker(&self, worker: &str) -> bool {
-        self.workers.contains_key(worker)
     }
 
     /// Leases the next frames to a worker. `token` must be new. `frame_ms` is what a frame costs the worker; not positive:
@@ -274,79 +264,10 @@ impl LeaseTable {
         self.leases.remove_if_empty(token);
     }
 
-    /// Takes back the leases that have run out, worker by worker.
-    pub fn expire(&mut self, now: Millis) -> Vec<StrikeEvent> {
-        let mut lost: BTreeMap<String, Vec<u64>> = BTreeMap::new();
-        for token in self.leases.ended(now) {
-            if let Some(lease) = self.leases.get(token) {
-                lost.entry(lease.worker.clone()).or_default().push(token);
-            }
-        }
-        let events = lost
-            .into_iter()
-            .flat_map(|(worker, tokens)| self.lose(&worker, &tokens, now))
-            .collect();
-        let leases = &self.leases;
-        self.workers.retain(|id, worker| {
-            worker.seen.plus(FORGET_AFTER_MS) > now || leases.of_worker(id).next().is_some()
-        });
-        events
-    }
-
-    /// Workers that hold a lease whose frame has taken longer than any may: [`LeaseTable::expire`] would take it back.
-    #[must_use]
-    pub fn stalled(&self, now: Millis) -> BTreeSet<String> {
-        let ended = self.leases.ended(now).into_iter();
-        let leases = ended.filter_map(|token| self.leases.get(token));
-        let stalled = leases.filter(|lease| self.rules.is_stalled(lease, now));
-        stalled.map(|lease| lease.worker.clone()).collect()
-    }
-
-    /// A frame has come that the service cannot take for now: its worker is not to blame.
-    pub fn excuse(&mut self, token: u64, now: Millis) {
-        if let Some(lease) = self.leases.get_mut(token) {
-            lease.since = now;
-        }
-    }
-
-    /// Takes back all leases of a worker whose process has ended.
-    pub fn drop_worker(&mut self, worker: &str, now: Millis) -> Vec<StrikeEvent> {
-        let tokens = self.leases.tokens_of(worker);
-        let events = self.lose(worker, &tokens, now);
-        self.workers.remove(worker);
-        events
-    }
-
     /// Whether a job has frames that have not ended.
     #[must_use]
     pub fn has_job(&self, job: &str) -> bool {
         self.jobs.contains_key(job)
-    }
-
-    /// Leases that have run out and that [`LeaseTable::expire`] would take back.
-    #[must_use]
-    pub fn ended(&self, now: Millis) -> usize {
-        self.leases.ended(now).len()
-    }
-
-    /// The registered workers: id, registration, when they were heard of last.
-    pub fn workers(&self) -> impl Iterator<Item = (&str, &RegisterRequest, Millis)> {
-        let workers = self.workers.iter();
-        workers.map(|(id, worker)| (id.as_str(), &worker.about, worker.seen))
-    }
-
-    /// The worker that holds a lease: its id and registration.
-    #[must_use]
-    pub fn holder(&self, token: u64) -> Option<(&str, &RegisterRequest)> {
-        let id = &self.leases.get(token)?.worker;
-        Some((id, &self.workers.get(id)?.about))
-    }
-
-    /// Frames that a worker holds.
-    #[must_use]
-    pub fn held_by(&self, worker: &str) -> usize {
-        let leases = self.leases.of_worker(worker);
-        leases.map(|lease| lease.frames.len()).sum()
     }
 
     /// Frames that wait and frames that are held.
@@ -359,67 +280,6 @@ impl LeaseTable {
         }
     }
 
-    /// These leases of a worker are lost; see the top of this file for what that means to their frames.
-    fn lose(&mut self, worker: &str, tokens: &[u64], now: Millis) -> Vec<StrikeEvent> {
-        let alone = self.held_by(worker) == 1;
-        let known = self.workers.get(worker);
-        let name = known.map_or(worker, |known| &known.about.name).to_owned();
-        let mut events = Vec::new();
-        for &token in tokens {
-            let lease = self.leases.get(token);
-            let several = lease.is_some_and(|lease| lease.several);
-            let is_stalled = lease.is_some_and(|lease| self.rules.is_stalled(lease, now));
-            for (job, frame) in self.drop_open(token) {
-                let Some(entry) = self.jobs.get_mut(&job) else {
-                    continue;
-                };
-                if !alone && several {
-                    entry.single_out(frame);
-                } else if !alone {
-                    entry.suspect();
-                    self.suspects.add(now, job, frame);
-                } else {
-                    let Struck { strikes, again } = entry.strike(frame, true, now);
-                    // The first failure may be the worker's fault, so retry without a delay.
-                    let again = again.map(|pause| if strikes == 1 { now } else { pause });
-                    if let Some(from) = again {
-                        self.suspects.add(from, job.clone(), frame);
-                    }
-                    let error = match is_stalled {
-                        true => format!(
-                            "worker `{name}` held this frame for {} s without an image",
-                            self.rules.frame_limit_ms / 1000
-                        ),
-                        false => {
-                            format!("worker `{name}` was lost while it rendered this frame and no other")
-                        }
-                    };
-                    events.push(event(&job, frame, strikes, error, again.is_none()));
-                    self.forget_finished(&job);
-                }
-            }
-            self.leases.remove_if_empty(token);
-        }
-        events
-    }
-
-    /// Takes every frame that is not pinned out of a lease and returns them.
-    fn drop_open(&mut self, token: u64) -> Vec<(String, u64)> {
-        let Some(lease) = self.leases.get_mut(token) else {
-            return Vec::new();
-        };
-        let (job, pinned) = (lease.job.clone(), &self.pinned);
-        let mut open = Vec::new();
-        lease.frames.retain(|&frame, _| {
-            let stays = pinned.get(&(job.clone(), frame)) == Some(&token);
-            if !stays {
-                open.push((job.clone(), frame));
-            }
-            stays
-        });
-        open
-    }
-
     pub(crate) fn forget_finished(&mut self, job: &str) {
         if self.jobs.get(job).is_some_and(Job::finished) {
             self.forget_job(job);
@@ -430,19 +290,6 @@ impl LeaseTable {
         if let Some(job) = self.jobs.remove(id) {
             self.line.remove(&place(id, &job));
             self.suspects.forget_job(id);
-        }
-    }
-
-    fn saw(&mut self, worker: &str, now: Millis) {
-        if let Some(known) = self.workers.get_mut(worker) {
-            known.seen = now;
-        } else {
-            let about = RegisterRequest {
-                name: worker.to_owned(),
-                slots: 1,
-                ..RegisterRequest::default()
-            };
-            self.register(worker, about, now);
         }
     }
 }

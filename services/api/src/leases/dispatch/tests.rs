@@ -1,0 +1,188 @@
+use std::sync::Arc;
+
+use catalogue::JobRow;
+use proto::wire::FrameClaim;
+
+use super::super::table::TERM_MS;
+use super::*;
+
+/// A dispatch with a job of one frame, the worker's id, and the hand of the clock.
+fn one_frame() -> (Dispatch, String, Arc<AtomicU64>) {
+    let hand = Arc::new(AtomicU64::new(0));
+    let read = Arc::clone(&hand);
+    let clock = Clock::from_functions(move || read.load(Ordering::SeqCst), || 0);
+    let dispatch = Dispatch::new(clock, Rules::default());
+    dispatch.add_job(job("job_a"));
+    let worker = dispatch.register(about(), false).unwrap();
+    (dispatch, worker, hand)
+}
+
+fn job(id: &str) -> OpenJob {
+    OpenJob::from(JobRow {
+        id: id.to_owned(),
+        dataset: "bay".to_owned(),
+        state: JobState::Queued,
+        frames: 1,
+        done: 0,
+        failed: 0,
+        bytes: 0,
+        version: 1,
+        created_at: UnixMs(0),
+        started_at: None,
+        finished_at: None,
+        digest: None,
+        set: None,
+        warnings: Vec::new(),
+        priority: 0,
+        spec_digest: format!("digest of {id}"),
+    })
+}
+
+fn about() -> RegisterRequest {
+    RegisterRequest {
+        name: "local-1".to_owned(),
+        slots: 1,
+        ..RegisterRequest::default()
+    }
+}
+
+async fn token(dispatch: &Dispatch, worker: &str) -> Option<u64> {
+    let granted = dispatch.lease(worker, Duration::ZERO, 0.0).await;
+    granted.ok().flatten().map(|granted| granted.hand_over().token)
+}
+
+#[tokio::test]
+async fn a_lease_that_nobody_received_is_free_again_without_a_strike() {
+    let (dispatch, worker, _) = one_frame();
+    drop(
+        dispatch
+            .lease(&worker, Duration::ZERO, 0.0)
+            .await
+            .ok()
+            .flatten()
+            .unwrap(),
+    );
+    let granted = dispatch
+        .lease(&worker, Duration::ZERO, 0.0)
+        .await
+        .ok()
+        .flatten()
+        .unwrap();
+    let lease = granted.hand_over();
+    assert_eq!(lease.frames, [FrameClaim { frame: 0, attempt: 1 }]);
+    assert_eq!(lease.spec_digest, "digest of job_a");
+}
+
+#[tokio::test]
+async fn a_silent_workers_frame_comes_back_after_its_term_under_a_larger_token() {
+    let (dispatch, worker, hand) = one_frame();
+    let first = token(&dispatch, &worker).await.unwrap();
+    hand.store(u64::from(TERM_MS) - 1, Ordering::SeqCst);
+    assert!(dispatch.expire().is_empty());
+    assert_eq!(token(&dispatch, &worker).await, None);
+    hand.store(u64::from(TERM_MS), Ordering::SeqCst);
+    assert_eq!(dispatch.expire().len(), 1);
+    hand.store(60_000, Ordering::SeqCst);
+    assert!(token(&dispatch, &worker).await.unwrap() > first);
+}
+
+#[tokio::test]
+async fn a_dead_childs_frame_comes_back_at_once_and_its_id_is_forgotten() {
+    let (dispatch, worker, hand) = one_frame();
+    token(&dispatch, &worker).await.unwrap();
+    let (registered, events) = dispatch.drop_workers_named("remote");
+    assert!(!registered && events.is_empty());
+    let (registered, events) = dispatch.drop_workers_named("local-1");
+    assert!(registered && events.len() == 1);
+    assert!(dispatch.lease(&worker, Duration::ZERO, 0.0).await.is_err());
+    assert!(dispatch.workers().is_empty());
+    hand.store(1_000, Ordering::SeqCst);
+    let next = dispatch.register(about(), false).unwrap();
+    assert!(token(&dispatch, &next).await.is_some());
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_cancel_is_told_at_once_and_nothing_else_ends_a_beat_early() {
+    let (dispatch, worker, _) = one_frame();
+    let token = token(&dispatch, &worker).await.unwrap();
+    let dispatch = Arc::new(dispatch);
+    let wait = Duration::from_secs(5);
+    let begun = Instant::now();
+    let quiet = dispatch.beat(&worker, &[token], wait).await.ok().unwrap();
+    assert_eq!((quiet, begun.elapsed()), (BeatResponse::default(), wait));
+    // Also of a lease that the beat does not name.
+    let beat = {
+        let (dispatch, worker) = (Arc::clone(&dispatch), worker.clone());
+        tokio::spawn(async move { dispatch.beat(&worker, &[], wait).await.ok() })
+    };
+    tokio::task::yield_now().await;
+    let begun = Instant::now();
+    dispatch.cancel("job_a");
+    assert_eq!(beat.await.unwrap().unwrap().cancelled, [token]);
+    assert_eq!(begun.elapsed(), Duration::ZERO);
+    // Once.
+    let again = dispatch.beat(&worker, &[], Duration::ZERO).await.ok().unwrap();
+    assert_eq!(again, BeatResponse::default());
+}
+
+#[tokio::test]
+async fn a_worker_that_holds_frames_and_hands_none_in_is_dismissed_at_the_third() {
+    let hand = Arc::new(AtomicU64::new(0));
+    let read = Arc::clone(&hand);
+    let clock = Clock::from_functions(move || read.load(Ordering::SeqCst), || 0);
+    let rules = Rules {
+        frame_limit_ms: 60_000,
+        ..Rules::default()
+    };
+    let dispatch = Dispatch::new(clock, rules);
+    for job_id in ["job_a", "job_b", "job_c"] {
+        dispatch.add_job(job(job_id));
+    }
+    let worker = dispatch.register(about(), true).unwrap();
+    let mut now = 0;
+    for stalls in 1..=3 {
+        let token = token(&dispatch, &worker).await.unwrap();
+        let begun = now;
+        let event = loop {
+            let beat = dispatch
+                .beat(&worker, &[token], Duration::ZERO)
+                .await
+                .ok()
+                .unwrap();
+            assert!(beat.lost.is_empty());
+            now += 5000;
+            hand.store(now, Ordering::SeqCst);
+            if let Some(event) = dispatch.expire().pop() {
+                break event;
+            }
+        };
+        assert_eq!(now - begun, 60_000);
+        assert!(
+            event.error.contains("held this frame for 60 s"),
+            "{}",
+            event.error
+        );
+        assert_eq!(dispatch.workers().is_empty(), stalls == 3);
+    }
+    assert_eq!(dispatch.dismissed_own(), ["local-1"]);
+    assert!(dispatch.register(about(), true).is_none());
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_waiting_worker_is_woken_by_a_new_job() {
+    let (dispatch, worker, _) = one_frame();
+    token(&dispatch, &worker).await.unwrap();
+    let dispatch = Arc::new(dispatch);
+    let waiting = {
+        let (dispatch, worker) = (Arc::clone(&dispatch), worker.clone());
+        tokio::spawn(async move {
+            let granted = dispatch.lease(&worker, Duration::from_secs(60), 0.0).await;
+            granted.ok().flatten().map(|granted| granted.hand_over().job_id)
+        })
+    };
+    tokio::task::yield_now().await;
+    let begun = Instant::now();
+    dispatch.add_job(job("job_b"));
+    assert_eq!(waiting.await.unwrap().as_deref(), Some("job_b"));
+    assert_eq!(begun.elapsed(), Duration::ZERO);
+}

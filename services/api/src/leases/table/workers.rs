@@ -1,0 +1,65 @@
+//! The workers that the table knows.
+
+use std::collections::BTreeSet;
+
+use proto::wire::RegisterRequest;
+
+use super::types::Millis;
+use super::{LeaseTable, Worker};
+
+impl LeaseTable {
+    /// Registers a worker.
+    pub fn register(&mut self, worker: &str, about: RegisterRequest, now: Millis) {
+        self.workers
+            .insert(worker.to_owned(), Worker { about, seen: now });
+    }
+
+    /// Whether a worker is registered.
+    #[must_use]
+    pub fn has_worker(&self, worker: &str) -> bool {
+        self.workers.contains_key(worker)
+    }
+
+    /// Workers that hold a lease whose frame has taken longer than any may: [`LeaseTable::expire`] would take it back.
+    #[must_use]
+    pub fn stalled(&self, now: Millis) -> BTreeSet<String> {
+        let ended = self.leases.ended(now).into_iter();
+        let leases = ended.filter_map(|token| self.leases.get(token));
+        let stalled = leases.filter(|lease| self.rules.is_stalled(lease, now));
+        stalled.map(|lease| lease.worker.clone()).collect()
+    }
+
+    /// The registered workers: id, registration, when they were heard of last.
+    pub fn workers(&self) -> impl Iterator<Item = (&str, &RegisterRequest, Millis)> {
+        let workers = self.workers.iter();
+        workers.map(|(id, worker)| (id.as_str(), &worker.about, worker.seen))
+    }
+
+    /// The worker that holds a lease: its id and registration.
+    #[must_use]
+    pub fn holder(&self, token: u64) -> Option<(&str, &RegisterRequest)> {
+        let id = &self.leases.get(token)?.worker;
+        Some((id, &self.workers.get(id)?.about))
+    }
+
+    /// Frames that a worker holds.
+    #[must_use]
+    pub fn held_by(&self, worker: &str) -> usize {
+        let leases = self.leases.of_worker(worker);
+        leases.map(|lease| lease.frames.len()).sum()
+    }
+
+    /// Notes that a worker was heard of; one that never registered counts as one with a slot.
+    pub(super) fn saw(&mut self, worker: &str, now: Millis) {
+        if let Some(known) = self.workers.get_mut(worker) {
+            known.seen = now;
+        } else {
+            let about = RegisterRequest {
+                name: worker.to_owned(),
+                slots: 1,
+                ..RegisterRequest::default()
+            };
+            self.register(worker, about, now);
+        }
+    }
+}
