@@ -41,7 +41,7 @@ fn a_worker_whose_frame_renders_to_something_else_is_dismissed_and_its_frames_ar
     let job = job(40);
     let expected = digest_by_render(&job, data.path(), "2");
     let service = Service::start(data.path(), &["--workers", "0", "--spot-check", "1"]);
-    let lies = [("FATHOM_FAULTS", "rgb.wrong=flag#1/2")];
+    let lies = [("FATHOM_FAULTS", "rgb.wrong=flag")];
     let liar = Worker::start_with(&service.url, "liar", 1, &lies);
     until("the liar registers", || workers(&service) == ["liar"]);
     let id = service.submit(&job);
@@ -79,7 +79,7 @@ fn a_service_whose_own_worker_is_dismissed_is_not_ready_and_says_why() {
     let faults = [("FATHOM_FAULTS", "rgb.wrong=flag@1")];
     let arguments = ["--workers", "1", "--slots", "1", "--spot-check", "1"];
     let service = Service::start_with(data.path(), &arguments, &faults);
-    let _ = service.submit(&job(3));
+    let _ = service.submit(&job(2000));
     let detail = || {
         service.get("/readyz").1["detail"]
             .as_str()

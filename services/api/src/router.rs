@@ -28,19 +28,19 @@ use crate::{
 /// The whole application.
 pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limits) -> Router {
     let budgets = Budgets(limits);
-    let probing = budgets.new("probes", limits.requests, SHED_AFTER);
-    let requests = budgets.new("reads", limits.requests, SHED_AFTER);
-    let questions = budgets.new("questions", limits.questions, SHED_QUESTION_AFTER);
-    let submissions = budgets.new("submissions", limits.submissions, SHED_AFTER);
-    let renders = budgets.new("renders", limits.renders, SHED_AT_ONCE);
-    let streams = budgets.new("events", limits.streams, SHED_AT_ONCE);
-    let lines = budgets.new("lines", limits.lines, SHED_AT_ONCE);
-    let uploads = budgets.new("uploads", limits.uploads, SHED_UPLOAD_AFTER);
-    let pictures = budgets.new("pictures", limits.pictures, SHED_UPLOAD_AFTER);
-    let backups = budgets.new("backups", 1, SHED_AT_ONCE);
+    let probing = budgets.of("probes", limits.requests, SHED_AFTER);
+    let requests = budgets.of("reads", limits.requests, SHED_AFTER);
+    let questions = budgets.of("questions", limits.questions, SHED_QUESTION_AFTER);
+    let submissions = budgets.of("submissions", limits.submissions, SHED_AFTER);
+    let renders = budgets.of("renders", limits.renders, SHED_AT_ONCE);
+    let streams = budgets.of("events", limits.streams, SHED_AT_ONCE);
+    let lines = budgets.of("lines", limits.lines, SHED_AT_ONCE);
+    let uploads = budgets.of("uploads", limits.uploads, SHED_UPLOAD_AFTER);
+    let pictures = budgets.of("pictures", limits.pictures, SHED_UPLOAD_AFTER);
+    let backups = budgets.of("backups", 1, SHED_AT_ONCE);
     let memory = budgets.bodies("bodies", limits.body_bytes);
     let followers = Choice::ByWait {
-        waits: budgets.new("waits", limits.waits, SHED_AT_ONCE),
+        waits: budgets.of("waits", limits.waits, SHED_AT_ONCE),
         others: requests.clone(),
     };
     let group_of = |scope, budget, timeout, most_bytes| Group {
@@ -201,7 +201,7 @@ fn operating() -> OpenApiRouter<App> {
 struct Budgets<'a>(&'a Limits);
 
 impl Budgets<'_> {
-    fn new(&self, name: &'static str, places: usize, patience: Duration) -> Budget {
+    fn of(&self, name: &'static str, places: usize, patience: Duration) -> Budget {
         let share = Share {
             percent: self.0.caller_percent,
         };
@@ -210,7 +210,7 @@ impl Budgets<'_> {
 
     /// A budget of bodies in memory.
     fn bodies(&self, name: &'static str, bytes: usize) -> Budget {
-        self.new(name, bytes / PLACE_BYTES, SHED_AT_ONCE)
+        self.of(name, bytes / PLACE_BYTES, SHED_AT_ONCE)
     }
 
     fn receiving(&self, memory: &Budget, most_bytes: usize) -> Receiving {
@@ -228,7 +228,7 @@ fn worker_protocol(tokens: &Arc<Tokens>, budgets: &Budgets<'_>) -> OpenApiRouter
     let memory = budgets.bodies("bodies of workers", limits.worker_body_bytes);
     let group = |name, places, patience, timeout, most_bytes| Group {
         scope: Some(Scope::Work),
-        budget: Choice::One(budgets.new(name, places, patience)),
+        budget: Choice::One(budgets.of(name, places, patience)),
         timeout,
         receiving: budgets.receiving(&memory, most_bytes),
     };

@@ -54,7 +54,7 @@ impl Probes {
         if self.one_in == 0 {
             return;
         }
-        let is_drawn = self.draw.hash_one((job, frame)) % self.one_in == 0;
+        let is_drawn = self.draw.hash_one((job, frame)).is_multiple_of(self.one_in);
         let mut state = self.state();
         let State { workers, waiting } = &mut *state;
         if !workers.contains_key(worker) {
