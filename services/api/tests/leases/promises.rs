@@ -319,7 +319,7 @@ fn a_runtime_binds_only_jobs_that_have_used_it() {
     let now = Millis(0);
     let mut table = LeaseTable::new();
     let resumed = |id: &str, onnx_runtime| JobEntry {
-        done: vec![0..1],
+        done: std::iter::once(0..1).collect(),
         made: Some(making("1", onnx_runtime)),
         ..job(id, 2)
     };
