@@ -21,17 +21,19 @@ pub enum Warning {
     BlackMode,
     /// The result is red where the picture was not.
     RedCast,
-    /// Red is multiplied by more than four.
+    /// Red is stretched by more than four.
     RedAmplified,
     /// A bright part of the picture is taken for the background light.
     LampAsBackground,
     /// A fifth of a channel turned black.
     Blackened,
+    /// The background light hangs on a threshold that the picture is close to.
+    UnstableLight,
 }
 
 impl Warning {
     /// All warnings.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Constant,
         Self::FewPixels,
         Self::SmallTiles,
@@ -43,6 +45,7 @@ impl Warning {
         Self::RedAmplified,
         Self::LampAsBackground,
         Self::Blackened,
+        Self::UnstableLight,
     ];
 
     /// A stable name, for filters and tables.
@@ -60,6 +63,7 @@ impl Warning {
             Self::RedAmplified => "red_amplified",
             Self::LampAsBackground => "lamp_as_background",
             Self::Blackened => "blackened",
+            Self::UnstableLight => "unstable_light",
         }
     }
 
@@ -79,11 +83,14 @@ impl Warning {
             Self::RedCast => {
                 "the result is red where the picture was not, what is left of red was multiplied too far"
             }
-            Self::RedAmplified => "red is multiplied by more than four, and its noise with it",
+            Self::RedAmplified => "red is stretched by more than four, and its noise with it",
             Self::LampAsBackground => {
                 "a bright part of the picture is taken for the background light, darker parts turn black"
             }
             Self::Blackened => "a fifth of a channel turned black",
+            Self::UnstableLight => {
+                "the background light hangs on a threshold, the next frame of a film may get another one"
+            }
         }
     }
 }

@@ -40,7 +40,7 @@ fn an_ordinary_picture_has_no_warning() {
 }
 
 #[test]
-fn a_lamp_in_view_is_taken_for_the_background_by_ibla() {
+fn a_bright_part_without_texture_is_taken_for_the_background_by_ibla() {
     let base = reef_with(0.8);
     let lamp = Rgb8::from_fn(240, 160, |x, y| {
         let lit = [225 + grain(x, y), 240, 235];
@@ -57,11 +57,11 @@ fn a_lamp_in_view_is_taken_for_the_background_by_ibla() {
 }
 
 #[test]
-fn ulap_and_suir_say_when_they_made_the_picture_red_and_only_then() {
+fn ulap_and_suir_say_what_they_did_to_red() {
     assert_eq!(warnings("ulap", &reef_with(0.8)), [Warning::RedCast]);
     // Less red: the far end turns black in red instead.
     assert_eq!(warnings("ulap", &reef()), [Warning::Blackened]);
-    assert_eq!(warnings("suir", &reef()), [Warning::RedCast]);
+    assert_eq!(warnings("suir", &reef()), [Warning::RedAmplified]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::variant::Variant;
 pub const TOP_SHARE: f64 = 0.001;
 
 /// How many pixels the top share is, at least one.
-pub(crate) fn top_count(pixels: usize) -> usize {
+fn top_count(pixels: usize) -> usize {
     (pixels as f64 * TOP_SHARE).ceil() as usize
 }
 

@@ -3,9 +3,11 @@
 
 mod blur;
 mod extremum;
+mod fill;
 mod guided;
 pub(crate) mod histogram;
 mod light;
+mod matting;
 mod norm;
 mod quadtree;
 mod rank;
@@ -15,12 +17,14 @@ mod tails;
 
 pub use blur::gaussian;
 pub use extremum::{window_max, window_min};
+pub use fill::filled;
 pub use guided::{Guide, RADIUS_MAX, RADIUS_PX, REGULARIZATION, guided};
+pub(crate) use light::extremes;
 pub use light::{TOP_SHARE, brightest_of, distance_offset};
-pub(crate) use light::{extremes, top_count};
+pub use matting::Matting;
 pub(crate) use norm::distance_of;
 pub use norm::{FLAT, normalized, range};
-pub use quadtree::{Region, calmest, highest};
+pub use quadtree::{Region, calmest, lowest};
 pub use rank::largest;
 pub use restore::{Veil, restore};
 pub use tails::tails;

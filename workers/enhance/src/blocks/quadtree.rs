@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use imaging::{Plane, Rgb8, luma1000};
 
-/// Part of the picture that the search ends at.
-const AREA_MIN: f64 = 1.0 / 1024.0;
+/// The search ends at a region that spans no more than the picture's pixels divided by this.
+const PARTS: usize = 1024;
 
 /// Scores closer together than this are equal: regions with the same content must tie, whatever rounding their sums saw.
 const EQUAL: f64 = 1e-9;
@@ -31,21 +31,25 @@ impl Region {
         self.columns.len() * self.rows.len()
     }
 
-    /// Top left, top right, bottom left, bottom right; of an odd side the first half is the smaller one. `None` when
-    /// a side would fall below 2.
-    fn quarters(&self) -> Option<[Self; 4]> {
-        let (half_width, half_height) = (self.columns.len() / 2, self.rows.len() / 2);
-        if half_width < 2 || half_height < 2 {
-            return None;
-        }
-        let middle = (self.columns.start + half_width, self.rows.start + half_height);
-        let (left, right) = (self.columns.start..middle.0, middle.0..self.columns.end);
-        let (top, bottom) = (self.rows.start..middle.1, middle.1..self.rows.end);
-        let corners = [(&left, &top), (&right, &top), (&left, &bottom), (&right, &bottom)];
-        Some(corners.map(|(columns, rows)| Self {
-            columns: columns.clone(),
-            rows: rows.clone(),
-        }))
+    /// Top left, top right, bottom left, bottom right, without empty ones; the first half of a side is the larger one.
+    fn quarters(&self) -> Vec<Self> {
+        let halves = |side: &Range<usize>| {
+            let middle = (side.start + side.len() / 2 + 1).min(side.end);
+            [side.start..middle, middle..side.end]
+        };
+        let (columns, rows) = (halves(&self.columns), halves(&self.rows));
+        let quarters = rows.iter().flat_map(|rows| {
+            columns.iter().map(|columns| Self {
+                columns: columns.clone(),
+                rows: rows.clone(),
+            })
+        });
+        quarters.filter(|quarter| quarter.area() > 0).collect()
+    }
+
+    /// The product of the distances between its outer pixels.
+    fn span(&self) -> usize {
+        (self.columns.len() - 1) * (self.rows.len() - 1)
     }
 
     /// The mean color, 0..=1.
@@ -63,25 +67,27 @@ impl Region {
     }
 }
 
-/// Starting from the whole picture, keeps the quarter with the highest score, the first of equals, until its area is
-/// below 1/1024 of the picture's or a side would fall below 2 pixels. Each pixel is scored a third more than once on
-/// the whole, whatever the depth.
+/// Starting from the whole picture, keeps the quarter with the lowest score, the first of equals, until it spans no more than
+/// 1/1024 of the picture's pixels or cannot be divided. Each pixel is scored a third more than once on the whole, whatever the depth.
 fn search((width, height): (usize, usize), score: impl Fn(&Region) -> f64) -> Region {
     let mut region = Region {
         columns: 0..width,
         rows: 0..height,
     };
-    let area_min = AREA_MIN * (width * height) as f64;
-    while region.area() as f64 >= area_min {
-        let Some(quarters) = region.quarters() else { break };
-        let mut best = f64::NEG_INFINITY;
+    let end = width * height / PARTS;
+    while region.span() > end {
+        let quarters = region.quarters();
+        if quarters.len() < 2 {
+            break;
+        }
+        let mut quarters = quarters.into_iter().map(|quarter| (score(&quarter), quarter));
+        let Some(mut best) = quarters.next() else { break };
         for quarter in quarters {
-            let score = score(&quarter);
-            if score > best + EQUAL {
-                best = score;
-                region = quarter;
+            if quarter.0 < best.0 - EQUAL {
+                best = quarter;
             }
         }
+        region = best.1;
     }
     region
 }
@@ -102,13 +108,13 @@ pub fn calmest(picture: &Rgb8) -> Region {
         }
         let count = region.area() as u128;
         let spread = count * squares - u128::from(sum) * u128::from(sum);
-        -(spread as f64 / (count * count) as f64)
+        spread as f64 / (count * count) as f64
     })
 }
 
-/// The region with the largest mean of a plane.
+/// The region with the smallest mean of a plane.
 #[must_use]
-pub fn highest(plane: &Plane<f64>) -> Region {
+pub fn lowest(plane: &Plane<f64>) -> Region {
     search(plane.size(), |region| {
         let rows = region.slices(plane.data(), plane.width(), 1);
         rows.map(|row| row.iter().sum::<f64>()).sum::<f64>() / region.area() as f64
@@ -131,46 +137,53 @@ mod tests {
             }; 3]
         });
         let region = calmest(&picture);
-        // 1/1024 of 4096 pixels is 4: a region of 2 × 2 still counts 4 pixels, but its quarters would have sides of 1.
+        // The first halves are the larger ones: 33 of 64, 16 of 31, 8 of 15, 4 of 7; 3 × 3 span 4 = 64 · 64 / 1024.
         assert_eq!(
             region,
             Region {
-                columns: 62..64,
-                rows: 62..64
+                columns: 61..64,
+                rows: 61..64
             }
         );
-        // 129, 127, 127 and 128.
-        assert_eq!(region.mean_color(&picture), [511.0 / (255.0 * 4.0); 3]);
+        // 130 126 130, 126 129 127, 130 127 128.
+        assert_eq!(region.mean_color(&picture), [1153.0 / (255.0 * 9.0); 3]);
     }
 
     #[test]
-    fn of_equals_the_first_wins_and_odd_sides_leave_the_larger_half_behind() {
+    fn of_equals_the_first_wins_and_the_first_half_is_the_larger_one() {
+        let whole = Region {
+            columns: 0..9,
+            rows: 0..7,
+        };
+        let sides: Vec<_> = whole
+            .quarters()
+            .into_iter()
+            .map(|quarter| (quarter.columns, quarter.rows))
+            .collect();
+        assert_eq!(sides, [(0..5, 0..4), (5..9, 0..4), (0..5, 4..7), (5..9, 4..7)]);
         let plane = Plane::filled(9, 7, 1.0);
         assert_eq!(
-            highest(&plane),
+            lowest(&plane),
             Region {
-                columns: 0..4,
-                rows: 0..3
+                columns: 0..2,
+                rows: 0..2
             }
         );
-        let small = Plane::filled(3, 3, 1.0);
-        assert_eq!(
-            highest(&small),
-            Region {
-                columns: 0..3,
-                rows: 0..3
-            }
-        );
+        let line = Region {
+            columns: 0..2,
+            rows: 3..4,
+        };
+        assert_eq!(line.quarters(), [line]);
     }
 
     #[test]
-    fn the_highest_mean_is_found() {
+    fn the_lowest_mean_is_found() {
         let plane = Plane::from_fn(
             40,
             40,
-            |x, y| if (30..33).contains(&x) && y < 3 { 1.0 } else { 0.0 },
+            |x, y| if (30..33).contains(&x) && y < 3 { -1.0 } else { 0.0 },
         );
-        let region = highest(&plane);
+        let region = lowest(&plane);
         assert!(region.columns.start >= 28 && region.rows.start == 0, "{region:?}");
     }
 }

@@ -2,7 +2,7 @@
 
 use imaging::{Plane, Rgb8, vectorized};
 
-use crate::elementary::exp_nonpositive;
+use crate::elementary::exp;
 use crate::variant::Variant;
 
 /// What lies between the scene and the camera.
@@ -16,7 +16,7 @@ pub struct Veil {
     pub transmittance: (f64, f64),
 }
 
-/// The codes of `J`, rounded and clipped, for a distance of every pixel, not negative.
+/// The codes of `J`, rounded and clipped, for a distance of every pixel.
 ///
 /// # Panics
 /// When the sizes differ.
@@ -69,7 +69,7 @@ fn fast(codes: &mut [u8], distances: &[f64], veil: &Veil) {
             }
             let mut restored = [0u8; BLOCK];
             for x in 0..BLOCK {
-                let t = exp_nonpositive(-attenuation[channel] * distance[x]);
+                let t = exp(-attenuation[channel] * distance[x]);
                 let t = if t < least { least } else { t };
                 let t = if t > greatest { greatest } else { t };
                 let value = (values[x] - light[channel]) / t + light[channel] + 0.5;

@@ -8,6 +8,8 @@ mod rd;
 mod rghs;
 mod suir;
 mod ulap;
+#[cfg(test)]
+mod vectors;
 
 use imaging::Raster;
 
@@ -24,7 +26,7 @@ pub struct Method {
     enhance: fn(&Raster, Variant) -> Enhanced,
 }
 
-const TABLE: [Method; 8] = [
+const TABLE: [Method; 9] = [
     Method::new(
         "hscm",
         "homomorphic filter, spatial median, CLAHE and circular mask",
@@ -48,7 +50,7 @@ const TABLE: [Method; 8] = [
     .guided(),
     Method::new(
         "suir",
-        "blue-green dehazing and red correction (Li et al. 2016)",
+        "blue-green dehazing and red correction (Li, Guo, Pang, Chen and Wang 2016)",
         suir::enhance,
     )
     .guided(),
@@ -56,6 +58,12 @@ const TABLE: [Method; 8] = [
         "ibla",
         "restoration by blurriness and light absorption (Peng and Cosman 2017)",
         ibla::enhance,
+    )
+    .guided(),
+    Method::new(
+        "ibla_guided",
+        "IBLA refined by the guided filter, which is faster",
+        ibla::enhance_guided,
     )
     .guided(),
     Method::new(

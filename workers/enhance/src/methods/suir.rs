@@ -1,18 +1,23 @@
-//! SUIR: single underwater image restoration by blue-green dehazing and red correction (Li, Cong, Pang and Wang 2016).
+//! SUIR: single underwater image restoration by blue-green dehazing and red correction (Li, Guo, Pang, Chen and Wang 2016).
 //!
 //! 1. `c = norm` over all three channels together (one color value: unchanged).
 //! 2. Background light: the color of the pixel with the smallest `lmax(R) - lmax(max(G, B))` in 9 × 9, the first of
 //!    equals; B_c at least 1/255.
-//! 3. For k in G, B: `t_k = guided(1 - lmin(k / B_k))` in 9 × 9, cut to 0.1..=0.9; `J_k = (k - B_k) / t_k + B_k`.
+//! 3. For k in G, B: `t_k = guided(1 - lmin0(k / B_k))` in 9 × 9, cut to 0.1..=0.9; `J_k = (k - B_k) / t_k + B_k`. `lmin0`
+//!    takes what lies outside of the picture for 0, so that a rim of 4 pixels counts as clear.
 //! 4. `norm` over (R, J_G, J_B) together (one value: unchanged); of its red nothing is used.
-//! 5. `R' = R · gain`, cut to 0..=1, with R of step 1 and `gain = (1.5 - mean J_G - mean J_B) / mean R`, at least 0.1;
-//!    R is unchanged where it is 0 or of one value.
-//! 6. With the lumas Y_i of step 1 and Y_j of (R', J_G, J_B), both cut to 0.01..=1, the result is multiplied by the guided
-//!    `s = (Y_j Y_i + 0.3 Y_i²) / (Y_j² + 0.3 Y_i²)` and cut to 0..=1.
+//! 5. `R' = norm(R)`, R of step 1 stretched alone (one value: unchanged).
+//! 6. With the lumas Y'_i of step 1 and Y'_j of (R', J_G, J_B), the result is multiplied by the guided
+//!    `s = (Y'_j Y'_i + 0.3 Y'_i²) / (Y'_j² + 0.3 Y'_i²)` and cut to 0..=1. `Y' = (Y - lo) / (hi - lo)`, cut to 0.01..=1, where lo and
+//!    hi are the least and the greatest value of `Y`, `Cr = 0.713 (R - Y) + 0.5` and `Cb = 0.564 (B - Y) + 0.5` together.
 //!
-//! The guide is the picture of step 1. Where it fails: one color is not one value, and (60, 120, 140) becomes a saturated
-//! blue; a little red is multiplied into noise; haze removed where there is none leaves a few values far out, the joint
-//! stretch squeezes the rest, and red takes over; a gray picture loses haze and becomes colored.
+//! The guide is the picture of step 1. The paper multiplies red until the means of the channels add up to 1.5; the programs that are
+//! published stretch red to its full range after that, which undoes the gain. Taken at its word the paper turns most of
+//! a turbid photo red.
+//!
+//! Where it fails: one color is not one value, and (60, 120, 140) becomes a saturated blue; red that spans a few codes is stretched
+//! into noise; a lamp's spot is the only red and turns red; a gray picture loses haze and becomes colored; a picture of fewer than
+//! 9 pixels a side lies wholly in the rim.
 
 use imaging::{Plane, Raster, Rgb8, vectorized};
 
@@ -26,15 +31,14 @@ use crate::warning::Warning;
 const WINDOW_PX: usize = 4;
 /// Least and greatest transmittance.
 const TRANSMITTANCE: (f64, f64) = (0.1, 0.9);
-/// What the means of the three channels add up to in a balanced picture.
-const BALANCED: f64 = 1.5;
-const GAIN_MIN: f64 = 0.1;
-/// A gain of red above this is worth a warning.
-const LARGE_GAIN: f64 = 4.0;
+/// A stretch of red by more than this is worth a warning.
+const LARGE_STRETCH: f64 = 4.0;
 /// Least luma of the exposure map, and the weight of the input in it.
 const LUMA_MIN: f64 = 0.01;
 const INPUT_WEIGHT: f64 = 0.3;
 const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
+/// Scales of the differences of red and of blue from the luma.
+const CHROMA: [f64; 2] = [0.713, 0.564];
 
 /// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
@@ -43,18 +47,9 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let stretch = Stretch::new(&colors);
     let guide = Guide::new(&colors).scaled(stretch.scale);
     let light = background(&guide, variant).map(|code| stretch.value(code).max(1.0 / 255.0));
-    let channels = guide.channels().each_ref();
-    let input = channels.map(|channel| channel.map(|&code| stretch.value(code)));
-    let green = dehazed(&guide, &stretch, 1, light[1], variant);
-    let blue = dehazed(&guide, &stretch, 2, light[2], variant);
-    let [green, blue] = normalized_together(&input[0], [green, blue]);
-    let gain = red_gain(&input[0], &green, &blue);
-    let red = input[0].map(|value| gain.map_or(*value, |gain| (value * gain).clamp(0.0, 1.0)));
-    let exposure = exposure(&input, [&red, &green, &blue]);
-    let exposure = guided(&guide, &exposure, variant);
-
+    let (channels, exposure) = restored(&guide, &stretch, light, variant);
     let mut result = colors.clone();
-    for (channel, plane) in [&red, &green, &blue].into_iter().enumerate() {
+    for (channel, plane) in channels.iter().enumerate() {
         let values = plane.data().iter().zip(exposure.data());
         for (pixel, (value, exposure)) in result.data_mut().chunks_exact_mut(3).zip(values) {
             pixel[channel] = (255.0 * (value * exposure).clamp(0.0, 1.0) + 0.5) as u8;
@@ -66,10 +61,30 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         (Warning::ChannelWithoutLight, Signs::lacks_a_channel),
     ];
     let mut warnings = signs::warnings(&colors, &result, others);
-    if gain.is_some_and(|gain| gain > LARGE_GAIN) {
+    let (low, high) = extremes(&colors);
+    let codes = f64::from(high[0] - low[0]);
+    if codes > 0.0 && codes * LARGE_STRETCH < 255.0 {
         warnings.push(Warning::RedAmplified);
     }
     Enhanced::from_colors(picture, &result, OfGray::Color, warnings)
+}
+
+/// `R'`, `J_G` and `J_B`, and the refined exposure map.
+fn restored(
+    guide: &Guide,
+    stretch: &Stretch,
+    light: [f64; 3],
+    variant: Variant,
+) -> ([Plane<f64>; 3], Plane<f64>) {
+    let channels = guide.channels().each_ref();
+    let input = channels.map(|channel| channel.map(|&code| stretch.value(code)));
+    let green = dehazed(guide, stretch, 1, light[1], variant);
+    let blue = dehazed(guide, stretch, 2, light[2], variant);
+    let [green, blue] = normalized_together(&input[0], [green, blue]);
+    let red = stretched(&input[0]);
+    let exposure = exposure(&input, [&red, &green, &blue]);
+    let exposure = guided(guide, &exposure, variant);
+    ([red, green, blue], exposure)
 }
 
 /// The joint stretch of step 1.
@@ -116,8 +131,16 @@ fn background(guide: &Guide, variant: Variant) -> [u8; 3] {
 /// `J_k` of step 3.
 fn dehazed(guide: &Guide, stretch: &Stretch, channel: usize, light: f64, variant: Variant) -> Plane<f64> {
     let codes = &guide.channels()[channel];
+    let (width, height) = codes.size();
     let least = window_min(codes, WINDOW_PX, variant);
-    let raw = least.map(|&code| 1.0 - stretch.value(code) / light);
+    let inside = |at: usize, size: usize| at >= WINDOW_PX && at + WINDOW_PX < size;
+    let raw = Plane::from_fn(width, height, |x, y| {
+        if inside(x, width) && inside(y, height) {
+            1.0 - stretch.value(least.pixel(x, y)) / light
+        } else {
+            1.0
+        }
+    });
     let mut dehazed = guided(guide, &raw, variant);
     let table: [f64; 256] = std::array::from_fn(|code| stretch.value(code as u8));
     for (t, &code) in dehazed.data_mut().iter_mut().zip(codes.data()) {
@@ -142,31 +165,46 @@ fn normalized_together(red: &Plane<f64>, planes: [Plane<f64>; 2]) -> [Plane<f64>
     })
 }
 
-/// What red is multiplied by in step 5; `None` where there is nothing to multiply.
-fn red_gain(red: &Plane<f64>, green: &Plane<f64>, blue: &Plane<f64>) -> Option<f64> {
-    let mean = |plane: &Plane<f64>| plane.data().iter().sum::<f64>() / plane.data().len() as f64;
+/// Red over its own range.
+fn stretched(red: &Plane<f64>) -> Plane<f64> {
     let (low, high) = range(red.data());
-    let red_mean = mean(red);
-    if red_mean <= 0.0 || high - low <= FLAT {
-        return None;
+    if high - low <= FLAT {
+        return red.clone();
     }
-    Some(((BALANCED - mean(green) - mean(blue)) / red_mean).max(GAIN_MIN))
+    red.map(|value| (value - low) / (high - low))
 }
 
 /// `s` of step 6, before the guided filter.
 fn exposure(input: &[Plane<f64>; 3], result: [&Plane<f64>; 3]) -> Plane<f64> {
-    let luma = |[r, g, b]: [&Plane<f64>; 3]| {
-        let mut luma = r.map(|_| 0.0);
-        vectorized!(weighted(luma.data_mut(), [r.data(), g.data(), b.data()]));
-        luma
-    };
-    let mut exposure = luma(result);
-    let before = luma(input.each_ref());
+    let mut exposure = brightness(result);
+    let before = brightness(input.each_ref());
     for (after, before) in exposure.data_mut().iter_mut().zip(before.data()) {
-        let (y_j, y_i) = (after.clamp(LUMA_MIN, 1.0), before.clamp(LUMA_MIN, 1.0));
+        let (y_j, y_i) = (*after, *before);
         *after = (y_j * y_i + INPUT_WEIGHT * y_i * y_i) / (y_j * y_j + INPUT_WEIGHT * y_i * y_i);
     }
     exposure
+}
+
+/// `Y'` of a picture: its luma over the joint range of luma and color differences.
+fn brightness([r, g, b]: [&Plane<f64>; 3]) -> Plane<f64> {
+    let mut luma = r.map(|_| 0.0);
+    vectorized!(weighted(luma.data_mut(), [r.data(), g.data(), b.data()]));
+    let (mut low, mut high) = range(luma.data());
+    for (channel, scale) in [(r, CHROMA[0]), (b, CHROMA[1])] {
+        for (value, luma) in channel.data().iter().zip(luma.data()) {
+            let difference = (scale * (value - luma) + 0.5).clamp(0.0, 1.0);
+            (low, high) = (low.min(difference), high.max(difference));
+        }
+    }
+    let (low, scale) = if high - low <= FLAT {
+        (0.0, 1.0)
+    } else {
+        (low, 1.0 / (high - low))
+    };
+    for luma in luma.data_mut() {
+        *luma = ((*luma - low) * scale).clamp(LUMA_MIN, 1.0);
+    }
+    luma
 }
 
 #[inline(always)]
@@ -177,42 +215,4 @@ fn weighted(luma: &mut [f64], [r, g, b]: [&[f64]; 3]) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn suir(colors: &Rgb8) -> Rgb8 {
-        enhance(&Raster::from(colors.clone()), Variant::Fast)
-            .picture
-            .to_rgb8()
-    }
-
-    #[test]
-    fn one_value_comes_back_and_one_color_becomes_saturated() {
-        let gray = Rgb8::from_fn(20, 20, |_, _| [90; 3]);
-        assert_eq!(suir(&gray), gray);
-        let blue = suir(&Rgb8::from_fn(20, 20, |_, _| [60, 120, 140])).pixel(10, 10);
-        assert!(blue[0] == 0 && blue[2] > blue[1] && blue[2] > 140, "{blue:?}");
-    }
-
-    #[test]
-    fn a_picture_without_red_keeps_none() {
-        let picture = Rgb8::from_fn(50, 40, |x, y| [0, (60 + 2 * x) as u8, (80 + 3 * y) as u8]);
-        assert!(suir(&picture).pixels().all(|pixel| pixel[0] == 0));
-    }
-
-    #[test]
-    fn red_is_raised_towards_the_balance() {
-        let picture = Rgb8::from_fn(80, 60, |x, y| {
-            let texture = ((x / 5 + y / 4) % 3) as u8;
-            [20 + 4 * texture, 90 + 30 * texture, 100 + 35 * texture]
-        });
-        let mean = |picture: &Rgb8| picture.pixels().map(|pixel| u64::from(pixel[0])).sum::<u64>() / 4800;
-        assert!(mean(&suir(&picture)) > mean(&picture) + 10);
-    }
-
-    #[test]
-    fn the_background_is_where_red_is_weakest() {
-        let picture = Rgb8::from_fn(40, 20, |x, _| if x > 30 { [5, 100, 120] } else { [90, 100, 110] });
-        assert_eq!(background(&Guide::new(&picture), Variant::Fast), [5, 100, 120]);
-    }
-}
+mod tests;

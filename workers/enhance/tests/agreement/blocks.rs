@@ -1,7 +1,9 @@
 //! The building blocks.
 
 use enhance::Variant::{Fast, Reference};
-use enhance::blocks::{Guide, Veil, gaussian, guided, largest, restore, tails, window_max, window_min};
+use enhance::blocks::{
+    Guide, Matting, Veil, filled, gaussian, guided, largest, restore, tails, window_max, window_min,
+};
 use imaging::{Plane, Rgb8};
 
 use crate::{SIZES, noise, pictures};
@@ -128,6 +130,40 @@ fn gaussian_windows() {
                     let blur = |variant| gaussian(&plane, radius, (2 * radius + 1) as f64, variant);
                     assert_close(&blur(Fast), &blur(Reference), GAUSSIAN_AGREEMENT, &what);
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn filled_planes() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            for plane in planes(&picture) {
+                let what = format!("{width}×{height} {content}");
+                assert_eq!(filled(&plane, Fast), filled(&plane, Reference), "{what}");
+            }
+        }
+    }
+}
+
+/// The iteration ends at a residual of 1e-9, which bounds the mean of the squares; a single pixel may hold all of it.
+const MATTING_AGREEMENT: f64 = 1e-6;
+
+#[test]
+fn refined_planes() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            let guide = Guide::new(&picture);
+            let [fast, reference] = [Fast, Reference].map(|variant| Matting::new(&guide, variant));
+            for plane in planes(&picture) {
+                let what = format!("{width}×{height} {content}");
+                assert_close(
+                    &fast.refined(&plane),
+                    &reference.refined(&plane),
+                    MATTING_AGREEMENT,
+                    &what,
+                );
             }
         }
     }

@@ -3,13 +3,70 @@
 use imaging::{Plane, Rgb8};
 
 use super::sigmoid;
-use crate::blocks::{calmest, highest, histogram, largest, top_count};
+use crate::blocks::{Region, calmest, histogram, largest, lowest};
 use crate::variant::Variant;
 
 /// Codes above this are above 0.5.
 const HALF: usize = 127;
 /// Part of bright pixels at which the light turns from the darkest to the brightest candidate.
 const BRIGHT_PART: f64 = 0.2;
+/// One of so many pixels counts as most blurred.
+const BLURRED: usize = 1000;
+/// Candidates that differ by more than this make a channel whose sigmoid is undecided uncertain.
+const APART: f64 = 0.1;
+
+/// The background light and what it was made of.
+#[derive(Debug)]
+pub(super) struct Light {
+    /// The color, 0..=1.
+    pub(super) color: [f64; 3],
+    /// Colors of the most blurred pixels, of the calmest region and of the most blurred region.
+    pub(super) candidates: [[f64; 3]; 3],
+    /// The two regions.
+    #[cfg_attr(not(test), expect(dead_code, reason = "compared with reference values"))]
+    pub(super) regions: [Region; 2],
+    /// Shares of the brightest candidate in the light.
+    pub(super) shares: [f64; 3],
+}
+
+impl Light {
+    /// From the blurriness, which is small where the picture is blurred.
+    pub(super) fn new(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> Self {
+        let regions = [calmest(picture), lowest(blurriness)];
+        let candidates = [
+            mean_of_blurred(picture, blurriness, variant),
+            regions[0].mean_color(picture),
+            regions[1].mean_color(picture),
+        ];
+        let shares = bright_parts(picture).map(|part| sigmoid(part, BRIGHT_PART));
+        let ends = spread(&candidates);
+        Self {
+            color: std::array::from_fn(|c| shares[c] * ends[c].1 + (1.0 - shares[c]) * ends[c].0),
+            candidates,
+            regions,
+            shares,
+        }
+    }
+
+    /// Whether a channel's candidates lie far apart and its share is undecided; `others` are undecided shares of all channels.
+    pub(super) fn is_unstable(&self, others: [f64; 2]) -> bool {
+        let is_undecided = |share: f64| (0.05..=0.95).contains(&share);
+        let apart = spread(&self.candidates).map(|(low, high)| high - low > APART);
+        let of_all = others.into_iter().any(is_undecided);
+        (0..3).any(|c| apart[c] && (of_all || is_undecided(self.shares[c])))
+    }
+}
+
+/// The least and the greatest of each channel.
+fn spread(candidates: &[[f64; 3]; 3]) -> [(f64, f64); 3] {
+    std::array::from_fn(|c| {
+        let values = candidates.map(|candidate| candidate[c]);
+        (
+            values.into_iter().fold(1.0, f64::min),
+            values.into_iter().fold(0.0, f64::max),
+        )
+    })
+}
 
 /// The part of the pixels of each channel that lies above 0.5.
 fn bright_parts(picture: &Rgb8) -> [f64; 3] {
@@ -19,32 +76,10 @@ fn bright_parts(picture: &Rgb8) -> [f64; 3] {
     })
 }
 
-/// Whether a channel is bright enough for its brightest candidate to become the light.
-pub(super) fn is_bright(picture: &Rgb8) -> bool {
-    bright_parts(picture).iter().any(|&part| part > BRIGHT_PART)
-}
-
-pub(super) fn background(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> [f64; 3] {
-    let candidates = [
-        mean_of_largest(picture, blurriness, variant),
-        calmest(picture).mean_color(picture),
-        highest(blurriness).mean_color(picture),
-    ];
-    let bright = bright_parts(picture);
-    std::array::from_fn(|channel| {
-        let values = candidates.map(|candidate| candidate[channel]);
-        let (min, max) = (
-            values.into_iter().fold(1.0, f64::min),
-            values.into_iter().fold(0.0, f64::max),
-        );
-        let s = sigmoid(bright[channel], BRIGHT_PART);
-        s * max + (1.0 - s) * min
-    })
-}
-
-/// The mean color of the thousandth of the pixels with the largest blurriness.
-fn mean_of_largest(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> [f64; 3] {
-    let positions = largest(blurriness, top_count(blurriness.data().len()), variant);
+/// The mean color of the thousandth of the pixels with the smallest blurriness.
+fn mean_of_blurred(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> [f64; 3] {
+    let count = (blurriness.data().len() / BLURRED).max(1);
+    let positions = largest(&blurriness.map(|value| -value), count, variant);
     let sum = |channel: usize| -> u64 {
         let codes = positions
             .iter()
@@ -60,18 +95,37 @@ mod tests {
 
     #[test]
     fn a_bright_picture_takes_the_brightest_candidate_and_a_dark_one_the_darkest() {
-        // Blurriest at the left, calm everywhere.
-        let blurriness = Plane::from_fn(40, 40, |x, _| -(x as f64));
+        // Most blurred at the left, calm everywhere.
+        let blurriness = Plane::from_fn(40, 40, |x, _| x as f64);
         let light_of = |left: u8, right: u8| {
-            let picture = Rgb8::from_fn(40, 40, |x, _| if x < 20 { [left; 3] } else { [right; 3] });
-            background(&picture, &blurriness, Variant::Fast)
+            let picture = Rgb8::from_fn(40, 40, |x, _| if x < 21 { [left; 3] } else { [right; 3] });
+            Light::new(&picture, &blurriness, Variant::Fast)
         };
         let near = |got: [f64; 3], code: f64| got.iter().all(|value| (value - code / 255.0).abs() < 0.01);
-        assert!(near(light_of(200, 100), 200.0));
-        assert!(near(light_of(100, 60), 100.0));
+        assert!(near(light_of(200, 100).color, 200.0));
+        assert!(near(light_of(100, 60).color, 100.0));
+        assert!(!light_of(200, 100).is_unstable([0.0, 1.0]));
         assert_eq!(
             bright_parts(&Rgb8::from_fn(4, 1, |x, _| [127 + x as u8, 128, 0])),
             [0.75, 1.0, 0.0]
         );
+    }
+
+    #[test]
+    fn candidates_far_apart_are_unstable_where_a_share_is_undecided() {
+        let region = || Region {
+            columns: 0..1,
+            rows: 0..1,
+        };
+        let light = |apart: f64, shares: [f64; 3]| Light {
+            color: [0.5; 3],
+            candidates: [[0.5; 3], [0.5, 0.5 + apart, 0.5], [0.5; 3]],
+            regions: [region(), region()],
+            shares,
+        };
+        assert!(light(0.2, [0.0, 0.5, 1.0]).is_unstable([0.0, 1.0]));
+        assert!(light(0.2, [0.0, 0.0, 1.0]).is_unstable([0.5, 1.0]));
+        assert!(!light(0.2, [0.5, 0.0, 0.5]).is_unstable([0.0, 1.0]));
+        assert!(!light(0.05, [0.5; 3]).is_unstable([0.5; 2]));
     }
 }

@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb, Rgb8, lab, transfer, vectorized};
 
 use super::{Curves, linear};
 use crate::blocks::tails;
-use crate::elementary::exp_nonpositive;
+use crate::elementary::exp;
 use crate::variant::Variant;
 
 /// Part of the pixels beyond either end of the lightness.
@@ -92,7 +92,7 @@ fn from_lab(lightness: &[f64], [a, b]: [&[f32]; 2], (low, high): (f64, f64), lig
     };
     let matrix = lab::from_xyz().map(|row| row.map(|value| value as f32));
     let decay = -(STRENGTH.ln() / 128.0) as f32;
-    let strengthened = |p: f32| p * (STRENGTH as f32) * exp_nonpositive(decay * p.abs());
+    let strengthened = |p: f32| p * (STRENGTH as f32) * exp(decay * p.abs());
     let response = |t: f32| {
         const KNEE: f32 = 6.0 / 29.0;
         let cube = t * t * t;

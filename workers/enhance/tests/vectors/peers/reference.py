@@ -99,9 +99,7 @@ def gaussian(g, radius):
     weights = np.exp(-np.arange(-radius, radius + 1) ** 2 / (2 * sigma**2))
     weights = np.outer(weights, weights) / weights.sum() ** 2
     height, width = g.shape
-    reach = lambda n: [abs((i + 4 * (n - 1) * (radius + 1)) % (2 * n - 2)) for i in range(-radius, n + radius)]
-    fold = lambda n: [min(i, 2 * n - 2 - i) if n > 1 else 0 for i in reach(n)]
-    padded = g[np.ix_(fold(height), fold(width))]
+    padded = np.pad(g, radius, mode="edge")
     out = np.zeros_like(g)
     for dy in range(2 * radius + 1):
         for dx in range(2 * radius + 1):
@@ -109,54 +107,80 @@ def gaussian(g, radius):
     return out
 
 
+def fill(z):
+    inside = np.zeros(z.shape, bool)
+    inside[1:-1, 1:-1] = True
+    u = np.where(inside, z.max(), z)
+    while True:
+        least = np.minimum.reduce(list(windows(u, 1, np.inf)))
+        lower = np.where(inside, np.maximum(z, least), z)
+        if (lower == u).all():
+            return u
+        u = lower
+
+
 def quadtree(shape, score):
     y, x, h, w = 0, 0, *shape
-    while h * w >= shape[0] * shape[1] / 1024 and h // 2 >= 2 and w // 2 >= 2:
-        top_h, left_w = h // 2, w // 2
+    while (h - 1) * (w - 1) > shape[0] * shape[1] // 1024:
+        top_h, left_w = min(h // 2 + 1, h), min(w // 2 + 1, w)
         quarters = [
             (y, x, top_h, left_w),
             (y, x + left_w, top_h, w - left_w),
             (y + top_h, x, h - top_h, left_w),
             (y + top_h, x + left_w, h - top_h, w - left_w),
         ]
+        quarters = [quarter for quarter in quarters if quarter[2] * quarter[3] > 0]
+        if len(quarters) == 1:
+            break
         best = None
         for quarter in quarters:
             a, b, c, d = quarter
             value = score(slice(a, a + c), slice(b, b + d))
-            if best is None or value > best[0] + 1e-9:
+            if best is None or value < best[0] - 1e-9:
                 best = (value, quarter)
         y, x, h, w = best[1]
     return slice(y, y + h), slice(x, x + w)
 
 
-def ibla(rgb):
+def ibla_guided(rgb):
     c = rgb / 255
     g = luma(c)
     blur = sum(np.abs(g - gaussian(g, 2**i * 2)) for i in range(1, 5)) / 4
-    p_b = guided(c, lmax(blur, 7))
+    p_r = fill(lmax(blur, 7))
+    p_b = guided(c, p_r)
     flat = c.reshape(-1, 3)
     thousandths = 299 * rgb[..., 0].astype(int) + 587 * rgb[..., 1].astype(int) + 114 * rgb[..., 2].astype(int)
     candidates = np.stack(
         [
-            flat[top(p_b, int(np.ceil(0.001 * g.size)))].mean(0),
-            c[quadtree(g.shape, lambda r, s: -thousandths[r, s].astype(float).var())].reshape(-1, 3).mean(0),
+            flat[top(-p_b, max(1, g.size // 1000))].mean(0),
+            c[quadtree(g.shape, lambda r, s: thousandths[r, s].astype(float).var())].reshape(-1, 3).mean(0),
             c[quadtree(g.shape, lambda r, s: p_b[r, s].mean())].reshape(-1, 3).mean(0),
         ]
     )
     s = np.array([sig((c[..., i] > 0.5).mean(), 0.2) for i in range(3)])
     light = s * candidates.max(0) + (1 - s) * candidates.min(0)
     red = lmax(c[..., 0], 7)
-    d_r = 1 - norm(red)
-    d_d = 1 - norm(red - lmax(np.maximum(c[..., 1], c[..., 2]), 7))
-    d_b = 1 - norm(p_b)
+    e_r = norm(red)
+    e_d = norm(red - lmax(np.maximum(c[..., 1], c[..., 2]), 7))
     tb, ta = sig(c[..., 0].mean(), 0.1), sig(light.mean(), 0.5)
-    d = guided(c, tb * (ta * d_d + (1 - ta) * d_r) + (1 - tb) * d_b)
-    distance = 10 * (norm(d) + offset(c, light))
+    e = guided(c, tb * (ta * e_d + (1 - ta) * e_r) + (1 - tb) * norm(p_r))
+    away = np.abs(c - light)
+    k = int(np.argmax(away.reshape(-1, 3).max(0)))
+    near = 1 - away[..., k].max() / max(light[k], 1 - light[k])
+    distance = 8 * (1 - e + near)
     m = [-0.00113 * wave + 1.62517 for wave in (620, 540, 450)]
-    t_r = np.exp(-distance / 7)
-    t = [t_r] + [t_r ** (light[0] * m[k] / (max(light[k], 1 / 255) * m[0])) for k in (1, 2)]
-    t = np.clip(np.stack(t, -1), 0.1, 1)
+    f = np.maximum(light, 0.1)
+    b = [1 / 7] + [f[0] * m[i] / (7 * f[i] * m[0]) for i in (1, 2)]
+    t = np.maximum(np.stack([np.exp(-b_k * distance) for b_k in b], -1), 0.1)
     return codes((c - light) / t + light)
+
+
+def brightness(c):
+    y = luma(c)
+    red = np.clip(0.713 * (c[..., 0] - y) + 0.5, 0, 1)
+    blue = np.clip(0.564 * (c[..., 2] - y) + 0.5, 0, 1)
+    low, high = min(y.min(), red.min(), blue.min()), max(y.max(), red.max(), blue.max())
+    return np.clip((y - low) / (high - low) if high - low > FLAT else y, 0.01, 1)
 
 
 def suir(rgb):
@@ -166,16 +190,17 @@ def suir(rgb):
     light = np.maximum(c.reshape(-1, 3)[np.argmin(difference.ravel())], 1 / 255)
     restored = []
     for k in (1, 2):
-        t = np.clip(guided(c, 1 - lmin(c[..., k] / light[k], 9)), 0.1, 0.9)
+        least = np.minimum.reduce(list(windows(c[..., k] / light[k], 4, 0)))
+        t = np.clip(guided(c, 1 - least), 0.1, 0.9)
         restored.append((c[..., k] - light[k]) / t + light[k])
     joint = np.stack([c[..., 0], *restored])
     if joint.max() - joint.min() > FLAT:
         joint = (joint - joint.min()) / (joint.max() - joint.min())
     red = c[..., 0]
-    if red.mean() > 0 and red.max() - red.min() > FLAT:
-        red = np.clip(red * max((1.5 - joint[1].mean() - joint[2].mean()) / red.mean(), 0.1), 0, 1)
+    if red.max() - red.min() > FLAT:
+        red = (red - red.min()) / (red.max() - red.min())
     result = np.stack([red, joint[1], joint[2]], -1)
-    y_i, y_j = np.clip(luma(c), 0.01, 1), np.clip(luma(result), 0.01, 1)
+    y_i, y_j = brightness(c), brightness(result)
     s = guided(c, (y_j * y_i + 0.3 * y_i**2) / (y_j**2 + 0.3 * y_i**2))
     return codes(np.clip(result * s[..., None], 0, 1))
 
@@ -282,7 +307,7 @@ def main():
     for path in sys.argv[1:]:
         name = os.path.basename(path).split(".")[0]
         rgb = cv2.cvtColor(cv2.imread(path), cv2.COLOR_BGR2RGB)
-        for method in (ulap, ibla, suir, rd, rghs):
+        for method in (ulap, ibla_guided, suir, rd, rghs):
             result = cv2.cvtColor(method(rgb), cv2.COLOR_RGB2BGR)
             cv2.imwrite(os.path.join(folder, f"{name}.{method.__name__}.png"), result)
 

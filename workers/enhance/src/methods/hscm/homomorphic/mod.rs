@@ -25,7 +25,7 @@ use imaging::{Plane, vectorized};
 pub use padding::padded_side;
 pub use recipe::{Kernels, Recipe};
 
-use crate::elementary::exp_nonpositive;
+use crate::elementary::exp;
 use crate::methods::hscm::luma::Luma;
 use crate::variant::Variant;
 
@@ -77,7 +77,7 @@ fn sweep(recipe: &Recipe, luma: &Luma, finish: &mut impl FnMut(usize, &[f32])) {
 #[inline(always)]
 fn encode(row: &[f32], codes: &mut [u8]) {
     for (code, &x) in codes.iter_mut().zip(row) {
-        *code = floor_code(255.0 * exp_nonpositive(x.min(0.0)) + 0.5);
+        *code = floor_code(255.0 * exp(x.min(0.0)) + 0.5);
     }
 }
 

@@ -1,0 +1,254 @@
+//! Cholesky factors of the matting system by nested dissection (George 1973) and fronts (Duff and Reid 1983).
+//!
+//! A rectangle of pixels is cut by a strip two pixels wide, which no coefficient reaches across; its halves are cut in the same way,
+//! down to small ones. A part is eliminated after the parts inside of it. What is left of it then is a dense matrix over the
+//! pixels around it, which is added to the next larger part.
+
+use imaging::Plane;
+
+use super::front::Front;
+use super::laplacian::{Laplacian, RIM, STEPS};
+
+/// Rectangles of at most so many pixels are not cut.
+const LEAF_PX: usize = 48;
+/// Width of a cut: the reach of a coefficient.
+const CUT_PX: usize = RIM;
+
+/// `L` of `L Lᵀ = A`, part by part in the order of elimination.
+pub(super) struct Factor {
+    width: usize,
+    parts: Vec<Part>,
+}
+
+/// Pixels that are eliminated together.
+struct Part {
+    /// Their positions.
+    own: Vec<usize>,
+    /// Positions of the later pixels that their rows reach.
+    ring: Vec<usize>,
+    /// The columns of `own` in `L`: its rows, then those of `ring`, each as long as `own`.
+    columns: Vec<f64>,
+}
+
+/// Columns `x.0..x.1` and rows `y.0..y.1`.
+#[derive(Clone, Copy)]
+struct Rectangle {
+    x: (usize, usize),
+    y: (usize, usize),
+}
+
+impl Factor {
+    /// Factors `L + λ E`.
+    pub(super) fn new(laplacian: &Laplacian, closeness: f64) -> Self {
+        let whole = Rectangle {
+            x: (0, laplacian.width),
+            y: (0, laplacian.height),
+        };
+        let mut elimination = Elimination {
+            laplacian,
+            closeness,
+            places: vec![usize::MAX; laplacian.width * laplacian.height],
+            parts: Vec::new(),
+        };
+        elimination.eliminate(whole);
+        Self {
+            width: laplacian.width,
+            parts: elimination.parts,
+        }
+    }
+
+    /// `x` of `A x = b`.
+    pub(super) fn solved(&self, mut b: Plane<f64>) -> Plane<f64> {
+        debug_assert_eq!(b.width(), self.width);
+        let x = b.data_mut();
+        for part in &self.parts {
+            part.forward(x);
+        }
+        for part in self.parts.iter().rev() {
+            part.backward(x);
+        }
+        b
+    }
+}
+
+/// A factorization under way.
+struct Elimination<'l> {
+    laplacian: &'l Laplacian,
+    closeness: f64,
+    /// Place of each pixel in the front that is being assembled.
+    places: Vec<usize>,
+    parts: Vec<Part>,
+}
+
+/// What an eliminated rectangle leaves for the pixels around it: the lower half of a dense matrix.
+struct Remainder {
+    ring: Vec<usize>,
+    rows: Vec<f64>,
+}
+
+impl Elimination<'_> {
+    fn eliminate(&mut self, rectangle: Rectangle) -> Remainder {
+        let (own, halves) = rectangle.cut();
+        let remainders: Vec<Remainder> = halves.into_iter().map(|half| self.eliminate(half)).collect();
+        let (width, height) = (self.laplacian.width, self.laplacian.height);
+        let own: Vec<usize> = own.pixels(width).collect();
+        let ring: Vec<usize> = rectangle.ring(width, height);
+        let mut front = Front::new(own.len(), ring.len());
+        for (place, &pixel) in own.iter().chain(&ring).enumerate() {
+            self.places[pixel] = place;
+        }
+        self.add_rows(&own, &mut front);
+        for remainder in remainders {
+            self.add_remainder(&remainder, &mut front);
+        }
+        for &pixel in own.iter().chain(&ring) {
+            self.places[pixel] = usize::MAX;
+        }
+        front.eliminate();
+        let (columns, rows) = front.into_parts();
+        self.parts.push(Part {
+            own,
+            ring: ring.clone(),
+            columns,
+        });
+        Remainder { ring, rows }
+    }
+
+    /// Adds the coefficients between the own pixels, and from these to the ring. Those to pixels that are eliminated were added
+    /// with them.
+    fn add_rows(&self, own: &[usize], front: &mut Front) {
+        let width = self.laplacian.width;
+        for (place, &pixel) in own.iter().enumerate() {
+            let (x, y) = (pixel % width, pixel / width);
+            let coefficients = self.laplacian.of_pixel(x, y);
+            front.add(place, place, coefficients[0] + self.closeness);
+            for ((columns, rows), coefficient) in STEPS.into_iter().zip(coefficients).skip(1) {
+                // To the later pixel, and from the earlier one that reaches this by the same step.
+                if let Some(other) = self.place(x.wrapping_add_signed(columns), y + rows) {
+                    front.add(place, other, coefficient);
+                }
+                let (earlier_x, earlier_y) = (x.wrapping_add_signed(-columns), y.wrapping_sub(rows));
+                // Two own pixels were added above, from the earlier one.
+                if let Some(other) = self
+                    .place(earlier_x, earlier_y)
+                    .filter(|&other| other >= own.len())
+                {
+                    let step = STEPS
+                        .iter()
+                        .position(|step| *step == (columns, rows))
+                        .unwrap_or(0);
+                    front.add(place, other, self.laplacian.of_pixel(earlier_x, earlier_y)[step]);
+                }
+            }
+        }
+    }
+
+    /// Place of a pixel in the front; none outside of the picture or the front.
+    fn place(&self, x: usize, y: usize) -> Option<usize> {
+        if x >= self.laplacian.width || y >= self.laplacian.height {
+            return None;
+        }
+        Some(self.places[y * self.laplacian.width + x]).filter(|&place| place != usize::MAX)
+    }
+
+    fn add_remainder(&self, remainder: &Remainder, front: &mut Front) {
+        let count = remainder.ring.len();
+        for (i, &pixel) in remainder.ring.iter().enumerate() {
+            for (j, &other) in remainder.ring[..=i].iter().enumerate() {
+                front.add(
+                    self.places[pixel],
+                    self.places[other],
+                    remainder.rows[i * count + j],
+                );
+            }
+        }
+    }
+}
+
+impl Rectangle {
+    /// The pixels that are eliminated last, and what remains on both sides of them: all and nothing of a small rectangle, a cut
+    /// through the longer side of another.
+    fn cut(self) -> (Self, Vec<Self>) {
+        let (width, height) = (self.x.1 - self.x.0, self.y.1 - self.y.0);
+        if width * height <= LEAF_PX || width.max(height) < 2 * CUT_PX + 1 {
+            return (self, Vec::new());
+        }
+        let middle = |(start, end): (usize, usize)| start + (end - start - CUT_PX) / 2;
+        if width >= height {
+            let at = middle(self.x);
+            let part = |x| Self { x, ..self };
+            let halves = vec![part((self.x.0, at)), part((at + CUT_PX, self.x.1))];
+            (part((at, at + CUT_PX)), halves)
+        } else {
+            let at = middle(self.y);
+            let part = |y| Self { y, ..self };
+            let halves = vec![part((self.y.0, at)), part((at + CUT_PX, self.y.1))];
+            (part((at, at + CUT_PX)), halves)
+        }
+    }
+
+    fn pixels(self, width: usize) -> impl Iterator<Item = usize> {
+        (self.y.0..self.y.1).flat_map(move |y| (self.x.0..self.x.1).map(move |x| y * width + x))
+    }
+
+    /// Positions of the pixels around, as far as coefficients reach and the picture goes.
+    fn ring(self, width: usize, height: usize) -> Vec<usize> {
+        let grown =
+            |(start, end): (usize, usize), most: usize| (start.saturating_sub(RIM), (end + RIM).min(most));
+        let (x, y) = (grown(self.x, width), grown(self.y, height));
+        let inside = |pixel: &usize| {
+            (self.x.0..self.x.1).contains(&(pixel % width)) && (self.y.0..self.y.1).contains(&(pixel / width))
+        };
+        Self { x, y }
+            .pixels(width)
+            .filter(|pixel| !inside(pixel))
+            .collect()
+    }
+}
+
+impl Part {
+    fn row(&self, row: usize) -> &[f64] {
+        &self.columns[row * self.own.len()..][..self.own.len()]
+    }
+
+    /// `L y = b` of these rows, and what they take from the later ones.
+    fn forward(&self, x: &mut [f64]) {
+        let mut y: Vec<f64> = self.own.iter().map(|&pixel| x[pixel]).collect();
+        for i in 0..y.len() {
+            let row = self.row(i);
+            let taken: f64 = row[..i].iter().zip(&y).map(|(l, y)| l * y).sum();
+            y[i] = (y[i] - taken) / row[i];
+        }
+        for (i, &pixel) in self.ring.iter().enumerate() {
+            let row = self.row(self.own.len() + i);
+            x[pixel] -= row.iter().zip(&y).map(|(l, y)| l * y).sum::<f64>();
+        }
+        self.store(x, &y);
+    }
+
+    /// `Lᵀ x = y` of these columns, once the later pixels are known.
+    fn backward(&self, x: &mut [f64]) {
+        let mut y: Vec<f64> = self.own.iter().map(|&pixel| x[pixel]).collect();
+        for (i, &pixel) in self.ring.iter().enumerate() {
+            let known = x[pixel];
+            for (y, l) in y.iter_mut().zip(self.row(self.own.len() + i)) {
+                *y -= l * known;
+            }
+        }
+        for i in (0..y.len()).rev() {
+            let row = self.row(i);
+            y[i] /= row[i];
+            let known = y[i];
+            for (y, l) in y[..i].iter_mut().zip(row) {
+                *y -= l * known;
+            }
+        }
+        self.store(x, &y);
+    }
+
+    fn store(&self, x: &mut [f64], y: &[f64]) {
+        for (&pixel, &value) in self.own.iter().zip(y) {
+            x[pixel] = value;
+        }
+    }
+}

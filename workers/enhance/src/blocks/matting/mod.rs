@@ -1,0 +1,183 @@
+//! Refinement of a plane by the matting Laplacian of a picture (Levin, Lischinski and Weiss 2008, "A closed-form solution to
+//! natural image matting", eq. 12).
+//!
+//! `x` solves `(L + λ E) x = λ p`: near `p`, and in each window of 3 × 3 pixels nearly an affine function of the colors. `L` is the
+//! sum over all windows k that lie wholly inside of `δ_ij - (1 + (I_i - μ_k)ᵀ V_k⁻¹ (I_j - μ_k)) / 9`; I colors, μ_k their mean, V_k
+//! their covariance with 1e-7/9 on its diagonal. Rows of `L` sum to 0, so that a constant comes back.
+//!
+//! The least eigenvalue of the system is λ: where the residual is a share s of `λ p`, the root mean square of the error of `x` is at
+//! most s times that of `p`.
+
+mod cholesky;
+mod front;
+mod gradients;
+mod laplacian;
+
+use imaging::Plane;
+
+use super::guided::{Guide, guided};
+use crate::variant::Variant;
+use cholesky::Factor;
+use laplacian::Laplacian;
+
+/// From this many pixels on a picture is held less close to `p`.
+const LARGE: usize = 180_000;
+/// λ below and from [`LARGE`] on.
+const CLOSENESS: [f64; 2] = [1e-5, 1e-2];
+/// Residual at which the iteration ends, as a share of the right-hand side: of the reference, and of large pictures.
+const RESIDUAL: [f64; 2] = [1e-9, 1e-4];
+
+/// The system of a picture, prepared for several planes.
+pub struct Matting<'g> {
+    guide: &'g Guide,
+    variant: Variant,
+    closeness: f64,
+    solver: Solver,
+}
+
+enum Solver {
+    /// A side below 3: no window lies inside.
+    Nothing,
+    /// Conjugate gradients to a residual.
+    Gradients { laplacian: Laplacian, residual: f64 },
+    /// The iteration would take thousands of steps with a small λ: factors, once for all planes.
+    Factored(Factor),
+}
+
+impl<'g> Matting<'g> {
+    /// Prepares the system of a guide; of the guide only the codes count.
+    #[must_use]
+    pub fn new(guide: &'g Guide, variant: Variant) -> Self {
+        let (width, height) = guide.channels()[0].size();
+        let is_large = width * height >= LARGE;
+        let closeness = CLOSENESS[usize::from(is_large)];
+        let laplacian = || Laplacian::new(guide.channels());
+        let solver = match variant {
+            _ if width < 3 || height < 3 => Solver::Nothing,
+            Variant::Reference => Solver::Gradients {
+                laplacian: laplacian(),
+                residual: RESIDUAL[0],
+            },
+            Variant::Fast if is_large => Solver::Gradients {
+                laplacian: laplacian(),
+                residual: RESIDUAL[1],
+            },
+            Variant::Fast => Solver::Factored(Factor::new(&laplacian(), closeness)),
+        };
+        Self {
+            guide,
+            variant,
+            closeness,
+            solver,
+        }
+    }
+
+    /// Refines a plane of the picture's size.
+    ///
+    /// # Panics
+    /// When the sizes differ.
+    #[must_use]
+    pub fn refined(&self, plane: &Plane<f64>) -> Plane<f64> {
+        assert_eq!(
+            self.guide.channels()[0].size(),
+            plane.size(),
+            "the picture has the plane's size"
+        );
+        match &self.solver {
+            Solver::Nothing => plane.clone(),
+            Solver::Gradients { laplacian, residual } => {
+                let start = guided(self.guide, plane, self.variant);
+                gradients::solved(laplacian, self.closeness, plane, &start, *residual)
+            }
+            Solver::Factored(factor) => factor.solved(plane.map(|value| self.closeness * value)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use imaging::Rgb8;
+
+    use super::*;
+
+    const VARIANTS: [Variant; 2] = [Variant::Fast, Variant::Reference];
+
+    fn textured(width: usize, height: usize) -> Rgb8 {
+        Rgb8::from_fn(width, height, |x, y| {
+            let edge = if 3 * x > 2 * y + 9 { 90 } else { 20 };
+            [
+                edge + (x * y % 7) as u8,
+                edge + (5 * x % 11) as u8,
+                60 + (3 * y % 13) as u8,
+            ]
+        })
+    }
+
+    fn plane(width: usize, height: usize) -> Plane<f64> {
+        Plane::from_fn(width, height, |x, y| ((7 * x + 3 * y * y) % 17) as f64 / 17.0)
+    }
+
+    #[test]
+    fn a_constant_comes_back_and_small_pictures_stay() {
+        for (width, height) in [(1, 1), (2, 9), (3, 3), (40, 31)] {
+            let guide = Guide::new(&textured(width, height));
+            for variant in VARIANTS {
+                let matting = Matting::new(&guide, variant);
+                for value in matting.refined(&Plane::filled(width, height, 0.7)).data() {
+                    assert!(
+                        (value - 0.7).abs() < 1e-6,
+                        "{width}×{height} {variant:?}: {value}"
+                    );
+                }
+            }
+        }
+        let plane = plane(2, 9);
+        let guide = Guide::new(&textured(2, 9));
+        assert_eq!(Matting::new(&guide, Variant::Fast).refined(&plane), plane);
+    }
+
+    #[test]
+    fn factors_and_gradients_agree() {
+        for (width, height) in [(3, 3), (5, 4), (9, 30), (41, 37), (64, 50)] {
+            let guide = Guide::new(&textured(width, height));
+            let plane = plane(width, height);
+            let [fast, reference] = VARIANTS.map(|variant| Matting::new(&guide, variant).refined(&plane));
+            let squares = fast
+                .data()
+                .iter()
+                .zip(reference.data())
+                .map(|(a, b)| (a - b).powi(2));
+            let error = (squares.sum::<f64>() / plane.data().len() as f64).sqrt();
+            assert!(error < 1e-7, "{width}×{height}: {error}");
+        }
+    }
+
+    #[test]
+    fn gray_pictures_and_two_colors_are_no_exception() {
+        let gray = Rgb8::from_fn(50, 41, |x, y| [((x * 5 + y * y) % 256) as u8; 3]);
+        let two = Rgb8::from_fn(
+            50,
+            41,
+            |x, y| if (x * y) % 3 == 0 { [0; 3] } else { [255, 0, 255] },
+        );
+        for picture in [gray, two] {
+            let guide = Guide::new(&picture);
+            let [fast, reference] =
+                VARIANTS.map(|variant| Matting::new(&guide, variant).refined(&plane(50, 41)));
+            for (fast, reference) in fast.data().iter().zip(reference.data()) {
+                assert!((fast - reference).abs() < 1e-6, "{fast} for {reference}");
+            }
+        }
+    }
+
+    #[test]
+    fn of_one_color_the_plane_becomes_smooth() {
+        let guide = Guide::new(&Rgb8::from_fn(24, 24, |_, _| [60, 120, 140]));
+        let plane = plane(24, 24);
+        let mean = plane.data().iter().sum::<f64>() / plane.data().len() as f64;
+        for variant in VARIANTS {
+            let refined = Matting::new(&guide, variant).refined(&plane);
+            assert!(refined.data().iter().all(|value| (value - mean).abs() < 0.05));
+        }
+    }
+}

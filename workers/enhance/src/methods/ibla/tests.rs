@@ -1,0 +1,110 @@
+use imaging::codec::decode_picture;
+
+use super::super::vectors::{CASES, VARIANTS, assert_picture, assert_plane, expected, file, numbers};
+use super::*;
+
+/// The light may be off by this: near ties flip single pixels of a candidate.
+const LIGHT_TOLERANCE: f64 = 0.01;
+/// Refined planes may be off by this part of their range.
+const PLANE_TOLERANCE: f64 = 1e-3;
+
+#[test]
+fn golden_stages_and_pictures() {
+    let expected = expected();
+    for name in CASES {
+        let picture = decode_picture(&file(&format!("{name}.input.png"))).unwrap();
+        let colors = picture.to_rgb8();
+        let guide = Guide::new(&colors);
+        for variant in VARIANTS {
+            let matting = Matting::new(&guide, variant);
+            let by_guide = |plane: &Plane<f64>| guided(&guide, plane, variant);
+            let by_matting = |plane: &Plane<f64>| matting.refined(plane);
+            let forms: [(
+                &str,
+                &dyn Fn(&Plane<f64>) -> Plane<f64>,
+                fn(&Raster, Variant) -> Enhanced,
+            ); 2] = [
+                ("ibla", &by_matting, enhance),
+                ("ibla_guided", &by_guide, enhance_guided),
+            ];
+            for (form, refine, method) in forms {
+                let expected = &expected[name][form];
+                let raw = blurriness(&colors, variant);
+                let refined = refine(&raw);
+                let light = Light::new(&colors, &refined, variant);
+                let boxes = light.regions.each_ref().map(|region| {
+                    let (x, y) = (&region.columns, &region.rows);
+                    [x.start, y.start, x.len(), y.len()].map(|number| number as f64)
+                });
+                for (region, expected) in boxes.iter().zip(expected["boxes"].as_array().unwrap()) {
+                    assert_eq!(*region, numbers(expected), "{name} {form} {variant:?}");
+                }
+                for (got, expected) in light.color.iter().zip(numbers::<3>(&expected["light"])) {
+                    assert!(
+                        (got - expected).abs() < LIGHT_TOLERANCE,
+                        "{name} {form} {variant:?}"
+                    );
+                }
+                let mix = Mix::new(&guide, light.color);
+                if form == "ibla" {
+                    assert_plane(&format!("{name}.ibla_blur.npy"), &refined, PLANE_TOLERANCE);
+                    let closeness = refine(&mix.closeness(&guide, raw, variant));
+                    assert_plane(&format!("{name}.ibla_closeness.npy"), &closeness, PLANE_TOLERANCE);
+                }
+                let got = [mix.by_loss, mix.by_color, nearest(&colors, light.color)];
+                for (got, key) in got.into_iter().zip(["ta", "tb", "near"]) {
+                    let expected = expected[key].as_f64().unwrap();
+                    assert!(
+                        (got - expected).abs() < 0.05,
+                        "{name} {form} {key}: {got} for {expected}"
+                    );
+                }
+                assert_picture(name, form, &method(&picture, variant).picture.to_rgb8());
+            }
+        }
+    }
+}
+
+fn ibla(colors: &Rgb8, variant: Variant) -> Rgb8 {
+    enhance(&Raster::from(colors.clone()), variant).picture.to_rgb8()
+}
+
+#[test]
+fn one_color_and_black_come_back() {
+    for pixel in [[0; 3], [60, 120, 140], [255; 3]] {
+        let picture = Rgb8::from_fn(40, 30, |_, _| pixel);
+        for variant in VARIANTS {
+            assert_eq!(ibla(&picture, variant), picture, "{pixel:?}");
+        }
+    }
+}
+
+#[test]
+fn shorter_waves_fade_less_under_white_light() {
+    let [red, green, blue] = attenuation([0.5; 3]);
+    assert_eq!(red, 1.0 / 7.0);
+    // m = 0.92457, 1.01497 and 1.11667: under equal light the shorter waves scatter more.
+    assert!((green / red - 1.01497 / 0.92457).abs() < 1e-9 && blue > green);
+    // Without blue light the division has a floor.
+    assert!(attenuation([0.5, 0.5, 0.0])[2].is_finite());
+}
+
+#[test]
+fn bright_haze_is_not_blackened_and_a_bright_wall_is_named() {
+    let haze = decode_picture(&file("peers_hazy_160x120.input.png")).unwrap();
+    assert!(
+        !enhance(&haze, Variant::Fast)
+            .warnings
+            .contains(&Warning::Blackened)
+    );
+    let wall = Rgb8::from_fn(160, 120, |x, y| {
+        let texture = ((x / 3 + y / 5) % 4) as u8 * 8;
+        if y < 64 {
+            [235, 240, 238]
+        } else {
+            [30 + texture, 70 + texture, 80 + texture]
+        }
+    });
+    let warnings = enhance(&Raster::from(wall), Variant::Fast).warnings;
+    assert!(warnings.contains(&Warning::Blackened) && warnings.contains(&Warning::LampAsBackground));
+}
