@@ -156,15 +156,14 @@ fn refined_planes() {
         for (content, picture) in pictures(width, height) {
             let guide = Guide::new(&picture);
             let [fast, reference] = [Fast, Reference].map(|variant| Matting::new(&guide, variant));
-            for plane in planes(&picture) {
-                let what = format!("{width}×{height} {content}");
-                assert_close(
-                    &fast.refined(&plane),
-                    &reference.refined(&plane),
-                    MATTING_AGREEMENT,
-                    &what,
-                );
-            }
+            let what = format!("{width}×{height} {content}");
+            let [plane, _] = planes(&picture);
+            assert_close(
+                &fast.refined(&plane),
+                &reference.refined(&plane),
+                MATTING_AGREEMENT,
+                &what,
+            );
         }
     }
 }
