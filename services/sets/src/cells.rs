@@ -80,44 +80,117 @@ pub(crate) fn schema<'a>(columns: impl Iterator<Item = (&'a str, Kind)>) -> Resu
     Type::group_type_builder("rows").with_fields(fields).build()
 }
 
-/// Writes the next column of a group.
-pub(crate) fn write_column<W: Write + Send>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
-    kind: Kind,
-    cells: &[Option<Cell>],
-) -> Result<(), ParquetError> {
-    let Some(mut writer) = group.next_column()? else {
-        return Err(ParquetError::General("the schema has fewer columns".to_owned()));
-    };
-    let levels: Vec<i16> = cells.iter().map(|cell| i16::from(cell.is_some())).collect();
-    let there = cells.iter().flatten();
-    match kind {
-        Kind::Number => {
-            let values: Vec<f64> = there.filter_map(Cell::number).collect();
-            writer
-                .typed::<DoubleType>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-        Kind::Whole | Kind::Large => {
-            let values: Vec<i64> = there.filter_map(Cell::whole).collect();
-            writer
-                .typed::<Int64Type>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-        Kind::Text | Kind::File => {
-            let values: Vec<ByteArray> = there.filter_map(Cell::bytes).map(ByteArray::from).collect();
-            writer
-                .typed::<ByteArrayType>()
-                .write_batch(&values, Some(&levels), None)?;
-        }
-        Kind::Flag => {
-            let values: Vec<bool> = there.filter_map(Cell::flag).collect();
-            writer
-                .typed::<BoolType>()
-                .write_batch(&values, Some(&levels), None)?;
+/// The cells of a column that wait for their group, as the writer takes them: an empty one costs two bytes.
+#[derive(Debug)]
+pub(crate) struct Gathered {
+    /// 1 for a cell that is not empty.
+    levels: Vec<i16>,
+    values: Values,
+    bytes: usize,
+}
+
+#[derive(Debug)]
+enum Values {
+    Numbers(Vec<f64>),
+    Wholes(Vec<i64>),
+    Texts(Vec<ByteArray>),
+    Flags(Vec<bool>),
+}
+
+impl Gathered {
+    pub(crate) fn new(kind: Kind) -> Self {
+        let values = match kind {
+            Kind::Number => Values::Numbers(Vec::new()),
+            Kind::Whole | Kind::Large => Values::Wholes(Vec::new()),
+            Kind::Text | Kind::File => Values::Texts(Vec::new()),
+            Kind::Flag => Values::Flags(Vec::new()),
+        };
+        Self {
+            levels: Vec::new(),
+            values,
+            bytes: 0,
         }
     }
-    writer.close()
+
+    /// Adds the next cell; one of another kind than the column's is empty.
+    pub(crate) fn push(&mut self, cell: Option<Cell>) {
+        let before = self.values.len();
+        let text = match (&mut self.values, cell) {
+            (Values::Numbers(values), Some(Cell::Number(number))) => {
+                values.push(number);
+                0
+            }
+            (Values::Wholes(values), Some(Cell::Whole(number))) => {
+                values.push(number);
+                0
+            }
+            (Values::Texts(values), Some(Cell::Text(text))) => add(values, text.into_bytes()),
+            (Values::Texts(values), Some(Cell::File(bytes))) => add(values, bytes),
+            (Values::Flags(values), Some(Cell::Flag(flag))) => {
+                values.push(flag);
+                0
+            }
+            _ => 0,
+        };
+        let is_there = self.values.len() > before;
+        self.levels.push(i16::from(is_there));
+        self.bytes += size_of::<i16>() + text + if is_there { self.values.width() } else { 0 };
+    }
+
+    /// What the cells take in memory.
+    pub(crate) fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Writes the column as the next one of a group.
+    pub(crate) fn write<W: Write + Send>(
+        self,
+        group: &mut SerializedRowGroupWriter<'_, W>,
+    ) -> Result<(), ParquetError> {
+        let Some(mut writer) = group.next_column()? else {
+            return Err(ParquetError::General("the schema has fewer columns".to_owned()));
+        };
+        let levels = Some(self.levels.as_slice());
+        match &self.values {
+            Values::Numbers(values) => writer.typed::<DoubleType>().write_batch(values, levels, None),
+            Values::Wholes(values) => writer.typed::<Int64Type>().write_batch(values, levels, None),
+            Values::Texts(values) => writer.typed::<ByteArrayType>().write_batch(values, levels, None),
+            Values::Flags(values) => writer.typed::<BoolType>().write_batch(values, levels, None),
+        }?;
+        writer.close()
+    }
+}
+
+impl Values {
+    fn len(&self) -> usize {
+        match self {
+            Self::Numbers(values) => values.len(),
+            Self::Wholes(values) => values.len(),
+            Self::Texts(values) => values.len(),
+            Self::Flags(values) => values.len(),
+        }
+    }
+
+    /// What a value takes, apart from the bytes of a text.
+    fn width(&self) -> usize {
+        match self {
+            Self::Numbers(_) => size_of::<f64>(),
+            Self::Wholes(_) => size_of::<i64>(),
+            Self::Texts(_) => size_of::<ByteArray>(),
+            Self::Flags(_) => size_of::<bool>(),
+        }
+    }
+}
+
+/// Adds a text; returns its length.
+fn add(values: &mut Vec<ByteArray>, text: Vec<u8>) -> usize {
+    let bytes = text.len();
+    values.push(ByteArray::from(text));
+    bytes
 }
 
 impl Cell {
@@ -129,35 +202,6 @@ impl Cell {
             LeafKind::Large => value.as_u64().map(|number| Self::Whole(number as i64)),
             LeafKind::Text => value.as_str().map(|text| Self::Text(text.to_owned())),
             LeafKind::Length => value.as_array().map(|items| Self::Whole(items.len() as i64)),
-        }
-    }
-
-    fn number(&self) -> Option<f64> {
-        match self {
-            Self::Number(number) => Some(*number),
-            _ => None,
-        }
-    }
-
-    fn whole(&self) -> Option<i64> {
-        match self {
-            Self::Whole(number) => Some(*number),
-            _ => None,
-        }
-    }
-
-    fn bytes(&self) -> Option<&[u8]> {
-        match self {
-            Self::Text(text) => Some(text.as_bytes()),
-            Self::File(bytes) => Some(bytes),
-            _ => None,
-        }
-    }
-
-    fn flag(&self) -> Option<bool> {
-        match self {
-            Self::Flag(flag) => Some(*flag),
-            _ => None,
         }
     }
 }

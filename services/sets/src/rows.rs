@@ -6,13 +6,15 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::writer::SerializedFileWriter;
 
-use crate::cells::{Cell, compressed, schema, write_column};
+use crate::cells::{Gathered, compressed, schema};
 use crate::columns::{Column, Common, Row, columns};
 use crate::error::SetError;
 use crate::job::Card;
 use crate::upload::{FileSum, Upload};
 
-/// Rows of a group. A group is in memory while it grows: some ten megabytes.
+/// A group is written once its rows take so much memory, some thousand of them.
+const GROUP_BYTES: usize = 4 << 20;
+/// Or are so many.
 const GROUP_ROWS: usize = 2000;
 /// Version of the columns' meaning, in the file's metadata.
 const SCHEMA_VERSION: &str = "1";
@@ -24,7 +26,7 @@ pub(crate) struct Rows {
     columns: Vec<Column>,
     common: Common,
     /// Of each column, the cells of the group that is being filled.
-    group: Vec<Vec<Option<Cell>>>,
+    group: Vec<Gathered>,
 }
 
 impl Rows {
@@ -44,7 +46,7 @@ impl Rows {
         Ok(Self {
             writer: writer.map_err(|error| upload.failure(error))?,
             upload,
-            group: vec![Vec::new(); columns.len()],
+            group: empty(&columns),
             columns,
             common,
         })
@@ -54,14 +56,15 @@ impl Rows {
         for (column, cells) in self.columns.iter().zip(&mut self.group) {
             cells.push(column.cell(row, &self.common));
         }
-        if self.group[0].len() == GROUP_ROWS {
+        let bytes: usize = self.group.iter().map(Gathered::bytes).sum();
+        if bytes >= GROUP_BYTES || self.group[0].len() == GROUP_ROWS {
             self.write_group()?;
         }
         Ok(())
     }
 
     pub(crate) fn finish(mut self) -> Result<FileSum, SetError> {
-        if !self.group[0].is_empty() {
+        if self.group[0].len() > 0 {
             self.write_group()?;
         }
         let upload = self.upload;
@@ -76,11 +79,15 @@ impl Rows {
     fn write_group(&mut self) -> Result<(), SetError> {
         let mut write = || {
             let mut group = self.writer.next_row_group()?;
-            for (column, cells) in self.columns.iter().zip(&mut self.group) {
-                write_column(&mut group, column.kind, &std::mem::take(cells))?;
+            for column in std::mem::replace(&mut self.group, empty(&self.columns)) {
+                column.write(&mut group)?;
             }
             group.close().map(drop)
         };
         write().map_err(|error: ParquetError| self.upload.failure(error))
     }
+}
+
+fn empty(columns: &[Column]) -> Vec<Gathered> {
+    columns.iter().map(|column| Gathered::new(column.kind)).collect()
 }

@@ -9,7 +9,7 @@ use parquet::file::writer::SerializedFileWriter;
 use serde_json::Value;
 use spec::LeafKind;
 
-use crate::cells::{Cell, Kind, compressed, schema, write_column};
+use crate::cells::{Cell, Gathered, Kind, compressed, schema};
 
 /// A Parquet file that is being written.
 pub struct Table {
@@ -36,7 +36,9 @@ impl Table {
     pub fn write_group(&mut self, cells: Vec<Vec<Option<Cell>>>) -> Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
         for ((_, kind), cells) in self.columns.iter().zip(cells) {
-            write_column(&mut group, *kind, &cells)?;
+            let mut column = Gathered::new(*kind);
+            cells.into_iter().for_each(|cell| column.push(cell));
+            column.write(&mut group)?;
         }
         group.close().map(drop)
     }

@@ -10,14 +10,15 @@ use sha2::{Digest, Sha256};
 use tokio::io::AsyncWriteExt;
 
 use crate::error::SetError;
+use crate::location::Location;
 use crate::store::Store;
 
-/// Part of a multipart upload. S3 takes 10 000 parts, so that a file may have 78 GiB.
+/// Part of an upload to a bucket, of which S3 takes 10 000, so that a file may have 78 GiB. One is filled while another is sent.
 const PART_BYTES: usize = 8 << 20;
-/// Parts that are sent side by side, all of them in memory.
-const PARTS_IN_FLIGHT: usize = 3;
+/// The same of a folder, which takes any number of them.
+const FOLDER_PART_BYTES: usize = 1 << 20;
 /// Small writes are gathered up to this size.
-const GATHERED_BYTES: usize = 1 << 20;
+const GATHERED_BYTES: usize = 256 << 10;
 
 /// What a file must be found as.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,9 +62,13 @@ struct State {
 
 impl Upload {
     pub(crate) fn new(store: &Store, name: String) -> Self {
-        let writer = BufWriter::with_capacity(Arc::clone(&store.objects), store.path(&name), PART_BYTES);
+        let part = match store.location() {
+            Location::Folder(_) => FOLDER_PART_BYTES,
+            Location::S3 { .. } => PART_BYTES,
+        };
+        let writer = BufWriter::with_capacity(Arc::clone(&store.objects), store.path(&name), part);
         let state = State {
-            writer: writer.with_max_concurrency(PARTS_IN_FLIGHT),
+            writer: writer.with_max_concurrency(1),
             gathered: Vec::with_capacity(GATHERED_BYTES),
             hash: Sha256::new(),
             bytes: 0,
