@@ -8,6 +8,7 @@
 //! failed/000123                  empty: the marker lists failed frames
 //! alarm/000123-ATTEMPT.json      a marker that contradicts the one that is there
 //! state.json                     running, paused or cancelled
+//! state.json.lock                empty, in a folder only: held by whoever changes state.json
 //! manifest.json                  the sealed set
 //! deleted.json                   what job.json was, of a job that a service has deleted
 //! probe/RANDOM                   left by a process that was killed while it tried the store

@@ -6,6 +6,7 @@
 
 mod archive;
 mod cells;
+mod change;
 mod child;
 mod columns;
 mod crew;

@@ -114,16 +114,13 @@ impl Set {
         state::read(self.store.get(layout::STATE)?.as_deref())
     }
 
-    /// Changes whether the set is to be worked on. What is cancelled stays so.
+    /// Changes whether the set is to be worked on. What is cancelled stays so, whoever changes it at the same time.
     ///
     /// # Errors
     /// [`SetError::Refused`] for a set that is cancelled; otherwise [`SetError`] of the store.
     pub fn set_state(&self, state: SetState) -> Result<(), SetError> {
-        match self.state()? {
-            before if before == state => Ok(()),
-            SetState::Cancelled => state::allow_work(SetState::Cancelled),
-            _ => self.store.replace(layout::STATE, &state::document(state)?),
-        }
+        self.store
+            .change(layout::STATE, |found| state::changed(found, state))
     }
 
     /// Has the shards with failed frames rendered again; returns how many there are.

@@ -20,9 +20,18 @@ pub(crate) fn read(text: Option<&[u8]>) -> Result<SetState, SetError> {
     Ok(document.state)
 }
 
-pub(crate) fn document(state: SetState) -> Result<Vec<u8>, SetError> {
-    serde_json::to_vec(&Document { state })
-        .map_err(|error| SetError::Machine(format!("{} cannot be written: {error}", layout::STATE)))
+/// What a state is changed to; none where it stays. A cancelled set stays cancelled.
+///
+/// # Errors
+/// [`SetError::Refused`] for a set that is cancelled.
+pub(crate) fn changed(text: Option<&[u8]>, wanted: SetState) -> Result<Option<Vec<u8>>, SetError> {
+    match read(text)? {
+        before if before == wanted => Ok(None),
+        SetState::Cancelled => allow_work(SetState::Cancelled).map(|()| None),
+        _ => serde_json::to_vec(&Document { state: wanted })
+            .map(Some)
+            .map_err(|error| SetError::Machine(format!("{} cannot be written: {error}", layout::STATE))),
+    }
 }
 
 /// Refuses to begin a shard in this state.

@@ -225,7 +225,10 @@ impl Store {
         Ok(removed)
     }
 
-    fn found<T>(&self, call: impl Future<Output = object_store::Result<T>>) -> Result<Option<T>, SetError> {
+    pub(crate) fn found<T>(
+        &self,
+        call: impl Future<Output = object_store::Result<T>>,
+    ) -> Result<Option<T>, SetError> {
         match self.runtime.block_on(call) {
             Ok(value) => Ok(Some(value)),
             // A missing bucket is no missing object.

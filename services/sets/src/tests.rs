@@ -1,11 +1,14 @@
 //! Sets over stores that misbehave, without a process that renders.
 
-use spec::{Job, Vocabulary};
+use std::thread;
+
+use spec::{Job, SetState, Vocabulary};
 
 use crate::error::SetError;
 use crate::faulty::{Fault, store};
 use crate::job::NewSet;
 use crate::layout;
+use crate::location::Location;
 use crate::marker::{Commit, FailedFrame, Marker};
 use crate::plan::Selection;
 use crate::set::Set;
@@ -179,4 +182,30 @@ fn status_counts_what_is_done_and_sweeping_leaves_the_winners() {
         .map(|entry| entry.name)
         .collect();
     assert_eq!(left, [winner.tar_name()]);
+}
+
+#[test]
+fn a_cancelled_set_stays_cancelled_whoever_pauses_and_resumes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_folder = Location::Folder(folder.path().to_owned());
+    for store in [store(Fault::None), Store::open(&in_folder).unwrap()] {
+        let set = begin(&store, 95).unwrap();
+        thread::scope(|scope| {
+            let changes: Vec<_> = (0..3)
+                .map(|_| {
+                    scope.spawn(|| {
+                        let states = [SetState::Paused, SetState::Running].into_iter().cycle();
+                        states.take(10_000).find_map(|state| set.set_state(state).err())
+                    })
+                })
+                .collect();
+            thread::sleep(std::time::Duration::from_millis(50));
+            set.set_state(SetState::Cancelled).unwrap();
+            for change in changes {
+                let refused = change.join().unwrap();
+                assert!(matches!(refused, Some(SetError::Refused(_))), "{refused:?}");
+            }
+        });
+        assert_eq!(set.state().unwrap(), SetState::Cancelled);
+    }
 }
