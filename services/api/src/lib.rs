@@ -49,6 +49,6 @@ pub use lists::{Entry, List};
 pub use operations::routes::backup::clear_unfinished;
 pub use service::{Service, start, start_in};
 pub use sets::feed::{Known, Line, SetHead, SetImage, SetPart};
-pub use sets::intake::{Intake, IntakeError, prepare};
+pub use sets::intake::{Intake, IntakeError, Storing, prepare};
 pub use styles::{AddedStyleError, added_styles};
 pub use waters::view::WaterView;

@@ -3,11 +3,12 @@
 
 use std::sync::Arc;
 
-use serde_json::Value;
+use serde::Deserializer;
 use spec::{Leaf, LeafKind, Leaves, List};
 
-use crate::filter::{Bind, Column, Join, Kind, OFFSET};
+use crate::filter::{Bind, Column, Join, Kind};
 use crate::found::Found;
+use crate::leaf_tree::LeafTree;
 
 /// Names from before every leaf had a column of its own name.
 const ALIASES: &[(&str, &str)] = &[
@@ -45,6 +46,7 @@ pub(crate) struct Columns {
     metrics: Vec<String>,
     /// Those of the record, apart from those that every row has.
     leaves: Arc<[Leaf]>,
+    tree: Arc<LeafTree>,
     lists: Arc<[List]>,
 }
 
@@ -63,6 +65,7 @@ impl Columns {
         scalars.retain(|leaf| OWN.iter().all(|(own, ..)| *own != leaf.name));
         Self {
             metrics: metrics.to_vec(),
+            tree: LeafTree::new(&scalars).into(),
             leaves: scalars.into(),
             lists: lists.into(),
         }
@@ -101,19 +104,12 @@ impl Columns {
         self.leaves.iter().map(stored_name)
     }
 
-    /// What a record has in these columns, in the order of [`Columns::stored_names`].
-    pub(crate) fn stored_values(&self, record: &Value) -> Vec<Option<Bind>> {
-        let value = |leaf: &Leaf| {
-            let value = leaf.find(record)?;
-            match leaf.kind {
-                LeafKind::Number => value.as_f64().map(Bind::Number),
-                LeafKind::Whole => value.as_i64().map(Bind::Whole),
-                LeafKind::Large => value.as_u64().map(|number| Bind::Whole(lowered(number))),
-                LeafKind::Text => value.as_str().map(|text| Bind::Text(text.to_owned())),
-                LeafKind::Length => value.as_array().map(|items| Bind::Whole(items.len() as i64)),
-            }
-        };
-        self.leaves.iter().map(value).collect()
+    /// What a record has in these columns, in the order of [`Columns::stored_names`]: JSON, as text or as values.
+    pub(crate) fn stored_values<'de, D: Deserializer<'de>>(
+        &self,
+        record: D,
+    ) -> Result<Vec<Option<Bind>>, D::Error> {
+        self.tree.read(record)
     }
 
     /// Names that a question may use, apart from the open families `labels.…`, `timings.…`, `LIST.N.…` such as
@@ -202,11 +198,6 @@ fn stored_name(leaf: &Leaf) -> String {
         LeafKind::Large => format!("{} - 2^63", leaf.name),
         _ => leaf.name.clone(),
     }
-}
-
-/// A number up to 2^64 − 1 less 2^63: in the same order, and within 64 bits with a sign.
-fn lowered(number: u64) -> i64 {
-    (i128::from(number) - OFFSET) as i64
 }
 
 fn kind(leaf: &Leaf) -> Kind {

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-use serde_json::Value;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{AssertSqlSafe, Connection, Row};
 
@@ -146,8 +145,8 @@ async fn batch(
     let set: Vec<_> = new.map(|(name, _)| format!("\"{name}\" = ?")).collect();
     let update = format!("UPDATE images SET {} WHERE rowid = ?", set.join(", "));
     for row in records.iter().filter(|_| !set.is_empty()) {
-        let record: Value = serde_json::from_str(row.try_get(1)?)?;
-        let values = columns.stored_values(&record);
+        let record: &str = row.try_get(1)?;
+        let values = columns.stored_values(&mut serde_json::Deserializer::from_str(record))?;
         let mut statement = sqlx::query(AssertSqlSafe(update.as_str()));
         for (value, _) in values.iter().zip(&is_new).filter(|(_, is_new)| **is_new) {
             statement = bound(statement, value.as_ref());

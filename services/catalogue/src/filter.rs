@@ -33,6 +33,11 @@ pub(crate) enum Kind {
 /// What a large number is stored less.
 pub(crate) const OFFSET: i128 = 1 << 63;
 
+/// A number up to 2^64 − 1 less 2^63: in the same order, and within 64 bits with a sign.
+pub(crate) fn lowered(number: u64) -> i64 {
+    (i128::from(number) - OFFSET) as i64
+}
+
 impl Kind {
     /// Whether it has an order and a mean.
     pub(crate) fn is_number(self) -> bool {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use spec::FrameRecord;
+use spec::RecordText;
 use sqlx::sqlite::SqliteConnection;
 
 use crate::catalogue::Catalogue;
@@ -23,15 +23,15 @@ impl Catalogue {
     /// Prepares an image whose artifacts begin at these offsets of its shard's tar, by kind. Needs no turn of the writer.
     ///
     /// # Errors
-    /// [`CatalogueError::Failed`] for a record that cannot be written as JSON.
+    /// [`CatalogueError::Failed`] for a record that is none.
     pub fn imported_image(
         &self,
         job: &str,
-        record: &FrameRecord,
+        record: &RecordText,
         created_ms: u64,
         offsets: &BTreeMap<String, u64>,
     ) -> Result<NewImage, CatalogueError> {
-        NewImage::new(&self.columns, job, record, created_ms, offsets)
+        NewImage::imported(&self.columns, job, record, created_ms, offsets)
     }
 
     /// Stores images of a shard, all or nothing; returns how many of them are new. An image that is there has its place

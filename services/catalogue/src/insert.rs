@@ -5,8 +5,9 @@
 
 use std::collections::{BTreeMap, HashSet};
 
+use futures::future::join;
 use serde_json::json;
-use spec::{ArtifactEntry, FrameRecord};
+use spec::{ArtifactEntry, FrameRecord, RecordOf, RecordText};
 use sqlx::AssertSqlSafe;
 use sqlx::sqlite::SqliteConnection;
 
@@ -58,24 +59,38 @@ impl NewImage {
     ) -> Result<Self, CatalogueError> {
         let json = serde_json::to_value(record)?;
         let text = json.to_string();
-        let metrics = columns.metrics();
-        let measured = record.measurements.iter().map(|(subject, values)| {
-            let values = metrics.iter().map(|metric| values.get(metric).copied());
-            (subject.clone(), values.collect())
-        });
-        let artifacts = record.artifacts.iter().map(|entry| NewArtifact {
-            entry: entry.clone(),
-            offset: offsets.get(&entry.kind).map(|&offset| offset as i64),
-        });
         Ok(Self {
             job: job.to_owned(),
             frame: record.frame as i64,
             digest: record.digest(),
             record_digest: spec::sha256(text.as_bytes()),
             record: text,
-            parameters: columns.stored_values(&json),
-            measurements: measured.collect(),
-            artifacts: artifacts.collect(),
+            parameters: columns.stored_values(&json)?,
+            measurements: measurements(columns, record),
+            artifacts: artifacts(record, offsets),
+            warnings: record.warnings.len() as i64,
+            now_ms,
+        })
+    }
+
+    /// The same of a record that is there as text.
+    pub(crate) fn imported(
+        columns: &Columns,
+        job: &str,
+        text: &RecordText,
+        now_ms: u64,
+        offsets: &BTreeMap<String, u64>,
+    ) -> Result<Self, CatalogueError> {
+        let record = text.record();
+        Ok(Self {
+            job: job.to_owned(),
+            frame: record.frame as i64,
+            digest: text.digest().to_owned(),
+            record_digest: spec::sha256(text.as_str().as_bytes()),
+            record: text.as_str().to_owned(),
+            parameters: columns.stored_values(&mut serde_json::Deserializer::from_str(text.as_str()))?,
+            measurements: measurements(columns, record),
+            artifacts: artifacts(record, offsets),
             warnings: record.warnings.len() as i64,
             now_ms,
         })
@@ -84,6 +99,25 @@ impl NewImage {
     fn bytes(&self) -> u64 {
         self.artifacts.iter().map(|artifact| artifact.entry.bytes).sum()
     }
+}
+
+/// Of each subject of a record, its values in the order of the metrics.
+fn measurements<V, M>(columns: &Columns, record: &RecordOf<V, M>) -> Vec<(String, Vec<Option<f64>>)> {
+    let metrics = columns.metrics();
+    let measured = record.measurements.iter().map(|(subject, values)| {
+        let values = metrics.iter().map(|metric| values.get(metric).copied());
+        (subject.clone(), values.collect())
+    });
+    measured.collect()
+}
+
+/// The artifacts of a record, with their places in the tar by kind.
+fn artifacts<V, M>(record: &RecordOf<V, M>, offsets: &BTreeMap<String, u64>) -> Vec<NewArtifact> {
+    let artifacts = record.artifacts.iter().map(|entry| NewArtifact {
+        entry: entry.clone(),
+        offset: offsets.get(&entry.kind).map(|&offset| offset as i64),
+    });
+    artifacts.collect()
 }
 
 /// What the catalogue knows of an image before it is stored: the dataset of its job, whether it is there, whether its frame was
@@ -182,23 +216,32 @@ pub(crate) async fn insert_rows(
     })
     .await?;
 
-    let metrics = columns.metrics();
-    let names: String = metrics.iter().map(|name| format!(", \"{name}\"")).collect();
-    let head = format!("INSERT INTO measurements (job_id, frame, subject{names})");
     let measured: Vec<_> = new
         .iter()
         .flat_map(|(image, ..)| image.measurements.iter().map(move |measured| (image, measured)))
         .collect();
+    let has_value = |metric: usize| measured.iter().any(|(_, (_, values))| values[metric].is_some());
+    let (used, names): (Vec<usize>, Vec<String>) = columns
+        .metrics()
+        .iter()
+        .enumerate()
+        .filter(|(metric, _)| new.len() < MANY || has_value(*metric))
+        .map(|(metric, name)| (metric, format!(", \"{name}\"")))
+        .unzip();
+    let head = format!(
+        "INSERT INTO measurements (job_id, frame, subject{})",
+        names.concat()
+    );
+    let width = 3 + used.len();
     insert_all(
         connection,
         &head,
-        3 + metrics.len(),
+        width,
         &measured,
         |statement, (image, (subject, values))| {
             let fixed = statement.bind(&image.job).bind(image.frame).bind(subject);
-            values
-                .iter()
-                .fold(fixed, |statement, value| statement.bind(*value))
+            used.iter()
+                .fold(fixed, |statement, &metric| statement.bind(values[metric]))
         },
     )
     .await?;
@@ -222,7 +265,8 @@ pub(crate) async fn insert_rows(
     .await
 }
 
-/// Inserts rows of `width` values, some in each statement.
+/// Inserts rows of `width` values, some in each statement. While SQLite, on a thread of its own, runs one, the values of the next
+/// are gathered.
 async fn insert_all<R>(
     connection: &mut SqliteConnection,
     head: &str,
@@ -231,16 +275,23 @@ async fn insert_all<R>(
     bind: impl for<'q> Fn(Statement<'q>, &'q R) -> Statement<'q>,
 ) -> Result<(), CatalogueError> {
     let places = format!("({})", vec!["?"; width].join(", "));
-    while let Some(&most) = ROWS.iter().find(|&&most| most <= rows.len()) {
+    let mut gather = || {
+        let &most = ROWS.iter().find(|&&most| most <= rows.len())?;
         let (some, rest) = rows.split_at(most);
-        let sql = format!("{head} VALUES {}", vec![places.as_str(); most].join(", "));
-        let statement = some
-            .iter()
-            .fold(sqlx::query(AssertSqlSafe(sql)), |statement, row| {
-                bind(statement, row)
-            });
-        statement.execute(&mut *connection).await?;
         rows = rest;
+        let sql = format!("{head} VALUES {}", vec![places.as_str(); most].join(", "));
+        Some(
+            some.iter()
+                .fold(sqlx::query(AssertSqlSafe(sql)), |statement, row| {
+                    bind(statement, row)
+                }),
+        )
+    };
+    let mut statement = gather();
+    while let Some(ready) = statement {
+        let (done, next) = join(ready.execute(&mut *connection), async { gather() }).await;
+        done?;
+        statement = next;
     }
     Ok(())
 }

@@ -22,6 +22,7 @@ mod import;
 mod insert;
 mod job_state;
 mod jobs;
+mod leaf_tree;
 mod metadata;
 mod migrations;
 mod open;

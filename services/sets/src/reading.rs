@@ -2,11 +2,12 @@
 //! must agree with each other and with the job.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use bytes::Bytes;
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use spec::{ArtifactEntry, FrameRecord, sha256};
+use spec::{ArtifactEntry, RecordText, sha256};
 
 use crate::error::SetError;
 use crate::group::{Group, Named};
@@ -36,7 +37,7 @@ pub struct DoneShard {
 #[derive(Debug, Clone)]
 pub struct ShardImage {
     /// Everything known about it.
-    pub record: FrameRecord,
+    pub record: RecordText,
     /// When it was rendered, by the clock of its machine.
     pub created_ms: u64,
     /// Where its artifacts begin in the tar, by kind.
@@ -179,7 +180,7 @@ impl Set {
         for number in 0..reader.num_row_groups() {
             let images = images(&name, &reader, number, &marker.tar_name())?;
             for image in &images {
-                let frame = image.record.frame;
+                let frame = image.record.record().frame;
                 if frame < next || frame >= frames.end {
                     return Err(wrong(format!(
                         "frame {frame} is not within {next}..{}",
@@ -199,7 +200,7 @@ impl Set {
                 image
                     .check(marker.tar.bytes)
                     .map_err(|reason| wrong(format!("frame {frame}: {reason}")))?;
-                digests.push(image.record.digest());
+                digests.push(image.record.digest().to_owned());
             }
             if marker.images <= KEPT_IMAGES {
                 kept.push(images);
@@ -238,7 +239,8 @@ impl ShardRows {
 impl ShardImage {
     /// Finds an artifact that is no artifact, or whose place is not within the tar.
     fn check(&self, tar_bytes: u64) -> Result<(), String> {
-        for artifact in &self.record.artifacts {
+        let artifacts = &self.record.record().artifacts;
+        for artifact in artifacts {
             artifact.check()?;
             let ArtifactEntry { kind, bytes, .. } = artifact;
             if *bytes > MOST_ARTIFACT_BYTES {
@@ -255,7 +257,7 @@ impl ShardImage {
                 ));
             }
         }
-        let mut kinds: Vec<&str> = self.record.artifacts.iter().map(|a| a.kind.as_str()).collect();
+        let mut kinds: Vec<&str> = artifacts.iter().map(|a| a.kind.as_str()).collect();
         kinds.sort_unstable();
         match kinds.windows(2).find(|pair| pair[0] == pair[1]) {
             Some(pair) => Err(format!("artifact `{}` is there twice", pair[0])),
@@ -285,13 +287,16 @@ fn images(
         for row in 0..group.rows {
             let missing = |column: &str| format!("row {row} has no {column}");
             let text = records[row].as_ref().ok_or_else(|| missing("record"))?;
-            let record: FrameRecord = serde_json::from_slice(text.data())
-                .map_err(|error| format!("the record of row {row} cannot be read: {error}"))?;
-            let frame = frames[row].ok_or_else(|| missing("frame"))?;
-            if u64::try_from(frame) != Ok(record.frame) {
+            let odd = |error: &dyn Display| format!("the record of row {row} cannot be read: {error}");
+            let text = text.as_utf8().map_err(|error| odd(&error))?.to_owned();
+            let record = RecordText::read(text).map_err(|error| odd(&error))?;
+            let (frame, of_record) = (
+                frames[row].ok_or_else(|| missing("frame"))?,
+                record.record().frame,
+            );
+            if u64::try_from(frame) != Ok(of_record) {
                 return Err(format!(
-                    "row {row} is of frame {frame}, its record of frame {}",
-                    record.frame
+                    "row {row} is of frame {frame}, its record of frame {of_record}"
                 ));
             }
             if tars[row]

@@ -34,8 +34,13 @@ impl Leaf {
     /// What a record has here, as JSON.
     #[must_use]
     pub fn find<'a>(&self, record: &'a Value) -> Option<&'a Value> {
-        let own_water = || at(record, OWN_WATER).filter(|_| self.name == WATER);
-        at(record, &self.pointer).or_else(own_water)
+        self.pointers().find_map(|pointer| at(record, pointer))
+    }
+
+    /// Where it may stand in a record, as JSON pointers; the first that is there counts.
+    pub fn pointers(&self) -> impl Iterator<Item = &str> {
+        let own_water = (self.name == WATER).then_some(OWN_WATER);
+        std::iter::once(self.pointer.as_str()).chain(own_water)
     }
 }
 

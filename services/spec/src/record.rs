@@ -12,17 +12,20 @@ use crate::scene_record::SceneRecord;
 use crate::schema::{Names, Range, Shape};
 
 /// Everything known about one image apart from its bytes.
+pub type FrameRecord = RecordOf<Value, Map<String, Value>>;
+
+/// A record whose open parts are kept as values of type `V`, in maps of type `M`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct FrameRecord {
+pub struct RecordOf<V, M> {
     /// Position in the job.
     pub frame: u64,
     /// The resolved frame as canonical JSON ([`crate::Frame::parameters`]).
-    pub parameters: Value,
+    pub parameters: V,
     /// The numbers the water stage ran with: per-channel coefficients after preset, derivation and range scale, and
     /// which of them were derived; how long the paths through patches were, and how much snow fell. Empty without any of these.
-    pub optics: Map<String, Value>,
+    pub optics: M,
     /// The plan: per stage whether it was skipped, its variant, terms and bound.
-    pub plan: Value,
+    pub plan: V,
     /// Metric values by subject (`rgb`, `hscm`, …) and metric (`uiqm`, `uiqm@table1`, …).
     pub measurements: BTreeMap<String, BTreeMap<String, f64>>,
     /// The stored files.
@@ -350,6 +353,13 @@ impl FrameRecord {
     /// frame is rendered on one build, runtime and CPU feature set. Lower-case hex.
     #[must_use]
     pub fn digest(&self) -> String {
+        self.digest_with(&self.parameters.to_string())
+    }
+}
+
+impl<V, M> RecordOf<V, M> {
+    /// The same of parameters that are there as canonical text.
+    pub(crate) fn digest_with(&self, parameters: &str) -> String {
         let mut artifacts: Vec<_> = self
             .artifacts
             .iter()
@@ -365,7 +375,7 @@ impl FrameRecord {
             hash.update(digest.as_bytes());
             hash.update([0]);
         }
-        hash.update(self.parameters.to_string().as_bytes());
+        hash.update(parameters.as_bytes());
         hex(&hash.finalize())
     }
 }

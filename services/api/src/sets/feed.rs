@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use catalogue::NewShard;
 use serde::{Deserialize, Serialize};
-use spec::FrameRecord;
+use spec::RecordText;
 
 /// A line.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -43,7 +43,7 @@ pub struct SetPart {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SetImage {
     /// Everything known about it.
-    pub record: FrameRecord,
+    pub record: RecordText,
     /// When it was rendered, by the clock of its machine.
     pub created_ms: u64,
     /// Where its artifacts begin in the tar of its shard, by kind.

@@ -1,8 +1,11 @@
 //! From what was read of a set into the catalogue.
 
 use std::collections::BTreeMap;
+use std::pin::Pin;
 
 use catalogue::{Catalogue, CatalogueError, InsertJob, JobRow, NewImage, NewJob, NewShard, UnixMs};
+use futures::future::poll_immediate;
+use futures::stream::{FuturesUnordered, StreamExt};
 use spec::{Draft, Invalid, Job, Uploads, Vocabulary};
 
 use super::feed::{Known, SetHead, SetImage};
@@ -132,19 +135,81 @@ impl<'c> Intake<'c> {
         }
     }
 
-    /// Stores images of a shard; returns how many of them are new.
-    ///
-    /// # Errors
-    /// [`CatalogueError`].
-    pub async fn store(&self, images: Vec<NewImage>, shard: NewShard) -> Result<u64, CatalogueError> {
-        self.catalogue.import(&self.id, images, shard).await
+    /// Begins to store images of the job, which is there.
+    #[must_use]
+    pub fn storing(&self) -> Storing<'c> {
+        Storing {
+            catalogue: self.catalogue,
+            job: self.id.clone(),
+            running: FuturesUnordered::new(),
+            shard: None,
+            images: 0,
+        }
     }
 }
 
-/// Prepares images for [`Intake::store`], on any thread.
+/// How many parts are on their way into the catalogue at the same time. They share a transaction, which writes pages once that
+/// each of them changes; others who change the catalogue wait as long, some tenths of a second.
+const TOGETHER: usize = 4;
+
+/// A part on its way; returns how many of its images are new.
+type Stored<'c> = Pin<Box<dyn Future<Output = Result<u64, CatalogueError>> + Send + 'c>>;
+
+/// Images of shards on their way into the catalogue, several parts at a time.
+pub struct Storing<'c> {
+    catalogue: &'c Catalogue,
+    job: String,
+    running: FuturesUnordered<Stored<'c>>,
+    /// The first frame of the shard of the last part.
+    shard: Option<u64>,
+    /// Those that are new.
+    images: u64,
+}
+
+impl Storing<'_> {
+    /// Takes on a part; waits while too many are on their way, and for those of the same shard: its end must not be stored without
+    /// them.
+    ///
+    /// # Errors
+    /// [`CatalogueError`] of this part or of one before.
+    pub async fn store(&mut self, images: Vec<NewImage>, shard: NewShard) -> Result<(), CatalogueError> {
+        let goes_on = self.shard.replace(shard.frame) == Some(shard.frame);
+        let most = if goes_on { 0 } else { TOGETHER - 1 };
+        self.wait(most).await?;
+        let (catalogue, job) = (self.catalogue, self.job.clone());
+        self.running.push(Box::pin(
+            async move { catalogue.import(&job, images, shard).await },
+        ));
+        // Only now it is sent to the writer.
+        if let Some(Some(stored)) = poll_immediate(self.running.next()).await {
+            self.images += stored?;
+        }
+        Ok(())
+    }
+
+    /// Waits for all parts; returns how many images were new.
+    ///
+    /// # Errors
+    /// [`CatalogueError`] of one of them.
+    pub async fn finish(mut self) -> Result<u64, CatalogueError> {
+        self.wait(0).await?;
+        Ok(self.images)
+    }
+
+    async fn wait(&mut self, most: usize) -> Result<(), CatalogueError> {
+        while self.running.len() > most
+            && let Some(stored) = self.running.next().await
+        {
+            self.images += stored?;
+        }
+        Ok(())
+    }
+}
+
+/// Prepares images for [`Storing::store`], on any thread.
 ///
 /// # Errors
-/// [`CatalogueError::Failed`] for a record that cannot be written as JSON.
+/// [`CatalogueError::Failed`] for a record that is none.
 pub fn prepare(
     catalogue: &Catalogue,
     job: &str,

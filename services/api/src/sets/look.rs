@@ -98,11 +98,14 @@ impl Sets {
         }
         let known = intake.known().await?;
         let mut parts = std::pin::pin!(reading.ask(&known, catalogue, job).await?);
+        let mut storing = intake.storing();
         while let Some(part) = parts.next().await {
             let part = part?;
-            intake.store(part.images, part.shard).await?;
+            storing.store(part.images, part.shard).await?;
             self.jobs.leases.changes.notify(job);
         }
+        storing.finish().await?;
+        self.jobs.leases.changes.notify(job);
         Ok(catalogue.job(job).await?)
     }
 }

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use catalogue::{CatalogueError, InsertJob, JobState, NewImage, NewJob, NewShard, ShardEnd};
 
+use spec::RecordText;
+
 use crate::fixture::{Fixture, failure};
 
 const JOB: &str = "job_set";
@@ -40,6 +42,8 @@ impl Fixture {
         let offsets: BTreeMap<String, u64> = kinds
             .map(|(artifact, place)| (artifact.kind.clone(), offset + 100 * place))
             .collect();
+        let text = serde_json::to_value(&record).unwrap().to_string();
+        let record = RecordText::read(text).unwrap();
         self.catalogue
             .imported_image(JOB, &record, 2000 + frame, &offsets)
             .unwrap()

@@ -56,7 +56,7 @@ fn import(
 ) -> Result<(JobRow, Tally), Failure> {
     let known = runtime.block_on(intake.known()).map_err(stored)?;
     let missing = missing(set, &known)?;
-    let (mut tally, mut bar) = (Tally::default(), None);
+    let (mut tally, mut bar, mut storing) = (Tally::default(), None, None);
     let job = intake.id().to_owned();
     read_all(
         set,
@@ -71,12 +71,16 @@ fn import(
                 runtime.block_on(intake.begin(now())).map_err(stored)?;
             }
             tally.shards += u64::from(shard.end.is_some());
-            tally.images += runtime.block_on(intake.store(images, shard)).map_err(stored)?;
+            let storing = storing.get_or_insert_with(|| intake.storing());
+            runtime.block_on(storing.store(images, shard)).map_err(stored)?;
             bar.get_or_insert_with(|| Progress::new("import", "shards", missing.len() as u64))
                 .set(tally.shards);
             Ok(())
         },
     )?;
+    if let Some(storing) = storing {
+        tally.images = runtime.block_on(storing.finish()).map_err(stored)?;
+    }
     if let Some(bar) = bar {
         bar.finish();
     }
