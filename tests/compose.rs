@@ -47,34 +47,59 @@ fn ours(compose: &Value) -> Vec<(&str, &Value)> {
         .collect()
 }
 
-/// The services of the file whose command starts with `word`.
-fn with_command<'a>(compose: &'a Value, word: &str) -> Vec<&'a Value> {
+/// The services of a profile whose command starts with `word`; those of no profile for none.
+fn with_command<'a>(compose: &'a Value, profile: Option<&str>, word: &str) -> Vec<&'a Value> {
     let services = compose["services"].as_mapping().expect("services");
     services
         .values()
         .filter(|service| {
-            strings(&service["command"])
-                .first()
-                .is_some_and(|first| first == word)
+            let profiles = strings(&service["profiles"]);
+            let is_in = profile.map_or(profiles.is_empty(), |name| {
+                profiles.iter().any(|found| found == name)
+            });
+            is_in
+                && strings(&service["command"])
+                    .first()
+                    .is_some_and(|first| first == word)
         })
         .collect()
 }
 
+/// The one service of a profile with this command.
+fn only<'a>(compose: &'a Value, profile: Option<&str>, word: &str) -> &'a Value {
+    let [service] = with_command(compose, profile, word)[..] else {
+        panic!("one service of {profile:?} has the command {word}");
+    };
+    service
+}
+
+/// What follows an option of a command.
+fn option(service: &Value, name: &str) -> String {
+    let words = strings(&service["command"]);
+    let position = words
+        .iter()
+        .position(|word| word == name)
+        .expect("the option is given");
+    words[position + 1].clone()
+}
+
+const SCALED: [&str; 3] = ["container_name", "ports", "hostname"];
+
 #[test]
 fn one_service_and_one_kind_of_worker_that_can_be_scaled() {
     let compose = compose();
-    assert_eq!(with_command(&compose, "serve").len(), 1);
-    let [worker] = with_command(&compose, "worker")[..] else {
-        panic!("one worker, to be scaled");
-    };
-    for unique in ["container_name", "ports", "hostname"] {
-        assert!(worker[unique].is_null(), "{unique} allows only one worker");
+    for profile in [None, Some("cluster")] {
+        only(&compose, profile, "serve");
+        let worker = only(&compose, profile, "worker");
+        for unique in SCALED {
+            assert!(worker[unique].is_null(), "{unique} allows only one worker");
+        }
+        assert!(
+            worker["environment"]["FATHOM_WORKER_NAME"].is_null(),
+            "scaled workers would share a name"
+        );
+        assert!(worker["scale"].as_u64() >= Some(2));
     }
-    assert!(
-        worker["environment"]["FATHOM_WORKER_NAME"].is_null(),
-        "scaled workers would share a name"
-    );
-    assert!(worker["scale"].as_u64() >= Some(2));
 }
 
 #[test]
@@ -88,21 +113,21 @@ fn one_image_is_built_once_and_everything_comes_back_after_a_restart() {
     let [built] = built[..] else {
         panic!("one service builds the image");
     };
-    for service in with_command(&compose, "serve")
-        .into_iter()
-        .chain(with_command(&compose, "worker"))
-    {
-        assert_eq!(service["image"], built["image"]);
-        assert_eq!(service["restart"].as_str(), Some("unless-stopped"));
+    for profile in [None, Some("cluster")] {
+        for command in ["serve", "worker"] {
+            let service = only(&compose, profile, command);
+            assert_eq!(service["image"], built["image"]);
+            assert_eq!(service["restart"].as_str(), Some("unless-stopped"));
+        }
     }
 }
 
 #[test]
 fn workers_hold_a_secret_that_opens_the_worker_protocol_alone() {
     let compose = compose();
-    let serve = with_command(&compose, "serve")[0];
+    let serve = only(&compose, None, "serve");
     let tokens = serve["environment"]["FATHOM_TOKEN"].as_str().expect("tokens");
-    for worker in with_command(&compose, "worker") {
+    for worker in with_command(&compose, None, "worker") {
         let secret = worker["environment"]["FATHOM_TOKEN"].as_str().expect("a token");
         assert!(
             tokens.contains(&format!("work:{secret}")),
@@ -130,7 +155,8 @@ fn every_option_and_variable_in_the_compose_file_exists_in_the_binary() {
             .as_mapping()
             .expect("a mapping of variables");
         for variable in variables.keys().filter_map(Value::as_str) {
-            let is_for_the_store = STORE_VARIABLES.contains(&variable) && command[0] == "render";
+            let has_store = command.iter().any(|word| word.starts_with("s3://"));
+            let is_for_the_store = STORE_VARIABLES.contains(&variable) && has_store;
             let known = help.contains(&format!("[env: {variable}"))
                 || ["FATHOM_LOG", "FATHOM_LOG_FORMAT"].contains(&variable)
                 || is_for_the_store;
@@ -140,11 +166,107 @@ fn every_option_and_variable_in_the_compose_file_exists_in_the_binary() {
 }
 
 #[test]
+fn every_command_in_the_compose_file_is_one_that_the_binary_takes() {
+    let compose = compose();
+    let takes = |words: &[String]| {
+        // Everything before `--help` is parsed, and nothing is started.
+        let words: Vec<&str> = words.iter().map(String::as_str).chain(["--help"]).collect();
+        run(&words).status.success()
+    };
+    for (name, service) in ours(&compose) {
+        let command = strings(&service["command"]);
+        assert!(takes(&command), "{name}: fathom {command:?}");
+        let mut wrong = command.clone();
+        wrong.push("--enginee=x".to_owned());
+        assert!(!takes(&wrong), "{name}: anything is taken");
+    }
+}
+
+#[test]
+fn the_cluster_has_one_store_one_broker_and_one_secret_for_it() {
+    let compose = compose();
+    let (serve, worker) = (
+        only(&compose, Some("cluster"), "serve"),
+        only(&compose, Some("cluster"), "worker"),
+    );
+    for place in ["--engine", "--store"] {
+        assert_eq!(option(serve, place), option(worker, place), "{place}");
+    }
+    for variable in STORE_VARIABLES.into_iter().chain(["FATHOM_ENGINE_TOKEN"]) {
+        let of = |service: &Value| service["environment"][variable].clone();
+        assert!(of(serve).is_string(), "{variable} is not set");
+        assert_eq!(of(serve), of(worker), "{variable}");
+    }
+    let engine = option(serve, "--engine");
+    let (host, port) = engine
+        .trim_start_matches("nats://")
+        .split_once(':')
+        .expect("a port");
+    let broker = &compose["services"][host];
+    assert!(
+        broker["image"]
+            .as_str()
+            .is_some_and(|image| image.starts_with("nats:2.")),
+        "{broker:?}"
+    );
+    let config = compose["configs"]["broker"]["content"]
+        .as_str()
+        .expect("a configuration");
+    let token = serve["environment"]["FATHOM_ENGINE_TOKEN"]
+        .as_str()
+        .expect("a token");
+    for part in [
+        &format!("listen: 0.0.0.0:{port}"),
+        "sync_interval: always",
+        &format!("token: \"{token}\""),
+    ] {
+        assert!(config.contains(part), "{part} is not in {config}");
+    }
+    assert_eq!(broker["configs"][0]["source"].as_str(), Some("broker"));
+    assert_eq!(
+        strings(&broker["command"])[1],
+        broker["configs"][0]["target"].as_str().expect("a place")
+    );
+    let store = option(serve, "--store");
+    let bucket = store
+        .trim_start_matches("s3://")
+        .split('/')
+        .next()
+        .unwrap_or_default();
+    let created = strings(&compose["services"]["bucket"]["entrypoint"]).join(" ");
+    assert!(
+        created.contains(&format!("s3.bucket.create -name {bucket}'")),
+        "{created}"
+    );
+    for service in [serve, worker] {
+        for awaited in [host, "bucket"] {
+            assert!(
+                service["depends_on"][awaited].is_mapping(),
+                "{awaited} is waited for"
+            );
+        }
+    }
+    for name in [host, "store", "bucket"] {
+        let profiles = strings(&compose["services"][name]["profiles"]);
+        assert!(
+            profiles.contains(&"cluster".to_owned()),
+            "{name} is not in the profile"
+        );
+    }
+    let published = |service: &Value| strings(&service["ports"]);
+    assert_ne!(
+        published(serve),
+        published(only(&compose, None, "serve")),
+        "both may run"
+    );
+}
+
+#[test]
 fn workers_speak_to_the_service_by_its_name_and_port() {
     let compose = compose();
     let services = compose["services"].as_mapping().expect("services");
     let names: BTreeSet<&str> = services.keys().filter_map(Value::as_str).collect();
-    for service in with_command(&compose, "worker") {
+    for service in with_command(&compose, None, "worker") {
         let url = service["environment"]["FATHOM_SERVER"]
             .as_str()
             .expect("workers are told their server");
@@ -172,12 +294,10 @@ fn workers_speak_to_the_service_by_its_name_and_port() {
 #[test]
 fn shards_are_rendered_into_the_bucket_of_the_store_by_processes_that_scale() {
     let compose = compose();
-    let [shards] = with_command(&compose, "render")[..] else {
-        panic!("one kind of process renders sets");
-    };
+    let shards = only(&compose, Some("set"), "render");
     let store = &compose["services"]["store"];
-    for service in [shards, store, &compose["services"]["bucket"]] {
-        assert_eq!(strings(&service["profiles"]), ["cluster"]);
+    for service in [store, &compose["services"]["bucket"]] {
+        assert!(strings(&service["profiles"]).contains(&"set".to_owned()));
     }
     for variable in STORE_VARIABLES {
         assert!(
@@ -202,7 +322,7 @@ fn shards_are_rendered_into_the_bucket_of_the_store_by_processes_that_scale() {
         created.contains(&format!("s3.bucket.create -name {bucket}'")),
         "{created}"
     );
-    for unique in ["container_name", "ports", "hostname"] {
+    for unique in SCALED {
         assert!(shards[unique].is_null(), "{unique} allows only one process");
     }
     let image = store["image"].as_str().expect("an image");
