@@ -174,12 +174,15 @@ class Moto:
         return f"http://127.0.0.1:{self.port}"
 
     def start(self):
-        """Starts it, empty but for the bucket."""
-        command = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(self.port)]
+        """Starts it with a bucket; of what it had before nothing is there."""
         quiet = subprocess.DEVNULL
-        self.process = subprocess.Popen(command, stdout=quiet, stderr=quiet, env=os.environ | self.given)
+        self.process = subprocess.Popen(self.command(), stdout=quiet, stderr=quiet, env=os.environ | self.given)
         wait_until(self.listens, "the S3 server listens")
         self.client().create_bucket(Bucket=self.BUCKET)
+
+    def command(self):
+        """What starts it."""
+        return [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(self.port)]
 
     def listens(self):
         """Whether it takes connections."""
@@ -209,6 +212,17 @@ class Moto:
             aws_access_key_id="key",
             aws_secret_access_key="hush-hush",
         )
+
+
+class KeptServer(Moto):
+    """An S3 server whose data outlives it."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        super().__init__()
+
+    def command(self):
+        return [sys.executable, Path(__file__).with_name("s3_server.py"), str(self.port), self.folder]
 
 
 class Wire:
