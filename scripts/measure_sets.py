@@ -2,6 +2,7 @@
 
 import json
 import os
+import random
 import statistics
 import subprocess
 import sys
@@ -15,10 +16,9 @@ TOUR = json.loads(Path("examples/tour.json").read_text())
 
 
 def render(job, folder, *options):
-    """CPU seconds, seconds, and the peak memory of the process and of its children in MiB."""
+    """CPU seconds with those of children, CPU seconds of the process alone, and the peak memory of it and of its children in MiB."""
     out = folder / "out"
     (folder / "job.json").write_text(json.dumps(job))
-    begun = time.monotonic()
     process = subprocess.Popen(
         [FATHOM, "render", folder / "job.json", "--out", out, "--slots", "1", *options],
         stdout=subprocess.DEVNULL,
@@ -27,13 +27,16 @@ def render(job, folder, *options):
     peaks = {}
     watcher = threading.Thread(target=watch, args=[process, peaks])
     watcher.start()
+    # Dead, but still there to be asked: what it has used of the CPU itself, in ticks.
+    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+    ticks = Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13]
     _, status, usage = os.wait4(process.pid, 0)
-    seconds = time.monotonic() - begun
     process.returncode = os.waitstatus_to_exitcode(status)
     watcher.join()
     assert process.returncode == 0, process.args
     child = max((peak for pid, peak in peaks.items() if pid != process.pid), default=0)
-    return {"cpu": usage.ru_utime + usage.ru_stime, "seconds": seconds, "own": peaks[process.pid], "child": child}
+    own = sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
+    return {"cpu": usage.ru_utime + usage.ru_stime, "own": own, "memory": peaks[process.pid], "child": child}
 
 
 def watch(process, peaks):
@@ -57,35 +60,53 @@ def size(folder):
 
 
 def pairs(job, count):
-    """CPU time of a set over that of a folder, in pairs that take turns."""
-    ratios, plain_cpu, set_cpu = [], [], []
-    for _ in range(count):
+    """CPU time of a set over that of a folder, in pairs that take turns, and what the process that writes the set takes of it."""
+    plain_cpu, set_cpu, own = [], [], []
+    for number in range(count):
         with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
-            plain = render(job, Path(one))
-            shards = render(job, Path(two), "--frames-per-shard", "50")
+            ways = [(Path(one), []), (Path(two), ["--frames-per-shard", "50"])]
+            # Each goes first as often as the other: a machine that is getting busier favors neither.
+            turns = [render(job, folder, *options) for folder, options in ways[:: 1 if number % 2 else -1]]
+            plain, shards = turns[:: 1 if number % 2 else -1]
             plain_cpu.append(plain["cpu"])
             set_cpu.append(shards["cpu"])
-            ratios.append(shards["cpu"] / plain["cpu"])
+            own.append(shards["own"])
             sizes = size(Path(one) / "out"), size(Path(two) / "out")
-    camera = job["camera"]
-    print(f"| {camera['width']} × {camera['height']}, {job['count']} frames, {count} pairs | folder | set |")
+    camera, frames = job["camera"], job["count"]
+    print(f"| {camera['width']} × {camera['height']}, {frames} frames, {count} pairs | folder | set |")
     print("|---|---|---|")
-    print(f"| CPU time, median | {statistics.median(plain_cpu):.2f} s | {statistics.median(set_cpu):.2f} s |")
-    overhead = [100 * (ratio - 1) for ratio in ratios]
-    spread = f"{min(overhead):+.1f} to {max(overhead):+.1f}"
-    print(f"| overhead in pairs | | {statistics.median(overhead):+.1f} % ({spread}) |")
+    of_frame = [1000 * statistics.median(times) / frames for times in (plain_cpu, set_cpu, own)]
+    print(f"| CPU time of a frame, median | {of_frame[0]:.2f} ms | {of_frame[1]:.2f} ms |")
+    middle, error = overhead(plain_cpu, set_cpu)
+    print(f"| overhead, mean of the middle half of the pairs | | {middle:+.1f} ± {error:.1f} % |")
+    share = 100 * of_frame[2] / of_frame[0]
+    print(f"| of it the process that writes tar, rows and marker | | {of_frame[2]:.2f} ms, {share:.1f} % |")
     for number, name in enumerate(["bytes", "files"]):
         print(f"| {name} | {sizes[0][number]} | {sizes[1][number]} |")
+
+
+def overhead(plain, shards):
+    """Percent by which sets take longer: the mean over the middle half of the pairs, and its standard error from pairs drawn again."""
+    ratios = [100 * (one / other - 1) for one, other in zip(shards, plain)]
+
+    def middle(found):
+        found, cut = sorted(found), len(found) // 4
+        return statistics.fmean(found[cut : len(found) - cut])
+
+    chance = random.Random(1)
+    drawn = [middle(chance.choices(ratios, k=len(ratios))) for _ in range(2000)]
+    return middle(ratios), statistics.stdev(drawn)
 
 
 def memory():
     """Peak memory with short and long shards."""
     job = TOUR | {"count": 5000, "camera": {"width": 96, "height": 64, "hfov_deg": 80}}
     print("| frames per shard | supervisor | child |\n|---|---|---|")
-    for frames in (50, 500, 5000):
+    for frames in (50, 500, 5000, 20000):
+        job["count"] = max(5000, frames)
         with tempfile.TemporaryDirectory() as folder:
             found = render(job, Path(folder), "--frames-per-shard", str(frames))
-            print(f"| {frames} | {found['own']:.0f} MiB | {found['child']:.0f} MiB |")
+            print(f"| {frames} | {found['memory']:.0f} MiB | {found['child']:.0f} MiB |")
 
 
 print(f"load before: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
