@@ -2,6 +2,7 @@
 # Tests sets with the tools around them: an S3 server, a broker, engines, readers, kills at random. Whatever renders a job must make
 # what one process makes. Prints a table at the end.
 # Usage: scripts/test-cluster.sh [--short] [ARGUMENTS OF pytest]
+# Without --short, tests/cluster/test_everything.py also kills everything at once, FATHOM_KILLS (100) times in one run: ten minutes.
 # --short, which the tests of every change run, leaves out Slurm, Ray and what takes minutes, kills less often and installs
 # only Python packages.
 set -euo pipefail
