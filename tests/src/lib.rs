@@ -1,5 +1,6 @@
 //! Runs the real `fathom` binary for end-to-end tests: services, workers and single commands.
 
+mod audit;
 mod commands;
 mod dice;
 pub mod ending;
@@ -14,6 +15,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
+pub use audit::{audit, audit_answers, compile};
 pub use dice::Dice;
 
 pub use commands::{digest_by_render, fathom, muddy_photo, root, run, run_lab};
@@ -129,6 +131,23 @@ impl Service {
             .ok()?;
         let body: Value = serde_json::from_slice(&response.body_mut().read_to_vec().ok()?).ok()?;
         (response.status() == 202).then(|| body["id"].as_str().map(str::to_owned))?
+    }
+
+    /// GET of something that is there, unless the service dies meanwhile.
+    #[must_use]
+    pub fn try_get(&self, path: &str) -> Option<Value> {
+        let mut response = agent().get(format!("{}{path}", self.url)).call().ok()?;
+        let body = response.body_mut().read_to_vec().ok()?;
+        (response.status() == 200)
+            .then(|| serde_json::from_slice(&body).ok())
+            .flatten()
+    }
+
+    /// POST of any bytes; the status, unless the service dies meanwhile.
+    #[must_use]
+    pub fn try_post_bytes(&self, path: &str, body: &[u8]) -> Option<u16> {
+        let sent = agent().post(format!("{}{path}", self.url)).send(body).ok()?;
+        Some(sent.status().as_u16())
     }
 
     /// GET, as JSON with its status.
