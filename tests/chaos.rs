@@ -258,7 +258,7 @@ fn settle(chaos: &Chaos, expected: &str) {
         }
         assert_eq!(
             (&job["state"], &job["digest"]),
-            (&json!("done"), expected),
+            (&json!("done"), &json!(expected)),
             "{job}"
         );
     }

@@ -159,8 +159,8 @@ impl<'a> About<'a> {
         digest.end()
     }
 
-    /// Reads a row that begins with its values, record and digest, and returns them with the record if they are what was stored.
-    pub(crate) fn verified(row: &'a SqliteRow) -> Result<(Self, Value), CatalogueError> {
+    /// Reads a row that begins with its values, record and digest, and returns them with the record, JSON, if they are what was stored.
+    pub(crate) fn verified(row: &'a SqliteRow) -> Result<(Self, &'a str), CatalogueError> {
         let mut cells = Cells::new(row);
         let about = Self {
             job: cells.take()?,
@@ -177,12 +177,13 @@ impl<'a> About<'a> {
                 about.job, about.frame
             )));
         };
-        Ok((about, serde_json::from_str(record)?))
+        Ok((about, record))
     }
 }
 
 fn image(row: &SqliteRow) -> Result<Value, CatalogueError> {
-    let (about, mut image) = About::verified(row)?;
+    let (about, record) = About::verified(row)?;
+    let mut image: Value = serde_json::from_str(record)?;
     if let Some(members) = image.as_object_mut() {
         members.insert("job".to_owned(), about.job.into());
         members.insert("dataset".to_owned(), about.dataset.into());

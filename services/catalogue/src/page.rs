@@ -10,7 +10,7 @@ use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
 use crate::filter::{Bind, Column, FilterError, Kind, OFFSET};
-use crate::found::{self, Found};
+use crate::found::{self, Found, Members};
 use crate::images::About;
 use crate::select::Select;
 use crate::types::{ImageQuery, Page};
@@ -85,6 +85,8 @@ struct Question {
     fields: Vec<(String, Shown)>,
     /// What filter and order asked: it must be what the record has.
     compared: Vec<(usize, Kind, Found)>,
+    /// What of the records is needed for both.
+    members: Members,
     /// Where the value of the order's column stands.
     key: Option<usize>,
     /// What a cursor belongs to.
@@ -111,14 +113,16 @@ impl Question {
         let (filter, dataset) = (query.filter.as_deref(), query.dataset.as_deref());
         let mut selected = columns.of_record();
         let mut fields = Vec::with_capacity(names.len());
+        let mut members = Members::default();
         for name in names {
             let column = column(columns, &name)?;
             let shown = match &column.found {
                 Some(found) => Shown::Record(found.clone()),
                 None => Shown::Cell(selected.len(), column.kind),
             };
-            if let Shown::Cell(..) = shown {
-                selected.push(column);
+            match &shown {
+                Shown::Record(found) => members.add(found),
+                Shown::Cell(..) => selected.push(column),
             }
             fields.push((name, shown));
         }
@@ -128,6 +132,7 @@ impl Question {
         let mut compared = Vec::new();
         for column in order.column.iter().cloned().chain(asked) {
             if let Some(found) = &column.found {
+                members.add(found);
                 compared.push((selected.len(), column.kind, found.clone()));
             }
             selected.push(column);
@@ -144,6 +149,7 @@ impl Question {
             sql,
             fields,
             compared,
+            members,
             key,
             identity,
         })
@@ -152,6 +158,7 @@ impl Question {
     /// A row as an object; what is missing is left out.
     fn item(&self, row: &SqliteRow) -> Result<Map<String, Value>, CatalogueError> {
         let (about, record) = About::verified(row)?;
+        let record = self.members.of(record)?;
         for (at, kind, found) in &self.compared {
             if value(row, *at, *kind)? != found.of(&record) {
                 let what = format!("a parameter or metric of {}/{}", about.job, about.frame);

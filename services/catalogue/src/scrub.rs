@@ -185,7 +185,11 @@ impl Images {
 
     /// The first thing that is not as it was written.
     fn difference(&self, row: &SqliteRow, beside: &Beside) -> Option<String> {
-        let (about, record) = match About::verified(row) {
+        let verified = About::verified(row).and_then(|(about, record)| {
+            let record: Value = serde_json::from_str(record)?;
+            Ok((about, record))
+        });
+        let (about, record) = match verified {
             Ok(verified) => verified,
             Err(CatalogueError::Damaged { what }) => return Some(what),
             Err(error) => return Some(error.to_string()),
