@@ -11,8 +11,10 @@ import glob
 import hashlib
 import json
 import os
+import shutil
 import sqlite3
 import sys
+import tempfile
 import urllib.request
 
 # Not facts: which migrations ran, SQLite's own statistics, and lists of what is still to be done.
@@ -20,8 +22,8 @@ BOOKKEEPING = ("_sqlx_migrations", "sqlite_stat1", "sqlite_stat4", "unfilled", "
 OPEN = ("queued", "running", "paused")
 
 
-def database(path):
-    connection = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+def database(path, mode="rw"):
+    connection = sqlite3.connect(f"file:{path}?mode={mode}", uri=True)
     connection.text_factory = bytes
     return connection
 
@@ -37,14 +39,14 @@ def tables(connection):
 
 def facts(folder):
     total = hashlib.sha256()
-    connection = database(os.path.join(folder, "catalogue.sqlite"))
+    connection = database(os.path.join(folder, "catalogue.sqlite"), "ro")
     for table in tables(connection):
         if table not in BOOKKEEPING:
             rows = sorted(repr(row) for row in connection.execute(f'SELECT * FROM "{table}" NOT INDEXED'))
             total.update(repr((table, rows)).encode())
     blobs = []
     for path in packs(folder):
-        pack = database(path)
+        pack = database(path, "ro")
         data = {key: hashlib.sha256(value).hexdigest() for key, value in pack.execute("SELECT id, bytes FROM data")}
         for digest, length, key in pack.execute("SELECT digest, length, data FROM entry"):
             blobs.append((digest.hex(), length, data.get(key)))
@@ -100,7 +102,7 @@ def whole(folder, accepted):
 
 def answers(folder, url):
     wrong = []
-    connection = database(os.path.join(folder, "catalogue.sqlite"))
+    connection = database(os.path.join(folder, "catalogue.sqlite"), "ro")
     for job, frame, record in connection.execute("SELECT job_id, frame, record FROM records ORDER BY 1, 2").fetchall():
         job, record = job.decode(), json.loads(record)
         with urllib.request.urlopen(f"{url}/v1/images/{job}/{frame}") as response:
@@ -125,7 +127,11 @@ def main():
         wrong = answers(folder, sys.argv[3])
     else:
         accepted = open(sys.argv[3]).read().split() if len(sys.argv) > 3 else []
-        wrong = whole(folder, accepted)
+        with tempfile.TemporaryDirectory() as copies:
+            # SQLite takes up its logs, which changes files.
+            copy = os.path.join(copies, "data")
+            shutil.copytree(folder, copy, ignore=shutil.ignore_patterns("space.reserve", "*-shm"))
+            wrong = whole(copy, accepted)
     print("\n".join(wrong))
     return 1 if wrong else 0
 
