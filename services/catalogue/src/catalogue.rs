@@ -13,16 +13,11 @@ use tokio::task::JoinHandle;
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::row_digests::{Side, Table};
+use crate::row_digests::Side;
+use crate::tables::DATASETS;
 use crate::types::{DatasetRow, Page};
 use crate::values::Cells;
 use crate::writer::{Running, Writer};
-
-pub(crate) const DATASETS: Table = Table {
-    name: "datasets",
-    columns: "name, images, bytes, jobs",
-    keys: 1,
-};
 
 /// Most findings that are kept: beyond it is clear that all has to be read.
 const MOST_DAMAGE: usize = 100;

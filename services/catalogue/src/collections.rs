@@ -6,14 +6,9 @@ use utoipa::ToSchema;
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
-use crate::row_digests::{Side, Table};
+use crate::row_digests::Side;
 use crate::scenes;
-
-pub(crate) const TABLE: Table = Table {
-    name: "collection_scenes",
-    columns: "collection, name, scene_id",
-    keys: 2,
-};
+use crate::tables::COLLECTION_SCENES;
 
 /// A collection of uploaded scenes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
@@ -117,7 +112,7 @@ impl Catalogue {
         .await?;
         let mut members = Vec::with_capacity(rows.len());
         for row in &rows {
-            TABLE.verify(row, Side::Reader)?;
+            COLLECTION_SCENES.verify(row, Side::Reader)?;
             let (name, id): (String, String) = (row.try_get(1)?, row.try_get(2)?);
             let scene = scenes::get(&mut reader, &id).await?;
             let scene = scene.ok_or_else(|| CatalogueError::damaged(format!("scene {id}")))?;

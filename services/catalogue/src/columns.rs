@@ -123,7 +123,7 @@ impl Columns {
             .collect()
     }
 
-    /// A record and its digest, with what the digest is over beside the record, as [`crate::images::About::verified`] reads them.
+    /// A record and its digest, with what the digest is over beside the record, as they are read to be verified.
     pub(crate) fn of_record(&self) -> Vec<Column> {
         let beside = ["job", "frame", "dataset", "created_ms", "digest"];
         let own = beside.into_iter().filter_map(|name| self.get(name));

@@ -9,15 +9,8 @@ use sqlx::{AssertSqlSafe, Row};
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
-use crate::row_digests::Table;
 use crate::types::Deleted;
 use crate::versions::refuse_sealed;
-
-pub(crate) const TABLE: Table = Table {
-    name: "deletions",
-    columns: "job_id",
-    keys: 1,
-};
 
 /// Rows of one table that one transaction removes: some 20 ms of the writer's time.
 const SWEEP_ROWS: u32 = 1000;

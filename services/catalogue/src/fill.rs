@@ -6,9 +6,9 @@ use std::time::Instant;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{AssertSqlSafe, Connection, Row};
 
+use crate::about::About;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::images::About;
 use crate::row_digests;
 use crate::values::bound;
 

@@ -4,13 +4,8 @@ use sqlx::Row;
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
-use crate::row_digests::{Side, Table};
-
-pub(crate) const TABLE: Table = Table {
-    name: "folder",
-    columns: "id",
-    keys: 1,
-};
+use crate::row_digests::Side;
+use crate::tables::FOLDER;
 
 impl Catalogue {
     /// The folder's id.
@@ -22,7 +17,7 @@ impl Catalogue {
             .fetch_optional(&mut *self.reader().await?)
             .await?;
         let row = row.ok_or_else(|| CatalogueError::damaged("the id of the folder".to_owned()))?;
-        TABLE.verify(&row, Side::Reader)?;
+        FOLDER.verify(&row, Side::Reader)?;
         Ok(row.try_get(0)?)
     }
 

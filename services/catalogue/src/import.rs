@@ -10,14 +10,7 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::insert::{self, NewArtifact, NewImage};
 use crate::progress;
-use crate::row_digests::Table;
 use crate::types::{ImportedShard, InsertImage, NewShard};
-
-pub(crate) const SHARDS: Table = Table {
-    name: "shards",
-    columns: "job_id, frame, tar, digest, changed_ms",
-    keys: 2,
-};
 
 impl Catalogue {
     /// Prepares an image whose artifacts begin at these offsets of its shard's tar, by kind. Needs no turn of the writer.

@@ -11,10 +11,10 @@ use spec::{ArtifactEntry, FrameRecord, RecordOf, RecordText};
 use sqlx::AssertSqlSafe;
 use sqlx::sqlite::SqliteConnection;
 
+use crate::about::About;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::Bind;
-use crate::images::About;
 use crate::progress;
 use crate::types::InsertImage;
 use crate::values::{Statement, bound};

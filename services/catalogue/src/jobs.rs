@@ -8,35 +8,16 @@ use crate::cursor;
 use crate::error::CatalogueError;
 use crate::job_state::JobState;
 use crate::recovery;
-use crate::row_digests::{Side, Table};
+use crate::row_digests::{Side, intact};
+use crate::tables::{JOBS, job_columns};
 use crate::types::{InsertJob, JobRow, NewJob, OpenJob, Page, Retried};
 use crate::values::Cells;
 use crate::versions::{Scope, refuse_sealed};
 
-/// The columns of a [`JobRow`], as [`row`] reads them.
-macro_rules! columns {
-    () => {
-        "id, dataset, state, frames, done, failed, bytes, version, created_ms, started_ms, finished_ms, digest,
-         priority, spec_digest, set_location"
-    };
-}
-
-pub(crate) const TABLE: Table = Table {
-    name: "jobs",
-    columns: columns!(),
-    keys: 1,
-};
-
-pub(crate) const KEYS: Table = Table {
-    name: "idempotency_keys",
-    columns: "owner, key, body_digest, job_id",
-    keys: 2,
-};
-
-/// The same with the digest over them.
+/// The columns of a row, with the digest over them.
 macro_rules! digested {
     () => {
-        concat!(columns!(), ", row_digest")
+        concat!(job_columns!(), ", row_digest")
     };
 }
 
@@ -202,14 +183,6 @@ impl Catalogue {
     }
 }
 
-/// A description, if it has its digest.
-pub(crate) fn intact<'a>(id: &str, spec: &'a str, digest: &str) -> Result<&'a str, CatalogueError> {
-    if spec::sha256(spec.as_bytes()) == digest {
-        return Ok(spec);
-    }
-    Err(CatalogueError::damaged(format!("the description of {id}")))
-}
-
 pub(crate) async fn get(
     connection: &mut SqliteConnection,
     id: &str,
@@ -319,7 +292,7 @@ async fn set_state(
     }
     let changed = sqlx::query(concat!(
         "UPDATE jobs SET state = ?, version = version + 1 WHERE id = ? RETURNING ",
-        columns!()
+        job_columns!()
     ));
     row(&changed
         .bind(state.to_string())
@@ -352,7 +325,7 @@ async fn retry_failed(
                          state = CASE WHEN state = 'paused' THEN 'paused'
                                       WHEN done > 0 THEN 'running' ELSE 'queued' END
          WHERE id = ?1 RETURNING ",
-        columns!(),
+        job_columns!(),
     ))
     .bind(id)
     .bind(frames.len() as i64)
@@ -380,7 +353,7 @@ fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
 }
 
 fn verified(found: &SqliteRow, side: Side) -> Result<JobRow, CatalogueError> {
-    TABLE.verify(found, side)?;
+    JOBS.verify(found, side)?;
     row(found)
 }
 

@@ -4,6 +4,7 @@
 //! and replies when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
 //! full beside the operation they belong to; values are always bound.
 
+mod about;
 mod catalogue;
 mod collections;
 mod columns;
@@ -35,6 +36,7 @@ mod scenes;
 mod scrub;
 mod select;
 mod stats;
+mod tables;
 mod time;
 mod types;
 mod upkeep;

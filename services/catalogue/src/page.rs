@@ -5,13 +5,13 @@ use serde_json::{Map, Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{Row, TypeInfo, ValueRef};
 
+use crate::about::About;
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
 use crate::filter::{Bind, Column, FilterError, Kind, OFFSET};
 use crate::found::{self, Found, Members};
-use crate::images::About;
 use crate::select::Select;
 use crate::types::{ImageQuery, Page};
 

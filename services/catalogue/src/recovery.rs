@@ -7,16 +7,11 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
-use crate::row_digests::{Side, Table};
+use crate::row_digests::Side;
+use crate::tables::FAILURES;
 use crate::types::{FailureRow, JobRow, OpenJob};
 use crate::values::Cells;
 use crate::{images, progress};
-
-pub(crate) const FAILURES: Table = Table {
-    name: "failures",
-    columns: "job_id, frame, strikes, quarantined, error",
-    keys: 2,
-};
 
 impl Catalogue {
     /// Records a failed attempt.

@@ -10,19 +10,11 @@ use sqlx::{AssertSqlSafe, Executor, Row, TypeInfo, ValueRef};
 
 use crate::error::CatalogueError;
 use crate::filter::Bind;
+use crate::tables::{TABLES, Table};
 use crate::values::bound;
 
 /// Rows of one statement, when all rows of an older catalogue get their digests.
 const BATCH: usize = 10_000;
-
-/// A table whose rows have a digest.
-pub(crate) struct Table {
-    pub(crate) name: &'static str,
-    /// What the digest is over, with commas. Columns without a value do not count, so that new ones change no digest.
-    pub(crate) columns: &'static str,
-    /// How many of them, from the first, are the key.
-    pub(crate) keys: usize,
-}
 
 /// Which rows may be without a digest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,22 +24,6 @@ pub(crate) enum Side {
     /// Those that its open transaction has changed.
     Writer,
 }
-
-/// Every such table, apart from `records`.
-pub(crate) const TABLES: [&Table; 12] = [
-    &crate::jobs::TABLE,
-    &crate::catalogue::DATASETS,
-    &crate::jobs::KEYS,
-    &crate::scenes::TABLE,
-    &crate::waters::TABLE,
-    &crate::collections::TABLE,
-    &crate::versions::TABLE,
-    &crate::versions::JOBS,
-    &crate::recovery::FAILURES,
-    &crate::import::SHARDS,
-    &crate::deletion::TABLE,
-    &crate::folder::TABLE,
-];
 
 /// 64 bits of SHA-256, which no accident meets.
 #[derive(Default)]
@@ -258,4 +234,12 @@ pub(crate) async fn fill(connection: &mut SqliteConnection) -> Result<(), Catalo
         }
     }
     Ok(())
+}
+
+/// A description, if it has its digest.
+pub(crate) fn intact<'a>(id: &str, spec: &'a str, digest: &str) -> Result<&'a str, CatalogueError> {
+    if spec::sha256(spec.as_bytes()) == digest {
+        return Ok(spec);
+    }
+    Err(CatalogueError::damaged(format!("the description of {id}")))
 }

@@ -6,30 +6,17 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use crate::catalogue::Catalogue;
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::row_digests::{Side, Table};
+use crate::row_digests::Side;
+use crate::tables::{SCENES, scene_columns};
 use crate::types::{Page, SceneRow};
 use crate::values::Cells;
 
-/// The columns of a [`SceneRow`], as [`row`] reads them.
-macro_rules! columns {
-    () => {
-        "id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code, instances_digest, width, height,
-         focal_px, cx, cy, created_ms, classes, world_from_camera"
-    };
-}
-
-/// The same with the digest over them.
+/// The columns of a row, with the digest over them.
 macro_rules! digested {
     () => {
-        concat!(columns!(), ", row_digest")
+        concat!(scene_columns!(), ", row_digest")
     };
 }
-
-pub(crate) const TABLE: Table = Table {
-    name: "scenes",
-    columns: columns!(),
-    keys: 1,
-};
 
 impl Catalogue {
     /// Stores a scene, unless one of the same content is stored. Returns the row of the one that is, and whether it is
@@ -133,9 +120,9 @@ async fn insert(
     let (range, camera) = (files.range.as_ref(), files.intrinsics.as_ref());
     let stored = sqlx::query(concat!(
         "INSERT INTO scenes (",
-        columns!(),
+        scene_columns!(),
         ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING RETURNING ",
-        columns!(),
+        scene_columns!(),
     ))
     .bind(&scene.id)
     .bind(&scene.content_digest)
@@ -204,7 +191,7 @@ async fn delete(connection: &mut SqliteConnection, id: &str) -> Result<(), Catal
 }
 
 fn verified(found: &SqliteRow, side: Side) -> Result<SceneRow, CatalogueError> {
-    TABLE.verify(found, side)?;
+    SCENES.verify(found, side)?;
     Ok(row(found)?)
 }
 

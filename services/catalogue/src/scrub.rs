@@ -7,15 +7,15 @@ use serde_json::Value;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{AssertSqlSafe, Connection, Row};
 
+use crate::about::About;
 use crate::catalogue::Catalogue;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::{Column, Kind};
 use crate::found::Found;
-use crate::images::About;
-use crate::jobs;
 use crate::page::value;
-use crate::row_digests::TABLES;
+use crate::row_digests::intact;
+use crate::tables::TABLES;
 use crate::upkeep::MOST_FINDINGS;
 
 /// Images that are in memory at one time.
@@ -99,8 +99,7 @@ async fn descriptions(connection: &mut SqliteConnection) -> Result<Vec<String>, 
     for (id, spec, digest) in rows {
         let id = String::from_utf8_lossy(&id);
         let (spec, digest) = (std::str::from_utf8(&spec), std::str::from_utf8(&digest));
-        let is_intact =
-            matches!((spec, digest), (Ok(spec), Ok(digest)) if jobs::intact(&id, spec, digest).is_ok());
+        let is_intact = matches!((spec, digest), (Ok(spec), Ok(digest)) if intact(&id, spec, digest).is_ok());
         if !is_intact {
             damaged.push(format!("the description of {id}"));
         }

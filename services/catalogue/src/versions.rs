@@ -11,8 +11,8 @@ use utoipa::ToSchema;
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
-use crate::jobs;
-use crate::row_digests::{Side, Table};
+use crate::row_digests::{Side, intact};
+use crate::tables::{JOBS, VERSION_JOBS, VERSIONS, job_columns};
 use crate::time::UnixMs;
 use crate::types::DatasetRow;
 use crate::values::Cells;
@@ -82,18 +82,6 @@ macro_rules! columns {
     };
 }
 
-pub(crate) const TABLE: Table = Table {
-    name: "versions",
-    columns: "dataset, version, root, images, bytes, code_versions, created_ms, unsealed_ms",
-    keys: 2,
-};
-
-pub(crate) const JOBS: Table = Table {
-    name: "version_jobs",
-    columns: "dataset, version, job_id, root",
-    keys: 3,
-};
-
 impl Catalogue {
     /// The sealed versions of a dataset, the oldest first.
     ///
@@ -134,14 +122,21 @@ impl Catalogue {
         .await?;
         let mut jobs = Vec::with_capacity(rows.len());
         for row in &rows {
-            JOBS.verify(row, Side::Reader)?;
+            VERSION_JOBS.verify(row, Side::Reader)?;
             let id: String = row.try_get(2)?;
-            let job = jobs::get(&mut reader, &id, Side::Reader).await?;
-            let job = job.ok_or_else(|| CatalogueError::not_found("job", &id))?;
+            let job = sqlx::query(concat!(
+                "SELECT ",
+                job_columns!(),
+                ", row_digest, done FROM jobs WHERE id = ?"
+            ))
+            .bind(&id)
+            .fetch_one(&mut *reader)
+            .await?;
+            JOBS.verify(&job, Side::Reader)?;
             jobs.push(VersionJob {
                 root: row.try_get(3)?,
-                images: job.done,
-                description: serde_json::from_str(jobs::intact(&id, row.try_get(5)?, row.try_get(6)?)?)?,
+                images: job.try_get::<i64, _>(job.len() - 1)? as u64,
+                description: serde_json::from_str(intact(&id, row.try_get(5)?, row.try_get(6)?)?)?,
                 id,
             });
         }
@@ -238,7 +233,7 @@ pub(crate) async fn refuse_sealed(
 }
 
 fn row(row: &SqliteRow, side: Side) -> Result<VersionRow, CatalogueError> {
-    TABLE.verify(row, side)?;
+    VERSIONS.verify(row, side)?;
     let mut cells = Cells::new(row);
     let (dataset, version) = (cells.take::<String>()?, cells.count()?);
     Ok(VersionRow {

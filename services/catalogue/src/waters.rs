@@ -2,15 +2,10 @@
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
-use crate::row_digests::{Side, Table};
+use crate::row_digests::Side;
+use crate::tables::WATERS;
 use crate::time::UnixMs;
 use crate::values::Cells;
-
-pub(crate) const TABLE: Table = Table {
-    name: "waters",
-    columns: "name, description, created_ms",
-    keys: 1,
-};
 
 /// A water of a user's own.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,7 +48,7 @@ impl Catalogue {
             .fetch_all(&mut *self.reader().await?)
             .await?;
         let water = |row| {
-            TABLE.verify(row, Side::Reader)?;
+            WATERS.verify(row, Side::Reader)?;
             let mut cells = Cells::new(row);
             Ok(WaterRow {
                 name: cells.take()?,

@@ -7,6 +7,7 @@ use sqlx::sqlite::SqliteConnection;
 use super::{imported, known_job, row};
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
+use crate::tables::job_columns;
 use crate::types::Retried;
 use crate::versions::refuse_sealed;
 
@@ -68,7 +69,7 @@ async fn reopen(
         "UPDATE jobs SET done = done - ?2, bytes = bytes - ?3, version = version + 1, digest = NULL, finished_ms = NULL,
                          state = CASE WHEN state IN ('done', 'done_with_failures') THEN 'running' ELSE state END
          WHERE id = ?1 RETURNING ",
-        columns!(),
+        job_columns!(),
     ))
     .bind(id)
     .bind(gone.len() as i64)

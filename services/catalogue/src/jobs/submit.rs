@@ -3,10 +3,11 @@
 use sqlx::Row;
 use sqlx::sqlite::SqliteConnection;
 
-use super::{KEYS, known_job, of_set, row, verified};
+use super::{known_job, of_set, row, verified};
 use crate::error::CatalogueError;
 use crate::job_state::JobState;
 use crate::row_digests::Side;
+use crate::tables::{KEYS, job_columns};
 use crate::types::{InsertJob, JobRow, NewJob};
 
 /// Stores a job, unless it repeats one.
@@ -48,7 +49,7 @@ pub(super) async fn insert(
     let stored = sqlx::query(concat!(
         "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms, set_location)
          VALUES (?, ?, ?, ?, ?, ?, 'queued', ?, ?) RETURNING ",
-        columns!(),
+        job_columns!(),
     ))
     .bind(&job.id)
     .bind(&job.dataset)
