@@ -31,6 +31,9 @@ pub struct DamagedRow {
     pub image: Option<(String, u64)>,
 }
 
+/// Job, frame, kind, digest, bytes and media type; texts as bytes, since damaged ones need not be text.
+type Artifact = (String, i64, Vec<u8>, Vec<u8>, i64, Vec<u8>);
+
 /// The rows beside the records of some images, by image.
 #[derive(Default)]
 struct Beside {
@@ -251,7 +254,7 @@ impl Images {
                 .or_default();
             of_image.insert(subject, values.collect::<Result<_, _>>()?);
         }
-        let rows: Vec<(String, i64, Vec<u8>, Vec<u8>, i64, Vec<u8>)> = sqlx::query_as(
+        let rows: Vec<Artifact> = sqlx::query_as(
             "SELECT job_id, frame, CAST(kind AS BLOB), CAST(artifacts.digest AS BLOB), bytes, CAST(media_type AS BLOB)
              FROM images CROSS JOIN artifacts USING (job_id, frame)
              WHERE images.rowid > ? AND images.rowid <= ? ORDER BY kind",
