@@ -135,7 +135,8 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         buckets: None,
         style_trial: Duration::from_secs(60),
         frame_limit: Duration::from_secs(600),
-        mix_workers: false,
+        // The rows that were stored first name a version of their own.
+        mix_workers: true,
         spot_check: 0,
     };
     let service = runtime

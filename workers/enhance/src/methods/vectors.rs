@@ -1,8 +1,5 @@
 //! Reference cases behind water, for the tests of SUIR and IBLA.
 
-use std::fs;
-use std::path::PathBuf;
-
 use imaging::codec::{FilePlane, decode_picture, decode_plane};
 use imaging::{Plane, Rgb8};
 use serde_json::Value;
@@ -12,23 +9,52 @@ use crate::variant::Variant;
 /// Part of the samples that may be off, each by one code: values beside a rounding tie.
 const ODD_SHARE: f64 = 0.01;
 pub(super) const VARIANTS: [Variant; 2] = [Variant::Fast, Variant::Reference];
-pub(super) const CASES: [&str; 4] = [
-    "peers_hazy_160x120",
-    "peers_green_160x120",
-    "peers_blue_151x113",
-    "peers_lamp_160x120",
+
+/// A case with its files by their kinds.
+type Case = (&'static str, [(&'static str, &'static [u8]); 7]);
+
+macro_rules! case {
+    ($name:literal) => {
+        (
+            $name,
+            [
+                ("input.png", file!($name, ".input.png")),
+                ("ibla.png", file!($name, ".ibla.png")),
+                ("ibla_guided.png", file!($name, ".ibla_guided.png")),
+                ("ibla_blur.npy", file!($name, ".ibla_blur.npy")),
+                ("ibla_closeness.npy", file!($name, ".ibla_closeness.npy")),
+                ("suir.png", file!($name, ".suir.png")),
+                ("suir_exposure.npy", file!($name, ".suir_exposure.npy")),
+            ],
+        )
+    };
+}
+
+macro_rules! file {
+    ($name:literal, $kind:literal) => {
+        include_bytes!(concat!("../../tests/vectors/water/", $name, $kind)).as_slice()
+    };
+}
+
+const CASES: [Case; 4] = [
+    case!("peers_hazy_160x120"),
+    case!("peers_green_160x120"),
+    case!("peers_blue_151x113"),
+    case!("peers_lamp_160x120"),
 ];
 
-pub(super) fn file(name: &str) -> Vec<u8> {
-    let place: PathBuf = [env!("CARGO_MANIFEST_DIR"), "tests", "vectors", "water", name]
-        .iter()
-        .collect();
-    fs::read(place).unwrap()
+pub(super) fn cases() -> impl Iterator<Item = &'static str> {
+    CASES.iter().map(|(name, _)| *name)
+}
+
+pub(super) fn file(case: &str, kind: &str) -> &'static [u8] {
+    let (_, files) = CASES.iter().find(|(name, _)| *name == case).unwrap();
+    files.iter().find(|(name, _)| *name == kind).unwrap().1
 }
 
 /// Lights and candidates by case and method.
 pub(super) fn expected() -> Value {
-    serde_json::from_slice(&file("peers.json")).unwrap()
+    serde_json::from_slice(file!("peers", ".json")).unwrap()
 }
 
 pub(super) fn numbers<const N: usize>(value: &Value) -> [f64; N] {
@@ -36,9 +62,9 @@ pub(super) fn numbers<const N: usize>(value: &Value) -> [f64; N] {
 }
 
 /// Compares a plane with a stored one, within a part of the range of that.
-pub(super) fn assert_plane(name: &str, actual: &Plane<f64>, tolerance: f64) {
-    let FilePlane::Floats(expected) = decode_plane(&file(name)).unwrap() else {
-        panic!("{name} holds no floats");
+pub(super) fn assert_plane(case: &str, kind: &str, actual: &Plane<f64>, tolerance: f64) {
+    let FilePlane::Floats(expected) = decode_plane(file(case, kind)).unwrap() else {
+        panic!("{case}.{kind} holds no floats");
     };
     let expected = expected.map(|&value| f64::from(value));
     let (low, high) = crate::blocks::range(expected.data());
@@ -48,12 +74,12 @@ pub(super) fn assert_plane(name: &str, actual: &Plane<f64>, tolerance: f64) {
         .zip(expected.data())
         .map(|(a, e)| (a - e).abs());
     let worst = off.fold(0.0, f64::max);
-    assert!(worst <= tolerance * (high - low), "{name}: {worst}");
+    assert!(worst <= tolerance * (high - low), "{case}.{kind}: {worst}");
 }
 
 /// Compares a picture with what a method makes of a case.
-pub(super) fn assert_picture(name: &str, method: &str, actual: &Rgb8) {
-    let expected = decode_picture(&file(&format!("{name}.{method}.png")))
+pub(super) fn assert_picture(case: &str, method: &str, actual: &Rgb8) {
+    let expected = decode_picture(file(case, &format!("{method}.png")))
         .unwrap()
         .to_rgb8();
     let off = actual
@@ -66,7 +92,7 @@ pub(super) fn assert_picture(name: &str, method: &str, actual: &Rgb8) {
     let most = ODD_SHARE * expected.data().len() as f64;
     assert!(
         worst <= 1 && off.len() as f64 <= most,
-        "{name} {method}: {} samples differ, by up to {worst}",
+        "{case} {method}: {} samples differ, by up to {worst}",
         off.len()
     );
 }

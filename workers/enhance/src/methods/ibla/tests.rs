@@ -1,6 +1,6 @@
 use imaging::codec::decode_picture;
 
-use super::super::vectors::{CASES, VARIANTS, assert_picture, assert_plane, expected, file, numbers};
+use super::super::vectors::{VARIANTS, assert_picture, assert_plane, cases, expected, file, numbers};
 use super::*;
 
 /// The light may be off by this: near ties flip single pixels of a candidate.
@@ -8,22 +8,25 @@ const LIGHT_TOLERANCE: f64 = 0.01;
 /// Refined planes may be off by this part of their range.
 const PLANE_TOLERANCE: f64 = 1e-3;
 
+/// A form of the method: its name, how it refines a plane, and the whole of it.
+type Form<'a> = (
+    &'static str,
+    &'a dyn Fn(&Plane<f64>) -> Plane<f64>,
+    fn(&Raster, Variant) -> Enhanced,
+);
+
 #[test]
 fn golden_stages_and_pictures() {
     let expected = expected();
-    for name in CASES {
-        let picture = decode_picture(&file(&format!("{name}.input.png"))).unwrap();
+    for name in cases() {
+        let picture = decode_picture(file(name, "input.png")).unwrap();
         let colors = picture.to_rgb8();
         let guide = Guide::new(&colors);
         for variant in VARIANTS {
             let matting = Matting::new(&guide, variant);
             let by_guide = |plane: &Plane<f64>| guided(&guide, plane, variant);
             let by_matting = |plane: &Plane<f64>| matting.refined(plane);
-            let forms: [(
-                &str,
-                &dyn Fn(&Plane<f64>) -> Plane<f64>,
-                fn(&Raster, Variant) -> Enhanced,
-            ); 2] = [
+            let forms: [Form; 2] = [
                 ("ibla", &by_matting, enhance),
                 ("ibla_guided", &by_guide, enhance_guided),
             ];
@@ -47,9 +50,9 @@ fn golden_stages_and_pictures() {
                 }
                 let mix = Mix::new(&guide, light.color);
                 if form == "ibla" {
-                    assert_plane(&format!("{name}.ibla_blur.npy"), &refined, PLANE_TOLERANCE);
+                    assert_plane(name, "ibla_blur.npy", &refined, PLANE_TOLERANCE);
                     let closeness = refine(&mix.closeness(&guide, raw, variant));
-                    assert_plane(&format!("{name}.ibla_closeness.npy"), &closeness, PLANE_TOLERANCE);
+                    assert_plane(name, "ibla_closeness.npy", &closeness, PLANE_TOLERANCE);
                 }
                 let got = [mix.by_loss, mix.by_color, nearest(&colors, light.color)];
                 for (got, key) in got.into_iter().zip(["ta", "tb", "near"]) {
@@ -91,7 +94,7 @@ fn shorter_waves_fade_less_under_white_light() {
 
 #[test]
 fn bright_haze_is_not_blackened_and_a_bright_wall_is_named() {
-    let haze = decode_picture(&file("peers_hazy_160x120.input.png")).unwrap();
+    let haze = decode_picture(file("peers_hazy_160x120", "input.png")).unwrap();
     assert!(
         !enhance(&haze, Variant::Fast)
             .warnings

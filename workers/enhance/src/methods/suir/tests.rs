@@ -1,6 +1,6 @@
 use imaging::codec::decode_picture;
 
-use super::super::vectors::{CASES, VARIANTS, assert_picture, assert_plane, expected, file, numbers};
+use super::super::vectors::{VARIANTS, assert_picture, assert_plane, cases, expected, file, numbers};
 use super::*;
 
 /// The refined exposure may be off by this part of its range.
@@ -9,8 +9,8 @@ const EXPOSURE_TOLERANCE: f64 = 2e-3;
 #[test]
 fn golden_light_exposure_and_pictures() {
     let expected = expected();
-    for name in CASES {
-        let picture = decode_picture(&file(&format!("{name}.input.png"))).unwrap();
+    for name in cases() {
+        let picture = decode_picture(file(name, "input.png")).unwrap();
         let colors = picture.to_rgb8();
         let stretch = Stretch::new(&colors);
         for variant in VARIANTS {
@@ -20,11 +20,7 @@ fn golden_light_exposure_and_pictures() {
                 assert!((got - expected).abs() < 1e-9, "{name} {variant:?}");
             }
             let (_, exposure) = restored(&guide, &stretch, light, variant);
-            assert_plane(
-                &format!("{name}.suir_exposure.npy"),
-                &exposure,
-                EXPOSURE_TOLERANCE,
-            );
+            assert_plane(name, "suir_exposure.npy", &exposure, EXPOSURE_TOLERANCE);
             assert_picture(name, "suir", &enhance(&picture, variant).picture.to_rgb8());
         }
     }
