@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use axum::body::{Body, Bytes};
+use axum::body::{Body, BodyDataStream, Bytes};
 use axum::extract::{Request, State};
 use axum::http::header;
 use axum::middleware::Next;
@@ -44,8 +44,7 @@ pub(crate) async fn receive(
     let caller = caller_of(&request);
     let (parts, body) = request.into_parts();
     if is_beyond {
-        // A client that is still sending hears of it; nothing is kept.
-        return Err(receiving.discarded(body).await);
+        return Err(receiving.discarded(body.into_data_stream()).await);
     }
     let Received { pieces, _memory } = receiving.whole(body, &caller).await?;
     let pieces = pieces.into_iter().map(Ok::<_, std::convert::Infallible>);
@@ -78,7 +77,8 @@ impl Receiving {
             let piece = piece.map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
             bytes += piece.len();
             if bytes > self.most_bytes {
-                return Err(self.too_large());
+                drop(received);
+                return Err(self.discarded(coming).await);
             }
             let more = bytes.div_ceil(PLACE_BYTES) - places;
             if more > 0 {
@@ -90,12 +90,13 @@ impl Receiving {
         }
     }
 
-    /// Reads as much of a body as the route would take.
-    async fn discarded(&self, body: Body) -> Problem {
-        let (begun, mut coming, mut bytes) = (Instant::now(), body.into_data_stream(), 0);
+    /// Reads on and keeps nothing, up to twice what the route takes: a client that is still sending when the connection ends
+    /// would not hear why.
+    async fn discarded(&self, mut coming: BodyDataStream) -> Problem {
+        let (begun, mut bytes) = (Instant::now(), 0);
         while let Ok(Some(Ok(piece))) = timeout_at(begun + self.grace, coming.next()).await {
             bytes += piece.len();
-            if bytes > self.most_bytes {
+            if bytes > 2 * self.most_bytes {
                 break;
             }
         }
