@@ -177,7 +177,7 @@ fn every_command_in_the_compose_file_is_one_that_the_binary_takes() {
         let command = strings(&service["command"]);
         assert!(takes(&command), "{name}: fathom {command:?}");
         let mut wrong = command.clone();
-        wrong.push("--enginee=x".to_owned());
+        wrong.push("--no-such-option=x".to_owned());
         assert!(!takes(&wrong), "{name}: anything is taken");
     }
 }

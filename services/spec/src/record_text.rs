@@ -208,7 +208,7 @@ mod tests {
         let text = serde_json::to_value(record()).unwrap().to_string();
         let wrong = [
             text.replace("0.1", "1e999"),
-            text.replace("\"seed\":2", "\"seed\":tru"),
+            text.replace("\"seed\":2", "\"seed\":[2"),
             text.replace("\"bytes\":9", "\"bytes\":-9"),
             text.replace("\"plan\":{}", "\"plan\":{},\"plan\":{}"),
             format!("{text}x"),
