@@ -13,6 +13,7 @@ pub mod lab;
 mod plane;
 pub mod random;
 mod raster;
+pub mod rays;
 mod rgb;
 pub mod simd;
 pub mod transfer;

@@ -1,0 +1,91 @@
+//! Rays that ask a scene what they meet. Places and directions are in camera axes (right, down, ahead of the camera, which is at
+//! the origin), in meters.
+
+use crate::vector::dot;
+
+/// Surfaces are left by this share of their distance from the camera, and by this many meters where that is below one.
+const OFFSET: f64 = 1e-5;
+
+/// What a ray meets first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// From the origin, m.
+    pub distance: f64,
+    /// Unit normal of the surface on the side that the ray comes from: its product with the direction is at most 0.
+    pub normal: [f64; 3],
+    /// Which object it is, by the numbers of the scene; the same number is the same object.
+    pub object: u32,
+}
+
+/// A scene that rays can ask. `direction` is a unit vector; what lies nearer than `from` or farther than `to` meters is not met.
+pub trait Rays {
+    /// The nearest surface on the way.
+    fn hit(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> Option<Hit>;
+
+    /// Whether anything is on the way.
+    fn occluded(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> bool {
+        self.hit(origin, direction, from, to).is_some()
+    }
+}
+
+/// Where a ray begins that leaves a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// The place on the surface, moved off it.
+    pub origin: [f64; 3],
+    /// What lies nearer than this is the surface itself, m.
+    pub from: f64,
+}
+
+/// How far a ray keeps from the surface that it leaves at a place: `1e-5 max(1, |place|)` m. Places are rounded in proportion to
+/// their distance from the camera; a ray that began on the surface would meet it again.
+#[must_use]
+pub fn offset(place: [f64; 3]) -> f64 {
+    OFFSET * dot(place, place).sqrt().max(1.0)
+}
+
+/// The start of a ray that leaves a surface with this unit normal at this place: [`offset`] along the normal off it, and not looking
+/// before as many meters of its way.
+#[must_use]
+pub fn leaving(place: [f64; 3], normal: [f64; 3]) -> Start {
+    let offset = offset(place);
+    Start {
+        origin: [0, 1, 2].map(|i| place[i] + offset * normal[i]),
+        from: offset,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Everything with z above 0 is solid.
+    struct Ground;
+
+    impl Rays for Ground {
+        fn hit(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> Option<Hit> {
+            let distance = -origin[2] / direction[2];
+            (distance >= from && distance <= to).then_some(Hit {
+                distance,
+                normal: [0.0, 0.0, -direction[2].signum()],
+                object: 0,
+            })
+        }
+    }
+
+    #[test]
+    fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
+        for meters in [0.0, 0.5, 3.0, 400.0] {
+            // On the ground but for a rounding of f32, to either side.
+            for lost in [-6e-8, 6e-8] {
+                let place = [meters, -0.2, lost * f64::max(meters, 1.0)];
+                let Start { origin, from } = leaving(place, [0.0, 0.0, -1.0]);
+                for slope in [1.0f64, 1e-3] {
+                    let direction = [(1.0 - slope * slope).sqrt(), 0.0, -slope];
+                    assert!(!Ground.occluded(origin, direction, from, 1e3), "{meters} {lost}");
+                }
+                assert!(Ground.occluded(origin, [0.0, 0.0, 1.0], 0.0, 1.0));
+            }
+        }
+    }
+}
