@@ -142,7 +142,7 @@ impl Table {
     /// Gives every row without a digest its own.
     async fn fill(&self, connection: &mut SqliteConnection) -> Result<(), CatalogueError> {
         let Self { name, columns, .. } = self;
-        let changed = format!("SELECT {columns}, row_digest FROM changed_{name}");
+        let changed = format!("DELETE FROM changed_{name} RETURNING {columns}, row_digest");
         for row in sqlx::query(AssertSqlSafe(changed))
             .fetch_all(&mut *connection)
             .await?
@@ -156,9 +156,6 @@ impl Table {
                 self.set(connection, &row, damaged).await?;
             }
         }
-        sqlx::query(AssertSqlSafe(format!("DELETE FROM changed_{name}")))
-            .execute(&mut *connection)
-            .await?;
         let without = format!(
             "SELECT {columns} FROM {name} INDEXED BY {name}_undigested WHERE row_digest IS NULL LIMIT {BATCH}"
         );

@@ -1,10 +1,10 @@
 //! What was put for frames that are not committed yet: a commit names these files and no others.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use proto::wire::Claim;
-use spec::ArtifactEntry;
+use spec::{ArtifactEntry, Frame};
 
 /// A stored file of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,9 +17,16 @@ pub(crate) struct Put {
 /// Token, frame and attempt of a claim.
 type Key = (u64, u64, u32);
 
-/// The files of each claim.
+/// What is known of a frame before its commit.
+#[derive(Clone)]
+pub(crate) struct Uncommitted {
+    pub(crate) frame: Arc<Frame>,
+    pub(crate) files: Vec<Put>,
+}
+
+/// What is known of the frame of each claim.
 #[derive(Default)]
-pub(crate) struct Puts(Mutex<HashMap<Key, Vec<Put>>>);
+pub(crate) struct Puts(Mutex<HashMap<Key, Uncommitted>>);
 
 fn key(claim: &Claim) -> Key {
     (claim.token, claim.frame, claim.attempt)
@@ -27,16 +34,17 @@ fn key(claim: &Claim) -> Key {
 
 impl Puts {
     /// Adds files. One of a kind that is there replaces it: a worker that missed a response puts its files again.
-    pub(crate) fn add(&self, claim: &Claim, files: Vec<Put>) {
+    pub(crate) fn add(&self, claim: &Claim, frame: Arc<Frame>, files: Vec<Put>) {
         let mut all = self.all();
-        let known = all.entry(key(claim)).or_default();
+        let empty = || Uncommitted { frame, files: vec![] };
+        let known = &mut all.entry(key(claim)).or_insert_with(empty).files;
         known.retain(|old| files.iter().all(|new| new.entry.kind != old.entry.kind));
         known.extend(files);
     }
 
-    /// The files of a claim.
-    pub(crate) fn get(&self, claim: &Claim) -> Vec<Put> {
-        self.all().get(&key(claim)).cloned().unwrap_or_default()
+    /// The frame and the files of a claim, if any were put.
+    pub(crate) fn get(&self, claim: &Claim) -> Option<Uncommitted> {
+        self.all().get(&key(claim)).cloned()
     }
 
     /// Forgets the files of a claim.
@@ -49,7 +57,7 @@ impl Puts {
         self.all().retain(|(token, ..), _| is_current(*token));
     }
 
-    fn all(&self) -> MutexGuard<'_, HashMap<Key, Vec<Put>>> {
+    fn all(&self) -> MutexGuard<'_, HashMap<Key, Uncommitted>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -57,6 +65,7 @@ impl Puts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::leases::checks::tests::frame;
 
     fn put(kind: &str, digest: &str) -> Put {
         Put {
@@ -83,13 +92,15 @@ mod tests {
             attempt: 2,
             ..first.clone()
         };
-        puts.add(&first, vec![put("rgb", "a"), put("range", "b")]);
-        puts.add(&first, vec![put("rgb", "c")]);
-        assert_eq!(puts.get(&first), [put("range", "b"), put("rgb", "c")]);
-        assert!(puts.get(&second).is_empty());
+        let files = |claim| puts.get(claim).map(|known| known.files);
+        let frame = Arc::new(frame());
+        puts.add(&first, Arc::clone(&frame), vec![put("rgb", "a"), put("range", "b")]);
+        puts.add(&first, frame, vec![put("rgb", "c")]);
+        assert_eq!(files(&first), Some(vec![put("range", "b"), put("rgb", "c")]));
+        assert_eq!(files(&second), None);
         puts.tidy_up(|token| token == 7);
-        assert_eq!(puts.get(&first).len(), 2);
+        assert!(files(&first).is_some());
         puts.tidy_up(|_| false);
-        assert!(puts.get(&first).is_empty());
+        assert_eq!(files(&first), None);
     }
 }

@@ -5,7 +5,7 @@ use spec::{ArtifactEntry, Job, Provenance, Vocabulary};
 
 use super::*;
 
-fn frame() -> Frame {
+pub(in crate::leases) fn frame() -> Frame {
     let description = json!({
         "count": 2, "seed": u64::MAX, "alpha": {"uniform": [0.1, 0.9]},
         "scene": {"kind": "procedural", "family": "structure", "seed": 3},

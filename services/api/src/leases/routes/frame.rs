@@ -1,5 +1,7 @@
 //! `POST /v1/worker/artifacts`, `commit` and `fail`: what the holder of a lease reports of a frame.
 
+use std::sync::Arc;
+
 use catalogue::InsertImage;
 use imaging::codec::read_sides;
 use proto::limits::shorten;
@@ -10,7 +12,7 @@ use store::Blob;
 use crate::http::{Problem, Protobuf, Slug, State, Topic};
 use crate::leases::Leases;
 use crate::leases::checks::{Evidence, check_file};
-use crate::leases::puts::Put;
+use crate::leases::puts::{Put, Uncommitted};
 use crate::leases::table::{Making, Stale};
 use crate::processes::compute::to_the_end;
 use crate::telemetry;
@@ -24,7 +26,7 @@ pub(crate) async fn artifacts(
     let current = leases.dispatch.table(|table, _| table.check(&claim));
     current.map_err(|_| stale_lease(&claim))?;
     leases.room(&claim).await?;
-    let frame = leases.frame(&claim).await?;
+    let frame = Arc::new(leases.frame(&claim).await?);
     let faults = request.artifacts.iter().flat_map(|file| check_file(&frame, file));
     let faults: Vec<String> = faults.collect();
     if !faults.is_empty() {
@@ -43,7 +45,7 @@ pub(crate) async fn artifacts(
         .announce(blobs.iter().map(|blob| blob.digest.clone()))
         .await;
     leases.bytes.store.put_all(blobs).await?;
-    leases.puts.add(&claim, puts);
+    leases.puts.add(&claim, frame, puts);
     faults::point("artifacts.stored");
     Ok(())
 }
@@ -121,9 +123,16 @@ impl Leases {
     async fn examine(&self, claim: &Claim, record: &FrameRecord) -> Result<String, Problem> {
         let worker = self.dispatch.holder(claim.token);
         let (id, worker) = worker.ok_or_else(|| stale_lease(claim))?;
+        let known = match self.puts.get(claim) {
+            Some(known) => known,
+            None => Uncommitted {
+                frame: Arc::new(self.frame(claim).await?),
+                files: vec![],
+            },
+        };
         let evidence = Evidence {
-            frame: &self.frame(claim).await?,
-            puts: &self.puts.get(claim),
+            frame: &known.frame,
+            puts: &known.files,
             worker: &worker,
             record,
         };
