@@ -7,39 +7,17 @@
 use std::io::Write;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
-
 use std::time::{Duration, Instant};
 
-use fathom_tests::{Dice, Service, Worker, audit, audit_answers, compile, digest_by_render, run};
-use serde_json::{Value, json};
+use fathom_tests::{
+    Dice, SERVICE_POINTS, Service, Worker, audit, audit_answers, compile, digest_by_render, run, small_job,
+};
+use serde_json::json;
 
 #[path = "src/small_disk.rs"]
 mod small_disk;
 
-const FRAMES: u64 = 40;
-const POINTS: [&str; 11] = [
-    "submit.checked",
-    "submit.inserted",
-    "lease.granted",
-    "artifacts.received",
-    "pack.written",
-    "pack.committed",
-    "artifacts.stored",
-    "commit.begun",
-    "catalogue.written",
-    "catalogue.committed",
-    "commit.inserted",
-];
 const WORKER_CALLS: [&str; 4] = ["register", "beat", "commit", "fail"];
-
-fn job() -> Value {
-    json!({
-        "dataset": "chaos", "count": FRAMES, "seed": 11,
-        "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}},
-        "camera": {"width": 40, "height": 24, "hfov_deg": 80},
-        "water": {"optics": {"choice": ["jerlov-IB", "jerlov-5C"]}}, "artifacts": ["rgb", "range"]
-    })
-}
 
 /// Failure: see [`everything_at_once`].
 #[test]
@@ -74,7 +52,7 @@ struct Chaos {
 
 impl Chaos {
     fn start(&mut self) -> Option<Service> {
-        let point = POINTS[self.dice.below(POINTS.len() as u64) as usize];
+        let point = SERVICE_POINTS[self.dice.below(SERVICE_POINTS.len() as u64) as usize];
         let fault = match self.dice.below(3) {
             0 => format!("{point}=abort@{}", 1 + self.dice.below(20)),
             _ => String::new(),
@@ -104,7 +82,8 @@ impl Chaos {
             0..4 => {
                 let key = format!("{}", self.count.submitted);
                 self.count.submitted += 1;
-                self.accepted.extend(service.try_submit(&job(), &key));
+                self.accepted
+                    .extend(service.try_submit(&small_job("chaos"), &key));
             }
             4..6 => return false,
             6..8 => workers.push(Worker::start(
@@ -212,7 +191,7 @@ fn everything_at_once() {
         folder,
     };
     std::fs::write(chaos.folder.join("clock"), "0           ").expect("the clock");
-    let expected = digest_by_render(&job(), elsewhere.path(), "2");
+    let expected = digest_by_render(&small_job("chaos"), elsewhere.path(), "2");
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_secs(seconds) {
         let Some(mut service) = chaos.start() else {

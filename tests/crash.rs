@@ -5,38 +5,18 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use fathom_tests::{Dice, Service, Worker, digest_by_render, run};
-use serde_json::{Value, json};
+use fathom_tests::{
+    Dice, SERVICE_POINTS, SMALL_JOB_FRAMES, Service, Worker, digest_by_render, run, small_job,
+};
+use serde_json::json;
 
-/// Every named point of the service, its store, its catalogue and its workers.
-const POINTS: &[&str] = &[
-    "submit.checked",
-    "submit.inserted",
-    "lease.granted",
-    "artifacts.received",
-    "pack.written",
-    "pack.committed",
-    "artifacts.stored",
-    "commit.begun",
-    "catalogue.written",
-    "catalogue.committed",
-    "commit.inserted",
+/// The points of a worker.
+const WORKER_POINTS: [&str; 4] = [
     "worker.leased",
     "worker.rendered",
     "worker.stored",
     "worker.committed",
 ];
-const FRAMES: u64 = 40;
-
-fn job() -> Value {
-    json!({
-        "dataset": "crash", "count": FRAMES, "seed": 11,
-        "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}},
-        "camera": {"width": 40, "height": 24, "hfov_deg": 80},
-        "water": {"optics": {"choice": ["jerlov-IB", "jerlov-5C"]}},
-        "artifacts": ["rgb", "range"]
-    })
-}
 
 fn temporary() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
@@ -64,13 +44,14 @@ fn audit(data: &Path, when: &str) {
 #[test]
 fn kills_at_every_step_and_at_any_time_lose_nothing() {
     let kills: usize = std::env::var("FATHOM_CRASH_KILLS").map_or(50, |n| n.parse().expect("a number"));
-    let (job, mut dice) = (job(), Dice(20_261_121));
+    let points = [SERVICE_POINTS.as_slice(), &WORKER_POINTS].concat();
+    let (job, mut dice) = (small_job("crash"), Dice(20_261_121));
     let expected = digest_by_render(&job, temporary().path(), "2");
     let data = temporary();
     let mut acknowledged: Vec<(String, String)> = Vec::new();
     let (mut by_itself, mut from_outside) = (0, 0);
     for kill in 0..kills {
-        let point = POINTS[kill % POINTS.len()];
+        let point = points[kill % points.len()];
         // Some come early in the life of the process, some later. A worker lives long enough to finish what it was given
         // first: a frame that meets its third death in a row is rightly given up.
         let nth = match point {
@@ -110,7 +91,7 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
         let done = service.finished(id);
         assert_eq!(
             (done["state"].as_str(), done["done"].as_u64()),
-            (Some("done"), Some(FRAMES)),
+            (Some("done"), Some(SMALL_JOB_FRAMES)),
             "{done}"
         );
         assert_eq!(done["digest"], expected, "{done}");
@@ -123,7 +104,7 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
         acknowledged.len()
     );
     println!(
-        "{kills} kills ({by_itself} at a named point of the service, {from_outside} from outside), {} jobs of {FRAMES} frames",
+        "{kills} kills ({by_itself} at a named point of the service, {from_outside} from outside), {} jobs of {SMALL_JOB_FRAMES} frames",
         acknowledged.len()
     );
 }
@@ -132,7 +113,7 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
 /// the digest differs.
 #[test]
 fn a_worker_that_slept_past_its_lease_cannot_write() {
-    let mut job = job();
+    let mut job = small_job("crash");
     job["count"] = json!(400);
     let expected = digest_by_render(&job, temporary().path(), "2");
     let data = temporary();

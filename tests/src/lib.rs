@@ -7,6 +7,7 @@ pub mod ending;
 pub mod forms;
 pub mod memory;
 pub mod onnx;
+mod points;
 pub mod scripted;
 
 use std::io::{BufRead, BufReader};
@@ -17,6 +18,7 @@ use std::time::{Duration, Instant};
 
 pub use audit::{audit, audit_answers, compile};
 pub use dice::Dice;
+pub use points::{SERVICE_POINTS, SMALL_JOB_FRAMES, small_job};
 
 pub use commands::{digest_by_render, fathom, muddy_photo, root, run, run_lab};
 

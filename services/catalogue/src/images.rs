@@ -35,6 +35,12 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError`].
     pub async fn image(&self, job: &str, frame: u64) -> Result<Option<Value>, CatalogueError> {
+        let found = self.image_row(job, frame).await?;
+        found.as_ref().map(image).transpose()
+    }
+
+    /// The row of an image, as [`About::verified`] reads it.
+    async fn image_row(&self, job: &str, frame: u64) -> Result<Option<SqliteRow>, CatalogueError> {
         let found = sqlx::query(
             "SELECT images.job_id, images.frame, dataset, created_ms, digest, record, row_digest
              FROM images LEFT JOIN records ON records.job_id = images.job_id AND records.frame = images.frame
@@ -44,7 +50,7 @@ impl Catalogue {
         .bind(number(frame))
         .fetch_optional(&mut *self.reader().await?)
         .await?;
-        found.as_ref().map(image).transpose()
+        Ok(found)
     }
 
     /// Images of a job in frame order, those after a frame.
@@ -98,12 +104,13 @@ impl Catalogue {
         .fetch_optional(&mut *self.reader().await?)
         .await?;
         let found = found.as_ref().map(|row| stored(kind, row)).transpose()?;
-        let Some(image) = self.image(job, frame).await? else {
+        let Some(image) = self.image_row(job, frame).await? else {
             return Ok(None);
         };
         // Where it lies is only here: its bytes are verified. What it is stands in the record.
-        let entries = Vec::<ArtifactEntry>::deserialize(&image["artifacts"])?;
-        let entry = entries.into_iter().find(|entry| entry.kind == kind);
+        let (_, record) = About::verified(&image)?;
+        let Listed { artifacts } = serde_json::from_str(record)?;
+        let entry = artifacts.into_iter().find(|entry| entry.kind == kind);
         if found.as_ref().map(|artifact| &artifact.entry) != entry.as_ref() {
             let what = format!("artifact `{kind}` of {job}/{frame}");
             return Err(CatalogueError::damaged(what));
@@ -115,6 +122,12 @@ impl Catalogue {
 /// A frame's number as SQLite has it; beyond its range there is no frame.
 pub(crate) fn number(frame: u64) -> i64 {
     i64::try_from(frame).unwrap_or(i64::MAX)
+}
+
+/// What a record says of the files.
+#[derive(Deserialize)]
+struct Listed {
+    artifacts: Vec<ArtifactEntry>,
 }
 
 fn stored(kind: &str, row: &SqliteRow) -> Result<StoredArtifact, CatalogueError> {

@@ -21,8 +21,8 @@ const PATIENCE: Duration = Duration::from_secs(15);
 const PAUSE: Duration = Duration::from_millis(20);
 
 impl Store {
-    /// Changes an object to what `change` makes of it; `None` stands for one that is not there, and for one that is to stay. The
-    /// change is computed again when somebody else was faster.
+    /// Changes an object to what `change` returns for its content. `None` means that there is no object, and in return that it stays
+    /// as it is. `change` is called again if another process has changed the object meanwhile.
     ///
     /// # Errors
     /// What `change` returns; otherwise [`SetError`] of the store.

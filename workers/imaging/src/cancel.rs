@@ -1,8 +1,8 @@
-//! Computations that nobody waits for any more end early.
+//! Ends a computation early once its result is no longer wanted.
 //!
-//! A frame may take minutes. Whoever computes one for somebody else does so under a flag ([`watched`]); the loops of this
-//! crate and of those above it look at it every few milliseconds ([`check`]) and, once it is set, unwind with [`Cancelled`] up to
-//! whoever catches panics. No value depends on the flag: a computation that ends has computed what it would have without.
+//! A frame can take minutes, so a worker computes it under a flag ([`watched`]). The loops of this crate and of the crates above it
+//! read the flag every few milliseconds ([`check`]). Once it is set they unwind with [`Cancelled`] to the nearest `catch_unwind`.
+//! The flag changes no value: a computation that runs to its end returns what it would return without it.
 
 use std::cell::RefCell;
 use std::panic::resume_unwind;

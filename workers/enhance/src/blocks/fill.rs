@@ -3,7 +3,7 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use imaging::Plane;
+use imaging::{Plane, cancel};
 
 use crate::variant::Variant;
 
@@ -65,6 +65,9 @@ fn flooded(plane: &Plane<f64>) -> Plane<f64> {
         }
     }
     while let Some(Reverse(Reached { level, position })) = front.pop() {
+        if position % size.0 == 0 {
+            cancel::check();
+        }
         for (x, y) in around((position % size.0, position / size.0), size) {
             let position = y * size.0 + x;
             if std::mem::replace(&mut known[position], true) {

@@ -1,30 +1,19 @@
 //! `GET /v1/datasets`; `GET` and `DELETE /v1/datasets/{name}`.
 
 use catalogue::{Catalogue, ColumnInfo, DatasetRow, Deleted, Page};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
+use serde::Serialize;
+use utoipa::ToSchema;
 
+use crate::http::paging::Paging;
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds, found};
 use crate::jobs::Jobs;
 
-/// Which page.
-#[derive(Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct Parameters {
-    /// Rows of the page, 1..=1000.
-    #[param(default = 100, minimum = 1, maximum = 1000)]
-    limit: Option<u32>,
-    /// `next_cursor` of the page before.
-    cursor: Option<String>,
-}
-
 /// List datasets by name.
-#[utoipa::path(get, path = "/v1/datasets", tag = "datasets", operation_id = "list_datasets", params(Parameters),
+#[utoipa::path(get, path = "/v1/datasets", tag = "datasets", operation_id = "list_datasets", params(Paging),
     responses((status = 200, description = "A page of datasets.", body = Page<DatasetRow>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
-    Query(asked): Query<Parameters>,
+    Query(asked): Query<Paging>,
 ) -> Result<Json<Page<DatasetRow>>, Problem> {
     let limit = bounds::rows(asked.limit)?;
     Ok(Json(catalogue.datasets(limit, asked.cursor).await?))

@@ -3,7 +3,7 @@
 use imaging::{Plane, Rgb8};
 
 use super::sigmoid;
-use crate::blocks::{Region, calmest, histogram, largest, lowest};
+use crate::blocks::{calmest, histogram, largest, lowest};
 use crate::variant::Variant;
 
 /// Codes above this are above 0.5.
@@ -21,29 +21,24 @@ pub(super) struct Light {
     /// The color, 0..=1.
     pub(super) color: [f64; 3],
     /// Colors of the most blurred pixels, of the calmest region and of the most blurred region.
-    pub(super) candidates: [[f64; 3]; 3],
-    /// The two regions.
-    #[cfg_attr(not(test), expect(dead_code, reason = "compared with reference values"))]
-    pub(super) regions: [Region; 2],
+    candidates: [[f64; 3]; 3],
     /// Shares of the brightest candidate in the light.
-    pub(super) shares: [f64; 3],
+    shares: [f64; 3],
 }
 
 impl Light {
     /// From the blurriness, which is small where the picture is blurred.
     pub(super) fn new(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> Self {
-        let regions = [calmest(picture), lowest(blurriness)];
         let candidates = [
             mean_of_blurred(picture, blurriness, variant),
-            regions[0].mean_color(picture),
-            regions[1].mean_color(picture),
+            calmest(picture).mean_color(picture),
+            lowest(blurriness).mean_color(picture),
         ];
         let shares = bright_parts(picture).map(|part| sigmoid(part, BRIGHT_PART));
         let ends = spread(&candidates);
         Self {
             color: std::array::from_fn(|c| shares[c] * ends[c].1 + (1.0 - shares[c]) * ends[c].0),
             candidates,
-            regions,
             shares,
         }
     }
@@ -113,14 +108,9 @@ mod tests {
 
     #[test]
     fn candidates_far_apart_are_unstable_where_a_share_is_undecided() {
-        let region = || Region {
-            columns: 0..1,
-            rows: 0..1,
-        };
         let light = |apart: f64, shares: [f64; 3]| Light {
             color: [0.5; 3],
             candidates: [[0.5; 3], [0.5, 0.5 + apart, 0.5], [0.5; 3]],
-            regions: [region(), region()],
             shares,
         };
         assert!(light(0.2, [0.0, 0.5, 1.0]).is_unstable([0.0, 1.0]));
