@@ -2,7 +2,7 @@
 //!
 //! `FATHOM_CHAOS_S` sets how many seconds (15 unless set), `FATHOM_SEED` what happens. On a small disk in memory: kills and
 //! suspensions of services and workers, kills at the named points, a full disk, a clock that jumps by days, bytes that rot,
-//! callers that send half a request, and workers that send nonsense.
+//! callers that send half a request, and workers that send nonsense or lie in well-formed messages.
 
 use std::io::Write;
 use std::net::TcpStream;
@@ -31,6 +31,7 @@ struct Count {
     services_killed: u64,
     killed_at_points: u64,
     workers_killed: u64,
+    liars: u64,
     suspended: u64,
     full: u64,
     jumps: u64,
@@ -86,11 +87,18 @@ impl Chaos {
                     .extend(service.try_submit(&small_job("chaos"), &key));
             }
             4..6 => return false,
-            6..8 => workers.push(Worker::start(
-                &service.url,
-                &format!("w{}", self.dice.below(4)),
-                1,
-            )),
+            6..8 => {
+                let number = self.dice.below(6);
+                let is_liar = number >= 4;
+                self.count.liars += u64::from(is_liar);
+                let fault = [("FATHOM_FAULTS", "record.wrong=flag")];
+                workers.push(Worker::start_with(
+                    &service.url,
+                    &format!("w{number}"),
+                    1,
+                    if is_liar { &fault } else { &[] },
+                ));
+            }
             8..10 => {
                 if let Some(worker) = workers.pop() {
                     worker.kill();

@@ -5,10 +5,14 @@
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use fathom_tests::Service;
+use fathom_tests::{Service, small_job};
 use serde_json::json;
+
+/// The floods come one after the other.
+static TURN: Mutex<()> = Mutex::new(());
 
 /// Submissions of one round, and who makes them at the same time.
 const SUBMISSIONS: u64 = 5_000;
@@ -18,6 +22,14 @@ const BAD_READERS: usize = 200;
 /// An accepted job stays in the table of those that wait: some kilobytes each. The rest is room for the allocator, which
 /// keeps what busy threads have used.
 const MOST_GROWTH: u64 = 64 << 20;
+/// Clients of the crowd: each waits for a job, listens to its events, or asks for a page of every column.
+const LONG_POLLS: usize = 1200;
+const STREAMS: usize = 200;
+const HEAVY_PAGES: usize = 260;
+/// A page ends before 8 MiB, and its last row and its head come on top.
+const MOST_PAGE_BYTES: usize = 9 << 20;
+/// A plain read on a machine that a thousand others keep busy.
+const PLAIN_READ: Duration = Duration::from_secs(10);
 
 fn job(label: u64) -> String {
     json!({
@@ -118,6 +130,7 @@ fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
 /// not respond meanwhile; memory that keeps growing from round to round.
 #[test]
 fn ten_thousand_submissions_beside_bad_readers_succeed_in_bounded_memory() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let data = tempfile::tempdir().unwrap();
     let service = Service::start(data.path(), &["--workers", "0"]);
     let id = service.submit(&serde_json::from_str(&job(0)).unwrap());
@@ -149,4 +162,101 @@ fn ten_thousand_submissions_beside_bad_readers_succeed_in_bounded_memory() {
     );
     let growth = after[1].saturating_sub(after[0]);
     assert!(growth < MOST_GROWTH, "the second round added {} MB", growth >> 20);
+}
+
+/// The status line and the length of what follows of one GET on a connection of its own.
+fn fetch(service: &Service, path: &str) -> (u16, usize) {
+    let mut stream = connect(service);
+    let head = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n");
+    stream.write_all(head.as_bytes()).unwrap();
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).unwrap();
+    let status = std::str::from_utf8(&answer[9..12]).unwrap().parse().unwrap();
+    (status, answer.len())
+}
+
+/// Connections that have asked and read nothing yet.
+fn waiting(service: &Service, path: &str, count: usize) -> Vec<TcpStream> {
+    let ask = |_| {
+        let mut stream = connect(service);
+        let head = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\n\r\n");
+        stream.write_all(head.as_bytes()).unwrap();
+        stream
+    };
+    (0..count).map(ask).collect()
+}
+
+/// Those of them that were told to come back later.
+fn shed(streams: &mut [TcpStream]) -> usize {
+    let is_shed = |stream: &mut TcpStream| {
+        stream.set_read_timeout(Some(Duration::from_millis(5))).unwrap();
+        let mut head = [0; 12];
+        stream.read_exact(&mut head).is_ok() && head == *b"HTTP/1.1 503"
+    };
+    streams.iter_mut().map(is_shed).filter(|is_shed| *is_shed).count()
+}
+
+/// Failure: a plain read that is refused or late; a heavy page that gives anything but 200 or 503, or is too long; a crowd that
+/// takes more places than one address may have.
+#[test]
+fn long_polls_streams_and_heavy_pages_leave_room_for_plain_reads() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let data = tempfile::tempdir().unwrap();
+    let service = Service::start(data.path(), &["--workers", "1", "--slots", "2"]);
+    let mut heavy = small_job("crowd");
+    heavy["count"] = json!(600);
+    heavy["metrics"] = json!(["uiqm", "uciqe", "entropy"]);
+    let done = service.submit(&heavy);
+    service.finished(&done);
+    heavy["seed"] = json!(12);
+    heavy["count"] = json!(100_000);
+    let open = service.submit(&heavy);
+    assert_eq!(service.post(&format!("/v1/jobs/{open}/pause"), &json!({})).0, 200);
+
+    let mut polls = waiting(
+        &service,
+        &format!("/v1/jobs/{open}?wait=60&since=999999"),
+        LONG_POLLS,
+    );
+    let mut streams = waiting(&service, &format!("/v1/jobs/{open}/events"), STREAMS);
+    let over = AtomicBool::new(false);
+    let (pages, reads, slowest) = std::thread::scope(|scope| {
+        let plain = scope.spawn(|| {
+            let (mut reads, mut slowest) = (0, Duration::ZERO);
+            while !over.load(Ordering::SeqCst) {
+                for path in [
+                    &format!("/v1/jobs/{open}"),
+                    &format!("/v1/images/{done}/3"),
+                    "/livez",
+                ] {
+                    let begun = Instant::now();
+                    assert_eq!(fetch(&service, path).0, 200, "{path}");
+                    (reads, slowest) = (reads + 1, slowest.max(begun.elapsed()));
+                }
+            }
+            (reads, slowest)
+        });
+        let clients: Vec<_> = (0..HEAVY_PAGES)
+            .map(|_| scope.spawn(|| fetch(&service, "/v1/images?limit=1000")))
+            .collect();
+        let pages: Vec<_> = clients.into_iter().map(|client| client.join().unwrap()).collect();
+        over.store(true, Ordering::SeqCst);
+        let (reads, slowest) = plain.join().unwrap();
+        (pages, reads, slowest)
+    });
+    let whole = pages.iter().filter(|(status, _)| *status == 200).count();
+    let (shed_polls, shed_streams) = (shed(&mut polls), shed(&mut streams));
+    println!(
+        "{whole} of {HEAVY_PAGES} heavy pages came, {} were shed; {shed_polls} of {LONG_POLLS} long-polls and {shed_streams} of \
+         {STREAMS} streams were shed; {reads} plain reads, the slowest in {} ms",
+        HEAVY_PAGES - whole,
+        slowest.as_millis()
+    );
+    assert!(
+        pages.iter().all(|(status, _)| [200, 503].contains(status)),
+        "{pages:?}"
+    );
+    assert!(pages.iter().all(|(_, bytes)| *bytes < MOST_PAGE_BYTES));
+    assert!(whole > 0 && slowest < PLAIN_READ, "{slowest:?}");
+    assert!(shed_polls > 0 && shed_streams > 0);
 }

@@ -94,7 +94,11 @@ mod tests {
         };
         let files = |claim| puts.get(claim).map(|known| known.files);
         let frame = Arc::new(frame());
-        puts.add(&first, Arc::clone(&frame), vec![put("rgb", "a"), put("range", "b")]);
+        puts.add(
+            &first,
+            Arc::clone(&frame),
+            vec![put("rgb", "a"), put("range", "b")],
+        );
         puts.add(&first, frame, vec![put("rgb", "c")]);
         assert_eq!(files(&first), Some(vec![put("range", "b"), put("rgb", "c")]));
         assert_eq!(files(&second), None);
