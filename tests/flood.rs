@@ -207,7 +207,7 @@ fn long_polls_streams_and_heavy_pages_leave_room_for_plain_reads() {
     heavy["count"] = json!(600);
     heavy["metrics"] = json!(["uiqm", "uciqe", "entropy"]);
     let done = service.submit(&heavy);
-    service.finished(&done);
+    assert_eq!(service.finished(&done)["state"], "done");
     heavy["seed"] = json!(12);
     heavy["count"] = json!(100_000);
     let open = service.submit(&heavy);

@@ -1,6 +1,7 @@
 //! Sets over stores that misbehave, without a process that renders.
 
 use std::thread;
+use std::time::{Duration, Instant};
 
 use spec::{Job, SetState, Vocabulary};
 
