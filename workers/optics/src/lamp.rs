@@ -136,8 +136,13 @@ impl Lamp {
         self.position_m
     }
 
+    /// Whether it shines about an axis.
+    pub(crate) fn is_spot(&self) -> bool {
+        matches!(self.beam, Beam::Spot { .. })
+    }
+
     /// Its distance from the camera, m.
-    fn distance_m(&self) -> f64 {
+    pub(crate) fn distance_m(&self) -> f64 {
         dot(self.position_m, self.position_m).sqrt()
     }
 }

@@ -10,6 +10,7 @@ mod bins;
 mod cost;
 mod levels;
 mod line;
+mod model;
 mod scatter;
 mod shares;
 mod stats;
@@ -29,6 +30,7 @@ use crate::lamp;
 use crate::setting::Setting;
 use crate::snow;
 use crate::water::Water;
+use model::{Conditions, ModelErrors};
 use shares::Shares;
 use water::WaterStages;
 
@@ -116,6 +118,8 @@ pub struct Plan {
     pub enhance: Stage,
     /// Why the bounds add up to more than the tolerance; none where they do not.
     pub exceeds: Option<String>,
+    /// How far the models of the stages are from the truth.
+    model: ModelErrors,
     /// How much of everything there is, from which the expected cost follows.
     amounts: cost::Amounts,
 }
@@ -210,6 +214,17 @@ impl Plan {
             haze: Stage::exact(Form::Fast.when(frame.haze().iter().any(Haze::shines))),
             enhance: Stage::exact(Form::Fast.when(!frame.enhance.is_empty())),
             exceeds: None,
+            model: setting
+                .around
+                .as_ref()
+                .map_or_else(ModelErrors::default, |water| {
+                    ModelErrors::measured(&Conditions {
+                        water,
+                        lighting: setting.lighting.as_ref(),
+                        patches: setting.patches.as_ref(),
+                        stats,
+                    })
+                }),
             amounts: cost::Amounts::new(frame, setting),
         };
         let lamps = &given.lamps;
@@ -231,6 +246,7 @@ impl Plan {
             scene_light: Stage::exact(Form::Fast.when(water.radiance_gain != [1.0; 3])),
             attenuation: stages.attenuation,
             scatter: stages.scatter,
+            model: ModelErrors::measured(&Conditions::of_water(water, stats)),
             ..Self::in_air(stats.pixels)
         };
         Self {
@@ -256,6 +272,7 @@ impl Plan {
             haze: skip(),
             enhance: skip(),
             exceeds: None,
+            model: ModelErrors::default(),
             amounts: cost::Amounts::of_pixels(pixels),
         }
     }

@@ -122,13 +122,19 @@ impl Field {
     /// τ in meters from the origin of the field's axes to a distance along a unit vector, in closed form.
     #[must_use]
     pub fn path_m(&self, direction: [f64; 3], meters: f64) -> f64 {
+        self.path_from([0.0; 3], direction, meters)
+    }
+
+    /// The same from any place.
+    #[must_use]
+    pub fn path_from(&self, origin: [f64; 3], direction: [f64; 3], meters: f64) -> f64 {
         let sum: f64 = self
             .pairs
             .iter()
             .map(|wave| {
                 let half = 0.5 * meters * dot(wave.vector, direction);
                 let share = if half.abs() < 1e-8 { 1.0 } else { half.sin() / half };
-                (wave.phase + half).cos() * share
+                (wave.phase + dot(wave.vector, origin) + half).cos() * share
             })
             .sum();
         meters * (1.0 + self.gain * sum).max(0.0)

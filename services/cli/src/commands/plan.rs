@@ -54,6 +54,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let columns = ["stage", "variant", "terms", "share", "bound", "cost_ms", "note"];
     let lines: Vec<Value> = plan.lines().iter().map(|line| json!(line)).collect();
     println!("{}", table_of(&columns, &lines));
+    for line in plan.lines() {
+        if let Some(error) = &line.model_error {
+            println!("Model error of {}: {error}", line.stage);
+        }
+    }
     if let Some(bounds) = plan.bounds() {
         let largest = bounds.into_iter().fold(0.0, f64::max);
         println!("Every sample before the style is within {largest:.2e} in linear light of the exact chain.");

@@ -20,6 +20,9 @@ pub struct Line {
     /// What it may add to the error of the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<f64>,
+    /// How far its model was measured to be from radiative transfer, or that it was not measured; none of stages without a truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model_error: Option<String>,
     /// Expected milliseconds on the processor that the cost model is measured on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cost_ms: Option<f64>,
@@ -54,6 +57,7 @@ impl Plan {
         lines.push(line("enhance", &self.enhance, "methods"));
         for (line, cost_ms) in lines.iter_mut().zip(cost) {
             line.cost_ms = cost_ms;
+            line.model_error = self.model.of(line.stage).filter(|_| line.variant != "skip");
             if line.stage == "snow" && line.variant == "skip" && line.bound.is_some() {
                 line.note = Some("expected pixels times contrast are within its share".to_owned());
             }
@@ -129,6 +133,7 @@ fn with_errors<F>(stage: &'static str, variant: &'static str, step: &Stage<F>) -
         terms: None,
         share: step.share,
         bound: step.bound,
+        model_error: None,
         cost_ms: None,
         note: None,
     }

@@ -187,3 +187,46 @@ fn attenuation_that_nobody_sees_is_left_out() {
     // At a hole the path never ends.
     assert_eq!(step(1e-6, &[2.0, f32::NAN, 3.0]), Form::Fast);
 }
+
+#[test]
+fn every_physical_stage_that_runs_says_what_its_model_is_wrong_by() {
+    let water = |scattering: f64| {
+        let request = spec::Water::from(Optics {
+            absorption_per_m: Some([0.1; 3]),
+            scattering_per_m: Some([scattering; 3]),
+            veiling_light: Some([0.1; 3]),
+            ..Optics::default()
+        });
+        Water::resolve(&request, 500.0).unwrap()
+    };
+    let errors = |water: &Water| {
+        let lines = plan(&SLOPE, water, Fidelity::Tolerance(1e-4)).lines();
+        let errors = lines
+            .into_iter()
+            .map(|line| (line.stage, (line.variant, line.model_error)));
+        errors.collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let clear = errors(&water(0.3));
+    assert_eq!(
+        clear["attenuation"].1.as_deref(),
+        Some("unscattered light: none; veil: not measured")
+    );
+    assert!(
+        clear["forward_scatter.r"]
+            .1
+            .as_deref()
+            .unwrap()
+            .contains("1.6-5.1")
+    );
+    // Beyond what was measured, and of stages that do not run or have no truth.
+    assert_eq!(
+        errors(&water(2.0))["forward_scatter.b"].1.as_deref(),
+        Some("not measured")
+    );
+    assert!(
+        clear
+            .values()
+            .all(|(variant, error)| *variant != "skip" || error.is_none())
+    );
+    assert_eq!(clear["style"].1, None);
+}

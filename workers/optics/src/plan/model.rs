@@ -1,0 +1,121 @@
+//! What is known of the physics itself: how far the model of each stage was measured to be from radiative transfer, and in what
+//! water. The bounds of a plan say how near its numbers are to the model; this says how near the model is to the truth.
+//!
+//! [`MEASURED`] is the one table. A stage takes the first of its rows that holds; where none does, its error is not measured.
+
+mod lamps;
+
+use super::SceneStats;
+use crate::lamp::Lighting;
+use crate::turbidity::Field;
+use crate::water::{Scatter, Water};
+
+/// What is said of a stage where nothing was measured.
+const NOT_MEASURED: &str = "not measured";
+/// b Z up to which the light beside and over edges was measured.
+const EDGES_UP_TO: f64 = 4.0;
+
+/// What measurements depend on.
+pub(super) struct Conditions<'a> {
+    pub(super) water: &'a Water,
+    pub(super) lighting: Option<&'a Lighting>,
+    pub(super) patches: Option<&'a Field>,
+    pub(super) stats: &'a SceneStats,
+}
+
+/// A measurement: the stage, and what was found, where it holds.
+struct Row {
+    stage: &'static str,
+    found: fn(&Conditions<'_>) -> Option<String>,
+}
+
+/// Every measurement. Ratios are model over truth; docs/truth.md says how they were made.
+const MEASURED: &[Row] = &[
+    Row {
+        stage: "attenuation",
+        found: unscattered,
+    },
+    Row {
+        stage: "forward_scatter",
+        found: one_kernel,
+    },
+    Row {
+        stage: "lamps",
+        found: lamps::surfaces,
+    },
+    Row {
+        stage: "glow",
+        found: lamps::glow,
+    },
+];
+
+/// The stages whose light is physics. Style, haze and enhancement have no truth.
+const PHYSICAL: &[&str] = &[
+    "scene_light",
+    "turbidity",
+    "lamps",
+    "attenuation",
+    "forward_scatter",
+    "glow",
+    "snow",
+];
+
+/// The model error of each stage of a frame, by the stage's name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct ModelErrors(Vec<(&'static str, String)>);
+
+impl ModelErrors {
+    pub(super) fn measured(conditions: &Conditions<'_>) -> Self {
+        let found = |stage: &'static str| {
+            let mut rows = MEASURED.iter().filter(|row| row.stage == stage);
+            let found = rows.find_map(|row| (row.found)(conditions));
+            (stage, found.unwrap_or_else(|| NOT_MEASURED.to_owned()))
+        };
+        Self(PHYSICAL.iter().map(|stage| found(stage)).collect())
+    }
+
+    /// What to say of a line of a plan; nothing of a stage without a truth.
+    pub(super) fn of(&self, line: &str) -> Option<String> {
+        let stage = line.split('.').next();
+        let found = self.0.iter().find(|(name, _)| stage == Some(*name));
+        found.map(|(_, error)| error.clone())
+    }
+}
+
+/// Light that arrives unscattered falls as e^{−cZ} in the truth, too; daylight's veil was compared with nothing.
+fn unscattered(conditions: &Conditions<'_>) -> Option<String> {
+    let veil = conditions.water.veiling_light() != [0.0; 3];
+    let veil = if veil { "; veil: not measured" } else { "" };
+    conditions
+        .patches
+        .is_none()
+        .then(|| format!("unscattered light: none{veil}"))
+}
+
+/// One kernel for each range: too narrow in its tail, and blind to what stands before it.
+fn one_kernel(conditions: &Conditions<'_>) -> Option<String> {
+    let Scatter::Jaffe {
+        source: spec::ScatterSource::Radiance,
+        ..
+    } = conditions.water.scatter()
+    else {
+        return None;
+    };
+    let (b, (_, farthest)) = (conditions.water.scattering()?, conditions.stats.range_m?);
+    let thickest = b.into_iter().fold(0.0, f64::max) * farthest;
+    (thickest <= EDGES_UP_TO && conditions.patches.is_none()).then(|| {
+        "light beside an edge 0.27-1.5 of the truth, light over a nearer object 1.6-5.1 times the truth"
+            .to_owned()
+    })
+}
+
+impl<'a> Conditions<'a> {
+    pub(super) fn of_water(water: &'a Water, stats: &'a SceneStats) -> Self {
+        Self {
+            water,
+            lighting: None,
+            patches: None,
+            stats,
+        }
+    }
+}

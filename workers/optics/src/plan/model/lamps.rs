@@ -1,0 +1,172 @@
+//! What single scattering loses of the light of lamps: measured in six waters, with the phase function of Fournier and Forand and
+//! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/truth/lamps.md).
+
+use super::Conditions;
+use crate::lamp::{Lamp, Lighting};
+
+/// Distances of the measured walls, m.
+const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
+/// Distances of the measured cameras from their lamp, m.
+const CAMERAS_M: [f64; 3] = [0.3, 0.5, 1.0];
+/// A distance between or beside those measured is nearest to one of them up to this factor.
+const NEAR: f64 = 1.5;
+/// A coefficient b, or b/a, within this factor of a measured one is near it.
+const ALIKE: f64 = 1.6;
+
+/// Chain over truth in one water, least and greatest.
+struct Measured {
+    absorption: f64,
+    scattering: f64,
+    /// On a wall within 20 degrees of the axis: points and spots, by distance of the wall.
+    surface: [[f64; 3]; 2],
+    /// In the water, looking up to 40 degrees toward and away from a point lamp, by distance of the camera.
+    point_glow: [[f64; 2]; 3],
+    /// In the water, looking along the axis of a spot; none where the noise hid it.
+    spot_glow: [Option<f64>; 3],
+}
+
+const fn measured(
+    absorption: f64,
+    scattering: f64,
+    surface: [[f64; 3]; 2],
+    point_glow: [[f64; 2]; 3],
+    spot_glow: [Option<f64>; 3],
+) -> Measured {
+    Measured {
+        absorption,
+        scattering,
+        surface,
+        point_glow,
+        spot_glow,
+    }
+}
+
+const MEASURED: [Measured; 6] = [
+    measured(
+        0.114,
+        0.037,
+        [[0.96, 0.93, 0.86], [0.97, 0.93, 0.87]],
+        [[0.68, 1.07], [0.69, 1.07], [0.63, 1.05]],
+        [Some(0.59), Some(0.58), Some(0.57)],
+    ),
+    measured(
+        0.179,
+        0.219,
+        [[0.80, 0.64, 0.41], [0.81, 0.66, 0.44]],
+        [[0.59, 1.02], [0.58, 0.88], [0.49, 0.86]],
+        [Some(0.40), Some(0.35), Some(0.23)],
+    ),
+    measured(
+        0.099,
+        0.447,
+        [[0.63, 0.40, 0.16], [0.66, 0.43, 0.19]],
+        [[0.63, 0.91], [0.43, 0.71], [0.27, 0.60]],
+        [None, Some(0.16), Some(0.07)],
+    ),
+    measured(
+        0.118,
+        0.675,
+        [[0.50, 0.25, 0.065], [0.53, 0.28, 0.08]],
+        [[0.47, 0.80], [0.34, 0.63], [0.22, 0.44]],
+        [Some(0.18), Some(0.10), Some(0.03)],
+    ),
+    measured(
+        0.157,
+        1.267,
+        [[0.27, 0.075, 0.006], [0.31, 0.094, 0.009]],
+        [[0.29, 0.59], [0.19, 0.45], [0.07, 0.20]],
+        [Some(0.07), Some(0.03), Some(0.002)],
+    ),
+    measured(
+        0.366,
+        1.824,
+        [[0.16, 0.025, 0.0007], [0.18, 0.033, 0.001]],
+        [[0.24, 0.53], [0.19, 0.35], [0.05, 0.12]],
+        [Some(0.04), Some(0.009), Some(0.0003)],
+    ),
+];
+
+/// Light of lamps on surfaces.
+pub(super) fn surfaces(conditions: &Conditions<'_>) -> Option<String> {
+    let (lighting, measured) = single(conditions)?;
+    let (_, farthest) = conditions.stats.range_m?;
+    let wall = nearest(&WALLS_M, farthest)?;
+    let found = lighting
+        .lamps
+        .iter()
+        .map(|lamp| measured.surface[usize::from(lamp.is_spot())][wall]);
+    let at = format!("{} m", WALLS_M[wall]);
+    Some(measured.says("on surfaces", found.map(|share| [share; 2]), &at))
+}
+
+/// Light of lamps in the water.
+pub(super) fn glow(conditions: &Conditions<'_>) -> Option<String> {
+    let (lighting, measured) = single(conditions)?;
+    let found = |lamp: &Lamp| {
+        let camera = nearest(&CAMERAS_M, lamp.distance_m())?;
+        if lamp.is_spot() {
+            measured.spot_glow[camera].map(|share| [share; 2])
+        } else {
+            Some(measured.point_glow[camera])
+        }
+    };
+    let found: Option<Vec<[f64; 2]>> = lighting.lamps.iter().map(found).collect();
+    let at = "a lamp beside the camera";
+    Some(measured.says("in the water", found?.into_iter(), at))
+}
+
+/// The lamps in even water like a measured one: that of the channel that scatters most.
+fn single<'a>(conditions: &Conditions<'a>) -> Option<(&'a Lighting, &'static Measured)> {
+    let lighting = conditions
+        .lighting
+        .filter(|lighting| lighting.patches.is_none())?;
+    let channels = [0, 1, 2].map(|i| {
+        let b = lighting.scattering[i];
+        (lighting.attenuation[i] - b, b)
+    });
+    let (a, b) = channels
+        .into_iter()
+        .max_by(|one, other| one.1.total_cmp(&other.1))?;
+    let apart = |measured: &Measured| {
+        let ratio = (b / a) / (measured.scattering / measured.absorption);
+        (b / measured.scattering).ln().abs().max(ratio.ln().abs())
+    };
+    let nearest = MEASURED
+        .iter()
+        .min_by(|one, other| apart(one).total_cmp(&apart(other)))?;
+    (apart(nearest) <= ALIKE.ln()).then_some((lighting, nearest))
+}
+
+/// Which of some distances is nearest to another, in its logarithm.
+fn nearest(measured: &[f64], meters: f64) -> Option<usize> {
+    let apart = |i: &usize| (meters / measured[*i]).ln().abs();
+    let nearest = (0..measured.len()).min_by(|one, other| apart(one).total_cmp(&apart(other)))?;
+    (apart(&nearest) <= NEAR.ln()).then_some(nearest)
+}
+
+impl Measured {
+    fn says(&self, what: &str, found: impl Iterator<Item = [f64; 2]>, at: &str) -> String {
+        let (low, high) = found.fold((f64::INFINITY, 0.0f64), |(low, high), [least, greatest]| {
+            (low.min(least), high.max(greatest))
+        });
+        let share = if low == high {
+            format!("{low}")
+        } else {
+            format!("{low}-{high}")
+        };
+        let (a, b) = (self.absorption, self.scattering);
+        format!("light {what} {share} of the truth, measured at a {a}, b {b} per meter for {at}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_distance_takes_the_nearest_that_was_measured_or_none() {
+        assert_eq!(nearest(&WALLS_M, 2.6), Some(1));
+        assert_eq!(nearest(&WALLS_M, 3.0), Some(2));
+        assert_eq!((nearest(&WALLS_M, 0.5), nearest(&WALLS_M, 7.0)), (None, None));
+    }
+}

@@ -1,0 +1,55 @@
+//! A lamp as the truth sees it: a small sphere.
+
+use imaging::vector::DVec3;
+use optics::lamp::LAMP_RADIUS_M;
+use spec::Light;
+
+/// A lamp: a sphere that shines in all directions or about an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lamp {
+    /// Where it is, camera axes, m.
+    pub place: DVec3,
+    /// Radiance times m² per steradian, of each channel.
+    pub intensity: [f64; 3],
+    /// Unit axis and cosine of the angle at which no light is left; none: it shines in all directions.
+    pub beam: Option<(DVec3, f64)>,
+    /// Nothing is nearer than this, m.
+    pub radius_m: f64,
+}
+
+impl Lamp {
+    /// The lamps among the lights of a frame, whose numbers have been checked.
+    #[must_use]
+    pub fn among(lights: &[Light]) -> Vec<Self> {
+        lights.iter().filter_map(Self::of).collect()
+    }
+
+    fn of(light: &Light) -> Option<Self> {
+        let lamp = |place: [f64; 3], intensity| Self {
+            place: place.into(),
+            intensity,
+            beam: None,
+            radius_m: LAMP_RADIUS_M,
+        };
+        match light {
+            Light::Haze(_) => None,
+            Light::Point(point) => Some(lamp(point.position_m, point.intensity)),
+            Light::Spot(spot) => {
+                let axis = DVec3::from(spot.direction).normalized();
+                let cosine = spot.cone_deg.to_radians().cos().max(0.0);
+                Some(Self {
+                    beam: Some((axis, cosine)),
+                    ..lamp(spot.position_m, spot.intensity)
+                })
+            }
+        }
+    }
+
+    /// Share of the intensity along a unit vector from the lamp: 1, or `clamp((cos − cos cone)/(1 − cos cone), 0, 1)`.
+    #[must_use]
+    pub fn profile(&self, from_lamp: DVec3) -> f64 {
+        self.beam.map_or(1.0, |(axis, cosine)| {
+            ((axis.dot(from_lamp) - cosine) / (1.0 - cosine)).clamp(0.0, 1.0)
+        })
+    }
+}

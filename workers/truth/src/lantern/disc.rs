@@ -1,0 +1,77 @@
+//! The phase function averaged over a small disc of directions.
+
+use std::f64::consts::PI;
+
+use crate::phase::Phase;
+
+/// Half angle of the disc, degrees.
+const HALF_DEG: f64 = 5.0;
+/// Angles of the table, even steps from 0 to 180 degrees.
+const STEPS: usize = 1800;
+
+/// Mean of p over a disc about a direction, by the angle of that direction.
+pub(super) struct Disc {
+    means: Vec<f64>,
+}
+
+impl Disc {
+    pub(super) fn new(phase: &Phase) -> Self {
+        let mean = |step: usize| mean(phase, PI * step as f64 / STEPS as f64);
+        Self {
+            means: (0..=STEPS).map(mean).collect(),
+        }
+    }
+
+    /// The mean at a cosine, linear between the angles of the table.
+    pub(super) fn at(&self, cosine: f64) -> f64 {
+        let place = cosine.clamp(-1.0, 1.0).acos() / PI * STEPS as f64;
+        let step = (place as usize).min(STEPS - 1);
+        let part = place - step as f64;
+        self.means[step] + part * (self.means[step + 1] - self.means[step])
+    }
+}
+
+/// The light of each ring of scattering angles, times the share of the ring that lies in the disc.
+fn mean(phase: &Phase, angle: f64) -> f64 {
+    let half = HALF_DEG.to_radians();
+    let solid = 2.0 * PI * (1.0 - half.cos());
+    let (sin, cos) = angle.sin_cos();
+    let within = |versine: f64| {
+        let (ring_cos, ring_sin) = (1.0 - versine, (versine * (2.0 - versine)).max(0.0).sqrt());
+        let product = sin * ring_sin;
+        let gap = half.cos() - cos * ring_cos;
+        if product <= 1e-15 {
+            return f64::from(u8::from(gap <= 0.0));
+        }
+        (gap / product).clamp(-1.0, 1.0).acos() / PI
+    };
+    // Rings fine enough for the disc, over the angles that it can hold.
+    let (low, high) = ((angle - half).max(0.0), (angle + half).min(PI));
+    let versine = |at: f64| 2.0 * (0.5 * at).sin().powi(2);
+    let rings = 400;
+    let edge = |k: usize| low + (high - low) * (k as f64 / rings as f64).powi(2);
+    let ring = |k: usize| {
+        let share = phase.share_within(versine(edge(k + 1))) - phase.share_within(versine(edge(k)));
+        share * within(versine(0.5 * (edge(k) + edge(k + 1))))
+    };
+    (0..rings).map(ring).sum::<f64>() / solid
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disc_holds_the_mean_of_the_phase_function() {
+        let phase = Phase::henyey_greenstein(0.9);
+        let disc = Disc::new(&phase);
+        let half = HALF_DEG.to_radians();
+        let forward = phase.share_within(1.0 - half.cos()) / (2.0 * PI * (1.0 - half.cos()));
+        assert!((disc.at(1.0) / forward - 1.0).abs() < 1e-3);
+        for degrees in [60.0f64, 120.0, 170.0] {
+            let cosine = degrees.to_radians().cos();
+            let ratio = disc.at(cosine) / phase.density(1.0 - cosine);
+            assert!((ratio - 1.0).abs() < 0.02, "{degrees}: {ratio}");
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! The truth: radiative transfer through water and surfaces by Monte Carlo, and how far the chain is from it.
+//!
+//! Water has absorption a and scattering b in 1/m and one phase function; surfaces are Lambertian with a reflectance within 0..=1 and
+//! an emitted radiance; lamps are spheres of a small radius; above all may lie a flat sea surface with a sky and a sun. Polarization,
+//! inelastic scattering and waves are left out. Channels are independent of each other.
+//!
+//! [`Scene::trace`] follows light from the camera to its sources and needs nothing of the scene but [`imaging::rays::Rays`];
+//! [`lantern`] follows it from a lamp and shares nothing with the other but the phase function. Every random number has an
+//! address ([`Address`]), so no result depends on the number of threads. [`Estimate`] says how well a mean is known, and
+//! [`Comparison`] what that tells of a model.
+
+mod compare;
+mod dice;
+mod estimate;
+mod lamp;
+pub mod lantern;
+mod phase;
+mod scene;
+mod sea;
+mod surface;
+mod walk;
+mod water;
+
+pub use compare::{Comparison, Difference, Measured};
+pub use dice::{Address, MOST_PATHS, MOST_PIXELS, stream};
+pub use estimate::{BATCHES, Blocks, Estimate, Goal, Level, Part, Pixel, Spread, Truth, converge};
+pub use lamp::Lamp;
+pub use phase::{FournierForand, Phase};
+pub use scene::{Along, Scene};
+pub use sea::{REFRACTIVE_INDEX, Sea, Sun, fresnel};
+pub use surface::{Material, Picture, Surfaces};
+pub use walk::{MOST_SEGMENTS, ORDERS, Tally};
+pub use water::{Coefficients, Layers, Murk};

@@ -1,0 +1,241 @@
+//! The phase function as a table of bins, so that drawing and evaluating agree exactly.
+
+mod particles;
+
+use std::f64::consts::PI;
+
+use imaging::vector::{DVec3, vec3};
+
+pub use particles::FournierForand;
+
+/// Bins in the scattering angle, spaced evenly in its logarithm.
+const BINS: usize = 1024;
+/// Upper edge of the first bin, rad.
+const FIRST: f64 = 1e-4;
+/// The steepest Henyey–Greenstein function that the bins resolve.
+const STEEPEST: f64 = 0.98;
+
+/// How water scatters: constant within each of 1024 bins of the scattering angle, normalized over the sphere.
+///
+/// Angles are given as `1 − cos`, since the cosine itself loses the digits of small ones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phase {
+    /// 1 − cos at the edges, from 0 to 2.
+    edges: Vec<f64>,
+    /// Share of the light that is scattered within each edge, from 0 to 1.
+    shares: Vec<f64>,
+    /// 1/sr in each bin.
+    densities: Vec<f64>,
+}
+
+impl Phase {
+    /// Henyey and Greenstein 1941, asymmetry g within −0.98..=0.98 (what is beyond is taken as the limit).
+    #[must_use]
+    pub fn henyey_greenstein(g: f64) -> Self {
+        let g = g.clamp(-STEEPEST, STEEPEST);
+        Self::from_shares(|v| henyey_greenstein_within(g, v))
+    }
+
+    /// Fournier and Forand, in the form of Fournier and Jonasz 1999.
+    #[must_use]
+    pub fn fournier_forand(law: FournierForand) -> Self {
+        Self::from_shares(|v| law.within(v))
+    }
+
+    /// A sum of Henyey–Greenstein functions of (weight, g); the weights are relative.
+    #[must_use]
+    pub fn mixture(parts: &[(f64, f64)]) -> Self {
+        Self::from_shares(|v| {
+            parts
+                .iter()
+                .map(|(weight, g)| weight * henyey_greenstein_within(*g, v))
+                .sum()
+        })
+    }
+
+    /// The table of a law: the share of light scattered within an angle, given as 1 − cos, up to a factor.
+    fn from_shares(within: impl Fn(f64) -> f64) -> Self {
+        let angle = |k: usize| match k {
+            0 => 0.0,
+            k => FIRST * (PI / FIRST).powf((k - 1) as f64 / (BINS - 1) as f64),
+        };
+        let half_sine = |angle: f64| (0.5 * angle).sin();
+        let mut edges: Vec<f64> = (0..=BINS).map(|k| 2.0 * half_sine(angle(k)).powi(2)).collect();
+        edges[BINS] = 2.0;
+        let whole = within(2.0);
+        let mut shares: Vec<f64> = edges.iter().map(|&v| within(v) / whole).collect();
+        (shares[0], shares[BINS]) = (0.0, 1.0);
+        let density = |k: usize| {
+            let (low, high) = (angle(k), angle(k + 1));
+            let width = 4.0 * PI * (0.5 * (low + high)).sin() * (0.5 * (high - low)).sin();
+            (shares[k + 1] - shares[k]).max(0.0) / width
+        };
+        Self {
+            densities: (0..BINS).map(density).collect(),
+            edges,
+            shares,
+        }
+    }
+
+    /// p in 1/sr at a scattering angle of `1 − cos`.
+    #[must_use]
+    pub fn density(&self, versine: f64) -> f64 {
+        self.densities[bin(&self.edges, versine)]
+    }
+
+    /// The share of the light that is scattered within an angle of `1 − cos`.
+    #[must_use]
+    pub fn share_within(&self, versine: f64) -> f64 {
+        let k = bin(&self.edges, versine);
+        let part = (versine - self.edges[k]) / (self.edges[k + 1] - self.edges[k]);
+        self.shares[k] + part.clamp(0.0, 1.0) * (self.shares[k + 1] - self.shares[k])
+    }
+
+    /// p toward a source that is no point: within the cone of half angle `1 − cos = cone` about it the mean over the cone, else
+    /// p itself. Without it the forward peak has no bounded variance.
+    #[must_use]
+    pub fn density_toward(&self, versine: f64, cone: f64) -> f64 {
+        if versine < cone {
+            self.share_within(cone) / (2.0 * PI * cone)
+        } else {
+            self.density(versine)
+        }
+    }
+
+    /// `1 − cos` of a random scattering angle, from a random number in [0, 1).
+    #[must_use]
+    pub fn draw(&self, unit: f64) -> f64 {
+        let k = bin(&self.shares, unit);
+        let part = (unit - self.shares[k]) / (self.shares[k + 1] - self.shares[k]);
+        self.edges[k] + part * (self.edges[k + 1] - self.edges[k])
+    }
+
+    /// A random direction about a unit vector, from two random numbers.
+    #[must_use]
+    pub(crate) fn turn(&self, axis: DVec3, [angle, azimuth]: [f64; 2]) -> DVec3 {
+        about(axis, self.draw(angle), azimuth)
+    }
+
+    /// b_b/b: the share of the light that is scattered backward.
+    #[must_use]
+    pub fn backscatter_fraction(&self) -> f64 {
+        1.0 - self.share_within(1.0)
+    }
+
+    /// Mean cosine of the scattering angle.
+    #[must_use]
+    pub fn mean_cosine(&self) -> f64 {
+        let bins = self.edges.windows(2).zip(self.shares.windows(2));
+        bins.map(|(edge, share)| (share[1] - share[0]) * (1.0 - 0.5 * (edge[0] + edge[1])))
+            .sum()
+    }
+}
+
+/// The bin of rising edges that a value lies in.
+fn bin(edges: &[f64], value: f64) -> usize {
+    edges.partition_point(|&edge| edge <= value).clamp(1, BINS) - 1
+}
+
+/// Share within `1 − cos = v`; `(1 − g²)/(2g) (1/(1 − g) − 1/s)` without the cancellation.
+fn henyey_greenstein_within(g: f64, v: f64) -> f64 {
+    let s = ((1.0 - g) * (1.0 - g) + 2.0 * g * v).sqrt();
+    (1.0 + g) * v / ((s + 1.0 - g) * s)
+}
+
+/// The unit vector at an angle of `1 − cos` from a unit vector, at an azimuth in turns (frame: Duff et al. 2017).
+pub(crate) fn about(axis: DVec3, versine: f64, turns: f64) -> DVec3 {
+    let sine = (versine * (2.0 - versine)).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * turns).sin_cos();
+    let sign = if axis.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + axis.z);
+    let b = axis.x * axis.y * a;
+    let first = vec3(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x);
+    let second = vec3(b, sign + axis.y * axis.y * a, -axis.y);
+    let turned = axis * (1.0 - versine) + first * (sine * cos) + second * (sine * sin);
+    turned.normalized()
+}
+
+/// `1 − cos` of the angle between two unit vectors, which keeps the digits of small ones.
+pub(crate) fn versine(a: DVec3, b: DVec3) -> f64 {
+    let apart = a + -b;
+    0.5 * apart.dot(apart)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use optics::lamp::{backscatter_fraction, henyey_greenstein};
+
+    #[test]
+    fn the_table_of_henyey_and_greenstein_is_their_function() {
+        for g in [-0.4, 0.0, 0.5, 0.924] {
+            let phase = Phase::henyey_greenstein(g);
+            for degrees in [1.0, 10.0, 45.0, 90.0, 150.0, 179.0] {
+                let cos = f64::to_radians(degrees).cos();
+                let ratio = phase.density(1.0 - cos) / henyey_greenstein(g, cos);
+                assert!((ratio - 1.0).abs() < 0.02, "g {g} at {degrees}: {ratio}");
+            }
+            assert!((phase.mean_cosine() - g).abs() < 1e-4, "{g}");
+            assert!(
+                (phase.backscatter_fraction() - backscatter_fraction(g)).abs() < 1e-4,
+                "{g}"
+            );
+        }
+    }
+
+    #[test]
+    fn angles_are_drawn_as_often_as_the_density_says() {
+        let phase = Phase::fournier_forand(FournierForand::of_backscatter(0.0183));
+        let draws = 200_000;
+        let cuts = [1e-3f64, 0.01, 0.1, 0.5, 1.5].map(|angle| 1.0 - angle.cos());
+        let dice = imaging::random::Stream::stage(1, "truth");
+        let mut within = [0.0; 5];
+        for i in 0..draws {
+            let drawn = phase.draw(dice.unit(0, i));
+            cuts.iter()
+                .zip(&mut within)
+                .for_each(|(cut, n)| *n += f64::from(u8::from(drawn < *cut)));
+        }
+        for (cut, within) in cuts.into_iter().zip(within) {
+            let (expected, n) = (phase.share_within(cut), draws as f64);
+            let error = (expected * (1.0 - expected) / n).sqrt();
+            assert!((within / n - expected).abs() < 4.0 * error, "{cut}");
+        }
+        // The bins add up to the sphere.
+        let sphere: f64 = (0..BINS)
+            .map(|k| phase.densities[k] * 2.0 * PI * (phase.edges[k + 1] - phase.edges[k]))
+            .sum();
+        assert!((sphere - 1.0).abs() < 1e-9, "{sphere}");
+    }
+
+    #[test]
+    fn a_mixture_scatters_backward_as_its_parts_do() {
+        let mixed = Phase::mixture(&[(3.0, 0.9), (1.0, -0.2)]);
+        let expected = 0.75 * backscatter_fraction(0.9) + 0.25 * backscatter_fraction(-0.2);
+        assert!((mixed.backscatter_fraction() - expected).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_wide_source_sees_the_mean_over_its_cone() {
+        let phase = Phase::henyey_greenstein(0.95);
+        let cone = 1.0 - 0.02f64.cos();
+        let steps = 20_000;
+        let mean: f64 = (0..steps)
+            .map(|i| phase.density(cone * (i as f64 + 0.5) / steps as f64))
+            .sum::<f64>()
+            / steps as f64;
+        assert!((phase.density_toward(0.0, cone) / mean - 1.0).abs() < 1e-3);
+        assert_eq!(phase.density_toward(0.5, cone), phase.density(0.5));
+    }
+
+    #[test]
+    fn turned_directions_keep_their_angle_and_length() {
+        for axis in [vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, -1.0), vec3(0.6, -0.8, 0.0)] {
+            for v in [1e-9, 0.3, 1.999] {
+                let turned = about(axis, v, 0.3);
+                assert!((turned.length() - 1.0).abs() < 1e-14);
+                assert!((versine(axis, turned) / v - 1.0).abs() < 1e-6, "{v}");
+            }
+        }
+    }
+}

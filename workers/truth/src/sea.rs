@@ -1,0 +1,71 @@
+//! A flat sea surface with a sky and a sun.
+
+use imaging::vector::DVec3;
+
+/// Refractive index of sea water.
+pub const REFRACTIVE_INDEX: f64 = 1.34;
+
+/// A flat surface above the camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sea {
+    /// Unit vector against gravity, camera axes.
+    pub up: DVec3,
+    /// Depth of the camera below the surface, m.
+    pub depth_m: f64,
+    /// Radiance of an even sky of each channel as it is in the water, `n² E₀/π` of the irradiance E₀ just above the surface, before
+    /// the surface reflects a part of it.
+    pub sky: [f64; 3],
+    /// The sun; none under an overcast sky.
+    pub sun: Option<Sun>,
+}
+
+/// Parallel light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sun {
+    /// Unit vector toward the sun in the water, camera axes.
+    pub direction: DVec3,
+    /// Irradiance at right angles to it just under the surface, of each channel.
+    pub irradiance: [f64; 3],
+}
+
+impl Sea {
+    /// Depth of a place below the surface, at least 0, m.
+    #[must_use]
+    pub fn depth(&self, place: DVec3) -> f64 {
+        (self.depth_m - self.up.dot(place)).max(0.0)
+    }
+
+    /// Distance along a unit vector to the surface; none downward.
+    pub(crate) fn distance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+        let rise = self.up.dot(direction);
+        (rise > 0.0).then(|| self.depth(origin) / rise)
+    }
+}
+
+/// Reflectance of the surface from within the water for light that is not polarized, at a cosine from the vertical: 1 beyond the
+/// critical angle.
+#[must_use]
+pub fn fresnel(cosine: f64) -> f64 {
+    let n = REFRACTIVE_INDEX;
+    let sine_in_air = n * n * (1.0 - cosine * cosine);
+    if sine_in_air >= 1.0 {
+        return 1.0;
+    }
+    let k = (1.0 - sine_in_air).sqrt();
+    let across = (n * cosine - k) / (n * cosine + k);
+    let along = (cosine - n * k) / (cosine + n * k);
+    0.5 * (across * across + along * along)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_surface_reflects_two_percent_upright_and_all_beyond_the_critical_angle() {
+        assert!((fresnel(1.0) - (0.34f64 / 2.34).powi(2)).abs() < 1e-12);
+        let critical = (1.0 - 1.0 / REFRACTIVE_INDEX.powi(2)).sqrt();
+        assert!((critical - 0.6656).abs() < 1e-4);
+        assert!(fresnel(critical + 1e-3) < 1.0 && fresnel(critical - 1e-6) == 1.0);
+    }
+}

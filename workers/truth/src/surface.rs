@@ -1,0 +1,148 @@
+//! What surfaces do to light.
+
+use imaging::geometry::Intrinsics;
+use imaging::rays::Hit;
+use imaging::vector::DVec3;
+use imaging::{Plane, Rgb};
+use optics::range::is_hole;
+
+/// A place belongs to a pixel whose range is within this share of its distance.
+const SAME_PLACE: f64 = 0.03;
+
+/// A surface at one place, by channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Share of the light that it sends back, evenly in all directions, 0..=1.
+    pub reflectance: [f64; 3],
+    /// Radiance that it sends out by itself.
+    pub emitted: [f64; 3],
+}
+
+impl Material {
+    /// A surface that takes all light and sends none.
+    pub const BLACK: Self = Self {
+        reflectance: [0.0; 3],
+        emitted: [0.0; 3],
+    };
+
+    /// A surface that only sends light back.
+    #[must_use]
+    pub fn gray(reflectance: f64) -> Self {
+        Self {
+            reflectance: [reflectance; 3],
+            ..Self::BLACK
+        }
+    }
+
+    /// A black surface that glows.
+    #[must_use]
+    pub fn glowing(radiance: f64) -> Self {
+        Self {
+            emitted: [radiance; 3],
+            ..Self::BLACK
+        }
+    }
+}
+
+/// The surfaces of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Surfaces<'a> {
+    /// One material for each number of an object, from 0 on.
+    ByObject(Vec<Material>),
+    /// What the picture of a camera at the origin shows.
+    Picture(Picture<'a>),
+}
+
+/// A picture that surfaces take their light from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture<'a> {
+    /// Linear radiance in air, white = 1.
+    pub radiance: &'a Rgb<f32>,
+    /// Range of its pixels, m.
+    pub range: &'a Plane<f32>,
+    /// The camera.
+    pub camera: Intrinsics,
+    /// Factor of the radiance by itself, for each channel.
+    pub gain: [f64; 3],
+    /// Whether lamps light it, too: then the radiance, at most 1, stands for the reflectance.
+    pub reflects: bool,
+    /// Of places that the camera does not see: the mean of those it does.
+    mean: [f64; 3],
+}
+
+impl<'a> Picture<'a> {
+    /// The surfaces of a picture with the range of its pixels.
+    #[must_use]
+    pub fn new(
+        radiance: &'a Rgb<f32>,
+        range: &'a Plane<f32>,
+        camera: Intrinsics,
+        gain: [f64; 3],
+        reflects: bool,
+    ) -> Self {
+        let seen = range.data().iter().filter(|&&z| !is_hole(z)).count().max(1) as f64;
+        let mean = radiance.planes().each_ref().map(|plane| {
+            let lit = plane
+                .data()
+                .iter()
+                .zip(range.data())
+                .filter(|(_, z)| !is_hole(**z));
+            lit.map(|(&j, _)| f64::from(j)).sum::<f64>() / seen
+        });
+        Self {
+            radiance,
+            range,
+            camera,
+            gain,
+            reflects,
+            mean,
+        }
+    }
+
+    fn at(&self, place: DVec3) -> Material {
+        let air = self.pixel(place).map_or(self.mean, |(x, y)| {
+            self.radiance
+                .planes()
+                .each_ref()
+                .map(|plane| f64::from(plane.pixel(x, y)))
+        });
+        Material {
+            reflectance: if self.reflects {
+                air.map(|j| j.clamp(0.0, 1.0))
+            } else {
+                [0.0; 3]
+            },
+            emitted: [0, 1, 2].map(|i| air[i] * self.gain[i]),
+        }
+    }
+
+    /// The pixel that shows a place.
+    fn pixel(&self, place: DVec3) -> Option<(usize, usize)> {
+        let (width, height) = self.range.size();
+        let index = |offset: f64, center: f64, count: usize| {
+            let at = (self.camera.focal_px * offset / place.z + center).round();
+            (at >= 0.0 && at < count as f64).then_some(at as usize)
+        };
+        if place.z <= 0.0 {
+            return None;
+        }
+        let x = index(place.x, self.camera.cx, width)?;
+        let y = index(place.y, self.camera.cy, height)?;
+        let (range, distance) = (f64::from(self.range.pixel(x, y)), place.length());
+        ((range - distance).abs() <= SAME_PLACE * distance).then_some((x, y))
+    }
+}
+
+impl Surfaces<'_> {
+    /// The surface that a ray met at a place.
+    #[must_use]
+    pub fn at(&self, hit: &Hit, place: DVec3) -> Material {
+        match self {
+            Self::ByObject(materials) => materials
+                .get(hit.object as usize)
+                .copied()
+                .unwrap_or(Material::BLACK),
+            Self::Picture(picture) => picture.at(place),
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! One path from the camera to the light.
+
+mod light;
+
+use imaging::random::Stream;
+use imaging::rays::leaving;
+use imaging::vector::DVec3;
+
+use crate::dice::{Address, Dice};
+use crate::phase::{about, versine};
+use crate::scene::{Along, End, Met, Scene};
+use crate::sea::fresnel;
+
+/// Light is kept apart by how often the water scattered it: never, once, more often.
+pub const ORDERS: usize = 3;
+/// A path of more segments is cut, and counted.
+pub const MOST_SEGMENTS: usize = 2000;
+/// Paths that weigh less play roulette.
+const LIGHT: f64 = 0.1;
+
+/// What one path says of the radiance of N channels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tally<const N: usize> {
+    /// By order of scattering.
+    pub orders: [[f64; N]; ORDERS],
+    /// Whether it was ended by a limit: its light is then too little.
+    pub is_cut: bool,
+}
+
+/// A path under way. With one channel it is split at its first segment: what a surface sends there is added without noise. With
+/// several, distances are those of a leading channel, and each weighs by the mean density of all (balance heuristic, Veach 1995).
+struct Walk<'s, const N: usize> {
+    scene: &'s Scene<'s>,
+    channels: [usize; N],
+    /// Which of the channels gives the distances.
+    leading: usize,
+    /// Light of each channel over the mean density.
+    weight: [f64; N],
+    /// Density of each channel over their mean.
+    density: [f64; N],
+    order: usize,
+    orders: [[f64; N]; ORDERS],
+    dice: Dice,
+}
+
+/// How a segment ends for the walk.
+enum Event {
+    /// The water scatters at this distance.
+    Water(f64),
+    /// The end is reached.
+    End,
+}
+
+impl Scene<'_> {
+    /// One path of one channel along a ray: an estimate of its radiance by the order of scattering.
+    #[must_use]
+    pub fn trace(&self, along: Along, stream: Stream, address: Address) -> Tally<1> {
+        let channel = (address.channel as usize).min(2);
+        Walk::new(self, [channel], Dice::new(stream, address)).run(along)
+    }
+
+    /// One path of all channels: its colors belong together, and it takes a third of the time. For attenuations within a factor of
+    /// 3 of each other.
+    #[must_use]
+    pub fn trace_shared(&self, along: Along, stream: Stream, address: Address) -> Tally<3> {
+        let address = Address {
+            channel: 3,
+            ..address
+        };
+        Walk::new(self, [0, 1, 2], Dice::new(stream, address)).run(along)
+    }
+}
+
+impl<'s, const N: usize> Walk<'s, N> {
+    fn new(scene: &'s Scene<'s>, channels: [usize; N], mut dice: Dice) -> Self {
+        let leading = if N == 1 {
+            0
+        } else {
+            (dice.next() * N as f64) as usize
+        };
+        Self {
+            scene,
+            channels,
+            leading,
+            weight: [1.0; N],
+            density: [1.0; N],
+            order: 0,
+            orders: [[0.0; N]; ORDERS],
+            dice,
+        }
+    }
+
+    fn run(mut self, along: Along) -> Tally<N> {
+        let is_cut = self.follow(along);
+        Tally {
+            orders: self.orders,
+            is_cut,
+        }
+    }
+
+    /// Follows the path to its end. Returns whether a limit ended it.
+    fn follow(&mut self, mut along: Along) -> bool {
+        let mut from = 0.0;
+        for segment in 0..MOST_SEGMENTS {
+            let end = self.scene.end(along, from);
+            self.lamps_along(along, &end);
+            let event = if segment == 0 && N == 1 {
+                self.split(along, &end)
+            } else {
+                self.step(along, &end)
+            };
+            let next = match event {
+                None => return false,
+                Some(Event::Water(distance)) => self.scatter(along, distance),
+                Some(Event::End) => self.reflect(along, &end),
+            };
+            let Some(next) = next.filter(|_| self.survives()) else {
+                return false;
+            };
+            (along, from) = next;
+            if self.dice.is_exhausted() {
+                return true;
+            }
+        }
+        true
+    }
+
+    /// The first segment: the end's own light without noise, then one branch.
+    fn split(&mut self, along: Along, end: &End) -> Option<Event> {
+        let passes = self.transmittance(along, end.distance)[0];
+        self.add_end(along, end, [passes; N]);
+        let sent_back = self.sent_back(end)[0];
+        let water = self.scene.water[self.channels[0]];
+        if !self.scene.murk.is_even() {
+            let free = self.free_path(along, end.distance);
+            let event = if free < end.distance {
+                Event::Water(free)
+            } else {
+                Event::End
+            };
+            self.weight[0] *= match event {
+                Event::Water(_) => water.albedo(),
+                Event::End => sent_back,
+            };
+            return (self.weight[0] > 0.0).then_some(event);
+        }
+        let whole = passes * sent_back + (1.0 - passes) * water.albedo();
+        if whole <= 0.0 {
+            return None;
+        }
+        self.weight[0] *= whole;
+        if self.dice.next() * whole < passes * sent_back {
+            return Some(Event::End);
+        }
+        let unit = self.dice.next();
+        let free = -(-unit * (1.0 - passes)).ln_1p() / water.attenuation();
+        Some(Event::Water(free.min(end.distance)))
+    }
+
+    /// A later segment.
+    fn step(&mut self, along: Along, end: &End) -> Option<Event> {
+        let free = self.free_path(along, end.distance);
+        if free < end.distance {
+            self.pass(along, free, |water| [water.scattering, water.attenuation()]);
+            return Some(Event::Water(free));
+        }
+        if matches!(end.met, Met::Nothing) {
+            return None;
+        }
+        self.pass(along, end.distance, |_| [1.0; 2]);
+        self.add_end(along, end, [1.0; N]);
+        let sent_back = self.sent_back(end);
+        self.weight
+            .iter_mut()
+            .zip(sent_back)
+            .for_each(|(weight, back)| *weight *= back);
+        Some(Event::End)
+    }
+
+    /// Weighs an event at a distance: `source` gives the factors of light and of density beside the transmittance.
+    fn pass(&mut self, along: Along, distance: f64, source: impl Fn(&crate::Coefficients) -> [f64; 2]) {
+        if N == 1 {
+            let [light, density] = source(&self.scene.water[self.channels[0]]);
+            self.weight[0] *= if density > 0.0 { light / density } else { 0.0 };
+            return;
+        }
+        let passes = self.transmittance(along, distance);
+        for (i, passes) in passes.into_iter().enumerate() {
+            let [light, density] = source(&self.scene.water[self.channels[i]]);
+            self.weight[i] *= light * passes;
+            self.density[i] *= density * passes;
+        }
+        let mean = self.density.iter().sum::<f64>() / N as f64;
+        let scale = if mean > 0.0 { 1.0 / mean } else { 0.0 };
+        self.weight
+            .iter_mut()
+            .chain(&mut self.density)
+            .for_each(|value| *value *= scale);
+    }
+
+    /// Share of the light of each channel that passes a part of a segment.
+    fn transmittance(&self, along: Along, distance: f64) -> [f64; N] {
+        if distance == f64::INFINITY {
+            return [0.0; N];
+        }
+        let meters = self.scene.murk.meters(along.origin, along.direction, distance);
+        self.channels
+            .map(|channel| (-self.scene.water[channel].attenuation() * meters).exp())
+    }
+
+    /// The distance to where the leading channel is scattered or absorbed: by delta tracking where the water is not even
+    /// (Woodcock et al. 1965).
+    fn free_path(&mut self, along: Along, end: f64) -> f64 {
+        let attenuation = self.scene.water[self.channels[self.leading]].attenuation();
+        if attenuation <= 0.0 {
+            return f64::INFINITY;
+        }
+        let murk = &self.scene.murk;
+        if murk.is_even() {
+            return -(-self.dice.next()).ln_1p() / attenuation;
+        }
+        let most = murk.most();
+        let mut distance = 0.0;
+        while distance < end && !self.dice.is_exhausted() {
+            distance -= (-self.dice.next()).ln_1p() / (attenuation * most);
+            let place = along.origin + along.direction * distance;
+            if distance < end && self.dice.next() * most < murk.factor(place) {
+                return distance;
+            }
+        }
+        f64::INFINITY
+    }
+
+    /// Share of the light that the end of a segment sends back.
+    fn sent_back(&self, end: &End) -> [f64; N] {
+        match &end.met {
+            Met::Nothing => [0.0; N],
+            Met::Surface { material, .. } => self.channels.map(|channel| material.reflectance[channel]),
+            Met::Sea { cosine } => [fresnel(*cosine); N],
+        }
+    }
+
+    /// Goes on from where the water scatters.
+    fn scatter(&mut self, along: Along, distance: f64) -> Option<(Along, f64)> {
+        self.order += 1;
+        let place = along.origin + along.direction * distance;
+        self.sun_on_water(place, along.direction);
+        let phase = &self.scene.phase;
+        let direction = match self.lamp_to_aim_at(place) {
+            Some(toward) => phase.turn(toward, self.dice.pair()),
+            None => phase.turn(along.direction, self.dice.pair()),
+        };
+        let wanted = phase.density(versine(along.direction, direction));
+        self.weigh_aim(place, direction, wanted);
+        let along = Along {
+            origin: place,
+            direction,
+        };
+        Some((along, 0.0))
+    }
+
+    /// Goes on from the end of a segment.
+    fn reflect(&mut self, along: Along, end: &End) -> Option<(Along, f64)> {
+        let place = along.origin + along.direction * end.distance;
+        match (&end.met, &self.scene.sea) {
+            (Met::Surface { hit, .. }, _) => {
+                let normal = DVec3::from(hit.normal);
+                let start = leaving(place.into(), hit.normal);
+                let origin = DVec3::from(start.origin);
+                let direction = match self.lamp_to_aim_at(origin) {
+                    Some(toward) => self.scene.phase.turn(toward, self.dice.pair()),
+                    None => {
+                        let [height, azimuth] = self.dice.pair();
+                        about(normal, 1.0 - (1.0 - height).sqrt(), azimuth)
+                    }
+                };
+                let cosine = normal.dot(direction);
+                self.weigh_aim(origin, direction, cosine.max(0.0) / std::f64::consts::PI);
+                (cosine > 0.0).then_some((Along { origin, direction }, start.from))
+            }
+            (Met::Sea { cosine }, Some(sea)) => {
+                let direction = (along.direction + sea.up * (-2.0 * cosine)).normalized();
+                let along = Along {
+                    origin: place,
+                    direction,
+                };
+                Some((along, 0.0))
+            }
+            _ => None,
+        }
+    }
+
+    /// Half of the directions are drawn about the way to a lamp, chosen evenly: the unit vector there.
+    fn lamp_to_aim_at(&mut self, place: DVec3) -> Option<DVec3> {
+        let lamps = &self.scene.lamps;
+        if !self.aims() || self.dice.next() >= 0.5 {
+            return None;
+        }
+        let chosen = (self.dice.next() * lamps.len() as f64) as usize;
+        let away = lamps[chosen.min(lamps.len() - 1)].place + -place;
+        (away.length() > 0.0).then(|| away.normalized())
+    }
+
+    fn aims(&self) -> bool {
+        let scatters = self
+            .channels
+            .iter()
+            .any(|&channel| self.scene.water[channel].scattering > 0.0);
+        !self.scene.lamps.is_empty() && scatters
+    }
+
+    /// Weighs a direction that was drawn from both densities; `wanted` is the one of the light.
+    fn weigh_aim(&mut self, place: DVec3, direction: DVec3, wanted: f64) {
+        if !self.aims() {
+            return;
+        }
+        let lamps = &self.scene.lamps;
+        let toward = |lamp: &crate::Lamp| {
+            let away = lamp.place + -place;
+            let density = |toward| self.scene.phase.density(versine(toward, direction));
+            if away.length() > 0.0 {
+                density(away.normalized())
+            } else {
+                wanted
+            }
+        };
+        let aimed = lamps.iter().map(toward).sum::<f64>() / lamps.len() as f64;
+        let factor = wanted / (0.5 * wanted + 0.5 * aimed);
+        self.weight.iter_mut().for_each(|weight| *weight *= factor);
+    }
+
+    /// Roulette.
+    fn survives(&mut self) -> bool {
+        let most = self.weight.iter().copied().fold(0.0, f64::max);
+        if most >= LIGHT {
+            return true;
+        }
+        if self.dice.next() * LIGHT >= most {
+            return false;
+        }
+        self.weight.iter_mut().for_each(|weight| *weight *= LIGHT / most);
+        true
+    }
+}

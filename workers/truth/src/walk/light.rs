@@ -1,0 +1,164 @@
+//! The light that a path collects.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use imaging::rays::leaving;
+use imaging::vector::DVec3;
+
+use super::{ORDERS, Walk};
+use crate::lamp::Lamp;
+use crate::phase::versine;
+use crate::scene::{Along, End, Met};
+use crate::sea::fresnel;
+
+impl<const N: usize> Walk<'_, N> {
+    /// Adds light of the present order, for each channel, times the weight of the path.
+    fn add(&mut self, order: usize, light: [f64; N]) {
+        let sums = &mut self.orders[order.min(ORDERS - 1)];
+        for i in 0..N {
+            sums[i] += self.weight[i] * light[i];
+        }
+    }
+
+    /// Adds what every lamp scatters once into a segment, at one place each, drawn evenly in the angle at the lamp (Kulla and
+    /// Fajardo 2012).
+    pub(super) fn lamps_along(&mut self, along: Along, end: &End) {
+        if !self.aims() {
+            return;
+        }
+        let scene = self.scene;
+        for lamp in &scene.lamps {
+            let unit = self.dice.next();
+            if let Some(light) = self.lamp_along(lamp, along, end.distance, unit) {
+                self.add(self.order + 1, light);
+            }
+        }
+    }
+
+    fn lamp_along(&self, lamp: &Lamp, along: Along, end: f64, unit: f64) -> Option<[f64; N]> {
+        let Along { origin, direction } = along;
+        let away = lamp.place + -origin;
+        let nearest = direction.dot(away);
+        let offset = (away.dot(away) - nearest * nearest)
+            .max(0.0)
+            .sqrt()
+            .max(lamp.radius_m);
+        let from = (-nearest / offset).atan();
+        let to = if end.is_finite() {
+            ((end - nearest) / offset).atan()
+        } else {
+            FRAC_PI_2
+        };
+        let beyond = offset * (from + unit * (to - from)).tan();
+        let distance = nearest + beyond;
+        if !(0.0..=end).contains(&distance) {
+            return None;
+        }
+        let place = origin + direction * distance;
+        let (reach, toward) = self.unblocked(lamp, place, 0.0)?;
+        let profile = lamp.profile(-toward);
+        if profile <= 0.0 {
+            return None;
+        }
+        let gap = reach.max(lamp.radius_m);
+        let sine = (lamp.radius_m / gap).min(1.0);
+        let cone = 1.0 - (1.0 - sine * sine).sqrt();
+        let scattered = self.scene.phase.density_toward(versine(toward, direction), cone);
+        let murk = &self.scene.murk;
+        let meters = murk.meters(origin, direction, distance) + murk.meters(place, toward, gap);
+        let stretch = (to - from) * (offset * offset + beyond * beyond) / offset;
+        let shape = murk.factor(place) * scattered * profile * stretch / (gap * gap);
+        Some(self.channels.map(|channel| {
+            let water = self.scene.water[channel];
+            water.scattering * lamp.intensity[channel] * shape * (-water.attenuation() * meters).exp()
+        }))
+    }
+
+    /// Distance and direction to a lamp that nothing hides.
+    fn unblocked(&self, lamp: &Lamp, place: DVec3, from: f64) -> Option<(f64, DVec3)> {
+        let away = lamp.place + -place;
+        let reach = away.length();
+        if reach <= 0.0 {
+            return None;
+        }
+        let toward = away * (1.0 / reach);
+        (!self.scene.is_blocked(place, toward, from, reach)).then_some((reach, toward))
+    }
+
+    /// Adds the light that the end of a segment sends, of the present order. `passes` is the share of it that arrives.
+    pub(super) fn add_end(&mut self, along: Along, end: &End, passes: [f64; N]) {
+        let light = match &end.met {
+            Met::Nothing => return,
+            Met::Sea { cosine } => {
+                let through = 1.0 - fresnel(*cosine);
+                let sky = self.scene.sea.as_ref().map_or([0.0; 3], |sea| sea.sky);
+                self.channels.map(|channel| through * sky[channel])
+            }
+            Met::Surface { hit, material } => {
+                let place = along.origin + along.direction * end.distance;
+                let mut light = self.channels.map(|channel| material.emitted[channel]);
+                if self
+                    .channels
+                    .iter()
+                    .any(|&channel| material.reflectance[channel] > 0.0)
+                {
+                    let irradiance = self.irradiance(place, hit.normal);
+                    for i in 0..N {
+                        light[i] += material.reflectance[self.channels[i]] / PI * irradiance[i];
+                    }
+                }
+                light
+            }
+        };
+        let arrives: [f64; N] = std::array::from_fn(|i| light[i] * passes[i]);
+        self.add(self.order, arrives);
+    }
+
+    /// The light of lamps and sun that falls on a surface.
+    fn irradiance(&self, place: DVec3, normal: [f64; 3]) -> [f64; N] {
+        let start = leaving(place.into(), normal);
+        let (origin, normal) = (DVec3::from(start.origin), DVec3::from(normal));
+        let mut sum = self
+            .sun(origin, start.from)
+            .map_or([0.0; N], |(light, direction)| {
+                let facing = normal.dot(direction).max(0.0);
+                light.map(|light| light * facing)
+            });
+        for lamp in &self.scene.lamps {
+            let Some((reach, toward)) = self.unblocked(lamp, origin, start.from) else {
+                continue;
+            };
+            let gap = reach.max(lamp.radius_m);
+            let facing = normal.dot(toward).max(0.0) * lamp.profile(-toward) / (gap * gap);
+            let meters = self.scene.murk.meters(origin, toward, gap);
+            for (sum, &channel) in sum.iter_mut().zip(&self.channels) {
+                let passes = (-self.scene.water[channel].attenuation() * meters).exp();
+                *sum += lamp.intensity[channel] * facing * passes;
+            }
+        }
+        sum
+    }
+
+    /// Adds the light of the sun that the water scatters at a place toward where the path came from.
+    pub(super) fn sun_on_water(&mut self, place: DVec3, came: DVec3) {
+        if let Some((light, direction)) = self.sun(place, 0.0) {
+            let scattered = self.scene.phase.density(versine(direction, came));
+            self.add(self.order, light.map(|light| light * scattered));
+        }
+    }
+
+    /// Irradiance of the sun at right angles to it at a place, and where it stands; none in the shadow and without a sun.
+    fn sun(&self, place: DVec3, from: f64) -> Option<([f64; N], DVec3)> {
+        let sea = self.scene.sea.as_ref()?;
+        let sun = sea.sun.as_ref()?;
+        let distance = sea.distance(place, sun.direction)?;
+        if self.scene.is_blocked(place, sun.direction, from, distance) {
+            return None;
+        }
+        let meters = self.scene.murk.meters(place, sun.direction, distance);
+        let light = self.channels.map(|channel| {
+            sun.irradiance[channel] * (-self.scene.water[channel].attenuation() * meters).exp()
+        });
+        Some((light, sun.direction))
+    }
+}

@@ -1,0 +1,233 @@
+//! Reference vectors of truth: every folder `mc-…` under `tests/vectors/realism`, and under `realism/` of each path in
+//! `FATHOM_GOLDEN_EXTRA`. Both sides have noise: values agree within four standard errors.
+
+use std::path::{Path, PathBuf};
+
+use crate::support::{Mean, Solid, Solids, along, radiance, scene, water};
+use imaging::codec::{self, NpyValues};
+use imaging::geometry::Intrinsics;
+use imaging::vector::vec3;
+use serde_json::Value;
+use truth::{Along, FournierForand, Lamp, Material, Phase, Sea};
+
+struct Case {
+    folder: PathBuf,
+    parameters: Value,
+}
+
+impl Case {
+    fn read(folder: &Path) -> Self {
+        let text = std::fs::read_to_string(folder.join("params.json")).expect("params.json");
+        Self {
+            folder: folder.to_owned(),
+            parameters: serde_json::from_str(&text).expect("JSON"),
+        }
+    }
+
+    fn number(&self, pointer: &str) -> f64 {
+        let value = self.parameters.pointer(pointer).and_then(Value::as_f64);
+        value.unwrap_or_else(|| panic!("{}: {pointer}", self.folder.display()))
+    }
+
+    fn triple(&self, pointer: &str) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.number(&format!("{pointer}/{i}")))
+    }
+
+    fn array(&self, name: &str) -> Vec<f64> {
+        let bytes = std::fs::read(self.folder.join(format!("{name}.npy"))).expect("an array");
+        match codec::decode_npy(&bytes).expect("NPY").values {
+            NpyValues::F64(values) => values,
+            _ => panic!("{name} is not f64"),
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        Phase::fournier_forand(FournierForand {
+            index: self.number("/phase_parameters/n"),
+            slope: self.number("/phase_parameters/mu"),
+        })
+    }
+
+    fn water(&self) -> truth::Coefficients {
+        water(self.number("/absorption"), self.number("/scattering"))
+    }
+
+    /// Checks means against an array and its standard errors.
+    fn agrees(&self, means: &[Mean], name: &str, errors: &str) {
+        let (values, errors) = (self.array(name), self.array(errors));
+        assert_eq!(means.len(), values.len());
+        let pairs = means.iter().zip(values.iter().zip(&errors));
+        for (i, (mean, (value, error))) in pairs.clone().enumerate() {
+            mean.agrees(*value, *error, &format!("{} {name} {i}", self.folder.display()));
+        }
+        let square = pairs.map(|(mean, (value, error))| {
+            (mean.mean - value).powi(2) / (mean.error.powi(2) + error.powi(2)).max(1e-30)
+        });
+        let chi = square.sum::<f64>() / means.len() as f64;
+        println!("   {} {name}: χ² {chi:.2}", self.folder.display());
+    }
+}
+
+fn slab(case: &Case) {
+    let (albedo, depth) = (case.number("/albedo"), case.number("/optical_thickness"));
+    let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(depth)]);
+    let sides = [0, 1].map(|side| {
+        let mut materials = vec![Material::BLACK; 2];
+        materials[side] = Material::glowing(1.0);
+        let phase = Phase::henyey_greenstein(case.number("/g"));
+        let scene = scene(&solids, materials, water(1.0 - albedo, albedo), phase);
+        radiance(&scene, along([0.0, 0.0, 1.0]), 10 + side as u64, 50_000)
+    });
+    let direct = sides[1][0];
+    case.agrees(&[sides[0][3], sides[1][3], direct], "mean", "standard_error");
+}
+
+fn pole(case: &Case) {
+    let (near, far) = (case.number("/pole_z"), case.number("/wall_z"));
+    let half = case.number("/pole_half_width_tan") * near;
+    let solids = Solids(vec![Solid::Plate { z: near, half }, Solid::Wall(far)]);
+    let places = case.array("tan_x");
+    for (name, side) in [("near", 0), ("far", 1)] {
+        let mut materials = vec![Material::BLACK; 2];
+        materials[side] = Material::glowing(1.0);
+        let scene = scene(&solids, materials, case.water(), case.phase());
+        let ray = |(i, x): (usize, &f64)| radiance(&scene, along([*x, 0.0, 1.0]), i as u64, 20_000)[3];
+        let means: Vec<Mean> = places.iter().enumerate().map(ray).collect();
+        case.agrees(&means, name, &format!("{name}_se"));
+    }
+}
+
+fn light_from_above(case: &Case) {
+    let solids = Solids(Vec::new());
+    let up = vec3(0.0, -1.0, 0.0);
+    let mut scene = scene(&solids, Vec::new(), case.water(), case.phase());
+    scene.sea = Some(Sea {
+        up,
+        depth_m: case.number("/depth_m"),
+        sky: [1.0; 3],
+        sun: None,
+    });
+    let ray = |(i, mu): (usize, &f64)| {
+        let along = along([(1.0 - mu * mu).max(0.0).sqrt(), -mu, 0.0]);
+        radiance(&scene, along, i as u64, 20_000)[3]
+    };
+    let means: Vec<Mean> = case.array("mu").iter().enumerate().map(ray).collect();
+    case.agrees(&means, "radiance", "standard_error");
+}
+
+/// Its single pixels have a heavy tail: blocks of 6 × 6 are compared, and the frame.
+fn lamp_frame(case: &Case) {
+    let (width, height) = (case.number("/width") as usize, case.number("/height") as usize);
+    let (low, high) = (case.triple("/box_lo"), case.triple("/box_hi"));
+    let solids = Solids(vec![
+        Solid::Wall(case.number("/wall_z")),
+        Solid::Block { low, high },
+    ]);
+    let materials = vec![Material::gray(case.number("/albedo")); 2];
+    let mut scene = scene(&solids, materials, case.water(), case.phase());
+    let axis = case.triple("/lamp/direction");
+    scene.lamps = vec![Lamp {
+        place: case.triple("/lamp/position_m").into(),
+        intensity: [case.number("/lamp/intensity"); 3],
+        beam: Some((axis.into(), case.number("/lamp/cone_deg").to_radians().cos())),
+        radius_m: case.number("/lamp_radius_m"),
+    }];
+    let camera = Intrinsics::centered(case.number("/focal_px"), width, height);
+    let pixel = |i: usize| {
+        let along = Along {
+            origin: vec3(0.0, 0.0, 0.0),
+            direction: camera.ray((i % width) as f64, (i / width) as f64).normalized(),
+        };
+        radiance(&scene, along, i as u64, 2048)
+    };
+    let pixels: Vec<_> = (0..width * height).map(pixel).collect();
+    for (name, part) in [("order0", 0), ("order1", 1), ("total", 3)] {
+        let (values, errors) = (case.array(name), case.array(&format!("{name}_se")));
+        let compare = |block: &[usize], what: &str| {
+            let n = block.len() as f64;
+            let mean = |value: &dyn Fn(usize) -> f64| block.iter().map(|&i| value(i)).sum::<f64>() / n;
+            let error = |error: &dyn Fn(usize) -> f64| {
+                block.iter().map(|&i| error(i).powi(2)).sum::<f64>().sqrt() / n
+            };
+            let ours = Mean {
+                mean: mean(&|i| pixels[i][part].mean),
+                error: error(&|i| pixels[i][part].error),
+            };
+            let (stored, spread) = (mean(&|i| values[i]), error(&|i| errors[i]));
+            println!("   {name} {what}: {ours:?}, stored {stored:.6} ± {spread:.6}");
+            // Few paths miss the rare bright ones: a tenth beside the noise.
+            let tail = if part == 0 { 1e-6 } else { 0.1 * stored };
+            ours.agrees(stored, spread.hypot(tail / 4.0), &format!("{name} {what}"));
+        };
+        for corner in 0..12 {
+            let (left, top) = (corner % 4 * 6, corner / 4 * 6);
+            let block: Vec<usize> = (0..36).map(|i| (top + i / 6) * width + left + i % 6).collect();
+            compare(&block, &format!("block {corner}"));
+        }
+        compare(&(0..width * height).collect::<Vec<_>>(), "frame");
+    }
+}
+
+fn cases() -> Vec<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors");
+    let extra = std::env::var("FATHOM_GOLDEN_EXTRA").unwrap_or_default();
+    let extra = extra
+        .split(':')
+        .filter(|path| !path.is_empty())
+        .map(PathBuf::from);
+    let mut found = Vec::new();
+    for place in std::iter::once(own)
+        .chain(extra)
+        .map(|place| place.join("realism"))
+    {
+        let entries =
+            std::fs::read_dir(&place).unwrap_or_else(|error| panic!("{}: {error}", place.display()));
+        let folders = entries.map(|entry| entry.expect("a readable folder").path());
+        found.extend(folders.filter(|path| {
+            let name = path.file_name().and_then(std::ffi::OsStr::to_str);
+            name.is_some_and(|name| name.starts_with("mc-"))
+        }));
+    }
+    found.sort();
+    found
+}
+
+fn pass(kind: &str, check: fn(&Case)) {
+    let all = cases().into_iter().map(|folder| Case::read(&folder));
+    let of_kind: Vec<Case> = all.filter(|case| case.parameters["kind"] == kind).collect();
+    assert!(!of_kind.is_empty(), "no case of kind {kind}");
+    of_kind.iter().for_each(check);
+}
+
+#[test]
+fn golden_slabs_pass() {
+    pass("slab", slab);
+}
+
+#[test]
+fn golden_poles_pass() {
+    pass("pole", pole);
+}
+
+#[test]
+fn golden_light_from_above_passes() {
+    pass("light from above", light_from_above);
+}
+
+#[test]
+fn golden_lamp_frames_pass() {
+    pass("lamp frame", lamp_frame);
+}
+
+#[test]
+fn golden_cases_are_all_of_a_known_kind() {
+    const KINDS: [&str; 4] = ["slab", "pole", "light from above", "lamp frame"];
+    for folder in cases() {
+        let kind = Case::read(&folder).parameters["kind"].clone();
+        assert!(
+            KINDS.iter().any(|known| kind == *known),
+            "{}: {kind}",
+            folder.display()
+        );
+    }
+}
