@@ -38,7 +38,8 @@ static COMMIT_OPERATIONS: LazyLock<Histogram> = LazyLock::new(|| {
     )
     .expect("the name is valid and nobody else's")
 });
-/// How long a transaction gathers: less than a flush to the disk takes.
+/// How long a transaction gathers after one with several operations: less than a flush to the disk takes. Whoever writes alone does
+/// not wait for others that do not come; those that come during a flush share the next one in any case.
 const GATHER: Duration = Duration::from_millis(2);
 
 /// What a change is doing.
@@ -114,9 +115,12 @@ async fn run(
     log: PathBuf,
     mut queue: mpsc::Receiver<Call>,
 ) {
+    let mut are_many = false;
     while let Some(first) = queue.recv().await {
-        if let Err(error) = group(&mut connection, &columns, first, &mut queue).await {
-            tracing::error!(%error, "the catalogue could not commit");
+        let gather = if are_many { GATHER } else { Duration::ZERO };
+        match group(&mut connection, &columns, first, &mut queue, gather).await {
+            Ok(operations) => are_many = operations > 1,
+            Err(error) => tracing::error!(%error, "the catalogue could not commit"),
         }
         fold_in(&mut connection, &log).await;
     }
@@ -135,13 +139,15 @@ async fn fold_in(connection: &mut SqliteConnection, log: &Path) {
     }
 }
 
+/// Carries out a call and those that come with it in one transaction; returns how many.
 async fn group(
     connection: &mut SqliteConnection,
     columns: &Columns,
     first: Call,
     queue: &mut mpsc::Receiver<Call>,
-) -> Result<(), CatalogueError> {
-    let gather_until = Instant::now() + GATHER;
+    gather: Duration,
+) -> Result<usize, CatalogueError> {
+    let gather_until = Instant::now() + gather;
     if let Err(error) = connection.execute("BEGIN IMMEDIATE").await {
         let failure = CatalogueError::from(error);
         refuse(first, &failure).await;
@@ -193,8 +199,9 @@ async fn group(
         // SQLite may have rolled back by itself; then this fails because there is nothing to roll back.
         let _ = connection.execute("ROLLBACK").await;
     }
+    let operations = replies.len();
     replies.into_iter().for_each(|reply| reply(failure.as_ref()));
-    failure.map_or(Ok(()), Err)
+    failure.map_or(Ok(operations), Err)
 }
 
 /// Replies to a caller whose call cannot be carried out.
