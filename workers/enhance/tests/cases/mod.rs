@@ -61,17 +61,26 @@ impl Case {
 /// # Panics
 /// When a folder has no case.
 pub(crate) fn all() -> Vec<Case> {
-    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../enhance/tests/vectors");
-    let extra = env::var(EXTRA).unwrap_or_default();
-    let extra = extra
-        .split(':')
-        .filter(|folder| !folder.is_empty())
-        .map(PathBuf::from);
+    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../enhance/tests/vectors/enhancement");
+    let extra = extra().map(|folder| folder.join("enhancement"));
+    // A folder may hold cases of the water alone.
+    let extra = extra.filter(|folder| folder.join("expected.json").is_file());
     [committed]
         .into_iter()
         .chain(extra)
-        .flat_map(|folder| load(&folder.join("enhancement")))
+        .flat_map(|folder| load(&folder))
         .collect()
+}
+
+/// The extra folders.
+pub(crate) fn extra() -> impl Iterator<Item = PathBuf> {
+    let extra = env::var(EXTRA).unwrap_or_default();
+    let folders: Vec<PathBuf> = extra
+        .split(':')
+        .filter(|folder| !folder.is_empty())
+        .map(PathBuf::from)
+        .collect();
+    folders.into_iter()
 }
 
 fn load(folder: &Path) -> Vec<Case> {
