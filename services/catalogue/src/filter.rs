@@ -38,6 +38,11 @@ pub(crate) fn lowered(number: u64) -> i64 {
     (i128::from(number) - OFFSET) as i64
 }
 
+/// The number that was lowered.
+pub(crate) fn raised(lowered: i64) -> u64 {
+    (i128::from(lowered) + OFFSET) as u64
+}
+
 impl Kind {
     /// Whether it has an order and a mean.
     pub(crate) fn is_number(self) -> bool {

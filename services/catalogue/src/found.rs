@@ -1,11 +1,7 @@
 //! What a record has where a column is stored beside it: values are served from the record, which has a digest. What is stored
 //! beside it is asked by filters and orders.
 
-use std::collections::BTreeSet;
-use std::fmt;
-
-use serde::de::{Deserializer, IgnoredAny, MapAccess, Visitor};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use spec::{Leaf, LeafKind};
 
 /// Where a column's value stands in a record.
@@ -19,49 +15,6 @@ pub(crate) enum Found {
     Warned,
     /// The digest of the artifact of a kind.
     Artifact(String),
-}
-
-/// The members of a record that are asked for. A page reads a hundred records; building all of each would be half of its time.
-#[derive(Default)]
-pub(crate) struct Members(BTreeSet<String>);
-
-impl Members {
-    pub(crate) fn add(&mut self, found: &Found) {
-        let member = match found {
-            Found::Leaf(leaf) => leaf.pointer.split('/').nth(1).unwrap_or_default(),
-            Found::Metric { .. } => "measurements",
-            Found::Warned => "warnings",
-            Found::Artifact(_) => "artifacts",
-        };
-        if !self.0.contains(member) {
-            self.0.insert(member.to_owned());
-        }
-    }
-
-    /// A record with these members alone.
-    pub(crate) fn of(&self, record: &str) -> Result<Value, serde_json::Error> {
-        serde_json::Deserializer::from_str(record).deserialize_map(self)
-    }
-}
-
-impl<'de> Visitor<'de> for &Members {
-    type Value = Value;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a record")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut all: A) -> Result<Value, A::Error> {
-        let mut members = Map::new();
-        while let Some(name) = all.next_key::<String>()? {
-            if self.0.contains(&name) {
-                members.insert(name, all.next_value()?);
-            } else {
-                all.next_value::<IgnoredAny>()?;
-            }
-        }
-        Ok(Value::Object(members))
-    }
 }
 
 impl Found {

@@ -29,6 +29,7 @@ mod migrations;
 mod open;
 mod page;
 mod progress;
+mod reading;
 mod recovery;
 mod restore;
 mod row_digests;

@@ -10,8 +10,9 @@ use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::filter::{Bind, Column, FilterError, Kind, OFFSET};
-use crate::found::{self, Found, Members};
+use crate::filter::{Bind, Column, FilterError, Kind, raised};
+use crate::found;
+use crate::reading::{Place, Reader, Wanted};
 use crate::select::Select;
 use crate::types::{ImageQuery, Page};
 
@@ -84,9 +85,9 @@ struct Question {
     /// The fields of an item.
     fields: Vec<(String, Shown)>,
     /// What filter and order asked: it must be what the record has.
-    compared: Vec<(usize, Kind, Found)>,
-    /// What of the records is needed for both.
-    members: Members,
+    compared: Vec<(usize, Kind, Place)>,
+    /// Reads of a record what is needed for both.
+    reader: Reader,
     /// Where the value of the order's column stands.
     key: Option<usize>,
     /// What a cursor belongs to.
@@ -95,7 +96,7 @@ struct Question {
 
 /// Where a field's value comes from.
 enum Shown {
-    Record(Found),
+    Record(Place),
     Cell(usize, Kind),
 }
 
@@ -113,17 +114,16 @@ impl Question {
         let (filter, dataset) = (query.filter.as_deref(), query.dataset.as_deref());
         let mut selected = columns.of_record();
         let mut fields = Vec::with_capacity(names.len());
-        let mut members = Members::default();
+        let mut wanted = Wanted::default();
         for name in names {
             let column = column(columns, &name)?;
             let shown = match &column.found {
-                Some(found) => Shown::Record(found.clone()),
-                None => Shown::Cell(selected.len(), column.kind),
+                Some(found) => Shown::Record(wanted.add(found)),
+                None => {
+                    selected.push(column.clone());
+                    Shown::Cell(selected.len() - 1, column.kind)
+                }
             };
-            match &shown {
-                Shown::Record(found) => members.add(found),
-                Shown::Cell(..) => selected.push(column),
-            }
             fields.push((name, shown));
         }
         let order = Order::parse(columns, query.order_by.as_deref())?;
@@ -132,8 +132,7 @@ impl Question {
         let mut compared = Vec::new();
         for column in order.column.iter().cloned().chain(asked) {
             if let Some(found) = &column.found {
-                members.add(found);
-                compared.push((selected.len(), column.kind, found.clone()));
+                compared.push((selected.len(), column.kind, wanted.add(found)));
             }
             selected.push(column);
         }
@@ -149,7 +148,7 @@ impl Question {
             sql,
             fields,
             compared,
-            members,
+            reader: wanted.reader(),
             key,
             identity,
         })
@@ -158,9 +157,9 @@ impl Question {
     /// A row as an object; what is missing is left out.
     fn item(&self, row: &SqliteRow) -> Result<Map<String, Value>, CatalogueError> {
         let (about, record) = About::verified(row)?;
-        let record = self.members.of(record)?;
-        for (at, kind, found) in &self.compared {
-            if value(row, *at, *kind)? != found.of(&record) {
+        let record = self.reader.read(record)?;
+        for (at, kind, place) in &self.compared {
+            if value(row, *at, *kind)? != record.at(place) {
                 let what = format!("a parameter or metric of {}/{}", about.job, about.frame);
                 return Err(CatalogueError::damaged(what));
             }
@@ -168,7 +167,7 @@ impl Question {
         let mut item = Map::new();
         for (name, shown) in &self.fields {
             let value = match shown {
-                Shown::Record(found) => found.of(&record),
+                Shown::Record(place) => record.at(place),
                 Shown::Cell(at, kind) => value(row, *at, *kind)?,
             };
             if !value.is_null() {
@@ -267,7 +266,7 @@ pub(crate) fn value(row: &SqliteRow, index: usize, kind: Kind) -> Result<Value, 
     let stored = stored(row, index)?;
     Ok(match (kind, stored.as_i64(), stored.as_f64()) {
         (Kind::Bool, _, Some(number)) => json!(number != 0.0),
-        (Kind::Large, Some(lowered), _) => json!((i128::from(lowered) + OFFSET) as u64),
+        (Kind::Large, Some(lowered), _) => json!(raised(lowered)),
         (Kind::Whole, None, Some(number)) => json!(number as i64),
         _ => stored,
     })
@@ -278,7 +277,7 @@ pub(crate) fn double(row: &SqliteRow, index: usize, kind: Kind) -> Result<Option
     let number = match kind {
         Kind::Large => {
             let lowered: Option<i64> = row.try_get_unchecked(index)?;
-            lowered.map(|lowered| (i128::from(lowered) + OFFSET) as f64)
+            lowered.map(|lowered| raised(lowered) as f64)
         }
         _ => row.try_get_unchecked(index)?,
     };
