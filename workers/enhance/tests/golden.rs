@@ -2,6 +2,8 @@
 //! whole chain from the input.
 
 mod cases;
+#[path = "golden/water.rs"]
+mod water;
 
 use std::fs;
 use std::path::Path;

@@ -1,8 +1,6 @@
 //! IBLA and SUIR against reference pictures of water: those of `vectors/water` and, in each folder of `FATHOM_GOLDEN_EXTRA`, those of
 //! `enhancement/peers.json`. The planes in between are compared beside the methods.
 
-mod cases;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -10,6 +8,8 @@ use enhance::{Method, Variant, run_variant};
 use imaging::Raster;
 use imaging::codec::decode_picture;
 use serde_json::{Map, Value};
+
+use crate::cases;
 
 /// Part of the samples that may be off, each by one code: values beside a rounding tie.
 const ODD_SHARE: f64 = 0.01;
