@@ -37,7 +37,9 @@ class Cases(dict):
         job = {"scene": scene or {"kind": "procedural", "family": family, "seed": len(self) % 41}, "camera": camera,
                "seed": len(self), "metrics": ["entropy", "uiqm"]}
         if water is not None:
-            job["water"] = water
+            # The reference data know no other scattering of the light of lamps.
+            lamps = "position_m" in repr(fields.get("lights"))
+            job["water"] = water | {"multiple": "none"} if lamps else water
         self[name] = job | fields
 
 

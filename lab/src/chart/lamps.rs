@@ -35,6 +35,7 @@ pub(super) fn lighting(width: usize, height: usize, count: usize) -> Option<Ligh
         camera: Intrinsics::centered(focal_px, width, height),
         attenuation: water.direct_attenuation(),
         scattering: water.scattering()?,
+        absorption: None,
         asymmetry: asymmetry_of(water.backscatter_fraction()),
         patches: None,
     })

@@ -121,6 +121,7 @@ fn lighting(lamps: &[Lamp], (width, height): (usize, usize)) -> Lighting {
         camera: Intrinsics::centered(458.0 * width as f64 / FRAME.0 as f64, width, height),
         attenuation: [0.778, 0.546, 0.594],
         scattering: [0.412, 0.447, 0.435],
+        absorption: None,
         asymmetry: 0.919,
         patches: None,
     }

@@ -19,7 +19,7 @@ use crate::node::{Node, float};
 use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
-pub(crate) use across::places;
+pub(crate) use across::{has_lamps, places};
 pub(crate) use names::is_dataset;
 
 /// Walks document and table side by side.

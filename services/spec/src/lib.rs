@@ -69,4 +69,6 @@ pub use shard_member::shard_member;
 pub use suggest::nearest;
 pub use suspended::{Snow, Turbidity};
 pub use vocabulary::Vocabulary;
-pub use water::{Ambient, ForwardScatter, HoleRule, Optics, ScatterModel, ScatterSource, StyleTier, Water};
+pub use water::{
+    Ambient, ForwardScatter, HoleRule, Multiple, Optics, ScatterModel, ScatterSource, StyleTier, Water,
+};

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::check::places;
+use crate::check::{has_lamps, places};
 use crate::node::{Law, LawNode, Node};
 use crate::vocabulary::Vocabulary;
 use crate::water::Optics;
@@ -19,6 +19,9 @@ pub(crate) fn find(document: &Node, written: &Value, vocabulary: &Vocabulary) ->
     }
     if written.pointer("/water/style_tier").is_some() && none_has("style") {
         warnings.push("`water.style_tier` has no effect without `water.style`".to_owned());
+    }
+    if written.pointer("/water/multiple").is_some() && !has_lamps(document) {
+        warnings.push("`water.multiple` has no effect without lamps".to_owned());
     }
     let without_optics = ["range_scale", "depth_m", "ambient", "holes", "turbidity"];
     for name in without_optics.into_iter().filter(|_| none_has("optics")) {

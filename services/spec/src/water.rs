@@ -32,6 +32,8 @@ pub struct Water {
     pub turbidity: Option<Turbidity>,
     /// network, color table, or what the tolerance allows; absent: `net`
     pub style_tier: Option<StyleTier>,
+    /// what becomes of light of lamps that is scattered more than once; absent: `quasi_single`
+    pub multiple: Option<Multiple>,
 }
 
 impl Default for Water {
@@ -46,6 +48,7 @@ impl Default for Water {
             snow: None,
             turbidity: None,
             style_tier: None,
+            multiple: None,
         }
     }
 }
@@ -181,6 +184,16 @@ pub enum Ambient {
     Absolute,
     /// Radiance is multiplied by exp(−K_d h) over its largest channel, as a camera that exposes for the depth shows it.
     Exposed,
+}
+
+/// What becomes of light of lamps that is scattered more than once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
+#[serde(rename_all = "snake_case")]
+pub enum Multiple {
+    /// It is lost.
+    None,
+    /// It is joined to the light that was scattered once or not at all, by the formulas of quasi-single scattering.
+    QuasiSingle,
 }
 
 /// What a pixel without a valid range means.

@@ -20,6 +20,7 @@ fn lighting(lamps: Vec<Lamp>) -> Lighting {
         camera: Intrinsics::centered(458.0, WIDTH, HEIGHT),
         attenuation: [0.778, 0.546, 0.594],
         scattering: [0.412, 0.447, 0.435],
+        absorption: None,
         asymmetry: 0.919,
         patches: None,
     }

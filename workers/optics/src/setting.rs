@@ -144,6 +144,7 @@ fn lighting(lamps: Vec<Lamp>, eye: &Eye, water: Option<&Water>, patches: Option<
         camera: eye.camera,
         attenuation: water.map_or([0.0; 3], Water::direct_attenuation),
         scattering: water.and_then(Water::scattering).unwrap_or([0.0; 3]),
+        absorption: water.and_then(Water::followed_absorption),
         asymmetry: water.map_or(0.0, |water| lamp::asymmetry_of(water.backscatter_fraction())),
         patches: patches.map(|field| field.seen_from(eye)),
     }

@@ -9,7 +9,7 @@ pub use error::WaterError;
 pub use properties::{Properties, properties};
 pub use rules::RULES;
 
-use spec::{HoleRule, Optics, ScatterSource};
+use spec::{HoleRule, Multiple, Optics, ScatterSource};
 
 use derive::Request;
 
@@ -65,6 +65,7 @@ pub struct Water {
     pub(crate) radiance_gain: [f64; 3],
     pub(crate) scatter: Scatter,
     pub(crate) backscatter_fraction: f64,
+    pub(crate) multiple: Option<Multiple>,
     pub(crate) holes: HoleRule,
     pub(crate) derived: Vec<&'static str>,
 }
@@ -127,6 +128,22 @@ impl Water {
     #[must_use]
     pub fn scattering(&self) -> Option<[f64; 3]> {
         self.scattering
+    }
+
+    /// How light of lamps that is scattered more than once is followed; none without lamps.
+    #[must_use]
+    pub fn multiple(&self) -> Option<Multiple> {
+        self.multiple
+    }
+
+    /// Absorption a, 1/m, where light of lamps that is scattered more than once is followed; c − b where it is not given.
+    #[must_use]
+    pub fn followed_absorption(&self) -> Option<[f64; 3]> {
+        let b = self
+            .scattering
+            .filter(|_| self.multiple == Some(Multiple::QuasiSingle))?;
+        let rest = [0, 1, 2].map(|i| (self.direct_attenuation[i] - b[i]).max(0.0));
+        Some(self.absorption.unwrap_or(rest))
     }
 
     /// b_b/b, the share of the scattered light that goes backwards.

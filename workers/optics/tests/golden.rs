@@ -1,11 +1,13 @@
-//! Reference vectors: every folder under `tests/vectors/chain` and `tests/vectors/lamps`, and under `chain/` and `lamps/` of each
-//! path in `FATHOM_GOLDEN_EXTRA`.
+//! Reference vectors: every folder under `tests/vectors/chain`, `tests/vectors/lamps` and `tests/vectors/realism`, and under folders
+//! of the same names in each path in `FATHOM_GOLDEN_EXTRA`.
 //!
 //! A case is `params.json` with a `stage` and arrays in NPY. A stage or parameter that is not known fails, and so does a
-//! place without cases.
+//! place without cases. The cases of realism have a `kind`; those of other kinds are for other tests.
 
 #[path = "golden/case.rs"]
 mod case;
+#[path = "golden/shadows.rs"]
+mod shadows;
 #[path = "golden/stages.rs"]
 mod stages;
 
@@ -51,12 +53,20 @@ fn check(folder: &Path) {
     }
 }
 
-fn pass(kind: &str) {
+fn check_realism(folder: &Path) {
+    let case = Case::open(folder);
+    match case.text("kind").as_str() {
+        "lamp with shadows" => shadows::lamp(&case),
+        _ => {}
+    }
+}
+
+fn pass(kind: &str, check: fn(&Path)) {
     let folders: Vec<PathBuf> = places(kind).iter().flat_map(|place| cases(place)).collect();
     let failed: Vec<&PathBuf> = std::thread::scope(|scope| {
         let checks: Vec<_> = folders
             .iter()
-            .map(|folder| (folder, scope.spawn(|| check(folder))))
+            .map(|folder| (folder, scope.spawn(move || check(folder))))
             .collect();
         checks
             .into_iter()
@@ -68,10 +78,15 @@ fn pass(kind: &str) {
 
 #[test]
 fn golden_chain_cases_pass() {
-    pass("chain");
+    pass("chain", check);
 }
 
 #[test]
 fn golden_lamp_cases_pass() {
-    pass("lamps");
+    pass("lamps", check);
+}
+
+#[test]
+fn golden_realism_cases_pass() {
+    pass("realism", check_realism);
 }

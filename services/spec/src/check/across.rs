@@ -203,7 +203,7 @@ pub(super) fn lists<'a>(document: &'a Node, name: &str) -> Vec<(Place, &'a [Node
 }
 
 /// Whether a frame can have lamps.
-pub(super) fn has_lamps(document: &Node) -> bool {
+pub(crate) fn has_lamps(document: &Node) -> bool {
     lights(document)
         .iter()
         .any(|(_, light)| light.get("position_m").is_some())

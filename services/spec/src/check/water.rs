@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Deserialize;
 
 use super::Checker;
-use super::across::{has_lamps, places};
+use super::{has_lamps, places};
 use crate::invalid::FieldError;
 use crate::node::{Drawn, LawNode, Node};
 use crate::rules::Sight;

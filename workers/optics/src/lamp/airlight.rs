@@ -6,13 +6,16 @@
 
 mod intervals;
 mod rounding;
+mod spread;
 
 use std::sync::LazyLock;
 
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
+use super::beam::Beam;
 use super::beam::Profile;
+use super::multiple::{SATURATION, SWELL};
 use super::nodes::{self, MOST_NODES, Source};
 use super::patches;
 use super::{Lamp, Lighting};
@@ -81,12 +84,7 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
     let (width, height) = range.size();
     let mut glow = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0f32; width * height]);
     let rules = &*RULES;
-    let lamps: Vec<Glow> = lighting
-        .lamps
-        .iter()
-        .map(|lamp| Glow::new(lamp, lighting, order))
-        .filter(|glow| glow.source.strength > 0.0)
-        .collect();
+    let lamps = shining(lighting, |lamp| Some(Glow::new(lamp, lighting, order)));
     let camera = &lighting.camera;
     let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
@@ -108,17 +106,48 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
                 vectorized!(murk_of(lamp, &rays, patches, start, &mut murk));
             }
             if lamp.profile.slope > 0.0 {
-                vectorized!(add::<true>(lamp, &rays, &murk, rules, &mut sum, &mut errors));
+                vectorized!(add::<true, false>(
+                    lamp,
+                    &rays,
+                    &murk,
+                    rules,
+                    &mut sum,
+                    &mut errors
+                ));
+            } else if lighting.absorption.is_some() {
+                vectorized!(add::<false, true>(
+                    lamp,
+                    &rays,
+                    &murk,
+                    rules,
+                    &mut sum,
+                    &mut errors
+                ));
             } else {
-                vectorized!(add::<false>(lamp, &rays, &murk, rules, &mut sum, &mut errors));
+                vectorized!(add::<false, false>(
+                    lamp,
+                    &rays,
+                    &murk,
+                    rules,
+                    &mut sum,
+                    &mut errors
+                ));
             }
         }
-        worst.left = worst.left.max(errors.left);
-        worst.rounding = worst.rounding.max(errors.rounding);
+        worst.include(errors);
         for (plane, sum) in [&mut *red, &mut *green, &mut *blue].into_iter().zip(&sum) {
             plane[at..at + run].copy_from_slice(&sum[..run]);
         }
     }
+    let spots = shining(lighting, |lamp| Glow::spread(lamp, lighting, order));
+    let mut spread = Errors::default();
+    for lamp in &spots {
+        let errors = spread::add(range, lighting, lamp, rules, &mut glow);
+        spread.left += errors.left;
+        spread.rounding += errors.rounding;
+    }
+    worst.left += spread.left;
+    worst.rounding += spread.rounding;
     let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
     Airlight {
         light: Rgb::new(glow.map(plane)).expect("planes of one frame"),
@@ -132,6 +161,20 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
 struct Errors {
     left: f64,
     rounding: f64,
+}
+
+impl Errors {
+    /// Each the greater of both.
+    fn include(&mut self, other: Self) {
+        self.left = self.left.max(other.left);
+        self.rounding = self.rounding.max(other.rounding);
+    }
+}
+
+/// The lamps of a lighting in f32 as far as they shine.
+fn shining(lighting: &Lighting, single: impl Fn(&Lamp) -> Option<Glow>) -> Vec<Glow> {
+    let glows = lighting.lamps.iter().filter_map(single);
+    glows.filter(|glow| glow.source.strength > 0.0).collect()
 }
 
 /// The positive nodes of the rule of 2 · `half` nodes; the others mirror them.
@@ -149,8 +192,11 @@ struct Glow {
     profile: Profile,
     /// (1 − g)² and 4 g, what it grows by with sin² β.
     denominator: [f32; 2],
-    /// Halvings per meter.
+    /// c in halvings per meter; where light that scatters more than once goes along, a.
     attenuation: [f32; 3],
+    /// For light that scatters more than once: b, and a in halvings per meter.
+    scattering: [f32; 3],
+    absorption: [f32; 3],
     /// 4 b I₀ (1 − g²)/(4π) of each channel: both steps from θ to β and from the interval to −1..=1.
     gain: [f32; 3],
     source: Source,
@@ -159,30 +205,63 @@ struct Glow {
     fixed: Option<usize>,
 }
 
+/// The most by which light that is spread exceeds what is only absorbed: e to the power of 0.06 · 8.
+const MOST_SWELL: f64 = SWELL * SATURATION;
+
 impl Glow {
+    /// A lamp whose light arrives as it left; of a point lamp, together with what scatters more than once.
     fn new(lamp: &Lamp, lighting: &Lighting, order: Order) -> Self {
+        match lighting.absorption {
+            Some(a) if lamp.beam == Beam::Point => Self::made(lamp, lighting, (order, a, MOST_SWELL)),
+            _ => Self::made(lamp, lighting, (order, lighting.attenuation, 0.0)),
+        }
+    }
+
+    /// What of the light of a spot is spread on its way, where that is followed.
+    fn spread(lamp: &Lamp, lighting: &Lighting, order: Order) -> Option<Self> {
+        let absorption = lighting.absorption.filter(|_| lamp.beam != Beam::Point)?;
+        let mut glow = Self::made(lamp, lighting, (order, absorption, MOST_SWELL));
+        glow.attenuation = lighting.attenuation.map(|c| c as f32 * HALVINGS);
+        glow.source.slope = lamp.beam.steepest();
+        glow.source.edge = greatest(lighting.attenuation);
+        Some(glow)
+    }
+
+    /// A lamp whose light fades by `least` per meter after it has swollen by the exponential of `swell` at most.
+    fn made(lamp: &Lamp, lighting: &Lighting, (order, least, swell): (Order, [f64; 3], f64)) -> Self {
         let single = |values: [f64; 3]| values.map(|v| v as f32);
         let g = lighting.asymmetry;
-        let strength = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i]);
+        let strength = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i] * swell.exp());
         let constant = 2.0 * (1.0 - g * g) / (4.0 * std::f64::consts::PI);
+        let halvings = single(least.map(|c| c * f64::from(HALVINGS)));
+        let fading = least.into_iter().fold(f64::INFINITY, f64::min);
         Self {
             place: single(lamp.position_m),
             radius: lighting.radius_m as f32,
             before: patches::before(g) as f32,
             profile: lamp.beam.single(),
             denominator: [((1.0 - g) * (1.0 - g)) as f32, (4.0 * g) as f32],
-            attenuation: single(lighting.attenuation.map(|c| c * f64::from(HALVINGS))),
+            attenuation: halvings,
+            scattering: single(lighting.scattering),
+            absorption: halvings,
             gain: single(strength.map(|s| s * constant)),
             source: Source {
-                strength: strength.into_iter().fold(0.0, f64::max),
-                attenuation: lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min),
+                strength: greatest(strength),
+                attenuation: fading,
+                edge: if swell > 0.0 { greatest(least) } else { fading },
+                swelling: if swell > 0.0 {
+                    greatest(lighting.scattering) / SATURATION
+                } else {
+                    0.0
+                },
+                slope: 0.0,
                 asymmetry: g,
                 tolerance: match order {
                     Order::Within(tolerance) => tolerance,
                     Order::Fixed(_) => 0.0,
                 },
             },
-            rounding: Rounding::new(lamp, lighting),
+            rounding: Rounding::new(lamp, lighting, (least, strength)),
             fixed: match order {
                 Order::Within(_) => None,
                 Order::Fixed(nodes) => Some(nodes),
@@ -191,8 +270,12 @@ impl Glow {
     }
 }
 
+fn greatest(values: [f64; 3]) -> f64 {
+    values.into_iter().fold(0.0, f64::max)
+}
+
 #[inline(always)]
-fn add<const SPOT: bool>(
+fn add<const SPOT: bool, const SPREAD: bool>(
     lamp: &Glow,
     rays: &Rays,
     murk: &Murk,
@@ -200,7 +283,7 @@ fn add<const SPOT: bool>(
     sum: &mut [Lanes; 3],
     errors: &mut Errors,
 ) {
-    let (intervals, span) = intervals::<SPOT>(lamp, rays, murk);
+    let (intervals, span) = intervals::<SPOT, false>(lamp, rays, murk);
     if span.to <= span.from {
         return;
     }
@@ -211,7 +294,7 @@ fn add<const SPOT: bool>(
     let rule = &rules[count / 2];
     let mut light = [[0.0f32; RUN]; 3];
     for &node in rule {
-        quadrature::<SPOT>(lamp, &intervals, node, &mut light);
+        quadrature::<SPOT, SPREAD>(lamp, &intervals, node, &mut light);
     }
     let mut most = [0.0f32; RUN];
     for ((sum, light), gain) in sum.iter_mut().zip(&light).zip(lamp.gain) {
@@ -227,7 +310,7 @@ fn add<const SPOT: bool>(
 
 /// Adds the two nodes `±node` of every pixel.
 #[inline(always)]
-fn quadrature<const SPOT: bool>(
+fn quadrature<const SPOT: bool, const SPREAD: bool>(
     lamp: &Glow,
     to: &Intervals,
     [node, weight]: [f32; 2],
@@ -241,8 +324,8 @@ fn quadrature<const SPOT: bool>(
         let at = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
         let above = (cos.mul_add(sin_step, ss), (-sin).mul_add(sin_step, cc));
         let below = ((-cos).mul_add(sin_step, ss), sin.mul_add(sin_step, cc));
-        let [r1, g1, b1] = scattered::<SPOT>(lamp, at, above);
-        let [r2, g2, b2] = scattered::<SPOT>(lamp, at, below);
+        let [r1, g1, b1] = scattered::<SPOT, SPREAD>(lamp, at, above);
+        let [r2, g2, b2] = scattered::<SPOT, SPREAD>(lamp, at, below);
         red[i] = weight.mul_add(r1 + r2, red[i]);
         green[i] = weight.mul_add(g1 + g2, green[i]);
         blue[i] = weight.mul_add(b1 + b2, blue[i]);
@@ -251,7 +334,7 @@ fn quadrature<const SPOT: bool>(
 
 /// The integrand at the angle β of this sine and cosine.
 #[inline(always)]
-fn scattered<const SPOT: bool>(
+fn scattered<const SPOT: bool, const SPREAD: bool>(
     lamp: &Glow,
     [nearest, distance, across, along]: [f32; 4],
     (sin, cos): (f32, f32),
@@ -274,9 +357,35 @@ fn scattered<const SPOT: bool>(
             .min(1.0);
     }
     let path = distance.mul_add(sin * inverse * cubed, nearest);
+    if SPREAD {
+        return swollen(lamp, path).map(|arriving| light * arriving);
+    }
     [
         light * fade(cr, path),
         light * fade(cg, path),
         light * fade(cb, path),
+    ]
+}
+
+/// e^{−c_g L} over a path in meters of mean water, divided by the most that light swells:
+/// `a L − 0.06 x/(1 + x/8) + 0.48 = a L + 3.84/(8 + x)`.
+#[inline(always)]
+fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
+    const LATE: f32 = (MOST_SWELL * SATURATION) as f32 * HALVINGS;
+    let ([ar, ag, ab], [br, bg, bb]) = (lamp.absorption, lamp.scattering);
+    let scale = SATURATION as f32;
+    // The camera lies before the nearest place of the ray: rounding may carry a path of 0 below it.
+    let path = path.max(0.0);
+    let (dr, dg, db) = (
+        br.mul_add(path, scale),
+        bg.mul_add(path, scale),
+        bb.mul_add(path, scale),
+    );
+    // One division for all three.
+    let late = LATE / (dr * dg * db);
+    [
+        fade(1.0, ar.mul_add(path, late * dg * db)),
+        fade(1.0, ag.mul_add(path, late * dr * db)),
+        fade(1.0, ab.mul_add(path, late * dr * dg)),
     ]
 }

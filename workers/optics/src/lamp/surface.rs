@@ -1,15 +1,18 @@
 //! The light of lamps on surfaces.
 
+mod joined;
+
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
-use super::beam::Profile;
+use super::beam::{Beam, Profile};
 use super::{Lamp, Lighting};
 use crate::attenuation::masked;
 use crate::elementary::{HALVINGS, fade};
 use crate::extremes::{brightest, greatest};
 use crate::range::{self, SHORTEST_M};
 use crate::turbidity::{self, RUN};
+use joined::Joined;
 
 /// A Lambertian surface sends back J/π of what falls on it.
 const PER_STERADIAN: f32 = std::f32::consts::FRAC_1_PI;
@@ -32,6 +35,7 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
     let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
     let attenuation = lighting.attenuation.map(|c| c as f32 * HALVINGS);
     let radius = lighting.radius_m as f32;
+    let joined = Joined::new(lighting);
     let sources: Vec<Source> = lighting.lamps.iter().map(Source::new).collect();
     let limits: Vec<Rounding> = lighting
         .lamps
@@ -57,12 +61,24 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
                 vectorized!(murk_of(patches, y, range.row(y), (row, lamp.place), &mut murk));
             }
             let [red, green, blue] = [&mut red, &mut green, &mut blue].map(|plane| plane.row_mut(y));
-            vectorized!(shine(
-                row,
-                *lamp,
-                &murk,
-                [&mut *red, &mut *green, &mut *blue, &mut near, &mut seen],
-            ));
+            let mut to = [red, green, blue, &mut near, &mut seen];
+            match joined {
+                None => vectorized!(shine(row, *lamp, &murk, to.each_mut().map(|lane| &mut **lane))),
+                Some(water) if lamp.is_spot => vectorized!(joined::shine::<true>(
+                    row,
+                    *lamp,
+                    water,
+                    &murk,
+                    to.each_mut().map(|lane| &mut **lane)
+                )),
+                Some(water) => vectorized!(joined::shine::<false>(
+                    row,
+                    *lamp,
+                    water,
+                    &murk,
+                    to.each_mut().map(|lane| &mut **lane)
+                )),
+            }
             lost += limit.within(greatest(&near), greatest(&seen));
         }
         rounding = rounding.max(lost);
@@ -111,8 +127,11 @@ const STEP: f64 = 6e-8;
 /// those of the principal point, ℓ = (|cx| + |cy|)/f of them; the lamp's own to one of |P|. It enters once by n·l, which may be 0
 /// while its error is not, three times by q³, and by the cosine of a spot, whose profile rises by σ = 1/(1 − cos cone) times as
 /// much. 3e-7 is the error of the exponential. That of its exponent x = c m r counts x e^{−x} ≤ 1/e times; in patches the factor m
-/// errs by μ s more. Both brackets grow with q and s, so that their greatest values of a row bound all of its pixels.
+/// errs by μ s more. Both brackets grow with q and s, so that their greatest values of a row bound all of its pixels. Where light
+/// scattered on its way is joined to it, a stands for c, the blurred profile errs by 10 σ δ more, and two more exponentials do, one
+/// of them with r^1.7 in its exponent.
 struct Rounding {
+    is_joined: bool,
     intensity: f64,
     attenuation: f64,
     slope: f64,
@@ -132,9 +151,11 @@ impl Rounding {
             // Of two means of the field, as a share of the least that there may be.
             murk = 2.0 * turbidity::path_rounding(farthest, field.scale_m()) / clearest;
         }
+        let least = lighting.absorption.unwrap_or(lighting.attenuation);
         Self {
+            is_joined: lighting.absorption.is_some(),
             intensity: lamp.intensity.into_iter().fold(0.0, f64::max),
-            attenuation: lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min) * clearest,
+            attenuation: least.into_iter().fold(f64::INFINITY, f64::min) * clearest,
             slope: lamp.beam.slope(),
             lens: (camera.cx.abs() + camera.cy.abs()) / camera.focal_px,
             distance_m: lamp.distance_m(),
@@ -150,8 +171,12 @@ impl Rounding {
         }
         let way = STEP * ((8.0 + self.lens) * s + self.distance_m * q + 1.0);
         let fade = (-self.attenuation / q).exp();
-        let profile = (4.0 + 2.0 * self.slope) * way + (12.0 + 6.0 * self.slope) * STEP + 3e-7;
-        let exponent = (way + 3.0 * STEP + self.murk * s.max(1.0)) / std::f64::consts::E;
+        let mut profile = (4.0 + 2.0 * self.slope) * way + (12.0 + 6.0 * self.slope) * STEP + 3e-7;
+        let mut exponent = (way + 3.0 * STEP + self.murk * s.max(1.0)) / std::f64::consts::E;
+        if self.is_joined {
+            profile += 10.0 * self.slope * way + 8.0 * self.slope * STEP + 1.2e-6;
+            exponent *= 3.7;
+        }
         // Beyond a thousand kilometers the fast form looks no farther.
         self.intensity * (q * q * (fade * profile + exponent) + 1e-12)
     }
@@ -174,6 +199,7 @@ struct Row<'a> {
 /// A lamp in f32.
 #[derive(Clone, Copy)]
 struct Source {
+    is_spot: bool,
     place: [f32; 3],
     profile: Profile,
     intensity: [f32; 3],
@@ -183,6 +209,7 @@ impl Source {
     fn new(lamp: &Lamp) -> Self {
         let single = |values: [f64; 3]| values.map(|v| v as f32);
         Self {
+            is_spot: lamp.beam != Beam::Point,
             place: single(lamp.position_m),
             profile: lamp.beam.single(),
             intensity: single(lamp.intensity),
@@ -256,6 +283,7 @@ fn shine(
         place: [px, py, pz],
         profile,
         intensity: [ir, ig, ib],
+        ..
     }: Source,
     murk: &[f32],
     [red, green, blue, near, seen]: [&mut [f32]; 5],

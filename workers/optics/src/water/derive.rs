@@ -4,7 +4,7 @@
 //! waters up to b Z of about 6. A derived veiling light has the color of daylight at the depth, exp(−K_d h), and by
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
-use spec::{Ambient, ForwardScatter, Optics, ScatterModel};
+use spec::{Ambient, ForwardScatter, Multiple, Optics, ScatterModel};
 
 use super::{Scatter, Spread, Water, WaterError};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
@@ -81,6 +81,7 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
     };
     let scatter = checks.scatter(optics.forward_scatter.as_ref(), &medium);
     checks.lamps(request, scattering.is_some() || !is_complete);
+    let multiple = checks.multiple(request, scattering.is_some() || !is_complete);
     if !checks.errors.is_empty() {
         return Err(checks.errors);
     }
@@ -103,6 +104,7 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
             .backscatter_fraction
             .or(preset.and_then(|p| p.backscatter_fraction))
             .unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
+        multiple,
         holes: water.holes,
         derived: checks.derived,
     })
@@ -206,6 +208,16 @@ impl Checks {
             let reason = "the glow of the water before the lamps comes from it";
             self.missing("scattering_per_m", reason);
         }
+    }
+
+    /// How light of lamps that scatters more than once is followed. b is what it takes; a is what c leaves beside it.
+    fn multiple(&mut self, request: &Request<'_>, scatters: bool) -> Option<Multiple> {
+        let asked = request.water.multiple;
+        if asked == Some(Multiple::QuasiSingle) && !scatters && !request.lamps {
+            let reason = "`multiple` \"quasi_single\" follows light by a and b apart";
+            self.missing("scattering_per_m", reason);
+        }
+        request.lamps.then(|| asked.unwrap_or(Multiple::QuasiSingle))
     }
 
     /// exp(−K_d h) where depth and K_d are known; an error where ambient light asks for it and they are not.

@@ -31,7 +31,7 @@ fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
 /// The error with the place of its field below `water`.
 fn fault(error: &WaterError) -> Fault {
     let path = match error.field() {
-        field @ ("range_scale" | "depth_m" | "ambient" | "holes") => vec![field],
+        field @ ("range_scale" | "depth_m" | "ambient" | "holes" | "multiple") => vec![field],
         field @ ("model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source") => {
             vec!["optics", "forward_scatter", field]
         }

@@ -58,21 +58,26 @@ pub(crate) struct Array {
 }
 
 impl Case {
+    /// A case of which every parameter is known.
     pub(crate) fn read(folder: &Path) -> Self {
-        let path = folder.join("params.json");
-        let text =
-            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        let parameters: Map<String, Value> = serde_json::from_str(&text).expect("params.json is an object");
-        for key in parameters.keys() {
+        let case = Self::open(folder);
+        for key in case.parameters.keys() {
             assert!(
                 KNOWN.contains(&key.as_str()),
                 "{}: parameter `{key}` is not known",
-                path.display()
+                folder.display()
             );
         }
+        case
+    }
+
+    pub(crate) fn open(folder: &Path) -> Self {
+        let path = folder.join("params.json");
+        let text =
+            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         Self {
             folder: folder.to_owned(),
-            parameters,
+            parameters: serde_json::from_str(&text).expect("params.json is an object"),
         }
     }
 

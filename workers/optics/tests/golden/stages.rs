@@ -371,6 +371,7 @@ pub(crate) fn airlight(case: &Case) {
         },
         attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
         scattering,
+        absorption: None,
         asymmetry: case.number("hg_g").expect("an asymmetry"),
         patches: None,
     };

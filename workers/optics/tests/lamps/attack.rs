@@ -19,7 +19,7 @@ struct Case {
     lighting: Lighting,
 }
 
-fn case(seed: u64) -> Case {
+fn case(seed: u64, multiple: bool) -> Case {
     let stream = Stream::stage(seed, "lamps");
     let unit = |what: u64| stream.unit(0, what);
     let between = |what: u64, least: f64, most: f64| least + (most - least) * unit(what);
@@ -91,6 +91,7 @@ fn case(seed: u64) -> Case {
             camera,
             attenuation: [1.5, 1.1, 1.2].map(|c| c * scattering),
             scattering: [scattering; 3],
+            absorption: multiple.then(|| [0.5, 0.1, 0.2].map(|a| a * scattering)),
             asymmetry: between(11, -0.3, 0.98),
             patches: (unit(12) < 0.3).then(|| Field::new(&patches, world)),
         },
@@ -114,26 +115,28 @@ fn closest(bounds_and_errors: impl Iterator<Item = (u64, f64, f64)>) -> f64 {
 
 #[test]
 fn no_light_on_surfaces_errs_by_more_than_its_rounding() {
-    let frames = (0..FRAMES).map(|seed| {
-        let Case { range, lighting } = case(seed);
-        let normals = lamp::normals_of(&range, &lighting.camera);
-        let fast = lamp::irradiance(&range, &normals, &lighting);
-        let error = worst(
-            &fast.light,
-            &lamp::irradiance_reference(&exact(&range), &normals, &lighting),
-        );
-        (seed, fast.rounding, error)
-    });
-    let closest = closest(frames);
-    assert!(closest > 0.03, "the lamps are no attack: {closest}");
+    for multiple in [false, true] {
+        let frames = (0..FRAMES).map(|seed| {
+            let Case { range, lighting } = case(seed, multiple);
+            let normals = lamp::normals_of(&range, &lighting.camera);
+            let fast = lamp::irradiance(&range, &normals, &lighting);
+            let error = worst(
+                &fast.light,
+                &lamp::irradiance_reference(&exact(&range), &normals, &lighting),
+            );
+            (seed, fast.rounding, error)
+        });
+        let closest = closest(frames);
+        assert!(closest > 0.03, "the lamps are no attack: {closest}");
+    }
 }
 
 #[test]
 fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
     // With the smaller one the quadrature leaves little beside the rounding.
-    for tolerance in [7.5e-5, 1e-12] {
+    for (tolerance, multiple) in [(7.5e-5, false), (1e-12, false), (7.5e-5, true), (1e-12, true)] {
         let frames = (0..FRAMES).map(|seed| {
-            let Case { range, lighting } = case(seed);
+            let Case { range, lighting } = case(seed, multiple);
             let reference = lamp::airlight_reference(&exact(&range), &lighting, REFERENCE_NODES);
             let fast = lamp::airlight(&range, &lighting, tolerance);
             let error = worst(&fast.light, &reference);
@@ -157,6 +160,7 @@ fn the_rounding_of_an_ordinary_frame_is_a_millionth_of_its_light() {
         camera: Intrinsics::centered(60.0, 64, 48),
         attenuation: [0.5, 0.3, 0.3],
         scattering: [0.2; 3],
+        absorption: None,
         asymmetry: 0.9,
         patches: None,
     };

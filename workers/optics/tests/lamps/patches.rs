@@ -45,6 +45,7 @@ fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), patches: Option<F
         camera: Intrinsics::centered(0.6 * width as f64, width, height),
         attenuation: ATTENUATION,
         scattering: SCATTERING,
+        absorption: None,
         asymmetry: ASYMMETRY,
         patches,
     }

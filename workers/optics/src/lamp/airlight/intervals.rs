@@ -79,6 +79,10 @@ pub(super) struct Intervals {
     /// cos of the angle to the axis: `across · cos θ + along · sin θ`.
     pub(super) across: Lanes,
     pub(super) along: Lanes,
+    /// The part of the axis that is at right angles to the plane of ray and lamp.
+    pub(super) out: Lanes,
+    /// Where the ray begins, in β.
+    pub(super) from: Lanes,
 }
 
 /// How murky the water is on the rays of a run, see [`glow_within`](super::glow_within).
@@ -133,8 +137,13 @@ pub(super) fn murk_of(
     }
 }
 
+/// The intervals of a run, of a spot within its cone, or as a `WHOLE` from the camera to the end.
 #[inline(always)]
-pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk) -> (Intervals, Span) {
+pub(super) fn intervals<const SPOT: bool, const WHOLE: bool>(
+    lamp: &Glow,
+    rays: &Rays,
+    murk: &Murk,
+) -> (Intervals, Span) {
     let empty = [0.0f32; RUN];
     let mut to = Intervals {
         nearest: empty,
@@ -145,6 +154,8 @@ pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk)
         scale: empty,
         across: empty,
         along: empty,
+        out: empty,
+        from: empty,
     };
     let (mut first, mut last, mut least, mut near, mut met) = (empty, empty, empty, empty, empty);
     let ([ax, ay, az], cone) = (lamp.profile.axis, lamp.profile.cos_cone);
@@ -175,12 +186,18 @@ pub(super) fn intervals<const SPOT: bool>(lamp: &Glow, rays: &Rays, murk: &Murk)
             let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
             let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) / distance;
             let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
+            if WHOLE {
+                to.out[i] = ax.mul_add(mx, ay.mul_add(my, az * mz)) / distance;
+                to.from[i] = from;
+            }
             let most = across.mul_add(across, along * along).sqrt();
             let share = (cone / most.max(1e-9)).min(1.0);
             let half = 0.5 * angle((1.0 - share * share).max(0.0).sqrt(), share.max(1e-9));
             let middle = 0.5 * (full_angle(along, across) + std::f32::consts::FRAC_PI_2);
-            from = from.max(middle - half);
-            end = end.min(middle + half);
+            if !WHOLE {
+                from = from.max(middle - half);
+                end = end.min(middle + half);
+            }
             (to.across[i], to.along[i]) = (across, along);
         }
         let half = (0.5 * (end - from)).max(0.0);

@@ -41,16 +41,16 @@ pub(super) struct Rounding {
 }
 
 impl Rounding {
-    pub(super) fn new(lamp: &Lamp, lighting: &Lighting) -> Self {
+    /// Of a lamp whose light fades by `least` per meter and is of the given strength in each channel.
+    pub(super) fn new(lamp: &Lamp, lighting: &Lighting, (least, strength): ([f64; 3], [f64; 3])) -> Self {
         let camera = &lighting.camera;
         let lost = |place: f64| (place - f64::from(place as f32)).abs();
         let lens = (lost(camera.cx) + lost(camera.cy)) / camera.focal_px;
         let distance_m = lamp.distance_m();
-        let strengths = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i]);
         Self {
-            strength: strengths.into_iter().fold(0.0, f64::max),
+            strength: strength.into_iter().fold(0.0, f64::max),
             attenuation: [
-                lighting.attenuation.into_iter().fold(f64::INFINITY, f64::min),
+                least.into_iter().fold(f64::INFINITY, f64::min),
                 lighting.attenuation.into_iter().fold(0.0, f64::max),
             ],
             asymmetry: lighting.asymmetry,

@@ -1,0 +1,109 @@
+//! What stands between a lamp and a place.
+//!
+//! A lamp is a point, or a sphere of which N places are seen: those of a disc about its center across the way to it, at the radii
+//! `R sqrt((k + 1/2)/N)` and the angles 2.399963229728653 k, the golden angle, in the frame of Duff et al. (2017) about the way. The
+//! share of them that is seen has steps of 1/N. Nothing is drawn at random, so that a shadow does not flicker.
+
+use imaging::rays::{Rays, Start};
+use imaging::vector::dot;
+
+/// The golden angle.
+const TURN: f64 = 2.399_963_229_728_653;
+/// Places of the disc that light scattered on its way comes from.
+pub(super) const SPREAD_PLACES: usize = 16;
+
+/// How things cut off the light of a lamp.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Shadow {
+    /// Not at all.
+    #[default]
+    None,
+    /// With sharp edges: the lamp is a point.
+    Hard,
+    /// With soft edges: the lamp is a sphere.
+    Soft {
+        /// Its radius, m.
+        radius_m: f64,
+        /// Places of it that are looked for.
+        samples: usize,
+    },
+}
+
+impl Shadow {
+    /// Radius and number of the places of a lamp.
+    pub(super) fn disc(self) -> (f64, usize) {
+        match self {
+            Self::None | Self::Hard => (0.0, 1),
+            Self::Soft { radius_m, samples } => (radius_m, samples),
+        }
+    }
+}
+
+/// Place `k` of `count` on a disc of this radius about `middle`, across the unit vector `toward` that leads to it.
+pub(super) fn disc_place(
+    middle: [f64; 3],
+    toward: [f64; 3],
+    radius_m: f64,
+    (k, count): (usize, usize),
+) -> [f64; 3] {
+    let [x, y, z] = toward;
+    let sign = if z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    let first = [1.0 + sign * x * x * a, sign * b, -sign * x];
+    let second = [b, sign + y * y * a, -y];
+    let out = radius_m * ((k as f64 + 0.5) / count as f64).sqrt();
+    let (sin, cos) = (TURN * k as f64).sin_cos();
+    [0, 1, 2].map(|i| middle[i] + out * (cos * first[i] + sin * second[i]))
+}
+
+/// Whether a place is seen from the start of a ray.
+pub(super) fn sees(rays: &dyn Rays, start: Start, place: [f64; 3]) -> bool {
+    let way = [0, 1, 2].map(|i| place[i] - start.origin[i]);
+    let meters = dot(way, way).sqrt();
+    meters <= start.from || !rays.occluded(start.origin, way.map(|v| v / meters), start.from, meters)
+}
+
+/// The share of a disc about `middle` that is seen from the start of a ray.
+pub(super) fn share_seen(
+    rays: &dyn Rays,
+    start: Start,
+    middle: [f64; 3],
+    (radius_m, count): (f64, usize),
+) -> f64 {
+    if radius_m == 0.0 {
+        return if sees(rays, start, middle) { 1.0 } else { 0.0 };
+    }
+    let way = [0, 1, 2].map(|i| middle[i] - start.origin[i]);
+    let meters = dot(way, way).sqrt();
+    if meters <= start.from {
+        return 1.0;
+    }
+    let toward = way.map(|v| v / meters);
+    let seen = (0..count).filter(|&k| sees(rays, start, disc_place(middle, toward, radius_m, (k, count))));
+    seen.count() as f64 / count as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_places_of_a_disc_lie_across_the_way_and_fill_it() {
+        for toward in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, -0.48, 0.64]] {
+            let middle = [1.0, 2.0, -3.0];
+            let places: Vec<_> = (0..64)
+                .map(|k| disc_place(middle, toward, 0.5, (k, 64)))
+                .map(|place| [0, 1, 2].map(|i| place[i] - middle[i]))
+                .collect();
+            for place in &places {
+                assert!(dot(*place, toward).abs() < 1e-12);
+                assert!(dot(*place, *place).sqrt() <= 0.5);
+            }
+            let mean = [0, 1, 2].map(|i| places.iter().map(|place| place[i]).sum::<f64>() / 64.0);
+            assert!(dot(mean, mean).sqrt() < 0.02, "{mean:?}");
+            let inner = places.iter().filter(|place| dot(**place, **place).sqrt() < 0.25);
+            assert_eq!(inner.count(), 16);
+        }
+    }
+}

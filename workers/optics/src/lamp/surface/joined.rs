@@ -1,0 +1,89 @@
+//! The light of a lamp on a row of surfaces, joined by what was scattered on its way.
+
+use super::{Row, Source};
+use crate::elementary::{HALVINGS, fade, power_0_7};
+use crate::lamp::Lighting;
+use crate::lamp::blurred::blurred;
+use crate::lamp::multiple::{MOST_LOSS, SURFACE_SCALE, WIDEST, loss_factor};
+
+/// Of each channel: b in 1/m; a, the factor of κ b and the most of it in halvings per meter.
+#[derive(Clone, Copy)]
+pub(super) struct Joined {
+    scattering: [f32; 3],
+    absorption: [f32; 3],
+    loss: [f32; 3],
+    most_loss: [f32; 3],
+}
+
+impl Joined {
+    /// None where light that scatters more than once is not followed.
+    pub(super) fn new(lighting: &Lighting) -> Option<Self> {
+        let (a, b) = (lighting.absorption?, lighting.scattering);
+        let halvings = |rate: f64| rate as f32 * HALVINGS;
+        Some(Self {
+            scattering: b.map(|b| b as f32),
+            absorption: a.map(halvings),
+            loss: [0, 1, 2].map(|i| halvings(loss_factor(a[i], b[i]))),
+            most_loss: b.map(|b| halvings(MOST_LOSS * b)),
+        })
+    }
+}
+
+const SCALE: [f32; 3] = [
+    SURFACE_SCALE[0] as f32,
+    SURFACE_SCALE[1] as f32,
+    SURFACE_SCALE[2] as f32,
+];
+const FARTHEST: f32 = WIDEST as f32;
+
+/// Adds the light of a lamp, a spot or not, to a row.
+#[inline(always)]
+pub(super) fn shine<const SPOT: bool>(
+    row: Row<'_>,
+    lamp: Source,
+    water: Joined,
+    murk: &[f32],
+    [red, green, blue, near, seen]: [&mut [f32]; 5],
+) {
+    let width = red.len();
+    let [x, y, z, range, shown] = row.places.map(|lane| &lane[..width]);
+    let [nx, ny, nz] = row.normals.map(|lane| &lane[..width]);
+    let murk = &murk[..width];
+    let (near, seen) = (&mut near[..width], &mut seen[..width]);
+    let (green, blue) = (&mut green[..width], &mut blue[..width]);
+    let ([px, py, pz], [ir, ig, ib]) = (lamp.place, lamp.intensity);
+    let ([ax, ay, az], slope, offset) = (lamp.profile.axis, lamp.profile.slope, lamp.profile.offset);
+    for i in 0..width {
+        let (lx, ly, lz) = (px - x[i], py - y[i], pz - z[i]);
+        let distance = lx.mul_add(lx, ly.mul_add(ly, lz * lz)).sqrt().max(row.radius);
+        let inverse = 1.0 / distance;
+        let facing = nx[i].mul_add(lx, ny[i].mul_add(ly, nz[i] * lz)).max(0.0);
+        let fall = facing * shown[i] * (inverse * inverse * inverse);
+        let meters = murk[i] * distance;
+        let power = power_0_7(meters);
+        let (mut cos, mut sin, mut profile) = (0.0, 0.0, 1.0);
+        if SPOT {
+            cos = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
+            // The cross product keeps the sine accurate near the axis.
+            let (cx, cy, cz) = (ay * lz - az * ly, az * lx - ax * lz, ax * ly - ay * lx);
+            sin = cx.mul_add(cx, cy.mul_add(cy, cz * cz)).sqrt() * inverse;
+            profile = slope.mul_add(cos, offset).max(0.0).min(1.0);
+        }
+        let arriving = |channel: usize| {
+            let direct = fade(row.attenuation[channel], meters);
+            let lost = (water.loss[channel] * power).min(water.most_loss[channel]);
+            let joined = (fade(water.absorption[channel] + lost, meters) - direct).max(0.0);
+            let mut blur = 1.0;
+            if SPOT {
+                let x = (water.scattering[channel] * meters).min(FARTHEST);
+                let scale = x.mul_add(x.mul_add(SCALE[2], SCALE[1]), SCALE[0]);
+                blur = blurred([slope, offset], [cos, sin], scale);
+            }
+            blur.mul_add(joined, profile * direct)
+        };
+        (near[i], seen[i]) = (shown[i] * inverse, shown[i] * range[i] * inverse);
+        red[i] = (ir * fall).mul_add(arriving(0), red[i]);
+        green[i] = (ig * fall).mul_add(arriving(1), green[i]);
+        blue[i] = (ib * fall).mul_add(arriving(2), blue[i]);
+    }
+}
