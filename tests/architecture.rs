@@ -15,6 +15,7 @@ const MAP_FOLLOWS: &str = "## Map";
 const PURE: &[&str] = &[
     "workers/imaging",
     "workers/optics",
+    "workers/camera",
     "workers/scenes",
     "workers/enhance",
     "workers/quality",

@@ -55,6 +55,10 @@ pub enum ArtifactKind {
     Boxes,
     /// Opacity of the marine snow in green, 8-bit PNG, 255 = opaque.
     SnowMask,
+    /// Codes of the sensor before anything is made of them.
+    Raw,
+    /// Where the camera looks into the picture that was uploaded, 8-bit PNG, 255 = inside.
+    Valid,
     /// Result of an enhancement method.
     Enhanced(String),
     /// The circular mask of HSCM, 8-bit PNG.
@@ -65,7 +69,7 @@ pub enum ArtifactKind {
 
 impl ArtifactKind {
     /// Every kind with a fixed name; `enhanced.<method>` comes beside them.
-    pub const FIXED: [(&'static str, Self); 18] = [
+    pub const FIXED: [(&'static str, Self); 20] = [
         ("rgb", Self::Rgb),
         ("clean", Self::Clean),
         ("direct", Self::Direct),
@@ -82,6 +86,8 @@ impl ArtifactKind {
         ("findings", Self::Findings),
         ("boxes", Self::Boxes),
         ("snow_mask", Self::SnowMask),
+        ("raw", Self::Raw),
+        ("valid", Self::Valid),
         ("hscm_mask", Self::HscmMask),
         ("preview", Self::Preview),
     ];
@@ -112,6 +118,10 @@ impl ArtifactKind {
                 "camera pose and the objects in view with category, box and visibility: JSON, m and px"
             }
             Self::SnowMask => "opacity of the marine snow in green: 8-bit PNG, 255 = opaque",
+            Self::Raw => {
+                "codes of the sensor: 16-bit PNG, a mosaic or RGB; black, gain and filters are in the record"
+            }
+            Self::Valid => "where the camera looks into the picture: 8-bit PNG, 255 = inside, 0 = beyond",
             Self::Enhanced(_) => "result of the enhancement, 8 bit, in the format of `encode`",
             Self::HscmMask => "circular mask of HSCM: 8-bit PNG",
             Self::Preview => "thumbnail of at most 256 px a side, in the format of `encode`",
@@ -123,6 +133,7 @@ impl ArtifactKind {
     pub fn unit(&self) -> Option<&'static str> {
         match self {
             Self::Range => Some("mm"),
+            Self::Raw => Some("DN"),
             _ => None,
         }
     }
@@ -167,6 +178,8 @@ impl ArtifactKind {
             | Self::Semantics
             | Self::Findings
             | Self::SnowMask
+            | Self::Raw
+            | Self::Valid
             | Self::HscmMask => PNG,
             Self::Direct | Self::ForwardScatter | Self::Backscatter | Self::Transmittance | Self::Normals => {
                 "application/x-npy"
@@ -178,7 +191,7 @@ impl ArtifactKind {
     /// Whether a frame that asks for it may be without it: what the scene lacks, and an enhancement that did not run.
     #[must_use]
     pub fn may_be_absent(&self) -> bool {
-        self.needs().is_some() || matches!(self, Self::Enhanced(_) | Self::HscmMask)
+        self.needs().is_some() || matches!(self, Self::Enhanced(_) | Self::HscmMask | Self::Raw)
     }
 
     /// Whether this is the name of a kind that may become part of paths and file names: the name of a method is a plain

@@ -1,10 +1,18 @@
 //! The camera of a frame, and its way past a procedural scene.
 
+mod lens;
+mod sensor;
+
 use serde::{Deserialize, Serialize};
 use spec_derive::Described;
 
-/// A pinhole camera with square pixels and the principal point in the middle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
+use crate::schema::EXACT;
+
+pub use lens::{Defocus, Distortion, Motion, Port, Rolling, Vignette};
+pub use sensor::{Cfa, Chroma, Exposure, Jpeg, Metering, Sensor, Tone, WhiteBalance};
+
+/// A camera with square pixels and the principal point in the middle: a pinhole, and of a real one what is given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// columns; at most 64 000 000 pixels in all
@@ -19,6 +27,55 @@ pub struct Camera {
     /// a way past a procedural scene; absent: its usual place
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<Path>,
+    /// a camera whose parts the fields below replace; absent: a pinhole without noise
+    #[field(names = Camera)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// seed of the sensor's pattern and noise; absent: the job's
+    #[field(within(0, EXACT))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// frames of the path in a second, for exposure and readout; absent: 25
+    #[field(within(0.1, 1000.0), unit = "1/s")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames_per_s: Option<f64>,
+    /// distortion of the lens; absent: none
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distortion: Option<Distortion>,
+    /// window of the housing; absent: none
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub port: Option<Port>,
+    /// pixels of the scene for each of the picture, along a side; absent: 1
+    #[field(within(1, 3))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub supersample: Option<usize>,
+    /// blur out of focus; absent: none
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub defocus: Option<Defocus>,
+    /// blur of movement; absent: none
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Motion>,
+    /// rolling shutter; absent: all rows at once
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<Rolling>,
+    /// light lost towards the corners; absent: none
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vignette: Option<Vignette>,
+    /// brightness; absent: as the light is
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<Exposure>,
+    /// sensor with its noise; absent: none
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Sensor>,
+    /// white balance; absent: `off`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub white_balance: Option<WhiteBalance>,
+    /// curve from light to codes; absent: `srgb`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tone: Option<Tone>,
+    /// JPEG compression of the picture; absent: none
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jpeg: Option<Jpeg>,
 }
 
 /// A frame's place on the way of a camera.
@@ -61,16 +118,47 @@ pub struct Waypoint {
 }
 
 impl Camera {
+    /// A pinhole camera of these sides and horizontal field of view.
+    #[must_use]
+    pub fn pinhole(width: usize, height: usize, hfov_deg: f64) -> Self {
+        Self {
+            width,
+            height,
+            hfov_deg,
+            path: None,
+            preset: None,
+            seed: None,
+            frames_per_s: None,
+            distortion: None,
+            port: None,
+            supersample: None,
+            defocus: None,
+            motion: None,
+            rolling: None,
+            vignette: None,
+            exposure: None,
+            sensor: None,
+            white_balance: None,
+            tone: None,
+            jpeg: None,
+        }
+    }
+
     /// The camera of a picture of this size and focal length in pixels: the inverse of [`Camera::focal_px`].
     #[must_use]
     pub fn of_picture(width: usize, height: usize, focal_px: f64) -> Self {
         let half = libm::atan(width as f64 / 2.0 / focal_px);
-        Self {
-            width,
-            height,
-            hfov_deg: (2.0 * half).to_degrees(),
-            path: None,
-        }
+        Self::pinhole(width, height, (2.0 * half).to_degrees())
+    }
+
+    /// Whether it is a pinhole without noise: no part of a real camera is given.
+    #[must_use]
+    pub fn is_pinhole(&self) -> bool {
+        let bare = Self {
+            path: self.path,
+            ..Self::pinhole(self.width, self.height, self.hfov_deg)
+        };
+        *self == bare
     }
 
     /// Focal length in pixels: `f = (W/2) / tan(hfov/2)`.

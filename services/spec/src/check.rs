@@ -1,7 +1,9 @@
 //! Checks a description against the table of fields and collects every error.
 
 mod across;
+mod camera;
 pub(crate) mod collection;
+mod extremes;
 mod law;
 mod names;
 mod object;

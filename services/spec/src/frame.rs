@@ -31,7 +31,7 @@ pub struct Frame {
     pub seed: u64,
     /// what the camera would see in air
     pub scene: Scene,
-    /// pinhole camera, principal point in the middle
+    /// pinhole camera, principal point in the middle, or a real one
     #[field(default = {})]
     pub camera: Camera,
     /// the water and its style
@@ -231,7 +231,8 @@ pub enum Fidelity {
     /// kernels of the fast forward scatter
     #[field(within(1, 64))]
     Terms(usize),
-    /// `reference`, the slow f64 form, or `display`, within one code of the 8-bit picture
+    /// `reference`, the slow f64 form; `display`, within one code of the 8-bit picture; or `noise`, within what the sensor's
+    /// noise hides
     #[field(fixed)]
     Variant(Variant),
 }
@@ -245,6 +246,8 @@ pub enum Variant {
     Reference,
     /// One code of the 8-bit picture.
     Display,
+    /// A third of the least noise of the sensor.
+    Noise,
 }
 
 impl Fidelity {
@@ -252,4 +255,6 @@ impl Fidelity {
     pub const REFERENCE: Self = Self::Variant(Variant::Reference);
     /// One code of the 8-bit picture.
     pub const DISPLAY: Self = Self::Variant(Variant::Display);
+    /// What the noise of the sensor hides.
+    pub const NOISE: Self = Self::Variant(Variant::Noise);
 }

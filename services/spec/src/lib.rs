@@ -43,7 +43,10 @@ pub use imaging::digest::{hex, sha256};
 pub use imaging::geometry::Intrinsics;
 
 pub use artifact::{ArtifactKind, is_media_type};
-pub use camera::{Camera, Path, Waypoint};
+pub use camera::{
+    Camera, Cfa, Chroma, Defocus, Distortion, Exposure, Jpeg, Metering, Motion, Path, Port, Rolling, Sensor,
+    Tone, Vignette, Waypoint, WhiteBalance,
+};
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
 pub use described::{Beyond, Described, beyond};
@@ -60,10 +63,10 @@ pub use own_water::{JERLOV_TYPES, OwnWater};
 pub use recent::RecentJobs;
 pub use record::{ArtifactEntry, Counts, FrameRecord, Provenance, RecordOf, job_digest};
 pub use record_text::{BriefRecord, RecordText, Sound};
-pub use rules::{Fault, Sight, WaterRules};
+pub use rules::{CameraRules, Fault, Sight, WaterRules};
 pub use scene_files::{RangeFile, RangeKind, SceneFiles};
 pub use scene_parts::{ScenePart, SceneParts, Uploads};
-pub use scene_record::{InstanceRecord, SceneRecord};
+pub use scene_record::{InstanceRecord, LensRecord, SceneRecord};
 pub use set_state::SetState;
 pub use shard_member::shard_member;
 pub use suggest::nearest;

@@ -1,5 +1,7 @@
-//! What a description cannot know by itself: whether the numbers of a water fit together. `optics` knows.
+//! What a description cannot know by itself: whether the numbers of a water or a camera fit together. `optics` and `camera`
+//! know.
 
+use crate::camera::Camera;
 use crate::water::{Optics, Water};
 
 /// The rules of waters, handed in by the crate that knows them.
@@ -17,6 +19,22 @@ impl Default for WaterRules {
         Self {
             faults: |_, _| Vec::new(),
             warning: |_| None,
+        }
+    }
+}
+
+/// The rules of cameras, handed in by the crate that knows them.
+#[derive(Debug, Clone, Copy)]
+pub struct CameraRules {
+    /// What is wrong with a camera; the flag says whether the scene is rendered for it, else it is a picture.
+    pub faults: fn(&Camera, bool) -> Vec<Fault>,
+}
+
+impl Default for CameraRules {
+    /// Anything goes.
+    fn default() -> Self {
+        Self {
+            faults: |_, _| Vec::new(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
 
+use crate::camera::Distortion;
 use crate::classes::SceneCategory;
 
 /// The camera and the objects in view.
@@ -11,8 +12,11 @@ pub struct SceneRecord {
     /// Rows of the matrix that takes camera axes (right, down, ahead, 1) to the world of a procedural scene, in meters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
-    /// The pinhole camera, in index coordinates.
+    /// The camera, in index coordinates; of one behind a flat port its focal length in air.
     pub intrinsics: Intrinsics,
+    /// What bends its rays; absent of a pinhole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<LensRecord>,
     /// The objects in view; absent unless an artifact with labels was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instances: Option<Vec<InstanceRecord>>,
@@ -28,6 +32,52 @@ pub struct SceneRecord {
     /// Their mean visibility.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_visibility: Option<f64>,
+}
+
+/// A lens behind its port.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LensRecord {
+    /// How the distortion is meant: `brown-conrady`, from ideal to distorted coordinates.
+    pub model: String,
+    /// Its coefficients.
+    pub distortion: Distortion,
+    /// Refractive index of the water before a flat port, R, G, B; absent without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flat_port_n_w: Option<[f64; 3]>,
+}
+
+impl LensRecord {
+    /// The lens for readers that know no ports: the focal length over that in air, and the distortion of rays in the water.
+    ///
+    /// A flat port makes `ρ = n t / √(1 - (n² - 1) t²)` of the tangent t in the water. Its series up to t⁷, into which the lens
+    /// is inserted, is a distortion of the same kind: within a thousandth of the radius up to 30° from the axis in the water.
+    #[must_use]
+    pub fn in_water(&self) -> (f64, Distortion) {
+        let Some([_, n, _]) = self.flat_port_n_w else {
+            return (1.0, self.distortion);
+        };
+        let bend = n * n - 1.0;
+        let port = [
+            bend / 2.0,
+            3.0 / 8.0 * bend * bend,
+            5.0 / 16.0 * bend * bend * bend,
+        ];
+        let Distortion { k1, k2, k3, p1, p2 } = self.distortion;
+        let n2 = n * n;
+        let lens = [
+            k1 * n2,
+            2.0 * k1 * n2 * port[0] + k2 * n2 * n2,
+            k1 * n2 * (2.0 * port[1] + port[0] * port[0]) + 4.0 * k2 * n2 * n2 * port[0] + k3 * n2 * n2 * n2,
+        ];
+        let distortion = Distortion {
+            k1: port[0] + lens[0],
+            k2: port[1] + port[0] * lens[0] + lens[1],
+            k3: port[2] + port[1] * lens[0] + port[0] * lens[1] + lens[2],
+            p1: p1 * n,
+            p2: p2 * n,
+        };
+        (n, distortion)
+    }
 }
 
 /// An object in view.

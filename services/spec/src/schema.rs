@@ -232,6 +232,10 @@ pub enum Names {
     WaterName,
     /// Free text.
     Words,
+    /// A camera preset.
+    Camera,
+    /// A sensor preset.
+    Sensor,
     /// A style model.
     Style,
     /// An enhancement method.
@@ -273,6 +277,8 @@ impl Names {
             Self::Preset => "a known water preset",
             Self::WaterName => "1 to 64 of A-Z a-z 0-9 . _ - that begin with a letter or digit",
             Self::Words => "1 to 1000 characters",
+            Self::Camera => "a known camera",
+            Self::Sensor => "a known sensor",
             Self::Style => "a known style model",
             Self::Enhancement => "a known enhancement method",
             Self::Metric => "a known metric",

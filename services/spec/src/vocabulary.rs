@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Map, Value};
 
 use crate::artifact::ArtifactKind;
-use crate::rules::WaterRules;
+use crate::rules::{CameraRules, WaterRules};
 use crate::schema::Names;
 
 /// The names that a description may use. They come from the crates and folders that own them.
@@ -22,6 +22,12 @@ pub struct Vocabulary {
     pub waters: BTreeMap<String, Map<String, Value>>,
     /// What must fit together within a water.
     pub rules: WaterRules,
+    /// Cameras, by the names of their presets.
+    pub cameras: Vec<String>,
+    /// Sensors, by the names of their presets.
+    pub sensors: Vec<String>,
+    /// What must fit together within a camera.
+    pub camera_rules: CameraRules,
     /// Style models.
     pub styles: Vec<String>,
     /// Enhancement methods.
@@ -43,6 +49,8 @@ impl Vocabulary {
             Names::Fixed(list) => list.iter().map(|name| (*name).to_owned()).collect(),
             Names::Family => self.families.clone(),
             Names::Preset => self.presets.iter().chain(self.waters.keys()).cloned().collect(),
+            Names::Camera => self.cameras.clone(),
+            Names::Sensor => self.sensors.clone(),
             Names::Style => self.styles.clone(),
             Names::Enhancement => self.enhancements.clone(),
             Names::Metric => self.metrics.clone(),

@@ -6,6 +6,8 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::vectorized;
+
 const ROUNDS: usize = 10;
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
@@ -82,6 +84,35 @@ impl Stream {
     pub fn unit(&self, index: u64, element: u64) -> f64 {
         (self.bits(index, element) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
+
+    /// [`Stream::unit`] of the elements `first`, `first + step`, …: the same values, several at a time.
+    pub fn fill_units(&self, index: u64, first: u64, step: u64, units: &mut [f64]) {
+        vectorized!(fill(self.key, index, first, step, &mut *units));
+    }
+}
+
+/// Philox with each word in the lower half of a register of 64 bits, as vector instructions multiply them.
+#[inline(always)]
+fn fill(key: [u32; 2], index: u64, first: u64, step: u64, units: &mut [f64]) {
+    const LOW: u64 = u32::MAX as u64;
+    for (position, unit) in units.iter_mut().enumerate() {
+        let element = first.wrapping_add(step.wrapping_mul(position as u64));
+        let mut state = [index & LOW, index >> 32, element & LOW, element >> 32];
+        let mut key = key;
+        for _ in 0..ROUNDS {
+            let left = u64::from(MULTIPLIERS[0]) * (state[0] & LOW);
+            let right = u64::from(MULTIPLIERS[1]) * (state[2] & LOW);
+            state = [
+                right >> 32 ^ state[1] ^ u64::from(key[0]),
+                right & LOW,
+                left >> 32 ^ state[3] ^ u64::from(key[1]),
+                left & LOW,
+            ];
+            key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+        }
+        let bits = state[0] | state[1] << 32;
+        *unit = (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64);
+    }
 }
 
 #[cfg(test)]
@@ -126,6 +157,19 @@ mod tests {
         ];
         assert!(others.iter().all(|&other| other != base));
         assert_eq!(Stream::law(1, "/alpha").bits(2, 3), base);
+    }
+
+    #[test]
+    fn many_units_are_the_same_as_one_by_one() {
+        let stream = Stream::stage(7, "camera-read");
+        let (index, first) = (3 + (5 << 32), (1 << 32) - 40);
+        for (length, step) in [(1, 1), (37, 1), (64, 2), (101, 8)] {
+            let mut units = vec![0.0; length];
+            stream.fill_units(index, first, step, &mut units);
+            for (position, unit) in units.into_iter().enumerate() {
+                assert_eq!(unit, stream.unit(index, first + step * position as u64));
+            }
+        }
     }
 
     #[test]

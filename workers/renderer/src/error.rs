@@ -58,6 +58,9 @@ pub enum RenderError {
         /// The styles it has.
         known: String,
     },
+    /// The camera has no picture of this scene.
+    #[error("camera: {0}")]
+    Camera(#[from] camera::PartsError),
     /// The camera's path is invalid.
     #[error("{}", list(.0))]
     Path(Vec<SceneError>),

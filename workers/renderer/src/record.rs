@@ -9,17 +9,12 @@ use crate::stage::Shot;
 
 /// Starts the record of a frame.
 pub(crate) fn begin(shot: &Shot<'_>) -> FrameRecord {
-    let Shot {
-        frame,
-        prepared,
-        plan,
-        ..
-    } = shot;
+    let Shot { frame, prepared, .. } = shot;
     FrameRecord {
         frame: frame.index,
         parameters: parameters(shot),
         optics: numbers(shot),
-        plan: json!(plan),
+        plan: json!(shot.frame_plan()),
         counts: Counts {
             holes: prepared.holes,
             negative_radiance: prepared.negative_radiance,
@@ -41,7 +36,10 @@ fn parameters(shot: &Shot<'_>) -> Value {
     let mut parameters = shot.frame.parameters.clone();
     if !matches!(shot.frame.scene, spec::Scene::Procedural { .. }) {
         let (width, height) = shot.setting.size;
-        parameters["camera"] = json!(Camera::of_picture(width, height, shot.prepared.focal_px));
+        let actual = json!(Camera::of_picture(width, height, shot.prepared.focal_px));
+        for (name, value) in actual.as_object().into_iter().flatten() {
+            parameters["camera"][name] = value.clone();
+        }
     }
     parameters
 }

@@ -2,22 +2,28 @@
 
 use std::sync::Arc;
 
-use imaging::{Rgb, transfer};
+use ::camera::Parts;
+use ::camera::geometry::Source;
+use imaging::Rgb;
+use optics::chain::Layers;
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Given, Plan};
 use optics::setting::Setting;
 use optics::snow::peak;
-use spec::{Camera, Frame, FrameRecord, Scene};
+use spec::{Camera, Exposure, Frame, FrameRecord, Scene};
 
 use crate::content::Contents;
 use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::file::File;
+use crate::frame_plan::FramePlan;
 use crate::record;
 use crate::source::SceneSource;
+use crate::stage::camera::{self, Average, Cameras};
 use crate::stage::files::{self, Pictures};
 use crate::stage::light::Lit;
 use crate::stage::scene::{self, Prepared};
+use crate::stage::seen::Seen;
 use crate::stage::style::{self, Networks};
 use crate::stage::{Shot, enhance, glow, haze, labels, measure, snow, water};
 use crate::stopwatch::Stopwatch;
@@ -26,6 +32,7 @@ use crate::stopwatch::Stopwatch;
 pub struct Slot {
     pub(crate) networks: Networks,
     kernels: KernelCache,
+    cameras: Cameras,
     last_scene: Option<(SceneKey, Arc<Prepared>)>,
 }
 
@@ -51,7 +58,10 @@ pub struct LinearPicture {
 #[derive(PartialEq)]
 struct SceneKey {
     scene: Scene,
+    /// Its sides, field of view and path.
     camera: Camera,
+    /// What its lens looks into.
+    view: Option<Source>,
     labeled: bool,
 }
 
@@ -62,6 +72,7 @@ impl Slot {
         Self {
             networks: Networks::new(engine),
             kernels: KernelCache::new(),
+            cameras: Cameras::default(),
             last_scene: None,
         }
     }
@@ -106,30 +117,39 @@ impl Slot {
         last: impl FnOnce(&Shot<'_>, &Pictures<'_>, &mut FrameRecord) -> Result<T, RenderError>,
     ) -> Result<(T, FrameRecord), RenderError> {
         let mut watch = Stopwatch::start();
-        let shot = &self.resolve(frame, source, &mut watch)?;
-        let mut record = record::begin(shot);
+        let within_noise = camera::with_tolerance(frame);
+        let frame = within_noise.as_ref().unwrap_or(frame);
+        let mut shot = self.resolve(frame, source, &mut watch)?;
+        let mut record = record::begin(&shot);
 
-        let mut layers = watch.time("water", || water::run(shot, &mut self.kernels))?;
-        glow::run(shot, &mut layers, &mut record);
-        let snow = watch.time("snow", || snow::run(shot, &mut layers, &mut record));
-        let scattered = &layers.scattered;
+        let mut layers = watch.time("water", || water::run(&shot, &mut self.kernels))?;
+        glow::run(&shot, &mut layers, &mut record);
+        let snow = watch.time("snow", || snow::run(&shot, &mut layers, &mut record));
+        let taken = self.take(&mut shot, &layers, &mut record, &mut watch)?;
+        let shot = &shot;
+        let scattered = taken.as_ref().unwrap_or(&layers.scattered);
         let styled = watch.time("style", || self.networks.run(shot, scattered, &mut record))?;
         let hazed = watch.time("haze", || haze::run(shot, &styled));
 
-        let (mut rgb, clamped) = watch.time("encode", || transfer::encode_rgb8(&hazed));
+        let cameras = &mut self.cameras;
+        let mut developed = watch.time("encode", || camera::develop(shot, &hazed, cameras, &mut record));
         if faults::frame_point("rgb.wrong", frame.index) {
-            rgb.data_mut()[0] ^= 1;
+            developed.rgb.data_mut()[0] ^= 1;
         }
-        record.counts.clamped = clamped;
-        let enhancements = watch.time("enhance", || enhance::run(shot, &rgb, &mut record))?;
-        watch.time("metrics", || measure::run(shot, &rgb, &enhancements, &mut record))?;
+        record.counts.clamped = developed.clamped;
+        let measured = developed.measured();
+        let enhancements = watch.time("enhance", || enhance::run(shot, measured, &mut record))?;
+        watch.time("metrics", || {
+            measure::run(shot, measured, &enhancements, &mut record)
+        })?;
         record.scene = watch.time("labels", || labels::describe(shot, &layers));
 
         let pictures = Pictures {
             layers: &layers,
             snow: snow.as_ref(),
             styled: &styled,
-            rgb: &rgb,
+            rgb: &developed.rgb,
+            raw: developed.raw.as_ref(),
             enhancements: &enhancements,
         };
         let made = watch.time("files", || last(shot, &pictures, &mut record))?;
@@ -142,8 +162,103 @@ impl Slot {
     ///
     /// # Errors
     /// [`RenderError`] from the scene, the water or the style.
-    pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<Plan, RenderError> {
-        Ok(self.resolve(frame, source, &mut Stopwatch::start())?.plan)
+    pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<FramePlan, RenderError> {
+        let within_noise = camera::with_tolerance(frame);
+        let frame = within_noise.as_ref().unwrap_or(frame);
+        let shot = self.resolve(frame, source, &mut Stopwatch::start())?;
+        Ok(shot.frame_plan())
+    }
+
+    /// What the camera's optics make of the light; none of a pinhole.
+    fn take(
+        &mut self,
+        shot: &mut Shot<'_>,
+        layers: &Layers,
+        record: &mut FrameRecord,
+        watch: &mut Stopwatch,
+    ) -> Result<Option<Rgb<f32>>, RenderError> {
+        let Some(taking) = &shot.taking else {
+            return Ok(None);
+        };
+        let moves = taking.moments.len() > 1;
+        let exposure = taking.parts.exposure;
+        let picture = if moves {
+            watch.time("movement", || self.moving(shot))?
+        } else {
+            watch.time("camera", || camera::gather(shot, &layers.scattered))
+        };
+        let lagging = match exposure {
+            Some(Exposure::Auto(metering)) if metering.lag_frames > 0.0 => {
+                Some(watch.time("metering", || self.lagging(shot.frame))?)
+            }
+            _ => None,
+        };
+        Ok(Some(watch.time("camera", || {
+            camera::expose(shot, picture, lagging, record)
+        })))
+    }
+
+    /// The mean of the pictures of all moments of a frame, each row from its own. The labels of the frame become those of its
+    /// bands.
+    fn moving(&mut self, shot: &mut Shot<'_>) -> Result<Rgb<f32>, RenderError> {
+        let frame = shot.frame;
+        let Some(taking) = &shot.taking else {
+            return Err(RenderError::Panic("a pinhole has no moments".to_owned()));
+        };
+        let (moments, view, size) = (taking.moments.clone(), taking.parts.source, taking.parts.size);
+        let parts = taking.parts.clone();
+        let place = scene::Place::of(frame)?;
+        let mut average = Average::new(size);
+        let mut seen: Option<Seen> = None;
+        for moment in &moments {
+            let prepared = Arc::new(place.prepare(frame, view, moment.later)?);
+            let mut unheard = Stopwatch::start();
+            let at = self.resolve_prepared(frame, prepared, Some(parts.clone()), &mut unheard)?;
+            let mut layers = water::run(&at, &mut self.kernels)?;
+            let mut own = FrameRecord::default();
+            glow::run(&at, &mut layers, &mut own);
+            snow::run(&at, &mut layers, &mut own);
+            average.add(
+                &camera::gather(&at, &layers.scattered),
+                &moment.rows,
+                moment.weight,
+            );
+            if moment.labels {
+                let sampling = at.taking.as_ref().and_then(|taking| taking.sampling.as_deref());
+                let labels = Seen::new(&at.prepared, sampling);
+                match &mut seen {
+                    Some(seen) => seen.take_rows(&labels, &moment.rows),
+                    None => seen = Some(labels),
+                }
+            }
+            self.kernels.recycle(layers);
+        }
+        if let Some(seen) = &mut seen {
+            seen.find_boxes();
+        }
+        // Half of an even exposure lies between two of its pictures: labels of the frame's own pose are nearer.
+        let rolls = moments.iter().any(|moment| moment.rows != (0..size.1));
+        if let Some(taking) = shot.taking.as_mut().filter(|_| rolls) {
+            taking.seen = seen;
+        }
+        Ok(average.finish())
+    }
+
+    /// The exposure of a frame of a sequence that follows its metering slowly: metered at a sixteenth of the sides from as far
+    /// back as matters, each frame with this one's water.
+    fn lagging(&mut self, frame: &Frame) -> Result<f64, RenderError> {
+        let mut gain = None;
+        for small in camera::metered_frames(frame) {
+            let mut unheard = Stopwatch::start();
+            let shot = self.resolve(&small, &SceneSource::Local, &mut unheard)?;
+            let mut layers = water::run(&shot, &mut self.kernels)?;
+            let mut own = FrameRecord::default();
+            glow::run(&shot, &mut layers, &mut own);
+            snow::run(&shot, &mut layers, &mut own);
+            gain = camera::followed(&shot, &camera::gather(&shot, &layers.scattered), gain);
+            self.kernels.recycle(layers);
+        }
+        Ok(gain.unwrap_or(1.0))
     }
 
     /// Fetches the scene, resolves its setting, lights it and plans the remaining stages.
@@ -153,7 +268,20 @@ impl Slot {
         source: &SceneSource,
         watch: &mut Stopwatch,
     ) -> Result<Shot<'a>, RenderError> {
-        let prepared = watch.time("scene", || self.scene(frame, source))?;
+        let parts = camera::rendered_parts(frame)?;
+        let view = parts.as_ref().and_then(|parts| parts.source);
+        let prepared = watch.time("scene", || self.scene(frame, source, view))?;
+        self.resolve_prepared(frame, prepared, parts, watch)
+    }
+
+    /// Resolves the setting of a scene, lights it and plans the remaining stages.
+    fn resolve_prepared<'a>(
+        &mut self,
+        frame: &'a Frame,
+        prepared: Arc<Prepared>,
+        parts: Option<Parts>,
+        watch: &mut Stopwatch,
+    ) -> Result<Shot<'a>, RenderError> {
         let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
         let lit = Lit::new(frame, &prepared, &setting, watch);
         let table_max_255 = style::table_max_255(frame, &self.networks.engine)?;
@@ -167,20 +295,38 @@ impl Slot {
                 table_max_255,
             })
         });
+        let taking = camera::taking(frame, &prepared, parts, &mut self.cameras)?;
         Ok(Shot {
             frame,
             prepared,
             setting,
             lit,
             plan,
+            taking,
         })
     }
 
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
-    fn scene(&mut self, frame: &Frame, source: &SceneSource) -> Result<Arc<Prepared>, RenderError> {
+    fn scene(
+        &mut self,
+        frame: &Frame,
+        source: &SceneSource,
+        view: Option<Source>,
+    ) -> Result<Arc<Prepared>, RenderError> {
+        let Camera {
+            width,
+            height,
+            hfov_deg,
+            path,
+            ..
+        } = frame.camera;
         let key = SceneKey {
             scene: frame.scene.clone(),
-            camera: frame.camera,
+            camera: Camera {
+                path,
+                ..Camera::pinhole(width, height, hfov_deg)
+            },
+            view,
             labeled: scene::needs_labels(frame),
         };
         if let Some((last, prepared)) = &self.last_scene
@@ -188,7 +334,7 @@ impl Slot {
         {
             return Ok(Arc::clone(prepared));
         }
-        let prepared = Arc::new(scene::prepare(frame, source)?);
+        let prepared = Arc::new(scene::prepare(frame, source, view)?);
         self.last_scene = match frame.scene {
             Scene::Files { .. } => None,
             _ => Some((key, Arc::clone(&prepared))),

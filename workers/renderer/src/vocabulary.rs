@@ -18,6 +18,15 @@ pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
         waters: Default::default(),
         collections: Default::default(),
         rules: optics::water::RULES,
+        cameras: camera::preset::CAMERAS
+            .iter()
+            .map(|camera| camera.name.to_owned())
+            .collect(),
+        sensors: camera::preset::SENSORS
+            .iter()
+            .map(|sensor| sensor.name.to_owned())
+            .collect(),
+        camera_rules: camera::rules::RULES,
         styles: library.names().iter().map(ToString::to_string).collect(),
         enhancements: owned(enhance::METHODS),
         metrics: MetricId::all().map(|metric| metric.to_string()).collect(),

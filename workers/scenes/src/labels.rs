@@ -75,6 +75,32 @@ impl Labels {
         }
     }
 
+    /// The labels of a picture that shows this one elsewhere: its planes are made of these ones, `numbers` is its own instance
+    /// mask.
+    #[must_use]
+    pub fn moved(
+        &self,
+        numbers: &Plane<u16>,
+        codes: impl Fn(&Plane<u8>) -> Plane<u8>,
+        reals: impl Fn(&Plane<f32>) -> Plane<f32>,
+    ) -> Self {
+        let class = |number: u16| {
+            let found = self.instances.iter().find(|instance| instance.number == number);
+            found.map_or(UNLABELED.0, |instance| instance.class)
+        };
+        let surfaces = self.surfaces.as_ref().map(|surfaces| SurfaceLabels {
+            z_depth: reals(&surfaces.z_depth),
+            normals: surfaces.normals.each_ref().map(&reals),
+            findings: codes(&surfaces.findings),
+            ..*surfaces
+        });
+        Self {
+            semantics: codes(&self.semantics),
+            instances: instances(numbers, class),
+            surfaces,
+        }
+    }
+
     /// The labels that follow from the instance mask of an uploaded scene. Objects without a class are [`UNLABELED`].
     #[must_use]
     pub fn uploaded(numbers: &Plane<u16>, classes: &Classes) -> Self {

@@ -85,13 +85,19 @@ impl CameraPath {
     /// The pose of a frame, from 0 on; frames after the last stay at the end.
     #[must_use]
     pub fn pose(&self, frame: usize) -> CameraPose {
+        self.pose_at(frame as f64)
+    }
+
+    /// The pose at a time between frames, in frames; before the first it stays at the start.
+    #[must_use]
+    pub fn pose_at(&self, frame: f64) -> CameraPose {
         let steps = self.path.frames.saturating_sub(1);
-        let share = frame.min(steps) as f64 / steps.max(1) as f64;
+        let share = frame.max(0.0).min(steps as f64) / steps.max(1) as f64;
         let between = |a: DVec3, b: DVec3| a + (b - a) * share;
         let eye = between(self.start.position, self.end.position);
         let target = between(self.start.target, self.end.target);
         let still = held::pose([self.start, self.end], eye, target);
-        let swing = |axis: usize| self.swing(frame as f64, axis as u64);
+        let swing = |axis: usize| self.swing(frame, axis as u64);
         let mut moved = still;
         for (i, axis) in [still.right, still.down, still.ahead].into_iter().enumerate() {
             moved.position_m = moved.position_m + axis * (self.path.sway_m * swing(i));

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use spec::{Frame, FrameRecord};
 
 /// Nanoseconds a pixel of each stage on one core of a server processor, 768×492, before anything was measured; of lamps, each.
-const TYPICAL_NS: [(&str, f64); 12] = [
+const TYPICAL_NS: [(&str, f64); 13] = [
     ("scene", 90.0),
     ("plan", 2.0),
     ("turbidity", 20.0),
@@ -15,18 +15,21 @@ const TYPICAL_NS: [(&str, f64); 12] = [
     ("water", 300.0),
     ("style", 110.0),
     ("haze", 5.0),
+    ("camera", 20.0),
     ("encode", 5.0),
     ("enhance", 20.0),
     ("metrics", 50.0),
     ("files", 75.0),
 ];
 /// Bytes a pixel of each kind of artifact: PNG of synthetic scenes, float32 NPY of the linear layers.
-const TYPICAL_BYTES: [(&str, f64); 10] = [
+const TYPICAL_BYTES: [(&str, f64); 12] = [
     ("range", 0.6),
     ("instances", 0.02),
     ("snow_mask", 0.1),
     ("hscm_mask", 0.02),
     ("preview", 0.04),
+    ("raw", 2.0),
+    ("valid", 0.02),
     ("direct", 12.0),
     ("forward_scatter", 12.0),
     ("backscatter", 12.0),

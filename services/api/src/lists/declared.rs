@@ -1,5 +1,6 @@
 //! The lists, and how each is read from its declaration.
 
+use camera::preset::{ASSUMPTIONS, CAMERAS, CameraPreset, SENSORS, SensorPreset};
 use catalogue::{JobState, columns_of_every_image};
 use enhance::Method;
 use quality::{MetricId, MetricInfo, Profile};
@@ -116,6 +117,20 @@ pub(super) const LISTS: &[List] = &[
         places: &["`type` of every refusal", "`/problems/{slug}`"],
         stored_at: None,
         shipped: Some(problems),
+    },
+    List {
+        name: "cameras",
+        about: "cameras: port, lens, shutter and sensor together",
+        places: &["`camera.preset` of a job"],
+        stored_at: None,
+        shipped: Some(cameras),
+    },
+    List {
+        name: "sensors",
+        about: "sensors with their noise",
+        places: &["`camera.sensor` of a job"],
+        stored_at: None,
+        shipped: Some(sensors),
     },
     List {
         name: "waters",
@@ -284,6 +299,29 @@ fn problems(_: &Library) -> Vec<Entry> {
     Slug::ALL
         .iter()
         .map(|slug| entry(slug.name(), slug.meaning()))
+        .collect()
+}
+
+fn cameras(_: &Library) -> Vec<Entry> {
+    let about = |camera: &CameraPreset| format!("{}; {}", camera.about, camera.source);
+    CAMERAS
+        .iter()
+        .map(|camera| entry(camera.name, about(camera)))
+        .collect()
+}
+
+fn sensors(_: &Library) -> Vec<Entry> {
+    let about = |sensor: &SensorPreset| {
+        let assumed = if sensor.is_assumed() {
+            format!("; {ASSUMPTIONS}")
+        } else {
+            String::new()
+        };
+        format!("{}; {}{assumed}", sensor.about, sensor.source)
+    };
+    SENSORS
+        .iter()
+        .map(|sensor| entry(sensor.name, about(sensor)))
         .collect()
 }
 

@@ -319,6 +319,8 @@ fn listed_at(names: Names) -> &'static str {
     match names {
         Names::Preset => ", or a water of your own; `GET /v1/waters` lists both",
         Names::Style => "; `GET /v1/styles` lists them",
+        Names::Camera => "; `GET /v1/lists/cameras` says what they are",
+        Names::Sensor => "; `GET /v1/lists/sensors` says what they are",
         Names::SceneId => "; `GET /v1/scenes` lists them",
         Names::Dataset => "; `GET /v1/datasets` lists those that exist",
         Names::Collection => "; `GET /v1/collections` lists them",

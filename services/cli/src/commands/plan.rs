@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             println!("Model error of {}: {error}", line.stage);
         }
     }
-    if let Some(bounds) = plan.bounds() {
+    if let Some(bounds) = plan.water.bounds() {
         let largest = bounds.into_iter().fold(0.0, f64::max);
         println!("Every sample before the style is within {largest:.2e} in linear light of the exact chain.");
     }

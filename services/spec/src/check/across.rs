@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use imaging::codec::MAX_PIXELS;
 use serde_json::Value;
 
 use super::{Checker, Place};
@@ -78,18 +77,6 @@ impl Checker<'_> {
         }
     }
 
-    fn camera(&mut self, document: &Node) {
-        for (pointer, camera) in places(document, "camera") {
-            let side = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
-            let (width, height) = (side("width"), side("height"));
-            if width * height > MAX_PIXELS as f64 {
-                let message =
-                    format!("`camera` can be {width}×{height} pixels, the limit is {MAX_PIXELS} pixels");
-                self.refuse(|| FieldError::new(&pointer, message).limit(format!("{MAX_PIXELS} pixels")));
-            }
-        }
-    }
-
     fn scene_files(&mut self, document: &Node) {
         for (pointer, scene) in places(document, "scene") {
             let has = |name| scene.get(name).is_some();
@@ -142,15 +129,22 @@ impl Checker<'_> {
     }
 
     fn artifacts(&mut self, document: &Node) {
-        let snows = places(document, "water")
-            .iter()
-            .any(|(_, water)| water.get("snow").is_some());
-        for (pointer, list) in places(document, "artifacts").into_iter().filter(|_| !snows) {
+        let has = |object: &str, field: &str| {
+            let objects = places(document, object);
+            objects.iter().any(|(_, object)| object.get(field).is_some())
+        };
+        let senses = has("camera", "sensor") || has("camera", "preset");
+        let lacks = [
+            ("snow_mask", "`water.snow`", !has("water", "snow")),
+            ("raw", "`camera.sensor`", !senses),
+        ];
+        for (pointer, list) in places(document, "artifacts") {
             let Node::List(items) = list else { continue };
             let kinds = items.iter().enumerate();
             for (pointer, kind) in kinds.flat_map(|(i, item)| item.strings(&format!("{pointer}/{i}"))) {
-                if kind == "snow_mask" {
-                    let message = "the artifact \"snow_mask\" needs `water.snow`";
+                let lacking = lacks.iter().find(|(name, _, lacks)| *lacks && *name == kind);
+                if let Some((name, needs, _)) = lacking {
+                    let message = format!("the artifact \"{name}\" needs {needs}");
                     self.refuse(|| FieldError::new(&pointer, message).value(&Value::from(kind)));
                 }
             }

@@ -62,7 +62,12 @@ impl Checker<'_> {
         let fails = |element: &&Element| {
             element.asks.iter().filter(|ask| of(ask).is_certain).count() == element.values
         };
-        for draws in [waters(document), lamps(document), artifacts(document)] {
+        for draws in [
+            waters(document),
+            cameras(document),
+            lamps(document),
+            artifacts(document),
+        ] {
             if draws
                 .iter()
                 .all(|draw| draw.iter().any(|element| fails(&element)))
@@ -187,11 +192,21 @@ fn needs(ask: &Ask, lacking: &Lacking) -> String {
 
 /// Everything that each water asks for.
 fn waters(document: &Node) -> Vec<Vec<Element>> {
-    let asked = |pointer: &str, water: &Node, name: &str| {
-        let value = water.get(name)?.canonical();
+    needing_range(document, "water", &["optics", "snow"])
+}
+
+/// Everything that each camera asks for.
+fn cameras(document: &Node) -> Vec<Vec<Element>> {
+    needing_range(document, "camera", &["defocus"])
+}
+
+/// Those of these fields of an object that are there: each needs a range.
+fn needing_range(document: &Node, object: &str, fields: &[&str]) -> Vec<Vec<Element>> {
+    let asked = |pointer: &str, node: &Node, name: &str| {
+        let value = node.get(name)?.canonical();
         let ask = Ask {
             pointer: format!("{pointer}/{name}"),
-            name: format!("`water.{name}`"),
+            name: format!("`{object}.{name}`"),
             value,
             part: ScenePart::Range,
         };
@@ -200,12 +215,12 @@ fn waters(document: &Node) -> Vec<Vec<Element>> {
             values: 1,
         })
     };
-    let waters = places(document, "water").into_iter();
-    let of_water = |(pointer, water): (String, &Node)| {
-        let names = ["optics", "snow"].into_iter();
-        names.filter_map(|name| asked(&pointer, water, name)).collect()
+    let places = places(document, object).into_iter();
+    let of_object = |(pointer, node): (String, &Node)| {
+        let fields = fields.iter();
+        fields.filter_map(|name| asked(&pointer, node, name)).collect()
     };
-    waters.map(of_water).collect()
+    places.map(of_object).collect()
 }
 
 /// Everything that the lights of each list ask for.

@@ -37,6 +37,7 @@ impl<'v> Draft<'v> {
         let job = Job::read(&written, &mut checker)?;
         checker.across(&job.document);
         checker.water(&job.document, job.frames());
+        checker.cameras(&job.document, job.frames());
         if job.canonical.len() > MAX_BYTES {
             let message = format!(
                 "the description with its defaults has {} bytes, the limit is {MAX_BYTES}",

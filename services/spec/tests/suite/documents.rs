@@ -199,12 +199,7 @@ fn what_has_no_effect_is_warned_of() {
 
 #[test]
 fn the_focal_length_follows_from_the_field_of_view() {
-    let camera = Camera {
-        width: 200,
-        height: 100,
-        hfov_deg: 90.0,
-        path: None,
-    };
+    let camera = Camera::pinhole(200, 100, 90.0);
     assert!((camera.focal_px(200) - 100.0).abs() < 1e-12);
 }
 

@@ -16,6 +16,8 @@ pub(super) fn tolerance(stats: &SceneStats, water: &Water, fidelity: Fidelity) -
         Fidelity::Tolerance(tolerance) => Some(tolerance),
         Fidelity::DISPLAY => Some(display_tolerance(stats, water)),
         Fidelity::Terms(_) | Fidelity::REFERENCE => None,
+        // The frame has its tolerance by now; one without a sensor has none.
+        Fidelity::NOISE => None,
     }
 }
 

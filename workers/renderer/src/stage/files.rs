@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 
+use camera::sensor::Raw;
 use imaging::codec::{self, EncodeError};
-use imaging::{Plane, Raster, Rgb, Rgb8, cancel, transfer};
+use imaging::{Channels, Plane, Raster, Rgb, Rgb8, Samples, cancel, transfer};
 use optics::chain::Layers;
 use serde_json::json;
 use spec::{ArtifactKind, Counts, Encode, FrameRecord, ScenePart};
@@ -27,6 +28,8 @@ pub(crate) struct Pictures<'a> {
     /// Linear light after the style.
     pub(crate) styled: &'a Rgb<f32>,
     pub(crate) rgb: &'a Rgb8,
+    /// Codes of the sensor; none without one.
+    pub(crate) raw: Option<&'a Raw>,
     pub(crate) enhancements: &'a Enhancements,
 }
 
@@ -95,19 +98,24 @@ fn content<'a>(
     record: &FrameRecord,
 ) -> Option<Content<'a>> {
     let Pictures { layers, rgb, .. } = *pictures;
-    let (scene, labels) = (&shot.prepared.scene, shot.prepared.labels.as_ref());
+    let (scene, labels) = (&shot.prepared.scene, shot.labels());
     let surfaces = labels.and_then(|labels| labels.surfaces.as_ref());
     let display = |layer: &Rgb<f32>| Content::Picture(Cow::Owned(transfer::encode_rgb8(layer).0));
-    let linear = |layer: &'a Rgb<f32>| Content::Linear(Cow::Borrowed(layer));
+    let linear = |layer: &'a Rgb<f32>| Content::Linear(shot.view(layer));
     match kind {
         ArtifactKind::Rgb | ArtifactKind::Hazed => Some(Content::Picture(Cow::Borrowed(rgb))),
-        ArtifactKind::Clean => Some(display(&scene.radiance)),
-        ArtifactKind::Scattered => Some(display(&layers.scattered)),
+        ArtifactKind::Clean => Some(display(&shot.view(&scene.radiance))),
+        ArtifactKind::Scattered => Some(display(&shot.view(&layers.scattered))),
         ArtifactKind::Styled => Some(display(pictures.styled)),
         ArtifactKind::Direct => Some(linear(&layers.direct)),
         ArtifactKind::ForwardScatter => Some(linear(&layers.forward_scatter)),
         ArtifactKind::Backscatter => Some(linear(&layers.backscatter)),
-        ArtifactKind::Transmittance => Some(Content::Linear(Cow::Owned(transmittance(shot)))),
+        ArtifactKind::Transmittance => {
+            let transmittance = transmittance(shot);
+            let planes = transmittance.planes().each_ref();
+            let planes = planes.map(|plane| shot.view_labels(plane).into_owned());
+            Some(Content::Linear(Cow::Owned(Rgb::new(planes).ok()?)))
+        }
         ArtifactKind::Preview => Some(Content::Picture(Cow::Owned(codec::downscale(rgb, PREVIEW_PX)))),
         ArtifactKind::Enhanced(method) => {
             let enhanced = pictures.enhancements.get(method)?;
@@ -115,22 +123,49 @@ fn content<'a>(
         }
         ArtifactKind::HscmMask => codes(pictures.enhancements.get("hscm")?.mask.as_ref()),
         ArtifactKind::SnowMask => {
-            let size = (rgb.width(), rgb.height());
-            codes(Some(&snow::codes(pictures.snow, size)))
+            let codes_of = snow::codes(pictures.snow, shot.setting.size);
+            codes(Some(&*shot.view_labels(&codes_of)))
         }
-        ArtifactKind::Instances => codes(scene.instances.as_ref()),
+        ArtifactKind::Instances => codes(shot.instances()),
         ArtifactKind::Semantics => codes(labels.map(|labels| &labels.semantics)),
         ArtifactKind::Findings => codes(surfaces.map(|surfaces| &surfaces.findings)),
         ArtifactKind::Normals => {
             let normals = Rgb::new(surfaces?.normals.clone()).ok()?;
             Some(Content::Linear(Cow::Owned(normals)))
         }
+        ArtifactKind::Raw => Some(Content::Codes(match pictures.raw? {
+            Raw::Mosaic(codes) => codes.clone().into(),
+            Raw::Planes(planes) => interleaved(planes)?,
+        })),
+        ArtifactKind::Valid => {
+            let taking = shot.taking.as_ref();
+            let valid = taking.and_then(|taking| taking.sampling.as_ref()?.valid());
+            let inside = |&inside: &u8| if inside == 0 { 0 } else { u8::MAX };
+            Some(Content::Codes(match valid {
+                Some(valid) => valid.map(inside).into(),
+                None => Plane::filled(rgb.width(), rgb.height(), u8::MAX).into(),
+            }))
+        }
         ArtifactKind::Boxes => {
             let described = record.scene.as_ref().filter(|scene| scene.instances.is_some());
             described.map(|scene| Content::Json(json!(scene)))
         }
-        ArtifactKind::Range => Some(Content::Range(Cow::Borrowed(scene.range.as_ref()?))),
+        ArtifactKind::Range => Some(Content::Range(Cow::Borrowed(shot.range()?))),
     }
+}
+
+/// The codes of three sensors pixel by pixel.
+fn interleaved([red, green, blue]: &[Plane<u16>; 3]) -> Option<Raster> {
+    let pixels = red.data().iter().zip(green.data()).zip(blue.data());
+    let samples = pixels.flat_map(|((&r, &g), &b)| [r, g, b]).collect();
+    Raster::new(
+        red.width(),
+        red.height(),
+        Channels::Rgb,
+        Samples::U16(samples),
+        None,
+    )
+    .ok()
 }
 
 fn codes<T: Clone>(plane: Option<&Plane<T>>) -> Option<Content<'static>>
@@ -175,6 +210,7 @@ fn encode_content(
 
 fn why_missing(kind: &ArtifactKind) -> &'static str {
     match kind.needs() {
+        None if *kind == ArtifactKind::Raw => "the camera has no sensor",
         Some(ScenePart::Range) => "the scene has no range",
         Some(ScenePart::Instances) => "the scene has no instance mask",
         Some(ScenePart::Surfaces) => "only procedural scenes know their surfaces",

@@ -1,6 +1,6 @@
 //! Labels of a frame after the water: boxes, categories, and how well each object can be seen.
 
-use imaging::Plane;
+use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::visibility;
 use scenes::Labels;
@@ -13,21 +13,31 @@ use super::Shot;
 
 /// The record of the scene; none without a camera pose and without labels.
 pub(crate) fn describe(shot: &Shot<'_>, layers: &Layers) -> Option<SceneRecord> {
-    let (pose, labels) = (shot.prepared.pose, shot.prepared.labels.as_ref());
+    let (pose, labels) = (shot.prepared.pose, shot.labels());
     if pose.is_none() && labels.is_none() {
         return None;
     }
     let instances = labels.map(|labels| {
         let most = labels.instances.iter().map(|instance| instance.number).max();
-        let ranges = medians(shot, shot.prepared.scene.range.as_ref(), most);
-        let paths = match shot.setting.patches {
-            Some(_) => medians(shot, shot.lit.path(), most),
-            None => ranges.clone(),
+        let ranges = medians(shot, shot.range(), most);
+        let paths = match (&shot.setting.patches, shot.lit.path()) {
+            (Some(_), Some(path)) => medians(shot, Some(&*shot.view_labels(path)), most),
+            _ => ranges.clone(),
         };
+        let (clean, scattered) = (
+            shot.view(&shot.prepared.scene.radiance),
+            shot.view(&layers.scattered),
+        );
         let record = |instance: &Instance| {
             let number = usize::from(instance.number);
             let median = |medians: &[Option<f64>]| medians.get(number).copied().flatten();
-            describe_instance(shot, layers, instance, median(&ranges), median(&paths))
+            describe_instance(
+                shot,
+                [&*clean, &*scattered],
+                instance,
+                median(&ranges),
+                median(&paths),
+            )
         };
         labels.instances.iter().map(record).collect::<Vec<_>>()
     });
@@ -37,7 +47,8 @@ pub(crate) fn describe(shot: &Shot<'_>, layers: &Layers) -> Option<SceneRecord> 
     let visible = all().filter(|instance| instance.visible).count() as u64;
     Some(SceneRecord {
         world_from_camera: pose.map(|pose| pose.world_from_camera()),
-        intrinsics: shot.prepared.view().camera,
+        intrinsics: shot.intrinsics(),
+        lens: shot.lens(),
         categories: categories(shot, labels),
         visible: instances.is_some().then_some(visible),
         least_visibility: scores.iter().copied().reduce(f64::min),
@@ -70,7 +81,7 @@ fn class_name<'a>(shot: &'a Shot<'_>, class: u8) -> &'a str {
 
 fn describe_instance(
     shot: &Shot<'_>,
-    layers: &Layers,
+    [clean, scattered]: [&Rgb<f32>; 2],
     instance: &Instance,
     range_m: Option<f64>,
     path_m: Option<f64>,
@@ -81,11 +92,9 @@ fn describe_instance(
         bounds,
         pixels,
     } = *instance;
-    let scene = &shot.prepared.scene;
-    let seen = scene
-        .instances
-        .as_ref()
-        .and_then(|numbers| visibility(&scene.radiance, &layers.scattered, numbers, number, bounds));
+    let seen = shot
+        .instances()
+        .and_then(|numbers| visibility(clean, scattered, numbers, number, bounds));
     let attenuation = shot.setting.attenuation();
     InstanceRecord {
         number,
@@ -102,7 +111,7 @@ fn describe_instance(
 
 /// Median of `meters` over the pixels of each instance, indexed by its number.
 fn medians(shot: &Shot<'_>, meters: Option<&Plane<f32>>, most: Option<u16>) -> Vec<Option<f64>> {
-    let (Some(meters), Some(numbers), Some(most)) = (meters, &shot.prepared.scene.instances, most) else {
+    let (Some(meters), Some(numbers), Some(most)) = (meters, shot.instances(), most) else {
         return Vec::new();
     };
     let mut found = vec![Vec::new(); usize::from(most) + 1];

@@ -28,7 +28,7 @@ pub(crate) fn run(
     }
     // Some metrics compare with the picture in air.
     let compares = metrics.iter().any(|metric| metric.info().needs_reference);
-    let clean = compares.then(|| transfer::encode_rgb8(&shot.prepared.scene.radiance).0);
+    let clean = compares.then(|| transfer::encode_rgb8(&shot.view(&shot.prepared.scene.radiance)).0);
     let mut measure = |subject: &str, picture: &Rgb8| {
         let values = quality::measure(picture, clean.as_ref(), &metrics)?;
         let values = values

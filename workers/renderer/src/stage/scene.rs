@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
+use camera::PartsError;
+use camera::geometry::Source;
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
 use optics::range::is_hole;
 use optics::setting::View;
 use scenes::uploaded;
-use scenes::{CameraPose, Labels, SceneError, World};
+use scenes::{CameraPath, CameraPose, Labels, SceneError, World};
 use serde_json::json;
 use spec::{Classes, Frame, RangeKind, Scene, SceneFiles};
 
@@ -51,26 +53,16 @@ impl Prepared {
     }
 }
 
-/// Makes the scene of a frame.
-pub(crate) fn prepare(frame: &Frame, source: &SceneSource) -> Result<Prepared, RenderError> {
+/// Makes the scene of a frame; `view` is the picture that a procedural one is rendered for, where that is not the frame's own.
+pub(crate) fn prepare(
+    frame: &Frame,
+    source: &SceneSource,
+    view: Option<Source>,
+) -> Result<Prepared, RenderError> {
     match (&frame.scene, source) {
         (Scene::Procedural { family, seed }, _) => {
-            let (width, height) = (frame.camera.width, frame.camera.height);
-            let camera = Intrinsics::centered(frame.camera.focal_px(width), width, height);
-            let world = World::new(family, *seed)?;
-            let pose = pose(frame, &world)?;
-            let (scene, labels) = if needs_labels(frame) {
-                let (scene, labels) = world.render_labeled(&pose, (width, height), &camera);
-                (scene, Some(labels))
-            } else {
-                (world.render(&pose, (width, height), &camera), None)
-            };
-            let prepared = checked(frame, scene, BTreeMap::new())?;
-            Ok(Prepared {
-                pose: Some(pose),
-                labels,
-                ..prepared
-            })
+            let place = Place::new(frame, family, *seed)?;
+            place.prepare(frame, view, 0.0)
         }
         (Scene::Uploaded { .. } | Scene::Collection { .. }, SceneSource::Uploaded(files)) => {
             from_files(frame, files)
@@ -93,14 +85,63 @@ pub(crate) fn needs_labels(frame: &Frame) -> bool {
     frame.artifacts.iter().any(spec::ArtifactKind::needs_labels)
 }
 
-/// The pose of a frame: on its path, or the scene's default.
-fn pose(frame: &Frame, world: &World) -> Result<CameraPose, RenderError> {
-    let Some(path) = frame.camera.path else {
-        return Ok(world.pose());
-    };
-    let places = world.path(&path, frame.seed).map_err(RenderError::Path)?;
-    world.check(&places)?;
-    Ok(places.pose(path.frame))
+/// A procedural world and the way through it.
+pub(crate) struct Place {
+    world: World,
+    path: Option<(CameraPath, usize)>,
+}
+
+impl Place {
+    /// The world of a frame with a procedural scene.
+    pub(crate) fn of(frame: &Frame) -> Result<Self, RenderError> {
+        match &frame.scene {
+            Scene::Procedural { family, seed } => Self::new(frame, family, *seed),
+            _ => Err(RenderError::Camera(PartsError::NoPath)),
+        }
+    }
+
+    fn new(frame: &Frame, family: &str, seed: u64) -> Result<Self, RenderError> {
+        let world = World::new(family, seed)?;
+        let Some(path) = frame.camera.path else {
+            return Ok(Self { world, path: None });
+        };
+        let places = world.path(&path, frame.seed).map_err(RenderError::Path)?;
+        world.check(&places)?;
+        Ok(Self {
+            world,
+            path: Some((places, path.frame)),
+        })
+    }
+
+    /// The scene some frames after the time of the frame: a pose of its path, or the scene's default.
+    pub(crate) fn prepare(
+        &self,
+        frame: &Frame,
+        view: Option<Source>,
+        later: f64,
+    ) -> Result<Prepared, RenderError> {
+        let pose = match &self.path {
+            Some((places, at)) => places.pose_at(*at as f64 + later),
+            None => self.world.pose(),
+        };
+        let (width, height) = (frame.camera.width, frame.camera.height);
+        let Source { size, camera } = view.unwrap_or_else(|| Source {
+            size: (width, height),
+            camera: Intrinsics::centered(frame.camera.focal_px(width), width, height),
+        });
+        let (scene, labels) = if needs_labels(frame) {
+            let (scene, labels) = self.world.render_labeled(&pose, size, &camera);
+            (scene, Some(labels))
+        } else {
+            (self.world.render(&pose, size, &camera), None)
+        };
+        let prepared = checked(frame, scene, BTreeMap::new())?;
+        Ok(Prepared {
+            pose: Some(pose),
+            labels,
+            ..prepared
+        })
+    }
 }
 
 fn from_files(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError> {

@@ -215,9 +215,9 @@ fn the_bounds_add_up_to_the_tolerance_or_the_plan_says_why() {
             let plan = slot
                 .plan(&job.resolve(index).unwrap(), &SceneSource::Local)
                 .unwrap();
-            let whole = plan.bounds().unwrap().into_iter().fold(0.0, f64::max);
+            let whole = plan.water.bounds().unwrap().into_iter().fold(0.0, f64::max);
             assert_eq!(
-                plan.exceeds.is_some(),
+                plan.water.exceeds.is_some(),
                 whole > tolerance * 1.000_001,
                 "{whole:e} of {tolerance:e}"
             );
@@ -225,7 +225,7 @@ fn the_bounds_add_up_to_the_tolerance_or_the_plan_says_why() {
             let says_why = notes
                 .into_iter()
                 .any(|note| note.starts_with("exceeds the tolerance: the bounds add up to"));
-            assert_eq!(plan.exceeds.is_some(), says_why);
+            assert_eq!(plan.water.exceeds.is_some(), says_why);
             if says_why { explained += 1 } else { kept += 1 }
         }
     }

@@ -5,6 +5,8 @@
 
 use std::fmt::Write;
 
+use spec::Distortion;
+
 use super::view::View;
 
 /// What COLMAP adds to index coordinates, in which the center of the first pixel is (0, 0).
@@ -24,9 +26,8 @@ pub(super) fn model(shots: &[Shot]) -> [(&'static str, String); 3] {
         "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME; then the points seen: none\n".to_owned();
     let mut known: Vec<&View> = Vec::new();
     for (index, Shot { name, view }) in shots.iter().enumerate() {
-        let same = |other: &&View| {
-            (other.width, other.height, other.intrinsics) == (view.width, view.height, view.intrinsics)
-        };
+        let lens = |view: &View| (view.width, view.height, view.intrinsics, view.distortion);
+        let same = |other: &&View| lens(other) == lens(view);
         let camera = known.iter().position(same).unwrap_or_else(|| {
             known.push(view);
             let id = known.len();
@@ -51,7 +52,14 @@ fn camera(view: &View) -> String {
     let spec::Intrinsics { focal_px, cx, cy } = view.intrinsics;
     let (width, height) = (view.width, view.height);
     let (cx, cy) = (cx + HALF_PIXEL, cy + HALF_PIXEL);
-    format!("PINHOLE {width} {height} {focal_px} {focal_px} {cx} {cy}")
+    let pinhole = format!("{width} {height} {focal_px} {focal_px} {cx} {cy}");
+    match view.distortion {
+        None => format!("PINHOLE {pinhole}"),
+        // The rational model; its denominator stays 1.
+        Some(Distortion { k1, k2, k3, p1, p2 }) => {
+            format!("FULL_OPENCV {pinhole} {k1} {k2} {p1} {p2} {k3} 0 0 0")
+        }
+    }
 }
 
 /// -R c, R from the world to the camera, c the place of the camera.
@@ -100,6 +108,7 @@ mod tests {
             width: 96,
             height: 64,
             intrinsics: Intrinsics::centered(50.0, 96, 64),
+            distortion: None,
             world_from_camera: [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]],
         }
     }

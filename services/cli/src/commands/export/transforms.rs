@@ -1,6 +1,7 @@
 //! Cameras and poses of a sequence as the `transforms.json` of nerfstudio: camera axes right, up, back, from the camera to the world.
 
 use serde_json::{Value, json};
+use spec::Distortion;
 
 use super::colmap::{HALF_PIXEL, Shot};
 use super::view::View;
@@ -22,10 +23,15 @@ pub(super) fn transforms(shots: &[Shot], folder: &str) -> String {
 
 fn intrinsics(view: &View) -> Value {
     let spec::Intrinsics { focal_px, cx, cy } = view.intrinsics;
-    json!({
+    let Distortion { k1, k2, k3, p1, p2 } = view.distortion.unwrap_or_default();
+    let mut frame = json!({
         "w": view.width, "h": view.height, "fl_x": focal_px, "fl_y": focal_px,
-        "cx": cx + HALF_PIXEL, "cy": cy + HALF_PIXEL, "k1": 0.0, "k2": 0.0, "p1": 0.0, "p2": 0.0
-    })
+        "cx": cx + HALF_PIXEL, "cy": cy + HALF_PIXEL, "k1": k1, "k2": k2, "p1": p1, "p2": p2
+    });
+    if k3 != 0.0 {
+        frame["k3"] = k3.into();
+    }
+    frame
 }
 
 /// From right, up, back: the second and the third axis turn around.
@@ -45,6 +51,7 @@ mod tests {
             width: 4,
             height: 2,
             intrinsics: spec::Intrinsics::centered(3.0, 4, 2),
+            distortion: None,
             world_from_camera: [
                 [1.0, 0.0, 0.0, 7.0],
                 [0.0, 0.0, 1.0, 8.0],

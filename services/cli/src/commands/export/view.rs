@@ -4,17 +4,20 @@ use std::path::Path;
 
 use cli::exit::Failure;
 use serde_json::Value;
-use spec::{FrameRecord, Intrinsics};
+use spec::{Distortion, FrameRecord, Intrinsics, LensRecord};
 
 use super::frame::{Frame, RECORD, untrusted};
 use super::target::read;
 
-/// A pinhole camera in the world.
+/// A camera in the world.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct View {
     pub(super) width: u64,
     pub(super) height: u64,
+    /// Of a camera behind a flat port that of its rays in the water.
     pub(super) intrinsics: Intrinsics,
+    /// Distortion of those rays after Brown and Conrady; none of a pinhole.
+    pub(super) distortion: Option<Distortion>,
     /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world, meters.
     pub(super) world_from_camera: [[f64; 4]; 4],
 }
@@ -33,12 +36,18 @@ impl View {
         };
         let pose = record.scene.as_ref().and_then(|scene| scene.world_from_camera);
         match (side("width"), side("height"), record.scene.as_ref(), pose) {
-            (Some(width), Some(height), Some(scene), Some(world_from_camera)) => Ok(Self {
-                width,
-                height,
-                intrinsics: scene.intrinsics,
-                world_from_camera,
-            }),
+            (Some(width), Some(height), Some(scene), Some(world_from_camera)) => {
+                let lens = scene.lens.as_ref().map(LensRecord::in_water);
+                let mut intrinsics = scene.intrinsics;
+                intrinsics.focal_px *= lens.map_or(1.0, |(longer, _)| longer);
+                Ok(Self {
+                    width,
+                    height,
+                    intrinsics,
+                    distortion: lens.map(|(_, distortion)| distortion),
+                    world_from_camera,
+                })
+            }
             _ => Err(Failure::BadInput(format!("{name} has no pose of its camera"))),
         }
     }

@@ -1,0 +1,152 @@
+//! What must fit together within the camera, and with the scene before it.
+
+use std::collections::BTreeSet;
+
+use imaging::codec::MAX_PIXELS;
+use serde::Deserialize;
+
+use super::Checker;
+use super::across::places;
+use super::extremes::each_draw;
+use crate::camera::Camera;
+use crate::invalid::FieldError;
+use crate::node::{Drawn, LawNode, Node};
+
+/// Parts of a camera that rules of their own hold together.
+const PARTS: [&str; 6] = ["preset", "distortion", "port", "supersample", "sensor", "rolling"];
+
+impl Checker<'_> {
+    /// Tries the camera at the extremes of its laws and of the first of `frames` frames. Says nothing about a camera that has
+    /// errors already.
+    pub(crate) fn cameras(&mut self, document: &Node, frames: u64) {
+        let Some(camera) = document.get("camera") else {
+            return;
+        };
+        let alternatives = camera.alternatives("");
+        let has = |name: &&str| alternatives.iter().any(|(_, camera)| camera.get(name).is_some());
+        let is_wrong = self
+            .errors
+            .iter()
+            .any(|error| error.pointer.starts_with("/camera"));
+        if is_wrong || !PARTS.iter().any(|name| has(name)) {
+            return;
+        }
+        let scenes = places(document, "scene");
+        let renders = |(_, scene): &(String, &Node)| scene.get("family").is_some();
+        let kinds: BTreeSet<bool> = scenes.iter().map(renders).collect();
+        let mut found = BTreeSet::new();
+        each_draw(camera, frames, &mut |draw| {
+            for &renders in &kinds {
+                self.try_camera(camera, renders, &draw, &mut found);
+            }
+        });
+    }
+
+    /// Adds the errors of one camera; of each place only the first.
+    fn try_camera(
+        &mut self,
+        camera: &Node,
+        renders: bool,
+        draw: &impl Fn(&LawNode) -> Drawn,
+        found: &mut BTreeSet<String>,
+    ) {
+        let Ok(values) = Camera::deserialize(camera.value(draw)) else {
+            return;
+        };
+        for fault in (self.vocabulary.camera_rules.faults)(&values, renders) {
+            let pointer = camera.locate("/camera", &fault.path, draw);
+            if found.insert(pointer.clone()) {
+                let varied = if camera.laws().is_empty() {
+                    ""
+                } else {
+                    "a camera that the laws can yield: "
+                };
+                self.refuse(|| FieldError::new(&pointer, format!("{varied}{}", fault.message)));
+            }
+        }
+    }
+
+    /// Checks the size of the picture, and that what moves has a way to move.
+    pub(super) fn camera(&mut self, document: &Node) {
+        let scenes = places(document, "scene");
+        let is_rendered = |scene: &Node| scene.get("family").is_some();
+        let all_rendered = scenes.iter().all(|(_, scene)| is_rendered(scene));
+        let none_rendered = !scenes.iter().any(|(_, scene)| is_rendered(scene));
+        self.noise(document);
+        for (pointer, camera) in places(document, "camera") {
+            let side = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
+            let (width, height) = (side("width"), side("height"));
+            if width * height > MAX_PIXELS as f64 {
+                let message =
+                    format!("`camera` can be {width}×{height} pixels, the limit is {MAX_PIXELS} pixels");
+                self.refuse(|| FieldError::new(&pointer, message).limit(format!("{MAX_PIXELS} pixels")));
+            }
+            let mut refuse = |field: &str, needs: &str| {
+                let message = format!("`camera.{}` needs {needs}", field.replace('/', "."));
+                self.refuse(|| FieldError::new(&format!("{pointer}/{field}"), message));
+            };
+            let has = |name| camera.get(name).is_some();
+            if has("rolling") && !has("path") {
+                refuse("rolling", "`camera.path`: without movement all rows see the same");
+            }
+            if lags(camera) && !has("path") {
+                refuse(
+                    "exposure",
+                    "`camera.path` for its `lag_frames`: without a sequence there is nothing to follow",
+                );
+            }
+            if has("supersample") && !all_rendered {
+                refuse(
+                    "supersample",
+                    "a procedural scene: a picture has the pixels it has",
+                );
+            }
+            let shifts = |name| {
+                let motion = camera.get("motion");
+                motion
+                    .and_then(|motion| motion.get(name))
+                    .and_then(Node::greatest)
+                    != Some(0.0)
+            };
+            if has("motion") && all_rendered && !has("path") {
+                refuse("motion", "`camera.path`: without it nothing moves");
+            }
+            if has("motion") && none_rendered && !shifts("x_px") && !shifts("y_px") {
+                refuse("motion", "`x_px` or `y_px`: a picture has no path to move along");
+            }
+        }
+    }
+}
+
+impl Checker<'_> {
+    /// A tolerance that the noise hides needs a sensor in every frame.
+    fn noise(&mut self, document: &Node) {
+        let cameras = places(document, "camera");
+        let senses =
+            |(_, camera): &(String, &Node)| camera.get("sensor").is_some() || camera.get("preset").is_some();
+        if !cameras.is_empty() && cameras.iter().all(senses) {
+            return;
+        }
+        for (pointer, fidelity) in places(document, "fidelity") {
+            let variant = fidelity.get("variant").map(|variant| variant.strings(""));
+            if variant.into_iter().flatten().any(|(_, name)| name == "noise") {
+                let message = "the fidelity `noise` needs `camera.sensor` in every frame";
+                self.refuse(|| FieldError::new(&pointer, message));
+            }
+        }
+    }
+}
+
+/// Whether the exposure of a camera can follow its metering slowly.
+fn lags(camera: &Node) -> bool {
+    let exposures = camera.get("exposure").map(|exposure| exposure.alternatives(""));
+    exposures.into_iter().flatten().any(|(_, exposure)| {
+        let metering = exposure.get("auto").map(|auto| auto.alternatives(""));
+        let lag = |(_, auto): (String, &Node)| auto.get("lag_frames").and_then(Node::greatest);
+        metering
+            .into_iter()
+            .flatten()
+            .filter_map(lag)
+            .any(|lag| lag > 0.0)
+    })
+}

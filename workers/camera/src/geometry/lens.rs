@@ -1,0 +1,264 @@
+//! Lens and port as maps of directions.
+
+use imaging::geometry::Intrinsics;
+use spec::{Distortion, Port};
+
+/// Least slope of the distorted radius over the ideal one: below it, neighboring directions meet in one pixel.
+const LEAST_SLOPE: f64 = 0.05;
+/// How far beyond the farthest corner a lens must not fold.
+const BEYOND_CORNER: f64 = 1.1;
+/// Steps of the radius in which a lens is searched for folds.
+const FOLD_STEPS: usize = 256;
+/// The inverse has arrived when a step moves it by less, in units of the focal length.
+pub(crate) const ARRIVED: f64 = 1e-13;
+/// Most steps of the inverse.
+pub(crate) const MOST_STEPS: usize = 50;
+
+/// What the port does to directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Refraction {
+    /// Nothing: no port, or a dome about the pupil.
+    None,
+    /// A flat port: `sin θ_w = sin θ_a / n` for each channel.
+    Flat {
+        /// Refractive index of the water, R, G, B.
+        index: [f64; 3],
+    },
+}
+
+/// The lens behind its port, as the picture shows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    /// Focal length in air and principal point, in pixels of the output.
+    pub camera: Intrinsics,
+    /// Distortion, all 0 of an ideal lens.
+    pub distortion: Distortion,
+    /// The port.
+    pub refraction: Refraction,
+}
+
+/// Why a lens has no picture of these sides.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Fold {
+    /// Two directions fall on one place.
+    #[error("the lens folds: at {radius:.3} focal lengths from the axis its radius no longer grows")]
+    Radius {
+        /// Ideal radius over the focal length.
+        radius: f64,
+    },
+    /// No direction is found for a pixel.
+    #[error("the lens folds: no direction falls on pixel ({x}, {y})")]
+    Pixel {
+        /// Column.
+        x: usize,
+        /// Row.
+        y: usize,
+    },
+}
+
+/// Brown and Conrady's map from ideal to distorted coordinates:
+/// `x R + 2 p1 x y + p2 (r² + 2x²)`, `y R + p1 (r² + 2y²) + 2 p2 x y` with `R = 1 + k1 r² + k2 r⁴ + k3 r⁶`.
+#[inline(always)]
+pub(crate) fn distorted(d: &Distortion, x: f64, y: f64) -> (f64, f64) {
+    let r2 = x * x + y * y;
+    let radial = 1.0 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
+    (
+        x * radial + 2.0 * d.p1 * x * y + d.p2 * (r2 + 2.0 * x * x),
+        y * radial + d.p1 * (r2 + 2.0 * y * y) + 2.0 * d.p2 * x * y,
+    )
+}
+
+/// The factor of a direction's tangent behind a flat port: `tan θ_w / tan θ_a` of `rho2 = tan² θ_a`.
+#[inline(always)]
+pub(crate) fn refracted(rho2: f64, index: f64) -> f64 {
+    // t / ρ with s² = ρ² / ((1 + ρ²) n²), t = s / √(1 - s²): finite on the axis as well.
+    1.0 / ((1.0 + rho2) * index * index - rho2).sqrt()
+}
+
+impl Lens {
+    /// A lens whose port is described.
+    #[must_use]
+    pub fn new(camera: Intrinsics, distortion: Option<Distortion>, port: Option<Port>) -> Self {
+        let refraction = match port {
+            Some(Port::Flat { n_w, .. }) => Refraction::Flat { index: n_w },
+            Some(Port::None {} | Port::Dome { .. }) | None => Refraction::None,
+        };
+        Self {
+            camera,
+            distortion: distortion.unwrap_or_default(),
+            refraction,
+        }
+    }
+
+    /// Whether the channels look in different directions.
+    #[must_use]
+    pub fn is_chromatic(&self) -> bool {
+        matches!(self.refraction, Refraction::Flat { index: [r, g, b] } if r != g || g != b)
+    }
+
+    /// How much a pinhole in the water must be longer to show the center at the same scale.
+    #[must_use]
+    pub fn magnification(&self) -> f64 {
+        match self.refraction {
+            Refraction::None => 1.0,
+            Refraction::Flat { index } => index[1],
+        }
+    }
+
+    /// The ideal coordinates of distorted ones, found by repeated substitution; none where it does not end.
+    #[must_use]
+    pub fn undistorted(&self, xd: f64, yd: f64) -> Option<(f64, f64)> {
+        let (mut x, mut y) = (xd, yd);
+        for _ in 0..MOST_STEPS {
+            let (dx, dy) = distorted(&self.distortion, x, y);
+            let step = (dx - xd, dy - yd);
+            (x, y) = (x - step.0, y - step.1);
+            if step.0.abs().max(step.1.abs()) < ARRIVED {
+                return Some((x, y));
+            }
+        }
+        None
+    }
+
+    /// The direction in the water, as `(x/z, y/z)`, of an ideal direction in air.
+    #[must_use]
+    pub fn in_water(&self, (x, y): (f64, f64), channel: usize) -> (f64, f64) {
+        match self.refraction {
+            Refraction::None => (x, y),
+            Refraction::Flat { index } => {
+                let factor = refracted(x * x + y * y, index[channel]);
+                (x * factor, y * factor)
+            }
+        }
+    }
+
+    /// The pixel that shows a direction in the water; none beyond what the port lets in.
+    #[must_use]
+    pub fn pixel_of(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        let (x, y) = match self.refraction {
+            Refraction::None => (x, y),
+            Refraction::Flat { index } => {
+                let tan2 = x * x + y * y;
+                let sin2 = index[1] * index[1] * tan2 / (1.0 + tan2);
+                let factor = if tan2 > 0.0 {
+                    (sin2 / (1.0 - sin2) / tan2).sqrt()
+                } else {
+                    index[1]
+                };
+                (sin2 < 1.0).then_some((x * factor, y * factor))?
+            }
+        };
+        let (x, y) = distorted(&self.distortion, x, y);
+        Some((
+            self.camera.cx + self.camera.focal_px * x,
+            self.camera.cy + self.camera.focal_px * y,
+        ))
+    }
+
+    /// Checks that each pixel of a picture of these sides looks in one direction.
+    ///
+    /// # Errors
+    /// [`Fold`].
+    pub fn check(&self, (width, height): (usize, usize)) -> Result<(), Fold> {
+        let Intrinsics { focal_px, cx, cy } = self.camera;
+        let far = |center: f64, side: usize| center.abs().max((side as f64 - 1.0 - center).abs()) / focal_px;
+        let corner = far(cx, width).hypot(far(cy, height)) * BEYOND_CORNER;
+        let Distortion { k1, k2, k3, .. } = self.distortion;
+        let (step, mut radius) = (corner / FOLD_STEPS as f64, 0.0);
+        loop {
+            let r2 = radius * radius;
+            let slope = 1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3));
+            if slope <= LEAST_SLOPE {
+                return Err(Fold::Radius { radius });
+            }
+            if radius * (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) >= corner || step == 0.0 {
+                break;
+            }
+            radius += step;
+        }
+        border((width, height)).try_for_each(|(x, y)| {
+            let place = |i: usize, center: f64| (i as f64 - center) / focal_px;
+            let found = self.undistorted(place(x, cx), place(y, cy));
+            found.map(|_| ()).ok_or(Fold::Pixel { x, y })
+        })
+    }
+}
+
+/// Pixels of the border that are tried along a side: a lens is smooth, and a map has a margin.
+const BORDER_STEPS: usize = 64;
+
+/// Pixels of the border, its corners among them.
+pub(crate) fn border((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+    let walk = |side: usize| (0..=BORDER_STEPS).map(move |i| i * (side - 1) / BORDER_STEPS);
+    let rows = walk(width).flat_map(move |x| [(x, 0), (x, height - 1)]);
+    rows.chain(walk(height).flat_map(move |y| [(0, y), (width - 1, y)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lens(distortion: Distortion, refraction: Refraction) -> Lens {
+        Lens {
+            camera: Intrinsics::centered(60.0, 81, 61),
+            distortion,
+            refraction,
+        }
+    }
+
+    const BARREL: Distortion = Distortion {
+        k1: -0.12,
+        k2: 0.03,
+        k3: 0.0,
+        p1: 0.002,
+        p2: -0.001,
+    };
+
+    #[test]
+    fn the_forward_map_returns_to_the_pixel_that_looked() {
+        for refraction in [
+            Refraction::None,
+            Refraction::Flat {
+                index: [1.33, 1.34, 1.35],
+            },
+        ] {
+            let lens = lens(BARREL, refraction);
+            for (x, y) in [(0.0, 0.0), (80.0, 0.0), (17.0, 42.0), (40.0, 30.0)] {
+                let ideal = lens.undistorted((x - 40.0) / 60.0, (y - 30.0) / 60.0).unwrap();
+                let seen = lens.in_water(ideal, 1);
+                let (u, v) = lens.pixel_of(seen).unwrap();
+                assert!(
+                    (u - x).abs() < 1e-9 && (v - y).abs() < 1e-9,
+                    "({x}, {y}): ({u}, {v})"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_flat_port_obeys_snell_and_never_sees_beyond_the_critical_angle() {
+        let lens = lens(Distortion::default(), Refraction::Flat { index: [1.34; 3] });
+        let tan_air = libm::tan(40f64.to_radians());
+        let (tan_water, _) = lens.in_water((tan_air, 0.0), 1);
+        let expected = libm::asin(libm::sin(40f64.to_radians()) / 1.34);
+        assert!((libm::atan(tan_water) - expected).abs() < 1e-14);
+        let (widest, _) = lens.in_water((1e9, 0.0), 1);
+        assert!(libm::atan(widest).to_degrees() < 48.3);
+        assert_eq!(lens.pixel_of((1.2, 0.0)), None);
+    }
+
+    #[test]
+    fn a_lens_that_folds_is_refused() {
+        let strong = Distortion {
+            k1: -0.9,
+            ..Distortion::default()
+        };
+        let wrong = lens(strong, Refraction::None).check((81, 61)).unwrap_err();
+        assert!(wrong.to_string().starts_with("the lens folds"), "{wrong}");
+        assert_eq!(lens(BARREL, Refraction::None).check((81, 61)), Ok(()));
+        assert_eq!(
+            lens(Distortion::default(), Refraction::None).check((1, 1)),
+            Ok(())
+        );
+    }
+}

@@ -1,0 +1,166 @@
+//! The map itself: for each output pixel and channel a place in the source picture.
+
+use imaging::codec::{MAX_PIXELS, MAX_SIDE_PX};
+use imaging::geometry::Intrinsics;
+use imaging::{Plane, vectorized};
+use spec::Distortion;
+
+use super::lens::{ARRIVED, Lens, MOST_STEPS, Refraction, border, distorted, refracted};
+
+/// Pixels around what the map reaches.
+const MARGIN_PX: f64 = 2.0;
+/// Pixels that are inverted together.
+const LANES: usize = 16;
+
+/// The picture that a pinhole takes in the water.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Source {
+    /// Columns and rows.
+    pub size: (usize, usize),
+    /// Its camera.
+    pub camera: Intrinsics,
+}
+
+impl Source {
+    /// The smallest picture about its center that holds all that a lens maps of these sides, with two pixels of margin and
+    /// `supersample` pixels for each of the output along a side. Its sides are even, so that samples of a supersampled picture
+    /// fall between pixels. None if it would be larger than a picture may be.
+    #[must_use]
+    pub fn around(lens: &Lens, size: (usize, usize), supersample: usize) -> Option<Self> {
+        let focal_px = supersample as f64 * lens.camera.focal_px * lens.magnification();
+        let (mut across, mut down) = (0.0f64, 0.0f64);
+        for (x, y) in border(size) {
+            let place = |i: usize, center: f64| (i as f64 - center) / lens.camera.focal_px;
+            let ideal = lens.undistorted(place(x, lens.camera.cx), place(y, lens.camera.cy))?;
+            for channel in 0..3 {
+                let (u, v) = lens.in_water(ideal, channel);
+                (across, down) = (across.max((u * focal_px).abs()), down.max((v * focal_px).abs()));
+            }
+        }
+        let side = |half: f64| 2.0 * (half + 0.5 + MARGIN_PX).ceil();
+        let (width, height) = (side(across), side(down));
+        let fits = width.max(height) <= MAX_SIDE_PX as f64 && width * height <= MAX_PIXELS as f64;
+        let size = (width as usize, height as usize);
+        fits.then(|| Self {
+            size,
+            camera: Intrinsics::centered(focal_px, size.0, size.1),
+        })
+    }
+}
+
+/// Places in the source picture, in its pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coordinates {
+    /// Columns.
+    pub x: Plane<f64>,
+    /// Rows.
+    pub y: Plane<f64>,
+}
+
+/// The map of a channel, pixel by pixel.
+///
+/// # Panics
+/// When the lens folds within the picture, see [`Lens::check`].
+#[must_use]
+pub fn coordinates_reference(
+    lens: &Lens,
+    source: &Source,
+    (width, height): (usize, usize),
+    channel: usize,
+) -> Coordinates {
+    let place = |x: usize, y: usize| {
+        let air = lens.camera.ray(x as f64, y as f64);
+        let ideal = lens.undistorted(air.x, air.y).expect("a lens that does not fold");
+        let (u, v) = lens.in_water(ideal, channel);
+        let Intrinsics { focal_px, cx, cy } = source.camera;
+        (cx + focal_px * u, cy + focal_px * v)
+    };
+    Coordinates {
+        x: Plane::from_fn(width, height, |x, y| place(x, y).0),
+        y: Plane::from_fn(width, height, |x, y| place(x, y).1),
+    }
+}
+
+/// The map of the channels: one where all look alike, else R, G, B. The same as the reference but for the last bits.
+#[must_use]
+pub fn coordinates(lens: &Lens, source: &Source, (width, height): (usize, usize)) -> Vec<Coordinates> {
+    let channels = if lens.is_chromatic() { 3 } else { 1 };
+    let empty = || Coordinates {
+        x: Plane::filled(width, height, 0.0),
+        y: Plane::filled(width, height, 0.0),
+    };
+    let mut maps: Vec<Coordinates> = (0..channels).map(|_| empty()).collect();
+    let (mut xs, mut ys) = (vec![0.0; width], vec![0.0; width]);
+    for y in 0..height {
+        vectorized!(ideal_row(lens, y, &mut xs, &mut ys));
+        for (channel, map) in maps.iter_mut().enumerate() {
+            let (us, vs) = (map.x.row_mut(y), map.y.row_mut(y));
+            vectorized!(water_row(lens, source, channel, (&xs, &ys), (&mut *us, &mut *vs)));
+        }
+    }
+    maps
+}
+
+/// Ideal coordinates of a row.
+#[inline(always)]
+fn ideal_row(lens: &Lens, row: usize, xs: &mut [f64], ys: &mut [f64]) {
+    let Intrinsics { focal_px, cx, cy } = lens.camera;
+    let yd = (row as f64 - cy) / focal_px;
+    let is_ideal = lens.distortion == Distortion::default();
+    for (block, (xs, ys)) in xs.chunks_mut(LANES).zip(ys.chunks_mut(LANES)).enumerate() {
+        let xd: [f64; LANES] = std::array::from_fn(|lane| ((block * LANES + lane) as f64 - cx) / focal_px);
+        let (mut x, mut y) = (xd, [yd; LANES]);
+        if !is_ideal {
+            // Beyond the last pixel of a row, a lane repeats it: it may lie where the lens folds.
+            let last = xs.len() - 1;
+            let xd: [f64; LANES] = std::array::from_fn(|lane| xd[lane.min(last)]);
+            x = xd;
+            invert(&lens.distortion, &xd, yd, &mut x, &mut y);
+        }
+        xs.copy_from_slice(&x[..xs.len()]);
+        ys.copy_from_slice(&y[..ys.len()]);
+    }
+}
+
+/// Repeated substitution until all lanes have arrived.
+#[inline(always)]
+fn invert(d: &Distortion, xd: &[f64; LANES], yd: f64, x: &mut [f64; LANES], y: &mut [f64; LANES]) {
+    for _ in 0..MOST_STEPS {
+        let mut far = 0.0f64;
+        for lane in 0..LANES {
+            let (dx, dy) = distorted(d, x[lane], y[lane]);
+            let (step_x, step_y) = (dx - xd[lane], dy - yd);
+            x[lane] -= step_x;
+            y[lane] -= step_y;
+            let step = imaging::simd::larger(step_x.abs(), step_y.abs());
+            far = imaging::simd::larger(far, step);
+        }
+        if far < ARRIVED {
+            return;
+        }
+    }
+}
+
+#[inline(always)]
+fn water_row(
+    lens: &Lens,
+    source: &Source,
+    channel: usize,
+    (xs, ys): (&[f64], &[f64]),
+    (us, vs): (&mut [f64], &mut [f64]),
+) {
+    let Intrinsics { focal_px, cx, cy } = source.camera;
+    let index = match lens.refraction {
+        Refraction::None => None,
+        Refraction::Flat { index } => Some(index[channel]),
+    };
+    let outputs = us.iter_mut().zip(vs);
+    for ((u, v), (&x, &y)) in outputs.zip(xs.iter().zip(ys)) {
+        let factor = match index {
+            None => 1.0,
+            Some(index) => refracted(x * x + y * y, index),
+        };
+        *u = cx + focal_px * (x * factor);
+        *v = cy + focal_px * (y * factor);
+    }
+}

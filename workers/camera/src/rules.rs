@@ -1,0 +1,50 @@
+//! What must fit together within a camera, asked by the check of descriptions.
+
+use imaging::geometry::Intrinsics;
+use spec::{Camera, CameraRules, Fault};
+
+use crate::plan::{Parts, PartsError, Scenery};
+
+/// The rules of cameras.
+pub const RULES: CameraRules = CameraRules { faults };
+
+/// What is wrong with a camera; `renders`: whether it looks at a scene that is rendered for it.
+fn faults(camera: &Camera, renders: bool) -> Vec<Fault> {
+    let scenery = if renders {
+        Scenery::Rendered
+    } else {
+        // An uploaded picture brings its sides and its focal length; those of the description stand for it.
+        let (width, height) = (camera.width, camera.height);
+        let water = Intrinsics::centered(camera.focal_px(width), width, height);
+        Scenery::Picture(water, (width, height))
+    };
+    let fault = |path: Vec<&'static str>, message: String| Fault {
+        path,
+        message,
+        missing: false,
+    };
+    let mut faults = Vec::new();
+    if let Err(wrong) = Parts::resolve(camera, scenery) {
+        let path = match wrong {
+            PartsError::Fold(_) | PartsError::TooWide => vec!["distortion"],
+            PartsError::NoPath => vec!["path"],
+            PartsError::TooSmall => vec!["sensor", "cfa"],
+            PartsError::UnknownSensor => vec!["sensor", "preset"],
+            PartsError::Black { .. } => vec!["sensor", "black_dn"],
+        };
+        faults.push(fault(
+            path.clone(),
+            format!("`camera.{}`: {wrong}", path.join(".")),
+        ));
+    }
+    if let Some(rolling) = camera.rolling
+        && rolling.bands > camera.height
+    {
+        let message = format!(
+            "`camera.rolling.bands` is {}, but the picture has {} rows",
+            rolling.bands, camera.height
+        );
+        faults.push(fault(vec!["rolling", "bands"], message));
+    }
+    faults
+}

@@ -1,0 +1,138 @@
+//! What is fixed to the camera: the sensitivity, dark current and offset of every pixel.
+
+use imaging::cancel;
+
+use super::noise::{BLOCK, Elements, Streams, fill_normals};
+use super::{Chance, HOT, Sensor};
+
+/// Most samples of a pattern that is kept: 48 MB.
+const MOST_KEPT: usize = 4 << 20;
+
+/// The fixed pattern of a sensor of some size. It does not depend on the frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pattern {
+    sensor: Sensor,
+    seed: u64,
+    samples: usize,
+    /// Of every sample, where they are few enough to be kept.
+    kept: Option<Fixed>,
+}
+
+/// Of some samples: how much more sensitive each is, its dark electrons, its offset in electrons.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Fixed {
+    pub(super) sensitivity: Vec<f32>,
+    pub(super) dark: Vec<f32>,
+    pub(super) offset: Vec<f32>,
+}
+
+/// One block of samples.
+pub(super) struct FixedBlock<'a> {
+    pub(super) sensitivity: &'a [f32],
+    pub(super) dark: &'a [f32],
+    pub(super) offset: &'a [f32],
+}
+
+impl Pattern {
+    /// The pattern of a picture of so many samples: pixels of a mosaic, three times the pixels of three sensors.
+    #[must_use]
+    pub fn new(sensor: &Sensor, seed: u64, samples: usize) -> Self {
+        let mut pattern = Self {
+            sensor: *sensor,
+            seed,
+            samples,
+            kept: None,
+        };
+        if samples <= MOST_KEPT {
+            let streams = Streams::new(Chance { seed, frame: 0 });
+            let mut fixed = Fixed::default();
+            let per_sensor = if sensor.cfa == spec::Cfa::None {
+                samples / 3
+            } else {
+                samples
+            };
+            for plane in 0..samples / per_sensor.max(1) {
+                for start in (0..per_sensor).step_by(BLOCK) {
+                    let length = BLOCK.min(per_sensor - start);
+                    draw(sensor, &streams, elements(plane, start), length, &mut fixed);
+                }
+            }
+            pattern.kept = Some(fixed);
+        }
+        pattern
+    }
+
+    /// Whether it is the pattern of this sensor.
+    #[must_use]
+    pub fn is_of(&self, sensor: &Sensor, seed: u64, samples: usize) -> bool {
+        // The gain and the frame change nothing of it, but a sensor is rarely varied in one number alone.
+        (&self.sensor, self.seed, self.samples) == (sensor, seed, samples)
+    }
+
+    /// Hands out a block of it: the samples from `start` on of plane `plane`, at place `at` of all.
+    pub(super) fn block<'a>(
+        &'a self,
+        streams: &Streams,
+        (plane, start, at): (usize, usize, usize),
+        length: usize,
+        drawn: &'a mut Fixed,
+    ) -> FixedBlock<'a> {
+        let (fixed, from) = match &self.kept {
+            Some(fixed) => (fixed, at),
+            None => {
+                *drawn = Fixed::default();
+                draw(&self.sensor, streams, elements(plane, start), length, drawn);
+                (&*drawn, 0)
+            }
+        };
+        let part = |values: &'a [f32]| values.get(from..from + length).unwrap_or_default();
+        FixedBlock {
+            sensitivity: part(&fixed.sensitivity),
+            dark: part(&fixed.dark),
+            offset: part(&fixed.offset),
+        }
+    }
+}
+
+/// The elements of the samples of a plane from one on: `4 P + plane`.
+pub(super) fn elements(plane: usize, start: usize) -> Elements {
+    Elements {
+        first: 4 * start as u64 + plane as u64,
+        step: 4,
+    }
+}
+
+fn draw(sensor: &Sensor, streams: &Streams, elements: Elements, length: usize, fixed: &mut Fixed) {
+    cancel::check();
+    let mut normals = [0.0; BLOCK];
+    let normals = &mut normals[..length];
+    let dark = sensor.dark_e_per_s * sensor.exposure_s;
+    let mut scaled = |stream, spread: f64, target: &mut Vec<f32>, change: &dyn Fn(f64) -> f64| {
+        if spread == 0.0 {
+            target.resize(target.len() + length, change(0.0) as f32);
+            return;
+        }
+        fill_normals(stream, 0, elements, normals);
+        target.extend(normals.iter().map(|&normal| change(spread * normal) as f32));
+    };
+    scaled(&streams.prnu, sensor.prnu, &mut fixed.sensitivity, &|deviation| {
+        deviation
+    });
+    let dcnu = if dark > 0.0 { sensor.dcnu } else { 0.0 };
+    scaled(&streams.dcnu, dcnu, &mut fixed.dark, &|deviation| {
+        (dark * (1.0 + deviation)).max(0.0)
+    });
+    scaled(&streams.dsnu, sensor.dsnu_e, &mut fixed.offset, &|deviation| {
+        deviation
+    });
+    if sensor.hot_share > 0.0 {
+        let from = fixed.dark.len() - length;
+        let mut units = [0.0; BLOCK];
+        streams
+            .hot
+            .fill_units(0, elements.first, elements.step, &mut units[..length]);
+        let all = fixed.dark[from..].iter_mut().zip(&units);
+        all.filter(|(_, unit)| **unit < sensor.hot_share)
+            .for_each(|(dark, _)| *dark *= HOT as f32);
+    }
+}

@@ -1,0 +1,104 @@
+//! The curve from light to 8-bit codes: `floor(255 v + 1/2)` of `v = curve(clamp(x, 0, 1))`.
+
+use imaging::{Rgb, Rgb8, transfer};
+use spec::Tone;
+
+/// Steps of light between two of which at most a few codes begin.
+const STEPS: usize = 4096;
+
+/// The codes of a picture, and how many samples were clamped.
+#[must_use]
+pub fn codes(light: &Rgb<f32>, tone: Tone) -> (Rgb8, u64) {
+    let exponent = match tone {
+        Tone::Srgb => return transfer::encode_rgb8(light),
+        Tone::Linear => 1.0,
+        Tone::Gamma(gamma) => gamma,
+    };
+    let table = Table::new(exponent);
+    let (width, height) = light.size();
+    let [r, g, b] = light.planes().each_ref().map(|plane| plane.data());
+    let mut clamped = 0;
+    let mut data = Vec::with_capacity(3 * r.len());
+    for ((&r, &g), &b) in r.iter().zip(g).zip(b) {
+        for v in [r, g, b] {
+            clamped += u64::from(!(0.0..=1.0).contains(&v));
+            data.push(table.code(v));
+        }
+    }
+    let codes = Rgb8::new(width, height, data).expect("three codes for each pixel");
+    (codes, clamped)
+}
+
+/// The code of a sample by the formula.
+#[must_use]
+pub fn code_reference(light: f64, tone: Tone) -> u8 {
+    let light = light.clamp(0.0, 1.0);
+    let v = match tone {
+        Tone::Srgb => transfer::encode(light),
+        Tone::Linear => light,
+        Tone::Gamma(gamma) => libm::pow(light, 1.0 / gamma),
+    };
+    (255.0 * v + 0.5).floor() as u8
+}
+
+/// The light at which each code begins, and the code at which each step of light begins.
+struct Table {
+    starts: [f64; 256],
+    first: Vec<u8>,
+}
+
+impl Table {
+    /// That of codes which are light to the power of 1 over this.
+    fn new(exponent: f64) -> Self {
+        let starts = std::array::from_fn(|code| match code {
+            0 => 0.0,
+            _ => libm::pow((code as f64 - 0.5) / 255.0, exponent),
+        });
+        let first = |step: usize| {
+            let light = step as f64 / STEPS as f64;
+            (starts.partition_point(|&start| start <= light) - 1) as u8
+        };
+        Self {
+            first: (0..=STEPS).map(first).collect(),
+            starts,
+        }
+    }
+
+    fn code(&self, light: f32) -> u8 {
+        let light = f64::from(light).max(0.0).min(1.0);
+        let mut code = self.first[(light * STEPS as f64) as usize];
+        while code < u8::MAX && self.starts[usize::from(code) + 1] <= light {
+            code += 1;
+        }
+        code
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_those_of_the_formula() {
+        let light = Rgb::from_fn(700, 3, |x, y| {
+            [-0.1, 0.0, 0.7].map(|v| v + 0.0016 * (x + 5 * y) as f32)
+        });
+        for tone in [
+            Tone::Srgb,
+            Tone::Linear,
+            Tone::Gamma(2.2),
+            Tone::Gamma(0.5),
+            Tone::Gamma(5.0),
+        ] {
+            let (codes, clamped) = codes(&light, tone);
+            assert!(clamped > 0);
+            let expected = |(i, code): (usize, &u8)| {
+                let light = f64::from(light.planes()[i % 3].data()[i / 3]);
+                // A rounding of the power may move where a code begins.
+                let [lower, upper] = [-1e-14, 1e-14].map(|by| code_reference(light + by, tone));
+                lower <= *code && *code <= upper
+            };
+            assert!(codes.data().iter().enumerate().all(expected), "{tone:?}");
+        }
+    }
+}

@@ -1,0 +1,421 @@
+//! The fast forms against their references over sizes and inputs, and what must hold of the camera whatever is given.
+#![allow(clippy::unwrap_used)]
+
+use camera::defocus::{self, LEVELS};
+use camera::geometry::{self, Lens, Refraction, Sampling, Source};
+use camera::sensor::{self, Chance, Pattern, Raw, Sensor};
+use camera::vignette::{self, FallOff};
+use camera::{exposure, jpeg, mosaic, preset};
+use imaging::codec::{Radiance, decode_radiance, encode_jpeg};
+use imaging::geometry::Intrinsics;
+use imaging::{Plane, Rgb, Rgb8};
+use spec::{Cfa, Chroma, Distortion, Jpeg, Metering, Vignette};
+
+/// f32 of light up to 1 or so.
+const ROUNDING: f64 = 1e-5;
+const SIZES: [(usize, usize); 7] = [(2, 2), (3, 2), (5, 17), (64, 5), (131, 37), (256, 9), (257, 130)];
+
+fn picture(width: usize, height: usize) -> Rgb<f32> {
+    Rgb::from_fn(width, height, |x, y| {
+        let wave = |k: usize| 0.5 + 0.5 * (0.3 * (x * k) as f32 + 0.7 * y as f32).sin();
+        [wave(1), 0.6 * wave(2), 0.02 + 0.01 * wave(5)]
+    })
+}
+
+fn worst(expected: &Rgb<f64>, actual: &Rgb<f32>) -> f64 {
+    let planes = expected.planes().iter().zip(actual.planes());
+    let errors = planes.flat_map(|(e, a)| e.data().iter().zip(a.data()));
+    errors.map(|(e, &a)| (e - f64::from(a)).abs()).fold(0.0, f64::max)
+}
+
+fn lenses(width: usize, height: usize) -> Vec<Lens> {
+    let distortion = |k1: f64, k2: f64, p1: f64| Distortion {
+        k1,
+        k2,
+        p1,
+        ..Distortion::default()
+    };
+    let distortions = [
+        distortion(0.0, 0.0, 0.0),
+        distortion(-0.15, 0.02, 0.01),
+        distortion(0.2, 0.0, -0.01),
+    ];
+    let refractions = [
+        Refraction::None,
+        Refraction::Flat { index: [1.34; 3] },
+        Refraction::Flat {
+            index: [1.33, 1.34, 1.35],
+        },
+    ];
+    let camera = Intrinsics::centered(0.8 * width.max(height) as f64, width, height);
+    let all = distortions.into_iter().flat_map(|distortion| {
+        refractions.into_iter().map(move |refraction| Lens {
+            camera,
+            distortion,
+            refraction,
+        })
+    });
+    all.collect()
+}
+
+#[test]
+fn maps_and_samples_agree_with_their_references() {
+    for (width, height) in SIZES {
+        for lens in lenses(width, height) {
+            lens.check((width, height)).unwrap();
+            for supersample in [1, 2] {
+                let source = Source::around(&lens, (width, height), supersample).unwrap();
+                let scene = picture(source.size.0, source.size.1);
+                let maps = geometry::coordinates(&lens, &source, (width, height));
+                let sampling = Sampling::new(&maps, source.size);
+                assert_eq!(sampling.valid(), None, "the source holds all that is looked at");
+                let planes = [0, 1, 2].map(|channel| {
+                    let map = geometry::coordinates_reference(&lens, &source, (width, height), channel);
+                    geometry::resample_reference(&scene.planes()[channel].map(|&v| f64::from(v)), &map)
+                });
+                let error = worst(&Rgb::new(planes).unwrap(), &sampling.picture(&scene));
+                assert!(error < ROUNDING, "{width}×{height} of {lens:?}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_uploaded_picture_says_where_its_camera_looks_beyond_it() {
+    let size = (80, 60);
+    let camera = Intrinsics::centered(60.0, 80, 60);
+    let barrel = Distortion {
+        k1: -0.2,
+        ..Distortion::default()
+    };
+    let lens = Lens {
+        camera,
+        distortion: barrel,
+        refraction: Refraction::None,
+    };
+    let source = Source { size, camera };
+    let maps = geometry::coordinates(&lens, &source, size);
+    let sampling = Sampling::new(&maps, size);
+    let valid = sampling.valid().expect("barrel distortion sees more");
+    assert_eq!((valid.pixel(0, 0), valid.pixel(40, 30)), (0, 1));
+    let labels = Plane::from_fn(80, 60, |x, y| (x / 10 + 100 * (y / 10)) as u16);
+    let mapped = sampling.labels(&labels);
+    assert_eq!(mapped.pixel(0, 0), labels.pixel(0, 0));
+    for (x, y) in [(10, 20), (70, 50), (33, 7)] {
+        let (column, row) = (maps[0].x.pixel(x, y), maps[0].y.pixel(x, y));
+        let (column, row) = ((column + 0.5).floor() as usize, (row + 0.5).floor() as usize);
+        assert_eq!(mapped.pixel(x, y), labels.pixel(column, row));
+    }
+}
+
+#[test]
+fn blur_of_one_range_agrees_with_the_reference() {
+    for (width, height) in SIZES {
+        let scene = picture(width, height);
+        let wide = scene.map(|&v| f64::from(v));
+        for radius in [0.0, 0.3, 1.0, 1.7, 4.4, 9.0] {
+            let exact = defocus::blur_reference(&wide, &Plane::filled(width, height, f64::from(radius)));
+            let fast = defocus::blur(&scene, &Plane::filled(width, height, radius));
+            let error = worst(&exact, &fast);
+            assert!(error < ROUNDING, "{width}×{height} by {radius}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn blur_of_many_ranges_is_between_the_two_nearest_radii() {
+    let (width, height) = (96, 40);
+    let scene = picture(width, height);
+    let radii = Plane::from_fn(width, height, |x, y| 0.5 + 7.0 * (x as f32 + y as f32) / 134.0);
+    let wide = scene.map(|&v| f64::from(v));
+    let fast = defocus::blur(&scene, &radii);
+    let (least, most) = (0.5, radii.pixel(95, 39));
+    let step = (most - least) / (LEVELS - 1) as f32;
+    let levels: Vec<Rgb<f64>> = (0..LEVELS)
+        .map(|level| {
+            let radius = f64::from(least + step * level as f32);
+            defocus::blur_reference(&wide, &Plane::filled(width, height, radius))
+        })
+        .collect();
+    let blended = Rgb::from_fn(width, height, |x, y| {
+        let place = f64::from((radii.pixel(x, y) - least) / step);
+        let lower = (place as usize).min(LEVELS - 2);
+        let share = place - lower as f64;
+        let [a, b] = [lower, lower + 1].map(|level| levels[level].pixel(x, y));
+        [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * share)
+    });
+    assert!(worst(&blended, &fast) < ROUNDING, "{:e}", worst(&blended, &fast));
+    let own = defocus::blur_reference(&wide, &radii.map(|&r| f64::from(r)));
+    // Waves of a few pixels, the hardest that there is: between two radii half a pixel apart.
+    assert!(worst(&own, &fast) < 0.05, "{:e}", worst(&own, &fast));
+}
+
+#[test]
+fn vignette_and_metering_agree_with_the_reference() {
+    let law = Vignette {
+        v: 0.8,
+        v1: 0.1,
+        v2: -0.4,
+        v3: 0.1,
+    };
+    let metering = Metering {
+        target: 0.4,
+        percentile: 0.9,
+        lag_frames: 0.0,
+    };
+    for (width, height) in SIZES {
+        let falloff = FallOff::new(
+            law,
+            Intrinsics::centered(0.7 * width as f64, width, height),
+            (width, height),
+        );
+        let mut fast = picture(width, height);
+        let exact = Rgb::from_fn(width, height, |x, y| {
+            fast.pixel(x, y).map(|v| f64::from(v) * falloff.factor(x, y))
+        });
+        let gain = exposure::metered_reference(&exact, &metering);
+        let quick = exposure::metered(&fast, Some(&falloff), &metering);
+        assert!(
+            (gain / quick - 1.0).abs() < ROUNDING,
+            "{width}×{height}: {gain} {quick}"
+        );
+        vignette::expose(&mut fast, Some(&falloff), gain);
+        let error = worst(&exact.map(|v| v * gain), &fast);
+        assert!(error < ROUNDING, "{width}×{height}: {error:e}");
+    }
+}
+
+fn codes(raw: &Raw) -> Vec<u16> {
+    match raw {
+        Raw::Mosaic(plane) => plane.data().to_vec(),
+        Raw::Planes(planes) => planes
+            .iter()
+            .flat_map(|plane| plane.data().iter().copied())
+            .collect(),
+    }
+}
+
+fn sensors() -> Vec<Sensor> {
+    let plain = preset::SENSORS[0].sensor();
+    vec![
+        plain,
+        Sensor {
+            white_at: 0.01,
+            gain: 16.0,
+            cfa: Cfa::Gbrg,
+            ..plain
+        },
+        Sensor {
+            white_at: 0.004,
+            hot_share: 0.02,
+            dark_e_per_s: 200.0,
+            cfa: Cfa::None,
+            ..plain
+        },
+        Sensor {
+            shot: false,
+            read_noise_e: 0.0,
+            cfa: Cfa::Bggr,
+            ..plain
+        },
+        Sensor {
+            cfa: Cfa::Grbg,
+            ..preset::SENSORS[1].sensor()
+        },
+        preset::SensorPreset::find("ideal").unwrap().sensor(),
+    ]
+}
+
+#[test]
+fn the_sensor_agrees_with_its_reference() {
+    let (mut apart, mut all) = (0, 0);
+    for (width, height) in SIZES {
+        let scene = picture(width, height);
+        let wide = scene.map(|&v| f64::from(v));
+        for (number, sensor) in sensors().into_iter().enumerate() {
+            let chance = Chance {
+                seed: 5 + number as u64,
+                frame: 3,
+            };
+            let samples = width * height * if sensor.cfa == Cfa::None { 3 } else { 1 };
+            let pattern = Pattern::new(&sensor, chance.seed, samples);
+            let fast = sensor::read(&scene, &sensor, chance, &pattern);
+            let (fast, exact) = (
+                codes(&fast),
+                codes(&sensor::read_reference(&wide, &sensor, chance)),
+            );
+            assert_eq!(fast.len(), exact.len());
+            let differences = fast
+                .iter()
+                .zip(&exact)
+                .map(|(&a, &b)| (i32::from(a) - i32::from(b)).abs());
+            let most = f64::from(differences.clone().max().unwrap());
+            assert!(
+                most <= sensor.dn_per_e().ceil(),
+                "{number} at {width}×{height}: {most}"
+            );
+            apart += differences.filter(|&d| d > 0).count();
+            all += fast.len();
+        }
+    }
+    assert!(apart as f64 <= 1e-4 * all as f64, "{apart} of {all}");
+}
+
+#[test]
+fn noise_has_the_mean_and_the_spread_of_its_model() {
+    let sensor = Sensor {
+        prnu: 0.0,
+        dsnu_e: 0.0,
+        row_noise_e: 0.0,
+        cfa: Cfa::None,
+        ..preset::SENSORS[0].sensor()
+    };
+    for light in [0.0005f32, 0.002, 0.0035, 0.1, 0.7] {
+        let scene = Rgb::from_fn(200, 200, |_, _| [light; 3]);
+        let pattern = Pattern::new(&sensor, 1, 120_000);
+        let chance = Chance { seed: 1, frame: 9 };
+        let seen = mosaic::light_of(&sensor::read(&scene, &sensor, chance, &pattern), &sensor);
+        let values: Vec<f64> = seen
+            .planes()
+            .iter()
+            .flat_map(|p| p.data())
+            .map(|&v| f64::from(v))
+            .collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let spread = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt();
+        let expected = sensor.noise_at(f64::from(light));
+        let dark = sensor.dark_e_per_s * sensor.exposure_s / sensor.white_e();
+        // Four standard errors of the mean, and of the spread; rounding to codes adds a twelfth of a code's square.
+        assert!(
+            (mean - f64::from(light) - dark).abs() < 4.0 * spread / count.sqrt(),
+            "{light}: {mean}"
+        );
+        let step = sensor.light_per_dn();
+        let rounded = (expected * expected + step * step / 12.0).sqrt();
+        assert!(
+            (spread / rounded - 1.0).abs() < 0.015,
+            "{light}: {spread:e} {rounded:e}"
+        );
+    }
+}
+
+#[test]
+fn the_pattern_stays_and_the_noise_changes_from_frame_to_frame() {
+    let sensor = preset::SENSORS[0].sensor();
+    let scene = Rgb::from_fn(64, 64, |_, _| [0.5f32; 3]);
+    let pattern = Pattern::new(&sensor, 2, 64 * 64);
+    let shot = |seed, frame| sensor::read(&scene, &sensor, Chance { seed, frame }, &pattern);
+    assert_eq!(shot(2, 0), shot(2, 0));
+    assert_ne!(shot(2, 0), shot(2, 1));
+    assert_ne!(shot(2, 0), shot(3, 0));
+    // What a thousand pixels have in common in two frames is the pattern: with PRNU alone all of it.
+    let quiet = Sensor {
+        shot: false,
+        read_noise_e: 0.0,
+        row_noise_e: 0.0,
+        ..sensor
+    };
+    let pattern = Pattern::new(&quiet, 2, 64 * 64);
+    let still = |frame| sensor::read(&scene, &quiet, Chance { seed: 2, frame }, &pattern);
+    assert_eq!(still(0), still(1));
+}
+
+#[test]
+fn a_pattern_too_large_to_be_kept_is_the_same() {
+    // 4 Mi samples are kept, one row more is not.
+    let sensor = preset::SENSORS[0].sensor();
+    let (width, height) = (2048, 2050);
+    let scene = Rgb::from_fn(width, height, |x, _| [0.1 + 1e-4 * x as f32; 3]);
+    let chance = Chance { seed: 8, frame: 1 };
+    let large = sensor::read(&scene, &sensor, chance, &Pattern::new(&sensor, 8, width * height));
+    let rows = Rgb::from_fn(width, 64, |x, y| scene.pixel(x, y));
+    let small = sensor::read(&rows, &sensor, chance, &Pattern::new(&sensor, 8, width * 64));
+    assert_eq!(codes(&large)[..width * 64], codes(&small));
+}
+
+#[test]
+fn demosaicing_agrees_with_the_reference_and_keeps_even_light() {
+    for (width, height) in SIZES {
+        for cfa in [Cfa::Rggb, Cfa::Bggr, Cfa::Grbg, Cfa::Gbrg] {
+            let sensor = Sensor {
+                cfa,
+                ..preset::SENSORS[0].sensor()
+            };
+            let raw = Raw::Mosaic(Plane::from_fn(width, height, |x, y| {
+                (64 + (x * 7919 + y * 104_729) % 4000) as u16
+            }));
+            let exact = mosaic::light_of_reference(&raw, &sensor);
+            let error = worst(&exact, &mosaic::light_of(&raw, &sensor));
+            assert!(error < ROUNDING, "{width}×{height} {cfa:?}: {error:e}");
+            let even = mosaic::light_of(&Raw::Mosaic(Plane::filled(width, height, 2000)), &sensor);
+            let value = even.pixel(0, 0)[0];
+            assert!(
+                even.planes()
+                    .iter()
+                    .all(|plane| plane.data().iter().all(|&v| v == value))
+            );
+        }
+    }
+}
+
+fn law(quality: u8, chroma: Chroma) -> Jpeg {
+    Jpeg {
+        quality,
+        chroma,
+        measured: true,
+    }
+}
+
+fn photo(width: usize, height: usize) -> Rgb8 {
+    Rgb8::from_fn(width, height, |x, y| {
+        let wave = |a: f64, b: f64| 127.0 + 90.0 * (a * x as f64).sin() * (b * y as f64).cos();
+        [wave(0.1, 0.07), wave(0.05, 0.11), 80.0 + 0.5 * wave(0.3, 0.2)].map(|v| v as u8)
+    })
+}
+
+#[test]
+fn compression_is_what_a_jpeg_file_leaves() {
+    for (width, height) in [(1, 1), (7, 9), (64, 48), (131, 37)] {
+        for quality in [1, 30, 50, 75, 95, 100] {
+            let picture = photo(width, height);
+            let ours = jpeg::compressed(&picture, law(quality, Chroma::Full));
+            let file = encode_jpeg(&picture, quality).unwrap();
+            let Ok(Radiance::Encoded(theirs)) = decode_radiance(&file) else {
+                panic!("a JPEG file")
+            };
+            let theirs = theirs.to_rgb8();
+            let apart: Vec<i32> = ours
+                .data()
+                .iter()
+                .zip(theirs.data())
+                .map(|(&a, &b)| (i32::from(a) - i32::from(b)).abs())
+                .collect();
+            // A coefficient on the edge between two steps may fall to either side in integer arithmetic.
+            let mean = apart.iter().sum::<i32>() as f64 / apart.len() as f64;
+            let allowed = if ours.data().len() < 1000 { 2.5 } else { 1.0 };
+            assert!(mean < allowed, "{width}×{height} at {quality}: {mean}");
+        }
+    }
+}
+
+#[test]
+fn worse_quality_and_half_the_color_lose_more() {
+    let picture = photo(96, 64);
+    let error = |law: Jpeg| {
+        let left = jpeg::compressed(&picture, law);
+        let squares = left.data().iter().zip(picture.data()).map(|(&a, &b)| {
+            let d = f64::from(a) - f64::from(b);
+            d * d
+        });
+        squares.sum::<f64>()
+    };
+    let errors = [95, 75, 40, 10].map(|quality| error(law(quality, Chroma::Full)));
+    assert!(errors.windows(2).all(|pair| pair[0] < pair[1]), "{errors:?}");
+    assert!(error(law(95, Chroma::Half)) > errors[0]);
+    let gray = Rgb8::from_fn(33, 21, |x, y| [(3 * x + y) as u8; 3]);
+    assert_eq!(
+        jpeg::compressed(&gray, law(100, Chroma::Half)),
+        jpeg::compressed(&gray, law(100, Chroma::Full))
+    );
+}

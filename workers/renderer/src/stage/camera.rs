@@ -1,0 +1,204 @@
+//! The camera: before the style what port, lens and exposure make of the light, behind it what the sensor makes of that.
+
+mod develop;
+mod lag;
+mod movement;
+mod reference;
+mod shutter;
+
+pub(crate) use develop::develop;
+pub(crate) use lag::{followed, metered_frames};
+pub(crate) use movement::{Moment, moments};
+pub(crate) use shutter::{expose, gather};
+
+use std::sync::Arc;
+
+use ::camera::geometry::{Lens, Sampling, Source, coordinates};
+use ::camera::sensor::{Pattern, Sensor};
+use ::camera::{Given, Parts, Plan, Scenery};
+use imaging::Rgb;
+use spec::{Fidelity, Frame, Haze, HazeSpace};
+
+use super::scene::Prepared;
+use super::seen::Seen;
+use crate::error::RenderError;
+
+/// Most pixels of a map that is kept for the next frame: 50 MB for three channels.
+const MOST_KEPT: usize = 1 << 20;
+
+/// What a slot keeps between frames, for cameras seldom change.
+#[derive(Default)]
+pub(crate) struct Cameras {
+    map: Option<(Lens, Source, Arc<Sampling>)>,
+    pattern: Option<Pattern>,
+}
+
+impl Cameras {
+    /// The map of a lens into its source picture.
+    fn sampling(&mut self, lens: &Lens, source: &Source, size: (usize, usize)) -> Arc<Sampling> {
+        if let Some((of, from, sampling)) = &self.map
+            && (of, from, sampling.size()) == (lens, source, size)
+        {
+            return Arc::clone(sampling);
+        }
+        let sampling = Arc::new(Sampling::new(&coordinates(lens, source, size), source.size));
+        if size.0 * size.1 <= MOST_KEPT {
+            self.map = Some((*lens, *source, Arc::clone(&sampling)));
+        }
+        sampling
+    }
+
+    /// The fixed pattern of a sensor.
+    pub(crate) fn pattern(&mut self, sensor: &Sensor, seed: u64, samples: usize) -> &Pattern {
+        let kept = self
+            .pattern
+            .take()
+            .filter(|pattern| pattern.is_of(sensor, seed, samples));
+        self.pattern
+            .insert(kept.unwrap_or_else(|| Pattern::new(sensor, seed, samples)))
+    }
+}
+
+/// The camera of a frame, resolved and planned.
+pub(crate) struct Taking {
+    pub(crate) parts: Parts,
+    pub(crate) plan: Plan,
+    /// The map into the picture of the scene; none where no pixel moves.
+    pub(crate) sampling: Option<Arc<Sampling>>,
+    /// The labels of the picture; none where they are those of the scene.
+    pub(crate) seen: Option<Seen>,
+    /// When its rows are taken; one moment without movement.
+    pub(crate) moments: Vec<Moment>,
+    /// Path length of an uploaded picture's movement in px; none without.
+    pub(crate) shift_px: Option<[f64; 2]>,
+}
+
+/// The parts of a frame's camera before its scene is there; none of a pinhole, and of one that looks at an uploaded picture.
+pub(crate) fn rendered_parts(frame: &Frame) -> Result<Option<Parts>, RenderError> {
+    let is_rendered = matches!(frame.scene, spec::Scene::Procedural { .. });
+    if frame.camera.is_pinhole() || !is_rendered {
+        return Ok(None);
+    }
+    Ok(Some(Parts::resolve(&frame.camera, Scenery::Rendered)?))
+}
+
+/// A camera before its scene.
+pub(crate) fn taking(
+    frame: &Frame,
+    prepared: &Prepared,
+    parts: Option<Parts>,
+    cameras: &mut Cameras,
+) -> Result<Option<Taking>, RenderError> {
+    if frame.camera.is_pinhole() {
+        return Ok(None);
+    }
+    let parts = match parts {
+        Some(parts) => parts,
+        None => {
+            let view = prepared.view();
+            Parts::resolve(&frame.camera, Scenery::Picture(view.camera, view.size))?
+        }
+    };
+    let source = parts.source.as_ref();
+    let sampling = source.map(|source| cameras.sampling(&parts.lens, source, parts.size));
+    let moments = moments(frame, parts.size.1);
+    let shift_px = match (&frame.scene, frame.camera.motion) {
+        (spec::Scene::Procedural { .. }, _) | (_, None) => None,
+        (_, Some(motion)) => Some([motion.x_px, motion.y_px]),
+    };
+    let seen = sampling
+        .as_ref()
+        .map(|sampling| Seen::new(prepared, Some(sampling)));
+    let range = prepared.scene.range.as_ref();
+    let blur = parts.focus.zip(range).map_or(0.0, |(focus, range)| {
+        range
+            .data()
+            .iter()
+            .map(|&z| focus.radius_px(f64::from(z)))
+            .fold(0.0, f64::max)
+    });
+    let tolerance = match frame.fidelity {
+        Fidelity::Tolerance(tolerance) => Some(tolerance),
+        _ => None,
+    };
+    let peaks = prepared
+        .scene
+        .radiance
+        .planes()
+        .iter()
+        .flat_map(|plane| plane.data());
+    let plan = Plan::new(
+        &parts,
+        &Given {
+            tolerance,
+            is_reference: frame.fidelity == Fidelity::REFERENCE,
+            peak: peaks.fold(0.0f32, |peak, &v| peak.max(v)).into(),
+            blur_px: blur,
+            exposures: moments.len(),
+        },
+    );
+    Ok(Some(Taking {
+        parts,
+        plan,
+        sampling,
+        seen,
+        moments,
+        shift_px,
+    }))
+}
+
+/// The haze that is laid before a camera; without one, and in the space of codes, haze comes behind the style.
+pub(crate) fn haze_before(frame: &Frame) -> Vec<Haze> {
+    let is_linear = |haze: &Haze| haze.space == HazeSpace::Linear;
+    frame.haze().into_iter().filter(is_linear).collect()
+}
+
+/// The haze that is still to come behind the style.
+pub(crate) fn haze_behind(frame: &Frame, has_camera: bool) -> Vec<Haze> {
+    let comes = |haze: &Haze| !has_camera || haze.space == HazeSpace::Display;
+    frame.haze().into_iter().filter(comes).collect()
+}
+
+/// The frame with the tolerance that the noise of its sensor hides, where it asks for that.
+pub(crate) fn with_tolerance(frame: &Frame) -> Option<Frame> {
+    if frame.fidelity != Fidelity::NOISE {
+        return None;
+    }
+    let camera = ::camera::preset::complete(&frame.camera);
+    let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor)?;
+    let gain = match camera.exposure {
+        Some(spec::Exposure::Fixed(gain)) => gain.max(1.0),
+        _ => 1.0,
+    };
+    Some(Frame {
+        fidelity: Fidelity::Tolerance((sensor.tolerance() / gain).clamp(1e-7, 1.0)),
+        ..frame.clone()
+    })
+}
+
+/// The average of pictures, added one by one, each to some rows.
+pub(crate) struct Average {
+    sums: Rgb<f32>,
+}
+
+impl Average {
+    pub(crate) fn new((width, height): (usize, usize)) -> Self {
+        Self {
+            sums: Rgb::from_fn(width, height, |_, _| [0.0; 3]),
+        }
+    }
+
+    /// Adds rows of a picture with a weight.
+    pub(crate) fn add(&mut self, picture: &Rgb<f32>, rows: &std::ops::Range<usize>, weight: f64) {
+        let width = picture.width();
+        let part = rows.start * width..rows.end * width;
+        for (sums, plane) in self.sums.planes_mut().into_iter().zip(picture.planes()) {
+            let pairs = sums[part.clone()].iter_mut().zip(&plane.data()[part.clone()]);
+            pairs.for_each(|(sum, &v)| *sum += weight as f32 * v);
+        }
+    }
+
+    pub(crate) fn finish(self) -> Rgb<f32> {
+        self.sums
+    }
+}

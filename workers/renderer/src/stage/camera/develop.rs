@@ -1,0 +1,123 @@
+//! From exposed light to the codes of the picture: sensor, white balance, tone and compression.
+
+use std::borrow::Cow;
+
+use ::camera::sensor::{self, Chance, Raw, Sensor};
+use ::camera::{balance, jpeg, mosaic, preset, tone};
+use imaging::{Rgb, Rgb8, transfer};
+use serde_json::{Value, json};
+use spec::{FrameRecord, Tone, WhiteBalance};
+
+use super::{Cameras, Taking};
+use crate::stage::Shot;
+
+/// The codes of a picture.
+pub(crate) struct Developed {
+    /// The result.
+    pub(crate) rgb: Rgb8,
+    /// What enhancements and metrics take, where that is not the result: the picture before its compression.
+    pub(crate) before: Option<Rgb8>,
+    /// Samples that were clamped.
+    pub(crate) clamped: u64,
+    /// The codes of the sensor.
+    pub(crate) raw: Option<Raw>,
+}
+
+impl Developed {
+    /// What enhancements and metrics take.
+    pub(crate) fn measured(&self) -> &Rgb8 {
+        self.before.as_ref().unwrap_or(&self.rgb)
+    }
+}
+
+/// The codes of exposed light.
+pub(crate) fn develop(
+    shot: &Shot<'_>,
+    light: &Rgb<f32>,
+    cameras: &mut Cameras,
+    record: &mut FrameRecord,
+) -> Developed {
+    let Some(taking) = &shot.taking else {
+        let (rgb, clamped) = transfer::encode_rgb8(light);
+        return Developed {
+            rgb,
+            before: None,
+            clamped,
+            raw: None,
+        };
+    };
+    let mut light = Cow::Borrowed(light);
+    let mut raw = None;
+    if let Some(sensor) = &taking.parts.sensor {
+        let codes = read(shot, taking, sensor, &light, cameras);
+        light = Cow::Owned(if taking.plan.is_reference {
+            mosaic::light_of_reference(&codes, sensor).map(|&v| v as f32)
+        } else {
+            mosaic::light_of(&codes, sensor)
+        });
+        note(record, "sensor", described(shot, sensor));
+        raw = Some(codes);
+    }
+    if let Some(law) = taking.parts.balance.filter(|law| *law != WhiteBalance::Off) {
+        let gains = balance::gains(&light, law);
+        note(record, "white_balance", json!(gains));
+        balance::apply(light.to_mut(), gains);
+    }
+    let (rgb, clamped) = tone::codes(&light, taking.parts.tone.unwrap_or(Tone::Srgb));
+    let compressed = taking.parts.jpeg.map(|law| (law, jpeg::compressed(&rgb, law)));
+    let (rgb, before) = match compressed {
+        Some((law, left)) => (left, (!law.measured).then_some(rgb)),
+        None => (rgb, None),
+    };
+    Developed {
+        rgb,
+        before,
+        clamped,
+        raw,
+    }
+}
+
+fn read(shot: &Shot<'_>, taking: &Taking, sensor: &Sensor, light: &Rgb<f32>, cameras: &mut Cameras) -> Raw {
+    let seed = shot.frame.camera.seed.unwrap_or(shot.frame.seed);
+    let chance = Chance {
+        seed,
+        frame: shot.frame.index,
+    };
+    if taking.plan.is_reference {
+        return sensor::read_reference(&light.map(|&v| f64::from(v)), sensor, chance);
+    }
+    let planes = if sensor.cfa == spec::Cfa::None { 3 } else { 1 };
+    let samples = light.width() * light.height() * planes;
+    sensor::read(light, sensor, chance, cameras.pattern(sensor, seed, samples))
+}
+
+fn note(record: &mut FrameRecord, name: &str, value: Value) {
+    record.optics.entry("camera").or_insert_with(|| json!({}))[name] = value;
+}
+
+/// What one needs to read the raw codes, and where the numbers come from.
+fn described(shot: &Shot<'_>, sensor: &Sensor) -> Value {
+    let law = preset::complete(&shot.frame.camera).sensor.unwrap_or_default();
+    let name = law.preset.as_deref().unwrap_or(preset::SENSORS[0].name);
+    let source = preset::SensorPreset::find(name).map(|preset| {
+        let assumed = if preset.is_assumed() {
+            preset::ASSUMPTIONS
+        } else {
+            ""
+        };
+        json!({"source": preset.source, "assumed": assumed})
+    });
+    json!({
+        "preset": name,
+        "cfa": sensor.cfa,
+        "black_dn": sensor.black_dn,
+        "dn_per_e": sensor.dn_per_e(),
+        "white_e": sensor.white_e(),
+        "full_well_e": sensor.full_well_e,
+        "bits": sensor.bits,
+        "gain": sensor.gain,
+        "noise_of_black": sensor.noise_at(0.0),
+        "noise_of_white": sensor.noise_at(1.0),
+        "provenance": source,
+    })
+}

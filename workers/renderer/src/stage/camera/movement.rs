@@ -1,0 +1,62 @@
+//! When the rows of a frame are taken: while the shutter is open, and row after row.
+
+use std::ops::Range;
+
+use spec::{Frame, Scene};
+
+/// Frames of a path in a second where the description does not say.
+const FRAMES_PER_S: f64 = 25.0;
+
+/// One picture of those that make a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Moment {
+    /// Frames of the path after the time of the frame.
+    pub(crate) later: f64,
+    /// The rows that it adds to.
+    pub(crate) rows: Range<usize>,
+    /// Its share of those rows.
+    pub(crate) weight: f64,
+    /// Whether these rows have their labels from it: the one nearest to half the exposure.
+    pub(crate) labels: bool,
+}
+
+/// The moments of a frame of so many rows; one, its own, where nothing moves.
+///
+/// The exposure of a row lies evenly about its time: `(k + 1/2)/n` of it, minus a half. Row j is read `(j + 1/2)/H` of the
+/// readout minus a half after the frame's time; rows of a band share the time of its middle.
+pub(crate) fn moments(frame: &Frame, height: usize) -> Vec<Moment> {
+    let camera = ::camera::preset::complete(&frame.camera);
+    let still = || {
+        vec![Moment {
+            later: 0.0,
+            rows: 0..height,
+            weight: 1.0,
+            labels: true,
+        }]
+    };
+    if camera.path.is_none() || !matches!(frame.scene, Scene::Procedural { .. }) {
+        return still();
+    }
+    let rate = camera.frames_per_s.unwrap_or(FRAMES_PER_S);
+    let (samples, exposure_s) = camera
+        .motion
+        .map_or((1, 0.0), |motion| (motion.samples, motion.exposure_s));
+    let (bands, readout_s) = camera
+        .rolling
+        .map_or((1, 0.0), |rolling| (rolling.bands.min(height), rolling.readout_s));
+    let mut moments = Vec::new();
+    for band in 0..bands {
+        let rows = band * height / bands..(band + 1) * height / bands;
+        let middle = (rows.start + rows.end) as f64 / 2.0 / height as f64;
+        for sample in 0..samples {
+            let open = (sample as f64 + 0.5) / samples as f64 - 0.5;
+            moments.push(Moment {
+                later: rate * (readout_s * (middle - 0.5) + exposure_s * open),
+                rows: rows.clone(),
+                weight: 1.0 / samples as f64,
+                labels: sample == samples / 2,
+            });
+        }
+    }
+    moments
+}

@@ -1,0 +1,122 @@
+//! From the light of a moment to the exposed picture.
+
+use std::borrow::Cow;
+
+use ::camera::vignette::FallOff;
+use ::camera::{defocus, exposure, vignette};
+use imaging::{Plane, Rgb};
+use serde_json::json;
+use spec::{Exposure, FrameRecord};
+
+use super::{haze_before, reference};
+use crate::stage::Shot;
+
+/// The light of a moment behind port and lens: haze in linear light, geometry, defocus and the movement of a picture.
+pub(crate) fn gather(shot: &Shot<'_>, scattered: &Rgb<f32>) -> Rgb<f32> {
+    let haze = haze_before(shot.frame);
+    let light = if haze.is_empty() {
+        Cow::Borrowed(scattered)
+    } else {
+        Cow::Owned(optics::haze(scattered.clone(), &haze))
+    };
+    let Some(taking) = &shot.taking else {
+        return light.into_owned();
+    };
+    if taking.plan.is_reference {
+        return reference::gather(shot, taking, &light);
+    }
+    let mut picture = match &taking.sampling {
+        Some(sampling) => sampling.picture(&light),
+        None => light.into_owned(),
+    };
+    if let (true, Some(focus), Some(range)) = (taking.plan.defocus, taking.parts.focus, shot.range()) {
+        picture = defocus::blur(&picture, &focus.radii(range));
+    }
+    match taking.shift_px {
+        Some(shift) => shifted(&picture, shift),
+        None => picture,
+    }
+}
+
+/// The mean of a picture moved along a way from minus a half to a half of it, in steps of at most a pixel; edges go on.
+pub(super) fn shifted(picture: &Rgb<f32>, [across, down]: [f64; 2]) -> Rgb<f32> {
+    let steps = across.hypot(down).ceil() as usize + 1;
+    if steps == 1 {
+        return picture.clone();
+    }
+    let planes = picture.planes().each_ref().map(|plane| {
+        let mut sums = Plane::filled(plane.width(), plane.height(), 0.0f32);
+        for step in 0..steps {
+            let share = step as f64 / (steps - 1) as f64 - 0.5;
+            add_moved(&mut sums, plane, share * across, share * down);
+        }
+        sums.map(|&sum| sum / steps as f32)
+    });
+    Rgb::new(planes).expect("three planes of one picture")
+}
+
+fn add_moved(sums: &mut Plane<f32>, plane: &Plane<f32>, across: f64, down: f64) {
+    let (width, height) = plane.size();
+    let inside = |i: f64, side: usize| (i.max(0.0) as usize).min(side - 1);
+    let (x, y) = (across.floor(), down.floor());
+    let (share_x, share_y) = ((across - x) as f32, (down - y) as f32);
+    for j in 0..height {
+        imaging::cancel::check();
+        let row = |dy: f64| plane.row(inside(j as f64 + y + dy, height));
+        let (upper, lower) = (row(0.0), row(1.0));
+        for (i, sum) in sums.row_mut(j).iter_mut().enumerate() {
+            let (left, right) = (inside(i as f64 + x, width), inside(i as f64 + x + 1.0, width));
+            let upper = upper[left] + (upper[right] - upper[left]) * share_x;
+            let lower = lower[left] + (lower[right] - lower[left]) * share_x;
+            *sum += upper + (lower - upper) * share_y;
+        }
+    }
+}
+
+/// The picture with vignette and exposure; what they are goes into the record. `before` is the factor of the frame before it in
+/// a sequence whose exposure lags.
+pub(crate) fn expose(
+    shot: &Shot<'_>,
+    mut picture: Rgb<f32>,
+    lagging: Option<f64>,
+    record: &mut FrameRecord,
+) -> Rgb<f32> {
+    let Some(taking) = &shot.taking else {
+        return picture;
+    };
+    let falloff = falloff(shot);
+    let gain = match taking.parts.exposure {
+        None => 1.0,
+        Some(Exposure::Fixed(gain)) => gain,
+        Some(Exposure::Auto(metering)) => match lagging {
+            Some(gain) => gain,
+            None if taking.plan.is_reference => reference::metered(&picture, falloff, &metering),
+            None => exposure::metered(&picture, falloff, &metering),
+        },
+    };
+    let numbers = record.optics.entry("camera").or_insert_with(|| json!({}));
+    numbers["exposure_gain"] = json!(gain);
+    numbers["lens"] = json!(shot.lens());
+    if let Some(focus) = taking.parts.focus {
+        let radii = shot.range().map(|range| focus.radii(range));
+        let most = radii.map_or(0.0, |radii| radii.data().iter().copied().fold(0.0, f32::max));
+        numbers["largest_blur_px"] = json!(most);
+        if f64::from(most) >= defocus::MOST_PX {
+            let warning = format!("circles of confusion are cut at {} px", defocus::MOST_PX);
+            record.warnings.push(warning);
+        }
+    }
+    if taking.plan.is_reference {
+        return reference::expose(&picture, falloff, gain);
+    }
+    if falloff.is_some() || gain != 1.0 {
+        vignette::expose(&mut picture, falloff, gain);
+    }
+    picture
+}
+
+/// The fall-off, where the plan runs it.
+pub(crate) fn falloff<'a>(shot: &'a Shot<'_>) -> Option<&'a FallOff> {
+    let taking = shot.taking.as_ref()?;
+    taking.parts.falloff.as_ref().filter(|_| taking.plan.vignette)
+}
