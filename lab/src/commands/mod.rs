@@ -2,6 +2,7 @@
 
 mod airlight;
 mod bench;
+mod camera;
 mod campaign;
 mod chart;
 mod figure;
@@ -34,6 +35,8 @@ pub(crate) enum Command {
     Waters(waters::Arguments),
     /// Draw the glow before lamps, with few to many nodes on every ray
     Airlight(airlight::Arguments),
+    /// Draw one frame by several cameras
+    Camera(camera::Arguments),
     /// Draw frames with snow and turbidity
     Suspended(suspended::Arguments),
     /// Draw many seeds of a scene family, or the labels of every family
@@ -55,6 +58,7 @@ impl Command {
             Self::Figure(arguments) => figure::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Airlight(arguments) => airlight::run(&arguments),
+            Self::Camera(arguments) => camera::run(&arguments),
             Self::Suspended(arguments) => suspended::run(&arguments),
             Self::Scenes(arguments) => scene_sheets::run(&arguments),
             Self::TrainingScores(arguments) => training_scores::run(&arguments),

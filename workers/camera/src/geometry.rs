@@ -7,7 +7,7 @@ mod lens;
 mod map;
 mod sampling;
 
-pub use lens::{Fold, Lens, Refraction};
+pub use lens::{Fold, Lens, Refraction, pupil_error_px};
 pub use map::{Coordinates, Source, coordinates, coordinates_reference};
 pub use sampling::{Sampling, resample_reference};
 

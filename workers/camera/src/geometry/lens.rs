@@ -184,6 +184,31 @@ impl Lens {
     }
 }
 
+/// How far in px the corner of a picture is off for what is at this range, because the rays behind a flat port meet in no one
+/// point; 0 of other ports.
+///
+/// In the water the ray of angle θ meets the axis `dz(θ) = (d_p tan θ_a + d_g tan θ_g)/tan θ_w` behind the outer face, on the axis
+/// `n_w (d_p + d_g/n_g)`; the viewpoint stands there, from which range is measured. The error is
+/// `|dz(θ) - dz(0)| sin θ_w / Z` radians (d_p from pupil to glass, d_g its thickness, n_g = 1.5).
+#[must_use]
+pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize), range_m: f64) -> f64 {
+    const GLASS: f64 = 1.5;
+    let &Port::Flat { n_w, pupil_m, glass_m } = port else {
+        return 0.0;
+    };
+    let (x, y) = ((width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0);
+    let tan_air = x.hypot(y) / lens.camera.focal_px;
+    let sin_air = tan_air / (1.0 + tan_air * tan_air).sqrt();
+    let tangent = |sin: f64| sin / (1.0 - sin * sin).sqrt();
+    let sin_water = sin_air / n_w[1];
+    if sin_water == 0.0 {
+        return 0.0;
+    }
+    let at_corner = (pupil_m * tan_air + glass_m * tangent(sin_air / GLASS)) / tangent(sin_water);
+    let on_axis = n_w[1] * (pupil_m + glass_m / GLASS);
+    (at_corner - on_axis).abs() * sin_water / range_m * lens.camera.focal_px * n_w[1]
+}
+
 /// Pixels of the border that are tried along a side: a lens is smooth, and a map has a margin.
 const BORDER_STEPS: usize = 64;
 
@@ -245,6 +270,24 @@ mod tests {
         let (widest, _) = lens.in_water((1e9, 0.0), 1);
         assert!(libm::atan(widest).to_degrees() < 48.3);
         assert_eq!(lens.pixel_of((1.2, 0.0)), None);
+    }
+
+    #[test]
+    fn the_pupil_behind_the_port_shifts_near_corners() {
+        let port = |pupil_m| Port::Flat {
+            n_w: [1.34; 3],
+            pupil_m,
+            glass_m: 0.0,
+        };
+        let lens = lens(Distortion::default(), Refraction::Flat { index: [1.34; 3] });
+        let error = |pupil_m, range_m| pupil_error_px(&lens, &port(pupil_m), (81, 61), range_m);
+        assert_eq!(error(0.0, 1.0), 0.0);
+        // tan of the corner is 50/60: dz = 0.05 tan/tan, 0.08018 against 0.067.
+        let (sin, n) = (50.0 / 6100f64.sqrt(), 1.34);
+        let water = libm::asin(sin / n);
+        let expected = (0.05 * (50.0 / 60.0) / libm::tan(water) - 0.067).abs() * (sin / n) * 60.0 * n;
+        assert!((error(0.05, 1.0) - expected).abs() < 1e-9);
+        assert!((error(0.05, 2.0) - expected / 2.0).abs() < 1e-9);
     }
 
     #[test]

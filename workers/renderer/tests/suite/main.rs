@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod artifacts;
+mod camera;
 mod common;
 mod folders;
 mod labels;

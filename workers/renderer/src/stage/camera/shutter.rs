@@ -2,11 +2,13 @@
 
 use std::borrow::Cow;
 
+use ::camera::geometry::pupil_error_px;
 use ::camera::vignette::FallOff;
 use ::camera::{defocus, exposure, vignette};
 use imaging::{Plane, Rgb};
+use optics::range::is_hole;
 use serde_json::json;
-use spec::{Exposure, FrameRecord};
+use spec::{Exposure, FrameRecord, Port};
 
 use super::{haze_before, reference};
 use crate::stage::Shot;
@@ -96,7 +98,12 @@ pub(crate) fn expose(
     };
     let numbers = record.optics.entry("camera").or_insert_with(|| json!({}));
     numbers["exposure_gain"] = json!(gain);
-    numbers["lens"] = json!(shot.lens());
+    if let Some(lens) = shot.lens() {
+        numbers["lens"] = json!(lens);
+    }
+    if let Some(error) = port_error(shot) {
+        numbers["port_error_px"] = json!(error);
+    }
     if let Some(focus) = taking.parts.focus {
         let radii = shot.range().map(|range| focus.radii(range));
         let most = radii.map_or(0.0, |radii| radii.data().iter().copied().fold(0.0, f32::max));
@@ -113,6 +120,19 @@ pub(crate) fn expose(
         vignette::expose(&mut picture, falloff, gain);
     }
     picture
+}
+
+/// What a flat port whose pupil has a place of its own leaves of error in the corner at the median range, px.
+fn port_error(shot: &Shot<'_>) -> Option<f64> {
+    let taking = shot.taking.as_ref()?;
+    let port = ::camera::preset::complete(&shot.frame.camera).port?;
+    let mut meters: Vec<f32> = shot.range()?.data().iter().copied().filter(|&z| !is_hole(z)).collect();
+    if meters.is_empty() || !matches!(port, Port::Flat { .. }) {
+        return None;
+    }
+    let middle = meters.len() / 2;
+    let median = f64::from(*meters.select_nth_unstable_by(middle, f32::total_cmp).1);
+    Some(pupil_error_px(&taking.parts.lens, &port, taking.parts.size, median)).filter(|error| *error > 0.0)
 }
 
 /// The fall-off, where the plan runs it.
