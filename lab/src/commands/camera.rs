@@ -42,7 +42,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn render(parts: &Value) -> Result<Rgb8, Failure> {
-    let mut camera = json!({"width": 768, "height": 492, "hfov_deg": 80, "path": {"frames": 60, "frame": 20}});
+    let mut camera =
+        json!({"width": 768, "height": 492, "hfov_deg": 80, "path": {"frames": 60, "frame": 20}});
     for (name, value) in parts.as_object().into_iter().flatten() {
         camera[name] = value.clone();
     }

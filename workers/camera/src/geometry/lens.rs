@@ -193,7 +193,12 @@ impl Lens {
 #[must_use]
 pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize), range_m: f64) -> f64 {
     const GLASS: f64 = 1.5;
-    let &Port::Flat { n_w, pupil_m, glass_m } = port else {
+    let &Port::Flat {
+        n_w,
+        pupil_m,
+        glass_m,
+    } = port
+    else {
         return 0.0;
     };
     let (x, y) = ((width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0);

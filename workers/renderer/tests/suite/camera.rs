@@ -16,7 +16,9 @@ fn job(fields: &Value) -> Value {
     });
     for (name, value) in fields.as_object().unwrap() {
         match value.as_object().filter(|_| name == "camera") {
-            Some(parts) => parts.iter().for_each(|(part, value)| description["camera"][part] = value.clone()),
+            Some(parts) => parts
+                .iter()
+                .for_each(|(part, value)| description["camera"][part] = value.clone()),
             None => description[name] = value.clone(),
         }
     }
@@ -55,7 +57,11 @@ fn a_pinhole_has_no_line_and_a_part_within_its_share_is_skipped() {
     }});
     let rendered = render(&parse(&job(&faint)));
     let skip = |stage: &str| (stage.to_owned(), "skip".to_owned());
-    let expected = [skip("camera.geometry"), skip("camera.defocus"), skip("camera.vignette")];
+    let expected = [
+        skip("camera.geometry"),
+        skip("camera.defocus"),
+        skip("camera.vignette"),
+    ];
     assert_eq!(stages(&rendered), expected);
     assert_eq!(rgb(&rendered), rgb(&render(&parse(&job(&json!({}))))));
 }
@@ -63,7 +69,16 @@ fn a_pinhole_has_no_line_and_a_part_within_its_share_is_skipped() {
 #[test]
 fn boxes_masks_and_range_follow_the_lens() {
     let camera = json!({"distortion": {"k1": -0.1, "k2": 0.01}, "port": {"kind": "flat"}, "supersample": 2});
-    let artifacts = json!(["rgb", "instances", "semantics", "range", "normals", "boxes", "clean", "transmittance"]);
+    let artifacts = json!([
+        "rgb",
+        "instances",
+        "semantics",
+        "range",
+        "normals",
+        "boxes",
+        "clean",
+        "transmittance"
+    ]);
     let rendered = render(&parse(&job(&json!({"camera": camera, "artifacts": artifacts}))));
     let instances = codes(file(&rendered, "instances"));
     let semantics = codes(file(&rendered, "semantics"));
@@ -76,7 +91,12 @@ fn boxes_masks_and_range_follow_the_lens() {
         let own = (0..96 * 64).filter(|&at| instances.data()[at] == instance.number);
         let own: Vec<usize> = own.collect();
         assert_eq!(own.len() as u64, instance.pixels);
-        let edge = |values: Vec<usize>| (values.iter().min().copied(), values.iter().max().map(|most| most + 1));
+        let edge = |values: Vec<usize>| {
+            (
+                values.iter().min().copied(),
+                values.iter().max().map(|most| most + 1),
+            )
+        };
         let (left, right) = edge(own.iter().map(|at| at % 96).collect());
         let (top, bottom) = edge(own.iter().map(|at| at / 96).collect());
         let bounds = [left, top, right, bottom].map(Option::unwrap);
@@ -93,7 +113,9 @@ fn boxes_masks_and_range_follow_the_lens() {
 #[test]
 fn the_flat_port_narrows_the_view_by_the_index_of_the_water() {
     let pixels = |camera: Value| {
-        let rendered = render(&parse(&job(&json!({"camera": camera, "artifacts": ["instances"]}))));
+        let rendered = render(&parse(&job(
+            &json!({"camera": camera, "artifacts": ["instances"]}),
+        )));
         codes(file(&rendered, "instances"))
     };
     let (air, port) = (pixels(json!({})), pixels(json!({"port": {"kind": "flat"}})));
@@ -113,10 +135,14 @@ fn the_flat_port_narrows_the_view_by_the_index_of_the_water() {
 
 #[test]
 fn noise_is_the_frames_own_and_the_same_whatever_was_rendered_before() {
-    let description = job(&json!({"count": 2, "camera": {"sensor": {"light_level": 0.02}}, "artifacts": ["rgb", "raw"]}));
+    let description =
+        job(&json!({"count": 2, "camera": {"sensor": {"light_level": 0.02}}, "artifacts": ["rgb", "raw"]}));
     let job = parse(&description);
     let mut slot = Slot::new(&engine_without_runtime());
-    let mut shot = |index| slot.render(&job.resolve(index).unwrap(), &SceneSource::Local).unwrap();
+    let mut shot = |index| {
+        slot.render(&job.resolve(index).unwrap(), &SceneSource::Local)
+            .unwrap()
+    };
     let (first, second, again) = (shot(0), shot(1), shot(0));
     assert_eq!(first.files, again.files);
     assert_ne!(rgb(&first), rgb(&second));
@@ -124,7 +150,10 @@ fn noise_is_the_frames_own_and_the_same_whatever_was_rendered_before() {
     assert_eq!(raw.size(), (96, 64));
     assert!(raw.data().iter().all(|&code| code < 4096));
     let numbers = &first.record.optics["camera"]["sensor"];
-    assert_eq!((&numbers["black_dn"], &numbers["cfa"]), (&json!(64), &json!("rggb")));
+    assert_eq!(
+        (&numbers["black_dn"], &numbers["cfa"]),
+        (&json!(64), &json!("rggb"))
+    );
     // The frame without noise is its mean, within what a thousand pixels leave of the noise.
     let mean = |picture: &[u8]| picture.iter().map(|&v| f64::from(v)).sum::<f64>() / picture.len() as f64;
     let quiet = render(&parse(&self::job(&json!({}))));
@@ -140,7 +169,10 @@ fn the_fast_camera_agrees_with_the_reference() {
         let fields = json!({"camera": camera, "fidelity": fidelity, "water": {}});
         rgb(&render(&parse(&job(&fields))))
     };
-    let (fast, exact) = (shot(json!({"tolerance": 1e-5})), shot(json!({"variant": "reference"})));
+    let (fast, exact) = (
+        shot(json!({"tolerance": 1e-5})),
+        shot(json!({"variant": "reference"})),
+    );
     let apart = fast.iter().zip(&exact).map(|(&a, &b)| a.abs_diff(b));
     // Between two radii the fast blur is a blend; noise turns on that by a code here and there.
     let far = apart.filter(|&d| d > 2).count();
@@ -152,8 +184,14 @@ fn movement_blurs_along_the_path_and_rolls_from_row_to_row() {
     let path = json!({"frames": 20, "frame": 10});
     let shot = |parts: Value| {
         let mut camera = json!({"path": path});
-        parts.as_object().unwrap().iter().for_each(|(name, value)| camera[name] = value.clone());
-        render(&parse(&job(&json!({"camera": camera, "artifacts": ["rgb", "instances", "boxes"]}))))
+        parts
+            .as_object()
+            .unwrap()
+            .iter()
+            .for_each(|(name, value)| camera[name] = value.clone());
+        render(&parse(&job(
+            &json!({"camera": camera, "artifacts": ["rgb", "instances", "boxes"]}),
+        )))
     };
     let still = shot(json!({}));
     let one = shot(json!({"motion": {"samples": 1, "exposure_s": 0.04}}));
@@ -166,7 +204,11 @@ fn movement_blurs_along_the_path_and_rolls_from_row_to_row() {
     let scene = rolled.record.scene.as_ref().unwrap();
     let instances = codes(file(&rolled, "instances"));
     for instance in scene.instances.as_ref().unwrap() {
-        let shown = instances.data().iter().filter(|&&number| number == instance.number).count();
+        let shown = instances
+            .data()
+            .iter()
+            .filter(|&&number| number == instance.number)
+            .count();
         assert_eq!(shown as u64, instance.pixels);
     }
 }
@@ -174,15 +216,21 @@ fn movement_blurs_along_the_path_and_rolls_from_row_to_row() {
 #[test]
 fn exposure_follows_its_metering_slowly_and_each_frame_can_be_rendered_alone() {
     let gain = |frame: u64, lag: f64| {
-        let camera = json!({"path": {"frames": 40, "frame": frame}, "exposure": {"auto": {"lag_frames": lag}}});
+        let camera =
+            json!({"path": {"frames": 40, "frame": frame}, "exposure": {"auto": {"lag_frames": lag}}});
         let rendered = render(&parse(&job(&json!({"camera": camera}))));
-        rendered.record.optics["camera"]["exposure_gain"].as_f64().unwrap()
+        rendered.record.optics["camera"]["exposure_gain"]
+            .as_f64()
+            .unwrap()
     };
     let (first, last) = (gain(0, 0.0), gain(39, 0.0));
     assert!((gain(0, 5.0) / first - 1.0).abs() < 0.1);
     let behind = gain(39, 30.0);
     let between = (behind - first) * (behind - last);
-    assert!(between <= 0.0 || (behind / last - 1.0).abs() < 0.1, "{first} {behind} {last}");
+    assert!(
+        between <= 0.0 || (behind / last - 1.0).abs() < 0.1,
+        "{first} {behind} {last}"
+    );
 }
 
 #[test]
@@ -195,7 +243,10 @@ fn an_uploaded_picture_keeps_its_size_and_says_what_the_lens_sees_beyond_it() {
     assert_eq!(valid.size(), (WIDTH, HEIGHT));
     assert_eq!((valid.pixel(0, 0), valid.pixel(WIDTH / 2, HEIGHT / 2)), (0, 255));
     assert_eq!(codes(file(&rendered, "range")).size(), (WIDTH, HEIGHT));
-    assert_eq!(rendered.record.parameters["camera"]["distortion"]["k1"], json!(-0.1));
+    assert_eq!(
+        rendered.record.parameters["camera"]["distortion"]["k1"],
+        json!(-0.1)
+    );
 }
 
 #[test]
@@ -227,9 +278,16 @@ fn the_noise_of_the_sensor_is_a_tolerance() {
     let camera = json!({"sensor": {"read_noise_e": 30.0, "full_well_e": 10_000.0}});
     let tolerance = plan(json!({"camera": camera, "fidelity": noise})).unwrap();
     // 30 electrons of 9000, and a third of that.
-    assert!((tolerance / (30.0 / 9000.0 / 3.0) - 1.0).abs() < 1e-3, "{tolerance}");
+    assert!(
+        (tolerance / (30.0 / 9000.0 / 3.0) - 1.0).abs() < 1e-3,
+        "{tolerance}"
+    );
     let wrong = parse_errors(&job(&json!({"fidelity": noise})));
-    assert!(wrong[0].message.contains("`camera.sensor`"), "{}", wrong[0].message);
+    assert!(
+        wrong[0].message.contains("`camera.sensor`"),
+        "{}",
+        wrong[0].message
+    );
 }
 
 #[test]
@@ -240,19 +298,39 @@ fn every_number_may_be_a_law_and_what_cannot_be_is_refused_at_submit() {
         "jpeg": {"quality": {"int": [20, 95]}}, "white_balance": {"fixed": [uniform(0.8, 1.2), 1.0, 1.1]}});
     let job = parse(&self::job(&json!({"count": 3, "camera": camera})));
     let mut slot = Slot::new(&engine_without_runtime());
-    let mut shot = |index| rgb(&slot.render(&job.resolve(index).unwrap(), &SceneSource::Local).unwrap());
+    let mut shot = |index| {
+        rgb(&slot
+            .render(&job.resolve(index).unwrap(), &SceneSource::Local)
+            .unwrap())
+    };
     assert_ne!(shot(0), shot(2));
     for (camera, pointer, says) in [
         (json!({"distortion": {"k1": -0.9}}), "/camera/distortion", "folds"),
-        (json!({"distortion": {"k1": uniform(-0.9, 0.0)}}), "/camera/distortion", "a camera that the laws can yield"),
+        (
+            json!({"distortion": {"k1": uniform(-0.9, 0.0)}}),
+            "/camera/distortion",
+            "a camera that the laws can yield",
+        ),
         (json!({"width": 1, "sensor": {}}), "/camera/sensor", "2×2"),
         (json!({"sensor": "none-such"}), "/camera/sensor", "known sensor"),
-        (json!({"sensor": {"bits": 8, "black_dn": 300}}), "/camera/sensor/black_dn", "255"),
+        (
+            json!({"sensor": {"bits": 8, "black_dn": 300}}),
+            "/camera/sensor/black_dn",
+            "255",
+        ),
         (json!({"rolling": {"readout_s": 0.01}}), "/camera/rolling", "path"),
         (json!({"motion": {}}), "/camera/motion", "path"),
-        (json!({"exposure": {"auto": {"lag_frames": 3}}}), "/camera/exposure", "path"),
+        (
+            json!({"exposure": {"auto": {"lag_frames": 3}}}),
+            "/camera/exposure",
+            "path",
+        ),
         (json!({"preset": "none-such"}), "/camera/preset", "known camera"),
-        (json!({"port": {"kind": "flat", "n_w": [1.0, 1.2, 1.9]}}), "/camera/port/n_w/2", "1.5"),
+        (
+            json!({"port": {"kind": "flat", "n_w": [1.0, 1.2, 1.9]}}),
+            "/camera/port/n_w/2",
+            "1.5",
+        ),
     ] {
         let errors = parse_errors(&self::job(&json!({"camera": camera})));
         let found = errors.iter().find(|error| error.pointer.starts_with(pointer));
@@ -267,14 +345,17 @@ fn every_number_may_be_a_law_and_what_cannot_be_is_refused_at_submit() {
         description["scene"] = files.scene("range.npy");
         assert!(parse_errors(&description)[0].pointer.starts_with("/camera"));
     }
-    let mut blurred = files.description(&json!({"camera": {"defocus": {"aperture_m": 0.01, "focus_m": 1.0}}}));
+    let mut blurred =
+        files.description(&json!({"camera": {"defocus": {"aperture_m": 0.01, "focus_m": 1.0}}}));
     blurred["scene"] = files.scene_without_range();
     assert!(parse_errors(&blurred)[0].message.contains("range"));
 }
 
 #[test]
 fn a_preset_is_a_camera_and_fields_replace_its_parts() {
-    let rendered = render(&parse(&job(&json!({"camera": {"preset": "inspection-flat-port", "port": {"kind": "none"}}}))));
+    let rendered = render(&parse(&job(
+        &json!({"camera": {"preset": "inspection-flat-port", "port": {"kind": "none"}}}),
+    )));
     let stages: Vec<String> = stages(&rendered).into_iter().map(|(stage, _)| stage).collect();
     assert!(stages.contains(&"camera.sensor".to_owned()) && !stages.contains(&"camera.geometry".to_owned()));
     assert_eq!(

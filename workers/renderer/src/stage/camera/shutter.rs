@@ -126,13 +126,25 @@ pub(crate) fn expose(
 fn port_error(shot: &Shot<'_>) -> Option<f64> {
     let taking = shot.taking.as_ref()?;
     let port = ::camera::preset::complete(&shot.frame.camera).port?;
-    let mut meters: Vec<f32> = shot.range()?.data().iter().copied().filter(|&z| !is_hole(z)).collect();
+    let mut meters: Vec<f32> = shot
+        .range()?
+        .data()
+        .iter()
+        .copied()
+        .filter(|&z| !is_hole(z))
+        .collect();
     if meters.is_empty() || !matches!(port, Port::Flat { .. }) {
         return None;
     }
     let middle = meters.len() / 2;
     let median = f64::from(*meters.select_nth_unstable_by(middle, f32::total_cmp).1);
-    Some(pupil_error_px(&taking.parts.lens, &port, taking.parts.size, median)).filter(|error| *error > 0.0)
+    Some(pupil_error_px(
+        &taking.parts.lens,
+        &port,
+        taking.parts.size,
+        median,
+    ))
+    .filter(|error| *error > 0.0)
 }
 
 /// The fall-off, where the plan runs it.
