@@ -78,6 +78,7 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
     public
         .with_state(app)
         .merge(http::docs::router(&document))
+        .merge(http::page::router())
         .route("/problems/{slug}", get(problem::describe))
         .fallback(|| async { Problem::not_found("no such route; see /docs") })
         .layer(from_fn_with_state(stored, space::note))
@@ -124,6 +125,7 @@ fn asking() -> OpenApiRouter<App> {
         .routes(routes!(images::routes::list::list))
         .routes(routes!(datasets::routes::stats::stats))
         .routes(routes!(datasets::routes::histogram::histogram))
+        .routes(routes!(datasets::routes::density::density))
 }
 
 fn following() -> OpenApiRouter<App> {

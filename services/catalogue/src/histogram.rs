@@ -106,7 +106,7 @@ fn counted(column: &str, bins: u32, range: Option<(f64, f64)>, values: &[f64], m
 }
 
 /// From the smallest finite value to the largest, and never without width.
-fn extent(values: &[f64]) -> (f64, f64) {
+pub(crate) fn extent(values: &[f64]) -> (f64, f64) {
     let finite = values.iter().copied().filter(|value| value.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
         (low.min(value), high.max(value))

@@ -11,7 +11,7 @@ use ureq::unversioned::multipart::Form;
 use crate::exit::Failure;
 
 /// Where `fathom serve` listens unless told otherwise.
-const LOCAL_SERVICE: &str = "http://127.0.0.1:7311";
+pub const LOCAL_SERVICE: &str = "http://127.0.0.1:7311";
 
 /// Which service to talk to.
 #[derive(Debug, Clone, clap::Args)]

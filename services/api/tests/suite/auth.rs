@@ -54,6 +54,24 @@ fn probes_need_no_token_and_unknown_routes_are_not_hidden_behind_one() {
 }
 
 #[test]
+fn the_page_needs_no_token_and_what_it_asks_for_does() {
+    let service = start_with(Setup {
+        token: Some("boss"),
+        ..Setup::default()
+    });
+    for path in ["/", "/assets/app.js", "/assets/page.css", "/assets/chart.csv"] {
+        let response = service.get(path);
+        assert_eq!(response.status, 200, "{path}");
+        let policy = response.header("content-security-policy");
+        assert!(policy.starts_with("default-src 'none'"), "{path}: {policy}");
+        let again = service.get_with(path, &[("if-none-match", response.header("etag"))]);
+        assert_eq!(again.status, 304, "{path}");
+    }
+    service.get("/assets/absent.js").problem(404, "not-found");
+    service.get("/v1/datasets").problem(401, "unauthorized");
+}
+
+#[test]
 fn a_service_that_others_can_reach_does_not_start_without_a_token() {
     let data = tempfile::tempdir().unwrap();
     let mut config = config(data.path(), None);

@@ -22,6 +22,7 @@ const ROUTES: &[(&str, &str)] = &[
     ("/v1/jobs/{id}/events", "get"),
     ("/v1/jobs/{id}/results", "get"),
     ("/v1/jobs/{id}/errors", "get"),
+    ("/v1/datasets/{name}/density", "get"),
     ("/v1/datasets/{name}/histogram", "get"),
     ("/v1/datasets/{name}/metadata.jsonl", "get"),
     ("/v1/datasets/{name}/metadata.csv", "get"),

@@ -307,3 +307,30 @@ fn a_histogram_counts_every_value_once() {
         .get("/v1/datasets/none/histogram?column=uiqm")
         .problem(404, "not-found");
 }
+
+#[test]
+fn a_density_counts_every_pair_once() {
+    let service = start();
+    service.submit(&job());
+    Fake::register(&service).work();
+    let cells = service
+        .get("/v1/datasets/tests/density?x=frame&y=uiqm&bins=2&mean_of=frame")
+        .json();
+    assert_eq!(cells["counts"].as_array().map(Vec::len), Some(4), "{cells}");
+    let counts = cells["counts"].as_array().unwrap().iter();
+    assert_eq!(counts.filter_map(Value::as_u64).sum::<u64>(), 2, "{cells}");
+    assert_eq!((&cells["x"]["max"], &cells["missing"]), (&json!(1.0), &json!(0)), "{cells}");
+    for (wrong, slug) in [
+        ("x=uiqn&y=uiqm", "invalid-filter"),
+        ("x=uiqm&y=water.style", "invalid-filter"),
+        ("x=uiqm&y=uiqm&bins=401", "invalid-filter"),
+        ("x=uiqm", "invalid-query"),
+    ] {
+        service
+            .get(&format!("/v1/datasets/tests/density?{wrong}"))
+            .problem(400, slug);
+    }
+    service
+        .get("/v1/datasets/none/density?x=uiqm&y=frame")
+        .problem(404, "not-found");
+}

@@ -1,17 +1,19 @@
 //! `fathom demo`: the main use of the program, end to end on one machine.
 //!
 //! Starts a service with its own workers on a free port, submits a job of 24 frames, waits for it, prints the dataset's
-//! metrics and writes a contact sheet, by way of HTTP, leases and commits as in production.
+//! metrics and writes a contact sheet, by way of HTTP, leases and commits as in production. With `--open` the service stays,
+//! and a browser shows its page.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::Context;
 use cli::engine::EngineArguments;
 use cli::exit::Failure;
 use cli::images::Question;
-use cli::remote::{Remote, ServerArguments, with_query};
+use cli::remote::{LOCAL_SERVICE, Remote, ServerArguments, with_query};
 use cli::styles::StyleArguments;
 use cli::table::{cell, table, table_of};
 use serde_json::Value;
@@ -24,6 +26,9 @@ pub(crate) struct Arguments {
     /// Folder for the catalogue, the artifacts and the contact sheet
     #[arg(long, value_name = "DIR", default_value = "data/demo")]
     out: PathBuf,
+    /// Open the set on the page of the service in a browser, and serve it until Ctrl-C
+    #[arg(long)]
+    open: bool,
     #[command(flatten)]
     style: StyleArguments,
 }
@@ -73,6 +78,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         token: None,
     });
     let shown = show(&remote, &arguments.out);
+    if arguments.open && shown.is_ok() {
+        let page = page_of(&format!("http://{}", service.address()));
+        println!("its page       {page}");
+        open_browser(&page);
+        runtime.block_on(serve::stop_signal())?;
+    }
     runtime.block_on(service.stop()).map_err(anyhow::Error::from)?;
     shown
 }
@@ -111,7 +122,31 @@ fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
     println!("images         {}", out.join("packs").display());
     println!("digest         {}", text("digest"));
     println!("serve it again fathom serve --data {}", out.display());
+    println!("and look       {}", page_of(LOCAL_SERVICE));
     submit::all_rendered(&job)
+}
+
+/// Where the page of a service shows the set of the demonstration.
+fn page_of(server: &str) -> String {
+    format!("{server}/#/set/tour")
+}
+
+/// Has the desktop open an address. Where there is no desktop, the address that was printed has to do.
+fn open_browser(address: &str) {
+    let opener = if cfg!(target_os = "macos") {
+        "open"
+    } else {
+        "xdg-open"
+    };
+    let started = Command::new(opener)
+        .arg(address)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    if started.is_err() {
+        println!("there is no `{opener}` here: open it yourself");
+    }
 }
 
 /// Mean and standard deviation of each metric for each style water.

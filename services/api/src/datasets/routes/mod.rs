@@ -1,6 +1,7 @@
 //! Datasets.
 
 pub(crate) mod dataset;
+pub(crate) mod density;
 pub(crate) mod histogram;
 pub(crate) mod metadata;
 pub(crate) mod stats;

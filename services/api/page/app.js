@@ -1,0 +1,109 @@
+// Views and their addresses: the part behind # is the view and its state, so that every state can be shared.
+
+import { h, put, problemBox } from "./dom.js";
+import { queryOf } from "./text.js";
+
+const VIEWS = {
+  "": () => import("./sets.js"),
+  compare: () => import("./sets.js"),
+  set: () => import("./set.js"),
+  image: () => import("./image.js"),
+  jobs: () => import("./jobs.js"),
+  compose: () => import("./compose.js"),
+  waters: () => import("./waters.js"),
+  styles: () => import("./waters.js"),
+  speed: () => import("./speed.js"),
+};
+
+const main = document.getElementById("main");
+let current = null;
+
+function parsed() {
+  const [path, query = ""] = location.hash.replace(/^#\/?/, "").split("?", 2);
+  const [name, ...parts] = path.split("/");
+  const args = parts.map((part) => decoded(part));
+  return { name, args, query: Object.fromEntries(new URLSearchParams(query)), path };
+}
+
+function decoded(part) {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
+// What a view is given: its address, and how to change it without a new view.
+class Route {
+  constructor(place) {
+    Object.assign(this, place);
+    this.end = new AbortController();
+    this.signal = this.end.signal;
+  }
+
+  // Changes a part of the state in the address.
+  set(values) {
+    for (const [key, value] of Object.entries(values)) {
+      if (value === undefined || value === null || value === "") delete this.query[key];
+      else this.query[key] = String(value);
+    }
+    const address = `#/${this.path}${queryOf(this.query)}`;
+    if (address !== location.hash) history.replaceState(null, "", address);
+  }
+}
+
+async function show() {
+  if (location.hash === "#main") return main.focus();
+  current?.end.abort();
+  const route = new Route(parsed());
+  const isFirst = current === null;
+  current = route;
+  mark(route.name);
+  const root = h("div.view", { "data-view": route.name || "sets" });
+  put(main, root);
+  window.scrollTo(0, 0);
+  try {
+    const load = VIEWS[route.name];
+    if (!load) throw new Error(`There is no view “${route.name}”.`);
+    const view = await load();
+    if (route.signal.aborted) return;
+    await view.show(root, route);
+  } catch (error) {
+    if (route.signal.aborted) return;
+    root.append(problemBox(error), h("p", {}, h("a", { href: "#/" }, "To all sets")));
+  }
+  const title = root.querySelector("h1");
+  document.title = title ? `${title.textContent} · Fathom` : "Fathom";
+  if (!isFirst && document.activeElement === document.body) title?.focus({ preventScroll: true });
+}
+
+function mark(name) {
+  const of = { set: "", image: "", compare: "" };
+  const wanted = `#/${of[name] ?? name}`;
+  for (const link of document.querySelectorAll("header nav a")) {
+    if (link.getAttribute("href") === wanted) link.setAttribute("aria-current", "page");
+    else link.removeAttribute("aria-current");
+  }
+}
+
+const KEYS = { s: "#/", j: "#/jobs", c: "#/compose", w: "#/waters", y: "#/styles", p: "#/speed" };
+let isGoing = false;
+
+// "/" is the filter, "g" and a letter a view.
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input, textarea, select, dialog")) return;
+  if (isGoing && KEYS[event.key]) {
+    location.hash = KEYS[event.key];
+    event.preventDefault();
+  } else if (event.key === "/") {
+    const filter = document.getElementById("filter");
+    if (filter) {
+      filter.focus();
+      event.preventDefault();
+    }
+  }
+  isGoing = event.key === "g";
+});
+
+window.addEventListener("hashchange", show);
+show();

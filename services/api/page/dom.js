@@ -1,0 +1,79 @@
+// Elements. Every text becomes a text node: nothing that comes from data is ever read as markup.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+// h("a.name", {href, onclick, "aria-label"}, child, [children], "text")
+export function h(tag, props, ...children) {
+  const [name, ...classes] = tag.split(".");
+  return fill(document.createElement(name), classes, props, children);
+}
+
+export function svg(tag, props, ...children) {
+  const [name, ...classes] = tag.split(".");
+  return fill(document.createElementNS(SVG, name), classes, props, children);
+}
+
+function fill(element, classes, props, children) {
+  if (classes.length) element.classList.add(...classes);
+  for (const [key, value] of Object.entries(props ?? {})) {
+    if (value === undefined || value === null || value === false) continue;
+    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+    else if (key === "value" || key === "checked" || key === "selected") element[key] = value;
+    else element.setAttribute(key, value === true ? "" : String(value));
+  }
+  element.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  return element;
+}
+
+export function put(place, ...children) {
+  place.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  return place;
+}
+
+export function heading(text, ...beside) {
+  return h("div.heading", {}, h("h1", { tabindex: "-1" }, text), ...beside);
+}
+
+// What gives the same without the page: calls of the API and commands.
+export function same(...lines) {
+  return h("details.same", {}, h("summary", {}, "The same without the page"),
+    h("pre", { tabindex: "0", role: "group", "aria-label": "Calls and commands" }, lines.filter(Boolean).join("\n")));
+}
+
+export function select(label, options, chosen, onchange, props = {}) {
+  const items = options.map((option) => {
+    const [value, text] = Array.isArray(option) ? option : [option, option];
+    return h("option", { value, selected: value === chosen }, text);
+  });
+  const box = h("select", { ...props, onchange: () => onchange(box.value) }, items);
+  return h("label.field", {}, h("span", {}, label), box);
+}
+
+export function table(head, rows, props = {}) {
+  return h("div.scroll", { tabindex: "0", role: "region", "aria-label": props.label ?? "Table" },
+    h("table", {}, h("thead", {}, h("tr", {}, head.map((text) => h("th", { scope: "col" }, text)))),
+      h("tbody", {}, rows.map((row) => h("tr", {}, row.map((cell, at) => at === 0
+        ? h("th", { scope: "row" }, cell) : h("td", {}, cell)))))));
+}
+
+// A problem of the API with all that it says.
+export function problemBox(error) {
+  const errors = error.problem?.errors ?? [];
+  return h("div.problem", { role: "alert" }, h("strong", {}, error.problem?.title ?? "It did not work"),
+    h("p", {}, error.problem?.detail ?? error.message),
+    errors.length > 0 && h("ul", {}, errors.map((one) => h("li", {}, one.message))),
+    error.problem?.did_you_mean && h("p", {}, "Did you mean ", h("code", {}, error.problem.did_you_mean), "?"));
+}
+
+export function drawn(canvas, width, height) {
+  const scale = window.devicePixelRatio || 1;
+  canvas.width = Math.round(width * scale);
+  canvas.height = Math.round(height * scale);
+  const pen = canvas.getContext("2d");
+  pen.setTransform(scale, 0, 0, scale, 0, 0);
+  return pen;
+}
+
+export function color(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}

@@ -1,0 +1,79 @@
+// What each way of computing costs and how far it is off, and what the frames of a set took.
+
+import { get, list, send } from "./api.js";
+import { curves } from "./chart.js";
+import { h, heading, put, same, select, table } from "./dom.js";
+import { count, number, path } from "./text.js";
+
+const SAMPLE = 24;
+
+export async function show(root, route) {
+  const chart = h("section.panel");
+  const frames = h("section.panel");
+  root.append(heading("Speed and accuracy"), chart, frames, same("fathom plan examples/tour.json --frame 3",
+    "cargo run --release -p lab -- chart --out charts", "GET /v1/images/{job}/{frame}"));
+  await Promise.all([figures(chart, route), ofSet(frames, route)]);
+}
+
+async function figures(place, route) {
+  const [text, machine] = await Promise.all([send("/assets/chart.csv", { signal: route.signal }).then((one) => one.text()),
+    get("/assets/machine.json", {}, route.signal)]);
+  const [head, ...rows] = text.trim().split("\n").map((line) => line.split(","));
+  const all = rows.map((row) => Object.fromEntries(head.map((name, at) => [name, row[at]])));
+  const stages = [...new Set(all.map((row) => row.stage))];
+  const draw = () => {
+    const stage = stages.includes(route.query.stage) ? route.query.stage : stages[0];
+    const scenes = [...new Set(all.filter((row) => row.stage === stage).map((row) => row.scene))];
+    const scene = scenes.includes(route.query.scene) ? route.query.scene : scenes.at(-1);
+    const shown = all.filter((row) => row.stage === stage && row.scene === scene && Number(row.error_max) > 0 && Number(row.ms_min) > 0);
+    const variants = [...new Set(shown.map((row) => row.variant))];
+    const front = shown.filter((row) => row.pareto === "true").sort((a, b) => a.ms_min - b.ms_min);
+    const point = (row) => [Number(row.ms_min), Number(row.error_max)];
+    const name = (row) => `${row.variant}${row.terms ? ` ${row.terms}` : ""}: ${number(Number(row.ms_min), 3)} ms, error ${number(Number(row.error_max), 2)}`;
+    const marks = shown.map((row) => ({ x: Number(row.ms_min), y: Number(row.error_max), name: name(row), strong: row.default === "true",
+      color: `c${variants.indexOf(row.variant) % 6}` }));
+    put(place, h("h2", {}, "Error against time"), h("p.quiet", {}, `Left is faster, down is more exact; both axes are logarithmic. A ring marks what a `
+      + `job gets, the line joins what nothing else beats. Shipped figures, not of this machine: ${machine.machine}, ${machine.runs} runs of each.`),
+    h("div.row", {}, select("Stage", stages, stage, (value) => change({ stage: value })), select("Scene", scenes, scene, (value) => change({ scene: value }))),
+    shown.length > 0 ? curves([{ name: "front", color: "front", points: front.map(point) }], { label: `Error against time of ${stage}, ${scene}`,
+      x: "ms", y: "largest error", log: true, marks }) : h("p", {}, "No variant of it has an error."),
+    h("p.legend", {}, variants.map((variant, at) => [h(`i.key.c${at % 6}`), variant])),
+    h("details", {}, h("summary", {}, "The same as a table"), table(["variant", "ms", "largest error", "codes", ""], shown.map((row) => [
+      `${row.variant} ${row.terms}`, number(Number(row.ms_min), 3), number(Number(row.error_max), 2), row.codes_max,
+      [row.default === "true" && "default ", row.pareto === "true" && "front"]]), { label: "Variants" })));
+  };
+  const change = (values) => {
+    route.set(values);
+    draw();
+  };
+  draw();
+}
+
+async function ofSet(place, route) {
+  const sets = (await list("/v1/datasets", route.signal)).map((set) => set.name);
+  if (sets.length === 0) return put(place, h("h2", {}, "Frames of a set"), h("p.quiet", {}, "There is no set yet."));
+  const draw = async (name) => {
+    const page = await get("/v1/images", { dataset: name, limit: SAMPLE, order_by: "-created_ms", fields: "job,frame" }, route.signal);
+    const records = await Promise.all(page.items.map((row) => get(`/v1/images/${path(row.job, String(row.frame))}`, {}, route.signal)));
+    const stages = new Map();
+    const times = new Map();
+    for (const record of records) {
+      for (const stage of record.plan) {
+        if (stage.variant === "skip") continue;
+        const key = `${stage.stage} · ${stage.variant}`;
+        const one = stages.get(key) ?? { frames: 0, bound: 0, cost: 0 };
+        stages.set(key, { frames: one.frames + 1, bound: Math.max(one.bound, stage.bound ?? 0), cost: one.cost + (stage.cost_ms ?? 0) });
+      }
+      for (const [stage, ms] of Object.entries(record.timings_ms ?? {})) times.set(stage, [...(times.get(stage) ?? []), ms]);
+    }
+    const median = (values) => values.sort((a, b) => a - b)[Math.floor(values.length / 2)];
+    put(place, h("h2", {}, "Frames of a set"), select("Set", sets, name, (value) => {
+      route.set({ set: value });
+      draw(value);
+    }), h("p.quiet", {}, `Of the newest ${count(records.length, "frame")}.`), h("div.split.even", {},
+      table(["stage", "median ms"], [...times].map(([stage, values]) => [stage, number(median(values), 3)]), { label: "Time of each stage" }),
+      table(["stage and form", "frames", "largest bound", "planned ms"], [...stages].map(([stage, one]) => [stage, number(one.frames),
+        one.bound ? number(one.bound, 3) : "–", number(one.cost / one.frames, 3)]), { label: "Bounds of each stage" })));
+  };
+  return draw(sets.includes(route.query.set) ? route.query.set : sets[0]);
+}

@@ -1,0 +1,154 @@
+//! The page at `/`: files of this binary that a browser loads as they are. They show and send only what the API has, so they
+//! need no token; what they ask for does.
+
+use axum::Router;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use sha2::{Digest, Sha256};
+
+use crate::http::stored;
+
+/// Everything comes from here, and nothing that a label or a name holds can become a script.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
+                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// A file of the page.
+#[derive(Clone, Copy)]
+struct Asset {
+    path: &'static str,
+    media_type: &'static str,
+    bytes: &'static [u8],
+}
+
+macro_rules! assets {
+    ($($name:literal: $media_type:expr),* $(,)?) => {
+        [$(Asset {
+            path: concat!("/assets/", $name),
+            media_type: $media_type,
+            bytes: include_bytes!(concat!("../../page/", $name)),
+        }),*]
+    };
+}
+
+const START: Asset = Asset {
+    path: "/",
+    media_type: "text/html; charset=utf-8",
+    bytes: include_bytes!("../../page/index.html"),
+};
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+const ASSETS: [Asset; 24] = assets! {
+    "api.js": SCRIPT,
+    "app.js": SCRIPT,
+    "chart.js": SCRIPT,
+    "compose.js": SCRIPT,
+    "density.js": SCRIPT,
+    "dom.js": SCRIPT,
+    "fields.js": SCRIPT,
+    "filter.js": SCRIPT,
+    "form.js": SCRIPT,
+    "grid.js": SCRIPT,
+    "image.js": SCRIPT,
+    "jobs.js": SCRIPT,
+    "laws.js": SCRIPT,
+    "layers.js": SCRIPT,
+    "live.js": SCRIPT,
+    "picture.js": SCRIPT,
+    "record.js": SCRIPT,
+    "set.js": SCRIPT,
+    "sets.js": SCRIPT,
+    "speed.js": SCRIPT,
+    "text.js": SCRIPT,
+    "waters.js": SCRIPT,
+    "page.css": "text/css; charset=utf-8",
+    "icon.svg": "image/svg+xml",
+};
+/// The figures of the laboratory that docs/charts.md draws.
+const FIGURES: Asset = Asset {
+    path: "/assets/chart.csv",
+    media_type: "text/csv; charset=utf-8",
+    bytes: include_bytes!("../../../../docs/charts/chart.csv"),
+};
+/// The machine that they were measured on.
+const MACHINE: Asset = Asset {
+    path: "/assets/machine.json",
+    media_type: "application/json",
+    bytes: include_bytes!("../../../../docs/charts/machine.json"),
+};
+
+pub(crate) fn router() -> Router {
+    let assets = [START, FIGURES, MACHINE].into_iter().chain(ASSETS);
+    assets.fold(Router::new(), |router, asset| {
+        let tag = spec::hex(&Sha256::digest(asset.bytes));
+        let path = asset.path;
+        let response = move |headers: HeaderMap| async move { asset.response(&headers, &tag) };
+        router.route(path, get(response))
+    })
+}
+
+impl Asset {
+    /// The file, or that the copy at hand is right: a new binary is seen at the next look.
+    fn response(&self, headers: &HeaderMap, tag: &str) -> Response {
+        let text = HeaderValue::from_static;
+        let common: [(HeaderName, HeaderValue); 4] = [
+            (header::CACHE_CONTROL, text("no-cache")),
+            (header::CONTENT_SECURITY_POLICY, text(POLICY)),
+            (header::X_CONTENT_TYPE_OPTIONS, text("nosniff")),
+            (header::REFERRER_POLICY, text("no-referrer")),
+        ];
+        let common = (common, [(header::ETAG, format!("\"{tag}\""))]);
+        if stored::is_at_hand(headers, tag) {
+            return (StatusCode::NOT_MODIFIED, common).into_response();
+        }
+        let media_type = [(header::CONTENT_TYPE, self.media_type)];
+        (common, media_type, self.bytes).into_response()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(asset: &Asset) -> &'static str {
+        std::str::from_utf8(asset.bytes).unwrap()
+    }
+
+    #[test]
+    fn every_file_that_a_file_of_the_page_names_is_embedded() {
+        let mut seen = 0;
+        for asset in ASSETS.iter().chain([&START]) {
+            let words = text(asset).split(['"', '\'', '`']);
+            let named =
+                words.filter_map(|word| word.strip_prefix("./").or_else(|| word.strip_prefix("/assets/")));
+            for name in named {
+                let is_there = |asset: &Asset| asset.path == format!("/assets/{name}");
+                let all = [FIGURES, MACHINE].into_iter().chain(ASSETS);
+                assert!(
+                    all.into_iter().any(|asset| is_there(&asset)),
+                    "{} names {name}",
+                    asset.path
+                );
+                seen += 1;
+            }
+        }
+        assert!(seen > 40, "{seen}");
+    }
+
+    #[test]
+    fn the_page_is_small_and_puts_no_markup_together() {
+        let all = [START, FIGURES, MACHINE].into_iter().chain(ASSETS);
+        let bytes: usize = all.map(|asset| asset.bytes.len()).sum();
+        assert!(bytes <= 300_000, "{bytes}");
+        for asset in &ASSETS {
+            for wrong in [
+                "innerHTML",
+                "outerHTML",
+                "insertAdjacentHTML",
+                "document.write",
+                "eval(",
+            ] {
+                assert!(!text(asset).contains(wrong), "{} has {wrong}", asset.path);
+            }
+        }
+    }
+}

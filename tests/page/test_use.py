@@ -1,0 +1,120 @@
+"""What a person does: with the keyboard alone, while the service is away, with a token, and dragging."""
+
+import json
+
+from conftest import JOB, Service
+
+
+def test_the_keyboard_alone_leads_from_the_sets_to_an_image_and_back(visit):
+    page = visit()
+    page.wait_for_selector(".card h2 a")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.textContent") == "reef":
+            break
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".cell a")
+    page.keyboard.press("/")
+    page.keyboard.type("alph")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Enter")
+    assert page.input_value("#filter") == "alpha "
+    page.keyboard.type("> 0")
+    page.keyboard.press("Enter")
+    page.wait_for_function("document.querySelector('.counts').textContent.includes(' of ')")
+    page.focus(".grid")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function("document.activeElement.closest('.cell')?.dataset.at === '0'")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function("document.activeElement.closest('.cell')?.dataset.at === '1'")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("canvas.right:not(.waiting)")
+    first = page.url
+    page.wait_for_selector("a[rel=next]")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function("(first) => location.href !== first", arg=first)
+    page.focus("input.wide")
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("document.querySelector('.divider').style.left") == "50.5%"
+    page.focus("header a")
+    page.keyboard.press("g")
+    page.keyboard.press("j")
+    page.wait_for_function("document.querySelector('h1')?.textContent === 'Jobs'")
+
+
+def test_a_service_that_dies_and_returns_is_waited_for(visit, browser, tmp_path):
+    service = Service(str(tmp_path))
+    try:
+        service.render({**JOB, "count": 2})
+        page = visit(to=service)
+        page.wait_for_selector(".card h2 a")
+        service.stop()
+        page.click(".card h2 a")
+        page.wait_for_selector("#gone:not([hidden])")
+        service.start()
+        page.wait_for_selector(".cell a", timeout=30_000)
+        page.wait_for_selector("#gone", state="hidden")
+    finally:
+        service.stop()
+
+
+def test_a_token_is_asked_for_once_and_kept_in_memory(visit, tmp_path):
+    service = Service(str(tmp_path), token="s3cret")
+    try:
+        service.render({**JOB, "count": 2})
+        page = visit(to=service)
+        page.wait_for_selector("dialog[open]")
+        page.fill("dialog input", "wrong")
+        page.click("dialog button")
+        page.wait_for_function("document.getElementById('token-why').textContent.includes('not known')")
+        page.fill("dialog input", "s3cret")
+        page.click("dialog button")
+        page.click(".card h2 a")
+        page.wait_for_function("[...document.querySelectorAll('.cell img')].length === 2 && [...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
+        assert page.locator("dialog[open]").count() == 0
+        kept = page.evaluate("JSON.stringify([{...localStorage}, {...sessionStorage}, document.cookie, location.href])")
+        assert "s3cret" not in kept
+    finally:
+        service.stop()
+
+
+def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
+    page = visit("compose")
+    page.wait_for_function("JSON.parse(document.querySelector('[data-speed]').dataset.speed || '{}').isFull", timeout=60_000)
+    drawn = "JSON.parse(document.querySelector('[data-speed]').dataset.speed).drawn"
+    before = page.evaluate(drawn)
+    slider = page.locator("[id='f-alpha']")
+    box = slider.bounding_box()
+    page.mouse.move(box["x"] + box["width"] * 0.5, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    for step in range(30):
+        page.mouse.move(box["x"] + box["width"] * (0.5 + step / 80), box["y"] + box["height"] / 2)
+        page.wait_for_timeout(30)
+    page.mouse.up()
+    page.wait_for_function(f"{drawn} > {before + 3}", timeout=60_000)
+    job = json.loads(page.input_value("#json"))
+    assert job["alpha"] > 0.5
+    page.fill("[data-pointer='/alpha'] input[type=number]", "3")
+    page.wait_for_selector("[data-pointer='/alpha'] .wrong:not([hidden])")
+    assert "limit is 0..=1" in page.locator("[data-pointer='/alpha'] .wrong").inner_text()
+    assert page.locator("button.primary", has_text="Submit").is_disabled()
+    job["alpha"] = {"uniform": [0.1, 0.2]}
+    job["count"] = 2
+    job["camera"] = {"width": 96, "height": 64}
+    page.fill("#json", json.dumps(job))
+    page.wait_for_selector("[data-pointer='/alpha'] svg.law")
+    page.wait_for_function("document.querySelector('.frames').children.length === 2")
+    page.click("text=Submit")
+    page.wait_for_function("location.hash.startsWith('#/jobs/job_')")
+    page.wait_for_function("document.querySelector('.big')?.textContent.includes('done')", timeout=60_000)
+
+
+def test_a_lamp_is_moved_in_the_picture(visit):
+    page = visit("compose")
+    page.click("text=Add haze")
+    page.wait_for_selector(".handle")
+    page.focus(".handle")
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("JSON.parse(document.getElementById('json').value).lights[0].x === 0.48")

@@ -1,0 +1,145 @@
+"""Every view shows what the service has, as text, and for those who cannot see it."""
+
+import json
+import re
+import urllib.error
+import urllib.parse
+import urllib.request
+
+import pytest
+from conftest import AXE, FRAMES, HOSTILE, ROOT
+
+VIEWS = ["", "set/reef", "set/reef?overlay=boxes&order=-uiqm&x=alpha&y=uiqm", "image", "jobs", "job", "compose", "waters", "styles",
+         "speed", "compare?a=reef&b=reef"]
+
+
+def address(service, view):
+    """The address of a view, with the first image or job of the service where it needs one."""
+    job = service.ask("/v1/jobs?dataset=reef")["items"][0]["id"]
+    return {"image": f"image/{job}/0?boxes=1", "job": f"jobs/{job}"}.get(view, view)
+
+
+def settled(page):
+    page.wait_for_load_state("networkidle")
+    page.wait_for_function("!document.querySelector('[aria-busy]')")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("view", VIEWS)
+def test_a_view_has_no_serious_fault_of_accessibility_and_fits(visit, service, view, scheme):
+    page = visit(address(service, view), scheme=scheme, width=1280 if scheme == "light" else 390)
+    settled(page)
+    page.evaluate(AXE)
+    found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")
+    serious = [(one["id"], one["nodes"][0]["html"][:200]) for one in found["violations"] if one["impact"] in ("serious", "critical")]
+    assert serious == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= page.viewport_size["width"]
+    assert page.locator("details.same").count() == 1
+
+
+def test_a_set_shows_its_images_and_a_filter_fewer(visit, service):
+    page = visit("set/reef")
+    page.wait_for_selector(".cell img")
+    assert page.locator(".cell").count() == FRAMES
+    page.wait_for_function("[...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
+    page.fill("#filter", "frame < 5")
+    page.press("#filter", "Enter")
+    page.wait_for_function("document.querySelectorAll('.cell a').length === 5")
+    assert page.locator(".counts").inner_text().startswith("5 of")
+    assert urllib.parse.parse_qs(page.url.split("?")[1])["filter"] == ["frame < 5"]
+    other = visit(page.url.split("#/")[1])
+    other.wait_for_function("document.querySelectorAll('.cell a').length === 5")
+
+
+def test_a_wrong_filter_says_where_and_offers_the_right_name(visit):
+    page = visit("set/reef?filter=alpha%20%3E%200%20and%20uiqmm%20%3E%200")
+    page.wait_for_selector(".wrong mark")
+    assert page.locator(".wrong mark").inner_text() == "uiqmm"
+    page.click(".wrong button")
+    page.wait_for_selector(".cell a")
+    assert page.input_value("#filter") == "alpha > 0 and uiqm > 0"
+
+
+def test_a_drag_over_a_histogram_and_a_density_becomes_a_filter(visit):
+    page = visit("set/reef?column=alpha&x=alpha&y=uiqm")
+    page.wait_for_selector("svg.histogram .bar")
+    drag(page, "svg.histogram", (0.1, 0.5), (0.6, 0.5))
+    page.wait_for_function("document.getElementById('filter').value.startsWith('alpha between')")
+    page.wait_for_function("document.querySelector('.counts').textContent.includes(' of ')")
+    page.click("text=Clear")
+    page.wait_for_function("document.querySelector('canvas.density').getAttribute('aria-label')")
+    drag(page, "canvas.density", (0.05, 0.05), (0.95, 0.95))
+    page.wait_for_function("document.getElementById('filter').value.includes(' and uiqm between')")
+
+
+def drag(page, selector, begin, end):
+    page.locator(selector).scroll_into_view_if_needed()
+    box = page.locator(selector).bounding_box()
+    at = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in (begin, end)]
+    page.mouse.move(*at[0])
+    page.mouse.down()
+    page.mouse.move(*at[1], steps=5)
+    page.mouse.up()
+
+
+def test_an_image_shows_its_layers_numbers_and_hostile_labels_as_text(visit, service):
+    page = visit(address(service, "image"))
+    page.wait_for_selector("canvas.right:not(.waiting)")
+    assert HOSTILE in page.locator("main").inner_text()
+    assert page.locator("main img[src=x]").count() == 0
+    for kind in ("range", "normals", "direct", "semantics"):
+        page.get_by_label("Right", exact=True).select_option(kind)
+        page.wait_for_function("(kind) => document.querySelector('canvas.right:not(.waiting)')?.getAttribute('aria-label').includes(kind)", arg=kind)
+        painted = "(canvas) => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
+        assert page.locator("canvas.right").evaluate(painted) > 4
+    page.click("text=Render again and compare")
+    page.wait_for_selector("text=It renders to the same bytes.", timeout=120_000)
+
+
+def test_hostile_names_in_the_address_are_text(visit):
+    page = visit("set/" + urllib.parse.quote(HOSTILE, safe=""))
+    page.wait_for_selector(".problem")
+    assert page.locator("main h1").inner_text() == HOSTILE
+
+
+def test_a_job_goes_on_before_the_eyes_and_can_be_cancelled(visit, service):
+    job = service.ask("/v1/jobs", {**JOB_OF_MANY, "labels": {"note": HOSTILE}})["id"]
+    page = visit(f"jobs/{job}")
+    done = "Number(document.querySelector('progress').value)"
+    page.wait_for_function(f"{done} > 0", timeout=60_000)
+    first = page.evaluate(done)
+    page.wait_for_function(f"{done} > {first}", timeout=60_000)
+    page.click("text=Pause")
+    page.wait_for_selector("text=Resume")
+    page.click("text=Cancel")
+    page.wait_for_function("document.querySelector('.big').textContent.includes('cancelled')")
+    assert service.ask(f"/v1/jobs/{job}")["state"] == "cancelled"
+
+
+JOB_OF_MANY = {"dataset": "many", "count": 100_000, "scene": {"kind": "procedural", "family": "shaft", "seed": 1},
+               "camera": {"width": 96, "height": 64}, "artifacts": ["rgb"], "metrics": []}
+
+
+def test_everything_comes_from_the_service_under_a_strict_policy(service):
+    with urllib.request.urlopen(service.address + "/") as response:
+        policy = response.headers["content-security-policy"]
+        tag = response.headers["etag"]
+        start = response.read().decode()
+    assert "default-src 'none'" in policy and "unsafe" not in policy
+    assert not re.search(r"https?://|<script>|style=|onclick", start)
+    again = urllib.request.Request(service.address + "/", headers={"if-none-match": tag})
+    with pytest.raises(urllib.error.HTTPError, match="304"):
+        urllib.request.urlopen(again)
+
+
+@pytest.mark.skipif("not config.getoption('--pictures')")
+def test_pictures_of_the_documentation(visit, service):
+    page = visit("set/reef?order=-uiqm&x=alpha&y=uiqm", width=1280, height=860)
+    settled(page)
+    page.screenshot(path=ROOT / "docs/pictures/page-set.png")
+    job = {"scene": {"kind": "procedural", "family": "structure", "seed": 11}, "camera": {"width": 768, "height": 492},
+           "water": {"optics": "jerlov-1C", "range_scale": {"log_uniform": [0.15, 0.6]}, "style": "atlantic"}, "alpha": {"uniform": [0.2, 0.8]},
+           "lights": [{"kind": "spot", "position_m": [0.4, -0.3, 0.0], "intensity": [6, 6, 6], "cone_deg": 35}], "count": 24}
+    page = visit("compose?job=" + urllib.parse.quote(json.dumps(job)), width=1280, height=860)
+    page.wait_for_function("document.querySelectorAll('.frames canvas:not(.waiting)').length === 12", timeout=60_000)
+    page.screenshot(path=ROOT / "docs/pictures/page-compose.png")
