@@ -41,6 +41,16 @@ def pytest_addoption(parser):
     parser.addoption("--pictures", action="store_true", help="draw the pictures of the documentation again")
 
 
+def until(page, expression, arg=None, timeout=60_000):
+    """Waits for an expression to become true; that of Playwright is stopped by the policy of the page."""
+    end = time.monotonic() + timeout / 1000
+    while time.monotonic() < end:
+        if page.evaluate(expression, arg):
+            return
+        page.wait_for_timeout(50)
+    raise TimeoutError(expression)
+
+
 class Service:
     """A `fathom serve` that can be ended and started again at the same address."""
 

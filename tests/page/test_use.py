@@ -2,7 +2,7 @@
 
 import json
 
-from conftest import JOB, Service
+from conftest import JOB, Service, until
 
 
 def test_the_keyboard_alone_leads_from_the_sets_to_an_image_and_back(visit):
@@ -23,25 +23,25 @@ def test_the_keyboard_alone_leads_from_the_sets_to_an_image_and_back(visit):
     assert page.input_value("#filter") == "alpha "
     page.keyboard.type("> 0")
     page.keyboard.press("Enter")
-    page.wait_for_function("document.querySelector('.counts').textContent.includes(' of ')")
+    until(page, "document.querySelector('.counts').textContent.includes(' of ')")
     page.focus(".grid")
     page.keyboard.press("ArrowRight")
-    page.wait_for_function("document.activeElement.closest('.cell')?.dataset.at === '0'")
+    until(page, "document.activeElement.closest('.cell')?.dataset.at === '0'")
     page.keyboard.press("ArrowRight")
-    page.wait_for_function("document.activeElement.closest('.cell')?.dataset.at === '1'")
+    until(page, "document.activeElement.closest('.cell')?.dataset.at === '1'")
     page.keyboard.press("Enter")
     page.wait_for_selector("canvas.right:not(.waiting)")
     first = page.url
     page.wait_for_selector("a[rel=next]")
     page.keyboard.press("ArrowRight")
-    page.wait_for_function("(first) => location.href !== first", arg=first)
+    until(page, "(first) => location.href !== first", arg=first)
     page.focus("input.wide")
     page.keyboard.press("ArrowRight")
     assert page.evaluate("document.querySelector('.divider').style.left") == "50.5%"
     page.focus("header a")
     page.keyboard.press("g")
     page.keyboard.press("j")
-    page.wait_for_function("document.querySelector('h1')?.textContent === 'Jobs'")
+    until(page, "document.querySelector('h1')?.textContent === 'Jobs'")
 
 
 def test_a_service_that_dies_and_returns_is_waited_for(visit, browser, tmp_path):
@@ -68,11 +68,11 @@ def test_a_token_is_asked_for_once_and_kept_in_memory(visit, tmp_path):
         page.wait_for_selector("dialog[open]")
         page.fill("dialog input", "wrong")
         page.click("dialog button")
-        page.wait_for_function("document.getElementById('token-why').textContent.includes('not known')")
+        until(page, "document.getElementById('token-why').textContent.includes('not known')")
         page.fill("dialog input", "s3cret")
         page.click("dialog button")
         page.click(".card h2 a")
-        page.wait_for_function("[...document.querySelectorAll('.cell img')].length === 2 && [...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
+        until(page, "[...document.querySelectorAll('.cell img')].length === 2 && [...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
         assert page.locator("dialog[open]").count() == 0
         kept = page.evaluate("JSON.stringify([{...localStorage}, {...sessionStorage}, document.cookie, location.href])")
         assert "s3cret" not in kept
@@ -82,7 +82,7 @@ def test_a_token_is_asked_for_once_and_kept_in_memory(visit, tmp_path):
 
 def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
     page = visit("compose")
-    page.wait_for_function("JSON.parse(document.querySelector('[data-speed]').dataset.speed || '{}').isFull", timeout=60_000)
+    until(page, "JSON.parse(document.querySelector('[data-speed]').dataset.speed || '{}').isFull", timeout=60_000)
     drawn = "JSON.parse(document.querySelector('[data-speed]').dataset.speed).drawn"
     before = page.evaluate(drawn)
     slider = page.locator("[id='f-alpha']")
@@ -93,7 +93,7 @@ def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
         page.mouse.move(box["x"] + box["width"] * (0.5 + step / 80), box["y"] + box["height"] / 2)
         page.wait_for_timeout(30)
     page.mouse.up()
-    page.wait_for_function(f"{drawn} > {before + 3}", timeout=60_000)
+    until(page, f"{drawn} > {before + 3}", timeout=60_000)
     job = json.loads(page.input_value("#json"))
     assert job["alpha"] > 0.5
     page.fill("[data-pointer='/alpha'] input[type=number]", "3")
@@ -105,10 +105,10 @@ def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
     job["camera"] = {"width": 96, "height": 64}
     page.fill("#json", json.dumps(job))
     page.wait_for_selector("[data-pointer='/alpha'] svg.law")
-    page.wait_for_function("document.querySelector('.frames').children.length === 2")
+    until(page, "document.querySelector('.frames').children.length === 2")
     page.click("text=Submit")
-    page.wait_for_function("location.hash.startsWith('#/jobs/job_')")
-    page.wait_for_function("document.querySelector('.big')?.textContent.includes('done')", timeout=60_000)
+    until(page, "location.hash.startsWith('#/jobs/job_')")
+    until(page, "document.querySelector('.big')?.textContent.includes('done')", timeout=60_000)
 
 
 def test_a_lamp_is_moved_in_the_picture(visit):
@@ -117,4 +117,4 @@ def test_a_lamp_is_moved_in_the_picture(visit):
     page.wait_for_selector(".handle")
     page.focus(".handle")
     page.keyboard.press("ArrowLeft")
-    page.wait_for_function("JSON.parse(document.getElementById('json').value).lights[0].x === 0.48")
+    until(page, "JSON.parse(document.getElementById('json').value).lights[0].x === 0.48")

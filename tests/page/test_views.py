@@ -7,7 +7,7 @@ import urllib.parse
 import urllib.request
 
 import pytest
-from conftest import AXE, FRAMES, HOSTILE, ROOT
+from conftest import AXE, FRAMES, HOSTILE, ROOT, until
 
 VIEWS = ["", "set/reef", "set/reef?overlay=boxes&order=-uiqm&x=alpha&y=uiqm", "image", "jobs", "job", "compose", "waters", "styles",
          "speed", "compare?a=reef&b=reef"]
@@ -21,7 +21,7 @@ def address(service, view):
 
 def settled(page):
     page.wait_for_load_state("networkidle")
-    page.wait_for_function("!document.querySelector('[aria-busy]')")
+    until(page, "!document.querySelector('[aria-busy]')")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -41,14 +41,14 @@ def test_a_set_shows_its_images_and_a_filter_fewer(visit, service):
     page = visit("set/reef")
     page.wait_for_selector(".cell img")
     assert page.locator(".cell").count() == FRAMES
-    page.wait_for_function("[...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
+    until(page, "[...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
     page.fill("#filter", "frame < 5")
     page.press("#filter", "Enter")
-    page.wait_for_function("document.querySelectorAll('.cell a').length === 5")
+    until(page, "document.querySelectorAll('.cell a').length === 5")
     assert page.locator(".counts").inner_text().startswith("5 of")
     assert urllib.parse.parse_qs(page.url.split("?")[1])["filter"] == ["frame < 5"]
     other = visit(page.url.split("#/")[1])
-    other.wait_for_function("document.querySelectorAll('.cell a').length === 5")
+    until(other, "document.querySelectorAll('.cell a').length === 5")
 
 
 def test_a_wrong_filter_says_where_and_offers_the_right_name(visit):
@@ -64,12 +64,12 @@ def test_a_drag_over_a_histogram_and_a_density_becomes_a_filter(visit):
     page = visit("set/reef?column=alpha&x=alpha&y=uiqm")
     page.wait_for_selector("svg.histogram .bar")
     drag(page, "svg.histogram", (0.1, 0.5), (0.6, 0.5))
-    page.wait_for_function("document.getElementById('filter').value.startsWith('alpha between')")
-    page.wait_for_function("document.querySelector('.counts').textContent.includes(' of ')")
+    until(page, "document.getElementById('filter').value.startsWith('alpha between')")
+    until(page, "document.querySelector('.counts').textContent.includes(' of ')")
     page.click("text=Clear")
-    page.wait_for_function("document.querySelector('canvas.density').getAttribute('aria-label')")
+    until(page, "document.querySelector('canvas.density').getAttribute('aria-label').startsWith('Density:')")
     drag(page, "canvas.density", (0.05, 0.05), (0.95, 0.95))
-    page.wait_for_function("document.getElementById('filter').value.includes(' and uiqm between')")
+    until(page, "document.getElementById('filter').value.includes(' and uiqm between')")
 
 
 def drag(page, selector, begin, end):
@@ -89,7 +89,7 @@ def test_an_image_shows_its_layers_numbers_and_hostile_labels_as_text(visit, ser
     assert page.locator("main img[src=x]").count() == 0
     for kind in ("range", "normals", "direct", "semantics"):
         page.get_by_label("Right", exact=True).select_option(kind)
-        page.wait_for_function("(kind) => document.querySelector('canvas.right:not(.waiting)')?.getAttribute('aria-label').includes(kind)", arg=kind)
+        until(page, "(kind) => document.querySelector('canvas.right:not(.waiting)')?.getAttribute('aria-label').includes(kind)", arg=kind)
         painted = "(canvas) => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
         assert page.locator("canvas.right").evaluate(painted) > 4
     page.click("text=Render again and compare")
@@ -106,13 +106,13 @@ def test_a_job_goes_on_before_the_eyes_and_can_be_cancelled(visit, service):
     job = service.ask("/v1/jobs", {**JOB_OF_MANY, "labels": {"note": HOSTILE}})["id"]
     page = visit(f"jobs/{job}")
     done = "Number(document.querySelector('progress').value)"
-    page.wait_for_function(f"{done} > 0", timeout=60_000)
+    until(page, f"{done} > 0", timeout=60_000)
     first = page.evaluate(done)
-    page.wait_for_function(f"{done} > {first}", timeout=60_000)
+    until(page, f"{done} > {first}", timeout=60_000)
     page.click("text=Pause")
     page.wait_for_selector("text=Resume")
     page.click("text=Cancel")
-    page.wait_for_function("document.querySelector('.big').textContent.includes('cancelled')")
+    until(page, "document.querySelector('.big').textContent.includes('cancelled')")
     assert service.ask(f"/v1/jobs/{job}")["state"] == "cancelled"
 
 
@@ -141,5 +141,5 @@ def test_pictures_of_the_documentation(visit, service):
            "water": {"optics": "jerlov-1C", "range_scale": {"log_uniform": [0.15, 0.6]}, "style": "atlantic"}, "alpha": {"uniform": [0.2, 0.8]},
            "lights": [{"kind": "spot", "position_m": [0.4, -0.3, 0.0], "intensity": [6, 6, 6], "cone_deg": 35}], "count": 24}
     page = visit("compose?job=" + urllib.parse.quote(json.dumps(job)), width=1280, height=860)
-    page.wait_for_function("document.querySelectorAll('.frames canvas:not(.waiting)').length === 12", timeout=60_000)
+    until(page, "document.querySelectorAll('.frames canvas:not(.waiting)').length === 12", timeout=60_000)
     page.screenshot(path=ROOT / "docs/pictures/page-compose.png")

@@ -147,7 +147,7 @@ export function pause(ms, signal) {
 }
 
 // Waits until the service responds, and says so meanwhile.
-async function back(signal) {
+export async function back(signal) {
   waiting ??= untilBack().finally(() => { waiting = null; });
   await waiting;
   signal?.throwIfAborted();

@@ -1,5 +1,6 @@
 // Views and their addresses: the part behind # is the view and its state, so that every state can be shared.
 
+import { back } from "./api.js";
 import { h, put, problemBox } from "./dom.js";
 import { queryOf } from "./text.js";
 
@@ -65,7 +66,7 @@ async function show() {
   try {
     const load = VIEWS[route.name];
     if (!load) throw new Error(`There is no view “${route.name}”.`);
-    const view = await load();
+    const view = await loaded(load, route.signal);
     if (route.signal.aborted) return;
     await view.show(root, route);
   } catch (error) {
@@ -75,6 +76,16 @@ async function show() {
   const title = root.querySelector("h1");
   document.title = title ? `${title.textContent} · Fathom` : "Fathom";
   if (!isFirst && document.activeElement === document.body) title?.focus({ preventScroll: true });
+}
+
+// The module of a view, even if the service is away at first.
+async function loaded(load, signal) {
+  try {
+    return await load();
+  } catch {
+    await back(signal);
+    return load();
+  }
 }
 
 function mark(name) {
@@ -106,4 +117,6 @@ document.addEventListener("keydown", (event) => {
 });
 
 window.addEventListener("hashchange", show);
-show();
+await show();
+// The other views are here before they are needed.
+await Promise.allSettled(Object.values(VIEWS).map((load) => load()));

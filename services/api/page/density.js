@@ -10,7 +10,7 @@ const CELLS = 64;
 // The panel; chosen({column, min, max}, {column, min, max}) gets what was brushed.
 export function densityPanel(route, name, columns, chosen) {
   const numbers = columns.filter((column) => column.kind === "number").map((column) => column.name);
-  const canvas = h("canvas.density", { width: 320, height: 320, role: "img" });
+  const canvas = h("canvas.density", { width: 320, height: 320, role: "img", "aria-label": "Density" });
   const brush = h("div.brush", { hidden: true });
   const words = h("p.quiet", { role: "status" });
   const choose = (key, label, preset) => select(label, numbers, route.query[key] ?? preset, (value) => {

@@ -45,7 +45,7 @@ export function select(label, options, chosen, onchange, props = {}) {
     const [value, text] = Array.isArray(option) ? option : [option, option];
     return h("option", { value, selected: value === chosen }, text);
   });
-  const box = h("select", { ...props, onchange: () => onchange(box.value) }, items);
+  const box = h("select", { "aria-label": label, ...props, onchange: () => onchange(box.value) }, items);
   return h("label.field", {}, h("span", {}, label), box);
 }
 

@@ -136,7 +136,7 @@ class SetView {
   fail(error) {
     if (this.route.signal.aborted) return;
     if (error instanceof ProblemError && error.problem.position !== undefined) {
-      this.filter.fault(error.problem);
+      this.filter?.fault(error.problem);
       this.grid.resize(0);
       this.counts.textContent = "The filter is not valid.";
     } else this.counts.textContent = error.message;
