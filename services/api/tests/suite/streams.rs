@@ -319,7 +319,11 @@ fn a_density_counts_every_pair_once() {
     assert_eq!(cells["counts"].as_array().map(Vec::len), Some(4), "{cells}");
     let counts = cells["counts"].as_array().unwrap().iter();
     assert_eq!(counts.filter_map(Value::as_u64).sum::<u64>(), 2, "{cells}");
-    assert_eq!((&cells["x"]["max"], &cells["missing"]), (&json!(1.0), &json!(0)), "{cells}");
+    assert_eq!(
+        (&cells["x"]["max"], &cells["missing"]),
+        (&json!(1.0), &json!(0)),
+        "{cells}"
+    );
     for (wrong, slug) in [
         ("x=uiqn&y=uiqm", "invalid-filter"),
         ("x=uiqm&y=water.style", "invalid-filter"),
