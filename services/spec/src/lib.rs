@@ -73,5 +73,6 @@ pub use suggest::nearest;
 pub use suspended::{Snow, Turbidity};
 pub use vocabulary::Vocabulary;
 pub use water::{
-    Ambient, ForwardScatter, HoleRule, Multiple, Optics, ScatterModel, ScatterSource, StyleTier, Water,
+    Ambient, ForwardScatter, HoleRule, Multiple, Occlusion, Optics, ScatterLaw, ScatterModel, ScatterSource,
+    ScatterSpread, StyleTier, Water,
 };

@@ -135,6 +135,19 @@ pub struct ForwardScatter {
     /// the light `jaffe` spreads
     #[field(default = "radiance")]
     pub source: ScatterSource,
+    /// kernels of each path in `jaffe`: `two` follow from `law` and b; absent: `one`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread: Option<ScatterSpread>,
+    /// phase function that two kernels are fitted to; absent: `ff`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<ScatterLaw>,
+    /// whether near objects stop the spread light of what is behind them; absent: `none`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub occlusion: Option<Occlusion>,
+    /// most layers of a `gated` frame; absent: 3
+    #[field(within(1, 4))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<usize>,
 }
 
 impl From<ScatterModel> for ForwardScatter {
@@ -146,6 +159,10 @@ impl From<ScatterModel> for ForwardScatter {
             spread_px_per_m: None,
             spread_offset_px: None,
             source: ScatterSource::default(),
+            spread: None,
+            law: None,
+            occlusion: None,
+            layers: None,
         }
     }
 }
@@ -171,6 +188,37 @@ pub enum ScatterSource {
     Radiance,
     /// U = J T w, Eq. 3 to the letter.
     Direct,
+}
+
+/// How many kernels spread the light of one path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
+#[serde(rename_all = "snake_case")]
+pub enum ScatterSpread {
+    /// One Cauchy kernel.
+    One,
+    /// A narrow and a wide one, whose tail is that of Monte Carlo.
+    Two,
+}
+
+/// The phase function that two kernels are fitted to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
+#[serde(rename_all = "snake_case")]
+pub enum ScatterLaw {
+    /// Fournier–Forand with b_b/b = 0.018.
+    #[default]
+    Ff,
+    /// Henyey–Greenstein with g = 0.924.
+    Hg,
+}
+
+/// Whether spread light knows what is in front.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
+#[serde(rename_all = "snake_case")]
+pub enum Occlusion {
+    /// Light from behind passes through near objects.
+    None,
+    /// Near objects stop it where they stand.
+    Gated,
 }
 
 /// What daylight's decay with depth does to the scene.

@@ -10,7 +10,9 @@ use optics::kernel::Transfer;
 use optics::plan::{Plan, SceneStats};
 use optics::water::Water;
 use optics::{chain, haze};
-use spec::{Fidelity, ForwardScatter, Haze, HazeBlend, HazeSpace, Optics, ScatterModel};
+use spec::{
+    Fidelity, ForwardScatter, Haze, HazeBlend, HazeSpace, Occlusion, Optics, ScatterModel, ScatterSpread,
+};
 
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;
@@ -35,7 +37,10 @@ fn range(near_m: f32, far_m: f32) -> Plane<f32> {
 }
 
 fn water_of(preset: &str, model: ScatterModel) -> Water {
-    let scatter = ForwardScatter::from(model);
+    water_with(preset, model.into())
+}
+
+fn water_with(preset: &str, scatter: ForwardScatter) -> Water {
     let request = spec::Water::from(Optics {
         preset: Some(preset.to_owned()),
         forward_scatter: Some(scatter),
@@ -68,6 +73,25 @@ fn water(bench: &mut Criterion) {
             &coastal,
             fixed,
         );
+    }
+    let two = ForwardScatter {
+        spread: Some(ScatterSpread::Two),
+        ..ScatterModel::Jaffe.into()
+    };
+    let gated = |layers| ForwardScatter {
+        occlusion: Some(Occlusion::Gated),
+        layers: Some(layers),
+        ..two
+    };
+    for (name, scatter) in [
+        ("one kernel", ScatterModel::Jaffe.into()),
+        ("two kernels", two),
+        ("two layers", gated(2)),
+        ("three layers", gated(3)),
+    ] {
+        let water = water_with("jerlov-1C", scatter);
+        stage(&format!("{name} K=8"), water.clone(), &coastal, Fidelity::Terms(8));
+        stage(&format!("{name} within 3e-4"), water, &coastal, bounded);
     }
     let simplified = of(ScatterModel::Simplified);
     stage("simplified K=4", simplified, &coastal, Fidelity::Terms(4));

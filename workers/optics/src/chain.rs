@@ -7,6 +7,7 @@
 
 mod check;
 mod fast;
+mod gated_reference;
 mod reference;
 
 use std::borrow::Cow;
@@ -16,7 +17,7 @@ use spec::HoleRule;
 
 use crate::attenuation::exp_negative;
 use crate::forward_scatter::KernelCache;
-use crate::plan::{Form, Plan, ScatterStep};
+use crate::plan::{Form, GateStep, Plan, ScatterStep};
 use crate::range::{bounds, is_hole};
 use crate::water::Water;
 
@@ -80,6 +81,10 @@ pub fn water(
         farthest,
         water,
         clear: plan.attenuation.form == Form::Skip,
+        gates: plan.gates.as_ref().and_then(|gates| match &gates.form {
+            GateStep::Gated(layering) => Some(layering),
+            GateStep::Skip | GateStep::Reference => None,
+        }),
     };
     let bands = fast::bands(&frame, radiance, steps, cache);
     cache.trim();
@@ -121,7 +126,7 @@ fn layers<T>([r, g, b]: [Band<T>; 3], holes: u64) -> Layers<T> {
 }
 
 /// The range with holes replaced where the rule names a distance.
-fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
+pub(crate) fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
     match holes {
         HoleRule::RangeM(meters) => {
             Cow::Owned(range.map(|&z| if is_hole(z) { T::from_meters(meters) } else { z }))
@@ -131,7 +136,7 @@ fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
 }
 
 /// f32 or f64.
-trait Sample: Copy + Into<f64> {
+pub(crate) trait Sample: Copy + Into<f64> {
     fn from_meters(meters: f64) -> Self;
 }
 

@@ -5,7 +5,8 @@
 //! uniform field stays uniform. They are adjoint to each other. The frame is a mirror box, so that K is diagonal under
 //! the cosine transform: `K(γ) = DCT⁻¹ diag(H(γ)) DCT`.
 //!
-//! Neither form knows occlusion: light of the background that leaks over a near object is about four times too strong.
+//! Neither form knows occlusion: light of the background that leaks over a near object is about four times too strong. The first
+//! form may be gated: a frame is divided into layers, and what is behind a near object is taken back to it and stopped there.
 
 mod basis;
 mod bound;
@@ -13,6 +14,8 @@ mod buffers;
 mod cache;
 mod channel;
 mod chebyshev;
+mod gated;
+mod layer;
 mod nodes;
 mod reference;
 
@@ -21,6 +24,8 @@ pub use cache::KernelCache;
 pub(crate) use channel::Channel;
 pub use chebyshev::{gather, scatter};
 pub(crate) use chebyshev::{gather_channels, scatter_channels};
+pub(crate) use gated::{OPAQUE_GATE, Source, gated_channels};
+pub(crate) use layer::{FILL_LEAST, fill_gamma_px};
 pub use nodes::Nodes;
 pub(crate) use nodes::{place, scale_at};
 pub use reference::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference};

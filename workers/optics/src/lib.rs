@@ -13,6 +13,7 @@ pub mod forward_scatter;
 mod haze;
 pub mod kernel;
 pub mod lamp;
+pub mod layering;
 mod legendre;
 pub mod own_water;
 pub mod plan;

@@ -8,6 +8,7 @@
 
 mod bins;
 mod cost;
+mod gates;
 mod levels;
 mod line;
 mod model;
@@ -17,6 +18,7 @@ mod stats;
 mod style;
 mod water;
 
+pub use gates::GateStep;
 pub use levels::display_tolerance;
 pub use line::Line;
 pub use scatter::MOST_TERMS;
@@ -104,7 +106,9 @@ pub struct Plan {
     pub lamps: Stage,
     /// Attenuation; in f64 forward scatter is, too.
     pub attenuation: Stage,
-    /// Forward scatter of each channel. Its bound is that of all of the water: attenuation, scatter and rounding.
+    /// Gates that stop spread light; none where the frame does not ask for them.
+    pub gates: Option<Stage<GateStep>>,
+    /// Forward scatter of each channel. Its bound is that of all of the water: attenuation, gates, scatter and rounding.
     pub scatter: [Stage<ScatterStep>; 3],
     /// Glow of the water before the lamps.
     pub glow: Stage,
@@ -207,6 +211,7 @@ impl Plan {
             turbidity: rounded(setting.patches.is_some(), shares.path),
             lamps: rounded(setting.lighting.is_some(), shares.surfaces),
             attenuation: water.attenuation,
+            gates: water.gates,
             scatter: water.scatter,
             glow: glow(given),
             snow: fall(given, &shares),
@@ -245,6 +250,7 @@ impl Plan {
             tolerance: levels::tolerance(stats, water, fidelity),
             scene_light: Stage::exact(Form::Fast.when(water.radiance_gain != [1.0; 3])),
             attenuation: stages.attenuation,
+            gates: stages.gates,
             scatter: stages.scatter,
             model: ModelErrors::measured(&Conditions::of_water(water, stats)),
             ..Self::in_air(stats.pixels)
@@ -265,6 +271,7 @@ impl Plan {
             turbidity: skip(),
             lamps: skip(),
             attenuation: skip(),
+            gates: None,
             scatter: [const { ScatterStep::Skip }; 3].map(Stage::exact),
             glow: skip(),
             snow: skip(),

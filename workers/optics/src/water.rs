@@ -4,6 +4,7 @@ mod derive;
 mod error;
 mod properties;
 mod rules;
+mod two_kernels;
 
 pub use error::WaterError;
 pub use properties::{Properties, properties};
@@ -31,6 +32,38 @@ impl Spread {
     }
 }
 
+/// The wider of two kernels, and the share of the spread light that it takes, `m(Z) = min(1, m₀ + m₁ Z)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tail {
+    /// How far it spreads.
+    pub spread: Spread,
+    /// m₀.
+    pub share: f64,
+    /// m₁ of each channel, 1/m.
+    pub share_per_m: [f64; 3],
+}
+
+impl Tail {
+    /// m of one channel at a range in meters.
+    #[must_use]
+    pub fn share_at(&self, channel: usize, range_m: f64) -> f64 {
+        (self.share + self.share_per_m[channel] * range_m).min(1.0)
+    }
+}
+
+/// What becomes of the light of a point on its way to the camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Arrival {
+    /// T = e^{−cZ}, what keeps its ray.
+    pub(crate) direct: f64,
+    /// w = e^{−GZ} − e^{−cZ}, what arrives spread.
+    pub(crate) spread: f64,
+    /// γ of the only or the narrow kernel, and of the wide one, pixels.
+    pub(crate) gammas: [f64; 2],
+    /// Share of the wide kernel; 0 where there is one kernel.
+    pub(crate) wide: f64,
+}
+
 /// Forward scatter of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scatter {
@@ -42,8 +75,12 @@ pub enum Scatter {
         g: [f64; 3],
         /// What light is spread.
         source: ScatterSource,
-        /// How far.
+        /// How far, of two kernels the narrow one.
         spread: Spread,
+        /// The wide kernel, if there are two.
+        tail: Option<Tail>,
+        /// Most layers of a frame whose near objects stop what is spread behind them; none: they stop nothing.
+        layers: Option<usize>,
     },
     /// The simplified form: each pixel of the attenuated image gathers with its own range.
     Simplified {
@@ -179,6 +216,23 @@ impl Water {
         &self.scatter
     }
 
+    /// What becomes of the light of a point at a range in meters, where light is spread by the Jaffe–McGlamery form.
+    pub(crate) fn arrival(&self, channel: usize, range_m: f64, widest_px: f64) -> Option<Arrival> {
+        let Scatter::Jaffe { g, spread, tail, .. } = self.scatter else {
+            return None;
+        };
+        let c = self.direct_attenuation[channel];
+        let g = g[channel].min(c);
+        let narrow = spread.gamma(channel, range_m, widest_px);
+        let wide = tail.map(|tail| tail.spread.gamma(channel, range_m, widest_px));
+        Some(Arrival {
+            direct: (-c * range_m).exp(),
+            spread: (-g * range_m).exp() * -(-(c - g) * range_m).exp_m1(),
+            gammas: [narrow, wide.unwrap_or(narrow)],
+            wide: tail.map_or(0.0, |tail| tail.share_at(channel, range_m)),
+        })
+    }
+
     /// The fields that were derived and not given by preset or request.
     #[must_use]
     pub fn derived(&self) -> &[&'static str] {
@@ -188,10 +242,10 @@ impl Water {
     /// The numbers that the chain runs with, by the names of the job description.
     #[must_use]
     pub fn numbers(&self) -> Vec<(&'static str, Option<[f64; 3]>)> {
-        let (g, spread) = match self.scatter {
-            Scatter::None => (None, None),
-            Scatter::Jaffe { g, spread, .. } => (Some(g), Some(spread)),
-            Scatter::Simplified { spread } => (None, Some(spread)),
+        let (g, spread, tail) = match self.scatter {
+            Scatter::None => (None, None, None),
+            Scatter::Jaffe { g, spread, tail, .. } => (Some(g), Some(spread), tail),
+            Scatter::Simplified { spread } => (None, Some(spread), None),
         };
         vec![
             ("absorption_per_m", self.absorption),
@@ -207,6 +261,10 @@ impl Water {
             ("g_per_m", g),
             ("spread_px_per_m", spread.map(|spread| spread.per_m)),
             ("spread_offset_px", spread.map(|spread| spread.offset_px)),
+            ("wide_spread_px_per_m", tail.map(|tail| tail.spread.per_m)),
+            ("wide_spread_offset_px", tail.map(|tail| tail.spread.offset_px)),
+            ("wide_share", tail.map(|tail| [tail.share; 3])),
+            ("wide_share_per_m", tail.map(|tail| tail.share_per_m)),
         ]
     }
 }

@@ -12,7 +12,9 @@ use optics::plan::{Plan, SceneStats};
 use optics::water::Water;
 
 use scenes::{SCENES, Scene};
-use spec::{Fidelity, ForwardScatter, Optics, ScatterModel, ScatterSource};
+use spec::{
+    Fidelity, ForwardScatter, Occlusion, Optics, ScatterLaw, ScatterModel, ScatterSource, ScatterSpread,
+};
 
 /// A single pixel, single lines, primes, odd, even and composite sides.
 const SIZES: [(usize, usize); 8] = [
@@ -64,6 +66,33 @@ fn forms() -> [(&'static str, Water); 3] {
     ]
 }
 
+/// Two kernels, of both laws, alone and behind gates.
+fn wide_forms() -> Vec<(&'static str, Water)> {
+    let form = |name, law, occlusion, layers| {
+        let scatter = ForwardScatter {
+            spread: Some(ScatterSpread::Two),
+            law: Some(law),
+            occlusion: Some(occlusion),
+            layers: Some(layers),
+            ..ScatterModel::Jaffe.into()
+        };
+        let request = spec::Water::from(Optics {
+            absorption_per_m: Some([0.35, 0.08, 0.06]),
+            scattering_per_m: Some([0.2, 0.22, 0.5]),
+            veiling_light: Some([0.03, 0.12, 0.18]),
+            forward_scatter: Some(scatter),
+            ..Optics::default()
+        });
+        (name, Water::resolve(&request, 40.0).expect("a consistent water"))
+    };
+    vec![
+        form("two kernels", ScatterLaw::Ff, Occlusion::None, 1),
+        form("two kernels of hg", ScatterLaw::Hg, Occlusion::None, 1),
+        form("gated, two layers", ScatterLaw::Ff, Occlusion::Gated, 2),
+        form("gated, four layers", ScatterLaw::Hg, Occlusion::Gated, 4),
+    ]
+}
+
 fn fast(
     radiance: &Rgb<f32>,
     range: &Plane<f32>,
@@ -98,16 +127,21 @@ fn largest_error(fast: &Layers, exact: &Layers<f64>) -> f64 {
 }
 
 /// Runs every scene, form and size, and returns what exceeds its limit.
-fn sweep(scenes: &[Scene], cases: impl Fn(&Scene, &Rgb<f32>) -> Vec<(Fidelity, f64)>) -> Vec<String> {
+fn sweep(
+    scenes: &[Scene],
+    forms: &[(&str, Water)],
+    sizes: &[(usize, usize)],
+    cases: impl Fn(&Scene, &Rgb<f32>) -> Vec<(Fidelity, f64)>,
+) -> Vec<String> {
     let mut failures = Vec::new();
     let mut cache = KernelCache::new();
     for scene in scenes {
-        for (width, height) in SIZES {
+        for &(width, height) in sizes {
             let (radiance, range) = scene.sized(width, height);
-            for (form, optics) in forms() {
-                let exact = reference(&radiance, &range, &optics);
+            for (form, optics) in forms {
+                let exact = reference(&radiance, &range, optics);
                 for (fidelity, limit) in cases(scene, &radiance) {
-                    let layers = fast(&radiance, &range, &optics, fidelity, &mut cache);
+                    let layers = fast(&radiance, &range, optics, fidelity, &mut cache);
                     let error = largest_error(&layers, &exact);
                     if error.is_nan() || error > limit {
                         let name = scene.name;
@@ -127,7 +161,7 @@ fn sweep(scenes: &[Scene], cases: impl Fn(&Scene, &Rgb<f32>) -> Vec<(Fidelity, f
 fn fast_is_the_reference_within_what_its_number_of_kernels_allows() {
     let moderate: Vec<Scene> = SCENES.into_iter().filter(|scene| scene.is_moderate).collect();
     assert!(moderate.len() >= 4);
-    let failures = sweep(&moderate, |_, _| {
+    let failures = sweep(&moderate, &forms(), &SIZES, |_, _| {
         BY_TERMS
             .iter()
             .map(|&(terms, limit)| (Fidelity::Terms(terms), limit + FLOAT))
@@ -138,19 +172,31 @@ fn fast_is_the_reference_within_what_its_number_of_kernels_allows() {
 
 #[test]
 fn fast_is_the_reference_within_the_tolerance_in_every_scene() {
-    let failures = sweep(&SCENES, |_, radiance| {
-        let peak = radiance
-            .planes()
-            .iter()
-            .flat_map(Plane::data)
-            .copied()
-            .fold(1.0, f32::max);
-        let float = FLOAT * f64::from(peak);
-        [1e-2, 1e-3, 3e-4, 1e-5]
-            .map(|tolerance| (Fidelity::Tolerance(tolerance), tolerance + float))
-            .to_vec()
+    let failures = sweep(&SCENES, &forms(), &SIZES, |_, radiance| {
+        within([1e-2, 1e-3, 3e-4, 1e-5].as_slice(), radiance)
     });
     assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// Gates divide by the response of a path and multiply rounding by as much.
+const GATE_ROUNDING: f64 = 5.0;
+
+#[test]
+fn two_kernels_and_gates_are_the_reference_within_the_tolerance_in_every_scene() {
+    let failures = sweep(&SCENES, &wide_forms(), &SIZES[..SIZES.len() - 1], |_, radiance| {
+        let cases = within([3e-3, 3e-4, 3e-5].as_slice(), radiance).into_iter();
+        let rounding = |(fidelity, limit)| (fidelity, limit + GATE_ROUNDING * FLOAT);
+        cases.map(rounding).collect()
+    });
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// Tolerances, each with what rounding of light as bright as this adds.
+fn within(tolerances: &[f64], radiance: &Rgb<f32>) -> Vec<(Fidelity, f64)> {
+    let light = radiance.planes().iter().flat_map(Plane::data);
+    let float = FLOAT * f64::from(light.copied().fold(1.0, f32::max));
+    let case = |&tolerance: &f64| (Fidelity::Tolerance(tolerance), tolerance + float);
+    tolerances.iter().map(case).collect()
 }
 
 #[test]

@@ -6,6 +6,8 @@
 
 #[path = "golden/case.rs"]
 mod case;
+#[path = "golden/gates.rs"]
+mod gates;
 #[path = "golden/shadows.rs"]
 mod shadows;
 #[path = "golden/stages.rs"]
@@ -57,6 +59,8 @@ fn check_realism(folder: &Path) {
     let case = Case::open(folder);
     match case.text("kind").as_str() {
         "lamp with shadows" => shadows::lamp(&case),
+        "gated forward scatter" => gates::gated(&case),
+        "pole" => gates::pole(&case),
         _ => {}
     }
 }

@@ -41,6 +41,7 @@ fn every_field_reaches_the_frame() {
                 spread_px_per_m: Some([4.0, 5.0, 6.0]),
                 spread_offset_px: Some([7.0, 8.0, 9.0]),
                 source: ScatterSource::Direct,
+                ..ScatterModel::Jaffe.into()
             }),
             ..Optics::default()
         }

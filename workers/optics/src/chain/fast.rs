@@ -6,9 +6,12 @@ use spec::ScatterSource;
 
 use super::Band;
 use crate::attenuation::{self, Channel, masked};
-use crate::forward_scatter::{self, KernelCache, gather_channels, scatter_channels, widest_px};
+use crate::forward_scatter::{
+    self, KernelCache, Source, gated_channels, gather_channels, scatter_channels, widest_px,
+};
+use crate::layering::Layering;
 use crate::plan::ScatterStep;
-use crate::water::{Scatter, Spread, Water};
+use crate::water::{Scatter, Spread, Tail, Water};
 
 /// What all channels of a frame share.
 pub(super) struct Frame<'a> {
@@ -18,6 +21,8 @@ pub(super) struct Frame<'a> {
     pub(super) water: &'a Water,
     /// Attenuation is left out.
     pub(super) clear: bool,
+    /// Layers whose gates stop spread light; none where nothing is stopped.
+    pub(super) gates: Option<&'a Layering>,
 }
 
 /// All bands at once, so that planes of two of them may share a transform.
@@ -30,12 +35,16 @@ pub(super) fn bands(
     let mut bands = [0, 1, 2].map(|c| attenuated(frame, &radiance.planes()[c], c, steps[c], cache));
     match &frame.water.scatter {
         Scatter::None => {}
-        Scatter::Jaffe { spread, .. } => {
-            let light = bands.each_ref().map(|band| &band.forward);
-            let (places, channels) = channels(frame, spread, light, steps, cache);
-            for (c, spread) in places.into_iter().zip(scatter_channels(channels, cache)) {
-                let light = std::mem::replace(&mut bands[c].forward, spread);
-                cache.buffers.give([light.into_data()]);
+        Scatter::Jaffe { spread, tail, .. } => {
+            if let Some(layering) = frame.gates {
+                gated(frame, layering, radiance, steps, &mut bands, cache);
+            } else {
+                let light = bands.each_ref().map(|band| &band.forward);
+                let (places, channels) = channels(frame, (spread, tail.as_ref()), light, steps, cache);
+                for (c, spread) in places.into_iter().zip(scatter_channels(channels, cache)) {
+                    let light = std::mem::replace(&mut bands[c].forward, spread);
+                    cache.buffers.give([light.into_data()]);
+                }
             }
             for (band, step) in bands.iter_mut().zip(&steps) {
                 if **step != ScatterStep::Skip {
@@ -45,7 +54,7 @@ pub(super) fn bands(
         }
         Scatter::Simplified { spread } => {
             let images = bands.each_ref().map(|band| &band.image);
-            let (places, channels) = channels(frame, spread, images, steps, cache);
+            let (places, channels) = channels(frame, (spread, None), images, steps, cache);
             for (c, gathered) in places.into_iter().zip(gather_channels(channels, cache)) {
                 let Band { image, forward, .. } = &mut bands[c];
                 let attenuated = std::mem::replace(image, gathered);
@@ -55,6 +64,39 @@ pub(super) fn bands(
         }
     }
     bands
+}
+
+/// Forward scatter behind gates, in the channels whose step is interpolated.
+fn gated(
+    frame: &Frame<'_>,
+    layering: &Layering,
+    radiance: &Rgb<f32>,
+    steps: [&ScatterStep; 3],
+    bands: &mut [Band<f32>; 3],
+    cache: &mut KernelCache,
+) {
+    let sources = (0..3).filter_map(|channel| match steps[channel] {
+        ScatterStep::Interpolated(nodes) => Some(Source {
+            channel,
+            radiance: &radiance.planes()[channel],
+            nodes,
+        }),
+        ScatterStep::Skip | ScatterStep::Pointwise | ScatterStep::Reference => None,
+    });
+    let sources: Vec<_> = sources.collect();
+    let nearest = layering.cuts_m[0];
+    let arriving = gated_channels(frame.range, &sources, frame.water, layering, cache);
+    for (source, arriving) in sources.iter().zip(arriving) {
+        let Band { direct, forward, .. } = &mut bands[source.channel];
+        let light = std::mem::replace(forward, arriving);
+        cache.buffers.give([light.into_data()]);
+        // The direct light of the nearest layer was never among what arrives, that of all others is.
+        let pixels = forward.data_mut().iter_mut().zip(direct.data());
+        for ((forward, direct), &z) in pixels.zip(frame.range.data()) {
+            let is_behind = f64::from(z) > nearest;
+            *forward = (*forward - if is_behind { *direct } else { 0.0 }).max(0.0);
+        }
+    }
 }
 
 /// What attenuation leaves, the veil, and the light that is to be spread.
@@ -110,7 +152,7 @@ fn attenuated(
 /// The channels whose step is interpolated, each with its kernels. None where a frame of holes has no kernel scale at all.
 fn channels<'a>(
     frame: &Frame<'_>,
-    spread: &Spread,
+    (spread, tail): (&Spread, Option<&Tail>),
     light: [&Plane<f32>; 3],
     steps: [&'a ScatterStep; 3],
     cache: &mut KernelCache,
@@ -123,7 +165,18 @@ fn channels<'a>(
         let mut gamma = empty(frame.range, cache);
         vectorized!(scales(frame.range, *spread, c, farthest, gamma.data_mut()));
         places.push(c);
-        channels.push(forward_scatter::Channel::new(light, &gamma, nodes, cache));
+        let channel = forward_scatter::Channel::new(light, &gamma, nodes, cache);
+        channels.push(match tail {
+            Some(tail) => {
+                let mut share = empty(frame.range, cache);
+                vectorized!(scales(frame.range, tail.spread, c, farthest, gamma.data_mut()));
+                vectorized!(wide_shares(frame.range, *tail, c, farthest, share.data_mut()));
+                let channel = channel.with_wide(&gamma, &share, cache);
+                cache.buffers.give([share.into_data()]);
+                channel
+            }
+            None => channel,
+        });
         cache.buffers.give([gamma.into_data()]);
     }
     (places, channels)
@@ -136,6 +189,15 @@ fn scales(range: &Plane<f32>, spread: Spread, channel: usize, farthest: f32, gam
         let (valid, z) = masked(z);
         let meters = if valid { z } else { farthest };
         *gamma = spread.gamma(channel, f64::from(meters), widest) as f32;
+    }
+}
+
+#[inline(always)]
+fn wide_shares(range: &Plane<f32>, tail: Tail, channel: usize, farthest: f32, shares: &mut [f32]) {
+    for (share, &z) in shares.iter_mut().zip(range.data()) {
+        let (valid, z) = masked(z);
+        let meters = if valid { z } else { farthest };
+        *share = tail.share_at(channel, f64::from(meters)) as f32;
     }
 }
 

@@ -3,8 +3,10 @@
 use imaging::{Plane, Rgb};
 use spec::ScatterSource;
 
+use super::gated_reference::Gated;
 use super::{Band, ChainError, Layers, check, filled, layers};
 use crate::forward_scatter::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference, widest_px};
+use crate::layering::Layering;
 use crate::range::is_hole;
 use crate::water::{Scatter, Spread, Water};
 
@@ -20,13 +22,25 @@ pub fn water(radiance: &Rgb<f64>, range: &Plane<f64>, water: &Water) -> Result<L
     }
     let holes = check::holes(range, water.holes)?;
     let range = filled(range, water.holes);
+    let layering = match water.scatter {
+        Scatter::Jaffe {
+            layers: Some(most), ..
+        } => Layering::find(&range, most),
+        _ => None,
+    };
     Ok(layers(
-        [0, 1, 2].map(|channel| band(&radiance.planes()[channel], &range, water, channel)),
+        [0, 1, 2].map(|channel| band(&radiance.planes()[channel], &range, water, channel, layering.as_ref())),
         holes,
     ))
 }
 
-fn band(radiance: &Plane<f64>, range: &Plane<f64>, water: &Water, channel: usize) -> Band<f64> {
+fn band(
+    radiance: &Plane<f64>,
+    range: &Plane<f64>,
+    water: &Water,
+    channel: usize,
+    layering: Option<&Layering>,
+) -> Band<f64> {
     let c = water.direct_attenuation[channel];
     let c_back = water.backscatter_attenuation[channel];
     let veil_light = water.veiling_light[channel];
@@ -37,8 +51,35 @@ fn band(radiance: &Plane<f64>, range: &Plane<f64>, water: &Water, channel: usize
         veil_light * z.map_or(1.0 - at_end(c_back), |z| -(-c_back * z).exp_m1())
     });
     let attenuated = zipped(&direct, &veil, |d, b| d + b);
-    match (&water.scatter, farthest(range)) {
-        (Scatter::Jaffe { g, source, spread }, Some(farthest)) => {
+    match (&water.scatter, farthest(range), layering) {
+        (Scatter::Jaffe { .. }, Some(_), Some(layering)) => {
+            let gated = Gated {
+                water,
+                channel,
+                layering,
+                range,
+                lit: &lit,
+            };
+            let forward = zipped(&gated.arriving(), &direct, |arriving, d| (arriving - d).max(0.0));
+            let image = zipped(&attenuated, &forward, |i, f| i + f);
+            Band {
+                direct,
+                forward,
+                veil,
+                image,
+            }
+        }
+        (
+            Scatter::Jaffe {
+                g,
+                source,
+                spread,
+                tail,
+                ..
+            },
+            Some(farthest),
+            _,
+        ) => {
             let g = g[channel].min(c);
             let source = if *source == ScatterSource::Direct {
                 &direct
@@ -48,7 +89,16 @@ fn band(radiance: &Plane<f64>, range: &Plane<f64>, water: &Water, channel: usize
             let light = with_range(source, range, |l, z| {
                 l * z.map_or(0.0, |z| (-g * z).exp() * -(-(c - g) * z).exp_m1())
             });
-            let forward = scatter_reference(&light, &gamma(range, spread, channel, farthest));
+            let share = |z: Option<f64>| {
+                tail.map_or(0.0, |tail| tail.share_at(channel, z.unwrap_or(farthest)))
+            };
+            let narrow = with_range(&light, range, |u, z| u * (1.0 - share(z)));
+            let mut forward = scatter_reference(&narrow, &gamma(range, spread, channel, farthest));
+            if let Some(tail) = tail {
+                let wide = with_range(&light, range, |u, z| u * share(z));
+                let wide = scatter_reference(&wide, &gamma(range, &tail.spread, channel, farthest));
+                forward = zipped(&forward, &wide, |narrow, wide| narrow + wide);
+            }
             let image = zipped(&attenuated, &forward, |i, f| i + f);
             Band {
                 direct,
@@ -57,7 +107,7 @@ fn band(radiance: &Plane<f64>, range: &Plane<f64>, water: &Water, channel: usize
                 image,
             }
         }
-        (Scatter::Simplified { spread }, Some(farthest)) => {
+        (Scatter::Simplified { spread }, Some(farthest), _) => {
             let image = gather_reference(&attenuated, &gamma(range, spread, channel, farthest));
             let forward = zipped(&image, &attenuated, |i, a| i - a);
             Band {

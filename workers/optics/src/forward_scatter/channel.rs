@@ -17,7 +17,15 @@ pub(crate) struct Channel<'a> {
     basis: Basis,
     pub(super) light: Vec<f32>,
     located: Vec<f32>,
+    wide: Option<Wide>,
     size: (usize, usize),
+}
+
+/// The second, wider kernel of each pixel.
+struct Wide {
+    located: Vec<f32>,
+    /// Share of the light that it takes.
+    share: Vec<f32>,
 }
 
 impl<'a> Channel<'a> {
@@ -32,25 +40,67 @@ impl<'a> Channel<'a> {
         nodes: &'a Nodes,
         cache: &mut KernelCache,
     ) -> Self {
-        assert_eq!(
-            light.size(),
-            gamma.size(),
-            "light and kernel scale belong to one frame"
-        );
-        let (basis, (width, height)) = (Basis::new(nodes), light.size());
-        let folding = Folding::new(width, height);
-        let [light, mut located] = [light, gamma].map(|plane| {
-            let mut folded = cache.buffers.take(plane.data().len());
-            folding.fold(plane.data(), &mut folded);
-            folded
-        });
-        vectorized!(basis.locate(&mut located));
+        let size = light.size();
+        assert_eq!(size, gamma.size(), "light and kernel scale belong to one frame");
+        let [light, gamma] = [light, gamma].map(|plane| folded(plane, cache));
+        Self::folded(light, gamma, nodes, size)
+    }
+
+    /// The same, given both in folded order.
+    pub(super) fn folded(light: Vec<f32>, mut gamma: Vec<f32>, nodes: &'a Nodes, size: (usize, usize)) -> Self {
+        let basis = Basis::new(nodes);
+        vectorized!(basis.locate(&mut gamma));
         Self {
             nodes,
             basis,
             light,
-            located,
-            size: (width, height),
+            located: gamma,
+            wide: None,
+            size,
+        }
+    }
+
+    /// The same with a wider kernel in each pixel that takes a share of its light.
+    #[must_use]
+    pub(crate) fn with_wide(self, gamma: &Plane<f32>, share: &Plane<f32>, cache: &mut KernelCache) -> Self {
+        let [gamma, share] = [gamma, share].map(|plane| folded(plane, cache));
+        self.with_wide_folded(gamma, share)
+    }
+
+    /// The same, given both in folded order.
+    #[must_use]
+    pub(super) fn with_wide_folded(self, mut gamma: Vec<f32>, share: Vec<f32>) -> Self {
+        vectorized!(self.basis.locate(&mut gamma));
+        let wide = Some(Wide { located: gamma, share });
+        Self { wide, ..self }
+    }
+
+    /// l_k of at most [`BLOCK`] pixels from `start` on.
+    #[inline(always)]
+    fn shares(&self, k: usize, start: usize, shares: &mut [f32]) {
+        let pixels = start..start + shares.len();
+        self.basis.shares(k, &self.located[pixels.clone()], shares);
+        if let Some(wide) = &self.wide {
+            let mut others = [0.0; BLOCK];
+            let others = &mut others[..shares.len()];
+            self.basis.shares(k, &wide.located[pixels.clone()], others);
+            mix(shares, others, &wide.share[pixels]);
+        }
+    }
+
+    /// l_k and l_{k+1} of the same pixels.
+    #[inline(always)]
+    fn pair_of_shares(&self, k: usize, start: usize, first: &mut [f32], second: &mut [f32]) {
+        let pixels = start..start + first.len();
+        self.basis
+            .pair_of_shares(k, &self.located[pixels.clone()], first, second);
+        if let Some(wide) = &self.wide {
+            let (mut one, mut other) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let (one, other) = (&mut one[..first.len()], &mut other[..first.len()]);
+            self.basis
+                .pair_of_shares(k, &wide.located[pixels.clone()], one, other);
+            mix(first, one, &wide.share[pixels.clone()]);
+            mix(second, other, &wide.share[pixels]);
         }
     }
 
@@ -62,8 +112,24 @@ impl<'a> Channel<'a> {
         self.nodes.terms()
     }
 
-    pub(super) fn into_buffers(self) -> [Vec<f32>; 2] {
-        [self.light, self.located]
+    pub(super) fn into_buffers(self) -> impl Iterator<Item = Vec<f32>> {
+        let wide = self.wide.map(|wide| [wide.located, wide.share]);
+        [self.light, self.located].into_iter().chain(wide.into_iter().flatten())
+    }
+}
+
+/// A plane in the order of the transform.
+pub(super) fn folded(plane: &Plane<f32>, cache: &mut KernelCache) -> Vec<f32> {
+    let mut folded = cache.buffers.take(plane.data().len());
+    Folding::new(plane.width(), plane.height()).fold(plane.data(), &mut folded);
+    folded
+}
+
+/// `(1 − m) a + m b` in place of a.
+#[inline(always)]
+fn mix(a: &mut [f32], b: &[f32], m: &[f32]) {
+    for (a, (&b, &m)) in a.iter_mut().zip(b.iter().zip(m)) {
+        *a += m * (b - *a);
     }
 }
 
@@ -128,18 +194,17 @@ impl Pair {
         [first, second]: &mut [[f32; BLOCK]; 2],
     ) {
         let (first, second) = (&mut first[..count], &mut second[..count]);
-        let located = |term: Term| &channels[term.channel].located[start..][..count];
-        let (Term { channel, k }, basis) = (self.first, &channels[self.first.channel].basis);
+        let (one, k) = (&channels[self.first.channel], self.first.k);
         match self.second {
-            Some(other) if other.channel == channel => basis.pair_of_shares(k, located(other), first, second),
+            Some(other) if other.channel == self.first.channel => {
+                one.pair_of_shares(k, start, first, second);
+            }
             Some(other) => {
-                basis.shares(k, located(self.first), first);
-                channels[other.channel]
-                    .basis
-                    .shares(other.k, located(other), second);
+                one.shares(k, start, first);
+                channels[other.channel].shares(other.k, start, second);
             }
             None => {
-                basis.shares(k, located(self.first), first);
+                one.shares(k, start, first);
                 second.fill(0.0);
             }
         }

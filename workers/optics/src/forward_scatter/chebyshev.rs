@@ -47,15 +47,32 @@ pub fn gather(image: &Plane<f32>, gamma: &Plane<f32>, nodes: &Nodes, cache: &mut
 
 /// Spreads the light of several channels of one size.
 pub(crate) fn scatter_channels(channels: Vec<Channel<'_>>, cache: &mut KernelCache) -> Vec<Plane<f32>> {
-    let Some(size @ (width, height)) = channels.first().map(Channel::size) else {
+    let Some(size) = channels.first().map(Channel::size) else {
         return Vec::new();
     };
     let mut sums = zeros(channels.len(), size, cache);
+    accumulate(&channels, size, &mut sums, cache);
+    cache
+        .buffers
+        .give(channels.into_iter().flat_map(Channel::into_buffers));
+    let planes = back(&sums, size, cache);
+    cache.buffers.give(sums);
+    planes
+}
+
+/// Adds the spread light of each channel to its spectrum.
+pub(super) fn accumulate(
+    channels: &[Channel<'_>],
+    size: (usize, usize),
+    sums: &mut [Vec<f32>],
+    cache: &mut KernelCache,
+) {
+    let (width, height) = size;
     for pair in pairs(channels.iter().map(Channel::terms)) {
-        let [first, second] = pair.transfers(&channels, cache);
+        let [first, second] = pair.transfers(channels, cache);
         cache.transform(size).forward(
             |place, row| {
-                vectorized!(split(&channels, pair, line(place, width), row));
+                vectorized!(split(channels, pair, line(place, width), row));
             },
             first.columns().max(second.columns()),
             |p, column| {
@@ -76,12 +93,6 @@ pub(crate) fn scatter_channels(channels: Vec<Channel<'_>>, cache: &mut KernelCac
             },
         );
     }
-    cache
-        .buffers
-        .give(channels.into_iter().flat_map(Channel::into_buffers));
-    let planes = back(&sums, size, cache);
-    cache.buffers.give(sums);
-    planes
 }
 
 /// Collects the images of several channels of one size.
@@ -244,7 +255,7 @@ fn spectra(channels: &[Channel<'_>], size: (usize, usize), cache: &mut KernelCac
 }
 
 /// The planes of some spectra.
-fn back(spectra: &[Vec<f32>], size: (usize, usize), cache: &mut KernelCache) -> Vec<Plane<f32>> {
+pub(super) fn back(spectra: &[Vec<f32>], size: (usize, usize), cache: &mut KernelCache) -> Vec<Plane<f32>> {
     let (width, height) = size;
     let folding = Folding::new(width, height);
     let mut planes = Vec::new();
@@ -293,7 +304,7 @@ fn unfolded(folded: &[f32], (width, height): (usize, usize), cache: &mut KernelC
 }
 
 /// Planes of nothing.
-fn zeros(count: usize, (width, height): (usize, usize), cache: &mut KernelCache) -> Vec<Vec<f32>> {
+pub(super) fn zeros(count: usize, (width, height): (usize, usize), cache: &mut KernelCache) -> Vec<Vec<f32>> {
     let zeros = |_| {
         let mut zeros = cache.buffers.take(width * height);
         zeros.fill(0.0);
@@ -302,6 +313,6 @@ fn zeros(count: usize, (width, height): (usize, usize), cache: &mut KernelCache)
     (0..count).map(zeros).collect()
 }
 
-fn line(index: usize, length: usize) -> Range<usize> {
+pub(super) fn line(index: usize, length: usize) -> Range<usize> {
     index * length..(index + 1) * length
 }

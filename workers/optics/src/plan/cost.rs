@@ -13,6 +13,8 @@ const ATTENUATION_NS: f64 = 1.5;
 /// Each channel that is transformed, and each of its kernels.
 const CHANNEL_NS: f64 = 7.8;
 const KERNEL_NS: f64 = 1.87;
+/// Each gate of a channel, with what is filled in behind it.
+const GATE_NS: f64 = 10.0;
 const PATH_NS: f64 = 5.3;
 /// Normals and light of each lamp on surfaces, and its glow; the same in patches of turbidity on top.
 const SURFACE_NS: f64 = 6.6;
@@ -83,9 +85,14 @@ impl Plan {
             Form::Fast => ns * pixels,
             Form::Reference => UNKNOWN,
         };
+        let layering = self.gates.as_ref().and_then(|gates| gates.form.layering());
+        let layers = layering.map_or(1.0, |layering| layering.count() as f64);
+        let gates = GATE_NS * pixels * (layers - 1.0);
         let [red, green, blue] = self.scatter.each_ref().map(|stage| match &stage.form {
             ScatterStep::Skip | ScatterStep::Pointwise => 0.0,
-            ScatterStep::Interpolated(nodes) => (CHANNEL_NS + KERNEL_NS * nodes.terms() as f64) * pixels,
+            ScatterStep::Interpolated(nodes) => {
+                (CHANNEL_NS + KERNEL_NS * nodes.terms() as f64) * pixels * layers + gates
+            }
             ScatterStep::Reference => UNKNOWN,
         });
         let ns = [

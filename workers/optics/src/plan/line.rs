@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{Form, Plan, ScatterStep, Stage, StyleStep};
+use super::{Form, GateStep, Plan, ScatterStep, Stage, StyleStep};
+use crate::layering::Layering;
 
 /// One line of a plan. What is not known of a stage is left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -62,6 +63,10 @@ impl Plan {
                 line.note = Some("expected pixels times contrast are within its share".to_owned());
             }
         }
+        if let Some(gates) = &self.gates {
+            let after = lines.iter().position(|line| line.stage == "attenuation");
+            lines.insert(after.map_or(0, |at| at + 1), occlusion(gates));
+        }
         self.explain(&mut lines);
         lines
     }
@@ -105,6 +110,27 @@ fn scatter(stage: &'static str, step: &Stage<ScatterStep>) -> Line {
     Line {
         terms: step.form.terms(),
         ..with_errors(stage, variant, step)
+    }
+}
+
+fn occlusion(step: &Stage<GateStep>) -> Line {
+    let (variant, note) = match &step.form {
+        GateStep::Skip if step.bound.is_some() => ("skip", "the light that gates would stop is within its share".to_owned()),
+        GateStep::Skip => ("skip", "nothing hides anything".to_owned()),
+        GateStep::Reference => ("reference", String::new()),
+        GateStep::Gated(layering) => {
+            let gates: Vec<String> = layering.gates_m.iter().map(|gate| format!("{gate:.3} m")).collect();
+            let gates = gates.join(", ");
+            let note = format!(
+                "gates at {gates}; what leaks over near objects is within 0.92 to 1.27 of Monte Carlo with two kernels up to b Z = 4"
+            );
+            ("gated", note)
+        }
+    };
+    Line {
+        terms: step.form.layering().map(Layering::count),
+        note: Some(note).filter(|note| !note.is_empty()),
+        ..with_errors("occlusion", variant, step)
     }
 }
 

@@ -2,9 +2,10 @@
 
 use spec::ScatterSource;
 
-use super::{Fidelity, ScatterStep, SceneStats};
+use super::{Fidelity, ScatterStep, SceneStats, gates};
 use crate::forward_scatter::{Bound, Nodes, ScaleLight, place, scale_at, widest_px};
 use crate::kernel;
+use crate::layering::Layering;
 use crate::water::{Scatter, Spread, Water};
 
 /// A form and the error that it may make, where it was chosen by one.
@@ -22,17 +23,31 @@ pub const MOST_TERMS: usize = 64;
 /// Spans of scales are widened to multiples of this in s, so that similar frames share their kernels.
 const SPAN_STEP: f64 = 1.0 / 16.0;
 
-pub(super) fn choose(
-    stats: &SceneStats,
-    water: &Water,
-    channel: usize,
-    fidelity: Fidelity,
-    share: f64,
-) -> Chosen {
+/// One channel of a frame whose form is to be chosen.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub(super) stats: &'a SceneStats,
+    pub(super) water: &'a Water,
+    pub(super) channel: usize,
+    /// Layers behind gates, where the frame has some.
+    pub(super) layering: Option<&'a Layering>,
+}
+
+pub(super) fn choose(asked: &Asked<'_>, fidelity: Fidelity, share: f64) -> Chosen {
+    let Asked {
+        stats,
+        water,
+        channel,
+        layering,
+    } = *asked;
     if fidelity == Fidelity::REFERENCE && water.scatter != Scatter::None {
         return (ScatterStep::Reference, None);
     }
-    let Some(light) = SpreadLight::measure(stats, water, channel) else {
+    let light = match layering {
+        Some(layering) => SpreadLight::behind_gates(stats, water, channel, layering),
+        None => SpreadLight::measure(stats, water, channel),
+    };
+    let Some(light) = light else {
         return (ScatterStep::Skip, None);
     };
     let (least, most) = light.span;
@@ -47,14 +62,19 @@ pub(super) fn choose(
         return (step, None);
     }
     let few = |terms: usize| {
+        let kernels = 1 + usize::from(light.tail.is_some());
         let distinct = stats
             .distinct_m
             .as_ref()
-            .filter(|distinct| distinct.len() <= terms)?;
-        let scale = |&meters: &f32| light.spread.gamma(channel, f64::from(meters), stats.widest_px);
-        Some(ScatterStep::Interpolated(Nodes::exact(
-            distinct.iter().map(scale),
-        )))
+            .filter(|distinct| kernels * distinct.len() <= terms)
+            // What is filled in behind something lies between the ranges of its layer, if there are several.
+            .filter(|distinct| layering.is_none_or(|layering| is_one_each(distinct, layering)))?;
+        let spreads = std::iter::once(light.spread).chain(light.tail);
+        let scales = spreads.flat_map(|spread| {
+            let scale = move |&meters: &f32| spread.gamma(channel, f64::from(meters), stats.widest_px);
+            distinct.iter().map(scale)
+        });
+        Some(ScatterStep::Interpolated(Nodes::exact(scales)))
     };
     match fidelity {
         Fidelity::Terms(terms) => {
@@ -62,7 +82,9 @@ pub(super) fn choose(
             (few(terms).unwrap_or_else(nodes), None)
         }
         _ => {
-            let (step, bound) = within(&light, share);
+            let amplified = layering.map_or(1.0, |layering| amplification(water, channel, layering));
+            let (step, bound) = within(&light, share / amplified);
+            let bound = bound * amplified;
             let terms = match &step {
                 ScatterStep::Interpolated(nodes) => nodes.terms(),
                 _ => return (step, Some(bound)),
@@ -70,6 +92,30 @@ pub(super) fn choose(
             few(terms).map_or((step, Some(bound)), |exact| (exact, Some(0.0)))
         }
     }
+}
+
+/// Whether each layer has a single range.
+fn is_one_each(distinct: &[f32], layering: &Layering) -> bool {
+    let count = |layer: usize| {
+        let own = distinct.iter().filter(|&&z| layering.layer_of(f64::from(z)) == layer);
+        own.count()
+    };
+    (0..layering.count()).all(|layer| count(layer) <= 1)
+}
+
+/// How much the errors of all layers together can be of the error of one. At a gate light is divided by the response of the way
+/// to it, which amplifies the highest frequencies by `e^{(c−G) Z}` at most, and then goes the way again.
+fn amplification(water: &Water, channel: usize, layering: &Layering) -> f64 {
+    let Scatter::Jaffe { g, .. } = water.scatter else {
+        return 1.0;
+    };
+    let excess = (water.direct_attenuation[channel] - g[channel]).max(0.0);
+    let (mut sum, mut amplified) = (1.0, 1.0);
+    for gate_m in &layering.gates_m {
+        amplified *= (excess * gate_m).exp();
+        sum += amplified;
+    }
+    sum
 }
 
 /// The cheapest form with an error of at most `share`, and its bound.
@@ -140,6 +186,8 @@ struct SpreadLight {
     /// Kernel scales of bins of range with the largest light of each.
     bins: Vec<((f64, f64), f64)>,
     spread: Spread,
+    /// The wider of two kernels.
+    tail: Option<Spread>,
     gathers: bool,
 }
 
@@ -158,11 +206,20 @@ impl SpreadLight {
                     span: (gamma(nearest), gamma(farthest)),
                     bins: vec![((gamma(nearest), gamma(farthest)), high - low)],
                     spread,
+                    tail: None,
                     gathers: true,
                 })
             }
-            Scatter::Jaffe { g, source, spread } => {
+            Scatter::Jaffe {
+                g,
+                source,
+                spread,
+                tail,
+                ..
+            } => {
+                let tail = tail.map(|tail| tail.spread);
                 let gamma = |meters: f64| spread.gamma(channel, meters, stats.widest_px);
+                let widest = |meters: f64| tail.unwrap_or(spread).gamma(channel, meters, stats.widest_px);
                 let (nearest, farthest) = stats.lit_m[channel]?;
                 let c = water.direct_attenuation[channel];
                 let bins = stats.bins.iter().filter_map(|bin| {
@@ -175,9 +232,9 @@ impl SpreadLight {
                     };
                     let light =
                         radiance * arriving * largest_share(g[channel].min(c), c, near, far.max(near));
-                    (near <= far && light > 0.0).then_some(((gamma(near), gamma(far)), light))
+                    (near <= far && light > 0.0).then_some(((near, far), light))
                 });
-                let bins: Vec<_> = bins.collect();
+                let bins = scaled(bins, channel, stats, (spread, tail));
                 let brightest = bins.iter().map(|(_, light)| *light).reduce(f64::max)?;
                 let one_range = !stats.holes && stats.range_m.is_some_and(|(near, far)| is_point(near, far));
                 let dark = f64::from(stats.darkest[channel])
@@ -189,13 +246,47 @@ impl SpreadLight {
                     } else {
                         brightest
                     },
-                    span: (gamma(nearest), gamma(farthest)),
+                    span: (gamma(nearest), widest(farthest)),
                     bins,
                     spread,
+                    tail,
                     gathers: false,
                 })
             }
         }
+    }
+
+    /// The same of layers behind gates: what is hidden takes ranges and light of its layer, in any combination.
+    fn behind_gates(stats: &SceneStats, water: &Water, channel: usize, layering: &Layering) -> Option<Self> {
+        let Scatter::Jaffe { g, spread, tail, .. } = water.scatter else {
+            return None;
+        };
+        let (nearest, farthest) = stats.range_m?;
+        let c = water.direct_attenuation[channel];
+        let layers = (0..layering.count()).flat_map(|layer| {
+            let span = layering.span(layer, (nearest, farthest));
+            let light = gates::brightest(stats, water, channel, span);
+            parts(span).map(move |(near, far)| {
+                let share = largest_share(g[channel].min(c), c, near, far);
+                ((near, far), light * share)
+            })
+        });
+        let lit = layers.filter(|(_, light)| *light > 0.0);
+        let tail = tail.map(|tail| tail.spread);
+        let bins = scaled(lit, channel, stats, (spread, tail));
+        let brightest = bins.iter().map(|(_, light)| *light).reduce(f64::max)?;
+        Some(Self {
+            brightest,
+            unevenness: brightest,
+            span: (
+                spread.gamma(channel, nearest, stats.widest_px),
+                tail.unwrap_or(spread).gamma(channel, farthest, stats.widest_px),
+            ),
+            bins,
+            spread,
+            tail,
+            gathers: false,
+        })
     }
 
     /// Scales evenly spaced in s, each with the largest light of the bins that touch its surroundings.
@@ -224,8 +315,33 @@ impl SpreadLight {
     }
 }
 
+/// The kernel scales of lit ranges, of both kernels where there are two: either may take all of the light.
+fn scaled(
+    lit: impl Iterator<Item = ((f64, f64), f64)>,
+    channel: usize,
+    stats: &SceneStats,
+    (spread, tail): (Spread, Option<Spread>),
+) -> Vec<((f64, f64), f64)> {
+    let of = |spread: Spread, (near, far): (f64, f64)| {
+        let gamma = |meters: f64| spread.gamma(channel, meters, stats.widest_px);
+        (gamma(near), gamma(far))
+    };
+    let kernels = lit.flat_map(|(span, light)| {
+        let wide = tail.map(|tail| (of(tail, span), light));
+        std::iter::once((of(spread, span), light)).chain(wide)
+    });
+    kernels.collect()
+}
+
+/// A span of ranges in parts of equal ratio.
+fn parts((near, far): (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
+    const PARTS: i32 = 16;
+    let ratio = (far / near).max(1.0).powf(1.0 / f64::from(PARTS));
+    (0..PARTS).map(move |part| (near * ratio.powi(part), near * ratio.powi(part + 1)))
+}
+
 /// The largest `e^{−GZ} − e^{−cZ}` between two ranges: it rises to its peak at `ln(c/G)/(c − G)` and then falls.
-fn largest_share(g: f64, c: f64, nearest_m: f64, farthest_m: f64) -> f64 {
+pub(super) fn largest_share(g: f64, c: f64, nearest_m: f64, farthest_m: f64) -> f64 {
     let peak = if g > 0.0 && c > g {
         (c / g).ln() / (c - g)
     } else {

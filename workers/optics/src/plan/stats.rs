@@ -5,8 +5,10 @@ use spec::{HoleRule, ScatterSource};
 
 use super::bins;
 use crate::attenuation::OPAQUE;
+use crate::chain::filled as filled_range;
 use crate::extremes::{brightest, greatest, least};
 use crate::forward_scatter::widest_px;
+use crate::layering::Layering;
 use crate::range::{bounds, is_hole};
 use crate::water::{Scatter, Water};
 
@@ -39,6 +41,8 @@ pub struct SceneStats {
     pub holes: bool,
     /// The lit ranges, nearest first, with the largest radiance of each channel there.
     pub bins: Vec<RangeBin>,
+    /// What stands before what, where the water asks for gates and something does.
+    pub layering: Option<Layering>,
     /// The widest kernel that the frame's size admits, pixels.
     pub widest_px: f64,
     /// Pixels.
@@ -79,6 +83,12 @@ impl SceneStats {
             lit_m: channels.map(|channel| filled(channel.lit_m)),
             distinct_m: distinct(range.data(), stand_in),
             brightest,
+            layering: match water.scatter {
+                Scatter::Jaffe {
+                    layers: Some(most), ..
+                } => Layering::find(&filled_range(range, water.holes), most),
+                _ => None,
+            },
             widest_px: widest_px(range.width(), range.height()),
             pixels: range.data().len(),
         }
@@ -96,6 +106,7 @@ impl SceneStats {
             darkest: [0.0; 3],
             holes: false,
             bins: Vec::new(),
+            layering: None,
             widest_px: widest_px(width, height),
             pixels: width * height,
         }

@@ -4,15 +4,18 @@
 //! waters up to b Z of about 6. A derived veiling light has the color of daylight at the depth, exp(−K_d h), and by
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
-use spec::{Ambient, ForwardScatter, Multiple, Optics, ScatterModel};
+use spec::{
+    Ambient, ForwardScatter, Multiple, Occlusion, Optics, ScatterModel, ScatterSource, ScatterSpread,
+};
 
-use super::{Scatter, Spread, Water, WaterError};
+use super::{Scatter, Spread, Tail, Water, WaterError, two_kernels};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::preset::{self, Channels, Preset, all_known};
 
 const G_SHARE_OF_SCATTERING: f64 = 0.05;
 const SPREAD_OFFSET_RAD: f64 = 0.009;
 const SPREAD_PER_SCATTERING_RAD: f64 = 0.009;
+const MOST_LAYERS: usize = 3;
 const VEIL_GAIN: f64 = 0.3;
 const VEIL_DEPTH_M: f64 = 5.0;
 
@@ -133,10 +136,22 @@ fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
     };
     match scatter {
         Scatter::None => Scatter::None,
-        Scatter::Jaffe { g, source, spread } => Scatter::Jaffe {
+        Scatter::Jaffe {
+            g,
+            source,
+            spread,
+            tail,
+            layers,
+        } => Scatter::Jaffe {
             g: g.map(|g| g * scale),
             source,
             spread: wider(spread),
+            tail: tail.map(|tail| Tail {
+                spread: wider(tail.spread),
+                share_per_m: tail.share_per_m.map(|m| m * scale),
+                ..tail
+            }),
+            layers,
         },
         Scatter::Simplified { spread } => Scatter::Simplified {
             spread: wider(spread),
@@ -275,6 +290,7 @@ impl Checks {
             ScatterModel::None
         });
         let request = request.unwrap_or(&usual);
+        self.fits_the_model(request);
         match request.model {
             ScatterModel::None => Scatter::None,
             ScatterModel::Simplified => self
@@ -282,14 +298,72 @@ impl Checks {
                 .map_or(Scatter::None, |spread| Scatter::Simplified { spread }),
             ScatterModel::Jaffe => {
                 let g = self.g(request, medium);
-                let spread = self.spread(request, medium);
-                g.zip(spread).map_or(Scatter::None, |(g, spread)| Scatter::Jaffe {
-                    g,
-                    source: request.source,
-                    spread,
-                })
+                let kernels = match request.spread {
+                    Some(ScatterSpread::Two) => self.two_kernels(request, medium),
+                    Some(ScatterSpread::One) | None => {
+                        self.spread(request, medium).map(|spread| (spread, None))
+                    }
+                };
+                let layers = (request.occlusion == Some(Occlusion::Gated))
+                    .then_some(request.layers.unwrap_or(MOST_LAYERS));
+                g.zip(kernels)
+                    .map_or(Scatter::None, |(g, (spread, tail))| Scatter::Jaffe {
+                        g,
+                        source: request.source,
+                        spread,
+                        tail,
+                        layers,
+                    })
             }
         }
+    }
+
+    /// Gates and two kernels belong to the light that `jaffe` spreads from the scene itself.
+    fn fits_the_model(&mut self, request: &ForwardScatter) {
+        let gathers = request.model == ScatterModel::Simplified;
+        let is_direct = request.model == ScatterModel::Jaffe && request.source == ScatterSource::Direct;
+        let is_gated = request.occlusion == Some(Occlusion::Gated);
+        let is_two = request.spread == Some(ScatterSpread::Two);
+        let contradictions = [
+            (
+                is_gated && gathers,
+                "occlusion",
+                "is `gated`, which goes with the model `jaffe`, not with `simplified`",
+            ),
+            (
+                is_gated && is_direct,
+                "occlusion",
+                "is `gated`, which goes with the source `radiance`, not with `direct`",
+            ),
+            (
+                is_two && gathers,
+                "spread",
+                "is `two`, which goes with the model `jaffe`, not with `simplified`",
+            ),
+            (
+                is_two && request.spread_px_per_m.is_some(),
+                "spread_px_per_m",
+                "is given, but the kernels of the spread `two` follow from `law` and b",
+            ),
+            (
+                is_two && request.spread_offset_px.is_some(),
+                "spread_offset_px",
+                "is given, but the kernels of the spread `two` follow from `law` and b",
+            ),
+        ];
+        let wrong = contradictions.into_iter().filter(|(is_wrong, ..)| *is_wrong);
+        self.errors
+            .extend(wrong.map(|(_, field, reason)| WaterError::Contradiction { field, reason }));
+    }
+
+    fn two_kernels(&mut self, request: &ForwardScatter, medium: &Medium) -> Option<(Spread, Option<Tail>)> {
+        let Some(b) = medium.scattering else {
+            self.missing("scattering_per_m", "the two kernels of `spread` follow from it");
+            return None;
+        };
+        self.derived.extend(["spread_px_per_m", "spread_offset_px"]);
+        let (narrow, tail) = two_kernels::kernels(request.law.unwrap_or_default(), b, medium.focal_px);
+        Some((narrow, Some(tail)))
     }
 
     fn g(&mut self, request: &ForwardScatter, medium: &Medium) -> Option<[f64; 3]> {

@@ -38,6 +38,14 @@ pub enum WaterError {
         /// The name.
         name: String,
     },
+    /// Two fields that exclude each other.
+    #[error("{field} {reason}")]
+    Contradiction {
+        /// The field.
+        field: &'static str,
+        /// What it is, and what it does not go with.
+        reason: &'static str,
+    },
     /// A number that is needed is neither given nor derivable.
     #[error("{field} is missing: {reason}")]
     Missing {
@@ -55,6 +63,7 @@ impl WaterError {
         match self {
             Self::Beyond(Beyond { field, .. })
             | Self::MoreThanAttenuation { field, .. }
+            | Self::Contradiction { field, .. }
             | Self::Missing { field, .. } => field,
             Self::Inconsistent { .. } => "beam_attenuation_per_m",
             Self::UnknownPreset { .. } => "preset",

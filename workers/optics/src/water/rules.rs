@@ -1,6 +1,8 @@
 //! The rules of waters as a description's check asks for them.
 
-use spec::{Fault, Optics, Sight, WaterRules};
+use spec::{
+    Fault, ForwardScatter, Occlusion, Optics, ScatterModel, ScatterSpread, Sight, WaterRules,
+};
 
 use super::{Water, WaterError};
 use crate::preset::diffuse_in_disguise;
@@ -32,7 +34,8 @@ fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
 fn fault(error: &WaterError) -> Fault {
     let path = match error.field() {
         field @ ("range_scale" | "depth_m" | "ambient" | "holes" | "multiple") => vec![field],
-        field @ ("model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source") => {
+        field @ ("model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source" | "spread" | "occlusion"
+        | "layers") => {
             vec!["optics", "forward_scatter", field]
         }
         field => vec!["optics", field],
@@ -45,7 +48,18 @@ fn fault(error: &WaterError) -> Fault {
 }
 
 fn warning(optics: &Optics) -> Option<String> {
-    diffuse_warning(optics.beam_attenuation_per_m?, optics.diffuse_attenuation_per_m)
+    let beam = optics.beam_attenuation_per_m;
+    beam.and_then(|beam| diffuse_warning(beam, optics.diffuse_attenuation_per_m))
+        .or_else(|| gate_warning(optics.forward_scatter.as_ref()?))
+}
+
+/// One kernel has too little light in its tail; a gate that stops a part of it leaves too little.
+fn gate_warning(scatter: &ForwardScatter) -> Option<String> {
+    let is_gated = scatter.occlusion == Some(Occlusion::Gated) && scatter.model == ScatterModel::Jaffe;
+    (is_gated && scatter.spread != Some(ScatterSpread::Two)).then(|| {
+        "`water.optics.forward_scatter.occlusion` is `gated` with one kernel, which stops too much light: set `spread` to `two`"
+            .to_owned()
+    })
 }
 
 /// What to say of a beam attenuation that is a K_d, which attenuates daylight and no camera ray: the K_d beside it, or

@@ -81,6 +81,23 @@ impl Case {
         }
     }
 
+    /// Some numbers.
+    pub(crate) fn numbers(&self, key: &str) -> Vec<f64> {
+        let values = self.get(key).and_then(Value::as_array);
+        let values = values.unwrap_or_else(|| panic!("`{key}` is a list"));
+        values.iter().filter_map(Value::as_f64).collect()
+    }
+
+    /// An array of 32-bit integers, which no picture has.
+    pub(crate) fn integers(&self, name: &str) -> Vec<i32> {
+        let bytes = std::fs::read(self.folder.join(format!("{name}.npy"))).expect("a readable array");
+        let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+        let words = bytes[header..].chunks_exact(4);
+        words
+            .map(|word| i32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+            .collect()
+    }
+
     pub(crate) fn get(&self, key: &str) -> Option<&Value> {
         self.parameters.get(key)
     }
