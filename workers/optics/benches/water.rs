@@ -90,7 +90,12 @@ fn water(bench: &mut Criterion) {
         ("three layers", gated(3)),
     ] {
         let water = water_with("jerlov-1C", scatter);
-        stage(&format!("{name} K=8"), water.clone(), &coastal, Fidelity::Terms(8));
+        stage(
+            &format!("{name} K=8"),
+            water.clone(),
+            &coastal,
+            Fidelity::Terms(8),
+        );
         stage(&format!("{name} within 3e-4"), water, &coastal, bounded);
     }
     let simplified = of(ScatterModel::Simplified);

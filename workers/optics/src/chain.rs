@@ -73,7 +73,7 @@ pub fn water(
     let steps = plan.scatter.each_ref().map(|stage| &stage.form);
     let spreads = steps
         .iter()
-        .any(|step| matches!(step, ScatterStep::Interpolated(_)));
+        .any(|step| matches!(step, ScatterStep::Interpolated(_) | ScatterStep::Layered(_)));
     let bounds = spreads.then(|| bounds(range.data(), range.data(), f32::MAX));
     let farthest = bounds.flatten().map(|(_, farthest)| farthest);
     let frame = fast::Frame {

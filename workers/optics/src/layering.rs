@@ -23,6 +23,8 @@ pub struct Layering {
     pub cuts_m: Vec<f64>,
     /// Where the light behind each cut is stopped, meters.
     pub gates_m: Vec<f64>,
+    /// Nearest and farthest range of each layer, meters; none where no pixel is of it.
+    pub spans_m: Vec<Option<(f64, f64)>>,
 }
 
 /// Two neighbors of which one may hide the other, ranges in meters.
@@ -60,8 +62,16 @@ impl Layering {
             edges = left;
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (cuts_m, gates_m) = found.into_iter().unzip();
-        Some(Self { cuts_m, gates_m }).filter(|layering| !layering.cuts_m.is_empty())
+        if found.is_empty() {
+            return None;
+        }
+        let (cuts_m, gates_m): (Vec<f64>, Vec<f64>) = found.into_iter().unzip();
+        let spans_m = spans(range, &cuts_m);
+        Some(Self {
+            cuts_m,
+            gates_m,
+            spans_m,
+        })
     }
 
     /// How many layers.
@@ -78,14 +88,20 @@ impl Layering {
         }
         self.cuts_m.iter().filter(|&&cut| range_m > cut).count()
     }
+}
 
-    /// Nearest and farthest range that a layer can have, of those of the frame.
-    #[must_use]
-    pub fn span(&self, layer: usize, (nearest, farthest): (f64, f64)) -> (f64, f64) {
-        let behind = layer.checked_sub(1).map_or(nearest, |cut| self.cuts_m[cut]);
-        let before = self.cuts_m.get(layer).copied().unwrap_or(farthest);
-        (behind.max(nearest), before.min(farthest))
+/// Nearest and farthest range between the cuts.
+fn spans<T: Copy + Into<f64>>(range: &Plane<T>, cuts: &[f64]) -> Vec<Option<(f64, f64)>> {
+    let mut spans = vec![(f64::INFINITY, 0.0f64); cuts.len() + 1];
+    for &z in range.data() {
+        let z: f64 = z.into();
+        if !is_hole(z) {
+            let span = &mut spans[cuts.iter().filter(|&&cut| z > cut).count()];
+            *span = (span.0.min(z), span.1.max(z));
+        }
     }
+    let known = |span: (f64, f64)| (span.0 <= span.1).then_some(span);
+    spans.into_iter().map(known).collect()
 }
 
 fn edges<T: Copy + Into<f64>>(range: &Plane<T>) -> Vec<Edge> {
@@ -111,7 +127,9 @@ fn edges<T: Copy + Into<f64>>(range: &Plane<T>) -> Vec<Edge> {
 /// Ranges of equal ratio between the nearest and the farthest.
 fn candidates<T: Copy + Into<f64>>(range: &Plane<T>) -> Vec<f64> {
     let valid = range.data().iter().map(|&z| z.into()).filter(|&z| !is_hole(z));
-    let (nearest, farthest) = valid.fold((f64::INFINITY, 0.0f64), |(near, far), z| (near.min(z), far.max(z)));
+    let (nearest, farthest) = valid.fold((f64::INFINITY, 0.0f64), |(near, far), z| {
+        (near.min(z), far.max(z))
+    });
     let share = |q: usize| (q as f64 + 0.5) / CANDIDATES as f64;
     (0..CANDIDATES)
         .map(|q| nearest * (farthest / nearest).powf(share(q)))
@@ -162,7 +180,7 @@ mod tests {
             [1.5, 9.0, f64::NAN, f64::INFINITY].map(|z| layering.layer_of(z)),
             [0, 1, 2, 2]
         );
-        assert_eq!(layering.span(1, (1.5, 9.0)), (layering.cuts_m[0], 9.0));
+        assert_eq!(layering.spans_m, [Some((1.5, 1.5)), Some((9.0, 9.0))]);
     }
 
     #[test]
@@ -183,7 +201,11 @@ mod tests {
             assert_eq!(layering.count(), most);
             assert!(layering.cuts_m.is_sorted() && layering.gates_m.is_sorted());
             let pairs = layering.gates_m.iter().zip(&layering.cuts_m);
-            assert!(pairs.into_iter().all(|(gate, cut)| gate <= cut && *cut < 1.5 * gate));
+            assert!(
+                pairs
+                    .into_iter()
+                    .all(|(gate, cut)| gate <= cut && *cut < 1.5 * gate)
+            );
         }
     }
 }

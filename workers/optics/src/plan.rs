@@ -9,6 +9,7 @@
 mod bins;
 mod cost;
 mod gates;
+mod layered;
 mod levels;
 mod line;
 mod model;
@@ -56,6 +57,9 @@ pub enum ScatterStep {
     Pointwise,
     /// Interpolation between these kernels.
     Interpolated(Nodes),
+    /// The same with two kernels in each path or behind gates: the nodes of each layer, nearest first, of one where there are no
+    /// gates.
+    Layered(Vec<Kernels>),
     /// Every pixel's own kernel, in f64.
     Reference,
 }
@@ -66,8 +70,28 @@ impl ScatterStep {
     pub fn terms(&self) -> Option<usize> {
         match self {
             Self::Interpolated(nodes) => Some(nodes.terms()),
+            Self::Layered(layers) => Some(layers.iter().map(Kernels::terms).sum()),
             Self::Skip | Self::Pointwise | Self::Reference => None,
         }
+    }
+}
+
+/// Kernels of one layer; none where it has no light that they spread.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Kernels {
+    /// Of the only kernel of a path, or the narrow one.
+    pub narrow: Option<Nodes>,
+    /// Of the wide one.
+    pub wide: Option<Nodes>,
+}
+
+impl Kernels {
+    fn terms(&self) -> usize {
+        [&self.narrow, &self.wide]
+            .into_iter()
+            .flatten()
+            .map(Nodes::terms)
+            .sum()
     }
 }
 

@@ -30,6 +30,17 @@ impl Spread {
     pub fn gamma(&self, channel: usize, range_m: f64, widest_px: f64) -> f64 {
         (self.offset_px[channel] + self.per_m[channel] * range_m).min(widest_px)
     }
+
+    /// The same in f32, for kernels that are interpolated whatever the range.
+    #[inline(always)]
+    pub(crate) fn scales(&self, channel: usize, widest_px: f64, range: &[f32], gammas: &mut [f32]) {
+        let (offset, per_m) = (self.offset_px[channel] as f32, self.per_m[channel] as f32);
+        let widest = widest_px as f32;
+        for (gamma, &z) in gammas.iter_mut().zip(range) {
+            let scale = offset + per_m * z;
+            *gamma = if scale < widest { scale } else { widest };
+        }
+    }
 }
 
 /// The wider of two kernels, and the share of the spread light that it takes, `m(Z) = min(1, m₀ + m₁ Z)`.
@@ -48,6 +59,18 @@ impl Tail {
     #[must_use]
     pub fn share_at(&self, channel: usize, range_m: f64) -> f64 {
         (self.share + self.share_per_m[channel] * range_m).min(1.0)
+    }
+
+    /// Divides light between the two kernels.
+    #[inline(always)]
+    pub(crate) fn split(&self, channel: usize, range: &[f32], narrow: &mut [f32], wide: &mut [f32]) {
+        let (at_zero, per_m) = (self.share as f32, self.share_per_m[channel] as f32);
+        for ((narrow, wide), &z) in narrow.iter_mut().zip(wide).zip(range) {
+            let share = at_zero + per_m * z;
+            let share = if share < 1.0 { share } else { 1.0 };
+            *wide = *narrow * share;
+            *narrow *= 1.0 - share;
+        }
     }
 }
 

@@ -183,11 +183,16 @@ const GATE_ROUNDING: f64 = 5.0;
 
 #[test]
 fn two_kernels_and_gates_are_the_reference_within_the_tolerance_in_every_scene() {
-    let failures = sweep(&SCENES, &wide_forms(), &SIZES[..SIZES.len() - 1], |_, radiance| {
-        let cases = within([3e-3, 3e-4, 3e-5].as_slice(), radiance).into_iter();
-        let rounding = |(fidelity, limit)| (fidelity, limit + GATE_ROUNDING * FLOAT);
-        cases.map(rounding).collect()
-    });
+    let failures = sweep(
+        &SCENES,
+        &wide_forms(),
+        &SIZES[..SIZES.len() - 1],
+        |_, radiance| {
+            let cases = within([3e-3, 3e-4, 3e-5].as_slice(), radiance).into_iter();
+            let rounding = |(fidelity, limit)| (fidelity, limit + GATE_ROUNDING * FLOAT);
+            cases.map(rounding).collect()
+        },
+    );
     assert!(failures.is_empty(), "{failures:#?}");
 }
 

@@ -10,7 +10,7 @@ use crate::forward_scatter::{
     self, KernelCache, Source, gated_channels, gather_channels, scatter_channels, widest_px,
 };
 use crate::layering::Layering;
-use crate::plan::ScatterStep;
+use crate::plan::{Kernels, ScatterStep};
 use crate::water::{Scatter, Spread, Tail, Water};
 
 /// What all channels of a frame share.
@@ -40,7 +40,10 @@ pub(super) fn bands(
                 gated(frame, layering, radiance, steps, &mut bands, cache);
             } else {
                 let light = bands.each_ref().map(|band| &band.forward);
-                let (places, channels) = channels(frame, (spread, tail.as_ref()), light, steps, cache);
+                let (places, channels) = match tail {
+                    Some(tail) => channels_of_two(frame, (spread, tail), light, steps, cache),
+                    None => channels(frame, spread, light, steps, cache),
+                };
                 for (c, spread) in places.into_iter().zip(scatter_channels(channels, cache)) {
                     let light = std::mem::replace(&mut bands[c].forward, spread);
                     cache.buffers.give([light.into_data()]);
@@ -54,7 +57,7 @@ pub(super) fn bands(
         }
         Scatter::Simplified { spread } => {
             let images = bands.each_ref().map(|band| &band.image);
-            let (places, channels) = channels(frame, (spread, None), images, steps, cache);
+            let (places, channels) = channels(frame, spread, images, steps, cache);
             for (c, gathered) in places.into_iter().zip(gather_channels(channels, cache)) {
                 let Band { image, forward, .. } = &mut bands[c];
                 let attenuated = std::mem::replace(image, gathered);
@@ -66,7 +69,7 @@ pub(super) fn bands(
     bands
 }
 
-/// Forward scatter behind gates, in the channels whose step is interpolated.
+/// Forward scatter behind gates, in the channels that are layered.
 fn gated(
     frame: &Frame<'_>,
     layering: &Layering,
@@ -76,12 +79,12 @@ fn gated(
     cache: &mut KernelCache,
 ) {
     let sources = (0..3).filter_map(|channel| match steps[channel] {
-        ScatterStep::Interpolated(nodes) => Some(Source {
+        ScatterStep::Layered(kernels) => Some(Source {
             channel,
             radiance: &radiance.planes()[channel],
-            nodes,
+            kernels,
         }),
-        ScatterStep::Skip | ScatterStep::Pointwise | ScatterStep::Reference => None,
+        _ => None,
     });
     let sources: Vec<_> = sources.collect();
     let nearest = layering.cuts_m[0];
@@ -124,7 +127,10 @@ fn attenuated(
     };
     attenuation::attenuate(radiance.data(), range.data(), coefficients, layers);
     match (&water.scatter, step) {
-        (Scatter::Jaffe { g, source, .. }, ScatterStep::Pointwise | ScatterStep::Interpolated(_)) => {
+        (
+            Scatter::Jaffe { g, source, .. },
+            ScatterStep::Pointwise | ScatterStep::Interpolated(_) | ScatterStep::Layered(_),
+        ) => {
             // G may exceed c by the rounding of a derived sum; then nothing is scattered forward.
             let excess = (water.direct_attenuation[channel] - g[channel]).max(0.0) as f32;
             let (source, gain) = match source {
@@ -152,7 +158,7 @@ fn attenuated(
 /// The channels whose step is interpolated, each with its kernels. None where a frame of holes has no kernel scale at all.
 fn channels<'a>(
     frame: &Frame<'_>,
-    (spread, tail): (&Spread, Option<&Tail>),
+    spread: &Spread,
     light: [&Plane<f32>; 3],
     steps: [&'a ScatterStep; 3],
     cache: &mut KernelCache,
@@ -164,22 +170,61 @@ fn channels<'a>(
         };
         let mut gamma = empty(frame.range, cache);
         vectorized!(scales(frame.range, *spread, c, farthest, gamma.data_mut()));
+        channels.push(forward_scatter::Channel::new(light, &gamma, nodes, cache).part_of(places.len()));
         places.push(c);
-        let channel = forward_scatter::Channel::new(light, &gamma, nodes, cache);
-        channels.push(match tail {
-            Some(tail) => {
-                let mut share = empty(frame.range, cache);
-                vectorized!(scales(frame.range, tail.spread, c, farthest, gamma.data_mut()));
-                vectorized!(wide_shares(frame.range, *tail, c, farthest, share.data_mut()));
-                let channel = channel.with_wide(&gamma, &share, cache);
-                cache.buffers.give([share.into_data()]);
-                channel
-            }
-            None => channel,
-        });
         cache.buffers.give([gamma.into_data()]);
     }
     (places, channels)
+}
+
+/// The same for two kernels in each path, each with its part of the light.
+fn channels_of_two<'a>(
+    frame: &Frame<'_>,
+    (narrow, tail): (&Spread, &Tail),
+    light: [&Plane<f32>; 3],
+    steps: [&'a ScatterStep; 3],
+    cache: &mut KernelCache,
+) -> (Vec<usize>, Vec<forward_scatter::Channel<'a>>) {
+    let (mut places, mut channels) = (Vec::new(), Vec::new());
+    for (c, light) in light.into_iter().enumerate() {
+        let ScatterStep::Layered(layers) = steps[c] else {
+            continue;
+        };
+        let Some(Kernels { narrow: near, wide }) = layers.first() else {
+            continue;
+        };
+        let widest = widest_px(frame.range.width(), frame.range.height());
+        let range = finite(frame.range, cache);
+        let [mut own, mut beyond] = [(); 2].map(|()| empty(frame.range, cache));
+        own.data_mut().copy_from_slice(light.data());
+        vectorized!(tail.split(c, range.data(), own.data_mut(), beyond.data_mut()));
+        for (nodes, spread, part) in [(near, narrow, own), (wide, &tail.spread, beyond)] {
+            if let Some(nodes) = nodes {
+                let mut gamma = empty(frame.range, cache);
+                vectorized!(spread.scales(c, widest, range.data(), gamma.data_mut()));
+                let channel = forward_scatter::Channel::new(&part, &gamma, nodes, cache);
+                channels.push(channel.part_of(places.len()));
+                cache.buffers.give([gamma.into_data()]);
+            }
+            cache.buffers.give([part.into_data()]);
+        }
+        cache.buffers.give([range.into_data()]);
+        places.push(c);
+    }
+    (places, channels)
+}
+
+/// The range with 0 at holes, from which no light leaves.
+fn finite(range: &Plane<f32>, cache: &mut KernelCache) -> Plane<f32> {
+    let mut finite = empty(range, cache);
+    let to = finite.data_mut();
+    vectorized!({
+        for (to, &z) in to.iter_mut().zip(range.data()) {
+            let (valid, z) = masked(z);
+            *to = if valid { z } else { 0.0 };
+        }
+    });
+    finite
 }
 
 #[inline(always)]
@@ -189,15 +234,6 @@ fn scales(range: &Plane<f32>, spread: Spread, channel: usize, farthest: f32, gam
         let (valid, z) = masked(z);
         let meters = if valid { z } else { farthest };
         *gamma = spread.gamma(channel, f64::from(meters), widest) as f32;
-    }
-}
-
-#[inline(always)]
-fn wide_shares(range: &Plane<f32>, tail: Tail, channel: usize, farthest: f32, shares: &mut [f32]) {
-    for (share, &z) in shares.iter_mut().zip(range.data()) {
-        let (valid, z) = masked(z);
-        let meters = if valid { z } else { farthest };
-        *share = tail.share_at(channel, f64::from(meters)) as f32;
     }
 }
 

@@ -50,10 +50,16 @@ impl Gated<'_> {
         let own = layers.map(|&of| f64::from(u8::from(of == layer)));
         let known = layers.map(|&of| f64::from(u8::from(of >= layer)));
         let filled = fill(&own, &own, &known);
-        let mask = zip(&filled, &known, |filled, known| if known == 0.0 { filled } else { 0.0 });
+        let mask = zip(
+            &filled,
+            &known,
+            |filled, known| if known == 0.0 { filled } else { 0.0 },
+        );
         let range = self.range.map(|&z| if is_hole(z) { 0.0 } else { z });
         let mine = range.data().iter().zip(own.data()).filter(|(_, own)| **own > 0.0);
-        let (near, far) = mine.fold((f64::INFINITY, 0.0f64), |(near, far), (&z, _)| (near.min(z), far.max(z)));
+        let (near, far) = mine.fold((f64::INFINITY, 0.0f64), |(near, far), (&z, _)| {
+            (near.min(z), far.max(z))
+        });
         Shown {
             mask: zip(&mask, &own, |hidden, own| hidden + own),
             light: fill(self.lit, &own, &own).map(|v| v.max(0.0)),

@@ -29,7 +29,15 @@ pub fn water(radiance: &Rgb<f64>, range: &Plane<f64>, water: &Water) -> Result<L
         _ => None,
     };
     Ok(layers(
-        [0, 1, 2].map(|channel| band(&radiance.planes()[channel], &range, water, channel, layering.as_ref())),
+        [0, 1, 2].map(|channel| {
+            band(
+                &radiance.planes()[channel],
+                &range,
+                water,
+                channel,
+                layering.as_ref(),
+            )
+        }),
         holes,
     ))
 }
@@ -89,9 +97,8 @@ fn band(
             let light = with_range(source, range, |l, z| {
                 l * z.map_or(0.0, |z| (-g * z).exp() * -(-(c - g) * z).exp_m1())
             });
-            let share = |z: Option<f64>| {
-                tail.map_or(0.0, |tail| tail.share_at(channel, z.unwrap_or(farthest)))
-            };
+            let share =
+                |z: Option<f64>| tail.map_or(0.0, |tail| tail.share_at(channel, z.unwrap_or(farthest)));
             let narrow = with_range(&light, range, |u, z| u * (1.0 - share(z)));
             let mut forward = scatter_reference(&narrow, &gamma(range, spread, channel, farthest));
             if let Some(tail) = tail {

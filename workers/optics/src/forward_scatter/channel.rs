@@ -17,15 +17,9 @@ pub(crate) struct Channel<'a> {
     basis: Basis,
     pub(super) light: Vec<f32>,
     located: Vec<f32>,
-    wide: Option<Wide>,
+    /// Which sum it is added to: two channels of one color share one.
+    pub(super) sum: usize,
     size: (usize, usize),
-}
-
-/// The second, wider kernel of each pixel.
-struct Wide {
-    located: Vec<f32>,
-    /// Share of the light that it takes.
-    share: Vec<f32>,
 }
 
 impl<'a> Channel<'a> {
@@ -47,7 +41,12 @@ impl<'a> Channel<'a> {
     }
 
     /// The same, given both in folded order.
-    pub(super) fn folded(light: Vec<f32>, mut gamma: Vec<f32>, nodes: &'a Nodes, size: (usize, usize)) -> Self {
+    pub(super) fn folded(
+        light: Vec<f32>,
+        mut gamma: Vec<f32>,
+        nodes: &'a Nodes,
+        size: (usize, usize),
+    ) -> Self {
         let basis = Basis::new(nodes);
         vectorized!(basis.locate(&mut gamma));
         Self {
@@ -55,53 +54,15 @@ impl<'a> Channel<'a> {
             basis,
             light,
             located: gamma,
-            wide: None,
+            sum: 0,
             size,
         }
     }
 
-    /// The same with a wider kernel in each pixel that takes a share of its light.
+    /// The same as a part of sum number `sum`.
     #[must_use]
-    pub(crate) fn with_wide(self, gamma: &Plane<f32>, share: &Plane<f32>, cache: &mut KernelCache) -> Self {
-        let [gamma, share] = [gamma, share].map(|plane| folded(plane, cache));
-        self.with_wide_folded(gamma, share)
-    }
-
-    /// The same, given both in folded order.
-    #[must_use]
-    pub(super) fn with_wide_folded(self, mut gamma: Vec<f32>, share: Vec<f32>) -> Self {
-        vectorized!(self.basis.locate(&mut gamma));
-        let wide = Some(Wide { located: gamma, share });
-        Self { wide, ..self }
-    }
-
-    /// l_k of at most [`BLOCK`] pixels from `start` on.
-    #[inline(always)]
-    fn shares(&self, k: usize, start: usize, shares: &mut [f32]) {
-        let pixels = start..start + shares.len();
-        self.basis.shares(k, &self.located[pixels.clone()], shares);
-        if let Some(wide) = &self.wide {
-            let mut others = [0.0; BLOCK];
-            let others = &mut others[..shares.len()];
-            self.basis.shares(k, &wide.located[pixels.clone()], others);
-            mix(shares, others, &wide.share[pixels]);
-        }
-    }
-
-    /// l_k and l_{k+1} of the same pixels.
-    #[inline(always)]
-    fn pair_of_shares(&self, k: usize, start: usize, first: &mut [f32], second: &mut [f32]) {
-        let pixels = start..start + first.len();
-        self.basis
-            .pair_of_shares(k, &self.located[pixels.clone()], first, second);
-        if let Some(wide) = &self.wide {
-            let (mut one, mut other) = ([0.0; BLOCK], [0.0; BLOCK]);
-            let (one, other) = (&mut one[..first.len()], &mut other[..first.len()]);
-            self.basis
-                .pair_of_shares(k, &wide.located[pixels.clone()], one, other);
-            mix(first, one, &wide.share[pixels.clone()]);
-            mix(second, other, &wide.share[pixels]);
-        }
+    pub(crate) fn part_of(self, sum: usize) -> Self {
+        Self { sum, ..self }
     }
 
     pub(super) fn size(&self) -> (usize, usize) {
@@ -112,9 +73,8 @@ impl<'a> Channel<'a> {
         self.nodes.terms()
     }
 
-    pub(super) fn into_buffers(self) -> impl Iterator<Item = Vec<f32>> {
-        let wide = self.wide.map(|wide| [wide.located, wide.share]);
-        [self.light, self.located].into_iter().chain(wide.into_iter().flatten())
+    pub(super) fn into_buffers(self) -> [Vec<f32>; 2] {
+        [self.light, self.located]
     }
 }
 
@@ -123,14 +83,6 @@ pub(super) fn folded(plane: &Plane<f32>, cache: &mut KernelCache) -> Vec<f32> {
     let mut folded = cache.buffers.take(plane.data().len());
     Folding::new(plane.width(), plane.height()).fold(plane.data(), &mut folded);
     folded
-}
-
-/// `(1 − m) a + m b` in place of a.
-#[inline(always)]
-fn mix(a: &mut [f32], b: &[f32], m: &[f32]) {
-    for (a, (&b, &m)) in a.iter_mut().zip(b.iter().zip(m)) {
-        *a += m * (b - *a);
-    }
 }
 
 /// Kernel `k` of channel `channel`.
@@ -194,17 +146,18 @@ impl Pair {
         [first, second]: &mut [[f32; BLOCK]; 2],
     ) {
         let (first, second) = (&mut first[..count], &mut second[..count]);
-        let (one, k) = (&channels[self.first.channel], self.first.k);
+        let located = |term: Term| &channels[term.channel].located[start..][..count];
+        let (Term { channel, k }, basis) = (self.first, &channels[self.first.channel].basis);
         match self.second {
-            Some(other) if other.channel == self.first.channel => {
-                one.pair_of_shares(k, start, first, second);
-            }
+            Some(other) if other.channel == channel => basis.pair_of_shares(k, located(other), first, second),
             Some(other) => {
-                one.shares(k, start, first);
-                channels[other.channel].shares(other.k, start, second);
+                basis.shares(k, located(self.first), first);
+                channels[other.channel]
+                    .basis
+                    .shares(other.k, located(other), second);
             }
             None => {
-                one.shares(k, start, first);
+                basis.shares(k, located(self.first), first);
                 second.fill(0.0);
             }
         }

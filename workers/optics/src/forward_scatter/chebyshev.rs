@@ -45,12 +45,13 @@ pub fn gather(image: &Plane<f32>, gamma: &Plane<f32>, nodes: &Nodes, cache: &mut
     gather_channels(vec![channel], cache).remove(0)
 }
 
-/// Spreads the light of several channels of one size.
+/// Spreads the light of several channels of one size into as many sums as they are parts of.
 pub(crate) fn scatter_channels(channels: Vec<Channel<'_>>, cache: &mut KernelCache) -> Vec<Plane<f32>> {
     let Some(size) = channels.first().map(Channel::size) else {
         return Vec::new();
     };
-    let mut sums = zeros(channels.len(), size, cache);
+    let last = channels.iter().map(|channel| channel.sum).max();
+    let mut sums = zeros(last.map_or(0, |last| last + 1), size, cache);
     accumulate(&channels, size, &mut sums, cache);
     cache
         .buffers
@@ -76,7 +77,8 @@ pub(super) fn accumulate(
             },
             first.columns().max(second.columns()),
             |p, column| {
-                let ([one, other], band) = (pair.channels(), line(p, height));
+                let [one, other] = pair.channels().map(|channel| channels[channel].sum);
+                let band = line(p, height);
                 match [first.column(p), second.column(p)] {
                     [Some(first), Some(second)] if one == other => {
                         add_products(&mut sums[one][band], column, [first, second]);

@@ -15,9 +15,10 @@ use imaging::{Plane, vectorized};
 use super::channel::{Channel, folded};
 use super::chebyshev::{accumulate, back, line, zeros};
 use super::layer::{Divided, Layer};
-use super::{KernelCache, Nodes, widest_px};
+use super::{KernelCache, widest_px};
 use crate::attenuation::{exp_negative, scattered_share};
 use crate::layering::Layering;
+use crate::plan::Kernels;
 use crate::water::{Scatter, Water};
 
 /// Nothing passes a gate behind which the beam has this many attenuation lengths.
@@ -30,8 +31,8 @@ pub(crate) struct Source<'a> {
     pub(crate) channel: usize,
     /// Light of the scene.
     pub(crate) radiance: &'a Plane<f32>,
-    /// Kernels that span those of every range of the frame.
-    pub(crate) nodes: &'a Nodes,
+    /// Kernels of each layer.
+    pub(crate) kernels: &'a [Kernels],
 }
 
 /// What arrives of each channel, but for the direct light of the nearest layer, which nothing can stop. Never negative.
@@ -58,25 +59,39 @@ pub(crate) fn gated_channels(
             continue;
         };
         if l + 1 < layering.count() {
-            let gates = sources.iter().map(|source| Gate::new(source.channel, water, layering.gates_m[l], size, cache));
+            let gates = sources
+                .iter()
+                .map(|source| Gate::new(source.channel, water, layering.gates_m[l], size, cache));
             let gates: Vec<Option<Gate>> = gates.collect();
             pass(&mut spectra, gates, &layer.mask, size, cache);
         }
         if l > 0 {
             add_direct(&layer, sources, water, size, &mut spectra, cache);
         }
-        let channels: Vec<_> = sources
-            .iter()
-            .zip(&layer.light)
-            .map(|(source, light)| spread(source, &layer, light, water, size, cache))
-            .collect();
+        let mut channels = Vec::new();
+        for (sum, source) in sources.iter().enumerate() {
+            let parts = spread(source.channel, &layer, &layer.light[sum], water, size, cache);
+            let nodes = [&source.kernels[l].narrow, &source.kernels[l].wide];
+            for (part, nodes) in parts.into_iter().zip(nodes) {
+                match (part, nodes) {
+                    (Some([light, gamma]), Some(nodes)) => {
+                        channels.push(Channel::folded(light, gamma, nodes, size).part_of(sum));
+                    }
+                    (part, _) => cache.buffers.give(part.into_iter().flatten()),
+                }
+            }
+        }
         accumulate(&channels, size, &mut spectra, cache);
-        cache.buffers.give(channels.into_iter().flat_map(Channel::into_buffers));
+        cache
+            .buffers
+            .give(channels.into_iter().flat_map(Channel::into_buffers));
         cache.buffers.give(layer.into_buffers());
     }
     let planes = back(&spectra, size, cache);
     cache.buffers.give(spectra);
-    cache.buffers.give([divided.range].into_iter().chain(divided.light));
+    cache
+        .buffers
+        .give([divided.range].into_iter().chain(divided.light));
     planes
 }
 
@@ -85,7 +100,13 @@ struct Gate(Vec<f32>);
 
 impl Gate {
     /// None where nothing passes.
-    fn new(channel: usize, water: &Water, gate_m: f64, (width, height): (usize, usize), cache: &mut KernelCache) -> Option<Self> {
+    fn new(
+        channel: usize,
+        water: &Water,
+        gate_m: f64,
+        (width, height): (usize, usize),
+        cache: &mut KernelCache,
+    ) -> Option<Self> {
         if water.direct_attenuation[channel] * gate_m > OPAQUE_GATE {
             return None;
         }
@@ -99,9 +120,13 @@ impl Gate {
                 continue;
             }
             for p in 0..kernel.columns() {
-                let column = response[line(p, height)].iter_mut();
+                let column = &mut response[line(p, height)];
                 let kernel = kernel.column(p).unwrap_or_default();
-                column.zip(kernel).for_each(|(to, h)| *to += weight * h);
+                vectorized!({
+                    for (to, h) in column.iter_mut().zip(kernel) {
+                        *to += weight * h;
+                    }
+                });
             }
         }
         Some(Self(response))
@@ -132,10 +157,10 @@ fn pass(
                 let band = line(p, height);
                 column.fill(Complex::default());
                 for (part, (spectrum, response)) in pair.iter().enumerate() {
-                    let values = spectrum[band.clone()].iter().zip(&response[band.clone()]);
-                    for (to, (value, response)) in column.iter_mut().zip(values) {
-                        let value = value / response;
-                        if part == 0 { to.re = value } else { to.im = value }
+                    let (values, response) = (&spectrum[band.clone()], &response[band.clone()]);
+                    match part {
+                        0 => vectorized!(quotients(values, response, column, |to, v| to.re = v)),
+                        _ => vectorized!(quotients(values, response, column, |to, v| to.im = v)),
                     }
                 }
             },
@@ -144,10 +169,10 @@ fn pass(
                 let pixels = line(place, width);
                 let covers = &mask[pixels.clone()];
                 for (part, passed) in passed.iter_mut().enumerate() {
-                    let to = passed[pixels.clone()].iter_mut();
-                    for (to, (value, cover)) in to.zip(row.iter().zip(covers)) {
-                        let value = if part == 0 { value.re } else { value.im };
-                        *to = value.max(0.0) * (1.0 - cover);
+                    let to = &mut passed[pixels.clone()];
+                    match part {
+                        0 => vectorized!(uncovered(row, covers, to, |v| v.re)),
+                        _ => vectorized!(uncovered(row, covers, to, |v| v.im)),
                     }
                 }
             },
@@ -156,15 +181,18 @@ fn pass(
             |place, row| {
                 let pixels = line(place, width);
                 let lights = passed[0][pixels.clone()].iter().zip(&passed[1][pixels]);
-                row.iter_mut().zip(lights).for_each(|(to, (&one, &other))| *to = Complex::new(one, other));
+                row.iter_mut()
+                    .zip(lights)
+                    .for_each(|(to, (&one, &other))| *to = Complex::new(one, other));
             },
             width,
             |p, column| {
                 let band = line(p, height);
                 for (part, (spectrum, response)) in pair.iter_mut().enumerate() {
-                    let to = spectrum[band.clone()].iter_mut();
-                    for (to, (value, response)) in to.zip(column.iter().zip(&response[band.clone()])) {
-                        *to = response * if part == 0 { value.re } else { value.im };
+                    let (to, response) = (&mut spectrum[band.clone()], &response[band.clone()]);
+                    match part {
+                        0 => vectorized!(products(column, response, to, |v| v.re)),
+                        _ => vectorized!(products(column, response, to, |v| v.im)),
                     }
                 }
             },
@@ -172,6 +200,28 @@ fn pass(
     }
     cache.buffers.give(passed);
     cache.buffers.give(open.into_iter().map(|(_, response)| response));
+}
+
+#[inline(always)]
+fn quotients(values: &[f32], by: &[f32], to: &mut [Complex<f32>], set: impl Fn(&mut Complex<f32>, f32)) {
+    for (to, (value, by)) in to.iter_mut().zip(values.iter().zip(by)) {
+        set(to, value / by);
+    }
+}
+
+#[inline(always)]
+fn uncovered(row: &[Complex<f32>], covers: &[f32], to: &mut [f32], part: impl Fn(Complex<f32>) -> f32) {
+    for (to, (&value, cover)) in to.iter_mut().zip(row.iter().zip(covers)) {
+        let value = part(value);
+        *to = if value > 0.0 { value } else { 0.0 } * (1.0 - cover);
+    }
+}
+
+#[inline(always)]
+fn products(column: &[Complex<f32>], by: &[f32], to: &mut [f32], part: impl Fn(Complex<f32>) -> f32) {
+    for (to, (&value, by)) in to.iter_mut().zip(column.iter().zip(by)) {
+        *to = part(value) * by;
+    }
 }
 
 /// Adds what arrives of a layer on its own ray.
@@ -186,7 +236,10 @@ fn add_direct(
     let (width, height) = size;
     let rows = |part: usize| {
         let source = sources.get(part)?;
-        Some((water.direct_attenuation[source.channel] as f32, &layer.light[part]))
+        Some((
+            water.direct_attenuation[source.channel] as f32,
+            &layer.light[part],
+        ))
     };
     for first in (0..sources.len()).step_by(2) {
         let [one, other] = [rows(first), rows(first + 1)];
@@ -197,10 +250,14 @@ fn add_direct(
                 let (mask, range) = (&layer.mask[pixels.clone()], &layer.range[pixels.clone()]);
                 row.fill(Complex::default());
                 if let Some((c, light)) = one {
-                    vectorized!(arriving(mask, range, &light[pixels.clone()], c, row, |to, v| to.re = v));
+                    vectorized!(arriving(mask, range, &light[pixels.clone()], c, row, |to, v| {
+                        to.re = v
+                    }));
                 }
                 if let Some((c, light)) = other {
-                    vectorized!(arriving(mask, range, &light[pixels.clone()], c, row, |to, v| to.im = v));
+                    vectorized!(arriving(mask, range, &light[pixels.clone()], c, row, |to, v| {
+                        to.im = v
+                    }));
                 }
             },
             width,
@@ -229,46 +286,33 @@ fn arriving(
     }
 }
 
-/// The light of a layer that arrives spread, with its kernels.
-fn spread<'a>(
-    source: &Source<'a>,
+/// The light of a layer that each of its kernels spreads, with the scales of that kernel.
+fn spread(
+    c: usize,
     layer: &Layer,
     light: &[f32],
     water: &Water,
-    size: (usize, usize),
+    (width, height): (usize, usize),
     cache: &mut KernelCache,
-) -> Channel<'a> {
+) -> [Option<[Vec<f32>; 2]>; 2] {
     let Scatter::Jaffe { g, spread, tail, .. } = water.scatter else {
         unreachable!("only the Jaffe–McGlamery form is gated");
     };
-    let (c, widest) = (source.channel, widest_px(size.0, size.1));
+    let widest = widest_px(width, height);
     let (g, excess) = (g[c] as f32, (water.direct_attenuation[c] - g[c]).max(0.0) as f32);
-    let mut spread_light = cache.buffers.take(light.len());
+    let [mut narrow, mut gamma] = [(); 2].map(|()| cache.buffers.take(light.len()));
     let [mask, range] = [&layer.mask, &layer.range].map(Vec::as_slice);
     vectorized!({
-        for (to, ((&mask, &z), &light)) in spread_light.iter_mut().zip(mask.iter().zip(range).zip(light)) {
+        for (to, ((&mask, &z), &light)) in narrow.iter_mut().zip(mask.iter().zip(range).zip(light)) {
             *to = mask * light * scattered_share(g, excess, z);
         }
     });
-    let mut plane = || cache.buffers.take(range.len());
-    let mut narrow = plane();
-    vectorized!(of_range(range, &mut narrow, |z| spread.gamma(c, z, widest)));
+    vectorized!(spread.scales(c, widest, range, &mut gamma));
     let wide = tail.map(|tail| {
-        let [mut gamma, mut share] = [plane(), plane()];
-        vectorized!(of_range(range, &mut gamma, |z| tail.spread.gamma(c, z, widest)));
-        vectorized!(of_range(range, &mut share, |z| tail.share_at(c, z)));
-        [gamma, share]
+        let [mut wide, mut gamma] = [(); 2].map(|()| cache.buffers.take(light.len()));
+        vectorized!(tail.split(c, range, &mut narrow, &mut wide));
+        vectorized!(tail.spread.scales(c, widest, range, &mut gamma));
+        [wide, gamma]
     });
-    let channel = Channel::folded(spread_light, narrow, source.nodes, size);
-    match wide {
-        Some([gamma, share]) => channel.with_wide_folded(gamma, share),
-        None => channel,
-    }
-}
-
-#[inline(always)]
-fn of_range(range: &[f32], values: &mut [f32], value: impl Fn(f64) -> f64) {
-    for (to, &z) in values.iter_mut().zip(range) {
-        *to = value(f64::from(z)) as f32;
-    }
+    [Some([narrow, gamma]), wide]
 }

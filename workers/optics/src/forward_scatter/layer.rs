@@ -27,6 +27,7 @@ pub(super) struct Divided {
     pub(super) range: Vec<f32>,
     /// Light of each channel before the water.
     pub(super) light: Vec<Vec<f32>>,
+    spans_m: Vec<Option<(f64, f64)>>,
 }
 
 /// One layer with what is behind nearer ones filled in.
@@ -60,12 +61,14 @@ impl Divided {
             layers,
             range,
             light,
+            spans_m: layering.spans_m.clone(),
         }
     }
 
     /// One layer; none where no pixel is of it.
     pub(super) fn layer(&self, layer: usize, cache: &mut KernelCache) -> Option<Layer> {
-        let bounds = self.bounds(layer as u8)?;
+        let (nearest, farthest) = self.spans_m[layer]?;
+        let bounds = (nearest as f32, farthest as f32);
         let (of, layer) = (self.layers.as_slice(), layer as u8);
         let mut mask = cache.buffers.take(of.len());
         vectorized!(choose(&mut mask, of, |of| of == layer));
@@ -78,7 +81,10 @@ impl Divided {
         if layer > 0 {
             let mut known = cache.buffers.take(of.len());
             vectorized!(choose(&mut known, of, |of| of >= layer));
-            self.spread([&mut mask, &mut known].into_iter().chain(&mut values).collect(), cache);
+            self.spread(
+                [&mut mask, &mut known].into_iter().chain(&mut values).collect(),
+                cache,
+            );
             let limits = std::iter::once(bounds).chain(std::iter::repeat((0.0, f32::MAX)));
             let own = std::iter::once(&self.range).chain(&self.light);
             for ((value, own), limits) in values.iter_mut().zip(own).zip(limits) {
@@ -90,13 +96,6 @@ impl Divided {
         let range = values.remove(0);
         let light = values;
         Some(Layer { mask, range, light })
-    }
-
-    /// Nearest and farthest range of a layer.
-    fn bounds(&self, layer: u8) -> Option<(f32, f32)> {
-        let own = self.layers.iter().zip(&self.range).filter(|(of, _)| **of == layer);
-        let bounds = own.fold((f32::MAX, 0.0f32), |(near, far), (_, &z)| (near.min(z), far.max(z)));
-        (bounds.0 <= bounds.1).then_some(bounds)
     }
 
     /// Spreads planes by the kernel that fills, two in each transform.
@@ -111,7 +110,9 @@ impl Divided {
                 |place, row| {
                     let pixels = line(place, width);
                     let (one, other) = (&pair[0][pixels.clone()], pair.get(1).map(|other| &other[pixels]));
-                    row.iter_mut().zip(one).for_each(|(to, &one)| *to = Complex::new(one, 0.0));
+                    row.iter_mut()
+                        .zip(one)
+                        .for_each(|(to, &one)| *to = Complex::new(one, 0.0));
                     if let Some(other) = other {
                         row.iter_mut().zip(other).for_each(|(to, &other)| to.im = other);
                     }
@@ -120,7 +121,8 @@ impl Divided {
                 |p, column| {
                     let Some(kernel) = kernel.column(p) else { return };
                     let to = spectrum[line(p, height)].iter_mut();
-                    to.zip(column.iter().zip(kernel)).for_each(|(to, (value, &h))| *to = value.scale(h));
+                    to.zip(column.iter().zip(kernel))
+                        .for_each(|(to, (value, &h))| *to = value.scale(h));
                 },
             );
             transform.inverse(
@@ -147,7 +149,11 @@ impl Layer {
 /// The largest f32 that is not above a cut: an f32 is above the one where it is above the other.
 fn rounded_down(cut: f64) -> f32 {
     let near = cut as f32;
-    if f64::from(near) > cut { near.next_down() } else { near }
+    if f64::from(near) > cut {
+        near.next_down()
+    } else {
+        near
+    }
 }
 
 /// 1 where a layer is one of those asked for, else 0.

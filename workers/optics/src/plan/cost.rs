@@ -90,8 +90,9 @@ impl Plan {
         let gates = GATE_NS * pixels * (layers - 1.0);
         let [red, green, blue] = self.scatter.each_ref().map(|stage| match &stage.form {
             ScatterStep::Skip | ScatterStep::Pointwise => 0.0,
-            ScatterStep::Interpolated(nodes) => {
-                (CHANNEL_NS + KERNEL_NS * nodes.terms() as f64) * pixels * layers + gates
+            step @ (ScatterStep::Interpolated(_) | ScatterStep::Layered(_)) => {
+                let terms = step.terms().unwrap_or_default() as f64;
+                (CHANNEL_NS * layers + KERNEL_NS * terms) * pixels + gates
             }
             ScatterStep::Reference => UNKNOWN,
         });

@@ -69,14 +69,13 @@ pub(super) fn choose(
 /// The most light of one channel that gates can move: all that is spread from behind the first. Without gates it falls on what is
 /// before them as if nothing stood there, and what is hidden sends none around it.
 fn stopped(stats: &SceneStats, water: &Water, channel: usize, layering: &Layering) -> f64 {
-    let (Some(frame_m), Scatter::Jaffe { g, .. }) = (stats.range_m, water.scatter) else {
+    let Scatter::Jaffe { g, .. } = water.scatter else {
         return 0.0;
     };
     let c = water.direct_attenuation[channel];
-    let behind = (1..layering.count()).map(|layer| {
-        let (near, far) = layering.span(layer, frame_m);
+    let behind = layering.spans_m.iter().skip(1).flatten().map(|&(near, far)| {
         let light = brightest(stats, water, channel, (near, far));
-        light * largest_share(g[channel].min(c), c, near, far.max(near))
+        light * largest_share(g[channel].min(c), c, near, far)
     });
     behind.sum()
 }

@@ -104,7 +104,7 @@ fn scatter(stage: &'static str, step: &Stage<ScatterStep>) -> Line {
     let variant = match &step.form {
         ScatterStep::Skip => "skip",
         ScatterStep::Pointwise => "pointwise",
-        ScatterStep::Interpolated(_) => "chebyshev",
+        ScatterStep::Interpolated(_) | ScatterStep::Layered(_) => "chebyshev",
         ScatterStep::Reference => "reference",
     };
     Line {
@@ -115,11 +115,18 @@ fn scatter(stage: &'static str, step: &Stage<ScatterStep>) -> Line {
 
 fn occlusion(step: &Stage<GateStep>) -> Line {
     let (variant, note) = match &step.form {
-        GateStep::Skip if step.bound.is_some() => ("skip", "the light that gates would stop is within its share".to_owned()),
+        GateStep::Skip if step.bound.is_some() => (
+            "skip",
+            "the light that gates would stop is within its share".to_owned(),
+        ),
         GateStep::Skip => ("skip", "nothing hides anything".to_owned()),
         GateStep::Reference => ("reference", String::new()),
         GateStep::Gated(layering) => {
-            let gates: Vec<String> = layering.gates_m.iter().map(|gate| format!("{gate:.3} m")).collect();
+            let gates: Vec<String> = layering
+                .gates_m
+                .iter()
+                .map(|gate| format!("{gate:.3} m"))
+                .collect();
             let gates = gates.join(", ");
             let note = format!(
                 "gates at {gates}; what leaks over near objects is within 0.92 to 1.27 of Monte Carlo with two kernels up to b Z = 4"

@@ -37,9 +37,8 @@ impl WaterStages {
         let rounding = [0, 1, 2].map(|channel| levels::rounding(stats, water, channel));
         let mut gates = gates::choose(stats, water, fidelity, tolerance);
         let unstopped = gates.as_ref().and_then(|gates| gates.bound).unwrap_or(0.0);
-        let used = |channel: usize| {
-            rounding[channel] + unstopped + if is_clear { lost[channel] } else { 0.0 }
-        };
+        let used =
+            |channel: usize| rounding[channel] + unstopped + if is_clear { lost[channel] } else { 0.0 };
         let layering = gates.as_ref().and_then(|gates| gates.form.layering());
         let scatter = [0, 1, 2].map(|channel| {
             let share = tolerance.map(|whole| (whole - used(channel)).max(LEAST_SHARE * whole));

@@ -1,8 +1,6 @@
 //! The rules of waters as a description's check asks for them.
 
-use spec::{
-    Fault, ForwardScatter, Occlusion, Optics, ScatterModel, ScatterSpread, Sight, WaterRules,
-};
+use spec::{Fault, ForwardScatter, Occlusion, Optics, ScatterModel, ScatterSpread, Sight, WaterRules};
 
 use super::{Water, WaterError};
 use crate::preset::diffuse_in_disguise;

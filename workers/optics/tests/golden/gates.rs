@@ -25,7 +25,11 @@ const LEAK: (f64, f64) = (0.9, 1.15);
 const OWN: (f64, f64) = (0.8, 1.18);
 
 fn resolved(case: &Case, scatter: ForwardScatter) -> Water {
-    let law = if case.text("law") == "hg" { ScatterLaw::Hg } else { ScatterLaw::Ff };
+    let law = if case.text("law") == "hg" {
+        ScatterLaw::Hg
+    } else {
+        ScatterLaw::Ff
+    };
     let two = scatter.spread == Some(ScatterSpread::Two);
     let optics = Optics {
         absorption_per_m: case.triple("absorption"),
@@ -73,12 +77,23 @@ pub(crate) fn gated(case: &Case) {
         let expected = case.numbers(name);
         assert_eq!(expected.len(), found.len(), "{name}: {found:?}");
         for (expected, found) in expected.iter().zip(found) {
-            assert!((found / expected - 1.0).abs() < CUTS, "{name}: {found} for {expected}");
+            assert!(
+                (found / expected - 1.0).abs() < CUTS,
+                "{name}: {found} for {expected}"
+            );
         }
     }
-    let layers: Vec<i32> = range.data().iter().map(|&z| layering.layer_of(z) as i32).collect();
+    let layers: Vec<i32> = range
+        .data()
+        .iter()
+        .map(|&z| layering.layer_of(z) as i32)
+        .collect();
     assert_eq!(layers, case.integers("layer"));
-    for (name, scatter) in [("forward_one", one()), ("forward_two", two()), ("forward_gated", gates())] {
+    for (name, scatter) in [
+        ("forward_one", one()),
+        ("forward_two", two()),
+        ("forward_gated", gates()),
+    ] {
         let water = resolved(case, scatter);
         let cut = if name == "forward_one" { 0.0 } else { CUT_KERNEL };
         let exact = water_reference(&radiance, &range, &water).expect("a small frame");
@@ -86,9 +101,15 @@ pub(crate) fn gated(case: &Case) {
         case.compare(name, &exact.forward_scatter, REFERENCE + cut, "the reference");
         for tolerance in [3e-4, 1e-5] {
             let (layers, plan) = fast(&radiance, &range, &water, Fidelity::Tolerance(tolerance));
-            let is_gated = |plan: &Plan| matches!(&plan.gates, Some(gates) if matches!(gates.form, GateStep::Gated(_)));
+            let is_gated =
+                |plan: &Plan| matches!(&plan.gates, Some(gates) if matches!(gates.form, GateStep::Gated(_)));
             assert_eq!(is_gated(&plan), name == "forward_gated");
-            case.compare(name, &layers.forward_scatter, tolerance + FLOAT + cut, "the fast form");
+            case.compare(
+                name,
+                &layers.forward_scatter,
+                tolerance + FLOAT + cut,
+                "the fast form",
+            );
         }
         let (layers, _) = fast(&radiance, &range, &water, Fidelity::Terms(24));
         case.compare(name, &layers.forward_scatter, FLOAT + cut, "24 kernels");
@@ -112,7 +133,9 @@ pub(crate) fn pole(case: &Case) {
     let water = resolved(case, gates());
     let angles = case.needed("tan_x").values;
     for (name, is_near, (least, most)) in [("far", false, LEAK), ("near", true, OWN)] {
-        let radiance = Rgb::from_fn(width, height, |x, _| [f64::from(u8::from(is_pole(x) == is_near)); 3]);
+        let radiance = Rgb::from_fn(width, height, |x, _| {
+            [f64::from(u8::from(is_pole(x) == is_near)); 3]
+        });
         let (layers, _) = fast(&radiance, &range, &water, Fidelity::Tolerance(1e-5));
         let errors = case.needed(&format!("{name}_se")).values;
         for ((&angle, truth), error) in angles.iter().zip(case.needed(name).values).zip(errors) {
