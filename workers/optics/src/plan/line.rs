@@ -127,10 +127,7 @@ fn occlusion(step: &Stage<GateStep>) -> Line {
                 .iter()
                 .map(|gate| format!("{gate:.3} m"))
                 .collect();
-            let gates = gates.join(", ");
-            let note = format!(
-                "gates at {gates}; what leaks over near objects is within 0.92 to 1.27 of Monte Carlo with two kernels up to b Z = 4"
-            );
+            let note = format!("gates at {}", gates.join(", "));
             ("gated", note)
         }
     };

@@ -37,6 +37,10 @@ const MEASURED: &[Row] = &[
     },
     Row {
         stage: "forward_scatter",
+        found: two_kernels,
+    },
+    Row {
+        stage: "forward_scatter",
         found: one_kernel,
     },
     Row {
@@ -96,16 +100,41 @@ fn unscattered(conditions: &Conditions<'_>) -> Option<String> {
 fn one_kernel(conditions: &Conditions<'_>) -> Option<String> {
     let Scatter::Jaffe {
         source: spec::ScatterSource::Radiance,
+        tail: None,
+        layers: None,
         ..
     } = conditions.water.scatter()
     else {
         return None;
     };
-    let (b, (_, farthest)) = (conditions.water.scattering()?, conditions.stats.range_m?);
-    let thickest = b.into_iter().fold(0.0, f64::max) * farthest;
-    (thickest <= EDGES_UP_TO && conditions.patches.is_none()).then(|| {
+    edges_were_measured(conditions).then(|| {
         "light beside an edge 0.27-1.5 of the truth, light over a nearer object 1.6-5.1 times the truth"
             .to_owned()
+    })
+}
+
+/// Two kernels for each range, blind to what stands before it or stopped by it.
+fn two_kernels(conditions: &Conditions<'_>) -> Option<String> {
+    let Scatter::Jaffe {
+        source: spec::ScatterSource::Radiance,
+        tail: Some(_),
+        layers,
+        ..
+    } = conditions.water.scatter()
+    else {
+        return None;
+    };
+    // How much leaks over near objects without gates was measured of one kernel alone.
+    let over = layers.map_or("", |_| ", light over a nearer object 0.92-1.27 of the truth");
+    edges_were_measured(conditions).then(|| format!("light beside an edge 0.80-1.18 of the truth{over}"))
+}
+
+/// Whether the farthest surface is no farther than light at edges was measured, in even water.
+fn edges_were_measured(conditions: &Conditions<'_>) -> bool {
+    let known = conditions.water.scattering().zip(conditions.stats.range_m);
+    known.is_some_and(|(b, (_, farthest))| {
+        let thickest = b.into_iter().fold(0.0, f64::max) * farthest;
+        thickest <= EDGES_UP_TO && conditions.patches.is_none()
     })
 }
 
