@@ -32,8 +32,8 @@ fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
 fn fault(error: &WaterError) -> Fault {
     let path = match error.field() {
         field @ ("range_scale" | "depth_m" | "ambient" | "holes" | "multiple") => vec![field],
-        field @ ("model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source" | "spread" | "occlusion"
-        | "layers") => {
+        field @ ("model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source" | "spread"
+        | "occlusion" | "layers") => {
             vec!["optics", "forward_scatter", field]
         }
         field => vec!["optics", field],
