@@ -4,9 +4,7 @@
 //! waters up to b Z of about 6. A derived veiling light has the color of daylight at the depth, exp(−K_d h), and by
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
-use spec::{
-    Ambient, ForwardScatter, Multiple, Occlusion, Optics, ScatterModel, ScatterSource, ScatterSpread,
-};
+use spec::{Ambient, ForwardScatter, Multiple, Occlusion, Optics, ScatterModel, ScatterSpread};
 
 use super::{Scatter, Spread, Tail, Water, WaterError, two_kernels};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
@@ -290,7 +288,7 @@ impl Checks {
             ScatterModel::None
         });
         let request = request.unwrap_or(&usual);
-        self.fits_the_model(request);
+        self.errors.extend(two_kernels::contradictions(request));
         match request.model {
             ScatterModel::None => Scatter::None,
             ScatterModel::Simplified => self
@@ -316,44 +314,6 @@ impl Checks {
                     })
             }
         }
-    }
-
-    /// Gates and two kernels belong to the light that `jaffe` spreads from the scene itself.
-    fn fits_the_model(&mut self, request: &ForwardScatter) {
-        let gathers = request.model == ScatterModel::Simplified;
-        let is_direct = request.model == ScatterModel::Jaffe && request.source == ScatterSource::Direct;
-        let is_gated = request.occlusion == Some(Occlusion::Gated);
-        let is_two = request.spread == Some(ScatterSpread::Two);
-        let contradictions = [
-            (
-                is_gated && gathers,
-                "occlusion",
-                "is `gated`, which goes with the model `jaffe`, not with `simplified`",
-            ),
-            (
-                is_gated && is_direct,
-                "occlusion",
-                "is `gated`, which goes with the source `radiance`, not with `direct`",
-            ),
-            (
-                is_two && gathers,
-                "spread",
-                "is `two`, which goes with the model `jaffe`, not with `simplified`",
-            ),
-            (
-                is_two && request.spread_px_per_m.is_some(),
-                "spread_px_per_m",
-                "is given, but the kernels of the spread `two` follow from `law` and b",
-            ),
-            (
-                is_two && request.spread_offset_px.is_some(),
-                "spread_offset_px",
-                "is given, but the kernels of the spread `two` follow from `law` and b",
-            ),
-        ];
-        let wrong = contradictions.into_iter().filter(|(is_wrong, ..)| *is_wrong);
-        self.errors
-            .extend(wrong.map(|(_, field, reason)| WaterError::Contradiction { field, reason }));
     }
 
     fn two_kernels(&mut self, request: &ForwardScatter, medium: &Medium) -> Option<(Spread, Option<Tail>)> {

@@ -3,9 +3,9 @@
 //! Fits to the light of beams in Monte Carlo runs up to b Z of about 8: angles of both kernels and the share of the wide one are
 //! linear in the optical path b Z.
 
-use spec::ScatterLaw;
+use spec::{ForwardScatter, Occlusion, ScatterLaw, ScatterModel, ScatterSource, ScatterSpread};
 
-use super::{Spread, Tail};
+use super::{Spread, Tail, WaterError};
 
 /// A number that grows with the optical path: `at_zero + slope b Z`.
 #[derive(Clone, Copy)]
@@ -54,4 +54,43 @@ pub(super) fn kernels(law: ScatterLaw, scattering: [f64; 3], focal_px: f64) -> (
         share_per_m: scattering.map(|b| share.slope * b),
     };
     (spread(narrow), tail)
+}
+
+/// Gates and two kernels belong to the light that `jaffe` spreads from the scene itself.
+pub(super) fn contradictions(request: &ForwardScatter) -> Vec<WaterError> {
+    let gathers = request.model == ScatterModel::Simplified;
+    let is_direct = request.model == ScatterModel::Jaffe && request.source == ScatterSource::Direct;
+    let is_gated = request.occlusion == Some(Occlusion::Gated);
+    let is_two = request.spread == Some(ScatterSpread::Two);
+    let contradictions = [
+        (
+            is_gated && gathers,
+            "occlusion",
+            "is `gated`, which goes with the model `jaffe`, not with `simplified`",
+        ),
+        (
+            is_gated && is_direct,
+            "occlusion",
+            "is `gated`, which goes with the source `radiance`, not with `direct`",
+        ),
+        (
+            is_two && gathers,
+            "spread",
+            "is `two`, which goes with the model `jaffe`, not with `simplified`",
+        ),
+        (
+            is_two && request.spread_px_per_m.is_some(),
+            "spread_px_per_m",
+            "is given, but the kernels of the spread `two` follow from `law` and b",
+        ),
+        (
+            is_two && request.spread_offset_px.is_some(),
+            "spread_offset_px",
+            "is given, but the kernels of the spread `two` follow from `law` and b",
+        ),
+    ];
+    let wrong = contradictions.into_iter().filter(|(is_wrong, ..)| *is_wrong);
+    wrong
+        .map(|(_, field, reason)| WaterError::Contradiction { field, reason })
+        .collect()
 }
