@@ -50,7 +50,7 @@ impl LensRecord {
     /// The lens for readers that know no ports: the focal length over that in air, and the distortion of rays in the water.
     ///
     /// A flat port makes `ρ = n t / √(1 - (n² - 1) t²)` of the tangent t in the water. Its series up to t⁷, into which the lens
-    /// is inserted, is a distortion of the same kind: within a thousandth of the radius up to 30° from the axis in the water.
+    /// is inserted, is a distortion of the same kind: within two thousandths of the radius up to 30° from the axis in the water.
     #[must_use]
     pub fn in_water(&self) -> (f64, Distortion) {
         let Some([_, n, _]) = self.flat_port_n_w else {

@@ -9,7 +9,7 @@
 //! camera), and the pixel. Sensitivity, dark current and offset are the camera's own and the same in every frame.
 //!
 //! The sensor computes in f64 in both forms. The fast one takes its logarithms and cosines from short series and keeps the
-//! fixed pattern in f32: of a million pixels some ten differ, by one electron.
+//! fixed pattern in f32: at most one pixel in ten thousand differs, by one electron.
 
 mod noise;
 mod pattern;
