@@ -8,6 +8,7 @@ pub mod campaign;
 pub mod chain_stability;
 pub mod chart;
 mod johnson;
+pub mod lamp_truth;
 pub mod plot;
 pub mod speed;
 pub mod stability;

@@ -1,0 +1,160 @@
+//! The light of lamps in six waters, followed by Monte Carlo and as the chain has it: on walls and in the water.
+
+mod model;
+mod report;
+
+use std::ops::Range;
+
+use truth::lantern::{Bench, Shone};
+use truth::{Coefficients, FournierForand, Phase};
+
+use model::Model;
+
+pub use report::{csv, markdown};
+
+/// The waters with a and b, 1/m.
+pub const WATERS: [(&str, Coefficients); 6] = [
+    ("clear", coefficients(0.114, 0.037)),
+    ("coastal", coefficients(0.179, 0.219)),
+    ("1C", coefficients(0.099, 0.447)),
+    ("3C", coefficients(0.118, 0.675)),
+    ("5C", coefficients(0.157, 1.267)),
+    ("harbor", coefficients(0.366, 1.824)),
+];
+/// Half angles of the lamps' cones, degrees; none: a lamp that shines in all directions.
+pub const CONES_DEG: [Option<f64>; 2] = [None, Some(35.0)];
+/// b_b/b of all of them.
+const BACKSCATTER: f64 = 0.0183;
+const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
+const CAMERAS_M: [f64; 3] = [0.3, 0.5, 1.0];
+/// A camera sees this much around its place, as a share of its distance.
+const CAMERA_WIDTH: f64 = 0.08;
+const RINGS_DEG: [f64; 4] = [10.0, 20.0, 31.0, 45.0];
+const LOOKS_DEG: [f64; 5] = [-40.0, -20.0, 0.0, 20.0, 40.0];
+/// Cells that are not known to this share are not compared.
+const KNOWN_TO: f64 = 0.1;
+
+const fn coefficients(absorption: f64, scattering: f64) -> Coefficients {
+    Coefficients {
+        absorption,
+        scattering,
+    }
+}
+
+/// Where light was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// On a wall, between two angles at the lamp from its axis, degrees.
+    Wall {
+        /// Inner and outer angle.
+        ring_deg: [f64; 2],
+    },
+    /// In the water before a wall, beside the lamp.
+    Water {
+        /// Distance of the camera from the lamp, m.
+        camera_m: f64,
+        /// Angle of its look from the lamp's axis, away from it, degrees.
+        look_deg: f64,
+    },
+}
+
+/// One measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// Which water.
+    pub water: &'static str,
+    /// Its coefficients.
+    pub coefficients: Coefficients,
+    /// Whether the lamp is a spot.
+    pub is_spot: bool,
+    /// Distance of the wall, m.
+    pub wall_m: f64,
+    /// Where.
+    pub place: Place,
+    /// The light, all orders, and its standard error.
+    pub truth: truth::Level,
+    /// The chain's light by single scattering, and with that which scatters more than once.
+    pub chain: [f64; 2],
+}
+
+impl Cell {
+    /// Chain over truth; none where the truth is not known well enough.
+    #[must_use]
+    pub fn ratios(&self) -> Option<[f64; 2]> {
+        let is_known = self.truth.mean > 0.0 && self.truth.error <= KNOWN_TO * self.truth.mean;
+        is_known.then(|| self.chain.map(|light| light / self.truth.mean))
+    }
+}
+
+/// Measures one lamp in one water.
+#[must_use]
+pub fn measure(water: usize, cone_deg: Option<f64>, photons: Range<u64>) -> Vec<Cell> {
+    let (name, coefficients) = WATERS[water];
+    let bench = Bench {
+        water: coefficients,
+        cone_deg,
+        walls_m: WALLS_M.to_vec(),
+        looks_deg: if cone_deg.is_some() {
+            vec![0.0]
+        } else {
+            LOOKS_DEG.to_vec()
+        },
+        cameras_m: CAMERAS_M
+            .map(|m| [m * (1.0 - CAMERA_WIDTH), m * (1.0 + CAMERA_WIDTH)])
+            .to_vec(),
+        rings_deg: RINGS_DEG.to_vec(),
+    };
+    let phase = Phase::fournier_forand(FournierForand::of_backscatter(BACKSCATTER));
+    let shone = bench.shine(&phase, water as u64, photons);
+    let model = Model::new(&bench, BACKSCATTER);
+    let cell = |wall: usize, place: Place, truth, chain| Cell {
+        water: name,
+        coefficients,
+        is_spot: cone_deg.is_some(),
+        wall_m: WALLS_M[wall],
+        place,
+        truth,
+        chain,
+    };
+    let mut cells = Vec::new();
+    for wall in 0..WALLS_M.len() {
+        cells.extend(
+            on_wall(&bench, &shone, &model, wall)
+                .map(|(place, truth, chain)| cell(wall, place, truth, chain)),
+        );
+        for (look, &look_deg) in bench.looks_deg.iter().enumerate() {
+            for (camera, &camera_m) in CAMERAS_M.iter().enumerate() {
+                let chain = model.glow(camera_m, look_deg, WALLS_M[wall]);
+                let place = Place::Water { camera_m, look_deg };
+                cells.push(cell(wall, place, shone.glow[look][wall][camera].all, chain));
+            }
+        }
+    }
+    cells
+}
+
+/// The rings of a wall: scattered light and that which came straight.
+fn on_wall<'a>(
+    bench: &'a Bench,
+    shone: &'a Shone,
+    model: &'a Model,
+    wall: usize,
+) -> impl Iterator<Item = (Place, truth::Level, [f64; 2])> + 'a {
+    RINGS_DEG.iter().enumerate().map(move |(ring, &outer)| {
+        let inner = if ring == 0 { 0.0 } else { RINGS_DEG[ring - 1] };
+        let scattered = shone.scattered[wall][ring];
+        let chain = model.surface(bench.ring_m(wall, ring), WALLS_M[wall]);
+        let truth = truth::Level {
+            // Light that came straight is the same in both.
+            mean: scattered.mean + chain[0],
+            error: scattered.error,
+        };
+        (
+            Place::Wall {
+                ring_deg: [inner, outer],
+            },
+            truth,
+            chain,
+        )
+    })
+}

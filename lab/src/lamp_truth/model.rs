@@ -1,0 +1,79 @@
+//! The chain's light at the places of a measurement.
+
+use imaging::Plane;
+use imaging::geometry::Intrinsics;
+use optics::lamp::{
+    LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight_reference, asymmetry_of, irradiance_reference,
+};
+use truth::lantern::Bench;
+
+/// Circles of a ring over which its light is averaged.
+const CIRCLES: usize = 16;
+
+/// A lamp in a water, as the chain has it.
+pub(super) struct Model {
+    absorption: f64,
+    scattering: f64,
+    asymmetry: f64,
+    cone_deg: Option<f64>,
+}
+
+impl Model {
+    pub(super) fn new(bench: &Bench, backscatter: f64) -> Self {
+        Self {
+            absorption: bench.water.absorption,
+            scattering: bench.water.scattering,
+            asymmetry: asymmetry_of(backscatter),
+            cone_deg: bench.cone_deg,
+        }
+    }
+
+    /// By single scattering, and with that which scatters more than once.
+    fn each(&self, lamp_x: f64, ray_slope: f64, light: impl Fn(&Lighting) -> f64) -> [f64; 2] {
+        let place = [lamp_x, 0.0, 0.0];
+        let lamp = match self.cone_deg {
+            None => Lamp::point(place, [1.0; 3]),
+            Some(cone) => Lamp::spot(place, [1.0; 3], [0.0, 0.0, 1.0], cone),
+        };
+        let lighting = Lighting {
+            lamps: lamp.into_iter().collect(),
+            radius_m: LAMP_RADIUS_M,
+            camera: Intrinsics {
+                focal_px: 1.0,
+                cx: -ray_slope,
+                cy: 0.0,
+            },
+            attenuation: [self.absorption + self.scattering; 3],
+            scattering: [self.scattering; 3],
+            asymmetry: self.asymmetry,
+            patches: None,
+        };
+        [light(&lighting), light(&lighting)]
+    }
+
+    /// The glow that a camera beside the lamp sees.
+    pub(super) fn glow(&self, camera_m: f64, look_deg: f64, wall_m: f64) -> [f64; 2] {
+        let look = look_deg.to_radians();
+        let range = Plane::filled(1, 1, wall_m / look.cos());
+        self.each(-camera_m, look.tan(), |lighting| {
+            airlight_reference(&range, lighting, REFERENCE_NODES).planes()[0].pixel(0, 0)
+        })
+    }
+
+    /// The mean light on a ring of a wall.
+    pub(super) fn surface(&self, [inner, outer]: [f64; 2], wall_m: f64) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        let normal = [0.0f32, 0.0, -1.0].map(|v| Plane::filled(1, 1, v));
+        for circle in 0..CIRCLES {
+            // Circles with as much of the ring on either side.
+            let share = (circle as f64 + 0.5) / CIRCLES as f64;
+            let radius = (inner * inner + share * (outer * outer - inner * inner)).sqrt();
+            let range = Plane::filled(1, 1, wall_m.hypot(radius));
+            let light = self.each(0.0, radius / wall_m, |lighting| {
+                irradiance_reference(&range, &normal, lighting).planes()[0].pixel(0, 0)
+            });
+            sum = [0, 1].map(|i| sum[i] + light[i] / CIRCLES as f64);
+        }
+        sum
+    }
+}
