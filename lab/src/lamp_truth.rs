@@ -23,6 +23,8 @@ pub const WATERS: [(&str, Coefficients); 6] = [
 ];
 /// Half angles of the lamps' cones, degrees; none: a lamp that shines in all directions.
 pub const CONES_DEG: [Option<f64>; 2] = [None, Some(35.0)];
+/// The phase functions of the truth.
+pub const LAWS: [Law; 2] = [Law::FournierForand, Law::HenyeyGreenstein];
 /// b_b/b of all of them.
 const BACKSCATTER: f64 = 0.0183;
 const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
@@ -39,6 +41,44 @@ const fn coefficients(absorption: f64, scattering: f64) -> Coefficients {
         absorption,
         scattering,
     }
+}
+
+/// How the truth scatters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// As sea water does.
+    FournierForand,
+    /// As the chain does: what it then has wrong is not its phase function.
+    HenyeyGreenstein,
+}
+
+impl Law {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FournierForand => "Fournier-Forand",
+            Self::HenyeyGreenstein => "Henyey-Greenstein",
+        }
+    }
+
+    fn phase(self) -> Phase {
+        match self {
+            Self::FournierForand => Phase::fournier_forand(FournierForand::of_backscatter(BACKSCATTER)),
+            Self::HenyeyGreenstein => Phase::henyey_greenstein(optics::lamp::asymmetry_of(BACKSCATTER)),
+        }
+    }
+}
+
+/// What is measured in one go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Task {
+    /// Which of [`WATERS`].
+    pub water: usize,
+    /// The lamp's cone.
+    pub cone_deg: Option<f64>,
+    /// How the truth scatters.
+    pub law: Law,
 }
 
 /// Where light was measured.
@@ -58,9 +98,17 @@ pub enum Place {
     },
 }
 
+impl Place {
+    fn is_wall(self) -> bool {
+        matches!(self, Self::Wall { .. })
+    }
+}
+
 /// One measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
+    /// How the truth scatters.
+    pub law: Law,
     /// Which water.
     pub water: &'static str,
     /// Its coefficients.
@@ -88,7 +136,8 @@ impl Cell {
 
 /// Measures one lamp in one water.
 #[must_use]
-pub fn measure(water: usize, cone_deg: Option<f64>, photons: Range<u64>) -> Vec<Cell> {
+pub fn measure(task: Task, photons: Range<u64>) -> Vec<Cell> {
+    let Task { water, cone_deg, law } = task;
     let (name, coefficients) = WATERS[water];
     let bench = Bench {
         water: coefficients,
@@ -104,10 +153,10 @@ pub fn measure(water: usize, cone_deg: Option<f64>, photons: Range<u64>) -> Vec<
             .to_vec(),
         rings_deg: RINGS_DEG.to_vec(),
     };
-    let phase = Phase::fournier_forand(FournierForand::of_backscatter(BACKSCATTER));
-    let shone = bench.shine(&phase, water as u64, photons);
+    let shone = bench.shine(&law.phase(), water as u64, photons);
     let model = Model::new(&bench, BACKSCATTER);
     let cell = |wall: usize, place: Place, truth, chain| Cell {
+        law,
         water: name,
         coefficients,
         is_spot: cone_deg.is_some(),

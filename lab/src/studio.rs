@@ -6,7 +6,7 @@ use std::sync::Arc;
 use anyhow::Context;
 use cli::exit::Failure;
 use imaging::{Raster, codec};
-use renderer::{Engine, Rendered, SceneSource, Slot};
+use renderer::{Engine, Rendered, SceneSource, Slot, WaterLight};
 use serde_json::Value;
 use spec::{Frame, Job};
 use style::Library;
@@ -38,6 +38,13 @@ impl Studio {
         let job = Job::parse(description.to_string().as_bytes(), &vocabulary);
         let frame = job.and_then(|job| job.resolve(index));
         frame.map_err(|invalid| cli::job::refused(Path::new("the description"), &invalid))
+    }
+
+    /// The light of a frame in its water, part by part.
+    pub(crate) fn water_light(&mut self, frame: &Frame) -> Result<WaterLight, Failure> {
+        self.slot
+            .water_light(frame, &SceneSource::Local)
+            .map_err(Failure::input)
     }
 
     pub(crate) fn render(&mut self, frame: &Frame) -> Result<Rendered, Failure> {

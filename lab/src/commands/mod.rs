@@ -12,6 +12,7 @@ mod stability;
 mod suspended;
 mod table1;
 mod training_scores;
+mod truth;
 mod truth_lamps;
 mod waters;
 
@@ -44,6 +45,8 @@ pub(crate) enum Command {
     Scenes(scene_sheets::Arguments),
     /// Score a trained style over several sets of new scenes
     TrainingScores(training_scores::Arguments),
+    /// Trace a frame of a job by Monte Carlo and hold the chain against it
+    Truth(truth::Arguments),
     /// Measure the light of lamps in six waters by Monte Carlo, beside that of the chain
     TruthLamps(truth_lamps::Arguments),
     /// Measure how fast rendering and the service are on this machine
@@ -65,6 +68,7 @@ impl Command {
             Self::Suspended(arguments) => suspended::run(&arguments),
             Self::Scenes(arguments) => scene_sheets::run(&arguments),
             Self::TrainingScores(arguments) => training_scores::run(&arguments),
+            Self::Truth(arguments) => truth::run(&arguments),
             Self::TruthLamps(arguments) => truth_lamps::run(&arguments),
             Self::Bench(arguments) => bench::run(&arguments),
         }

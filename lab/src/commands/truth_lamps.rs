@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use cli::exit::Failure;
 use cli::files;
 use cli::progress::Progress;
-use lab::lamp_truth::{CONES_DEG, Cell, WATERS, csv, markdown, measure};
+use lab::lamp_truth::{CONES_DEG, Cell, LAWS, Task, WATERS, csv, markdown, measure};
 
 use crate::machine;
 
@@ -27,9 +27,9 @@ const THICK: f64 = 0.5;
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     // Clear water first: it takes longest.
-    let tasks: Vec<(usize, Option<f64>)> = (0..WATERS.len())
-        .flat_map(|water| CONES_DEG.map(|cone| (water, cone)))
-        .collect();
+    let lamps = (0..WATERS.len()).flat_map(|water| CONES_DEG.map(|cone_deg| (water, cone_deg)));
+    let task = |(water, cone_deg)| LAWS.map(|law| Task { water, cone_deg, law });
+    let tasks: Vec<Task> = lamps.flat_map(task).collect();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let next = AtomicU64::new(0);
     let mut progress = Progress::new("truth-lamps", "lamps", tasks.len() as u64);
@@ -38,12 +38,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             let mut found = Vec::new();
             loop {
                 let number = next.fetch_add(1, Ordering::Relaxed) as usize;
-                let Some(&(water, cone)) = tasks.get(number) else {
+                let Some(&task) = tasks.get(number) else {
                     return found;
                 };
-                let more = (THICK / WATERS[water].1.scattering).clamp(1.0, 10.0);
+                let more = (THICK / WATERS[task.water].1.scattering).clamp(1.0, 10.0);
                 let photons = (arguments.photons as f64 * more) as u64;
-                found.push((number, measure(water, cone, 0..photons)));
+                found.push((number, measure(task, 0..photons)));
             }
         };
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();

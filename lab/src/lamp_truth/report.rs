@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use super::{CAMERAS_M, CONES_DEG, Cell, Place, WALLS_M, WATERS};
+use super::{CAMERAS_M, CONES_DEG, Cell, LAWS, Law, Place, WALLS_M, WATERS};
 
 /// Every cell, one line each.
 #[must_use]
 pub fn csv(cells: &[Cell]) -> String {
     let mut text = String::from(
-        "water,absorption_per_m,scattering_per_m,lamp,wall_m,what,ring_deg,camera_m,look_deg,truth,standard_error,single,multiple\n",
+        "phase,water,absorption_per_m,scattering_per_m,lamp,wall_m,what,ring_deg,camera_m,look_deg,truth,standard_error,single,multiple\n",
     );
     for cell in cells {
         let (what, place) = match cell.place {
@@ -20,7 +20,8 @@ pub fn csv(cells: &[Cell]) -> String {
         let [single, multiple] = cell.chain;
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{what},{place},{:.4e},{:.1e},{single:.4e},{multiple:.4e}",
+            "{},{},{},{},{},{},{what},{place},{:.4e},{:.1e},{single:.4e},{multiple:.4e}",
+            cell.law.name(),
             cell.water,
             cell.coefficients.absorption,
             cell.coefficients.scattering,
@@ -40,82 +41,78 @@ fn lamp(is_spot: bool) -> &'static str {
 /// The tables of the page: truth over single scattering, and the chain with multiple scattering over the truth.
 #[must_use]
 pub fn markdown(cells: &[Cell]) -> String {
-    let mut text = String::new();
-    for cone in CONES_DEG {
-        let is_spot = cone.is_some();
-        let _ = write!(
-            text,
-            "## {}\n\n",
-            if is_spot {
-                "Spots of 35 degrees"
+    let mut text = String::from(INTRODUCTION);
+    for law in LAWS {
+        for cone in CONES_DEG {
+            let is_spot = cone.is_some();
+            let kind = if is_spot {
+                "spots of 35 degrees"
             } else {
-                "Point lamps"
-            }
-        );
-        table(
-            &mut text,
-            "On a wall within 20 degrees of the axis, at",
-            "m",
-            &WALLS_M,
-            |water, wall| {
-                of(cells, water, is_spot, |cell| {
-                    cell.wall_m == wall
-                        && matches!(cell.place, Place::Wall { ring_deg: [_, outer] } if outer <= 20.0)
-                })
-            },
-        );
-        table(
-            &mut text,
-            "In the water before a wall at 4 m, camera beside the lamp at",
-            "m",
-            &CAMERAS_M,
-            |water, camera| {
-                of(cells, water, is_spot, |cell| {
-                    let looks = matches!(cell.place, Place::Water { camera_m, .. } if camera_m == camera);
-                    looks && cell.wall_m == 4.0
-                })
-            },
-        );
-    }
-    text.push_str("## All cells\n\n| cells | known | single within 20 % | multiple within 20 % | multiple, least to greatest |\n|---|---|---|---|---|\n");
-    for is_spot in [false, true] {
-        for (what, on_wall) in [("on walls", true), ("in the water", false)] {
-            let name = format!("{}s {what}", lamp(is_spot));
-            summary(&mut text, &name, cells, |cell| {
-                cell.is_spot == is_spot && matches!(cell.place, Place::Wall { .. }) == on_wall
-            });
+                "point lamps"
+            };
+            let _ = write!(text, "## {}: {kind}\n\n", law.name());
+            tables(&mut text, cells, law, is_spot);
         }
     }
-    summary(&mut text, "points on walls, b r up to 4", cells, |cell| {
-        !cell.is_spot
-            && matches!(cell.place, Place::Wall { .. })
-            && cell.coefficients.scattering * cell.wall_m <= 4.0
-    });
+    text.push_str(
+        "## All cells\n\n| cells | known | single within 20 % | multiple within 20 % | multiple, least to greatest |\n|---|---|---|---|---|\n",
+    );
+    for law in LAWS {
+        for is_spot in [false, true] {
+            for (what, on_wall) in [("on walls", true), ("in the water", false)] {
+                let name = format!("{}, {}s {what}", law.name(), lamp(is_spot));
+                summary(&mut text, &name, cells, |cell| {
+                    cell.law == law && cell.is_spot == is_spot && cell.place.is_wall() == on_wall
+                });
+            }
+        }
+        let name = format!("{}, points on walls, b r up to 4", law.name());
+        summary(&mut text, &name, cells, |cell| {
+            let is_near = cell.coefficients.scattering * cell.wall_m <= 4.0;
+            cell.law == law && !cell.is_spot && cell.place.is_wall() && is_near
+        });
+    }
     text
 }
 
-/// The cells of a water that a table shows in one place.
-fn of<'a>(cells: &'a [Cell], water: &str, is_spot: bool, belongs: impl Fn(&Cell) -> bool) -> Vec<&'a Cell> {
-    cells
-        .iter()
-        .filter(|cell| cell.water == water && cell.is_spot == is_spot && belongs(cell))
-        .collect()
+const INTRODUCTION: &str = "Each entry is the truth over the chain with single scattering, and in brackets the chain with multiple scattering \
+                            over the truth, least and greatest of several places. The chain scatters as Henyey and Greenstein say; \
+                            where the truth does, too, only the chain's orders are wrong.\n\n";
+
+fn tables(text: &mut String, cells: &[Cell], law: Law, is_spot: bool) {
+    let of = |water: &str, belongs: &dyn Fn(&Cell) -> bool| -> Vec<Cell> {
+        let belongs =
+            |cell: &&Cell| cell.law == law && cell.water == water && cell.is_spot == is_spot && belongs(cell);
+        cells.iter().filter(belongs).cloned().collect()
+    };
+    table(
+        text,
+        "On a wall within 20 degrees of the axis, at",
+        &WALLS_M,
+        |water, wall| {
+            of(water, &|cell| {
+                cell.wall_m == wall
+                    && matches!(cell.place, Place::Wall { ring_deg: [_, outer] } if outer <= 20.0)
+            })
+        },
+    );
+    let title = "In the water before a wall at 4 m, camera beside the lamp at";
+    table(text, title, &CAMERAS_M, |water, camera| {
+        of(water, &|cell| {
+            let looks = matches!(cell.place, Place::Water { camera_m, .. } if camera_m == camera);
+            looks && cell.wall_m == 4.0
+        })
+    });
 }
 
-fn table<'a>(
-    text: &mut String,
-    title: &str,
-    unit: &str,
-    columns: &[f64],
-    cells: impl Fn(&str, f64) -> Vec<&'a Cell>,
-) {
-    let heads: Vec<String> = columns.iter().map(|column| format!("{column} {unit}")).collect();
+fn table(text: &mut String, title: &str, columns: &[f64], cells: impl Fn(&str, f64) -> Vec<Cell>) {
+    let heads: Vec<String> = columns.iter().map(|column| format!("{column} m")).collect();
     let rule = "---|".repeat(columns.len());
     let _ = write!(
         text,
-        "{title}: truth over single scattering, and in brackets the chain with multiple scattering over the truth.\n\n"
+        "{title}\n\n| water (a, b) | {} |\n|---|{rule}\n",
+        heads.join(" | ")
     );
-    let _ = write!(text, "| water (a, b) | {} |\n|---|{rule}\n", heads.join(" | "));
     for (name, water) in WATERS {
         let row: Vec<String> = columns
             .iter()
@@ -133,8 +130,8 @@ fn table<'a>(
 }
 
 /// Least and greatest of both ratios.
-fn entry(cells: &[&Cell]) -> String {
-    let ratios: Vec<[f64; 2]> = cells.iter().filter_map(|cell| cell.ratios()).collect();
+fn entry(cells: &[Cell]) -> String {
+    let ratios: Vec<[f64; 2]> = cells.iter().filter_map(Cell::ratios).collect();
     if ratios.is_empty() {
         return "not measured".to_owned();
     }

@@ -26,6 +26,6 @@ pub use error::RenderError;
 pub use file::{EXTENSIONS, File, extension};
 pub use frame_plan::FramePlan;
 pub use provenance::{CODE_VERSION, cpu_features};
-pub use slot::{LinearPicture, Rendered, Slot};
+pub use slot::{LinearPicture, Rendered, Slot, WaterLight};
 pub use source::{SceneBytes, SceneSource};
 pub use vocabulary::vocabulary;

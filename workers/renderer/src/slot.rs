@@ -10,6 +10,7 @@ use optics::forward_scatter::KernelCache;
 use optics::plan::{Given, Plan};
 use optics::setting::Setting;
 use optics::snow::peak;
+use scenes::CameraPose;
 use spec::{Camera, Exposure, Frame, FrameRecord, Scene};
 
 use crate::content::Contents;
@@ -50,6 +51,25 @@ pub struct Rendered {
 pub struct LinearPicture {
     /// Linear light, white = 1.
     pub radiance: Rgb<f32>,
+    /// The plan by which it was rendered.
+    pub plan: Plan,
+}
+
+/// The light of a frame in the water before snow, style and haze, with what it was made of: to be held against another model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WaterLight {
+    /// The surroundings.
+    pub setting: Setting,
+    /// The scene in air.
+    pub scene: scenes::Scene,
+    /// Where the camera is, if it is known.
+    pub pose: Option<CameraPose>,
+    /// Light of surfaces that arrives unscattered.
+    pub direct: Rgb<f32>,
+    /// Light of surfaces that arrives scattered forward.
+    pub forward_scatter: Rgb<f32>,
+    /// Light of lamps that the water scatters to the camera; none without.
+    pub glow: Option<Rgb<f32>>,
     /// The plan by which it was rendered.
     pub plan: Plan,
 }
@@ -107,6 +127,24 @@ impl Slot {
             })
         };
         Ok(self.run(frame, source, picture)?.0)
+    }
+
+    /// The light of a frame in its water, part by part.
+    ///
+    /// # Errors
+    /// As [`Slot::render`].
+    pub fn water_light(&mut self, frame: &Frame, source: &SceneSource) -> Result<WaterLight, RenderError> {
+        let shot = self.resolve(frame, source, &mut Stopwatch::start())?;
+        let layers = water::run(&shot, &mut self.kernels)?;
+        Ok(WaterLight {
+            scene: shot.prepared.scene.clone(),
+            pose: shot.prepared.pose,
+            direct: layers.direct,
+            forward_scatter: layers.forward_scatter,
+            glow: shot.lit.glow,
+            setting: shot.setting,
+            plan: shot.plan,
+        })
     }
 
     /// Runs all stages and gives what they made to the last one.

@@ -260,14 +260,18 @@ pub struct Truth {
 
 /// Doubles the paths of every pixel until the goal is met: the median block known to the target, and the mean of the frame the same
 /// as with half the paths to within the target, since too few paths look converged and are too dark. `trace` returns what the
-/// samples of a range say of every pixel, row by row.
-pub fn converge(size: (usize, usize), goal: &Goal, mut trace: impl FnMut(Range<u64>) -> Vec<Pixel>) -> Truth {
+/// samples of a range say of every pixel, row by row, and none where it will not go on; without any sample there is no truth.
+pub fn converge(
+    size: (usize, usize),
+    goal: &Goal,
+    mut trace: impl FnMut(Range<u64>) -> Option<Vec<Pixel>>,
+) -> Option<Truth> {
     let most = goal.most_paths.clamp(BATCHES as u64, MOST_PATHS);
     let mut truth = Truth {
         estimate: Estimate {
             size,
             paths: BATCHES as u64,
-            pixels: trace(0..BATCHES as u64),
+            pixels: trace(0..BATCHES as u64)?,
         },
         is_converged: false,
         is_slow: [false; 3],
@@ -275,7 +279,9 @@ pub fn converge(size: (usize, usize), goal: &Goal, mut trace: impl FnMut(Range<u
     while !truth.is_converged && truth.estimate.paths * 2 <= most {
         let estimate = &mut truth.estimate;
         let before = [0, 1, 2].map(|channel| estimate.whole(channel, Part::All));
-        let more = trace(estimate.paths..2 * estimate.paths);
+        let Some(more) = trace(estimate.paths..2 * estimate.paths) else {
+            break;
+        };
         estimate
             .pixels
             .iter_mut()
@@ -291,14 +297,14 @@ pub fn converge(size: (usize, usize), goal: &Goal, mut trace: impl FnMut(Range<u
                 holds && estimate.spread(goal.block, i).median <= allowed
             });
     }
-    truth
+    Some(truth)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn pixels(light: impl Fn(u64) -> f64, samples: Range<u64>) -> Vec<Pixel> {
+    fn pixels(light: impl Fn(u64) -> f64, samples: Range<u64>) -> Option<Vec<Pixel>> {
         let mut pixel = Pixel::NOTHING;
         for sample in samples {
             let orders = [[light(sample); 3], [0.0; 3], [0.0; 3]];
@@ -311,7 +317,7 @@ mod tests {
                 },
             );
         }
-        vec![pixel; 6]
+        Some(vec![pixel; 6])
     }
 
     #[test]
@@ -356,7 +362,7 @@ mod tests {
             block: 1,
             most_paths: 1 << 12,
         };
-        let truth = converge((3, 2), &goal, |samples| pixels(rare, samples));
+        let truth = converge((3, 2), &goal, |samples| pixels(rare, samples)).unwrap();
         assert_eq!((truth.is_converged, truth.is_slow), (false, [true; 3]));
     }
 

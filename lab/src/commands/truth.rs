@@ -1,0 +1,163 @@
+//! `fathom-lab truth`: one frame of a job by Monte Carlo, and the chain held against it.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use clap::ValueEnum;
+use cli::exit::Failure;
+use cli::progress::Progress;
+use cli::{files, job};
+use imaging::codec;
+use lab::frame_truth::{Asked, Found, Moment, trace};
+use renderer::{SceneSource, WaterLight};
+use serde_json::json;
+use spec::Frame;
+use truth::{FournierForand, Goal, Phase};
+
+use crate::studio::Studio;
+
+/// Options of `fathom-lab truth`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The job: a frame description with laws, as JSON
+    spec: PathBuf,
+    /// Index of the frame
+    #[arg(long, default_value_t = 0)]
+    frame: u64,
+    /// Folder for truth.npy, truth_error.npy and truth_report.json
+    #[arg(long, value_name = "DIR", default_value = "truth")]
+    out: PathBuf,
+    /// Error of the median block as a share of the frame's mean
+    #[arg(long, default_value_t = 0.02, value_parser = target)]
+    target: f64,
+    /// Most paths of each pixel and channel
+    #[arg(long, default_value_t = 1 << 16, value_parser = clap::value_parser!(u64).range(1 << 4..=1 << 20))]
+    paths_max: u64,
+    /// Pixels on a side of the blocks that are compared
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
+    block: u16,
+    /// Begin no round of twice the paths that would end after this time; lifts the limit of 65536 pixels times 65536 paths
+    #[arg(long)]
+    budget_s: Option<u64>,
+    /// Seed of the paths; without, the job's
+    #[arg(long)]
+    seed: Option<u64>,
+    /// How the water scatters
+    #[arg(long, value_enum, default_value_t = Law::Ff)]
+    phase: Law,
+    /// Trace all channels on one path, for attenuations within a factor of 3 of each other
+    #[arg(long)]
+    shared: bool,
+}
+
+/// Phase functions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Law {
+    /// Fournier-Forand with the water's backscatter fraction
+    Ff,
+    /// Henyey-Greenstein with the water's backscatter fraction, as the chain has it
+    Hg,
+}
+
+/// Pixels times paths that need no budget.
+const MOST_WORK: u64 = 1 << 32;
+
+fn target(text: &str) -> Result<f64, String> {
+    let limits = 0.001..=0.5;
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if limits.contains(&value) {
+        Ok(value)
+    } else {
+        Err("the limit is 0.001..=0.5".to_owned())
+    }
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut studio = Studio::with_shipped_styles()?;
+    let job = job::read(&arguments.spec, &studio.library)?;
+    let frame = job
+        .resolve(arguments.frame)
+        .map_err(|invalid| job::refused(&arguments.spec, &invalid))?;
+    let chain = studio.water_light(&frame)?;
+    let (width, height) = chain.setting.size;
+    let pixels = (width * height) as u64;
+    if arguments.budget_s.is_none() && pixels.saturating_mul(arguments.paths_max) > MOST_WORK {
+        return Err(Failure::BadInput(format!(
+            "{width}×{height} pixels with --paths-max {} are {} paths, the limit is {MOST_WORK} without --budget-s",
+            arguments.paths_max,
+            pixels * arguments.paths_max
+        )));
+    }
+    let start = Instant::now();
+    let found = traced(arguments, &frame, &chain, start)?;
+    write(arguments, &found, start.elapsed())
+}
+
+/// Traces with a bar of the pixels of each round.
+fn traced(
+    arguments: &Arguments,
+    frame: &Frame,
+    chain: &WaterLight,
+    start: Instant,
+) -> Result<Found, Failure> {
+    let fraction = chain
+        .setting
+        .water
+        .as_ref()
+        .map_or(optics::lamp::AVERAGE_BACKSCATTER_FRACTION, |water| {
+            water.backscatter_fraction()
+        });
+    let phase = match arguments.phase {
+        Law::Ff => Phase::fournier_forand(FournierForand::of_backscatter(fraction)),
+        Law::Hg => Phase::henyey_greenstein(optics::lamp::asymmetry_of(fraction)),
+    };
+    let asked = Asked {
+        goal: Goal {
+            target: arguments.target,
+            block: usize::from(arguments.block),
+            most_paths: arguments.paths_max,
+        },
+        seed: arguments.seed.unwrap_or(frame.seed),
+        is_shared: arguments.shared,
+        threads: std::thread::available_parallelism().map_or(1, usize::from),
+    };
+    let pixels = (chain.setting.size.0 * chain.setting.size.1) as u64;
+    let mut progress = Progress::new("truth", "pixels", pixels);
+    let found = trace(frame, chain, phase, &asked, &mut |moment| match moment {
+        Moment::Done(pixels) => {
+            progress.set(pixels as u64);
+            true
+        }
+        Moment::Round(samples) => {
+            progress.set_with(0, format!("pixels, paths {} to {}", samples.start, samples.end));
+            // A round takes as long as all before it together.
+            let ends = 2 * start.elapsed();
+            arguments
+                .budget_s
+                .is_none_or(|budget| samples.start == 0 || ends <= Duration::from_secs(budget))
+        }
+    });
+    progress.finish();
+    found.map_err(Failure::input)
+}
+
+fn write(arguments: &Arguments, found: &Found, took: Duration) -> Result<(), Failure> {
+    let [mean, error] = found.truth.pictures();
+    let mut report = json!(found.report);
+    report["phase"] = json!(
+        arguments
+            .phase
+            .to_possible_value()
+            .map(|value| value.get_name().to_owned())
+    );
+    report["seconds"] = json!(took.as_secs_f64());
+    let text = serde_json::to_string_pretty(&report).context("cannot write the report")?;
+    let path = |name: &str| arguments.out.join(name);
+    files::write(&path("truth.npy"), &codec::encode_npy_rgb(&mean))?;
+    files::write(&path("truth_error.npy"), &codec::encode_npy_rgb(&error))?;
+    files::write(&path("truth_report.json"), text.as_bytes())?;
+    println!("{text}");
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! The truth of a frame of a job: what its description and its scene say, as light meets it.
+
+use std::ops::Range;
+
+use imaging::geometry::Intrinsics;
+use imaging::random::Stream;
+use imaging::rays::Rays;
+use imaging::vector::vec3;
+use imaging::{Plane, Rgb};
+use optics::setting::Setting;
+use optics::water::Water;
+use spec::Frame;
+
+use crate::dice::Address;
+use crate::estimate::Pixel;
+use crate::lamp::Lamp;
+use crate::phase::Phase;
+use crate::scene::{Along, Scene};
+use crate::surface::{Picture, Surfaces};
+use crate::water::{Coefficients, Murk};
+
+/// Why a frame has no truth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoTruth {
+    /// Without absorption and scattering there is no transfer.
+    #[error(
+        "water.optics: the scattering of the water is not known, give absorption_per_m and scattering_per_m"
+    )]
+    NoScattering,
+    /// More light scattered than lost.
+    #[error("water.optics: scattering exceeds beam attenuation")]
+    MoreScatteredThanLost,
+}
+
+/// A frame to be traced.
+#[derive(Debug, Clone, Copy)]
+pub struct Subject<'a> {
+    /// Its description.
+    pub frame: &'a Frame,
+    /// Its surroundings.
+    pub setting: &'a Setting,
+    /// Linear radiance in air.
+    pub radiance: &'a Rgb<f32>,
+    /// Range, m.
+    pub range: &'a Plane<f32>,
+}
+
+impl<'a> Scene<'a> {
+    /// The scene of a frame: its picture in air sends out its radiance and, where there are lamps, sends their light back by as much,
+    /// at most all of it. Daylight's veil, snow, style, haze and camera are not in it.
+    ///
+    /// # Errors
+    /// [`NoTruth`].
+    pub fn of_frame(
+        subject: &Subject<'a>,
+        rays: &'a (dyn Rays + Sync),
+        phase: Phase,
+    ) -> Result<Self, NoTruth> {
+        let setting = subject.setting;
+        let water = setting.water.as_ref().map_or(Ok([NOTHING; 3]), coefficients)?;
+        let lamps = if setting.lighting.is_some() {
+            Lamp::among(&subject.frame.lights)
+        } else {
+            Vec::new()
+        };
+        let patches = setting
+            .patches
+            .as_ref()
+            .map(|field| field.seen_from(&setting.eye));
+        let picture = Picture::new(
+            subject.radiance,
+            subject.range,
+            setting.eye.camera,
+            setting.gain(),
+            !lamps.is_empty(),
+        );
+        Ok(Self {
+            rays,
+            surfaces: Surfaces::Picture(picture),
+            lamps,
+            sea: None,
+            water,
+            phase,
+            murk: patches.map_or(Murk::Even, |field| Murk::Patches(Box::new(field))),
+        })
+    }
+}
+
+const NOTHING: Coefficients = Coefficients {
+    absorption: 0.0,
+    scattering: 0.0,
+};
+
+fn coefficients(water: &Water) -> Result<[Coefficients; 3], NoTruth> {
+    let scattering = water.scattering().ok_or(NoTruth::NoScattering)?;
+    let attenuation = water.direct_attenuation();
+    if (0..3).any(|i| scattering[i] > attenuation[i] * (1.0 + 1e-9)) {
+        return Err(NoTruth::MoreScatteredThanLost);
+    }
+    Ok([0, 1, 2].map(|i| Coefficients {
+        absorption: (attenuation[i] - scattering[i]).max(0.0),
+        scattering: scattering[i],
+    }))
+}
+
+/// The paths of a frame that are traced together.
+#[derive(Debug, Clone, Copy)]
+pub struct Shutter {
+    /// The camera.
+    pub camera: Intrinsics,
+    /// Columns of the frame.
+    pub width: usize,
+    /// Number of the frame.
+    pub frame: u64,
+    /// Random numbers.
+    pub stream: Stream,
+    /// Whether a path serves all channels.
+    pub is_shared: bool,
+}
+
+impl Shutter {
+    /// Traces samples of some pixels, in the order of their numbers.
+    #[must_use]
+    pub fn trace(&self, scene: &Scene<'_>, pixels: Range<usize>, samples: &Range<u64>) -> Vec<Pixel> {
+        let pixel = |number: usize| {
+            let ray = self
+                .camera
+                .ray((number % self.width) as f64, (number / self.width) as f64);
+            let along = Along {
+                origin: vec3(0.0, 0.0, 0.0),
+                direction: ray.normalized(),
+            };
+            let address = Address {
+                frame: self.frame,
+                pixel: number as u64,
+                sample: 0,
+                channel: 0,
+            };
+            Pixel::trace(
+                scene,
+                along,
+                self.stream,
+                address,
+                samples.clone(),
+                self.is_shared,
+            )
+        };
+        pixels.map(pixel).collect()
+    }
+}
