@@ -46,9 +46,14 @@ impl Model {
             attenuation: [self.absorption + self.scattering; 3],
             scattering: [self.scattering; 3],
             asymmetry: self.asymmetry,
+            absorption: None,
             patches: None,
         };
-        [light(&lighting), light(&lighting)]
+        let followed = Lighting {
+            absorption: Some([self.absorption; 3]),
+            ..lighting.clone()
+        };
+        [light(&lighting), light(&followed)]
     }
 
     /// The glow that a camera beside the lamp sees.

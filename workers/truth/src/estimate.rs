@@ -320,6 +320,14 @@ mod tests {
         Some(vec![pixel; 6])
     }
 
+    fn converged(
+        size: (usize, usize),
+        goal: &Goal,
+        trace: impl FnMut(Range<u64>) -> Option<Vec<Pixel>>,
+    ) -> Truth {
+        converge(size, goal, trace).expect("a first round")
+    }
+
     #[test]
     fn paths_are_doubled_until_the_blocks_and_the_mean_are_known() {
         let dice = Stream::stage(5, "truth");
@@ -328,7 +336,7 @@ mod tests {
             block: 2,
             most_paths: 1 << 16,
         };
-        let truth = converge((3, 2), &goal, |samples| {
+        let truth = converged((3, 2), &goal, |samples| {
             pixels(|sample| dice.unit(0, sample), samples)
         });
         assert!(truth.is_converged && truth.estimate.paths >= LEAST_PATHS);
@@ -341,7 +349,7 @@ mod tests {
             most_paths: 64,
             ..goal
         };
-        let truth = converge((3, 2), &few, |samples| {
+        let truth = converged((3, 2), &few, |samples| {
             pixels(|sample| dice.unit(0, sample), samples)
         });
         assert!(!truth.is_converged && truth.estimate.paths == 64);
@@ -362,7 +370,7 @@ mod tests {
             block: 1,
             most_paths: 1 << 12,
         };
-        let truth = converge((3, 2), &goal, |samples| pixels(rare, samples)).unwrap();
+        let truth = converged((3, 2), &goal, |samples| pixels(rare, samples));
         assert_eq!((truth.is_converged, truth.is_slow), (false, [true; 3]));
     }
 
