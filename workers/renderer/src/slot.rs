@@ -10,7 +10,6 @@ use optics::forward_scatter::KernelCache;
 use optics::plan::{Given, Plan};
 use optics::setting::Setting;
 use optics::snow::peak;
-use scenes::CameraPose;
 use spec::{Camera, Exposure, Frame, FrameRecord, Scene};
 
 use crate::content::Contents;
@@ -62,16 +61,12 @@ pub struct WaterLight {
     pub setting: Setting,
     /// The scene in air.
     pub scene: scenes::Scene,
-    /// Where the camera is, if it is known.
-    pub pose: Option<CameraPose>,
     /// Light of surfaces that arrives unscattered.
     pub direct: Rgb<f32>,
     /// Light of surfaces that arrives scattered forward.
     pub forward_scatter: Rgb<f32>,
     /// Light of lamps that the water scatters to the camera; none without.
     pub glow: Option<Rgb<f32>>,
-    /// The plan by which it was rendered.
-    pub plan: Plan,
 }
 
 /// What a prepared scene depends on. Scenes from local files are not kept: the files may change.
@@ -138,12 +133,10 @@ impl Slot {
         let layers = water::run(&shot, &mut self.kernels)?;
         Ok(WaterLight {
             scene: shot.prepared.scene.clone(),
-            pose: shot.prepared.pose,
             direct: layers.direct,
             forward_scatter: layers.forward_scatter,
             glow: shot.lit.glow,
             setting: shot.setting,
-            plan: shot.plan,
         })
     }
 
