@@ -6,16 +6,12 @@ use imaging::cancel;
 use imaging::random::Stream;
 use serde::Serialize;
 
-use crate::dice::{Address, MOST_PATHS};
+use crate::dice::Address;
 use crate::scene::{Along, Scene};
 use crate::walk::{ORDERS, Tally};
 
 /// Equal batches of the paths of a pixel, from whose scatter the error follows.
 pub const BATCHES: usize = 16;
-/// With fewer paths, rare and bright light is missed and the scatter does not show it.
-const LEAST_PATHS: u64 = 256;
-/// The error of light with a variance falls to 0.71 with twice the paths; what falls to no less than this has a heavy tail.
-const SLOW: f64 = 0.85;
 
 /// A mean and its standard error.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -56,7 +52,7 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    const NOTHING: Self = Self {
+    pub(crate) const NOTHING: Self = Self {
         sums: [[[0.0; BATCHES]; ORDERS]; 3],
         cut: 0,
     };
@@ -93,7 +89,7 @@ impl Pixel {
         pixel
     }
 
-    fn add<const N: usize>(&mut self, channels: [usize; N], sample: u64, tally: Tally<N>) {
+    pub(crate) fn add<const N: usize>(&mut self, channels: [usize; N], sample: u64, tally: Tally<N>) {
         let batch = (sample % BATCHES as u64) as usize;
         for (i, channel) in channels.into_iter().enumerate() {
             for (order, light) in tally.orders.iter().enumerate() {
@@ -103,7 +99,7 @@ impl Pixel {
         self.cut += u64::from(tally.is_cut);
     }
 
-    fn merge(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         let pairs = self
             .sums
             .iter_mut()
@@ -170,7 +166,7 @@ pub struct Estimate {
     pub size: (usize, usize),
     /// Paths of each pixel.
     pub paths: u64,
-    pixels: Vec<Pixel>,
+    pub(crate) pixels: Vec<Pixel>,
 }
 
 /// How the errors of blocks spread.
@@ -236,143 +232,9 @@ impl Estimate {
     }
 }
 
-/// How well a frame must be known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Goal {
-    /// Error of the median block as a share of the frame's mean.
-    pub target: f64,
-    /// Pixels on a side of a block.
-    pub block: usize,
-    /// Most paths of a pixel.
-    pub most_paths: u64,
-}
-
-/// A frame traced toward a goal.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Truth {
-    /// Its paths.
-    pub estimate: Estimate,
-    /// Whether the goal was met before the paths ran out.
-    pub is_converged: bool,
-    /// Channels whose error falls slower than the root of the paths: a heavy tail, whose light is still too little.
-    pub is_slow: [bool; 3],
-}
-
-/// Doubles the paths of every pixel until the goal is met: the median block known to the target, and the mean of the frame the same
-/// as with half the paths to within the target, since too few paths look converged and are too dark. `trace` returns what the
-/// samples of a range say of every pixel, row by row, and none where it will not go on; without any sample there is no truth.
-pub fn converge(
-    size: (usize, usize),
-    goal: &Goal,
-    mut trace: impl FnMut(Range<u64>) -> Option<Vec<Pixel>>,
-) -> Option<Truth> {
-    let most = goal.most_paths.clamp(BATCHES as u64, MOST_PATHS);
-    let mut truth = Truth {
-        estimate: Estimate {
-            size,
-            paths: BATCHES as u64,
-            pixels: trace(0..BATCHES as u64)?,
-        },
-        is_converged: false,
-        is_slow: [false; 3],
-    };
-    while !truth.is_converged && truth.estimate.paths * 2 <= most {
-        let estimate = &mut truth.estimate;
-        let before = [0, 1, 2].map(|channel| estimate.whole(channel, Part::All));
-        let Some(more) = trace(estimate.paths..2 * estimate.paths) else {
-            break;
-        };
-        estimate
-            .pixels
-            .iter_mut()
-            .zip(&more)
-            .for_each(|(pixel, more)| pixel.merge(more));
-        estimate.paths *= 2;
-        let after = [0, 1, 2].map(|channel| estimate.whole(channel, Part::All));
-        truth.is_slow = [0, 1, 2].map(|i| after[i].error > SLOW * before[i].error);
-        truth.is_converged = estimate.paths >= LEAST_PATHS
-            && (0..3).all(|i| {
-                let allowed = goal.target * after[i].mean;
-                let holds = (after[i].mean - before[i].mean).abs() <= allowed;
-                holds && estimate.spread(goal.block, i).median <= allowed
-            });
-    }
-    Some(truth)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn pixels(light: impl Fn(u64) -> f64, samples: Range<u64>) -> Option<Vec<Pixel>> {
-        let mut pixel = Pixel::NOTHING;
-        for sample in samples {
-            let orders = [[light(sample); 3], [0.0; 3], [0.0; 3]];
-            pixel.add(
-                [0, 1, 2],
-                sample,
-                Tally {
-                    orders,
-                    is_cut: false,
-                },
-            );
-        }
-        Some(vec![pixel; 6])
-    }
-
-    fn converged(
-        size: (usize, usize),
-        goal: &Goal,
-        trace: impl FnMut(Range<u64>) -> Option<Vec<Pixel>>,
-    ) -> Truth {
-        converge(size, goal, trace).expect("a first round")
-    }
-
-    #[test]
-    fn paths_are_doubled_until_the_blocks_and_the_mean_are_known() {
-        let dice = Stream::stage(5, "truth");
-        let goal = Goal {
-            target: 0.02,
-            block: 2,
-            most_paths: 1 << 16,
-        };
-        let truth = converged((3, 2), &goal, |samples| {
-            pixels(|sample| dice.unit(0, sample), samples)
-        });
-        assert!(truth.is_converged && truth.estimate.paths >= LEAST_PATHS);
-        let level = truth.estimate.pixel(0, 1, Part::All);
-        let expected = (1.0 / 12.0 / truth.estimate.paths as f64).sqrt();
-        assert!((level.mean - 0.5).abs() < 4.0 * expected);
-        assert!((0.4..2.0).contains(&(level.error / expected)), "{level:?}");
-        assert_eq!(truth.estimate.pixel(0, 1, Part::Scattered), Level::default());
-        let few = Goal {
-            most_paths: 64,
-            ..goal
-        };
-        let truth = converged((3, 2), &few, |samples| {
-            pixels(|sample| dice.unit(0, sample), samples)
-        });
-        assert!(!truth.is_converged && truth.estimate.paths == 64);
-    }
-
-    #[test]
-    fn light_with_a_heavy_tail_is_called_slow() {
-        // Twice as many paths bring a path that is twice as bright.
-        let rare = |sample: u64| {
-            if (sample + 1).is_power_of_two() {
-                (sample + 1) as f64
-            } else {
-                0.0
-            }
-        };
-        let goal = Goal {
-            target: 0.001,
-            block: 1,
-            most_paths: 1 << 12,
-        };
-        let truth = converged((3, 2), &goal, |samples| pixels(rare, samples));
-        assert_eq!((truth.is_converged, truth.is_slow), (false, [true; 3]));
-    }
 
     #[test]
     fn blocks_hold_every_pixel_once() {

@@ -10,6 +10,7 @@
 //! [`Comparison`] what that tells of a model.
 
 mod compare;
+mod converge;
 mod dice;
 mod estimate;
 mod frame;
@@ -25,8 +26,9 @@ mod walk;
 mod water;
 
 pub use compare::{Comparison, Difference, Measured};
+pub use converge::{Goal, Truth, converge};
 pub use dice::{Address, MOST_PATHS, MOST_PIXELS, stream};
-pub use estimate::{BATCHES, Blocks, Estimate, Goal, Level, Part, Pixel, Spread, Truth, converge};
+pub use estimate::{BATCHES, Blocks, Estimate, Level, Part, Pixel, Spread};
 pub use frame::{NoTruth, Shutter, Subject};
 pub use lamp::Lamp;
 pub use phase::{FournierForand, Phase};

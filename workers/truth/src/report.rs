@@ -4,7 +4,8 @@ use imaging::{Plane, Rgb};
 use serde::Serialize;
 
 use crate::compare::Comparison;
-use crate::estimate::{Goal, Level, Part, Spread, Truth};
+use crate::converge::{Goal, Truth};
+use crate::estimate::{Level, Part, Spread};
 
 /// The chain's light of a frame, linear, without daylight's veil.
 #[derive(Debug, Clone, Copy)]
