@@ -10,7 +10,7 @@ use cli::progress::Progress;
 use cli::{files, job};
 use imaging::codec;
 use lab::frame_truth::{Asked, Found, Moment, trace};
-use renderer::{SceneSource, WaterLight};
+use renderer::WaterLight;
 use serde_json::json;
 use spec::Frame;
 use truth::{FournierForand, Goal, Phase};

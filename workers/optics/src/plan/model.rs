@@ -48,8 +48,16 @@ const MEASURED: &[Row] = &[
         found: lamps::surfaces,
     },
     Row {
+        stage: "lamps",
+        found: lamps::followed_surfaces,
+    },
+    Row {
         stage: "glow",
         found: lamps::glow,
+    },
+    Row {
+        stage: "glow",
+        found: lamps::followed_glow,
     },
 ];
 

@@ -1,5 +1,5 @@
-//! What single scattering loses of the light of lamps: measured in six waters, with the phase function of Fournier and Forand and
-//! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/truth/lamps.md).
+//! What the chain has wrong of the light of lamps: measured in six waters, with the phase function of Fournier and Forand and
+//! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/truth/lamps.md). Much of what is left of the glow is the phase function.
 
 use super::Conditions;
 use crate::lamp::{Lamp, Lighting};
@@ -115,11 +115,51 @@ pub(super) fn glow(conditions: &Conditions<'_>) -> Option<String> {
     Some(measured.says("in the water", found?.into_iter(), at))
 }
 
-/// The lamps in even water like a measured one: that of the channel that scatters most.
+/// Light of lamps on surfaces where that which scatters more than once is followed.
+pub(super) fn followed_surfaces(conditions: &Conditions<'_>) -> Option<String> {
+    let lighting = followed(conditions)?;
+    let (_, farthest) = conditions.stats.range_m?;
+    nearest(&WALLS_M, farthest)?;
+    let has_spots = lighting.lamps.iter().any(Lamp::is_spot);
+    let share = if has_spots { "0.89-1.31" } else { "0.98-1.05" };
+    Some(format!(
+        "light on surfaces {share} of the truth, measured in six waters at 1 to 4 m"
+    ))
+}
+
+/// Light of lamps in the water where that which scatters more than once is followed.
+pub(super) fn followed_glow(conditions: &Conditions<'_>) -> Option<String> {
+    let lighting = followed(conditions)?;
+    let is_near = |lamp: &Lamp| nearest(&CAMERAS_M, lamp.distance_m()).is_some();
+    let has_spots = lighting.lamps.iter().any(Lamp::is_spot);
+    let share = if has_spots { "0.64-1.57" } else { "0.68-1.22" };
+    let says = || {
+        format!(
+            "light in the water {share} of the truth, measured in six waters for a lamp beside the camera"
+        )
+    };
+    lighting.lamps.iter().all(is_near).then(says)
+}
+
+fn followed<'a>(conditions: &Conditions<'a>) -> Option<&'a Lighting> {
+    let lighting = conditions
+        .lighting
+        .filter(|lighting| lighting.absorption.is_some())?;
+    alike(lighting).map(|_| lighting)
+}
+
 fn single<'a>(conditions: &Conditions<'a>) -> Option<(&'a Lighting, &'static Measured)> {
     let lighting = conditions
         .lighting
-        .filter(|lighting| lighting.patches.is_none())?;
+        .filter(|lighting| lighting.absorption.is_none())?;
+    alike(lighting).map(|measured| (lighting, measured))
+}
+
+/// The measured water that even water is like, by the channel that scatters most.
+fn alike(lighting: &Lighting) -> Option<&'static Measured> {
+    if lighting.patches.is_some() {
+        return None;
+    }
     let channels = [0, 1, 2].map(|i| {
         let b = lighting.scattering[i];
         (lighting.attenuation[i] - b, b)
@@ -134,7 +174,7 @@ fn single<'a>(conditions: &Conditions<'a>) -> Option<(&'a Lighting, &'static Mea
     let nearest = MEASURED
         .iter()
         .min_by(|one, other| apart(one).total_cmp(&apart(other)))?;
-    (apart(nearest) <= ALIKE.ln()).then_some((lighting, nearest))
+    (apart(nearest) <= ALIKE.ln()).then_some(nearest)
 }
 
 /// Which of some distances is nearest to another, in its logarithm.
