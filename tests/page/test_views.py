@@ -134,7 +134,9 @@ def test_everything_comes_from_the_service_under_a_strict_policy(service):
 
 @pytest.mark.skipif("not config.getoption('--pictures')")
 def test_pictures_of_the_documentation(visit, service):
-    page = visit("set/reef?order=-uiqm&x=alpha&y=uiqm", width=1280, height=860)
+    tour = json.loads((ROOT / "examples/tour.json").read_text())
+    service.render({**tour, "count": 80, "camera": {**tour["camera"], "width": 384, "height": 246}})
+    page = visit("set/tour?order=-uiqm&x=water.range_scale&y=uiqm", width=1280, height=860)
     settled(page)
     page.screenshot(path=ROOT / "docs/pictures/page-set.png")
     job = {"scene": {"kind": "procedural", "family": "structure", "seed": 11}, "camera": {"width": 768, "height": 492},

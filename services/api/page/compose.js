@@ -9,6 +9,8 @@ import { Live, pictureOf, rendered } from "./live.js";
 import { bytes, count, duration, number } from "./text.js";
 
 const STRIP = 12;
+// Lamps nearer than that, or behind the camera, have their handles as if they were there: else they stood far beside the picture.
+const NEAREST = 1;
 
 export async function show(root, route) {
   const view = new Compose(root, route);
@@ -180,8 +182,8 @@ class Compose {
     lights.forEach((light, index) => {
       const { x, y } = inPicture(light, now.camera ?? {});
       const button = this.handles.children[index];
-      button.style.left = `${100 * Math.min(1, Math.max(0, x))}%`;
-      button.style.top = `${100 * Math.min(1, Math.max(0, y))}%`;
+      button.style.left = `${100 * Math.min(0.97, Math.max(0.03, x))}%`;
+      button.style.top = `${100 * Math.min(0.96, Math.max(0.04, y))}%`;
       button.setAttribute("aria-label", `lights[${index}] ${light.kind}: move with the arrow keys`);
     });
   }
@@ -245,7 +247,7 @@ function inPicture(light, camera) {
   if (light.kind === "haze") return { x: light.x, y: light.y };
   const [right, down, ahead] = light.position_m ?? [0, 0, 1];
   const { focal, shape } = lens(camera);
-  const depth = Math.max(0.2, ahead);
+  const depth = Math.max(NEAREST, ahead);
   return { x: 0.5 + (focal * right) / depth, y: 0.5 + (focal * shape * down) / depth };
 }
 
@@ -254,7 +256,7 @@ function placed(light, camera, x, y) {
   const tidy = (value) => Number(value.toFixed(4));
   if (light.kind === "haze") return { x: tidy(x), y: tidy(y) };
   const { focal, shape } = lens(camera);
-  const depth = Math.max(0.2, light.position_m[2]);
+  const depth = Math.max(NEAREST, light.position_m[2]);
   return { position_m: [tidy(((x - 0.5) * depth) / focal), tidy(((y - 0.5) * depth) / (focal * shape)), light.position_m[2]] };
 }
 

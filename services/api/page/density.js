@@ -5,10 +5,13 @@ import { color, h, put, select } from "./dom.js";
 import { shade } from "./picture.js";
 import { number, path } from "./text.js";
 
+// Cells along each axis at most, and at least: few images in many cells show nothing.
 const CELLS = 64;
+const FEWEST = 12;
 
 // The panel; chosen({column, min, max}, {column, min, max}) gets what was brushed.
-export function densityPanel(route, name, columns, chosen) {
+export function densityPanel(route, { name, columns, images }, chosen) {
+  const bins = Math.min(CELLS, Math.max(FEWEST, Math.ceil(Math.sqrt(images))));
   const numbers = columns.filter((column) => column.kind === "number").map((column) => column.name);
   const canvas = h("canvas.density", { width: 320, height: 320, role: "img", "aria-label": "Density" });
   const brush = h("div.brush", { hidden: true });
@@ -26,7 +29,7 @@ export function densityPanel(route, name, columns, chosen) {
   async function update() {
     const [x, y] = [route.query.x ?? "alpha", route.query.y ?? "uiqm"];
     try {
-      const answer = await get(`/v1/datasets/${path(name)}/density`, { x, y, bins: CELLS, filter: route.query.filter,
+      const answer = await get(`/v1/datasets/${path(name)}/density`, { x, y, bins, filter: route.query.filter,
         mean_of: route.query.mean }, route.signal);
       shown = answer;
       paint(canvas, answer);

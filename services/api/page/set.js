@@ -83,7 +83,7 @@ class SetView {
     this.histogramPlace = h("div");
     const low = h("input", { type: "number", step: "any", "aria-label": "From", placeholder: "from" });
     const high = h("input", { type: "number", step: "any", "aria-label": "To", placeholder: "to" });
-    this.density = densityPanel(this.route, this.name, this.info.columns, (x, y) => this.filter.add([x, y].map(between).join(" and ")));
+    this.density = densityPanel(this.route, this.info, (x, y) => this.filter.add([x, y].map(between).join(" and ")));
     put(this.side, h("section.panel", {}, h("h2", {}, "Histogram"), select("Column", numbers, this.column(), (value) => {
       this.route.set({ column: value });
       this.showHistogram();
@@ -91,6 +91,11 @@ class SetView {
       event.preventDefault();
       if (low.value !== "" && high.value !== "") this.filter.add(between({ column: this.column(), min: +low.value, max: +high.value }));
     } }, low, high, h("button", {}, "Filter"))), this.density.panel);
+  }
+
+  // Bins along an axis: few images in many bins show nothing.
+  bins(most) {
+    return Math.min(most, Math.max(10, Math.ceil(2 * Math.sqrt(this.info.images))));
   }
 
   column() {
@@ -123,7 +128,7 @@ class SetView {
   async showHistogram() {
     const column = this.column();
     try {
-      const bins = await get(`/v1/datasets/${path(this.name)}/histogram`, { column, bins: 40, filter: this.route.query.filter },
+      const bins = await get(`/v1/datasets/${path(this.name)}/histogram`, { column, bins: this.bins(40), filter: this.route.query.filter },
         this.route.signal);
       put(this.histogramPlace, histogram(bins, { label: column, chosen: (min, max) => this.filter.add(between({ column, min, max })) }),
         h("p.quiet", {}, bins.missing ? `${count(bins.missing, "image")} without a value. ` : "", "Drag over the bars to filter."));
