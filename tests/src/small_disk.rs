@@ -23,6 +23,7 @@ pub(crate) fn run(name: &str, size: &str) {
         match start(way, name, size, folder.path()) {
             Ok(output) if text(&output).contains("running 1 test") => {
                 assert!(output.status.success(), "{}", text(&output));
+                print!("{}", String::from_utf8_lossy(&output.stdout));
                 return;
             }
             Ok(output) => refusals.push(text(&output)),
