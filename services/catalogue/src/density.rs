@@ -1,7 +1,9 @@
 //! How the pairs of two columns are spread over a dataset.
 
 use futures::TryStreamExt;
+use serde::Serialize;
 use sqlx::sqlite::SqliteConnection;
+use utoipa::ToSchema;
 
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
@@ -10,7 +12,6 @@ use crate::histogram::extent;
 use crate::page::{column, double};
 use crate::select::Select;
 use crate::stats::check_dataset;
-use crate::types::{Density, DensityAxis};
 
 /// Upper limit for each axis: finer cells cannot be seen.
 const MOST_BINS: u32 = 400;
@@ -24,6 +25,41 @@ pub struct DensityColumns<'a> {
     pub y: &'a str,
     /// Whose mean is given for each cell.
     pub mean_of: Option<&'a str>,
+}
+
+/// How the pairs of two columns are spread.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct Density {
+    /// The column along the width.
+    pub x: DensityAxis,
+    /// The column along the height.
+    pub y: DensityAxis,
+    /// Cells along each axis.
+    pub bins: usize,
+    /// Images in each cell, `bins` × `bins`: those of the lowest `y` first, from the lowest `x`. The last cells have both of
+    /// their edges.
+    pub counts: Vec<u64>,
+    /// The third column; absent if none was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub mean_of: Option<String>,
+    /// Its mean in each cell, in the order of `counts`; null: no image of the cell has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub means: Option<Vec<Option<f64>>>,
+    /// Images without a finite value in one of the two.
+    pub missing: u64,
+}
+
+/// A column and where its cells begin and end.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct DensityAxis {
+    /// The column.
+    pub column: String,
+    /// The lowest edge.
+    pub min: f64,
+    /// The highest edge.
+    pub max: f64,
 }
 
 /// An image with both values.

@@ -49,7 +49,7 @@ mod writer;
 
 pub use catalogue::Catalogue;
 pub use collections::{CollectionRow, CollectionScene};
-pub use density::DensityColumns;
+pub use density::{Density, DensityAxis, DensityColumns};
 pub use error::CatalogueError;
 pub use filter::FilterError;
 pub use groups::{GroupColumn, compare_groups};
@@ -60,9 +60,9 @@ pub use scrub::DamagedRow;
 pub use stats::GroupedStats;
 pub use time::UnixMs;
 pub use types::{
-    ColumnInfo, DatasetRow, Deleted, Density, DensityAxis, FailureRow, GroupStats, Histogram, Idempotency,
-    ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob, JobRow, NamedDigest, NewJob,
-    NewShard, OpenJob, Page, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+    ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
+    ImportedArtifact, ImportedShard, InsertImage, InsertJob, JobRow, NamedDigest, NewJob, NewShard, OpenJob,
+    Page, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
 };
 pub use versions::{SealedImage, VersionJob, VersionRow};
 pub use waters::WaterRow;

@@ -349,41 +349,6 @@ pub struct Histogram {
     pub missing: u64,
 }
 
-/// How the pairs of two columns are spread.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub struct Density {
-    /// The column along the width.
-    pub x: DensityAxis,
-    /// The column along the height.
-    pub y: DensityAxis,
-    /// Cells along each axis.
-    pub bins: usize,
-    /// Images in each cell, `bins` × `bins`: those of the lowest `y` first, from the lowest `x`. The last cells have both of
-    /// their edges.
-    pub counts: Vec<u64>,
-    /// The third column; absent if none was asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub mean_of: Option<String>,
-    /// Its mean in each cell, in the order of `counts`; null: no image of the cell has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub means: Option<Vec<Option<f64>>>,
-    /// Images without a finite value in one of the two.
-    pub missing: u64,
-}
-
-/// A column and where its cells begin and end.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub struct DensityAxis {
-    /// The column.
-    pub column: String,
-    /// The lowest edge.
-    pub min: f64,
-    /// The highest edge.
-    pub max: f64,
-}
-
 /// A column that filters, orders and tables may name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[schema(as = Column)]

@@ -181,7 +181,7 @@ impl Channel {
         let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
         let beside = |i: usize, side: usize| {
             let near = i / 2;
-            let far = if i % 2 == 0 {
+            let far = if i.is_multiple_of(2) {
                 near.saturating_sub(1)
             } else {
                 (near + 1).min(side - 1)

@@ -26,7 +26,7 @@ pub use chebyshev::{gather, scatter};
 pub(crate) use chebyshev::{gather_channels, scatter_channels};
 pub(crate) use gated::{OPAQUE_GATE, Source, gated_channels};
 pub(crate) use layer::{FILL_LEAST, fill_gamma_px};
-pub use nodes::Nodes;
+pub use nodes::{Kernels, Nodes};
 pub(crate) use nodes::{place, scale_at};
 pub use reference::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference};
 

@@ -28,7 +28,7 @@ pub use stats::{RangeBin, SceneStats};
 
 use spec::{Fidelity, Frame, Haze, Snow};
 
-use crate::forward_scatter::Nodes;
+use crate::forward_scatter::{Kernels, Nodes};
 use crate::lamp;
 use crate::setting::Setting;
 use crate::snow;
@@ -73,25 +73,6 @@ impl ScatterStep {
             Self::Layered(layers) => Some(layers.iter().map(Kernels::terms).sum()),
             Self::Skip | Self::Pointwise | Self::Reference => None,
         }
-    }
-}
-
-/// Kernels of one layer; none where it has no light that they spread.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Kernels {
-    /// Of the only kernel of a path, or the narrow one.
-    pub narrow: Option<Nodes>,
-    /// Of the wide one.
-    pub wide: Option<Nodes>,
-}
-
-impl Kernels {
-    fn terms(&self) -> usize {
-        [&self.narrow, &self.wide]
-            .into_iter()
-            .flatten()
-            .map(Nodes::terms)
-            .sum()
     }
 }
 

@@ -28,7 +28,7 @@ impl Checker<'_> {
             .errors
             .iter()
             .any(|error| error.pointer.starts_with("/camera"));
-        if is_wrong || !PARTS.iter().any(|name| has(name)) {
+        if is_wrong || !PARTS.iter().any(has) {
             return;
         }
         let scenes = places(document, "scene");

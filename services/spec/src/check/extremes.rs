@@ -29,8 +29,11 @@ impl Extremes<'_> {
     }
 }
 
+/// A way to draw laws.
+pub(super) type Draw<'d> = dyn Fn(&LawNode) -> Drawn + 'd;
+
 /// Hands out ways to draw the laws of a part: at their extremes, then as the first of `frames` frames draw them.
-pub(super) fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&dyn Fn(&LawNode) -> Drawn)) {
+pub(super) fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
     for extremes in extremes(node) {
         found(&|law: &LawNode| extremes.draw(law));
     }

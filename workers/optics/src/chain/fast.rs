@@ -7,10 +7,10 @@ use spec::ScatterSource;
 use super::Band;
 use crate::attenuation::{self, Channel, masked};
 use crate::forward_scatter::{
-    self, KernelCache, Source, gated_channels, gather_channels, scatter_channels, widest_px,
+    self, KernelCache, Kernels, Source, gated_channels, gather_channels, scatter_channels, widest_px,
 };
 use crate::layering::Layering;
-use crate::plan::{Kernels, ScatterStep};
+use crate::plan::ScatterStep;
 use crate::water::{Scatter, Spread, Tail, Water};
 
 /// What all channels of a frame share.

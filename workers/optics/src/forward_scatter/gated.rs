@@ -15,10 +15,9 @@ use imaging::{Plane, vectorized};
 use super::channel::{Channel, folded};
 use super::chebyshev::{accumulate, back, line, zeros};
 use super::layer::{Divided, Layer};
-use super::{KernelCache, widest_px};
+use super::{KernelCache, Kernels, widest_px};
 use crate::attenuation::{exp_negative, scattered_share};
 use crate::layering::Layering;
-use crate::plan::Kernels;
 use crate::water::{Scatter, Water};
 
 /// Nothing passes a gate behind which the beam has this many attenuation lengths.

@@ -92,6 +92,27 @@ impl Nodes {
     }
 }
 
+/// Kernels of one layer; none where it has no light that they spread.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Kernels {
+    /// Of the only kernel of a path, or the narrow one.
+    pub narrow: Option<Nodes>,
+    /// Of the wide one.
+    pub wide: Option<Nodes>,
+}
+
+impl Kernels {
+    /// How many there are.
+    #[must_use]
+    pub fn terms(&self) -> usize {
+        [&self.narrow, &self.wide]
+            .into_iter()
+            .flatten()
+            .map(Nodes::terms)
+            .sum()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

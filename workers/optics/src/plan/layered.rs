@@ -4,10 +4,10 @@
 
 use spec::Fidelity;
 
+use super::ScatterStep;
 use super::gates;
 use super::scatter::{Asked, Chosen, WORST_MARGIN, fewest, largest_share, samples, widened};
-use super::{Kernels, ScatterStep};
-use crate::forward_scatter::{Bound, Nodes, widest_px};
+use crate::forward_scatter::{Bound, Kernels, Nodes, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
 use crate::water::{Scatter, Spread, Tail, Water};
