@@ -73,6 +73,6 @@ pub use suggest::nearest;
 pub use suspended::{Snow, Turbidity};
 pub use vocabulary::Vocabulary;
 pub use water::{
-    Ambient, ForwardScatter, HoleRule, Multiple, Occlusion, Optics, ScatterLaw, ScatterModel, ScatterSource,
-    ScatterSpread, StyleTier, Water,
+    Ambient, ForwardScatter, HoleRule, Multiple, Occlusion, Optics, PhaseFunction, ScatterModel,
+    ScatterSource, ScatterSpread, StyleTier, Water,
 };

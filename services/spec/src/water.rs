@@ -140,7 +140,7 @@ pub struct ForwardScatter {
     pub spread: Option<ScatterSpread>,
     /// phase function that two kernels are fitted to; absent: `ff`
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub law: Option<ScatterLaw>,
+    pub law: Option<PhaseFunction>,
     /// whether near objects stop the spread light of what is behind them; absent: `none`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub occlusion: Option<Occlusion>,
@@ -203,7 +203,7 @@ pub enum ScatterSpread {
 /// The phase function that two kernels are fitted to.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
-pub enum ScatterLaw {
+pub enum PhaseFunction {
     /// Fournier–Forand with b_b/b = 0.018.
     #[default]
     Ff,

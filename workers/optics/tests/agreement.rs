@@ -13,7 +13,7 @@ use optics::water::Water;
 
 use scenes::{SCENES, Scene};
 use spec::{
-    Fidelity, ForwardScatter, Occlusion, Optics, ScatterLaw, ScatterModel, ScatterSource, ScatterSpread,
+    Fidelity, ForwardScatter, Occlusion, Optics, PhaseFunction, ScatterModel, ScatterSource, ScatterSpread,
 };
 
 /// A single pixel, single lines, primes, odd, even and composite sides.
@@ -86,10 +86,10 @@ fn wide_forms() -> Vec<(&'static str, Water)> {
         (name, Water::resolve(&request, 40.0).expect("a consistent water"))
     };
     vec![
-        form("two kernels", ScatterLaw::Ff, Occlusion::None, 1),
-        form("two kernels of hg", ScatterLaw::Hg, Occlusion::None, 1),
-        form("gated, two layers", ScatterLaw::Ff, Occlusion::Gated, 2),
-        form("gated, four layers", ScatterLaw::Hg, Occlusion::Gated, 4),
+        form("two kernels", PhaseFunction::Ff, Occlusion::None, 1),
+        form("two kernels of hg", PhaseFunction::Hg, Occlusion::None, 1),
+        form("gated, two layers", PhaseFunction::Ff, Occlusion::Gated, 2),
+        form("gated, four layers", PhaseFunction::Hg, Occlusion::Gated, 4),
     ]
 }
 

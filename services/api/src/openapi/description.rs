@@ -161,7 +161,7 @@ impl Writer<'_> {
                 let element = self.plain(element, type_name, laws).base;
                 self.named(&format!("{element}List"), |_| list)
             }
-            Shape::Bool => bare(json!({"type": "boolean"}), ""),
+            Shape::Bool => bare(json!({"type": "boolean"}), "Boolean"),
             Shape::Labels => self.labels(),
             Shape::Scalar => self.named("Scalar", |_| {
                 let text = json!({"type": "string", "maxLength": MAX_LABEL_TEXT});

@@ -64,6 +64,7 @@ fn without_limits(base: &str) -> Value {
     match base {
         "Integer" => json!({"type": "integer"}),
         "Text" => json!({"type": "string"}),
+        "Boolean" => json!({"type": "boolean"}),
         "Triple" => json!({"type": "array", "items": reference("NumberOrLaw"), "minItems": 3, "maxItems": 3}),
         _ => json!({"type": "number"}),
     }

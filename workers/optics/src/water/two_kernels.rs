@@ -3,7 +3,7 @@
 //! Fits to the light of beams in Monte Carlo runs up to b Z of about 8: angles of both kernels and the share of the wide one are
 //! linear in the optical path b Z.
 
-use spec::{ForwardScatter, Occlusion, ScatterLaw, ScatterModel, ScatterSource, ScatterSpread};
+use spec::{ForwardScatter, Occlusion, PhaseFunction, ScatterModel, ScatterSource, ScatterSpread};
 
 use super::{Spread, Tail, WaterError};
 
@@ -25,15 +25,15 @@ const fn line(at_zero: f64, slope: f64) -> Line {
     Line { at_zero, slope }
 }
 
-fn fit(law: ScatterLaw) -> Fit {
+fn fit(law: PhaseFunction) -> Fit {
     let wide = |at_zero| line(at_zero, 0.010);
     match law {
-        ScatterLaw::Ff => Fit {
+        PhaseFunction::Ff => Fit {
             narrow: line(0.0015, 0.0007),
             wide: wide(0.035),
             share: line(0.63, 0.065),
         },
-        ScatterLaw::Hg => Fit {
+        PhaseFunction::Hg => Fit {
             narrow: line(0.0045, 0.0),
             wide: wide(0.040),
             share: line(0.84, 0.02),
@@ -42,7 +42,7 @@ fn fit(law: ScatterLaw) -> Fit {
 }
 
 /// The narrow kernel and the wide one, in water of this scattering (1/m) before a lens of this focal length.
-pub(super) fn kernels(law: ScatterLaw, scattering: [f64; 3], focal_px: f64) -> (Spread, Tail) {
+pub(super) fn kernels(law: PhaseFunction, scattering: [f64; 3], focal_px: f64) -> (Spread, Tail) {
     let Fit { narrow, wide, share } = fit(law);
     let spread = |angle: Line| Spread {
         offset_px: [angle.at_zero * focal_px; 3],

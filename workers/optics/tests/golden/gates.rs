@@ -6,7 +6,7 @@ use optics::forward_scatter::KernelCache;
 use optics::layering::Layering;
 use optics::plan::{GateStep, Plan, SceneStats};
 use optics::water::Water;
-use spec::{Fidelity, ForwardScatter, Occlusion, Optics, ScatterLaw, ScatterModel, ScatterSpread};
+use spec::{Fidelity, ForwardScatter, Occlusion, Optics, PhaseFunction, ScatterModel, ScatterSpread};
 
 use crate::case::Case;
 
@@ -26,9 +26,9 @@ const OWN: (f64, f64) = (0.8, 1.18);
 
 fn resolved(case: &Case, scatter: ForwardScatter) -> Water {
     let law = if case.text("law") == "hg" {
-        ScatterLaw::Hg
+        PhaseFunction::Hg
     } else {
-        ScatterLaw::Ff
+        PhaseFunction::Ff
     };
     let two = scatter.spread == Some(ScatterSpread::Two);
     let optics = Optics {
