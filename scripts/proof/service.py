@@ -82,9 +82,10 @@ def serve(binary, data, work, workers, **environment):
 def address(process, log):
     end = time.monotonic() + START_LIMIT_S
     while time.monotonic() < end and process.poll() is None:
-        for line in log.read_text().splitlines():
-            if line.startswith("fathom listens on "):
-                return line.removeprefix("fathom listens on ")
+        for line in log.read_text().splitlines(keepends=True):
+            # The program writes its lines in pieces.
+            if line.startswith("fathom listens on ") and line.endswith("\n"):
+                return line.removeprefix("fathom listens on ").strip()
         time.sleep(0.02)
     process.kill()
     raise SystemExit("the service does not listen:\n" + log.read_text())

@@ -10,15 +10,12 @@ mod fast;
 mod gated_reference;
 mod reference;
 
-use std::borrow::Cow;
-
 use imaging::{Plane, Rgb};
-use spec::HoleRule;
 
 use crate::attenuation::exp_negative;
 use crate::forward_scatter::KernelCache;
 use crate::plan::{Form, GateStep, Plan, ScatterStep};
-use crate::range::{bounds, is_hole};
+use crate::range::{bounds, filled, is_hole};
 use crate::water::Water;
 
 pub use check::{ChainError, check_radiance};
@@ -122,33 +119,6 @@ fn layers<T>([r, g, b]: [Band<T>; 3], holes: u64) -> Layers<T> {
         backscatter: join([r.veil, g.veil, b.veil]),
         scattered: join([r.image, g.image, b.image]),
         holes,
-    }
-}
-
-/// The range with holes replaced where the rule names a distance.
-pub(crate) fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
-    match holes {
-        HoleRule::RangeM(meters) => {
-            Cow::Owned(range.map(|&z| if is_hole(z) { T::from_meters(meters) } else { z }))
-        }
-        HoleRule::Background | HoleRule::Reject => Cow::Borrowed(range),
-    }
-}
-
-/// f32 or f64.
-pub(crate) trait Sample: Copy + Into<f64> {
-    fn from_meters(meters: f64) -> Self;
-}
-
-impl Sample for f32 {
-    fn from_meters(meters: f64) -> Self {
-        meters as f32
-    }
-}
-
-impl Sample for f64 {
-    fn from_meters(meters: f64) -> Self {
-        meters
     }
 }
 

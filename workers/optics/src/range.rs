@@ -1,6 +1,9 @@
 //! Range along the ray, and what a pixel without one means.
 
-use imaging::vectorized;
+use std::borrow::Cow;
+
+use imaging::{Plane, vectorized};
+use spec::HoleRule;
 
 /// The shortest range that is one, in meters: below it, and where it is not finite, the pixel is a hole.
 pub const SHORTEST_M: f64 = 1e-3;
@@ -11,6 +14,33 @@ pub const SHORTEST_M: f64 = 1e-3;
 pub fn is_hole(range: impl Into<f64>) -> bool {
     let range = range.into();
     !(range.is_finite() && range >= SHORTEST_M)
+}
+
+/// The range with holes replaced where the rule names a distance.
+pub(crate) fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Plane<T>> {
+    match holes {
+        HoleRule::RangeM(meters) => {
+            Cow::Owned(range.map(|&z| if is_hole(z) { T::from_meters(meters) } else { z }))
+        }
+        HoleRule::Background | HoleRule::Reject => Cow::Borrowed(range),
+    }
+}
+
+/// f32 or f64.
+pub(crate) trait Sample: Copy + Into<f64> {
+    fn from_meters(meters: f64) -> Self;
+}
+
+impl Sample for f32 {
+    fn from_meters(meters: f64) -> Self {
+        meters as f32
+    }
+}
+
+impl Sample for f64 {
+    fn from_meters(meters: f64) -> Self {
+        meters
+    }
 }
 
 /// Several bounds at once, so that the loop vectorizes.

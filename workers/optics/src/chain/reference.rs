@@ -4,10 +4,10 @@ use imaging::{Plane, Rgb};
 use spec::ScatterSource;
 
 use super::gated_reference::Gated;
-use super::{Band, ChainError, Layers, check, filled, layers};
+use super::{Band, ChainError, Layers, check, layers};
 use crate::forward_scatter::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference, widest_px};
 use crate::layering::Layering;
-use crate::range::is_hole;
+use crate::range::{filled, is_hole};
 use crate::water::{Scatter, Spread, Water};
 
 /// Takes a scene under water exactly: [`water`](super::water) in f64, without any plan.

@@ -5,11 +5,10 @@ use spec::{HoleRule, ScatterSource};
 
 use super::bins;
 use crate::attenuation::OPAQUE;
-use crate::chain::filled as filled_range;
 use crate::extremes::{brightest, greatest, least};
 use crate::forward_scatter::widest_px;
 use crate::layering::Layering;
-use crate::range::{bounds, is_hole};
+use crate::range::{bounds, filled as filled_range, is_hole};
 use crate::water::{Scatter, Water};
 
 /// Distinct ranges are counted up to here: with more, interpolation takes fewer kernels than there are ranges.
