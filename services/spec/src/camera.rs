@@ -27,6 +27,10 @@ pub struct Camera {
     /// a way past a procedural scene; absent: its usual place
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<Path>,
+    /// against gravity: right, down and ahead of a picture's camera, of any length but 0; absent: [0, -1, 0], a level camera
+    #[field(vector, within(-1000.0, 1000.0))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up: Option<[f64; 3]>,
     /// a camera whose parts the fields below replace; absent: a pinhole without noise
     #[field(names = Camera)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,6 +130,7 @@ impl Camera {
             height,
             hfov_deg,
             path: None,
+            up: None,
             preset: None,
             seed: None,
             frames_per_s: None,
@@ -156,6 +161,7 @@ impl Camera {
     pub fn is_pinhole(&self) -> bool {
         let bare = Self {
             path: self.path,
+            up: self.up,
             ..Self::pinhole(self.width, self.height, self.hfov_deg)
         };
         *self == bare

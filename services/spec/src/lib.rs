@@ -8,6 +8,7 @@ mod camera;
 mod check;
 mod classes;
 mod collection;
+mod daylight;
 mod described;
 mod encode;
 pub mod fields;
@@ -49,6 +50,7 @@ pub use camera::{
 };
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
+pub use daylight::{DaylightLevel, FromAbove, VeilForm};
 pub use described::{Beyond, Described, beyond};
 pub use encode::Encode;
 pub use frame::{Fidelity, Frame, Scene, Variant};

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 use spec_derive::Described;
 
+use crate::daylight::FromAbove;
 use crate::suspended::{Snow, Turbidity};
 
 /// The water and its style.
@@ -34,6 +35,8 @@ pub struct Water {
     pub style_tier: Option<StyleTier>,
     /// what becomes of light of lamps that is scattered more than once; absent: `none`
     pub multiple: Option<Multiple>,
+    /// light from above by direction and depth; absent: as `ambient` and the veiling light have it
+    pub from_above: Option<FromAbove>,
 }
 
 impl Default for Water {
@@ -49,6 +52,7 @@ impl Default for Water {
             turbidity: None,
             style_tier: None,
             multiple: None,
+            from_above: None,
         }
     }
 }

@@ -4,7 +4,7 @@
 use crate::vector::dot;
 
 /// Surfaces are left by this share of their distance from the camera, and by this many meters where that is below one.
-const OFFSET: f64 = 1e-5;
+pub const OFFSET: f64 = 1e-5;
 
 /// What a ray meets first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +25,54 @@ pub trait Rays {
     /// Whether anything is on the way.
     fn occluded(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> bool {
         self.hit(origin, direction, from, to).is_some()
+    }
+
+    /// Sets for each way whether nothing lies between its ends; `clear` is as long as the list. What lies within [`offset`] of the
+    /// beginning is not met. A scene that tests many ways at once overrides this.
+    fn look(&self, ways: &Ways, clear: &mut [bool]) {
+        for (i, clear) in clear.iter_mut().enumerate() {
+            let [origin, end] =
+                [&ways.from, &ways.to].map(|ends| ends.each_ref().map(|axis| f64::from(axis[i])));
+            let way = [0, 1, 2].map(|axis| end[axis] - origin[axis]);
+            let (meters, from) = (dot(way, way).sqrt(), offset(origin));
+            *clear = meters <= from || !self.occluded(origin, way.map(|v| v / meters), from, meters);
+        }
+    }
+}
+
+/// Straight ways between two places each, in meters: the coordinates of one axis after the other. Ways that lie beside each other
+/// in the list are tested the faster the nearer they lie to each other in space.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Ways {
+    /// Where they begin, off the surface that they leave.
+    pub from: [Vec<f32>; 3],
+    /// Where they end.
+    pub to: [Vec<f32>; 3],
+}
+
+impl Ways {
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.from[0].len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Removes all.
+    pub fn clear(&mut self) {
+        self.from.iter_mut().chain(&mut self.to).for_each(Vec::clear);
+    }
+
+    /// Adds one at the end.
+    pub fn push(&mut self, from: [f32; 3], to: [f32; 3]) {
+        let axes = self.from.iter_mut().chain(&mut self.to);
+        axes.zip(from.into_iter().chain(to))
+            .for_each(|(axis, value)| axis.push(value));
     }
 }
 
@@ -87,5 +135,18 @@ mod tests {
                 assert!(Ground.occluded(origin, [0.0, 0.0, 1.0], 0.0, 1.0));
             }
         }
+    }
+
+    #[test]
+    fn ways_are_clear_that_no_ray_finds_anything_on() {
+        let mut ways = Ways::default();
+        ways.push([0.0, 0.0, -1.0], [5.0, 0.0, -1e-3]);
+        ways.push([0.0, 0.0, -1.0], [5.0, 0.0, 1e-3]);
+        ways.push([0.0, 0.0, -1e-6], [0.0, 0.0, 1e-6]);
+        let mut clear = [false; 3];
+        Ground.look(&ways, &mut clear);
+        assert_eq!((clear, ways.len()), ([true, false, true], 3));
+        ways.clear();
+        assert!(ways.is_empty());
     }
 }

@@ -78,6 +78,8 @@ pub fn water(
         farthest,
         water,
         clear: plan.attenuation.form == Form::Skip,
+        veil: plan.attenuation.form != Form::Skip
+            && plan.veil.as_ref().is_some_and(|veil| veil.form != Form::Skip),
         gates: plan.gates.as_ref().and_then(|gates| match &gates.form {
             GateStep::Gated(layering) => Some(layering),
             GateStep::Skip | GateStep::Reference => None,

@@ -6,6 +6,7 @@
 pub mod attenuation;
 mod blend;
 pub mod chain;
+pub mod daylight;
 mod elementary;
 mod extremes;
 pub mod eye;
@@ -19,6 +20,7 @@ pub mod own_water;
 pub mod plan;
 pub mod preset;
 pub mod range;
+mod screen;
 pub mod setting;
 pub mod snow;
 pub mod turbidity;
@@ -27,4 +29,5 @@ pub mod water;
 
 pub use blend::style_blend;
 pub use haze::haze;
+pub use screen::Screen;
 pub use visibility::{LEAST_CONTRAST, Visibility, visibility};

@@ -17,6 +17,7 @@ mod scatter;
 mod shares;
 mod stats;
 mod style;
+mod veil;
 mod water;
 
 pub use gates::GateStep;
@@ -111,6 +112,9 @@ pub struct Plan {
     pub lamps: Stage,
     /// Attenuation; in f64 forward scatter is, too.
     pub attenuation: Stage,
+    /// The veil by direction, or the constant one where that is as good; none where the frame does not ask for it. Its bound is a part
+    /// of that of the water.
+    pub veil: Option<Stage>,
     /// Gates that stop spread light; none where the frame does not ask for them.
     pub gates: Option<Stage<GateStep>>,
     /// Forward scatter of each channel. Its bound is that of all of the water: attenuation, gates, scatter and rounding.
@@ -216,6 +220,7 @@ impl Plan {
             turbidity: rounded(setting.patches.is_some(), shares.path),
             lamps: rounded(setting.lighting.is_some(), shares.surfaces),
             attenuation: water.attenuation,
+            veil: water.veil,
             gates: water.gates,
             scatter: water.scatter,
             glow: glow(given),
@@ -255,6 +260,7 @@ impl Plan {
             tolerance: levels::tolerance(stats, water, fidelity),
             scene_light: Stage::exact(Form::Fast.when(water.radiance_gain != [1.0; 3])),
             attenuation: stages.attenuation,
+            veil: stages.veil,
             gates: stages.gates,
             scatter: stages.scatter,
             model: ModelErrors::measured(&Conditions::of_water(water, stats)),
@@ -276,6 +282,7 @@ impl Plan {
             turbidity: skip(),
             lamps: skip(),
             attenuation: skip(),
+            veil: None,
             gates: None,
             scatter: [const { ScatterStep::Skip }; 3].map(Stage::exact),
             glow: skip(),

@@ -1,8 +1,9 @@
 //! What a frame is taken in: its water, lamps, patches and snow before its camera, every number known and no light computed yet.
 
 use imaging::geometry::Intrinsics;
-use spec::{Beyond, Frame, Snow};
+use spec::{Beyond, Frame, Scene, Snow};
 
+use crate::daylight::Gaze;
 use crate::eye::Eye;
 use crate::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
 use crate::snow::{self, World};
@@ -86,7 +87,11 @@ impl Setting {
         let water = is_wet.then(|| resolve(&frame.water, view.camera.focal_px));
         let water = water.and_then(|water| {
             let refused = |wrong: Vec<_>| errors.extend(wrong.into_iter().map(SettingError::Water));
-            water.map_err(refused).ok()
+            let water = water.map_err(refused).ok()?;
+            Some(match water.daylight() {
+                Some(_) => water.seen_by(Gaze::new(view.camera, view.size, up_of(frame, &eye))),
+                None => water,
+            })
         });
         let patchy = frame
             .water
@@ -128,6 +133,14 @@ impl Setting {
     #[must_use]
     pub fn gain(&self) -> [f64; 3] {
         self.water.as_ref().map_or([1.0; 3], Water::radiance_gain)
+    }
+}
+
+/// Against gravity in camera axes: a procedural world has its z axis up, and a picture says where up is or is level.
+fn up_of(frame: &Frame, eye: &Eye) -> [f64; 3] {
+    match frame.scene {
+        Scene::Procedural { .. } => eye.turned([0.0, 0.0, 1.0]),
+        _ => frame.camera.up.unwrap_or([0.0, -1.0, 0.0]),
     }
 }
 

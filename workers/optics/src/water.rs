@@ -12,6 +12,7 @@ pub use rules::RULES;
 
 use spec::{HoleRule, Multiple, Optics, ScatterSource};
 
+use crate::daylight::{Daylight, Field, Gaze, VeilOf};
 use derive::Request;
 
 /// Width of the forward-scatter kernel: `γ(Z) = offset + per_meter · Z` in pixels, for each channel.
@@ -126,6 +127,7 @@ pub struct Water {
     pub(crate) scatter: Scatter,
     pub(crate) backscatter_fraction: f64,
     pub(crate) multiple: Option<Multiple>,
+    pub(crate) daylight: Option<Daylight>,
     pub(crate) holes: HoleRule,
     pub(crate) derived: Vec<&'static str>,
 }
@@ -178,7 +180,37 @@ impl Water {
         self.direct_attenuation
     }
 
-    /// Veiling light, linear.
+    /// Light from above by direction and depth, where it is asked for.
+    #[must_use]
+    pub fn daylight(&self) -> Option<&Daylight> {
+        self.daylight.as_ref()
+    }
+
+    /// The same water before a camera with this view, on which light from above depends.
+    #[must_use]
+    pub fn seen_by(&self, gaze: Gaze) -> Self {
+        Self {
+            daylight: self.daylight.map(|daylight| daylight.seen_by(gaze)),
+            ..self.clone()
+        }
+    }
+
+    /// The veil of one channel where it depends on the direction.
+    pub(crate) fn varied_veil(&self, channel: usize) -> Option<VeilOf> {
+        let daylight = self.daylight.filter(Daylight::varies)?;
+        let attenuation = self.backscatter_attenuation[channel];
+        Some(daylight.veil_of(channel, attenuation, self.veiling_light[channel]))
+    }
+
+    /// No veil in the picture is brighter in this channel, with open water in view or without.
+    pub(crate) fn brightest_veil(&self, channel: usize, is_open: bool) -> f64 {
+        match (self.varied_veil(channel), self.daylight) {
+            (Some(veil), Some(daylight)) => veil.brightest(daylight.gaze.rises, is_open),
+            _ => self.veiling_light[channel],
+        }
+    }
+
+    /// Veiling light, linear; at the horizon where it depends on the direction.
     #[must_use]
     pub fn veiling_light(&self) -> [f64; 3] {
         self.veiling_light
@@ -270,6 +302,9 @@ impl Water {
             Scatter::Jaffe { g, spread, tail, .. } => (Some(g), Some(spread), tail),
             Scatter::Simplified { spread } => (None, Some(spread), None),
         };
+        let directed = self.daylight.filter(|daylight| daylight.needs_field());
+        let of_field =
+            |number: fn(&Field) -> f64| directed.map(|daylight| daylight.fields.each_ref().map(number));
         vec![
             ("absorption_per_m", self.absorption),
             ("scattering_per_m", self.scattering),
@@ -288,6 +323,9 @@ impl Water {
             ("wide_spread_offset_px", tail.map(|tail| tail.spread.offset_px)),
             ("wide_share", tail.map(|tail| [tail.share; 3])),
             ("wide_share_per_m", tail.map(|tail| tail.share_per_m)),
+            ("horizon", of_field(|field| field.shape.horizon)),
+            ("p", of_field(|field| field.shape.p)),
+            ("q", of_field(|field| field.shape.q)),
         ]
     }
 }

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "agreement/daylight.rs"]
+mod daylight;
 #[path = "agreement/scenes.rs"]
 mod scenes;
 

@@ -6,6 +6,8 @@
 
 #[path = "golden/case.rs"]
 mod case;
+#[path = "golden/daylight.rs"]
+mod daylight;
 #[path = "golden/gates.rs"]
 mod gates;
 #[path = "golden/shadows.rs"]
@@ -59,6 +61,8 @@ fn check_realism(folder: &Path) {
     let case = Case::open(folder);
     match case.text("kind").as_str() {
         "lamp with shadows" => shadows::lamp(&case),
+        "light from above" if case.number("focal_px").is_some() => daylight::from_above(&case),
+        "light from above" => daylight::by_direction(&case),
         "gated forward scatter" => gates::gated(&case),
         "pole" => gates::pole(&case),
         _ => {}

@@ -10,6 +10,7 @@ pub mod labels;
 mod path;
 mod pipeline;
 pub mod pose;
+mod rays;
 mod shaft;
 mod site;
 mod structure;
@@ -21,6 +22,7 @@ pub use families::{FAMILIES, Family};
 pub use labels::{Labels, SurfaceLabels};
 pub use path::CameraPath;
 pub use pose::CameraPose;
+pub use rays::WorldRays;
 pub use world::World;
 
 use imaging::geometry::Intrinsics;

@@ -6,14 +6,14 @@
 //!
 //! A pixel depends on its own ray alone, so rows can be rendered in any bands and on any threads with the same bytes.
 
-mod bounds;
+pub(crate) mod bounds;
 pub(crate) mod builder;
 mod camera;
 pub(crate) mod chance;
 mod dots;
 pub(crate) mod finish;
 mod geometry;
-mod lanes;
+pub(crate) mod lanes;
 mod light;
 mod noise;
 mod outline;
@@ -21,6 +21,7 @@ mod picture;
 pub(crate) mod pose;
 mod shade;
 pub(crate) mod solid;
+pub(crate) mod tree;
 
 use imaging::vector::DVec3;
 
@@ -29,7 +30,8 @@ use crate::categories::Category;
 use finish::Finish;
 use solid::Solid;
 
-pub(crate) use picture::{Picture, Surfaces, render};
+pub(crate) use picture::{FAR_M, Picture, Surfaces, render};
+pub(crate) use shade::LABEL_BEVEL_M;
 
 /// An object: its surface and what it is. Number 0 is the ground.
 #[derive(Debug, Clone, Copy)]

@@ -15,6 +15,7 @@ impl Checker<'_> {
         self.scene_files(document);
         self.light_spaces(document);
         self.lamp_axes(document);
+        self.verticals(document);
         self.path(document);
         self.artifacts(document);
     }
@@ -62,13 +63,27 @@ impl Checker<'_> {
         }
     }
 
+    /// A picture may say where up is; a procedural scene knows.
+    fn verticals(&mut self, document: &Node) {
+        let scenes = places(document, "scene");
+        let all_rendered = scenes.iter().all(|(_, scene)| scene.get("family").is_some());
+        for (pointer, camera) in places(document, "camera") {
+            let Some(up) = camera.get("up") else { continue };
+            let at = format!("{pointer}/up");
+            if is_zero(up) {
+                let message = "`camera.up` is [0, 0, 0], which is no direction";
+                self.refuse(|| FieldError::new(&at, message).limit("a length above 0"));
+            }
+            if all_rendered {
+                let message = "`camera.up` needs a picture: a procedural scene knows where up is";
+                self.refuse(|| FieldError::new(&at, message));
+            }
+        }
+    }
+
     fn lamp_axes(&mut self, document: &Node) {
         for (pointer, light) in lights(document) {
-            let Some(Node::List(axis)) = light.get("direction") else {
-                continue;
-            };
-            let nothing = |node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0));
-            if axis.iter().all(nothing) {
+            if light.get("direction").is_some_and(is_zero) {
                 let message = "this lamp's `direction` is [0, 0, 0], which is none";
                 self.refuse(|| {
                     FieldError::new(&format!("{pointer}/direction"), message).limit("a length above 0")
@@ -174,6 +189,12 @@ impl Checker<'_> {
             }
         }
     }
+}
+
+/// Whether a list holds nothing but the constant 0.
+fn is_zero(list: &Node) -> bool {
+    let nothing = |node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0));
+    matches!(list, Node::List(axis) if axis.iter().all(nothing))
 }
 
 /// What can stand in a field of the document, each with its pointer.

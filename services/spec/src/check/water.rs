@@ -21,7 +21,7 @@ impl Checker<'_> {
         };
         let alternatives = water.alternatives("");
         let has = |name| alternatives.iter().any(|(_, water)| water.get(name).is_some());
-        if !(has("optics") || has("snow"))
+        if !(has("optics") || has("snow") || has("from_above"))
             || self
                 .errors
                 .iter()

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod common;
+mod daylight;
 mod documents;
 mod errors;
 mod law_errors;

@@ -6,6 +6,7 @@ use spec::ScatterSource;
 
 use super::Band;
 use crate::attenuation::{self, Channel, masked};
+use crate::daylight;
 use crate::forward_scatter::{
     self, KernelCache, Kernels, Source, gated_channels, gather_channels, scatter_channels, widest_px,
 };
@@ -21,6 +22,8 @@ pub(super) struct Frame<'a> {
     pub(super) water: &'a Water,
     /// Attenuation is left out.
     pub(super) clear: bool,
+    /// The veil depends on the direction.
+    pub(super) veil: bool,
     /// Layers whose gates stop spread light; none where nothing is stopped.
     pub(super) gates: Option<&'a Layering>,
 }
@@ -119,6 +122,12 @@ fn attenuated(
         backscatter: clear.unwrap_or(water.backscatter_attenuation[channel] as f32),
         veil: water.veiling_light[channel] as f32,
     };
+    // Attenuation leaves a constant veil out where one by direction takes its place.
+    let varied = frame.veil.then(|| water.varied_veil(channel)).flatten();
+    let coefficients = Channel {
+        veil: if varied.is_some() { 0.0 } else { coefficients.veil },
+        ..coefficients
+    };
     let [mut direct, mut veil, mut image, mut forward] = [(); 4].map(|()| empty(range, cache));
     let layers = attenuation::Attenuated {
         direct: direct.data_mut(),
@@ -126,6 +135,10 @@ fn attenuated(
         image: image.data_mut(),
     };
     attenuation::attenuate(radiance.data(), range.data(), coefficients, layers);
+    if let (Some(varied), Some(daylight)) = (varied, water.daylight()) {
+        daylight::veil(range, &varied, &daylight.gaze, veil.data_mut());
+        accumulate(image.data_mut(), veil.data());
+    }
     match (&water.scatter, step) {
         (
             Scatter::Jaffe { g, source, .. },

@@ -5,6 +5,7 @@ use spec::ScatterSource;
 
 use super::gated_reference::Gated;
 use super::{Band, ChainError, Layers, check, layers};
+use crate::daylight::veil_reference;
 use crate::forward_scatter::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference, widest_px};
 use crate::layering::Layering;
 use crate::range::{filled, is_hole};
@@ -55,9 +56,12 @@ fn band(
     let lit = radiance.map(|j| j * water.radiance_gain[channel]);
     let at_end = |attenuation: f64| if attenuation > 0.0 { 0.0 } else { 1.0 };
     let direct = with_range(&lit, range, |j, z| j * z.map_or(at_end(c), |z| (-c * z).exp()));
-    let veil = with_range(&lit, range, |_, z| {
-        veil_light * z.map_or(1.0 - at_end(c_back), |z| -(-c_back * z).exp_m1())
-    });
+    let veil = match (water.varied_veil(channel), water.daylight()) {
+        (Some(varied), Some(daylight)) => veil_reference(range, &varied, &daylight.gaze),
+        _ => with_range(&lit, range, |_, z| {
+            veil_light * z.map_or(1.0 - at_end(c_back), |z| -(-c_back * z).exp_m1())
+        }),
+    };
     let attenuated = zipped(&direct, &veil, |d, b| d + b);
     match (&water.scatter, farthest(range), layering) {
         (Scatter::Jaffe { .. }, Some(_), Some(layering)) => {

@@ -10,6 +10,8 @@ use crate::snow;
 
 /// Nanoseconds a pixel.
 const ATTENUATION_NS: f64 = 1.5;
+/// The veil by direction of all channels.
+const VEIL_NS: f64 = 10.0;
 /// Each channel that is transformed, and each of its kernels.
 const CHANNEL_NS: f64 = 7.8;
 const KERNEL_NS: f64 = 1.87;
@@ -70,6 +72,15 @@ impl Amounts {
 }
 
 impl Plan {
+    /// Expected milliseconds of a veil by direction; none in f64.
+    pub(super) fn veil_cost_ms(&self) -> Option<f64> {
+        match self.veil.as_ref().map_or(Form::Skip, |veil| veil.form) {
+            Form::Skip => Some(0.0),
+            Form::Fast => Some((VEIL_NS * self.amounts.pixels / 1e4).round() / 100.0),
+            Form::Reference => None,
+        }
+    }
+
     /// Expected milliseconds of each stage before the enhancement, in the order of the lines; none of a stage in f64.
     pub(super) fn cost(&self) -> [Option<f64>; 11] {
         let Amounts {

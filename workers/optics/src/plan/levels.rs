@@ -24,14 +24,16 @@ pub(super) fn tolerance(stats: &SceneStats, water: &Water, fidelity: Fidelity) -
 /// What f32 may lose of the light of a channel.
 pub(super) fn rounding(stats: &SceneStats, water: &Water, channel: usize) -> f64 {
     let radiance = f64::from(stats.brightest[channel]) * water.radiance_gain[channel];
-    ROUNDING * radiance.max(water.veiling_light[channel])
+    ROUNDING * radiance.max(water.brightest_veil(channel, stats.holes))
 }
 
 /// No light that snow may cover is brighter: that of the scene as it may pile up, the veil, and the glow.
 pub(super) fn brightest_behind(given: &Given<'_>) -> f64 {
     let around = given.setting.around.as_ref();
     let gain = around.map_or([1.0; 3], Water::radiance_gain);
-    let veil = around.map_or([0.0; 3], Water::veiling_light);
+    let veil = around.map_or([0.0; 3], |water| {
+        [0, 1, 2].map(|i| water.brightest_veil(i, given.stats.holes))
+    });
     let behind = [0, 1, 2].map(|i| PILED_UP * f64::from(given.stats.brightest[i]) * gain[i] + veil[i]);
     behind.into_iter().fold(0.0, f64::max) + given.lamps.glow_peak
 }
@@ -63,6 +65,8 @@ struct Channel {
     /// Attenuation of the veil, 1/m.
     back: f64,
     veil: f64,
+    /// Whether the veil is another in every direction, this one the brightest.
+    is_varied: bool,
 }
 
 impl Channel {
@@ -73,7 +77,8 @@ impl Channel {
             bright: f64::from(stats.brightest[channel]) * gain,
             direct: water.direct_attenuation[channel],
             back: water.backscatter_attenuation[channel],
-            veil: water.veiling_light[channel],
+            veil: water.brightest_veil(channel, stats.holes),
+            is_varied: water.varied_veil(channel).is_some(),
         }
     }
 }
@@ -86,9 +91,10 @@ pub(super) fn levels(stats: &SceneStats, water: &Water, channel: usize) -> (f64,
         direct,
         back,
         veil,
+        is_varied,
     } = Channel::of_scene(stats, water, channel);
     let (nearest, farthest) = stats.range_m.unwrap_or((0.0, f64::INFINITY));
-    if direct == back && direct > 0.0 {
+    if direct == back && direct > 0.0 && !is_varied {
         // The veil is between the two where a hole shows it alone.
         let arriving = |contrast: f64, towards: bool| {
             let farther = if stats.holes { f64::INFINITY } else { farthest };
@@ -113,7 +119,12 @@ pub(super) fn attenuation_effect(stats: &SceneStats, water: &Water, channel: usi
         direct,
         back,
         veil,
+        is_varied,
     } = Channel::of_scene(stats, water, channel);
+    if is_varied {
+        // Light from below decays by c + K at most.
+        return bright * -(-direct * farthest).exp_m1() + veil * -(-2.0 * back * farthest).exp_m1();
+    }
     if direct == back {
         let contrast = (bright - veil).abs().max((dark - veil).abs());
         return contrast * -(-direct * farthest).exp_m1();

@@ -67,6 +67,15 @@ impl Plan {
             let after = lines.iter().position(|line| line.stage == "attenuation");
             lines.insert(after.map_or(0, |at| at + 1), occlusion(gates));
         }
+        if let Some(veil) = &self.veil {
+            let after = lines.iter().position(|line| line.stage == "attenuation");
+            let own = Line {
+                cost_ms: self.veil_cost_ms(),
+                model_error: self.model.of("veil"),
+                ..by_direction(veil)
+            };
+            lines.insert(after.map_or(0, |at| at + 1), own);
+        }
         self.explain(&mut lines);
         lines
     }
@@ -110,6 +119,19 @@ fn scatter(stage: &'static str, step: &Stage<ScatterStep>) -> Line {
     Line {
         terms: step.form.terms(),
         ..with_errors(stage, variant, step)
+    }
+}
+
+fn by_direction(step: &Stage) -> Line {
+    let skipped = "a constant veil differs by no more than its share";
+    Line {
+        note: (step.form == Form::Skip).then(|| skipped.to_owned()),
+        variant: match step.form {
+            Form::Skip => "constant",
+            Form::Fast => "by_direction",
+            Form::Reference => "reference",
+        },
+        ..line("veil", step, "by_direction")
     }
 }
 

@@ -5,7 +5,10 @@
 
 mod lamps;
 
+use spec::VeilForm;
+
 use super::SceneStats;
+use crate::daylight::Daylight;
 use crate::lamp::Lighting;
 use crate::turbidity::Field;
 use crate::water::{Scatter, Water};
@@ -14,6 +17,9 @@ use crate::water::{Scatter, Water};
 const NOT_MEASURED: &str = "not measured";
 /// b Z up to which the light beside and over edges was measured.
 const EDGES_UP_TO: f64 = 4.0;
+/// K z and b/a between which radiance by direction was measured, with a little more on both sides.
+const SKY_DEPTHS: std::ops::RangeInclusive<f64> = 0.3..=4.0;
+const SKY_RATIOS: std::ops::RangeInclusive<f64> = 0.25..=6.0;
 
 /// What measurements depend on.
 pub(super) struct Conditions<'a> {
@@ -34,6 +40,10 @@ const MEASURED: &[Row] = &[
     Row {
         stage: "attenuation",
         found: unscattered,
+    },
+    Row {
+        stage: "veil",
+        found: veil_by_direction,
     },
     Row {
         stage: "forward_scatter",
@@ -67,6 +77,7 @@ const PHYSICAL: &[&str] = &[
     "turbidity",
     "lamps",
     "attenuation",
+    "veil",
     "forward_scatter",
     "glow",
     "snow",
@@ -96,12 +107,34 @@ impl ModelErrors {
 
 /// Light that arrives unscattered falls as e^{−cZ} in the truth, too; daylight's veil was compared with nothing.
 fn unscattered(conditions: &Conditions<'_>) -> Option<String> {
-    let veil = conditions.water.veiling_light() != [0.0; 3];
+    let is_constant = !conditions.water.daylight().is_some_and(Daylight::varies);
+    let veil = is_constant && conditions.water.veiling_light() != [0.0; 3];
     let veil = if veil { "; veil: not measured" } else { "" };
     conditions
         .patches
         .is_none()
         .then(|| format!("unscattered light: none{veil}"))
+}
+
+/// Radiance by direction was held against Monte Carlo at some depths of some waters under an even sky.
+fn veil_by_direction(conditions: &Conditions<'_>) -> Option<String> {
+    let daylight = conditions.water.daylight().filter(|daylight| daylight.varies())?;
+    let (a, b) = conditions.water.absorption.zip(conditions.water.scattering)?;
+    let is_derived = |field| conditions.water.derived().contains(&field);
+    let is_like = |i: usize| {
+        let depth = daylight.fields()[i].decay * daylight.depth();
+        SKY_DEPTHS.contains(&depth) && SKY_RATIOS.contains(&(b[i] / a[i]))
+    };
+    let known = ["horizon", "p", "q"].into_iter().all(is_derived) && (0..3).all(is_like);
+    let brightness = match daylight.veil_form() {
+        VeilForm::Physical => "",
+        VeilForm::Constant | VeilForm::Field => "; brightness of the horizon: a convention",
+    };
+    (known && conditions.patches.is_none()).then(|| {
+        format!(
+            "radiance of open water by direction 0.89-1.20 of the truth, measured in two waters under an even sky{brightness}"
+        )
+    })
 }
 
 /// One kernel for each range: too narrow in its tail, and blind to what stands before it.

@@ -107,6 +107,7 @@ fn path(stats: &SceneStats, water: &Water, setting: &Setting) -> f64 {
     let gain = water.radiance_gain();
     let brightest = [0, 1, 2].map(|i| f64::from(stats.brightest[i]) * gain[i]);
     let brightest = brightest.into_iter().fold(0.0, f64::max);
-    let veil = water.veiling_light().into_iter().fold(0.0, f64::max);
+    let veil = [0, 1, 2].map(|i| water.brightest_veil(i, stats.holes));
+    let veil = veil.into_iter().fold(0.0, f64::max);
     path_rounding(farthest, patches.scale_m()) * brightest.max(veil) / std::f64::consts::E
 }

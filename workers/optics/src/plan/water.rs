@@ -3,7 +3,7 @@
 use spec::Fidelity;
 
 use super::gates::{self, GateStep};
-use super::{Form, ScatterStep, SceneStats, Stage, levels, scatter};
+use super::{Form, ScatterStep, SceneStats, Stage, levels, scatter, veil};
 use crate::water::Water;
 
 /// Attenuation is left out where that loses no more than this part of the tolerance.
@@ -14,6 +14,7 @@ const LEAST_SHARE: f64 = 0.125;
 /// Attenuation and forward scatter.
 pub(super) struct WaterStages {
     pub(super) attenuation: Stage,
+    pub(super) veil: Option<Stage>,
     pub(super) gates: Option<Stage<GateStep>>,
     pub(super) scatter: [Stage<ScatterStep>; 3],
     /// What f32 may lose in any channel.
@@ -24,6 +25,7 @@ impl WaterStages {
     pub(super) fn none() -> Self {
         Self {
             attenuation: Stage::exact(Form::Skip),
+            veil: None,
             gates: None,
             scatter: [const { ScatterStep::Skip }; 3].map(Stage::exact),
             rounding: 0.0,
@@ -35,10 +37,13 @@ impl WaterStages {
         let lost = [0, 1, 2].map(|channel| levels::attenuation_effect(stats, water, channel));
         let is_clear = tolerance.is_some_and(|whole| lost.iter().all(|&lost| lost <= SKIP_SHARE * whole));
         let rounding = [0, 1, 2].map(|channel| levels::rounding(stats, water, channel));
+        let veil = veil::choose(stats, water, fidelity, tolerance);
+        let uneven = veil.as_ref().and_then(|veil| veil.bound).unwrap_or(0.0);
         let mut gates = gates::choose(stats, water, fidelity, tolerance);
         let unstopped = gates.as_ref().and_then(|gates| gates.bound).unwrap_or(0.0);
-        let used =
-            |channel: usize| rounding[channel] + unstopped + if is_clear { lost[channel] } else { 0.0 };
+        let used = |channel: usize| {
+            rounding[channel] + unstopped + uneven + if is_clear { lost[channel] } else { 0.0 }
+        };
         let layering = gates.as_ref().and_then(|gates| gates.form.layering());
         let scatter = [0, 1, 2].map(|channel| {
             let share = tolerance.map(|whole| (whole - used(channel)).max(LEAST_SHARE * whole));
@@ -64,6 +69,7 @@ impl WaterStages {
         }
         let form = Form::asked_by(fidelity);
         Self {
+            veil,
             gates,
             attenuation: Stage::exact(form.when(form == Form::Reference || !is_clear)),
             scatter,

@@ -4,6 +4,8 @@
 //! waters up to b Z of about 6. A derived veiling light has the color of daylight at the depth, exp(−K_d h), and by
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
+mod above;
+
 use spec::{Ambient, ForwardScatter, Multiple, Occlusion, Optics, ScatterModel, ScatterSpread};
 
 use super::{Scatter, Spread, Tail, Water, WaterError, two_kernels};
@@ -62,15 +64,30 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
     }
     let diffuse_attenuation = optics
         .diffuse_attenuation_per_m
-        .or(preset.and_then(|p| all_known(p.diffuse_attenuation)));
+        .or(preset.and_then(|p| all_known(p.diffuse_attenuation)))
+        .or_else(|| checks.estimated_decay(request, absorption.zip(scattering)));
     let decay = checks.decay(request, diffuse_attenuation);
+    let backscatter_fraction = optics
+        .backscatter_fraction
+        .or(preset.and_then(|p| p.backscatter_fraction));
+    let known = above::Known {
+        absorption,
+        scattering,
+        attenuation,
+        diffuse_attenuation,
+        backscatter_fraction,
+        is_complete,
+        focal_px,
+    };
+    let daylight = checks.daylight(request, &known);
     let given_veil = optics.veiling_light.or(preset.and_then(|p| p.veiling_light));
     let veiling_light = match given_veil {
+        _ if above::sets_veil(request) => daylight.map(|daylight| daylight.physical()),
         Some(veil) if water.ambient == Ambient::Absolute => decay.map(|decay| each(|i| veil[i] * decay[i])),
         Some(veil) => Some(veil),
         None => checks.daylight_veil(request, diffuse_attenuation),
     };
-    if veiling_light.is_none() && given_veil.is_none() && is_complete {
+    if veiling_light.is_none() && given_veil.is_none() && is_complete && !above::sets_veil(request) {
         let reason = "give it, or diffuse_attenuation_per_m to derive its color from";
         checks.missing("veiling_light", reason);
     }
@@ -101,11 +118,9 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         veiling_light,
         radiance_gain: radiance_gain(water.ambient, decay),
         scatter: scaled_scatter(scatter, scale),
-        backscatter_fraction: optics
-            .backscatter_fraction
-            .or(preset.and_then(|p| p.backscatter_fraction))
-            .unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
+        backscatter_fraction: backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
         multiple,
+        daylight,
         holes: water.holes,
         derived: checks.derived,
     })
@@ -182,6 +197,14 @@ impl Checks {
         let places = [spec::beyond(request.water), spec::beyond(&request.water.holes)];
         let all = beyond.into_iter().chain(places).flatten();
         self.errors.extend(all.map(WaterError::Beyond));
+        let above = request.water.from_above.as_ref();
+        self.errors.extend(
+            above
+                .map(spec::beyond)
+                .into_iter()
+                .flatten()
+                .map(WaterError::Beyond),
+        );
     }
 
     fn missing(&mut self, field: &'static str, reason: &'static str) {

@@ -11,6 +11,13 @@ pub const RULES: WaterRules = WaterRules { faults, warning };
 
 fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
     let mut faults = Vec::new();
+    if water.optics.is_none() && water.from_above.is_some() {
+        faults.push(Fault {
+            path: vec!["from_above"],
+            message: "`water.from_above` needs `water.optics`: it is the light of a water".to_owned(),
+            missing: false,
+        });
+    }
     if water.optics.is_some() {
         faults.extend(Water::validate(water, sight.lamps).iter().map(fault));
     }
@@ -32,6 +39,7 @@ fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
 fn fault(error: &WaterError) -> Fault {
     let path = match error.field() {
         field @ ("range_scale" | "depth_m" | "ambient" | "holes" | "multiple") => vec![field],
+        field @ ("veil" | "level" | "horizon" | "p" | "q") => vec!["from_above", field],
         field @ ("model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source" | "spread"
         | "occlusion" | "layers") => {
             vec!["optics", "forward_scatter", field]

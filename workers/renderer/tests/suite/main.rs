@@ -5,6 +5,7 @@
 mod artifacts;
 mod camera;
 mod common;
+mod daylight;
 mod folders;
 mod labels;
 mod lamps;

@@ -2,7 +2,7 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::lanes::{LANES, Lane3, larger, smaller};
+use super::lanes::{larger, smaller};
 use super::solid::Solid;
 
 /// A box between its lowest and its highest corner, in meters.
@@ -55,13 +55,13 @@ impl Bounds {
 
     /// The box around a group of points.
     #[inline(always)]
-    pub(super) fn of_points(points: &Lane3) -> Self {
+    pub(crate) fn of_points<const COUNT: usize>(points: &[[f32; COUNT]; 3]) -> Self {
         const WIDE: usize = 8;
         let (mut low, mut high) = ([[0.0; WIDE]; 3], [[0.0; WIDE]; 3]);
         for axis in 0..3 {
             low[axis].copy_from_slice(&points[axis][..WIDE]);
             high[axis].copy_from_slice(&points[axis][..WIDE]);
-            for chunk in 1..LANES / WIDE {
+            for chunk in 1..COUNT / WIDE {
                 for i in 0..WIDE {
                     let p = points[axis][chunk * WIDE + i];
                     low[axis][i] = smaller(p, low[axis][i]);
@@ -76,6 +76,23 @@ impl Bounds {
             high: high
                 .map(|lane| lane.into_iter().fold(f32::NEG_INFINITY, larger))
                 .into(),
+        }
+    }
+
+    /// The box that is larger by so many meters on every side.
+    pub(super) fn grown(&self, margin: f32) -> Self {
+        let margin = vec3(margin, margin, margin);
+        Self {
+            low: self.low - margin,
+            high: self.high + margin,
+        }
+    }
+
+    /// The box around both.
+    pub(super) fn with(&self, other: &Self) -> Self {
+        Self {
+            low: self.low.zip(other.low, smaller),
+            high: self.high.zip(other.high, larger),
         }
     }
 

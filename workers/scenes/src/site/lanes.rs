@@ -17,13 +17,13 @@ pub(crate) type Lane3 = [Lane; 3];
 
 /// A vector quantity of point `i`.
 #[inline(always)]
-pub(crate) fn load(lanes: &Lane3, i: usize) -> Vec3 {
+pub(crate) fn load<const COUNT: usize>(lanes: &[[f32; COUNT]; 3], i: usize) -> Vec3 {
     vec3(lanes[0][i], lanes[1][i], lanes[2][i])
 }
 
 /// Sets a vector quantity of point `i`.
 #[inline(always)]
-pub(crate) fn store(lanes: &mut Lane3, i: usize, v: Vec3) {
+pub(crate) fn store<const COUNT: usize>(lanes: &mut [[f32; COUNT]; 3], i: usize, v: Vec3) {
     lanes[0][i] = v.x;
     lanes[1][i] = v.y;
     lanes[2][i] = v.z;

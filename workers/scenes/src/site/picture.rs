@@ -14,7 +14,7 @@ use super::solid::{Nearest, Rays};
 use crate::CameraPose;
 
 /// The ground ends here: beyond it no light of a lamp at the camera returns.
-pub(super) const FAR_M: f32 = 60.0;
+pub(crate) const FAR_M: f32 = 60.0;
 
 /// Some rows of a picture, all planes by rows.
 pub(crate) struct Picture {

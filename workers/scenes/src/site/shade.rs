@@ -22,7 +22,7 @@ const NEAR_M: f32 = 1.01 * CONTACT_M;
 /// Edges are rounded over this width in the normal, m.
 const BEVEL_M: f32 = 0.012;
 /// The same in the normals of labels, m.
-const LABEL_BEVEL_M: f32 = 1e-3;
+pub(crate) const LABEL_BEVEL_M: f32 = 1e-3;
 /// Mounds of the ground run out over this height, m.
 const RUN_OUT_M: f32 = 0.06;
 

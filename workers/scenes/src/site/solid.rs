@@ -66,6 +66,10 @@ macro_rules! forms {
 
 forms!($ Tube, Block, Ball, Stone, Ring, Bore, Room);
 
+mod ways;
+
+pub(crate) use ways::{RUN, Run};
+
 /// A solid in the scene.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solid {
@@ -165,7 +169,7 @@ fn march(ring: &Ring, rays: &Rays, nearest: &mut Nearest<'_>, owner: u16) {
     let ring = *ring;
     for start in (0..nearest.parameter.len()).step_by(ring::WIDE) {
         let ray = |i: usize| first + step * ((start + i) as i32 as f32);
-        let found = ring.enter_abreast(eye, std::array::from_fn(ray));
+        let found = ring.enter_abreast([eye; ring::WIDE], std::array::from_fn(ray));
         for (i, found) in found.into_iter().enumerate() {
             let Some(parameter) = nearest.parameter.get_mut(start + i) else {
                 return;

@@ -34,6 +34,12 @@ impl Ring {
         }
     }
 
+    /// Whether a ray comes from outside where it touches the surface, and does not just leave it.
+    #[inline(always)]
+    pub(super) fn is_entered(&self, p: Vec3, d: Vec3) -> bool {
+        (p - self.center_line(p)).dot(d) < 0.0
+    }
+
     /// The nearest point of the center line.
     #[inline(always)]
     fn center_line(&self, p: Vec3) -> Vec3 {
@@ -55,21 +61,21 @@ impl Ring {
         vec3(if p.x < 0.0 { -x } else { x }, y, 0.0)
     }
 
-    /// Where rays from one eye enter: every ray marches until it touches the surface or has passed the ring, eight side by side.
+    /// Where rays enter: every ray marches until it touches the surface or has passed the ring, eight side by side.
     #[inline(always)]
-    pub(super) fn enter_abreast(&self, o: Vec3, d: [Vec3; WIDE]) -> [f32; WIDE] {
+    pub(super) fn enter_abreast(&self, o: [Vec3; WIDE], d: [Vec3; WIDE]) -> [f32; WIDE] {
         let reach = 1.05 * (self.bend_radius + self.tube_radius);
         let (mut at, mut end, mut pace, mut away) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
         for i in 0..WIDE {
             pace[i] = 1.0 / d[i].length();
-            let closest = -o.dot(d[i]) * pace[i] * pace[i];
+            let closest = -o[i].dot(d[i]) * pace[i] * pace[i];
             at[i] = larger(closest - reach * pace[i], 0.0);
             end[i] = closest + reach * pace[i];
         }
         for _ in 0..STEPS {
             let mut moving = 0u32;
             for i in 0..WIDE {
-                let found = self.distance(o + d[i] * at[i]);
+                let found = self.distance(o[i] + d[i] * at[i]);
                 let on = (found.abs() >= TOUCH_M) & (at[i] <= end[i]);
                 at[i] += if on { found * pace[i] } else { 0.0 };
                 away[i] = found;
@@ -90,7 +96,7 @@ impl Ring {
 impl Form for Ring {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
-        self.enter_abreast(o, [d; WIDE])[0]
+        self.enter_abreast([o; WIDE], [d; WIDE])[0]
     }
 
     #[inline(always)]

@@ -7,8 +7,9 @@ use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use imaging::rays::{Hit, Rays};
 use imaging::vector::{DVec3, Vector};
-use optics::lamp::normals_of;
-use optics::range::is_hole;
+
+use crate::lamp::normals_of;
+use crate::range::is_hole;
 
 /// Samples of a cell of which one is farther by more than this factor lie on both sides of an edge.
 const EDGE: f64 = 1.25;

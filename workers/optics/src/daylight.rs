@@ -1,0 +1,110 @@
+//! Light from above: how bright the water is in every direction, and the veil that follows from it.
+//!
+//! Downwelling irradiance falls with depth as `E(z) = E(0) e^{−K z}`. Radiance in the direction v that one looks in, with μ the
+//! cosine of v from the vertical (1 up, −1 down), is
+//!
+//! ```text
+//! L(v, z) = max( Λ E(z) Φ(μ), W(μ, z) ),   Φ(μ) = exp(p μ + q μ²)
+//! ```
+//!
+//! Λ is the horizon's share of the irradiance and W the sky through Snell's window. Under an overcast sky `Λ = min(0.15, 0.47
+//! b_b/a)`, `q = clamp((0.45 ln(1/Λ) − 0.76)/1.03, 0, 2.5)` and `p = 1.6 + q` fit Monte Carlo runs in Fournier–Forand water (b_b/b
+//! 0.008 and 0.0183, b/a 0.3 to 5) at K z of 0.5 to 3: Λ within 20 %, every direction of two other waters within 0.89-1.20. Not
+//! valid above K z of 0.3, for a low sun, or near the bottom.
+//!
+//! Along a ray the source of the veil falls with depth like the irradiance (Duntley 1963; Preisendorfer 1976), so that
+//!
+//! ```text
+//! B(v, Z) = B_h Φ(μ) (1 − e^{−(c − K μ) Z})
+//! ```
+//!
+//! with B_h the veiling light at the horizon. Horizontally this is the veil of constant water. A pixel without a range shows the
+//! water up to the surface, at `Z = h/μ`, and the window; downwards it shows `B_h Φ(μ)`.
+//!
+//! All lengths here are those of the range, and coefficients are per unit of it: a range scale multiplies the ones and divides
+//! the depth.
+
+mod field;
+mod gaze;
+mod veil;
+
+pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, Shape, decay_from, fresnel};
+pub use gaze::Gaze;
+pub use veil::{VeilOf, veil, veil_reference};
+
+use spec::VeilForm;
+
+/// The veil's exponent keeps at least this share of c: light cannot decay faster upwards than along a ray.
+pub const MOST_DECAY: f64 = 0.95;
+
+/// Light from above in one water, as one camera meets it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Daylight {
+    pub(crate) veil: VeilForm,
+    /// The radiance of each channel.
+    pub(crate) fields: [Field; 3],
+    /// Depth of the camera in lengths of the range.
+    pub(crate) depth: f64,
+    /// The irradiance at the camera over that which is white.
+    pub(crate) level: [f64; 3],
+    pub(crate) gaze: Gaze,
+}
+
+impl Daylight {
+    /// Whether the veil depends on the direction.
+    #[must_use]
+    pub fn varies(&self) -> bool {
+        self.veil != VeilForm::Constant
+    }
+
+    /// Whether radiance by direction matters to any of it.
+    #[must_use]
+    pub fn needs_field(&self) -> bool {
+        self.varies()
+    }
+
+    /// How the veil depends on the direction.
+    #[must_use]
+    pub fn veil_form(&self) -> VeilForm {
+        self.veil
+    }
+
+    /// The radiance field of each channel.
+    #[must_use]
+    pub fn fields(&self) -> &[Field; 3] {
+        &self.fields
+    }
+
+    /// Depth of the camera in lengths of the range.
+    #[must_use]
+    pub fn depth(&self) -> f64 {
+        self.depth
+    }
+
+    /// The same light before a camera with this view.
+    #[must_use]
+    pub fn seen_by(&self, gaze: Gaze) -> Self {
+        Self { gaze, ..*self }
+    }
+
+    /// The veil of one channel in water of this attenuation and veiling light at the horizon.
+    #[must_use]
+    pub fn veil_of(&self, channel: usize, attenuation: f64, horizon_light: f64) -> VeilOf {
+        let field = self.fields[channel];
+        VeilOf {
+            field: Field {
+                decay: field.decay.min(MOST_DECAY * attenuation),
+                ..field
+            },
+            attenuation,
+            light: horizon_light,
+            depth: self.depth,
+        }
+    }
+
+    /// `B_h = π e Λ`: the radiance of the horizon, where a white horizontal patch at the camera has the radiance e.
+    #[must_use]
+    pub(crate) fn physical(&self) -> [f64; 3] {
+        [0, 1, 2].map(|i| std::f64::consts::PI * self.level[i] * self.fields[i].shape.horizon)
+    }
+}

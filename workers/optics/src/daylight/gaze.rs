@@ -1,0 +1,119 @@
+//! Where a camera looks, against the vertical.
+
+use imaging::geometry::Intrinsics;
+use imaging::vector::DVec3;
+
+/// A camera and where up is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gaze {
+    /// The camera.
+    pub camera: Intrinsics,
+    /// Unit vector against gravity in camera axes (right, down, ahead).
+    pub up: [f64; 3],
+    /// Least and greatest cosine from the vertical of the rays of the picture.
+    pub(crate) rises: (f64, f64),
+}
+
+impl Gaze {
+    /// The view of a picture of this size; `up` of any length but 0, without which the camera is level.
+    #[must_use]
+    pub fn new(camera: Intrinsics, (width, height): (usize, usize), up: [f64; 3]) -> Self {
+        let up = DVec3::from(up);
+        let length = up.length();
+        let up = if length > 0.0 && length.is_finite() {
+            up * (1.0 / length)
+        } else {
+            DVec3::from([0.0, -1.0, 0.0])
+        };
+        let mut gaze = Self {
+            camera,
+            up: up.into(),
+            rises: (0.0, 0.0),
+        };
+        gaze.rises = gaze.extremes(width, height);
+        gaze
+    }
+
+    /// A level camera of this focal length of which no more is known: rays may go anywhere.
+    #[must_use]
+    pub(crate) fn unknown(focal_px: f64) -> Self {
+        Self {
+            camera: Intrinsics {
+                focal_px,
+                cx: 0.0,
+                cy: 0.0,
+            },
+            up: [0.0, -1.0, 0.0],
+            rises: (-1.0, 1.0),
+        }
+    }
+
+    /// μ of the ray of a pixel, the cosine of its angle from the vertical: 1 up, −1 down.
+    #[must_use]
+    pub fn rise(&self, x: usize, y: usize) -> f64 {
+        let ray = self.camera.ray(x as f64, y as f64);
+        (ray.dot(self.up.into()) / ray.length()).clamp(-1.0, 1.0)
+    }
+
+    /// On a convex picture the extremes lie on its border, unless it shows the zenith or the nadir.
+    fn extremes(&self, width: usize, height: usize) -> (f64, f64) {
+        let (mut low, mut high) = (1.0f64, -1.0f64);
+        let mut take = |x: usize, y: usize| {
+            let rise = self.rise(x, y);
+            (low, high) = (low.min(rise), high.max(rise));
+        };
+        for x in 0..width {
+            take(x, 0);
+            take(x, height.saturating_sub(1));
+        }
+        for y in 0..height {
+            take(0, y);
+            take(width.saturating_sub(1), y);
+        }
+        let [ux, uy, uz] = self.up;
+        for sign in [1.0, -1.0] {
+            if sign * uz > 0.0 {
+                let Intrinsics { focal_px, cx, cy } = self.camera;
+                let (x, y) = (cx + focal_px * ux / uz, cy + focal_px * uy / uz);
+                let is_shown = x >= 0.0 && y >= 0.0 && x < width as f64 && y < height as f64;
+                if is_shown && sign > 0.0 {
+                    high = 1.0;
+                } else if is_shown {
+                    low = -1.0;
+                }
+            }
+        }
+        (low, high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_ray_of_a_picture_is_outside_the_extremes() {
+        let camera = Intrinsics {
+            focal_px: 20.0,
+            cx: 13.0,
+            cy: 11.0,
+        };
+        for up in [
+            [0.0, -1.0, 0.0],
+            [0.3, -0.8, 0.5],
+            [0.0, 0.1, 1.0],
+            [0.2, -0.1, -2.0],
+        ] {
+            let gaze = Gaze::new(camera, (31, 23), up);
+            let (low, high) = gaze.rises;
+            for y in 0..23 {
+                for x in 0..31 {
+                    let rise = gaze.rise(x, y);
+                    assert!(rise >= low - 1e-12 && rise <= high + 1e-12, "{up:?} {x} {y}");
+                }
+            }
+        }
+        assert_eq!(Gaze::new(camera, (31, 23), [0.0, 0.1, 1.0]).rises.1, 1.0);
+        assert_eq!(Gaze::new(camera, (31, 23), [0.0; 3]).up, [0.0, -1.0, 0.0]);
+    }
+}

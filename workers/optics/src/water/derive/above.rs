@@ -1,0 +1,155 @@
+//! What light from above needs of a water, and how it follows from the rest.
+
+use spec::{Ambient, DaylightLevel, FromAbove, HoleRule, VeilForm};
+
+use super::{Checks, Request, WaterError, each};
+use crate::daylight::{Daylight, Field, Gaze, MOST_DECAY, Shape, decay_from};
+use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
+
+/// What is known of the water.
+pub(super) struct Known {
+    pub(super) absorption: Option<[f64; 3]>,
+    pub(super) scattering: Option<[f64; 3]>,
+    pub(super) attenuation: Option<[f64; 3]>,
+    pub(super) diffuse_attenuation: Option<[f64; 3]>,
+    pub(super) backscatter_fraction: Option<f64>,
+    /// Whether what is missing here is missing, and not of a preset that does not exist.
+    pub(super) is_complete: bool,
+    pub(super) focal_px: f64,
+}
+
+/// Whether light from above says how bright the veil is.
+pub(super) fn sets_veil(request: &Request<'_>) -> bool {
+    request
+        .water
+        .from_above
+        .is_some_and(|above| above.veil == Some(VeilForm::Physical))
+}
+
+fn varies(above: &FromAbove) -> bool {
+    above.veil.is_some_and(|veil| veil != VeilForm::Constant)
+}
+
+impl Checks {
+    /// K from a and b, where light from above asks for it and it is not known.
+    pub(super) fn estimated_decay(
+        &mut self,
+        request: &Request<'_>,
+        known: Option<([f64; 3], [f64; 3])>,
+    ) -> Option<[f64; 3]> {
+        request.water.from_above?;
+        let (a, b) = known?;
+        self.derived.push("diffuse_attenuation_per_m");
+        Some(each(|i| decay_from(a[i], b[i])))
+    }
+
+    /// Light from above, where it is asked for and everything that it takes is there.
+    pub(super) fn daylight(&mut self, request: &Request<'_>, known: &Known) -> Option<Daylight> {
+        let above = request.water.from_above.as_ref()?;
+        self.contradictions_above(request, above);
+        if request.water.depth_m.is_none() {
+            self.missing("depth_m", "light from above decays with it");
+        }
+        if known.diffuse_attenuation.is_none() && known.is_complete {
+            let reason = "light from above decays by it; give it, or both absorption_per_m and scattering_per_m \
+                          to estimate it from";
+            self.missing("diffuse_attenuation_per_m", reason);
+        }
+        let shapes = self.shapes(above, known);
+        let (depth_m, decay) = request.water.depth_m.zip(known.diffuse_attenuation)?;
+        let (shapes, c) = shapes.zip(known.attenuation)?;
+        let scale = request.water.range_scale;
+        let decay = each(|i| decay[i].min(MOST_DECAY * c[i]));
+        let fields = [0, 1, 2].map(|i| Field {
+            shape: shapes[i],
+            decay: decay[i] * scale,
+            window: window(known, decay, i) * scale,
+            scattering: known.scattering.map_or(0.0, |b| b[i]) * scale,
+        });
+        Some(Daylight {
+            veil: above.veil.unwrap_or(VeilForm::Constant),
+            fields,
+            depth: depth_m / scale,
+            level: level(request, above, decay.map(|k| (-k * depth_m).exp())),
+            gaze: Gaze::unknown(known.focal_px),
+        })
+    }
+
+    fn contradictions_above(&mut self, request: &Request<'_>, above: &FromAbove) {
+        let is_physical = above.veil == Some(VeilForm::Physical);
+        let apart = matches!(
+            (above.level, request.water.ambient),
+            (Some(DaylightLevel::Exposed), Ambient::Absolute)
+                | (Some(DaylightLevel::Absolute), Ambient::Exposed)
+        );
+        let contradictions = [
+            (
+                is_physical && request.optics.veiling_light.is_some(),
+                "veiling_light",
+                "is given, but the veil of `from_above` is `physical`, which follows from daylight",
+            ),
+            (
+                is_physical && request.optics.veil_gain.is_some(),
+                "veil_gain",
+                "is given, but the veil of `from_above` is `physical`, which follows from daylight",
+            ),
+            (
+                varies(above) && request.water.holes != HoleRule::Background,
+                "holes",
+                "is not `background`: a veil that depends on the direction shows open water where there is no range",
+            ),
+            (apart, "level", "of `from_above` is not the one of `ambient`"),
+        ];
+        let wrong = contradictions.into_iter().filter(|(is_wrong, ..)| *is_wrong);
+        self.errors
+            .extend(wrong.map(|(_, field, reason)| WaterError::Contradiction { field, reason }));
+    }
+
+    /// The shape of the radiance field of each channel. It need not be known where nothing depends on the direction.
+    fn shapes(&mut self, above: &FromAbove, known: &Known) -> Option<[Shape; 3]> {
+        let fraction = known.backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION);
+        let of_water =
+            |(a, b): ([f64; 3], [f64; 3])| [0, 1, 2].map(|i| Shape::of_water(a[i], b[i] * fraction));
+        let given = above.horizon.map(|horizon| horizon.map(Shape::of_horizon));
+        let Some(own) = given.or_else(|| known.absorption.zip(known.scattering).map(of_water)) else {
+            if varies(above) && known.is_complete {
+                let reason = "give it, or absorption_per_m and scattering_per_m to derive it from";
+                self.missing("horizon", reason);
+            }
+            // Any will do where none is looked at.
+            return (!varies(above)).then(|| [Shape::of_water(1.0, 0.0); 3]);
+        };
+        if varies(above) {
+            let fields = [("horizon", above.horizon), ("p", above.p), ("q", above.q)];
+            let derived = fields.iter().filter(|(_, value)| value.is_none());
+            self.derived.extend(derived.map(|(field, _)| *field));
+        }
+        let chosen = |given: Option<[f64; 3]>, i: usize, own: f64| given.map_or(own, |values| values[i]);
+        Some([0, 1, 2].map(|i| Shape {
+            horizon: own[i].horizon,
+            p: chosen(above.p, i, own[i].p),
+            q: chosen(above.q, i, own[i].q),
+        }))
+    }
+}
+
+/// a + 0.1 b, or about that where only K is known: K is some sixth more.
+fn window(known: &Known, decay: [f64; 3], channel: usize) -> f64 {
+    match known.absorption.zip(known.scattering) {
+        Some((a, b)) => a[channel] + 0.1 * b[channel],
+        None => 0.83 * decay[channel],
+    }
+}
+
+/// The irradiance at the camera over that which is white.
+fn level(request: &Request<'_>, above: &FromAbove, irradiance: [f64; 3]) -> [f64; 3] {
+    let is_absolute = match above.level {
+        Some(level) => level == DaylightLevel::Absolute,
+        None => request.water.ambient == Ambient::Absolute,
+    };
+    if is_absolute {
+        return irradiance;
+    }
+    let brightest = irradiance.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+    irradiance.map(|e| e / brightest)
+}

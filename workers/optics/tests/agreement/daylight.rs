@@ -1,0 +1,130 @@
+//! Water whose veil depends on the direction, against its reference and the bounds of its plans.
+
+use imaging::geometry::Intrinsics;
+use optics::daylight::Gaze;
+use optics::forward_scatter::KernelCache;
+use optics::plan::{Form, Plan, SceneStats};
+use optics::water::Water;
+use spec::{Fidelity, FromAbove, Optics, ScatterModel, VeilForm};
+
+use super::scenes::SCENES;
+use super::{fast, largest_error, reference};
+
+/// Up in the camera's axes: level, looking up into the window, down, and rolled.
+const UPS: [[f64; 3]; 4] = [
+    [0.0, -1.0, 0.0],
+    [0.0, -0.6, 0.8],
+    [0.1, -0.5, -0.9],
+    [0.7, -0.7, 0.2],
+];
+
+/// The reference of forward scatter takes long.
+const FEW_SIZES: [(usize, usize); 4] = [(1, 1), (1, 7), (13, 17), (31, 8)];
+
+fn directed(model: ScatterModel, above: FromAbove, depth_m: f64) -> Water {
+    let request = spec::Water {
+        depth_m: Some(depth_m),
+        range_scale: 1.3,
+        from_above: Some(above),
+        ..spec::Water::from(Optics {
+            absorption_per_m: Some([0.35, 0.08, 0.06]),
+            scattering_per_m: Some([0.2, 0.22, 0.5]),
+            backscatter_attenuation_per_m: Some([0.5, 0.3, 0.4]),
+            veiling_light: (above.veil == Some(VeilForm::Field)).then_some([0.02, 0.06, 0.09]),
+            forward_scatter: Some(model.into()),
+            ..Optics::default()
+        })
+    };
+    Water::resolve(&request, 30.0).unwrap()
+}
+
+fn seen(water: &Water, up: [f64; 3], (width, height): (usize, usize)) -> Water {
+    let camera = Intrinsics::centered(0.7 * width.max(height) as f64, width, height);
+    water.seen_by(Gaze::new(camera, (width, height), up))
+}
+
+fn forms() -> Vec<Water> {
+    let above = |veil| FromAbove {
+        veil: Some(veil),
+        ..FromAbove::default()
+    };
+    let steep = FromAbove {
+        horizon: Some([0.15, 0.02, 0.5]),
+        p: Some([10.0, 0.0, 3.0]),
+        q: Some([-5.0, 5.0, 0.0]),
+        ..above(VeilForm::Field)
+    };
+    let even = FromAbove {
+        p: Some([1e-3; 3]),
+        q: Some([0.0; 3]),
+        ..above(VeilForm::Field)
+    };
+    [
+        (ScatterModel::None, above(VeilForm::Field), 6.0),
+        (ScatterModel::Jaffe, above(VeilForm::Physical), 2.0),
+        (ScatterModel::Simplified, above(VeilForm::Field), 9.0),
+        (ScatterModel::Jaffe, steep, 0.0),
+        (ScatterModel::None, even, 11_000.0),
+    ]
+    .map(|(model, above, depth_m)| directed(model, above, depth_m))
+    .into()
+}
+
+#[test]
+fn a_veil_by_direction_is_the_reference_within_the_bound_of_every_plan() {
+    let mut failures = Vec::new();
+    let (mut cache, mut constant) = (KernelCache::new(), 0);
+    for scene in SCENES {
+        for size in FEW_SIZES {
+            let (radiance, range) = scene.sized(size.0, size.1);
+            for (form, up) in forms().iter().flat_map(|form| UPS.map(|up| (form, up))) {
+                let optics = seen(form, up, size);
+                let exact = reference(&radiance, &range, &optics);
+                for tolerance in [1e-1, 3e-4] {
+                    let fidelity = Fidelity::Tolerance(tolerance);
+                    let plan = Plan::for_water(
+                        &SceneStats::measure(&radiance, &range, &optics),
+                        &optics,
+                        fidelity,
+                    );
+                    let layers = fast(&radiance, &range, &optics, fidelity, &mut cache);
+                    let error = largest_error(&layers, &exact);
+                    let bound = plan.bounds().unwrap().into_iter().fold(0.0, f64::max);
+                    constant += usize::from(plan.veil.as_ref().unwrap().form == Form::Skip);
+                    if error.is_nan() || error > bound || (bound > tolerance && plan.exceeds.is_none()) {
+                        failures.push(format!(
+                            "{}, {size:?}, {up:?}, {tolerance}: {error:.2e} > {bound:.2e}",
+                            scene.name
+                        ));
+                    }
+                    cache.recycle(layers);
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+    assert!(constant > 0, "no plan leaves the veil constant");
+}
+
+/// What a thread does: its own cache, its own frame, all at the same time.
+#[test]
+fn threads_change_no_bit_of_a_veil_by_direction() {
+    let (radiance, range) = SCENES[4].sized(72, 41);
+    let optics = seen(&forms()[1], UPS[1], (72, 41));
+    let render = || {
+        fast(
+            &radiance,
+            &range,
+            &optics,
+            Fidelity::Tolerance(3e-4),
+            &mut KernelCache::new(),
+        )
+    };
+    let alone = render();
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..4).map(|_| scope.spawn(render)).collect();
+        for thread in threads {
+            assert_eq!(thread.join().unwrap(), alone);
+        }
+    });
+}

@@ -1,0 +1,115 @@
+//! Light from above: the veil by direction, and radiance against Monte Carlo.
+
+use imaging::Rgb;
+use imaging::geometry::Intrinsics;
+use optics::chain::{water, water_reference};
+use optics::daylight::{Field, Gaze, REFRACTIVE_INDEX, Shape, decay_from};
+use optics::forward_scatter::KernelCache;
+use optics::plan::{Plan, SceneStats};
+use optics::water::Water;
+use serde_json::Value;
+use spec::{Fidelity, FromAbove, Optics, ScatterModel, VeilForm};
+
+use crate::case::Case;
+
+/// The veil in f64.
+const REFERENCE: f64 = 1e-10;
+/// The veil in f32, as a share of the brightest.
+const FLOAT: f64 = 1e-5;
+/// Radiance by direction over that of Monte Carlo.
+const BY_DIRECTION: (f64, f64) = (0.89, 1.20);
+
+fn number(case: &Case, key: &str) -> f64 {
+    case.number(key).unwrap_or_else(|| panic!("`{key}` is missing"))
+}
+
+fn described(case: &Case) -> spec::Water {
+    let triple = |key: &str| Some(case.triple(key).unwrap_or_else(|| panic!("`{key}` is missing")));
+    spec::Water {
+        depth_m: Some(number(case, "depth_m")),
+        from_above: Some(FromAbove {
+            veil: Some(VeilForm::Field),
+            ..FromAbove::default()
+        }),
+        ..spec::Water::from(Optics {
+            absorption_per_m: triple("absorption"),
+            scattering_per_m: triple("scattering"),
+            diffuse_attenuation_per_m: triple("K_d"),
+            backscatter_fraction: Some(number(case, "backscatter_fraction")),
+            veiling_light: triple("B_h"),
+            forward_scatter: Some(ScatterModel::None.into()),
+            ..Optics::default()
+        })
+    }
+}
+
+fn gaze(case: &Case, size: (usize, usize)) -> Gaze {
+    let camera = Intrinsics::centered(number(case, "focal_px"), size.0, size.1);
+    Gaze::new(camera, size, case.triple("up").expect("up"))
+}
+
+pub(crate) fn from_above(case: &Case) {
+    let range = case.range();
+    let of = Water::resolve(&described(case), number(case, "focal_px"))
+        .unwrap_or_else(|errors| panic!("{errors:?}"))
+        .seen_by(gaze(case, range.size()));
+    for (field, expected) in of
+        .daylight()
+        .expect("asked for")
+        .fields()
+        .iter()
+        .zip(case.get("field").and_then(Value::as_array).expect("a list"))
+    {
+        let Shape { horizon, p, q } = field.shape;
+        for (name, found) in [("Lambda", horizon), ("p", p), ("q", q)] {
+            let expected = expected.get(name).and_then(Value::as_f64).expect("a number");
+            assert!(
+                (found / expected - 1.0).abs() < REFERENCE,
+                "{name}: {found} for {expected}"
+            );
+        }
+    }
+    let (width, height) = range.size();
+    let black = Rgb::from_fn(width, height, |_, _| [0.0; 3]);
+    let exact = water_reference(&black, &range, &of).expect("a small frame");
+    case.compare("veil", &exact.backscatter, REFERENCE, "the reference");
+    case.compare("veil", &exact.scattered, REFERENCE, "the reference's picture");
+    let (black, range) = (black.map(|&j| j as f32), range.map(|&z| z as f32));
+    let plan = Plan::for_water(
+        &SceneStats::measure(&black, &range, &of),
+        &of,
+        Fidelity::Tolerance(1e-4),
+    );
+    let fast = water(&black, &range, &of, &plan, &mut KernelCache::new()).expect("a good frame");
+    let peak = case.needed("veil").values.iter().copied().fold(0.0, f64::max);
+    let within = FLOAT * peak / peak.max(1.0);
+    case.compare("veil", &fast.backscatter, within, "the fast form");
+    case.compare("veil", &fast.scattered, within, "the fast form's picture");
+}
+
+/// Radiance in some directions under an even sky. Whatever goes by direction here comes from a, b and b_b/b alone.
+pub(crate) fn by_direction(case: &Case) {
+    let (a, b) = (number(case, "absorption"), number(case, "scattering"));
+    let field = Field {
+        shape: Shape::of_water(a, b * number(case, "backscatter_fraction")),
+        decay: decay_from(a, b),
+        window: a + 0.1 * b,
+        scattering: b,
+    };
+    let depth = number(case, "depth_m");
+    // The sky of the case has the radiance 1 within the cone.
+    let at_surface = std::f64::consts::PI / (REFRACTIVE_INDEX * REFRACTIVE_INDEX);
+    let irradiance = at_surface * (-field.decay * depth).exp();
+    let rises = case.needed("mu").values;
+    let truths = case.needed("radiance").values;
+    let errors = case.needed("standard_error").values;
+    for ((rise, truth), error) in rises.iter().zip(truths).zip(errors) {
+        let model = irradiance * field.radiance(*rise, depth);
+        println!("   at {rise:.3}: {:.3} of the truth", model / truth);
+        let (least, most) = BY_DIRECTION;
+        assert!(
+            model + 4.0 * error >= least * truth && model - 4.0 * error <= most * truth,
+            "at {rise}: {model} for {truth} +- {error}"
+        );
+    }
+}

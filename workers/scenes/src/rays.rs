@@ -1,0 +1,182 @@
+//! Rays through a procedural world: what they meet, and which of many ways are clear.
+//!
+//! The solids are those that pictures show, met by the same formulas in single precision: the ray through the center of a pixel
+//! meets what the pixel shows, at its range. A ray that begins inside a solid leaves it unhindered. The ground ends 60 m from the
+//! camera, as in pictures.
+
+use imaging::rays::{Hit, OFFSET, Rays, Ways};
+use imaging::vector::{DVec3, Vec3};
+use imaging::vectorized;
+
+use crate::site::bounds::Bounds;
+use crate::site::lanes::{load, store};
+use crate::site::solid::{RUN, Run};
+use crate::site::tree::{Bundle, Tree};
+use crate::site::{FAR_M, LABEL_BEVEL_M, Site};
+use crate::{CameraPose, World};
+
+/// Longer rays are cut off here, m: no site is as large.
+const LONGEST_M: f64 = 1e3;
+
+/// A world as rays from about a camera meet it, in the axes of that camera. Numbers of objects are those of the world, 0 the ground.
+pub struct WorldRays<'a> {
+    site: &'a Site,
+    pose: CameraPose,
+    tree: Tree,
+}
+
+impl World {
+    /// The world for rays in the axes of a camera.
+    #[must_use]
+    pub fn rays(&self, pose: &CameraPose) -> WorldRays<'_> {
+        WorldRays {
+            site: &self.site,
+            pose: *pose,
+            tree: Tree::new(&self.site.solids),
+        }
+    }
+}
+
+impl Rays for WorldRays<'_> {
+    fn hit(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> Option<Hit> {
+        let (origin, direction) = (DVec3::from(origin), DVec3::from(direction));
+        let begin = self.place_in_world(origin + direction * from).as_f32();
+        let heading = self.direction_in_world(direction).as_f32();
+        let meters = (to.min(LONGEST_M) - from) as f32;
+        let (met, owner) = self.nearest(begin, heading, meters)?;
+        let place = begin + heading * met;
+        let (normal, object) = match owner {
+            Some(number) => {
+                let solid = &self.site.solids[usize::from(number)];
+                (solid.normal(place, LABEL_BEVEL_M), solid.object)
+            }
+            None => (Vec3::from([0.0, 0.0, 1.0]), 0),
+        };
+        // A rounded edge may turn away from the ray; it is brought back to the edge of what the ray can meet.
+        let away = normal.dot(heading).max(0.0) * 1.001;
+        let normal = (normal - heading * away).normalized().as_f64();
+        let CameraPose {
+            right, down, ahead, ..
+        } = self.pose;
+        Some(Hit {
+            distance: from + f64::from(met),
+            normal: [right, down, ahead].map(|axis| axis.dot(normal)),
+            object: u32::from(object),
+        })
+    }
+
+    fn look(&self, ways: &Ways, clear: &mut [bool]) {
+        let frame = Frame {
+            eye: self.pose.position_m.as_f32(),
+            axes: [self.pose.right, self.pose.down, self.pose.ahead].map(DVec3::as_f32),
+        };
+        let mut run = Run {
+            from: [[0.0; RUN]; 3],
+            way: [[0.0; RUN]; 3],
+            hidden: [0.0; RUN],
+        };
+        let mut ends = [[0.0; RUN]; 3];
+        for (at, clear) in clear.chunks_mut(RUN).enumerate() {
+            vectorized!(begin(frame, ways, at * RUN, &mut run, &mut ends));
+            let bundle = Bundle {
+                from: vectorized!(Bounds::of_points(&run.from)),
+                to: vectorized!(Bounds::of_points(&ends)),
+            };
+            self.tree.search(&bundle, |number| {
+                self.site.solids[usize::from(number)].hide(&mut run);
+                let is_done = run.hidden.iter().all(|&hidden| hidden != 0.0);
+                if is_done { -1.0 } else { 1.0 }
+            });
+            for (clear, hidden) in clear.iter_mut().zip(&run.hidden) {
+                *clear = *hidden == 0.0;
+            }
+        }
+    }
+}
+
+impl WorldRays<'_> {
+    fn direction_in_world(&self, direction: DVec3) -> DVec3 {
+        let CameraPose {
+            right, down, ahead, ..
+        } = self.pose;
+        right * direction.x + down * direction.y + ahead * direction.z
+    }
+
+    fn place_in_world(&self, place: DVec3) -> DVec3 {
+        self.pose.position_m + self.direction_in_world(place)
+    }
+
+    /// How far along a unit vector the nearest surface is, and which solid's; none: the ground's.
+    fn nearest(&self, begin: Vec3, heading: Vec3, meters: f32) -> Option<(f32, Option<u16>)> {
+        if meters <= 0.0 {
+            return None;
+        }
+        let (mut nearest, mut owner) = (meters, None);
+        let mut is_met = false;
+        let ground = -begin.z / heading.z;
+        if begin.z > 0.0 && heading.z < 0.0 && ground <= nearest {
+            let from_eye = begin + heading * ground - self.pose.position_m.as_f32();
+            if from_eye.length() < FAR_M {
+                (nearest, is_met) = (ground, true);
+            }
+        }
+        let point = |place: Vec3| Bounds {
+            low: place,
+            high: place,
+        };
+        let bundle = Bundle {
+            from: point(begin),
+            to: point(begin + heading * meters),
+        };
+        self.tree.search(&bundle, |number| {
+            let met = self.site.solids[usize::from(number)].enter(begin, heading);
+            if met < nearest {
+                (nearest, owner, is_met) = (met, Some(number), true);
+            }
+            nearest / meters
+        });
+        is_met.then_some((nearest, owner))
+    }
+}
+
+/// The camera in single precision.
+#[derive(Clone, Copy)]
+struct Frame {
+    eye: Vec3,
+    axes: [Vec3; 3],
+}
+
+/// Takes a run of ways into the world, moved off the surfaces that they leave, and marks those that the ground lies on. The last
+/// way fills the rest of the run.
+#[inline(always)]
+fn begin(frame: Frame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f32; RUN]; 3]) {
+    let [right, down, ahead] = frame.axes;
+    let count = RUN.min(ways.len() - first);
+    let mut local = [[[0.0f32; RUN]; 3]; 2];
+    for (lanes, ends) in local.iter_mut().zip([&ways.from, &ways.to]) {
+        for (lane, axis) in lanes.iter_mut().zip(ends) {
+            lane[..count].copy_from_slice(&axis[first..first + count]);
+            let last = lane[count - 1];
+            lane[count..].fill(last);
+        }
+    }
+    for i in 0..RUN {
+        let [from, to] = [load(&local[0], i), load(&local[1], i)];
+        let way = to - from;
+        // As far off as `imaging::rays::offset` says.
+        let off = OFFSET as f32 * from.length().max(1.0);
+        let share = (off / way.length().max(1e-30)).min(1.0);
+        let from = from + way * share;
+        let way = to - from;
+        let turned = |v: Vec3| right * v.x + down * v.y + ahead * v.z;
+        let (begin, way) = (frame.eye + turned(from), turned(way));
+        let end = begin + way;
+        store(&mut run.from, i, begin);
+        store(&mut run.way, i, way);
+        store(ends, i, end);
+        let share = begin.z / (begin.z - end.z);
+        let away = begin + way * share - frame.eye;
+        let met = (begin.z > 0.0) & (end.z < 0.0) & (away.dot(away) < FAR_M * FAR_M);
+        run.hidden[i] = if met { 1.0 } else { 0.0 };
+    }
+}

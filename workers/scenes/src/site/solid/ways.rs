@@ -1,0 +1,85 @@
+//! Ways through the world that a solid may lie on, a run of them at a time, and single rays. What begins inside a solid is not
+//! stopped by it.
+
+use imaging::vector::Vec3;
+use imaging::vectorized;
+
+use super::{Form, Ring, Shape, Solid, ring};
+use crate::site::lanes::load;
+use crate::site::pose::Pose;
+
+/// Ways of a run: those from a square of eight pixels a side.
+pub(crate) const RUN: usize = 64;
+
+/// A run of ways in the world.
+pub(crate) struct Run {
+    /// Where they begin.
+    pub(crate) from: [[f32; RUN]; 3],
+    /// The vectors to where they end.
+    pub(crate) way: [[f32; RUN]; 3],
+    /// 1 where something lies on the way, else 0.
+    pub(crate) hidden: [f32; RUN],
+}
+
+impl Solid {
+    /// Marks the ways of a run that this solid lies on.
+    pub(crate) fn hide(&self, run: &mut Run) {
+        let pose = &self.pose;
+        match &self.shape {
+            Shape::Ring(ring) => vectorized!(hide_behind_ring(ring, pose, run)),
+            shape => for_form!(shape, form => vectorized!(hide_behind(form, pose, run))),
+        }
+    }
+
+    /// Where a ray of the world enters, in lengths of its direction; infinite if it does not.
+    pub(crate) fn enter(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let (o, d) = (self.pose.point_in(origin), self.pose.direction_in(direction));
+        match &self.shape {
+            Shape::Ring(ring) => {
+                let met = ring.enter(o, d);
+                if met.is_finite() && ring.is_entered(o + d * met, d) {
+                    met
+                } else {
+                    f32::INFINITY
+                }
+            }
+            shape => for_form!(shape, form => form.enter(o, d)),
+        }
+    }
+
+    /// The unit normal in the world at a point of the surface. Edges are rounded over `bevel` meters.
+    pub(crate) fn normal(&self, point: Vec3, bevel: f32) -> Vec3 {
+        let local = self.pose.point_in(point);
+        let (normal, _) = for_form!(&self.shape, form => form.normal(local, bevel));
+        let [x, y, z] = self.pose.axes;
+        x * normal.x + y * normal.y + z * normal.z
+    }
+}
+
+#[inline(always)]
+fn hide_behind(form: &impl Form, pose: &Pose, run: &mut Run) {
+    let pose = *pose;
+    for i in 0..RUN {
+        let (o, d) = (
+            pose.point_in(load(&run.from, i)),
+            pose.direction_in(load(&run.way, i)),
+        );
+        let met = form.enter(o, d) < 1.0;
+        run.hidden[i] = if met { 1.0 } else { run.hidden[i] };
+    }
+}
+
+#[inline(always)]
+fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut Run) {
+    let (ring, pose) = (*ring, *pose);
+    for start in (0..RUN).step_by(ring::WIDE) {
+        let o = std::array::from_fn(|i| pose.point_in(load(&run.from, start + i)));
+        let d = std::array::from_fn(|i| pose.direction_in(load(&run.way, start + i)));
+        let met = ring.enter_abreast(o, d);
+        for i in 0..ring::WIDE {
+            if met[i] < 1.0 && ring.is_entered(o[i] + d[i] * met[i], d[i]) {
+                run.hidden[start + i] = 1.0;
+            }
+        }
+    }
+}

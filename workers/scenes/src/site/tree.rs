@@ -1,0 +1,160 @@
+//! The boxes of a site's solids in a binary tree, so that a bundle of ways is held against few of them.
+
+use super::bounds::Bounds;
+use super::solid::Solid;
+
+/// Boxes are grown by this, m: in single precision a way may touch a solid just outside of its box.
+const MARGIN_M: f32 = 1e-3;
+/// Solids of a leaf.
+const FEW: usize = 2;
+/// Deeper than any tree of so many solids as there are numbers for.
+const DEPTH: usize = 64;
+
+/// Solids by their boxes.
+pub(crate) struct Tree {
+    nodes: Vec<Node>,
+    /// Numbers of the solids, those of a leaf side by side.
+    order: Vec<u16>,
+    /// Hollows have no box: what lies around them is everywhere.
+    hollows: Vec<u16>,
+    boxes: Vec<Bounds>,
+}
+
+struct Node {
+    bounds: Bounds,
+    /// Of a leaf its solids, from the first on; else the left child stands behind its parent and the right one here.
+    first: usize,
+    /// 0: no leaf.
+    count: usize,
+}
+
+/// Ways from one box to another: a share of the way along, all of them are in the box that lies between by that share.
+#[derive(Clone, Copy)]
+pub(crate) struct Bundle {
+    pub(crate) from: Bounds,
+    pub(crate) to: Bounds,
+}
+
+impl Bundle {
+    /// The share of the way before which no way of the bundle reaches a box; none where none ever does.
+    pub(crate) fn reaches(&self, other: &Bounds) -> Option<f32> {
+        let (mut enter, mut leave) = (0.0f32, 1.0f32);
+        // Where a quantity that changes evenly from one end to the other is at most 0.
+        let mut below_zero = |start: f32, end: f32| {
+            let cross = start / (start - end);
+            if start > 0.0 {
+                enter = if end < 0.0 {
+                    enter.max(cross)
+                } else {
+                    f32::INFINITY
+                };
+            } else if end > 0.0 {
+                leave = leave.min(cross);
+            }
+        };
+        let ends = |bounds: &Bounds| -> [[f32; 3]; 2] { [bounds.low.into(), bounds.high.into()] };
+        let ([from_low, from_high], [to_low, to_high]) = (ends(&self.from), ends(&self.to));
+        let [low, high] = ends(other);
+        for axis in 0..3 {
+            below_zero(from_low[axis] - high[axis], to_low[axis] - high[axis]);
+            below_zero(low[axis] - from_high[axis], low[axis] - to_high[axis]);
+        }
+        (enter <= leave).then_some(enter)
+    }
+}
+
+impl Tree {
+    /// The tree of some solids.
+    pub(crate) fn new(solids: &[Solid]) -> Self {
+        let boxes: Vec<Bounds> = solids
+            .iter()
+            .map(|solid| Bounds::around(solid).grown(MARGIN_M))
+            .collect();
+        let (hollows, mut order): (Vec<u16>, Vec<u16>) =
+            (0..solids.len() as u16).partition(|&number| solids[usize::from(number)].is_hollow());
+        let mut nodes = Vec::new();
+        if !order.is_empty() {
+            grow(&boxes, &mut order, 0, &mut nodes);
+        }
+        Self {
+            nodes,
+            order,
+            hollows,
+            boxes,
+        }
+    }
+
+    /// Calls `meet` for every solid that a way of the bundle may lie on. It returns the share of the ways beyond which nothing
+    /// matters any more; below 0, the search ends.
+    pub(crate) fn search(&self, bundle: &Bundle, mut meet: impl FnMut(u16) -> f32) {
+        let mut within = 1.0;
+        for &number in &self.hollows {
+            within = meet(number);
+        }
+        if self.nodes.is_empty() {
+            return;
+        }
+        let (mut stack, mut height) = ([0usize; DEPTH], 1);
+        while height > 0 {
+            height -= 1;
+            let at = stack[height];
+            let node = &self.nodes[at];
+            if !bundle.reaches(&node.bounds).is_some_and(|share| share <= within) {
+                continue;
+            }
+            if node.count == 0 {
+                stack[height] = node.first;
+                stack[height + 1] = at + 1;
+                height += 2;
+                continue;
+            }
+            for &number in &self.order[node.first..node.first + node.count] {
+                let bounds = &self.boxes[usize::from(number)];
+                if node.count == 1 || bundle.reaches(bounds).is_some_and(|share| share <= within) {
+                    within = meet(number);
+                    if within < 0.0 {
+                        return;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Adds the tree of some solids, of which the first is number `first` of all in order.
+fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<Node>) {
+    let of = |number: &u16| &boxes[usize::from(*number)];
+    let bounds = order
+        .iter()
+        .map(of)
+        .fold(*of(&order[0]), |all, one| all.with(one));
+    let at = nodes.len();
+    let count = if order.len() <= FEW { order.len() } else { 0 };
+    nodes.push(Node { bounds, first, count });
+    if count > 0 {
+        return;
+    }
+    // Halves along the axis in which their middles lie farthest apart.
+    let middle = |number: &u16, axis: usize| {
+        let Bounds { low, high } = *of(number);
+        <[f32; 3]>::from(low + high)[axis]
+    };
+    let spread = |axis: usize| {
+        let ends = order.iter().map(|number| middle(number, axis));
+        let (low, high) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| {
+            (a.min(v), b.max(v))
+        });
+        high - low
+    };
+    let spreads = [0, 1, 2].map(spread);
+    let axis = (0..3).fold(
+        0,
+        |best, axis| if spreads[axis] > spreads[best] { axis } else { best },
+    );
+    order.sort_by(|a, b| middle(a, axis).total_cmp(&middle(b, axis)));
+    let half = order.len() / 2;
+    let (left, right) = order.split_at_mut(half);
+    grow(boxes, left, first, nodes);
+    nodes[at].first = nodes.len();
+    grow(boxes, right, first + half, nodes);
+}
