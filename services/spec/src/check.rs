@@ -3,6 +3,7 @@
 mod across;
 mod camera;
 pub(crate) mod collection;
+mod daylight;
 mod extremes;
 mod law;
 mod names;
@@ -22,6 +23,7 @@ use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
 pub(crate) use across::{has_lamps, places};
+pub(crate) use daylight::{above, may_show};
 pub(crate) use names::is_dataset;
 
 /// Walks document and table side by side.

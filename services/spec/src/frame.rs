@@ -129,12 +129,16 @@ pub enum Scene {
         /// seed of the scene, apart from the job's seed
         #[field(within(0, EXACT), default = 0)]
         seed: u64,
+        /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
+        light: Option<SceneLight>,
     },
     /// Uploaded before through the API.
     Uploaded {
         /// an uploaded scene, which brings its own size
         #[field(names = SceneId)]
         id: String,
+        /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
+        light: Option<SceneLight>,
     },
     /// Files of this machine; only for rendering without a service.
     Files {
@@ -159,6 +163,8 @@ pub enum Scene {
         /// code that means no return in that file
         #[field(within(0, 65_535))]
         invalid_code: Option<u16>,
+        /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
+        light: Option<SceneLight>,
     },
     /// A collection of uploaded scenes.
     Collection {
@@ -172,15 +178,38 @@ pub enum Scene {
         /// its scenes when the job was accepted; filled in
         #[field(names = SceneId)]
         id: Option<String>,
+        /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
+        light: Option<SceneLight>,
     },
 }
 
+/// What the picture of a scene shows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Described)]
+#[serde(rename_all = "snake_case")]
+pub enum SceneLight {
+    /// Light that comes from the scene.
+    #[default]
+    Baked,
+    /// Reflectance, which light from above and lamps shine on.
+    Albedo,
+}
+
 impl Scene {
+    /// What its picture shows.
+    #[must_use]
+    pub fn light(&self) -> SceneLight {
+        let (Self::Procedural { light, .. }
+        | Self::Uploaded { light, .. }
+        | Self::Files { light, .. }
+        | Self::Collection { light, .. }) = self;
+        light.unwrap_or_default()
+    }
+
     /// Id of the uploaded scene, if it is one.
     #[must_use]
     pub fn uploaded_id(&self) -> Option<&str> {
         match self {
-            Self::Uploaded { id } | Self::Collection { id: Some(id), .. } => Some(id),
+            Self::Uploaded { id, .. } | Self::Collection { id: Some(id), .. } => Some(id),
             _ => None,
         }
     }

@@ -50,10 +50,10 @@ pub use camera::{
 };
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
-pub use daylight::{DaylightLevel, FromAbove, VeilForm};
+pub use daylight::{Caustics, DaylightLevel, FromAbove, Sun, SunShadow, SurfaceLight, VeilForm};
 pub use described::{Beyond, Described, beyond};
 pub use encode::Encode;
-pub use frame::{Fidelity, Frame, Scene, Variant};
+pub use frame::{Fidelity, Frame, Scene, SceneLight, Variant};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::{Draft, Job};
 pub use json::{MAX_BYTES, MAX_DEPTH, read as read_json};

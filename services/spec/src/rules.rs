@@ -11,6 +11,8 @@ pub struct WaterRules {
     pub faults: fn(&Water, Sight) -> Vec<Fault>,
     /// What a user should know of these optics, though nothing is wrong.
     pub warning: fn(&Optics) -> Option<String>,
+    /// The same of a water that lamps light.
+    pub lit_warning: fn(&Water) -> Option<String>,
 }
 
 impl Default for WaterRules {
@@ -19,6 +21,7 @@ impl Default for WaterRules {
         Self {
             faults: |_, _| Vec::new(),
             warning: |_| None,
+            lit_warning: |_| None,
         }
     }
 }

@@ -26,13 +26,19 @@
 
 mod field;
 mod gaze;
+mod slope;
+mod sun;
+mod surface;
 mod veil;
 
 pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, Shape, decay_from, fresnel};
 pub use gaze::Gaze;
+pub use slope::{SLOPES, share_by_slope};
+pub use sun::SunLight;
+pub use surface::{Reaching, surfaces, surfaces_reference, surfaces_rounding, with_lamps};
 pub use veil::{VeilOf, veil, veil_reference};
 
-use spec::VeilForm;
+use spec::{SurfaceLight, VeilForm};
 
 /// The veil's exponent keeps at least this share of c: light cannot decay faster upwards than along a ray.
 pub const MOST_DECAY: f64 = 0.95;
@@ -41,6 +47,10 @@ pub const MOST_DECAY: f64 = 0.95;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Daylight {
     pub(crate) veil: VeilForm,
+    pub(crate) surfaces: SurfaceLight,
+    pub(crate) sun: Option<SunLight>,
+    /// Rays that tell how much of the light from all around reaches a surface.
+    pub(crate) rays: usize,
     /// The radiance of each channel.
     pub(crate) fields: [Field; 3],
     /// Depth of the camera in lengths of the range.
@@ -60,7 +70,25 @@ impl Daylight {
     /// Whether radiance by direction matters to any of it.
     #[must_use]
     pub fn needs_field(&self) -> bool {
-        self.varies()
+        self.varies() || self.surfaces == SurfaceLight::Normal
+    }
+
+    /// What it does to surfaces.
+    #[must_use]
+    pub fn surfaces(&self) -> SurfaceLight {
+        self.surfaces
+    }
+
+    /// The sun, where it shines on surfaces.
+    #[must_use]
+    pub fn sun(&self) -> Option<&SunLight> {
+        self.sun.as_ref()
+    }
+
+    /// The irradiance at the camera over that which is white.
+    #[must_use]
+    pub fn level(&self) -> [f64; 3] {
+        self.level
     }
 
     /// How the veil depends on the direction.

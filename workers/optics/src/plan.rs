@@ -6,6 +6,7 @@
 //! bounds of a frame add up to its tolerance at most, or [`Plan::exceeds`] says why. A style network has no known gain: the
 //! bounds hold up to its input.
 
+mod above;
 mod bins;
 mod cost;
 mod gates;
@@ -20,6 +21,7 @@ mod style;
 mod veil;
 mod water;
 
+pub use above::Above;
 pub use gates::GateStep;
 pub use levels::display_tolerance;
 pub use line::Line;
@@ -106,6 +108,8 @@ pub struct Plan {
     pub tolerance: Option<f64>,
     /// Daylight at the depth on the scene.
     pub scene_light: Stage,
+    /// Light from above on surfaces; none where the frame does not ask for it.
+    pub above: Option<Above>,
     /// Paths through patches of murkier water.
     pub turbidity: Stage,
     /// Light of the lamps on surfaces.
@@ -159,6 +163,8 @@ pub struct Given<'a> {
     pub setting: &'a Setting,
     /// What was measured of the scene in its light.
     pub stats: &'a SceneStats,
+    /// Its light from above, where it falls on surfaces.
+    pub above: Option<&'a Above>,
     /// The light of its lamps.
     pub lamps: LampLight,
     /// The most light that a particle of snow adds to a pixel; 0 without snow.
@@ -216,7 +222,10 @@ impl Plan {
         };
         let plan = Self {
             tolerance: shares.tolerance,
-            scene_light: Stage::exact(Form::Fast.when(setting.gain() != [1.0; 3])),
+            scene_light: Stage::exact(
+                Form::Fast.when(given.above.is_none() && ![[0.0; 3], [1.0; 3]].contains(&setting.gain())),
+            ),
+            above: given.above.cloned(),
             turbidity: rounded(setting.patches.is_some(), shares.path),
             lamps: rounded(setting.lighting.is_some(), shares.surfaces),
             attenuation: water.attenuation,
@@ -243,8 +252,12 @@ impl Plan {
             amounts: cost::Amounts::new(frame, setting),
         };
         let lamps = &given.lamps;
-        let rounding =
-            shares.path + shares.surfaces + lamps.glow_rounding + water.rounding + shares.snow_rounding;
+        let rounding = shares.path
+            + shares.surfaces
+            + shares.above
+            + lamps.glow_rounding
+            + water.rounding
+            + shares.snow_rounding;
         let lacks_nodes = lamps.glow_left > glow_share(given.frame);
         Self {
             exceeds: plan.excess(rounding, lacks_nodes),
@@ -279,6 +292,7 @@ impl Plan {
         Self {
             tolerance: None,
             scene_light: skip(),
+            above: None,
             turbidity: skip(),
             lamps: skip(),
             attenuation: skip(),
@@ -303,7 +317,8 @@ impl Plan {
         let water = self.scatter[channel].bound;
         let others = [&self.turbidity, &self.lamps, &self.glow, &self.snow];
         self.tolerance?;
-        Some(water.unwrap_or(0.0) + others.iter().filter_map(|stage| stage.bound).sum::<f64>())
+        let above = self.above.as_ref().map_or(0.0, Above::bound);
+        Some(water.unwrap_or(0.0) + above + others.iter().filter_map(|stage| stage.bound).sum::<f64>())
     }
 
     /// [`Plan::bound`] of each channel.

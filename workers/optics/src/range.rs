@@ -26,6 +26,19 @@ pub(crate) fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Pl
     }
 }
 
+/// The range that light from above takes surfaces to be at: holes are where the rule puts them.
+#[must_use]
+pub fn of_surfaces(range: &Plane<f32>, holes: HoleRule) -> Cow<'_, Plane<f32>> {
+    filled(range, holes)
+}
+
+/// The farthest range in meters; none in a frame of holes.
+#[must_use]
+pub fn farthest(range: &Plane<f32>) -> Option<f64> {
+    let (_, farthest) = bounds(range.data(), range.data(), f32::MAX)?;
+    Some(f64::from(farthest))
+}
+
 /// f32 or f64.
 pub(crate) trait Sample: Copy + Into<f64> {
     fn from_meters(meters: f64) -> Self;

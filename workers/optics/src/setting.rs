@@ -1,7 +1,7 @@
 //! What a frame is taken in: its water, lamps, patches and snow before its camera, every number known and no light computed yet.
 
 use imaging::geometry::Intrinsics;
-use spec::{Beyond, Frame, Scene, Snow};
+use spec::{Beyond, Frame, Scene, SceneLight, Snow, SurfaceLight};
 
 use crate::daylight::Gaze;
 use crate::eye::Eye;
@@ -88,8 +88,13 @@ impl Setting {
         let water = water.and_then(|water| {
             let refused = |wrong: Vec<_>| errors.extend(wrong.into_iter().map(SettingError::Water));
             let water = water.map_err(refused).ok()?;
+            let water = if frame.scene.light() == SceneLight::Albedo {
+                water.around_reflectance()
+            } else {
+                water
+            };
             Some(match water.daylight() {
-                Some(_) => water.seen_by(Gaze::new(view.camera, view.size, up_of(frame, &eye))),
+                Some(_) => water.seen_by(gaze_of(frame, view, &eye)),
                 None => water,
             })
         });
@@ -109,7 +114,7 @@ impl Setting {
             size: view.size,
             lighting: shines.then(|| lighting(lamps, &eye, water.as_ref(), patches.as_ref())),
             around: water.as_ref().map(|water| {
-                if shines {
+                if shines || lights_surfaces(water) {
                     water.with_light_applied()
                 } else {
                     water.clone()
@@ -133,6 +138,21 @@ impl Setting {
     #[must_use]
     pub fn gain(&self) -> [f64; 3] {
         self.water.as_ref().map_or([1.0; 3], Water::radiance_gain)
+    }
+}
+
+/// Whether light from above is computed for each surface.
+fn lights_surfaces(water: &Water) -> bool {
+    let above = water.daylight();
+    above.is_some_and(|daylight| daylight.surfaces() != SurfaceLight::None)
+}
+
+/// Where the camera looks; in a world that is known, azimuths and places are the world's.
+fn gaze_of(frame: &Frame, view: &View, eye: &Eye) -> Gaze {
+    let gaze = Gaze::new(view.camera, view.size, up_of(frame, eye));
+    match view.world_from_camera {
+        Some(_) => gaze.in_world(eye.turned([1.0, 0.0, 0.0]), eye.turned(eye.position())),
+        None => gaze,
     }
 }
 

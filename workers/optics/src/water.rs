@@ -10,7 +10,7 @@ pub use error::WaterError;
 pub use properties::{Properties, properties};
 pub use rules::RULES;
 
-use spec::{HoleRule, Multiple, Optics, ScatterSource};
+use spec::{HoleRule, Multiple, Optics, ScatterSource, SurfaceLight};
 
 use crate::daylight::{Daylight, Field, Gaze, VeilOf};
 use derive::Request;
@@ -248,6 +248,18 @@ impl Water {
     #[must_use]
     pub fn radiance_gain(&self) -> [f64; 3] {
         self.radiance_gain
+    }
+
+    /// The same water around a scene of which the reflectance is known: it has no light but that which falls on it.
+    #[must_use]
+    pub fn around_reflectance(&self) -> Self {
+        let is_lit = self
+            .daylight
+            .is_some_and(|daylight| daylight.surfaces != SurfaceLight::None);
+        Self {
+            radiance_gain: if is_lit { self.radiance_gain } else { [0.0; 3] },
+            ..self.clone()
+        }
     }
 
     /// The same water around a scene whose radiance has its gain already.

@@ -321,6 +321,7 @@ impl Slot {
                 frame,
                 setting: &setting,
                 stats: &lit.measure(&setting),
+                above: lit.above.as_ref(),
                 lamps: lit.lamps,
                 snow_peak: peak(&lit.flakes),
                 table_max_255,

@@ -1,5 +1,6 @@
 //! The stages of a frame, one file each. The order in which they run is that of [`crate::Slot::render`].
 
+pub(crate) mod above;
 pub(crate) mod camera;
 pub(crate) mod enhance;
 pub(crate) mod files;

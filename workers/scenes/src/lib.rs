@@ -31,7 +31,7 @@ use imaging::{Plane, Rgb};
 /// A scene in air.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Linear radiance, white = 1, at least 0; may exceed 1.
+    /// Linear radiance, white = 1, at least 0; may exceed 1. Reflectance where that was asked for.
     pub radiance: Rgb<f32>,
     /// Range in meters along the line of sight; not finite or below a millimeter: a hole.
     pub range: Option<Plane<f32>>,
@@ -39,6 +39,8 @@ pub struct Scene {
     pub instances: Option<Plane<u16>>,
     /// The camera, if it is known.
     pub intrinsics: Option<Intrinsics>,
+    /// Unit normals without relief in camera axes, beside the reflectance of procedural scenes.
+    pub normals: Option<[Plane<f32>; 3]>,
 }
 
 /// A camera on a path must keep this far from surfaces, m.

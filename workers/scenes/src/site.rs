@@ -30,7 +30,7 @@ use crate::categories::Category;
 use finish::Finish;
 use solid::Solid;
 
-pub(crate) use picture::{FAR_M, Picture, Surfaces, render};
+pub(crate) use picture::{FAR_M, Picture, Surfaces, Wanted, render};
 pub(crate) use shade::LABEL_BEVEL_M;
 
 /// An object: its surface and what it is. Number 0 is the ground.

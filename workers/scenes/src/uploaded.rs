@@ -38,6 +38,7 @@ pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneErro
         range: range.transpose()?,
         instances: instances.transpose()?,
         intrinsics,
+        normals: None,
     })
 }
 

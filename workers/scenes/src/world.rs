@@ -3,11 +3,11 @@
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
-use spec::{Path, Waypoint};
+use spec::{Path, SceneLight, Waypoint};
 
 use crate::labels::Labels;
 use crate::path::CameraPath;
-use crate::site::{self, Picture, Site};
+use crate::site::{self, Picture, Site, Wanted};
 use crate::{CameraPose, Family, LEAST_CLEARANCE_M, Scene, SceneError};
 
 /// What [`World::path`] keeps free, m.
@@ -108,8 +108,23 @@ impl World {
     /// What a camera of the given pose, frame size and intrinsics sees. Without width or height the frame is empty.
     #[must_use]
     pub fn render(&self, pose: &CameraPose, size: (usize, usize), intrinsics: &Intrinsics) -> Scene {
-        let picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, false);
+        let picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, Wanted::default());
         scene(picture, size, intrinsics).0
+    }
+
+    /// The reflectance of what a camera sees, with normals: 0.02-0.8, and 0 where nothing is met. Nothing of the site's own light is
+    /// in it. With labels if they are asked for.
+    #[must_use]
+    pub fn render_reflectance(
+        &self,
+        pose: &CameraPose,
+        size: (usize, usize),
+        intrinsics: &Intrinsics,
+        labeled: bool,
+    ) -> (Scene, Option<Labels>) {
+        let (mut scene, labels) = self.with_surfaces(SceneLight::Albedo, pose, size, intrinsics);
+        scene.normals = labels.surfaces.as_ref().map(|surfaces| surfaces.normals.clone());
+        (scene, labeled.then_some(labels))
     }
 
     /// [`World::render`] with labels: the same scene, bit for bit, in somewhat more time.
@@ -120,7 +135,21 @@ impl World {
         size: (usize, usize),
         intrinsics: &Intrinsics,
     ) -> (Scene, Labels) {
-        let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, true);
+        self.with_surfaces(SceneLight::Baked, pose, size, intrinsics)
+    }
+
+    fn with_surfaces(
+        &self,
+        light: SceneLight,
+        pose: &CameraPose,
+        size: (usize, usize),
+        intrinsics: &Intrinsics,
+    ) -> (Scene, Labels) {
+        let wanted = Wanted {
+            reflectance: light == SceneLight::Albedo,
+            surfaces: true,
+        };
+        let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, wanted);
         let surfaces = picture.labels.take().expect("labels were asked for");
         let (scene, shown) = scene(picture, size, intrinsics);
         let category = |&object: &u16| self.site.objects[usize::from(object)].category;
@@ -144,6 +173,7 @@ fn scene(picture: Picture, (width, height): (usize, usize), intrinsics: &Intrins
         range: Some(plane(picture.range)),
         instances: Some(Plane::new(width, height, instances).expect("one instance for each pixel")),
         intrinsics: Some(*intrinsics),
+        normals: None,
     };
     (scene, shown)
 }
@@ -222,7 +252,7 @@ mod tests {
                     let mut range = Vec::new();
                     for band in 0..bands {
                         let rows = 61 * band / bands..61 * (band + 1) / bands;
-                        let part = site::render(&world.site, &pose, (97, 61), &lens, rows, false);
+                        let part = site::render(&world.site, &pose, (97, 61), &lens, rows, Wanted::default());
                         radiance
                             .iter_mut()
                             .zip(part.bands)

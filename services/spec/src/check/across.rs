@@ -16,6 +16,7 @@ impl Checker<'_> {
         self.light_spaces(document);
         self.lamp_axes(document);
         self.verticals(document);
+        self.daylight(document);
         self.path(document);
         self.artifacts(document);
     }

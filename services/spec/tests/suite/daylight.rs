@@ -1,7 +1,7 @@
 //! Light from above: what must fit together.
 
 use serde_json::{Value, json};
-use spec::VeilForm;
+use spec::{SceneLight, SunShadow, SurfaceLight, VeilForm};
 
 use crate::common::{errors, job, job_with, only_error, with};
 
@@ -125,4 +125,142 @@ fn a_picture_says_where_up_is_and_a_procedural_scene_knows() {
     assert_eq!((none.len(), none[0].pointer.as_str()), (1, "/camera/up"));
     let known = only_error(json!({"camera": {"up": [0, -1, 0]}}));
     assert!(known.message.contains("procedural"), "{known:?}");
+}
+
+#[test]
+fn a_scene_of_reflectance_is_lit_from_above_and_a_picture_is_not_lit_twice() {
+    let surfaces = |light: Value, water: Value| {
+        let mut scene = json!({"kind": "procedural", "family": "structure", "seed": 1});
+        if !light.is_null() {
+            scene["light"] = light;
+        }
+        json!({"scene": scene, "water": water["water"]})
+    };
+    let normal = || json!({"surfaces": "normal", "sun_share": 0.5, "caustics": {"tile_m": 2}, "sun": {"azimuth_deg": 30}});
+    let frame = job(&surfaces(json!("albedo"), water(normal(), json!({}))))
+        .resolve(0)
+        .unwrap();
+    assert_eq!(frame.scene.light(), SceneLight::Albedo);
+    let above = frame.water.from_above.unwrap();
+    assert_eq!(above.surfaces(), SurfaceLight::Normal);
+    let (sun, waves) = (above.sun.unwrap(), above.caustics.unwrap());
+    assert_eq!(
+        (sun.elevation_deg, sun.azimuth_deg, sun.shadow),
+        (60.0, 30.0, SunShadow::Hard)
+    );
+    assert_eq!(
+        (waves.tile_m, waves.cells, waves.slope, waves.fps),
+        (2.0, 128, 0.12, None)
+    );
+    let cases = [
+        (
+            surfaces(Value::Null, water(normal(), json!({}))),
+            "/water/from_above/surfaces",
+            "lit already",
+        ),
+        (
+            surfaces(
+                Value::Null,
+                water(json!({"surfaces": "depth"}), json!({"ambient": "exposed"})),
+            ),
+            "/water/ambient",
+            "in its place",
+        ),
+        (
+            surfaces(
+                json!("albedo"),
+                json!({"water": {"ambient": "exposed", "depth_m": 3, "optics": "jerlov-1C"}}),
+            ),
+            "/water/ambient",
+            "reflectance",
+        ),
+        (
+            surfaces(
+                json!("albedo"),
+                water(
+                    json!({"surfaces": "normal", "caustics": {"cells": 100}}),
+                    json!({}),
+                ),
+            ),
+            "/water/from_above/caustics/cells",
+            "power of two",
+        ),
+        (
+            surfaces(
+                json!("albedo"),
+                water(
+                    json!({"surfaces": "normal", "sun": {"elevation_deg": 4}}),
+                    json!({}),
+                ),
+            ),
+            "/water/from_above/sun/elevation_deg",
+            "5",
+        ),
+    ];
+    for (document, pointer, word) in cases {
+        let found = errors(&document);
+        let error = found.iter().find(|error| error.pointer == pointer);
+        let error = error.unwrap_or_else(|| panic!("{document}: {found:#?}"));
+        let text = format!("{error:?}");
+        assert!(text.contains(word), "{text}");
+    }
+}
+
+#[test]
+fn what_changes_nothing_is_a_warning() {
+    let warned = |above: Value, light: &str, beside: Value| {
+        let mut fields = water(above, json!({}));
+        fields["scene"] = json!({"kind": "procedural", "family": "structure", "light": light});
+        for (name, value) in beside.as_object().unwrap() {
+            fields[name] = value.clone();
+        }
+        job(&fields).warnings().to_vec()
+    };
+    let none: [String; 0] = [];
+    let whole =
+        json!({"surfaces": "normal", "sun_share": 0.5, "caustics": {}, "shafts": true, "ambient_rays": 4});
+    assert_eq!(warned(whole, "albedo", json!({})), none);
+    let cases = [
+        (
+            json!({"surfaces": "normal", "caustics": {}}),
+            "albedo",
+            "`sun_share` is 0",
+        ),
+        (
+            json!({"surfaces": "normal", "sun_share": 0.5, "shafts": true}),
+            "albedo",
+            "`caustics`",
+        ),
+        (
+            json!({"surfaces": "depth", "sun_share": 0.5}),
+            "baked",
+            "not \"normal\"",
+        ),
+        (
+            json!({"surfaces": "depth", "ambient_rays": 8}),
+            "baked",
+            "not \"normal\"",
+        ),
+        (json!({"veil": "field"}), "albedo", "black"),
+    ];
+    for (above, light, word) in cases {
+        let found = warned(above.clone(), light, json!({}));
+        assert!(found.len() == 1 && found[0].contains(word), "{above}: {found:?}");
+    }
+    let lamp = json!([{"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]}]);
+    let by_night = |water: Value| {
+        let fields = json!({"lights": lamp, "water": water});
+        job_with(fields).warnings().to_vec()
+    };
+    let optics = json!({"preset": "jerlov-1C"});
+    let found = by_night(json!({"optics": optics}));
+    assert!(found.len() == 1 && found[0].contains("[0, 0, 0]"), "{found:?}");
+    assert_eq!(
+        by_night(json!({"optics": {"preset": "jerlov-1C", "veiling_light": [0, 0, 0]}})),
+        none
+    );
+    assert_eq!(
+        by_night(json!({"optics": optics, "depth_m": 4, "from_above": {"veil": "field"}})),
+        none
+    );
 }

@@ -92,7 +92,7 @@ fn a_frame_has_the_values_of_its_parameters() {
         (frame.index, frame.seed, frame.dataset.as_str()),
         (1, 42, "shaft-v1")
     );
-    let Scene::Procedural { family, seed } = &frame.scene else {
+    let Scene::Procedural { family, seed, .. } = &frame.scene else {
         panic!("{:?}", frame.scene)
     };
     assert_eq!(family, "structure");

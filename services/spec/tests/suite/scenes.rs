@@ -83,7 +83,8 @@ fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() 
 
 #[test]
 fn what_a_scene_has_may_be_asked_for() {
-    let fields = json!({"water": {"optics": "jerlov-1C"}, "lights": [lamp()], "artifacts": ["rgb", "range"]});
+    let water = json!({"optics": {"preset": "jerlov-1C", "veil_gain": 0.3}});
+    let fields = json!({"water": water, "lights": [lamp()], "artifacts": ["rgb", "range"]});
     assert_eq!(warnings(&over(json!("scn_deep"), fields.clone())), [""; 0]);
     let procedural = json!({"scene": {"kind": "procedural", "family": "structure"},
         "artifacts": ["range", "instances", "normals", "boxes", "semantics", "findings"]});

@@ -10,6 +10,11 @@ pub struct Gaze {
     pub camera: Intrinsics,
     /// Unit vector against gravity in camera axes (right, down, ahead).
     pub up: [f64; 3],
+    /// The horizontal directions along which azimuths and places are counted, unit vectors in camera axes: from the first towards
+    /// the second.
+    pub(crate) level: [[f64; 3]; 2],
+    /// The camera's place along them, m.
+    pub(crate) place: [f64; 2],
     /// Least and greatest cosine from the vertical of the rays of the picture.
     pub(crate) rises: (f64, f64),
 }
@@ -28,10 +33,25 @@ impl Gaze {
         let mut gaze = Self {
             camera,
             up: up.into(),
+            level: level_axes(up, [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+            place: [0.0; 2],
             rises: (0.0, 0.0),
         };
         gaze.rises = gaze.extremes(width, height);
         gaze
+    }
+
+    /// The same view of a camera in a world: `east` is the direction of the world's x axis and `place` that of the camera, both in
+    /// camera axes, the latter in meters from the world's origin.
+    #[must_use]
+    pub fn in_world(&self, east: [f64; 3], place: [f64; 3]) -> Self {
+        let level = level_axes(self.up.into(), [east, [1.0, 0.0, 0.0]]);
+        let along = |axis: [f64; 3]| DVec3::from(axis).dot(place.into());
+        Self {
+            place: level.map(along),
+            level,
+            ..*self
+        }
     }
 
     /// A level camera of this focal length of which no more is known: rays may go anywhere.
@@ -44,6 +64,8 @@ impl Gaze {
                 cy: 0.0,
             },
             up: [0.0, -1.0, 0.0],
+            level: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+            place: [0.0; 2],
             rises: (-1.0, 1.0),
         }
     }
@@ -85,6 +107,20 @@ impl Gaze {
         }
         (low, high)
     }
+}
+
+/// Shorter parts have no direction.
+const SHORTEST: f64 = 1e-3;
+
+/// The horizontal part of the first of these directions that has one, and the direction at right angles to it and to up.
+fn level_axes(up: DVec3, directions: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    let [first, second] = directions.map(|direction| {
+        let direction = DVec3::from(direction);
+        direction + -(up * up.dot(direction))
+    });
+    let east = if first.length() < SHORTEST { second } else { first };
+    let east = east.normalized();
+    [east.into(), up.cross(east).into()]
 }
 
 #[cfg(test)]

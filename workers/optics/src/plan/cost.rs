@@ -12,6 +12,13 @@ use crate::snow;
 const ATTENUATION_NS: f64 = 1.5;
 /// The veil by direction of all channels.
 const VEIL_NS: f64 = 10.0;
+/// Daylight on surfaces under an even sky and with the sun, a ray to the sun from each pixel, each ray to the sky from where there
+/// are any, and caustics with the tiles that they are looked up in.
+const OVERCAST_NS: f64 = 6.0;
+const SUNNY_NS: f64 = 10.0;
+const SUN_RAY_NS: f64 = 60.0;
+const AMBIENT_RAY_NS: f64 = 10.0;
+const CAUSTICS_NS: f64 = 30.0;
 /// Each channel that is transformed, and each of its kernels.
 const CHANNEL_NS: f64 = 7.8;
 const KERNEL_NS: f64 = 1.87;
@@ -79,6 +86,21 @@ impl Plan {
             Form::Fast => Some((VEIL_NS * self.amounts.pixels / 1e4).round() / 100.0),
             Form::Reference => None,
         }
+    }
+
+    /// Expected milliseconds of one of the stages of light from above on surfaces; none in f64.
+    pub(super) fn above_cost_ms(&self, stage: &str) -> Option<f64> {
+        let above = self.above.as_ref()?;
+        let ns = match (stage, above.form_of(stage)?) {
+            (_, Form::Reference) => return None,
+            (_, Form::Skip) => 0.0,
+            ("surfaces", _) if above.sun_shines => SUNNY_NS,
+            ("surfaces", _) => OVERCAST_NS,
+            ("sun_shadow", _) => SUN_RAY_NS,
+            ("ambient_access", _) => AMBIENT_RAY_NS * above.rays as f64,
+            (_, _) => CAUSTICS_NS,
+        };
+        Some((ns * self.amounts.pixels / 1e4).round() / 100.0)
     }
 
     /// Expected milliseconds of each stage before the enhancement, in the order of the lines; none of a stage in f64.

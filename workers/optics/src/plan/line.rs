@@ -76,6 +76,14 @@ impl Plan {
             };
             lines.insert(after.map_or(0, |at| at + 1), own);
         }
+        if let Some(above) = &self.above {
+            let own = above.lines().into_iter().map(|line| Line {
+                cost_ms: self.above_cost_ms(line.stage),
+                model_error: self.model.of(line.stage).filter(|_| line.variant != "skip"),
+                ..line
+            });
+            lines.splice(1..1, own);
+        }
         self.explain(&mut lines);
         lines
     }
@@ -178,7 +186,7 @@ fn style(step: &Stage<StyleStep>) -> Line {
     }
 }
 
-fn with_errors<F>(stage: &'static str, variant: &'static str, step: &Stage<F>) -> Line {
+pub(super) fn with_errors<F>(stage: &'static str, variant: &'static str, step: &Stage<F>) -> Line {
     Line {
         stage,
         variant,

@@ -74,6 +74,10 @@ const MEASURED: &[Row] = &[
 /// The stages whose light is physics. Style, haze and enhancement have no truth.
 const PHYSICAL: &[&str] = &[
     "scene_light",
+    "surfaces",
+    "sun_shadow",
+    "ambient_access",
+    "caustics",
     "turbidity",
     "lamps",
     "attenuation",

@@ -3,7 +3,7 @@
 use spec::{Fidelity, Frame};
 
 use super::levels::{self, PILED_UP};
-use super::{Given, SceneStats};
+use super::{Above, Given, SceneStats};
 use crate::setting::Setting;
 use crate::turbidity::path_rounding;
 use crate::water::Water;
@@ -34,6 +34,8 @@ pub(super) struct Shares {
     pub(super) path: f64,
     /// Rounding of surfaces that lamps light, as it arrives in the picture.
     pub(super) surfaces: f64,
+    /// Light from above on surfaces, as it arrives in the picture.
+    pub(super) above: f64,
     /// Attenuation and forward scatter; none where the frame does not ask for a tolerance.
     water: Option<f64>,
 }
@@ -52,12 +54,13 @@ impl Shares {
         let snow = if frame.water.snow.is_some() { SNOW } else { 0.0 };
         let path = around.map_or(0.0, |water| PILED_UP * path(stats, water, setting));
         let surfaces = PILED_UP * lamps.surface_rounding;
+        let above = given.above.map_or(0.0, Above::bound);
         let snow_rounding = if frame.water.snow.is_some() {
             SNOW_ROUNDING * levels::brightest_behind(given).max(given.snow_peak)
         } else {
             0.0
         };
-        let others = lamps.glow_left + lamps.glow_rounding + path + surfaces + snow_rounding;
+        let others = lamps.glow_left + lamps.glow_rounding + path + surfaces + above + snow_rounding;
         let left = |whole: f64| ((1.0 - snow) * whole - others).max(LEAST * whole);
         Self {
             tolerance,
@@ -65,6 +68,7 @@ impl Shares {
             snow_rounding,
             path,
             surfaces,
+            above,
             water: tolerance.map(left),
         }
     }

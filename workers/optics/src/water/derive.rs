@@ -116,7 +116,8 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         backscatter_attenuation: scaled(optics.backscatter_attenuation_per_m.unwrap_or(attenuation)),
         diffuse_attenuation,
         veiling_light,
-        radiance_gain: radiance_gain(water.ambient, decay),
+        radiance_gain: above::gain(request, daylight.as_ref())
+            .unwrap_or_else(|| radiance_gain(water.ambient, decay)),
         scatter: scaled_scatter(scatter, scale),
         backscatter_fraction: backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
         multiple,
@@ -198,13 +199,15 @@ impl Checks {
         let all = beyond.into_iter().chain(places).flatten();
         self.errors.extend(all.map(WaterError::Beyond));
         let above = request.water.from_above.as_ref();
-        self.errors.extend(
-            above
-                .map(spec::beyond)
-                .into_iter()
-                .flatten()
-                .map(WaterError::Beyond),
-        );
+        let sun = above.and_then(|above| above.sun.as_ref());
+        let caustics = above.and_then(|above| above.caustics.as_ref());
+        let beyond = [
+            above.map(spec::beyond),
+            sun.map(spec::beyond),
+            caustics.map(spec::beyond),
+        ];
+        self.errors
+            .extend(beyond.into_iter().flatten().flatten().map(WaterError::Beyond));
     }
 
     fn missing(&mut self, field: &'static str, reason: &'static str) {

@@ -1,13 +1,19 @@
 //! The rules of waters as a description's check asks for them.
 
-use spec::{Fault, ForwardScatter, Occlusion, Optics, ScatterModel, ScatterSpread, Sight, WaterRules};
+use spec::{
+    Ambient, Fault, ForwardScatter, Occlusion, Optics, ScatterModel, ScatterSpread, Sight, WaterRules,
+};
 
 use super::{Water, WaterError};
-use crate::preset::diffuse_in_disguise;
+use crate::preset::{self, diffuse_in_disguise};
 use crate::snow;
 
 /// What must fit together within the water of a description.
-pub const RULES: WaterRules = WaterRules { faults, warning };
+pub const RULES: WaterRules = WaterRules {
+    faults,
+    warning,
+    lit_warning,
+};
 
 fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
     let mut faults = Vec::new();
@@ -39,7 +45,11 @@ fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
 fn fault(error: &WaterError) -> Fault {
     let path = match error.field() {
         field @ ("range_scale" | "depth_m" | "ambient" | "holes" | "multiple") => vec![field],
-        field @ ("veil" | "level" | "horizon" | "p" | "q") => vec!["from_above", field],
+        field @ ("veil" | "level" | "horizon" | "p" | "q" | "surfaces" | "sun_share" | "ambient_rays") => {
+            vec!["from_above", field]
+        }
+        field @ ("elevation_deg" | "azimuth_deg") => vec!["from_above", "sun", field],
+        field @ ("tile_m" | "cells" | "slope" | "wind_deg" | "fps") => vec!["from_above", "caustics", field],
         field @ ("model" | "g_per_m" | "spread_px_per_m" | "spread_offset_px" | "source" | "spread"
         | "occlusion" | "layers") => {
             vec!["optics", "forward_scatter", field]
@@ -57,6 +67,23 @@ fn warning(optics: &Optics) -> Option<String> {
     let beam = optics.beam_attenuation_per_m;
     beam.and_then(|beam| diffuse_warning(beam, optics.diffuse_attenuation_per_m))
         .or_else(|| gate_warning(optics.forward_scatter.as_ref()?))
+}
+
+/// A veil that daylight colors lights the water where lamps are meant to be all the light.
+fn lit_warning(water: &spec::Water) -> Option<String> {
+    let optics = water.optics.as_ref()?;
+    let preset = optics.preset.as_deref().and_then(preset::find);
+    let is_given = optics
+        .veiling_light
+        .or(preset.and_then(|preset| preset.veiling_light))
+        .is_some();
+    let is_chosen = optics.veil_gain.is_some();
+    let is_day = water.from_above.is_some() || water.ambient != Ambient::None;
+    (!is_given && !is_chosen && !is_day).then(|| {
+        "lamps light the scene, and the veil of the water is derived from daylight: by night give `veiling_light` [0, 0, 0] in \
+         `water.optics`, by day `water.from_above`"
+            .to_owned()
+    })
 }
 
 /// One kernel has too little light in its tail; a gate that stops a part of it leaves too little.

@@ -1,14 +1,16 @@
 //! Light from above: the veil by direction, and radiance against Monte Carlo.
 
-use imaging::Rgb;
 use imaging::geometry::Intrinsics;
+use imaging::{Plane, Rgb};
 use optics::chain::{water, water_reference};
-use optics::daylight::{Field, Gaze, REFRACTIVE_INDEX, Shape, decay_from};
+use optics::daylight::{
+    Field, Gaze, REFRACTIVE_INDEX, Reaching, SLOPES, Shape, decay_from, share_by_slope, surfaces_reference,
+};
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Plan, SceneStats};
 use optics::water::Water;
 use serde_json::Value;
-use spec::{Fidelity, FromAbove, Optics, ScatterModel, VeilForm};
+use spec::{Fidelity, FromAbove, Optics, ScatterModel, Sun, SurfaceLight, VeilForm};
 
 use crate::case::Case;
 
@@ -74,6 +76,7 @@ pub(crate) fn from_above(case: &Case) {
     let exact = water_reference(&black, &range, &of).expect("a small frame");
     case.compare("veil", &exact.backscatter, REFERENCE, "the reference");
     case.compare("veil", &exact.scattered, REFERENCE, "the reference's picture");
+    surfaces(case, &range);
     let (black, range) = (black.map(|&j| j as f32), range.map(|&z| z as f32));
     let plan = Plan::for_water(
         &SceneStats::measure(&black, &range, &of),
@@ -85,6 +88,84 @@ pub(crate) fn from_above(case: &Case) {
     let within = FLOAT * peak / peak.max(1.0);
     case.compare("veil", &fast.backscatter, within, "the fast form");
     case.compare("veil", &fast.scattered, within, "the fast form's picture");
+}
+
+/// Surfaces under an even sky and with the sun, against the case: without rays and caustics.
+fn surfaces(case: &Case, range: &Plane<f64>) {
+    let lit = FromAbove {
+        surfaces: Some(SurfaceLight::Normal),
+        ..FromAbove::default()
+    };
+    let sunny = FromAbove {
+        sun_share: case.get("sun").and_then(|sun| sun["share"].as_f64()),
+        sun: Some(sun(case)),
+        ..lit
+    };
+    let resolve = |above: FromAbove| {
+        let described = spec::Water {
+            from_above: Some(above),
+            ..described(case)
+        };
+        Water::resolve(&described, number(case, "focal_px"))
+            .unwrap_or_else(|errors| panic!("{errors:?}"))
+            .seen_by(gaze(case, range.size()))
+    };
+    let albedo = case.needed("albedo").rgb(|v| v);
+    let normals = case.needed("normals").rgb(|v| v).into_planes();
+    let (width, height) = range.size();
+    let factor = case.needed("caustic_factor").values;
+    let factor = Plane::new(width, height, factor.iter().map(|&v| v as f32).collect())
+        .expect("a factor for each pixel");
+    let tables = case.needed("D_table");
+    for (above, name) in [(lit, "surfaces_overcast"), (sunny, "surfaces_sun")] {
+        let water = resolve(above);
+        let daylight = water.daylight().expect("asked for");
+        for (c, field) in daylight.fields().iter().enumerate() {
+            let table = share_by_slope(&field.shape);
+            for (k, share) in table.iter().enumerate() {
+                let expected = tables.values[if tables.shape[0] == 3 {
+                    c * SLOPES + k
+                } else {
+                    k * 3 + c
+                }];
+                assert!(
+                    (share - expected).abs() < REFERENCE,
+                    "D of {c} at {k}: {share} for {expected}"
+                );
+            }
+        }
+        let is_sunny = daylight.sun().is_some();
+        let reaching = Reaching {
+            sunlight: is_sunny.then_some(&factor),
+            access: None,
+        };
+        let exact = surfaces_reference(&albedo, range, &normals, daylight, reaching);
+        // The factor comes in f32.
+        let within = if is_sunny { 2e-7 } else { REFERENCE };
+        case.compare(name, &exact, within, "the reference");
+        let fast = optics::daylight::surfaces(
+            &albedo.map(|&v| v as f32),
+            &range.map(|&z| z as f32),
+            &normals.each_ref().map(|axis| axis.map(|&v| v as f32)),
+            daylight,
+            reaching,
+        );
+        let peak = case.needed(name).values.iter().copied().fold(0.0, f64::max);
+        case.compare(name, &fast, FLOAT * peak, "the fast form");
+    }
+}
+
+fn sun(case: &Case) -> Sun {
+    let angle = |name: &str| {
+        case.get("sun")
+            .and_then(|sun| sun[name].as_f64())
+            .expect("an angle")
+    };
+    Sun {
+        elevation_deg: angle("elevation_deg"),
+        azimuth_deg: angle("azimuth_deg"),
+        ..Sun::default()
+    }
 }
 
 /// Radiance in some directions under an even sky. Whatever goes by direction here comes from a, b and b_b/b alone.

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use imaging::{Plane, Rgb};
+use optics::daylight;
 use optics::lamp::{self, Airlight, Irradiance, Lighting, REFERENCE_NODES};
-use optics::plan::{Form, LampLight, SceneStats, glow_share};
+use optics::plan::{Above, Form, LampLight, SceneStats, glow_share};
 use optics::range::is_hole;
 use optics::setting::Setting;
 use optics::snow::LitFlake;
@@ -12,14 +13,16 @@ use optics::turbidity;
 use spec::Frame;
 
 use super::scene::Prepared;
-use super::snow;
+use super::{above, snow};
 use crate::stopwatch::Stopwatch;
 
 /// A scene in its light.
 pub(crate) struct Lit {
     prepared: Arc<Prepared>,
-    /// The radiance where lamps add to it.
-    lamplit: Option<Rgb<f32>>,
+    /// The radiance where light from above makes it or lamps add to it.
+    lit: Option<Rgb<f32>>,
+    /// What the plan has to know of light from above on surfaces.
+    pub(crate) above: Option<Above>,
     /// The paths through patches of murkier water.
     patchy: Option<Plane<f32>>,
     /// Glow of the water before the lamps; none without lamps, or in water that scatters nothing.
@@ -44,13 +47,18 @@ impl Lit {
         let range = prepared.scene.range.as_ref();
         let mut lit = Self {
             prepared: Arc::clone(prepared),
-            lamplit: None,
+            lit: None,
+            above: None,
             patchy: watch.time("turbidity", || path(form, frame, range?, setting)),
             glow: None,
             lamps: LampLight::default(),
             flakes: Vec::new(),
             shines: false,
         };
+        if let Some(range) = range {
+            let above = watch.time("above", || above::light(frame, prepared, setting, range));
+            (lit.lit, lit.above) = above.unzip();
+        }
         if let (Some(lighting), Some(range)) = (&setting.lighting, range) {
             watch.time("lamps", || {
                 lit.add(form, lighting, range, setting.gain());
@@ -67,7 +75,7 @@ impl Lit {
 
     /// What the camera would see if the water took nothing.
     pub(crate) fn radiance(&self) -> &Rgb<f32> {
-        self.lamplit.as_ref().unwrap_or(&self.prepared.scene.radiance)
+        self.lit.as_ref().unwrap_or(&self.prepared.scene.radiance)
     }
 
     /// Meters of mean water before each pixel: its range, or its path through patches; none without range.
@@ -89,10 +97,14 @@ impl Lit {
             }
             Form::Fast | Form::Skip => lamp::irradiance(range, &normals, lighting),
         };
-        let lit = lamp::lit(self.radiance(), gain, &irradiance.light);
-        self.lamps.surface_rounding = lamp::lit_rounding(self.radiance(), &lit, irradiance.rounding);
+        let reflectance = &self.prepared.scene.radiance;
+        let lit = match self.lit.take() {
+            Some(daylit) => daylight::with_lamps(daylit, reflectance, &irradiance.light),
+            None => lamp::lit(reflectance, gain, &irradiance.light),
+        };
+        self.lamps.surface_rounding = lamp::lit_rounding(reflectance, &lit, irradiance.rounding);
         self.shines = any_light(&irradiance.light);
-        self.lamplit = Some(lit);
+        self.lit = Some(lit);
     }
 
     /// Adds the glow of the water before the lamps.

@@ -12,7 +12,7 @@ use optics::setting::View;
 use scenes::uploaded;
 use scenes::{CameraPath, CameraPose, Labels, SceneError, World};
 use serde_json::json;
-use spec::{Classes, Frame, RangeKind, Scene, SceneFiles};
+use spec::{Classes, Frame, RangeKind, Scene, SceneFiles, SceneLight};
 
 use crate::error::RenderError;
 use crate::source::{SceneBytes, SceneSource};
@@ -60,7 +60,7 @@ pub(crate) fn prepare(
     view: Option<Source>,
 ) -> Result<Prepared, RenderError> {
     match (&frame.scene, source) {
-        (Scene::Procedural { family, seed }, _) => {
+        (Scene::Procedural { family, seed, .. }, _) => {
             let place = Place::new(frame, family, *seed)?;
             place.prepare(frame, view, 0.0)
         }
@@ -95,7 +95,7 @@ impl Place {
     /// The world of a frame with a procedural scene.
     pub(crate) fn of(frame: &Frame) -> Result<Self, RenderError> {
         match &frame.scene {
-            Scene::Procedural { family, seed } => Self::new(frame, family, *seed),
+            Scene::Procedural { family, seed, .. } => Self::new(frame, family, *seed),
             _ => Err(RenderError::Camera(PartsError::NoPath)),
         }
     }
@@ -129,7 +129,10 @@ impl Place {
             size: (width, height),
             camera: Intrinsics::centered(frame.camera.focal_px(width), width, height),
         });
-        let (scene, labels) = if needs_labels(frame) {
+        let (scene, labels) = if frame.scene.light() == SceneLight::Albedo {
+            let labeled = needs_labels(frame);
+            self.world.render_reflectance(&pose, size, &camera, labeled)
+        } else if needs_labels(frame) {
             let (scene, labels) = self.world.render_labeled(&pose, size, &camera);
             (scene, Some(labels))
         } else {

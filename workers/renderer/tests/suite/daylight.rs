@@ -74,3 +74,113 @@ fn a_physical_veil_needs_none_and_is_darker_than_the_convention() {
     assert!(light(&physical) < 0.3 * light(&field), "{}", light(&physical));
     assert_ne!(file(&field, "rgb"), file(&physical, "rgb"));
 }
+
+/// Mean linear light of the rows of a layer from one to another.
+fn light(bytes: &[u8], rows: std::ops::Range<usize>) -> f64 {
+    let imaging::codec::Radiance::Linear(layer) = imaging::codec::decode_radiance(bytes).unwrap() else {
+        panic!("a layer of light is linear")
+    };
+    let rows = rows.flat_map(|y| {
+        layer
+            .planes()
+            .each_ref()
+            .map(|plane| plane.row(y).iter().sum::<f32>())
+    });
+    let sums: Vec<f64> = rows.map(f64::from).collect();
+    sums.iter().sum::<f64>() / (96 * sums.len()) as f64
+}
+
+fn reflecting(from_above: &Value, lights: &Value) -> Value {
+    let mut job = job(from_above);
+    job["scene"]["light"] = json!("albedo");
+    job["lights"] = lights.clone();
+    job
+}
+
+fn line<'a>(rendered: &'a renderer::Rendered, stage: &str) -> Option<&'a Value> {
+    let lines = rendered.record.plan.as_array().unwrap();
+    lines.iter().find(|line| line["stage"] == stage)
+}
+
+#[test]
+fn reflectance_is_black_until_something_lights_it() {
+    let lamp = json!([{"kind": "point", "position_m": [0.5, 0, 0], "intensity": [2, 2, 2]}]);
+    let none = json!([]);
+    let level = |job: &Value| {
+        let mut job = job.clone();
+        job["artifacts"] = json!(["rgb", "direct"]);
+        light(file(&render(&parse(&job)), "direct"), 20..64)
+    };
+    let dark = level(&reflecting(&json!({"veil": "field"}), &none));
+    let lit = level(&reflecting(&json!({"surfaces": "normal"}), &none));
+    let by_lamp = level(&reflecting(&json!({"veil": "field"}), &lamp));
+    let both = level(&reflecting(&json!({"surfaces": "normal"}), &lamp));
+    assert!(
+        dark == 0.0 && lit > 0.003 && by_lamp > 1e-4 && both > lit.max(by_lamp),
+        "{dark} {lit} {by_lamp} {both}"
+    );
+}
+
+#[test]
+fn a_record_says_how_surfaces_are_lit_and_both_forms_agree() {
+    let surfaces =
+        json!({"surfaces": "normal", "sun_share": 0.6, "sun": {"elevation_deg": 40, "azimuth_deg": 100}});
+    let of = |fidelity: Value| {
+        let mut job = reflecting(&surfaces, &json!([]));
+        job["camera"] = json!({"width": 48, "height": 32});
+        job["fidelity"] = fidelity;
+        render(&parse(&job))
+    };
+    let (fast, reference) = (
+        of(json!({"tolerance": 3e-4})),
+        of(json!({"variant": "reference"})),
+    );
+    let own = line(&fast, "surfaces").unwrap();
+    assert_eq!(
+        (&own["variant"], &line(&reference, "surfaces").unwrap()["variant"]),
+        (&json!("by_normal"), &json!("reference"))
+    );
+    assert!(
+        own["bound"].as_f64().unwrap() > 0.0 && own["cost_ms"].as_f64().unwrap() >= 0.0,
+        "{own}"
+    );
+    assert!(own["model_error"].is_string());
+    assert_eq!(line(&fast, "scene_light").unwrap()["variant"], "skip");
+    let gain = fast.record.optics["radiance_gain"].as_array().unwrap();
+    assert!(
+        gain[0].as_f64().unwrap() < 0.5 && gain.contains(&json!(1.0)),
+        "{gain:?}"
+    );
+    let codes = |rendered: &renderer::Rendered| {
+        let picture = imaging::codec::decode_picture(file(rendered, "rgb"))
+            .unwrap()
+            .to_rgb8();
+        picture.pixels().flatten().collect::<Vec<u8>>()
+    };
+    let apart = codes(&fast)
+        .into_iter()
+        .zip(codes(&reference))
+        .filter(|(a, b)| a.abs_diff(*b) > 1);
+    // Pixels at the edge of a shadow may differ.
+    assert!(apart.count() <= 3 * 8);
+}
+
+#[test]
+fn a_picture_darkens_with_depth_alone() {
+    let lit = |surfaces: &str| {
+        let mut job = job(&json!({"surfaces": surfaces}));
+        job["artifacts"] = json!(["rgb", "direct"]);
+        let rendered = render(&parse(&job));
+        assert_eq!(
+            line(&rendered, "surfaces").map(|line| line["variant"].clone()),
+            (surfaces == "depth").then(|| json!("by_depth"))
+        );
+        let rows = |rows| light(file(&rendered, "direct"), rows);
+        (rows(0..8), rows(56..64))
+    };
+    let ((top, bottom), (flat_top, flat_bottom)) = (lit("depth"), lit("none"));
+    assert!(
+        bottom < flat_bottom && bottom / flat_bottom < top / flat_top,
+        "{top} {bottom} {flat_top} {flat_bottom}"
+    );
+}

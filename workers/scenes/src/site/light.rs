@@ -67,6 +67,24 @@ pub(super) fn background(bands: &mut Lane3, camera: &Camera, light: &Light, x: &
     }
 }
 
+/// Limits of the reflectance of real materials.
+const REFLECTANCES: [f32; 2] = [0.02, 0.8];
+
+#[inline(always)]
+fn reflectance(albedo: f32) -> f32 {
+    smaller(larger(albedo, REFLECTANCES[0]), REFLECTANCES[1])
+}
+
+/// The reflectance of a group.
+#[inline(always)]
+pub(super) fn reflect(bands: &mut Lane3, surface: &Surface) {
+    for (band, albedo) in bands.iter_mut().zip(&surface.albedo) {
+        for i in 0..LANES {
+            band[i] = reflectance(albedo[i]);
+        }
+    }
+}
+
 /// The light of a group.
 #[inline(always)]
 pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, lit: &Lit<'_>) {
@@ -94,8 +112,7 @@ pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, li
         let water = light.water(-v.dot(up));
         let fade = far * ramp(range, FADE_M[0], FADE_M[1]);
         for c in 0..3 {
-            let albedo = surface.albedo[c][i];
-            let albedo = smaller(larger(albedo, 0.02), 0.8);
+            let albedo = reflectance(surface.albedo[c][i]);
             bands[c][i] = mix(albedo * (lamp + sky * SKY[c]) + gleam, water[c], fade);
         }
     }

@@ -18,7 +18,7 @@ pub(crate) const FAR_M: f32 = 60.0;
 
 /// Some rows of a picture, all planes by rows.
 pub(crate) struct Picture {
-    /// Linear radiance: red, green, blue.
+    /// Linear radiance, or reflectance: red, green, blue.
     pub(crate) bands: [Vec<f32>; 3],
     /// Range in meters, infinite where nothing is met.
     pub(crate) range: Vec<f32>,
@@ -37,14 +37,23 @@ pub(crate) struct Surfaces {
     pub(crate) findings: Vec<u8>,
 }
 
-/// Renders some rows of what a camera sees. Surfaces are recorded if `labels` asks for them.
+/// What a picture is to show.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Wanted {
+    /// Reflectance instead of radiance.
+    pub(crate) reflectance: bool,
+    /// Surface data beside it.
+    pub(crate) surfaces: bool,
+}
+
+/// Renders some rows of what a camera sees.
 pub(crate) fn render(
     site: &Site,
     pose: &CameraPose,
     (width, height): (usize, usize),
     lens: &Intrinsics,
     rows: Range<usize>,
-    labels: bool,
+    wanted: Wanted,
 ) -> Picture {
     let camera = Camera::new(pose, (width, height), lens);
     let outline = |solid| Outline::new(solid, &camera);
@@ -55,13 +64,13 @@ pub(crate) fn render(
         bands: [blank(), blank(), blank()],
         range: blank(),
         objects: Vec::with_capacity(pixels),
-        labels: labels.then(|| Surfaces {
+        labels: wanted.surfaces.then(|| Surfaces {
             z_depth: Vec::with_capacity(pixels),
             normals: [blank(), blank(), blank()],
             findings: vec![0; pixels],
         }),
     };
-    let mut shader = Shader::new(site, &camera);
+    let mut shader = Shader::new(site, &camera, wanted.reflectance);
     let shown = site.solids.iter().map(|solid| solid.object + 1);
     let shown: Vec<u16> = shown.chain([1, 0]).collect();
     let (mut parameter, mut owner) = (vec![0.0f32; width], vec![0u16; width]);

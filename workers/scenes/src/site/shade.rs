@@ -9,7 +9,7 @@ use super::camera::Camera;
 use super::finish::Points;
 use super::geometry::Geometry;
 use super::lanes::{LANES, Lane, Lane3, ZEROS, load, mix, ramp, store};
-use super::light::{Light, Lit, background, illuminate};
+use super::light::{Light, Lit, background, illuminate, reflect};
 use super::noise::Place;
 use super::picture::Picture;
 use super::pose::{Pose, UP, ZERO};
@@ -41,6 +41,8 @@ pub(super) struct Shader<'a> {
     site: &'a Site,
     camera: &'a Camera,
     light: Light,
+    /// Whether reflectance is shown instead of radiance.
+    reflectance: bool,
     boxes: Vec<Bounds>,
     /// For each solid and the ground, the solids that come near it.
     near: Vec<Vec<u16>>,
@@ -48,7 +50,7 @@ pub(super) struct Shader<'a> {
 }
 
 impl<'a> Shader<'a> {
-    pub(super) fn new(site: &'a Site, camera: &'a Camera) -> Self {
+    pub(super) fn new(site: &'a Site, camera: &'a Camera, reflectance: bool) -> Self {
         let boxes: Vec<Bounds> = site.solids.iter().map(Bounds::around).collect();
         let ground = Bounds::below(0.0);
         let near = boxes.iter().chain([&ground]).enumerate();
@@ -63,6 +65,7 @@ impl<'a> Shader<'a> {
             site,
             camera,
             light: Light::new(site),
+            reflectance,
             near: near.collect(),
             queues: vec![Queue::default(); boxes.len() + 2],
             boxes,
@@ -123,7 +126,9 @@ impl<'a> Shader<'a> {
         let light = if whose > self.site.solids.len() {
             let (camera, site) = (self.camera, &self.light);
             let mut light = [ZEROS; 3];
-            vectorized!(background(&mut light, camera, site, &queue.x, &queue.y));
+            if !self.reflectance {
+                vectorized!(background(&mut light, camera, site, &queue.x, &queue.y));
+            }
             light
         } else {
             self.group(whose, queue, len, picture)
@@ -172,10 +177,15 @@ impl<'a> Shader<'a> {
             edge: &edge,
             rise: &geometry.rise,
         });
-        let open = self.openness(whose, object != 0, &geometry.world);
         if picture.labels.is_some() {
             self.label((solid, &pose), queue, len, &geometry, &surface.findings, picture);
         }
+        let mut bands = [ZEROS; 3];
+        if self.reflectance {
+            vectorized!(reflect(&mut bands, &surface));
+            return bands;
+        }
+        let open = self.openness(whose, object != 0, &geometry.world);
         let lit = Lit {
             normal: &normal,
             view: &geometry.view,
@@ -185,7 +195,7 @@ impl<'a> Shader<'a> {
             ahead: pose.direction_in(camera.ahead),
             ground: object == 0,
         };
-        let (mut bands, light) = ([ZEROS; 3], &self.light);
+        let light = &self.light;
         vectorized!(illuminate(&mut bands, light, &surface, &lit));
         bands
     }

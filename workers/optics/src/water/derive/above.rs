@@ -1,9 +1,9 @@
 //! What light from above needs of a water, and how it follows from the rest.
 
-use spec::{Ambient, DaylightLevel, FromAbove, HoleRule, VeilForm};
+use spec::{Ambient, DaylightLevel, FromAbove, HoleRule, SurfaceLight, VeilForm};
 
 use super::{Checks, Request, WaterError, each};
-use crate::daylight::{Daylight, Field, Gaze, MOST_DECAY, Shape, decay_from};
+use crate::daylight::{Daylight, Field, Gaze, MOST_DECAY, Shape, SunLight, decay_from};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 
 /// What is known of the water.
@@ -26,8 +26,16 @@ pub(super) fn sets_veil(request: &Request<'_>) -> bool {
         .is_some_and(|above| above.veil == Some(VeilForm::Physical))
 }
 
+/// Whether anything depends on the direction that light comes from.
 fn varies(above: &FromAbove) -> bool {
-    above.veil.is_some_and(|veil| veil != VeilForm::Constant)
+    let is_directed = above.veil.is_some_and(|veil| veil != VeilForm::Constant);
+    is_directed || above.surfaces() == SurfaceLight::Normal
+}
+
+/// The sun, where it shines on anything.
+fn sun(above: &FromAbove) -> Option<SunLight> {
+    let share = above.sun_share.filter(|share| *share > 0.0)?;
+    Some(SunLight::new(share, &above.sun.unwrap_or_default()))
 }
 
 impl Checks {
@@ -55,6 +63,9 @@ impl Checks {
                           to estimate it from";
             self.missing("diffuse_attenuation_per_m", reason);
         }
+        if above.caustics.is_some() && known.scattering.is_none() && known.is_complete {
+            self.missing("scattering_per_m", "caustics are blurred by it");
+        }
         let shapes = self.shapes(above, known);
         let (depth_m, decay) = request.water.depth_m.zip(known.diffuse_attenuation)?;
         let (shapes, c) = shapes.zip(known.attenuation)?;
@@ -68,6 +79,9 @@ impl Checks {
         });
         Some(Daylight {
             veil: above.veil.unwrap_or(VeilForm::Constant),
+            surfaces: above.surfaces(),
+            sun: sun(above),
+            rays: above.ambient_rays.unwrap_or(0),
             fields,
             depth: depth_m / scale,
             level: level(request, above, decay.map(|k| (-k * depth_m).exp())),
@@ -94,9 +108,20 @@ impl Checks {
                 "is given, but the veil of `from_above` is `physical`, which follows from daylight",
             ),
             (
-                varies(above) && request.water.holes != HoleRule::Background,
+                above.veil.is_some_and(|veil| veil != VeilForm::Constant)
+                    && request.water.holes != HoleRule::Background,
                 "holes",
                 "is not `background`: a veil that depends on the direction shows open water where there is no range",
+            ),
+            (
+                above.surfaces() != SurfaceLight::None && request.water.ambient != Ambient::None,
+                "ambient",
+                "is not `none`, but `surfaces` of `from_above` light the scene in its place",
+            ),
+            (
+                above.caustics.is_some_and(|waves| !waves.cells.is_power_of_two()),
+                "cells",
+                "of `caustics` is no power of two: 32, 64, 128, 256 or 512",
             ),
             (apart, "level", "of `from_above` is not the one of `ambient`"),
         ];
@@ -131,6 +156,13 @@ impl Checks {
             q: chosen(above.q, i, own[i].q),
         }))
     }
+}
+
+/// The light at the camera, where daylight lights surfaces by their depth.
+pub(super) fn gain(request: &Request<'_>, daylight: Option<&Daylight>) -> Option<[f64; 3]> {
+    let above = request.water.from_above.as_ref()?;
+    let lights = above.surfaces() != SurfaceLight::None;
+    daylight.filter(|_| lights).map(Daylight::level)
 }
 
 /// a + 0.1 b, or about that where only K is known: K is some sixth more.

@@ -1,0 +1,60 @@
+//! The sun as the water lets it through.
+
+use imaging::vector::DVec3;
+use spec::{Sun, SunShadow};
+
+use super::field::{Field, MOST_GAIN, REFRACTIVE_INDEX};
+use super::gaze::Gaze;
+
+/// The share b/20 of the scattering takes light out of the sun's own direction; the rest goes on nearly straight.
+const LOST_BY_SCATTERING: f64 = 0.05;
+/// a + b/20 is this much of b less than a + b/10, by which the sky fades.
+const BELOW_WINDOW: f64 = 0.1 - LOST_BY_SCATTERING;
+
+/// Sunlight in the water: parallel, with the rest of the irradiance coming from all around.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SunLight {
+    /// Its share in the irradiance just below the surface, 0..=1.
+    pub share: f64,
+    /// Cosine of its direction from the vertical in the water, `sqrt(1 − (cos(elevation)/n)²)`.
+    pub rise: f64,
+    /// Where it stands around the vertical, radians from the first of the level axes to the second.
+    pub azimuth: f64,
+    /// Whether surfaces cast shadows in it.
+    pub casts_shadows: bool,
+}
+
+impl SunLight {
+    /// The sun of a description.
+    #[must_use]
+    pub fn new(share: f64, sun: &Sun) -> Self {
+        let sine = sun.elevation_deg.to_radians().cos() / REFRACTIVE_INDEX;
+        Self {
+            share,
+            rise: (1.0 - sine * sine).sqrt(),
+            azimuth: sun.azimuth_deg.to_radians(),
+            casts_shadows: sun.shadow == SunShadow::Hard,
+        }
+    }
+
+    /// The unit vector to the sun in camera axes.
+    #[must_use]
+    pub fn toward(&self, gaze: &Gaze) -> [f64; 3] {
+        let level = (1.0 - self.rise * self.rise).max(0.0).sqrt();
+        let [east, north] = gaze.level.map(DVec3::from);
+        let (sine, cosine) = self.azimuth.sin_cos();
+        (DVec3::from(gaze.up) * self.rise + east * (level * cosine) + north * (level * sine)).into()
+    }
+
+    /// The rate at which the sun's share falls with depth in a channel, `(a + 0.05 b)/μ − K`.
+    #[must_use]
+    pub(super) fn fading(&self, field: &Field) -> f64 {
+        (field.window - BELOW_WINDOW * field.scattering) / self.rise - field.decay
+    }
+
+    /// σ, the sun's share in the irradiance of a channel at a depth: `clamp(share e^{−((a + 0.05 b)/μ − K) z}, 0, 1)`.
+    #[must_use]
+    pub fn share_at(&self, field: &Field, depth: f64) -> f64 {
+        (self.share * (-self.fading(field) * depth).min(MOST_GAIN).exp()).clamp(0.0, 1.0)
+    }
+}

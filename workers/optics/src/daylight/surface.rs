@@ -1,0 +1,355 @@
+//! Daylight on surfaces, in f64 and in f32.
+//!
+//! A surface of the reflectance ρ at X with the normal n, its depth z below the sea's surface, sends back
+//!
+//! ```text
+//! J = ρ e(X) [ σ V C max(n·s, 0)/μ_s + (1 − σ) A D(n·U) ]
+//! e(X) = E(z)/N,   σ = clamp(share e^{−(a + 0.05 b) z/μ_s + K z}, 0, 1)
+//! ```
+//!
+//! with s the direction to the sun and μ_s its cosine from the vertical, V whether the sun is seen, C its caustics, A the share of
+//! the light from all around that nothing hides, and D how much of it falls on a slope ([`share_by_slope`]). N is the irradiance of
+//! white: J is in units of the radiance of a white horizontal patch. Without normals `J = ρ e(X)`.
+
+use imaging::vectorized;
+use imaging::{Plane, Rgb};
+use spec::SurfaceLight;
+
+use super::field::MOST_GAIN;
+use super::slope::{SLOPES, between, share_by_slope};
+use super::veil::{Row, rises_of};
+use super::{Daylight, SunLight};
+use crate::attenuation::{exp_negative, masked};
+use crate::extremes::brightest;
+use crate::range::is_hole;
+
+/// One rounding of f32.
+const STEP: f64 = 6e-8;
+
+/// What reaches each pixel's surface of the light from above; all of it where there is none.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Reaching<'a> {
+    /// V C, of the sun.
+    pub sunlight: Option<&'a Plane<f32>>,
+    /// A, of the light from all around.
+    pub access: Option<&'a Rgb<f32>>,
+}
+
+impl Daylight {
+    /// h − z: how far a place is above the camera's depth, at most up to the surface of the sea.
+    pub(crate) fn height(&self, rise: f64, range: f64) -> f64 {
+        (rise * range).min(self.depth)
+    }
+
+    /// e at a height above the camera, in a channel.
+    pub(crate) fn irradiance(&self, channel: usize, height: f64) -> f64 {
+        self.level[channel] * (self.fields[channel].decay * height).min(MOST_GAIN).exp()
+    }
+}
+
+/// J of every pixel from ρ, range and unit normals in camera axes. Without a range it is 0, where daylight goes by the normal, and
+/// ρ e at the camera where it does not. `normals` are not looked at where daylight goes by depth alone.
+#[must_use]
+pub fn surfaces_reference(
+    reflectance: &Rgb<f64>,
+    range: &Plane<f64>,
+    normals: &[Plane<f64>; 3],
+    daylight: &Daylight,
+    reaching: Reaching<'_>,
+) -> Rgb<f64> {
+    let gaze = &daylight.gaze;
+    let is_sloped = daylight.surfaces == SurfaceLight::Normal;
+    let toward = daylight.sun.map(|sun| (sun, sun.toward(gaze)));
+    let bands = [0, 1, 2].map(|c| {
+        let field = &daylight.fields[c];
+        let table = share_by_slope(&field.shape);
+        let albedo = &reflectance.planes()[c];
+        Plane::from_fn(range.width(), range.height(), |x, y| {
+            let (rho, z) = (albedo.pixel(x, y), range.pixel(x, y));
+            if is_hole(z) {
+                return if is_sloped { 0.0 } else { rho * daylight.level[c] };
+            }
+            let height = daylight.height(gaze.rise(x, y), z);
+            let arriving = rho * daylight.irradiance(c, height);
+            if !is_sloped {
+                return arriving;
+            }
+            let n = [0, 1, 2].map(|i| normals[i].pixel(x, y));
+            let dot = |v: [f64; 3]| n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+            let around = reaching
+                .access
+                .map_or(1.0, |a| f64::from(a.planes()[c].pixel(x, y)));
+            let around = around * between(&table, dot(gaze.up));
+            let Some((sun, toward)) = toward else {
+                return arriving * around;
+            };
+            let share = sun.share_at(field, daylight.depth - height);
+            let seen = reaching.sunlight.map_or(1.0, |v| f64::from(v.pixel(x, y)));
+            arriving * (share * seen * dot(toward).max(0.0) / sun.rise + (1.0 - share) * around)
+        })
+    });
+    Rgb::new(bands).expect("planes of one frame")
+}
+
+/// [`surfaces_reference`] in f32.
+///
+/// # Panics
+/// When the planes are of different sizes.
+#[must_use]
+pub fn surfaces(
+    reflectance: &Rgb<f32>,
+    range: &Plane<f32>,
+    normals: &[Plane<f32>; 3],
+    daylight: &Daylight,
+    reaching: Reaching<'_>,
+) -> Rgb<f32> {
+    let (width, height) = range.size();
+    assert_eq!(reflectance.size(), (width, height), "one range for each pixel");
+    let channels = [0, 1, 2].map(|c| Channel::new(daylight, c));
+    let toward = daylight.sun.map(|sun| {
+        let toward = sun.toward(&daylight.gaze);
+        toward.map(|v| (v / sun.rise) as f32)
+    });
+    let up = daylight.gaze.up.map(|v| v as f32);
+    let mut bands = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
+    let mut rises = vec![0.0f32; width];
+    for y in 0..height {
+        let row = Row::new(&daylight.gaze, y);
+        vectorized!(rises_of(row, &mut rises));
+        let range = range.row(y);
+        let lit = reaching.sunlight.map(|plane| plane.row(y));
+        for (c, band) in bands.iter_mut().enumerate() {
+            let (channel, band) = (&channels[c], band.row_mut(y));
+            let albedo = reflectance.planes()[c].row(y);
+            let depths = Depths {
+                range,
+                rises: &rises,
+                albedo,
+            };
+            if daylight.surfaces != SurfaceLight::Normal {
+                vectorized!(by_depth(channel, depths, band));
+                continue;
+            }
+            let normals = normals.each_ref().map(|plane| plane.row(y));
+            let access = reaching.access.map(|access| access.planes()[c].row(y));
+            match toward {
+                None => vectorized!(overcast(channel, depths, normals, up, band)),
+                Some(toward) => {
+                    vectorized!(sunny(channel, depths, normals, (up, toward), (lit, access), band))
+                }
+            }
+            if let (Some(access), None) = (access, toward) {
+                vectorized!(dimmed(access, band));
+            }
+        }
+    }
+    Rgb::new(bands).expect("planes of one frame")
+}
+
+/// What f32 may lose of [`surfaces`]: roundings of the place and of the normals count by how fast light changes with depth and
+/// slope.
+#[must_use]
+pub fn surfaces_rounding(daylight: &Daylight, lit: &Rgb<f32>, farthest: f64) -> f64 {
+    let peak = f64::from(brightest(lit).into_iter().fold(0.0, f32::max));
+    let rate = |c: usize| {
+        let field = &daylight.fields[c];
+        let fading = daylight.sun.map_or(0.0, |sun| sun.fading(field).abs());
+        field.decay + fading
+    };
+    let steepest = (0..3).map(rate).fold(0.0, f64::max);
+    let lens = {
+        let camera = &daylight.gaze.camera;
+        (camera.cx.abs() + camera.cy.abs()) / camera.focal_px
+    };
+    // Slopes of the table and the sun's cosine over that of a level surface are below 4.
+    peak * STEP * (40.0 + (8.0 + lens) * (4.0 + steepest * farthest))
+}
+
+/// Adds the light of lamps: `J + ρ E/π`.
+///
+/// # Panics
+/// When the planes are of different sizes.
+#[must_use]
+pub fn with_lamps(mut lit: Rgb<f32>, reflectance: &Rgb<f32>, irradiance: &Rgb<f32>) -> Rgb<f32> {
+    assert_eq!(lit.size(), reflectance.size(), "one reflectance for each pixel");
+    let others = reflectance.planes().iter().zip(irradiance.planes());
+    for (lit, (rho, e)) in lit.planes_mut().into_iter().zip(others) {
+        let (rho, e) = (rho.data(), e.data());
+        vectorized!(add_reflected(lit, rho, e));
+    }
+    lit
+}
+
+#[inline(always)]
+fn add_reflected(lit: &mut [f32], rho: &[f32], e: &[f32]) {
+    for ((lit, rho), e) in lit.iter_mut().zip(rho).zip(e) {
+        *lit += rho * e * std::f32::consts::FRAC_1_PI;
+    }
+}
+
+/// One channel in f32.
+struct Channel {
+    level: f32,
+    decay: f32,
+    depth: f32,
+    share: f32,
+    fading: f32,
+    /// Where each piece of the table by slope begins, and how it rises in 1/16 of the cosine.
+    begin: [f32; 32],
+    rise: [f32; 32],
+}
+
+impl Channel {
+    fn new(daylight: &Daylight, c: usize) -> Self {
+        let field = &daylight.fields[c];
+        let table: [f64; SLOPES] = share_by_slope(&field.shape);
+        let sun = daylight.sun.as_ref();
+        Self {
+            level: daylight.level[c] as f32,
+            decay: field.decay as f32,
+            depth: daylight.depth as f32,
+            share: sun.map_or(0.0, |sun| sun.share) as f32,
+            fading: sun.map_or(0.0, |sun: &SunLight| sun.fading(field)) as f32,
+            begin: std::array::from_fn(|k| table[k] as f32),
+            rise: std::array::from_fn(|k| (table[k + 1] - table[k]) as f32),
+        }
+    }
+}
+
+/// The places of a row of surfaces and their reflectance.
+#[derive(Clone, Copy)]
+struct Depths<'a> {
+    range: &'a [f32],
+    rises: &'a [f32],
+    albedo: &'a [f32],
+}
+
+/// How far above the camera.
+#[inline(always)]
+fn height(z: f32, rise: f32, depth: f32) -> f32 {
+    let height = z * rise;
+    if height < depth { height } else { depth }
+}
+
+/// `e^x` for x up to [`MOST_GAIN`].
+#[inline(always)]
+fn grown(x: f32) -> f32 {
+    const MOST: f32 = MOST_GAIN as f32;
+    exp_negative(-(if x < MOST { x } else { MOST }))
+}
+
+#[inline(always)]
+fn by_depth(channel: &Channel, depths: Depths<'_>, to: &mut [f32]) {
+    let Channel {
+        level, decay, depth, ..
+    } = *channel;
+    let Depths { range, rises, albedo } = depths;
+    for (((to, &z), &rise), &rho) in to.iter_mut().zip(range).zip(rises).zip(albedo) {
+        let (valid, z) = masked(z);
+        let z = if valid { z } else { 0.0 };
+        *to = rho * level * grown(decay * height(z, rise, depth));
+    }
+}
+
+/// The table by slope.
+#[inline(always)]
+fn by_slope(begin: &[f32; 32], rise: &[f32; 32], slope: f32) -> f32 {
+    let place = (slope + 1.0) * 16.0;
+    let place = if place > 0.0 { place } else { 0.0 };
+    let place = if place < 32.0 { place } else { 32.0 };
+    let piece = if place < 31.0 { place } else { 31.0 };
+    let k = piece as i32;
+    let share = place - k as f32;
+    let k = (k & 31) as usize;
+    begin[k] + rise[k] * share
+}
+
+#[inline(always)]
+fn overcast(channel: &Channel, depths: Depths<'_>, n: [&[f32]; 3], up: [f32; 3], to: &mut [f32]) {
+    let Channel {
+        level, decay, depth, ..
+    } = *channel;
+    let (begin, slope) = (&channel.begin, &channel.rise);
+    let Depths { range, rises, albedo } = depths;
+    let len = to.len();
+    let (range, rises, albedo) = (&range[..len], &rises[..len], &albedo[..len]);
+    let n = n.map(|axis| &axis[..len]);
+    for i in 0..len {
+        let (valid, z) = masked(range[i]);
+        let arriving = albedo[i] * level * grown(decay * height(z, rises[i], depth));
+        let facing = n[0][i] * up[0] + n[1][i] * up[1] + n[2][i] * up[2];
+        let light = arriving * by_slope(begin, slope, facing);
+        to[i] = if valid { light } else { 0.0 };
+    }
+}
+
+#[inline(always)]
+fn dimmed(access: &[f32], to: &mut [f32]) {
+    for (to, access) in to.iter_mut().zip(access) {
+        *to *= access;
+    }
+}
+
+#[inline(always)]
+fn sunny(
+    channel: &Channel,
+    depths: Depths<'_>,
+    n: [&[f32]; 3],
+    (up, toward): ([f32; 3], [f32; 3]),
+    (lit, access): (Option<&[f32]>, Option<&[f32]>),
+    to: &mut [f32],
+) {
+    match (lit, access) {
+        (None, None) => shine(channel, depths, n, (up, toward), |_| [1.0, 1.0], to),
+        (Some(lit), None) => {
+            let lit = &lit[..to.len()];
+            shine(channel, depths, n, (up, toward), |i| [lit[i], 1.0], to);
+        }
+        (None, Some(access)) => {
+            let access = &access[..to.len()];
+            shine(channel, depths, n, (up, toward), |i| [1.0, access[i]], to);
+        }
+        (Some(lit), Some(access)) => {
+            let (lit, access) = (&lit[..to.len()], &access[..to.len()]);
+            shine(channel, depths, n, (up, toward), |i| [lit[i], access[i]], to);
+        }
+    }
+}
+
+#[inline(always)]
+fn shine(
+    channel: &Channel,
+    depths: Depths<'_>,
+    n: [&[f32]; 3],
+    (up, toward): ([f32; 3], [f32; 3]),
+    reaching: impl Fn(usize) -> [f32; 2],
+    to: &mut [f32],
+) {
+    let Channel {
+        level,
+        decay,
+        depth,
+        share,
+        fading,
+        ..
+    } = *channel;
+    let (begin, slope) = (&channel.begin, &channel.rise);
+    let Depths { range, rises, albedo } = depths;
+    let len = to.len();
+    let (range, rises, albedo) = (&range[..len], &rises[..len], &albedo[..len]);
+    let n = n.map(|axis| &axis[..len]);
+    for i in 0..len {
+        let (valid, z) = masked(range[i]);
+        let above = height(z, rises[i], depth);
+        let arriving = albedo[i] * level * grown(decay * above);
+        let facing = n[0][i] * up[0] + n[1][i] * up[1] + n[2][i] * up[2];
+        let direct = n[0][i] * toward[0] + n[1][i] * toward[1] + n[2][i] * toward[2];
+        let direct = if direct > 0.0 { direct } else { 0.0 };
+        let part = share * grown(-fading * (depth - above));
+        let part = if part < 1.0 { part } else { 1.0 };
+        let [seen, open] = reaching(i);
+        let around = open * by_slope(begin, slope, facing);
+        let light = arriving * (part * seen * direct + (1.0 - part) * around);
+        to[i] = if valid { light } else { 0.0 };
+    }
+}
