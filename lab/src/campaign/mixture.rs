@@ -110,6 +110,7 @@ fn falling(unit: impl Fn(u64) -> f64, solid: f64) -> Snow {
         radius_m: 1e-5 * 2000f64.powf(unit(2)),
         radius_spread: unit(3),
         albedo: [unit(4), unit(5), unit(6)],
+        ..Snow::of(0.0)
     };
     let most = MOST_PARTICLES / snow::expected(&law, solid);
     let most = most.min(snow::MOST_COVER / snow::cover(&law, 0.0)).min(1e6);

@@ -77,6 +77,10 @@ pub struct Camera {
     /// curve from light to codes; absent: `srgb`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tone: Option<Tone>,
+    /// bits of the picture's codes, 8 or 16; absent: 8
+    #[field(within(8, 16))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bits: Option<u8>,
     /// JPEG compression of the picture; absent: none
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jpeg: Option<Jpeg>,
@@ -145,6 +149,7 @@ impl Camera {
             sensor: None,
             white_balance: None,
             tone: None,
+            bits: None,
             jpeg: None,
         }
     }

@@ -51,6 +51,8 @@ pub struct Parts {
     pub balance: Option<WhiteBalance>,
     /// Curve to codes.
     pub tone: Option<Tone>,
+    /// Bits of the codes: 8 or 16.
+    pub bits: u8,
     /// Compression.
     pub jpeg: Option<Jpeg>,
 }
@@ -85,6 +87,12 @@ pub enum PartsError {
     /// The sensor is not of the table.
     #[error("the sensor is not known")]
     UnknownSensor,
+    /// Codes have 8 or 16 bits.
+    #[error("a picture's codes have 8 or 16 bits, not {0}")]
+    Bits(u8),
+    /// JPEG has 8 bits.
+    #[error("a picture of {0} bits cannot be compressed: JPEG has 8")]
+    DeepJpeg(u8),
     /// Black is at or above the largest code.
     #[error("black is at {black}, but the largest code is {most}")]
     Black {
@@ -141,6 +149,7 @@ impl Parts {
             sensor,
             balance: camera.white_balance,
             tone: camera.tone,
+            bits: checked_bits(&camera)?,
             jpeg: camera.jpeg,
             lens,
         })
@@ -159,7 +168,16 @@ impl Parts {
 
     /// Whether nothing happens between exposed light and codes but today's curve.
     fn is_electronic_free(&self) -> bool {
-        self.sensor.is_none() && self.balance.is_none() && self.tone.is_none()
+        self.sensor.is_none() && self.balance.is_none() && self.tone.is_none() && self.bits == 8
+    }
+}
+
+fn checked_bits(camera: &Camera) -> Result<u8, PartsError> {
+    match camera.bits.unwrap_or(8) {
+        8 => Ok(8),
+        16 if camera.jpeg.is_some() => Err(PartsError::DeepJpeg(16)),
+        16 => Ok(16),
+        other => Err(PartsError::Bits(other)),
     }
 }
 

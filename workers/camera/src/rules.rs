@@ -30,6 +30,7 @@ fn faults(camera: &Camera, renders: bool) -> Vec<Fault> {
             PartsError::NoPath => vec!["path"],
             PartsError::TooSmall => vec!["sensor", "cfa"],
             PartsError::UnknownSensor => vec!["sensor", "preset"],
+            PartsError::Bits(_) | PartsError::DeepJpeg(_) => vec!["bits"],
             PartsError::Black { .. } => vec!["sensor", "black_dn"],
         };
         faults.push(fault(

@@ -1,6 +1,6 @@
-//! The curve from light to 8-bit codes: `floor(255 v + 1/2)` of `v = curve(clamp(x, 0, 1))`.
+//! The curve from light to codes of n bits: `floor((2^n − 1) v + 1/2)` of `v = curve(clamp(x, 0, 1))`.
 
-use imaging::{Rgb, Rgb8, transfer};
+use imaging::{Channels, Raster, Rgb, Rgb8, Samples, transfer};
 use spec::Tone;
 
 /// Steps of light between two of which at most a few codes begin.
@@ -29,16 +29,33 @@ pub fn codes(light: &Rgb<f32>, tone: Tone) -> (Rgb8, u64) {
     (codes, clamped)
 }
 
+/// The 16-bit codes of a picture.
+#[must_use]
+pub fn deep_codes(light: &Rgb<f32>, tone: Tone) -> Raster {
+    let (width, height) = light.size();
+    let [r, g, b] = light.planes().each_ref().map(|plane| plane.data());
+    let mut data = Vec::with_capacity(3 * r.len());
+    for ((&r, &g), &b) in r.iter().zip(g).zip(b) {
+        let code = |v: f32| (65_535.0 * curve(f64::from(v), tone) + 0.5).floor() as u16;
+        data.extend([r, g, b].map(code));
+    }
+    let samples = Samples::U16(data);
+    Raster::new(width, height, Channels::Rgb, samples, None).expect("three codes for each pixel")
+}
+
 /// The code of a sample by the formula.
 #[must_use]
 pub fn code_reference(light: f64, tone: Tone) -> u8 {
+    (255.0 * curve(light, tone) + 0.5).floor() as u8
+}
+
+fn curve(light: f64, tone: Tone) -> f64 {
     let light = light.clamp(0.0, 1.0);
-    let v = match tone {
+    match tone {
         Tone::Srgb => transfer::encode(light),
         Tone::Linear => light,
         Tone::Gamma(gamma) => libm::pow(light, 1.0 / gamma),
-    };
-    (255.0 * v + 0.5).floor() as u8
+    }
 }
 
 /// The light at which each code begins, and the code at which each step of light begins.
@@ -99,6 +116,26 @@ mod tests {
                 lower <= *code && *code <= upper
             };
             assert!(codes.data().iter().enumerate().all(expected), "{tone:?}");
+        }
+    }
+
+    #[test]
+    fn deep_codes_are_the_picture_s_own_at_257_times_the_resolution() {
+        let light = Rgb::from_fn(701, 2, |x, y| [x as f32 / 700.0, 0.3 * y as f32, 1.2]);
+        for tone in [Tone::Srgb, Tone::Linear, Tone::Gamma(2.2)] {
+            let deep = deep_codes(&light, tone);
+            let (codes, _) = codes(&light, tone);
+            let Samples::U16(deep) = deep.samples() else {
+                panic!("16 bits were asked for")
+            };
+            // Within half a code of the coarse one.
+            let near = |(&deep, &code): (&u16, &u8)| (i32::from(deep) - 257 * i32::from(code)).abs() <= 129;
+            assert!(deep.iter().zip(codes.data()).all(near), "{tone:?}");
+            assert!(
+                deep.windows(7)
+                    .any(|some| some[0] != some[3] && some[3] - some[0] < 257),
+                "{tone:?}"
+            );
         }
     }
 }

@@ -6,7 +6,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::eye::Eye;
-use optics::snow::{Surround, World, flakes, lit, snow};
+use optics::snow::{Seeing, Surround, World, flakes, lit, snow};
 use optics::turbidity::{Field, optical_path};
 use spec::{HoleRule, Snow, Turbidity};
 
@@ -36,6 +36,7 @@ fn suspended(bench: &mut Criterion) {
             radius_m: 1e-3,
             radius_spread: 0.5,
             albedo: [0.5; 3],
+            ..Snow::of(0.0)
         };
         let surround = Surround {
             range: &range,
@@ -44,12 +45,12 @@ fn suspended(bench: &mut Criterion) {
             path: &|_, meters| meters,
             light: &|_| [1.0; 3],
         };
-        let count = flakes(&eye, &law, WORLD, SIZE).len();
+        let count = flakes(&eye, &law, WORLD, SIZE, &Seeing::STILL).len();
         bench.bench_function(
             &format!("snow, {density} particles per m³, {count} in view"),
             |b| {
                 b.iter(|| {
-                    let found = flakes(&eye, black_box(&law), WORLD, SIZE);
+                    let found = flakes(&eye, black_box(&law), WORLD, SIZE, &Seeing::STILL);
                     let found = lit(&found, law.albedo, &surround);
                     let mut image = image.clone();
                     snow(&mut image, &found, &range, 3.75e-5)

@@ -1,7 +1,8 @@
 //! What a frame is taken in: its water, lamps, patches and snow before its camera, every number known and no light computed yet.
 
 use imaging::geometry::Intrinsics;
-use spec::{Beyond, Frame, Scene, SceneLight, Snow, SurfaceLight};
+use imaging::vector::dot;
+use spec::{Beyond, Frame, Scene, SceneLight, Snow, SnowDaylight, SurfaceLight};
 
 use crate::daylight::Gaze;
 use crate::eye::Eye;
@@ -30,6 +31,8 @@ pub struct Setting {
     pub size: (usize, usize),
     /// The camera at its place.
     pub eye: Eye,
+    /// Against gravity in its axes.
+    pub up: [f64; 3],
     /// The water; none without optics or without range.
     pub water: Option<Water>,
     /// The water as the scene meets it once it is lit: its ambient light is applied to a scene that lamps light as well.
@@ -42,6 +45,8 @@ pub struct Setting {
     pub snow: Option<Snow>,
     /// Which particles and patches of their seed.
     pub world: World,
+    /// Depth of the camera, m; none where it is not given.
+    pub depth_m: Option<f64>,
 }
 
 /// Surroundings that cannot be.
@@ -120,11 +125,13 @@ impl Setting {
                     water.clone()
                 }
             }),
+            up: up_of(frame, &eye),
             eye,
             water,
             patches,
             snow,
             world,
+            depth_m: frame.water.depth_m,
         })
     }
 
@@ -132,6 +139,19 @@ impl Setting {
     #[must_use]
     pub fn attenuation(&self) -> [f64; 3] {
         self.water.as_ref().map_or([0.0; 3], Water::direct_attenuation)
+    }
+
+    /// Factor of the light from above at a place in camera axes against that at the camera, where the snow asks for it:
+    /// `e^{−K_d Δh}` of what the place is deeper, but not from above the surface.
+    #[must_use]
+    pub fn daylight_at(&self, place: [f64; 3]) -> [f64; 3] {
+        let asked = self.snow.and_then(|snow| snow.daylight) == Some(SnowDaylight::Depth);
+        let known = self.water.as_ref().and_then(Water::diffuse_attenuation);
+        let Some(diffuse) = known.filter(|_| asked) else {
+            return [1.0; 3];
+        };
+        let rise = dot(self.up, place).min(self.depth_m.unwrap_or(f64::INFINITY));
+        diffuse.map(|k| (k * rise).exp())
     }
 
     /// Factor of the scene's radiance in the light around it.

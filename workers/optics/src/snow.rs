@@ -12,15 +12,17 @@ mod fast;
 mod flakes;
 mod lit;
 mod reference;
+mod spot;
 
 pub use fast::snow;
 pub use flakes::{Flake, flakes};
 pub use lit::{LitFlake, lit, peak};
 pub use reference::snow_reference;
+pub use spot::Spot;
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
-use spec::{Beyond, Snow};
+use spec::{Beyond, Snow, SnowDiscs};
 
 use crate::eye::Eye;
 
@@ -28,6 +30,9 @@ use crate::eye::Eye;
 pub const MOST_PARTICLES: f64 = 400_000.0;
 /// Largest share of the frame that the particles may be expected to cover.
 pub const MOST_COVER: f64 = 1.0;
+/// The largest radius of Junge's law over the least: a spectrum of marine particles is followed over about a decade of sizes
+/// (McCave 1984; Jackson et al. 1997 measured slopes of diameters between 3 and 4 with several instruments).
+const RADII: f64 = 10.0;
 /// Logarithms of radii are cut at this many standard deviations.
 const TAIL: f64 = 3.0;
 
@@ -89,17 +94,38 @@ pub fn expected(snow: &Snow, solid: f64) -> f64 {
 }
 
 /// Share of the frame that the particles are expected to cover, each pixel by its opacity:
-/// `2π n E[r²] (e^{−c z_n} − e^{−c z_f})/c` with `E[r²] = median² e^{2 s²}`, in a water of the attenuation c.
+/// `2π n E[r²] (e^{−c z_n} − e^{−c z_f})/c` in a water of the attenuation c, half of it with the discs of a lens. `E[r²]` is
+/// `median² e^{2 s²}` of log-normal radii.
 #[must_use]
 pub fn cover(snow: &Snow, attenuation: f64) -> f64 {
-    let square = snow.radius_m.powi(2) * (2.0 * snow.radius_spread.powi(2)).exp();
+    let area = match snow.discs {
+        Some(SnowDiscs::Lens) => std::f64::consts::PI,
+        Some(SnowDiscs::Soft) | None => std::f64::consts::TAU,
+    };
     let length = snow.far_m - snow.near_m;
     let thinned = if attenuation * length > 1e-9 {
         (-attenuation * snow.near_m).exp() * -(-attenuation * length).exp_m1() / attenuation
     } else {
         length
     };
-    std::f64::consts::TAU * snow.density_per_m3 * square * thinned
+    area * snow.density_per_m3 * mean_square(snow) * thinned
+}
+
+/// `E[r²]`, m². Of Junge's law between r and R r with the slope s: `r² (s − 1)/(3 − s) (R^{3−s} − 1)/(1 − R^{1−s})`.
+fn mean_square(snow: &Snow) -> f64 {
+    let least = snow.radius_m.powi(2);
+    match snow.spectrum {
+        None => least * (2.0 * snow.radius_spread.powi(2)).exp(),
+        Some(slope) => {
+            let rest = 3.0 - slope;
+            let grown = if rest.abs() < 1e-9 {
+                RADII.ln()
+            } else {
+                (RADII.powf(rest) - 1.0) / rest
+            };
+            least * (slope - 1.0) * grown / (1.0 - RADII.powf(1.0 - slope))
+        }
+    }
 }
 
 /// Whether it may be left out: its density is 0, or expected pixels × contrast ≤ tolerance. `pixels` of the frame, the least
@@ -111,7 +137,10 @@ pub fn is_needless(snow: &Snow, pixels: usize, attenuation: f64, contrast: f64, 
 
 /// The largest radius.
 fn largest_m(snow: &Snow) -> f64 {
-    snow.radius_m * (TAIL * snow.radius_spread).exp()
+    match snow.spectrum {
+        None => snow.radius_m * (TAIL * snow.radius_spread).exp(),
+        Some(_) => RADII * snow.radius_m,
+    }
 }
 
 /// The particles of one world: of a seed, and of frames that share their particles.
@@ -121,6 +150,34 @@ pub struct World {
     pub seed: u64,
     /// Which of its worlds: the frame, or 0 for all frames of a path.
     pub index: u64,
+}
+
+/// What camera and current make of particles.
+#[derive(Clone, Copy)]
+pub struct Seeing<'a> {
+    /// Radius of the circle of confusion of what is at a range in meters, in pixels of the picture that is drawn.
+    pub blur_px: &'a dyn Fn(f64) -> f64,
+    /// How long the shutter is open, s.
+    pub exposure_s: f64,
+    /// For how long the current has carried the particles from their places, s.
+    pub time_s: f64,
+}
+
+impl Seeing<'_> {
+    /// A pinhole's, at the first moment.
+    pub const STILL: Seeing<'static> = Seeing {
+        blur_px: &|_| 0.0,
+        exposure_s: 0.0,
+        time_s: 0.0,
+    };
+
+    /// The largest circle of confusion of this snow: that of its nearest or farthest particles.
+    fn most_blur_px(&self, snow: &Snow) -> f64 {
+        match snow.discs {
+            Some(SnowDiscs::Lens) => (self.blur_px)(snow.near_m).max((self.blur_px)(snow.far_m)),
+            Some(SnowDiscs::Soft) | None => 0.0,
+        }
+    }
 }
 
 /// What the particles hang in.

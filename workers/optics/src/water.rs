@@ -244,6 +244,12 @@ impl Water {
         self.backscatter_fraction
     }
 
+    /// K_d in 1/m; none where it is not known.
+    #[must_use]
+    pub fn diffuse_attenuation(&self) -> Option<[f64; 3]> {
+        self.diffuse_attenuation
+    }
+
     /// Factor of the scene's radiance, 1 without ambient light.
     #[must_use]
     pub fn radiance_gain(&self) -> [f64; 3] {

@@ -4,15 +4,28 @@
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::eye::Eye;
-use optics::snow::{Flake, Surround, World, flakes, lit, snow, snow_reference};
-use spec::Snow;
+use optics::snow::{Flake, Seeing, Surround, World, flakes, lit, snow, snow_reference};
+use spec::{Snow, SnowDiscs};
 
 /// f32 over up to some thousand faint layers on one pixel, as tiny frames have them: at most 6e-8 for each, of either sign.
 const ROUNDING: f64 = 1e-5;
 const SIZES: [(usize, usize); 6] = [(1, 1), (1, 9), (7, 1), (13, 17), (31, 8), (48, 29)];
 
-/// Dust, flakes, and a storm of large ones close by.
-const SNOWS: [(&str, Snow); 3] = [
+/// What a lens sees, dust, flakes, and a storm of large ones close by.
+const SNOWS: [(&str, Snow); 4] = [
+    (
+        "blurred and drawn-out aggregates",
+        Snow {
+            near_m: 0.1,
+            far_m: 3.0,
+            radius_m: 6e-4,
+            discs: Some(SnowDiscs::Lens),
+            spectrum: Some(3.0),
+            aggregates: Some(0.4),
+            drift_m_per_s: Some([0.3, -0.1, 0.2]),
+            ..Snow::of(200.0)
+        },
+    ),
     (
         "dust",
         Snow {
@@ -22,6 +35,7 @@ const SNOWS: [(&str, Snow); 3] = [
             radius_m: 3e-4,
             radius_spread: 0.5,
             albedo: [0.9, 0.8, 0.7],
+            ..Snow::of(0.0)
         },
     ),
     (
@@ -33,6 +47,7 @@ const SNOWS: [(&str, Snow); 3] = [
             radius_m: 2e-3,
             radius_spread: 0.3,
             albedo: [0.5; 3],
+            ..Snow::of(0.0)
         },
     ),
     (
@@ -44,6 +59,7 @@ const SNOWS: [(&str, Snow); 3] = [
             radius_m: 5e-3,
             radius_spread: 0.4,
             albedo: [1.0; 3],
+            ..Snow::of(0.0)
         },
     ),
 ];
@@ -68,9 +84,15 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
             size.0,
             size.1,
         ));
+        // A lens that sees 1.5 m sharply, in a sixtieth of a second.
+        let seeing = Seeing {
+            blur_px: &|range| (0.02 * eye.camera.focal_px * (1.0 / range - 1.0 / 1.5)).abs(),
+            exposure_s: 1.0 / 60.0,
+            time_s: 0.3,
+        };
         for (name, law) in SNOWS {
             for attenuation in [[0.0; 3], [0.6, 0.2, 0.1]] {
-                let found: Vec<Flake> = flakes(&eye, &law, World { seed: 5, index: 2 }, size);
+                let found: Vec<Flake> = flakes(&eye, &law, World { seed: 5, index: 2 }, size, &seeing);
                 drawn += found.len();
                 let surround = Surround {
                     range: &range,

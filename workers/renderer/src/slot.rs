@@ -24,6 +24,7 @@ use crate::stage::files::{self, Pictures};
 use crate::stage::light::Lit;
 use crate::stage::scene::{self, Prepared};
 use crate::stage::seen::Seen;
+use crate::stage::snow::Shutter;
 use crate::stage::style::{self, Networks};
 use crate::stage::{Shot, enhance, glow, haze, labels, measure, snow, water};
 use crate::stopwatch::Stopwatch;
@@ -180,6 +181,7 @@ impl Slot {
             snow: snow.as_ref(),
             styled: &styled,
             rgb: &developed.rgb,
+            deep: developed.deep.as_ref(),
             raw: developed.raw.as_ref(),
             enhancements: &enhancements,
         };
@@ -244,7 +246,8 @@ impl Slot {
         for moment in &moments {
             let prepared = Arc::new(place.prepare(frame, view, moment.later)?);
             let mut unheard = Stopwatch::start();
-            let at = self.resolve_prepared(frame, prepared, Some(parts.clone()), &mut unheard)?;
+            let at =
+                self.resolve_prepared(frame, prepared, Some(parts.clone()), moment.later, &mut unheard)?;
             let mut layers = water::run(&at, &mut self.kernels)?;
             let mut own = FrameRecord::default();
             glow::run(&at, &mut layers, &mut own);
@@ -302,19 +305,22 @@ impl Slot {
         let parts = camera::rendered_parts(frame)?;
         let view = parts.as_ref().and_then(|parts| parts.source);
         let prepared = watch.time("scene", || self.scene(frame, source, view))?;
-        self.resolve_prepared(frame, prepared, parts, watch)
+        self.resolve_prepared(frame, prepared, parts, 0.0, watch)
     }
 
-    /// Resolves the setting of a scene, lights it and plans the remaining stages.
+    /// Resolves the setting of a scene, so many frames after the frame's time, lights it and plans the remaining stages.
     fn resolve_prepared<'a>(
         &mut self,
         frame: &'a Frame,
         prepared: Arc<Prepared>,
         parts: Option<Parts>,
+        later: f64,
         watch: &mut Stopwatch,
     ) -> Result<Shot<'a>, RenderError> {
         let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
-        let lit = Lit::new(frame, &prepared, &setting, watch);
+        let parts = camera::seen_parts(frame, &prepared, parts)?;
+        let shutter = Shutter::new(frame, parts.as_ref(), later);
+        let lit = Lit::new(frame, &prepared, &setting, shutter, watch);
         let table_max_255 = style::table_max_255(frame, &self.networks.engine)?;
         let plan = watch.time("plan", || {
             Plan::new(&Given {

@@ -13,7 +13,15 @@ use crate::invalid::FieldError;
 use crate::node::{Drawn, LawNode, Node};
 
 /// Parts of a camera that rules of their own hold together.
-const PARTS: [&str; 6] = ["preset", "distortion", "port", "supersample", "sensor", "rolling"];
+const PARTS: [&str; 7] = [
+    "preset",
+    "distortion",
+    "port",
+    "supersample",
+    "sensor",
+    "rolling",
+    "bits",
+];
 
 impl Checker<'_> {
     /// Tries the camera at the extremes of its laws and of the first of `frames` frames. Says nothing about a camera that has
@@ -73,6 +81,7 @@ impl Checker<'_> {
         let all_rendered = scenes.iter().all(|(_, scene)| is_rendered(scene));
         let none_rendered = !scenes.iter().any(|(_, scene)| is_rendered(scene));
         self.noise(document);
+        self.depths(document);
         for (pointer, camera) in places(document, "camera") {
             let side = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
             let (width, height) = (side("width"), side("height"));
@@ -119,6 +128,27 @@ impl Checker<'_> {
 }
 
 impl Checker<'_> {
+    /// More than 8 bits need a file that has them.
+    fn depths(&mut self, document: &Node) {
+        let is_png = |(_, encode): &(String, &Node)| {
+            let format = encode.get("format").map(|format| format.strings(""));
+            format.into_iter().flatten().all(|(_, name)| name == "png")
+        };
+        if places(document, "encode").iter().all(is_png) {
+            return;
+        }
+        for (pointer, camera) in places(document, "camera") {
+            if camera
+                .get("bits")
+                .and_then(Node::greatest)
+                .is_some_and(|bits| bits > 8.0)
+            {
+                let message = "`camera.bits` of 16 need `encode` with the format \"png\"";
+                self.refuse(|| FieldError::new(&format!("{pointer}/bits"), message));
+            }
+        }
+    }
+
     /// A tolerance that the noise hides needs a sensor in every frame.
     fn noise(&mut self, document: &Node) {
         let cameras = places(document, "camera");

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::common::{errors, only_error, with};
+use crate::common::{errors, job, job_with, only_error, with};
 
 #[test]
 fn a_mask_of_snow_needs_snow() {
@@ -53,4 +53,40 @@ fn snow_says_everything_that_is_wrong_with_it() {
         pointers(patchy),
         ["/water/turbidity/contrast", "/water/turbidity/scale_m"]
     );
+}
+
+#[test]
+fn snow_before_a_lens_says_what_is_wrong_with_it() {
+    let wrong = json!({"density_per_m3": 1, "discs": "square", "spectrum": 9, "aggregates": 2,
+        "drift_m_per_s": [9, 0, 0], "daylight": "noon"});
+    let mut found: Vec<_> = errors(&with(snow(wrong)))
+        .into_iter()
+        .map(|error| error.pointer)
+        .collect();
+    found.sort_unstable();
+    let expected = ["aggregates", "daylight", "discs", "drift_m_per_s/0", "spectrum"];
+    assert_eq!(found, expected.map(|field| format!("/water/snow/{field}")));
+    let dry = json!({"density_per_m3": 1, "daylight": "depth"});
+    let error = only_error(snow(dry));
+    assert_eq!(error.pointer, "/water/snow/daylight");
+    assert!(
+        error.message.contains("diffuse_attenuation_per_m"),
+        "{}",
+        error.message
+    );
+    // A known water has it.
+    let wet = json!({"water": {"optics": "jerlov-3C", "snow": {"density_per_m3": 1, "daylight": "depth"}}});
+    job(&with(wet));
+}
+
+#[test]
+fn deep_codes_need_a_file_that_has_them() {
+    let error = only_error(json!({"camera": {"bits": 12}}));
+    assert_eq!(error.pointer, "/camera/bits");
+    assert!(error.message.contains("8 or 16"), "{}", error.message);
+    let error = only_error(json!({"camera": {"bits": 16}, "encode": {"format": "webp"}}));
+    assert_eq!(error.pointer, "/camera/bits");
+    let error = only_error(json!({"camera": {"bits": 16, "jpeg": {}}}));
+    assert_eq!(error.pointer, "/camera/bits");
+    job_with(json!({"camera": {"bits": {"choice": [8, 16]}}}));
 }

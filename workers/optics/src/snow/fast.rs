@@ -1,9 +1,10 @@
 //! Snow in f32: each particle on the pixels that it changes by more than its share of the tolerance.
 
-use imaging::{Plane, Rgb, cancel};
+use std::ops::Range;
 
-use super::LitFlake;
-use super::flakes::REACH;
+use imaging::{Plane, Rgb, cancel, vectorized};
+
+use super::{LitFlake, Spot};
 use crate::extremes::brightest;
 use crate::range::is_hole;
 
@@ -34,25 +35,23 @@ pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, toler
         if most <= share {
             continue;
         }
-        let reach = flake.sigma * (2.0 * (most / share).ln()).sqrt().min(REACH);
-        let span = |center: f64, side: usize| {
+        let reach = flake.spot.reach(most / share);
+        let span = |center: f64, reach: f64, side: usize| {
             let first = (center - reach).ceil().max(0.0) as usize;
             first..((center + reach).floor() + 1.0).clamp(0.0, side as f64) as usize
         };
-        let (columns, rows) = (span(flake.center[0], width), span(flake.center[1], height));
+        let (columns, rows) = (
+            span(flake.center[0], reach[0], width),
+            span(flake.center[1], reach[1], height),
+        );
         if columns.is_empty() {
             continue;
         }
-        let falloff = |distance: f64| (-distance * distance / (2.0 * flake.sigma * flake.sigma)).exp();
-        weights.clear();
-        weights.extend(
-            columns
-                .clone()
-                .map(|x| falloff(x as f64 - flake.center[0]) as f32),
-        );
         let color = color.map(|v| v as f32);
+        let mut profile = Profile::new(&flake.spot, flake.center, columns.clone(), &mut weights);
         for row in rows {
-            let down = falloff(row as f64 - flake.center[1]);
+            let down = profile.row(row);
+            let weights = &*profile.weights;
             let opacity = opacity.map(|v| (v * down) as f32);
             let at = row * width + columns.start..row * width + columns.end;
             let behind = &range.data()[at.clone()];
@@ -76,4 +75,69 @@ pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, toler
             .for_each(|(light, change)| *light += change);
     }
     mask
+}
+
+/// The weights of a spot along the columns that it reaches.
+struct Profile<'a> {
+    spot: Spot,
+    center: [f64; 2],
+    first: usize,
+    weights: &'a mut Vec<f32>,
+}
+
+impl<'a> Profile<'a> {
+    fn new(spot: &Spot, center: [f64; 2], columns: Range<usize>, weights: &'a mut Vec<f32>) -> Self {
+        weights.clear();
+        match *spot {
+            // The weights of every row, up to a factor.
+            Spot::Soft { sigma } => {
+                weights.extend(
+                    columns
+                        .clone()
+                        .map(|x| falloff(x as f64 - center[0], sigma) as f32),
+                );
+            }
+            Spot::Disc { .. } => weights.resize(columns.len(), 0.0),
+        }
+        Self {
+            spot: *spot,
+            center,
+            first: columns.start,
+            weights,
+        }
+    }
+
+    /// Readies the weights for a row; returns the factor that they still need.
+    fn row(&mut self, row: usize) -> f64 {
+        let away = row as f64 - self.center[1];
+        match self.spot {
+            Spot::Soft { sigma } => falloff(away, sigma),
+            Spot::Disc { radius, edge, streak } => {
+                let start = (self.first as f64 - self.center[0]) as f32;
+                let disc = [radius, edge].map(|v| v as f32);
+                let streak = streak.map(|v| v as f32);
+                vectorized!(across(self.weights, (start, away as f32), disc, streak));
+                1.0
+            }
+        }
+    }
+}
+
+fn falloff(distance: f64, sigma: f64) -> f64 {
+    (-distance * distance / (2.0 * sigma * sigma)).exp()
+}
+
+/// [`Spot::at`] of a disc along a row in f32.
+#[inline(always)]
+fn across(weights: &mut [f32], (start, dy): (f32, f32), [radius, edge]: [f32; 2], [sx, sy]: [f32; 2]) {
+    let square = sx * sx + sy * sy;
+    let inverse = if square > 0.0 { 1.0 / square } else { 0.0 };
+    let (outer, steep) = (radius + edge, 0.5 / edge);
+    for (i, weight) in weights.iter_mut().enumerate() {
+        let dx = start + i as i32 as f32;
+        let along = ((dx * sx + dy * sy) * inverse).max(-0.5).min(0.5);
+        let (ax, ay) = (dx - along * sx, dy - along * sy);
+        let away = (ax * ax + ay * ay).sqrt();
+        *weight = ((outer - away) * steep).max(0.0).min(1.0);
+    }
 }

@@ -2,9 +2,11 @@
 
 use imaging::cancel;
 use imaging::random::Stream;
+use imaging::vector::dot;
 use spec::Snow;
 
-use super::{TAIL, World, largest_m};
+use super::spot::Spot;
+use super::{RADII, Seeing, TAIL, World, largest_m};
 use crate::eye::Eye;
 
 /// Cells hold this many particles on average, unless they would be wider than [`WIDEST_CELL_M`].
@@ -27,23 +29,38 @@ pub struct Flake {
     pub range_m: f64,
     /// Where it is in the picture, pixels.
     pub center: [f64; 2],
-    /// σ of its disc, pixels.
-    pub sigma: f64,
-    /// Opacity in the middle of the disc without any water.
+    /// What it looks like there.
+    pub spot: Spot,
+    /// Opacity in the middle of the spot without any water.
     pub opacity: f64,
 }
 
-/// The particles between the two depths whose discs can reach into a frame of this size, the farthest first.
+/// Parts of an aggregate: at least three, at most this many.
+const MOST_PARTS: u64 = 8;
+
+/// The particles between the two depths whose spots can reach into a frame of this size, the farthest first; of an aggregate
+/// each of its parts.
 #[must_use]
-pub fn flakes(eye: &Eye, snow: &Snow, world: World, size: (usize, usize)) -> Vec<Flake> {
+pub fn flakes(eye: &Eye, snow: &Snow, world: World, size: (usize, usize), seeing: &Seeing<'_>) -> Vec<Flake> {
     let mut found = Vec::new();
     if snow.density_per_m3 > 0.0 && snow.near_m < snow.far_m {
-        let cells = Cells::new(eye, snow, world, size);
-        cells.each(|place, radius_m| found.extend(seen(eye, snow, place, radius_m, size)));
+        // A camera in a current meets what one that moves against it meets in still water.
+        let eye = &carried(eye, snow, seeing.time_s);
+        let cells = Cells::new(eye, snow, world, size, seeing);
+        cells.each(|place, radius_m| found.extend(seen(eye, snow, place, radius_m, size, seeing)));
     }
     // No two particles are at one place, so that the order does not depend on how they were found.
     found.sort_by(|a, b| b.range_m.total_cmp(&a.range_m));
     found
+}
+
+/// A camera that the current has carried back for some time.
+fn carried(eye: &Eye, snow: &Snow, time_s: f64) -> Eye {
+    let mut eye = *eye;
+    if let Some(drift) = snow.drift_m_per_s {
+        (0..3).for_each(|i| eye.world_from_camera[i][3] -= drift[i] * time_s);
+    }
+    eye
 }
 
 fn seen(
@@ -52,35 +69,49 @@ fn seen(
     place: [f64; 3],
     radius_m: f64,
     (width, height): (usize, usize),
+    seeing: &Seeing<'_>,
 ) -> Option<Flake> {
     let [x, y, z] = place;
     if !(snow.near_m..=snow.far_m).contains(&z) {
         return None;
     }
     let camera = &eye.camera;
+    let range_m = (x * x + y * y + z * z).sqrt();
     let size = camera.focal_px * radius_m / z;
-    let sigma = size.max(0.5);
+    let streak = snow.drift_m_per_s.map_or([0.0; 2], |drift| {
+        let [right, down, ahead] = eye.turned(drift);
+        let scale = camera.focal_px * seeing.exposure_s / z;
+        let streak = [right - x / z * ahead, down - y / z * ahead].map(|v| v * scale);
+        let length = streak[0].hypot(streak[1]);
+        streak.map(|v| v * (MOST_STREAK_PX / length.max(MOST_STREAK_PX)))
+    });
+    let (spot, opacity) = Spot::of(snow, size, (seeing.blur_px)(range_m), streak);
     let center = [
         camera.cx + camera.focal_px * x / z,
         camera.cy + camera.focal_px * y / z,
     ];
     let reaches =
-        |center: f64, side: usize| center >= -REACH * sigma && center <= side as f64 - 1.0 + REACH * sigma;
-    (reaches(center[0], width) && reaches(center[1], height)).then(|| Flake {
+        |center: f64, side: usize, reach: f64| center >= -reach && center <= side as f64 - 1.0 + reach;
+    let [across, down] = spot.farthest();
+    (reaches(center[0], width, across) && reaches(center[1], height, down)).then(|| Flake {
         place,
         radius_m,
-        range_m: (x * x + y * y + z * z).sqrt(),
+        range_m,
         center,
-        sigma,
-        opacity: (size / sigma).powi(2),
+        spot,
+        opacity,
     })
 }
+
+/// Longer streaks are cut, px.
+const MOST_STREAK_PX: f64 = 256.0;
 
 /// The cells of the world that a camera may see.
 struct Cells<'a> {
     eye: &'a Eye,
     snow: &'a Snow,
     dice: Stream,
+    parts: Stream,
     index: u64,
     /// Side of a cell, m, and its mean number of particles.
     side: f64,
@@ -93,12 +124,21 @@ struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    fn new(eye: &'a Eye, snow: &'a Snow, world: World, (width, height): (usize, usize)) -> Self {
+    fn new(
+        eye: &'a Eye,
+        snow: &'a Snow,
+        world: World,
+        (width, height): (usize, usize),
+        seeing: &Seeing<'_>,
+    ) -> Self {
         let side = (PER_CELL / snow.density_per_m3).cbrt().min(WIDEST_CELL_M);
         let camera = &eye.camera;
+        // Half a streak on either side, and as much for what moves towards the camera from beside the frame.
+        let speed = snow.drift_m_per_s.map_or(0.0, |drift| dot(drift, drift).sqrt());
+        let drawn_out = (camera.focal_px * speed * seeing.exposure_s / snow.near_m).min(MOST_STREAK_PX);
         let slopes = [(width, camera.cx), (height, camera.cy)].map(|(pixels, middle)| {
-            // Half a pixel of σ, that many times, beyond the outermost pixels.
-            let beyond = 0.5 * REACH;
+            // Half a pixel of σ, that many times, beyond the outermost pixels, or the widest blur.
+            let beyond = 0.5 * REACH + seeing.most_blur_px(snow) + drawn_out;
             (
                 (-beyond - middle) / camera.focal_px,
                 (pixels as f64 - 1.0 + beyond - middle) / camera.focal_px,
@@ -121,6 +161,7 @@ impl<'a> Cells<'a> {
             eye,
             snow,
             dice: Stream::stage(world.seed, "snow"),
+            parts: Stream::stage(world.seed, "snow-parts"),
             index: world.index,
             side,
             mean: snow.density_per_m3 * side.powi(3),
@@ -128,6 +169,40 @@ impl<'a> Cells<'a> {
             slopes,
             margin,
         }
+    }
+
+    /// A number of a part of a particle of this world, uniform in 0..1.
+    fn part(&self, address: u64, part: u64, choice: u64) -> f64 {
+        let index = self.index.wrapping_mul(MOST_PARTS + 1) + part;
+        self.parts.unit(index, address + choice)
+    }
+
+    /// An aggregate: a chain of parts, each touching one before it, whose areas add up to the particle's. Marine aggregates
+    /// are loose and stringy (Alldredge and Silver 1988).
+    fn aggregate(&self, address: u64, place: [f64; 3], radius: f64, take: &mut impl FnMut([f64; 3], f64)) {
+        let count = 3 + (self.part(address, MOST_PARTS, 0) * (MOST_PARTS - 2) as f64) as u64;
+        let weight = |part: u64| 0.25 + self.part(address, part, 0);
+        let sum: f64 = (0..count).map(|part| weight(part).powi(2)).sum();
+        let radius_of = |part: u64| radius * weight(part) / sum.sqrt();
+        let mut places: Vec<[f64; 3]> = vec![place];
+        for part in 1..count {
+            let before = (self.part(address, part, 1) * part as f64) as usize;
+            let away = 0.9 * (radius_of(part) + radius_of(before as u64));
+            let rise = 2.0 * self.part(address, part, 2) - 1.0;
+            let (sin, cos) = (std::f64::consts::TAU * self.part(address, part, 3)).sin_cos();
+            let flat = (1.0 - rise * rise).sqrt();
+            let [x, y, z] = places[before];
+            places.push([x + away * flat * cos, y + away * flat * sin, z + away * rise]);
+        }
+        for (part, place) in places.into_iter().enumerate() {
+            take(self.eye.to_camera(place), radius_of(part as u64));
+        }
+    }
+
+    /// The radius that belongs to a uniform number by Junge's law `n(r) ∝ r^−s` between the least radius and [`RADII`] times it.
+    fn junge(&self, slope: f64, u: f64) -> f64 {
+        let power = 1.0 - slope;
+        self.snow.radius_m * (1.0 - u * (1.0 - RADII.powf(power))).powf(1.0 / power)
     }
 
     /// Calls with the place in camera axes and the radius of every particle.
@@ -168,8 +243,17 @@ impl<'a> Cells<'a> {
             // A normal number after Box and Muller 1958.
             let length = (-2.0 * (1.0 - draw(3)).ln()).sqrt();
             let normal = length * (std::f64::consts::TAU * draw(4)).cos();
-            let radius = self.snow.radius_m * (self.snow.radius_spread * normal.clamp(-TAIL, TAIL)).exp();
-            take(self.eye.to_camera(world), radius);
+            let radius = match self.snow.spectrum {
+                Some(slope) => self.junge(slope, draw(3)),
+                None => self.snow.radius_m * (self.snow.radius_spread * normal.clamp(-TAIL, TAIL)).exp(),
+            };
+            let address = base + 1 + DRAWS * particle;
+            match self.snow.aggregates {
+                Some(share) if self.part(address, MOST_PARTS, 1) < share => {
+                    self.aggregate(address, world, radius, take);
+                }
+                _ => take(self.eye.to_camera(world), radius),
+            }
         }
     }
 }

@@ -6,8 +6,8 @@ use super::{Flake, LitFlake, Surround, lit};
 use crate::range::is_hole;
 
 /// Lays the particles, given the farthest first, over a picture in linear light; returns the picture and the opacity that they
-/// have together in green. `I ← I (1 − α) + albedo L α` with `α = opacity e^{−c R} exp(−d²/2σ²)`, d the distance of the pixel
-/// from the middle of the disc.
+/// have together in green. `I ← I (1 − α) + albedo L α` with `α = opacity e^{−c R} s`, s the share that its [`Spot`](super::Spot)
+/// has at the pixel.
 #[must_use]
 pub fn snow_reference(
     image: &Rgb<f64>,
@@ -29,7 +29,7 @@ pub fn snow_reference(
                 continue;
             }
             let (dx, dy) = (x as f64 - flake.center[0], y as f64 - flake.center[1]);
-            let disc = (-(dx * dx + dy * dy) / (2.0 * flake.sigma * flake.sigma)).exp();
+            let disc = flake.spot.at(dx, dy);
             for i in 0..3 {
                 light[i] += (color[i] - light[i]) * opacity[i] * disc;
             }

@@ -9,6 +9,7 @@ const SNOW: Snow = Snow {
     radius_m: 0.002,
     radius_spread: 0.4,
     albedo: [0.8; 3],
+    ..Snow::of(0.0)
 };
 const WORLD: World = World { seed: 7, index: 0 };
 const SIZE: (usize, usize) = (96, 64);
@@ -28,7 +29,7 @@ fn fall(eye: &Eye, snow: &Snow, world: World, range: f32, attenuation: f64) -> (
         path: &|_, range| range,
         light: &|_| [1.0; 3],
     };
-    let found = flakes(eye, snow, world, SIZE);
+    let found = flakes(eye, snow, world, SIZE, &Seeing::STILL);
     let found = lit(&found, snow.albedo, &surround);
     let mask = super::snow(&mut image, &found, &range, 1e-6);
     (image, mask)
@@ -47,7 +48,7 @@ fn the_number_of_particles_follows_the_density() {
         };
         let frames = 8.0;
         let seen = (0..8).map(|index| {
-            let all = flakes(&eye, &snow, World { seed: 7, index }, SIZE);
+            let all = flakes(&eye, &snow, World { seed: 7, index }, SIZE, &Seeing::STILL);
             all.iter().filter(inside).count() as f64
         });
         let mean = seen.sum::<f64>() / frames;
@@ -71,6 +72,7 @@ fn radii_are_log_normal_and_places_even() {
         },
         WORLD,
         SIZE,
+        &Seeing::STILL,
     );
     let logs: Vec<f64> = all
         .iter()
@@ -144,7 +146,8 @@ fn the_expected_cover_is_what_the_masks_have_on_average() {
                 ..SNOW
             },
             WORLD,
-            SIZE
+            SIZE,
+            &Seeing::STILL
         )
         .is_empty()
     );
@@ -152,7 +155,7 @@ fn the_expected_cover_is_what_the_masks_have_on_average() {
 
 #[test]
 fn a_moving_camera_meets_the_same_particles_and_another_world_has_others() {
-    let of = |eye: &Eye, world| flakes(eye, &SNOW, world, SIZE);
+    let of = |eye: &Eye, world| flakes(eye, &SNOW, world, SIZE, &Seeing::STILL);
     let here = of(&eye(), WORLD);
     assert_eq!(of(&eye(), WORLD), here);
     assert_ne!(of(&eye(), World { seed: 8, ..WORLD }), here);
@@ -191,6 +194,7 @@ fn everything_wrong_is_said_at_once() {
         radius_m: f64::NAN,
         radius_spread: 2.0,
         albedo: [1.5, 0.5, -0.1],
+        ..Snow::of(0.0)
     };
     let errors = validate(&snow);
     let fields: Vec<_> = errors.iter().map(|error| error.field).collect();
@@ -225,4 +229,98 @@ fn everything_wrong_is_said_at_once() {
         error.to_string(),
         "density_per_m3 is 400, the limit is at most 4.446e1 in this view, which then holds 400000 particles"
     );
+}
+
+/// Particles of a lens that sees 2 m sharply.
+fn blurred(snow: &Snow, time_s: f64) -> Vec<Flake> {
+    let seeing = Seeing {
+        blur_px: &|range| (3.0 * (1.0 / range - 0.5)).abs(),
+        exposure_s: 0.02,
+        time_s,
+    };
+    flakes(&eye(), snow, WORLD, SIZE, &seeing)
+}
+
+#[test]
+fn near_particles_are_wide_and_faint_and_those_in_focus_small() {
+    let snow = Snow {
+        discs: Some(SnowDiscs::Lens),
+        radius_m: 2e-4,
+        ..SNOW
+    };
+    let all = blurred(&snow, 0.0);
+    let mean = |near: f64, far: f64| {
+        let found = all.iter().filter(|flake| (near..far).contains(&flake.range_m));
+        let spots = found.map(|flake| match flake.spot {
+            Spot::Disc { radius, .. } => (radius, flake.opacity),
+            Spot::Soft { .. } => panic!("a lens draws discs"),
+        });
+        let (count, sum) = spots.fold((0.0, (0.0, 0.0)), |(count, sum), (radius, opacity)| {
+            (count + 1.0, (sum.0 + radius, sum.1 + opacity))
+        });
+        (sum.0 / count, sum.1 / count)
+    };
+    let (near, focused) = (mean(0.2, 0.6), mean(1.7, 2.3));
+    assert!(near.0 > 8.0 * focused.0, "{near:?} {focused:?}");
+    assert!(near.1 < focused.1, "{near:?} {focused:?}");
+}
+
+#[test]
+fn radii_of_a_spectrum_follow_junge() {
+    let snow = Snow {
+        spectrum: Some(4.0),
+        ..SNOW
+    };
+    let all = flakes(&eye(), &snow, WORLD, SIZE, &Seeing::STILL);
+    assert!(all.len() > 100);
+    let over = |times: f64| {
+        all.iter()
+            .filter(|flake| flake.radius_m > times * snow.radius_m)
+            .count() as f64
+    };
+    let share = over(2.0) / all.len() as f64;
+    // The share above twice the least is (2^-3 − 10^-3)/(1 − 10^-3); four standard deviations.
+    let spread = (0.125 * 0.875 / all.len() as f64).sqrt();
+    assert!((share - 0.124).abs() < 4.0 * spread, "{share}");
+    assert!(over(RADII) == 0.0 && over(0.999) as usize == all.len());
+}
+
+#[test]
+fn aggregates_have_the_area_of_their_particles() {
+    let whole = flakes(&eye(), &SNOW, WORLD, SIZE, &Seeing::STILL);
+    let snow = Snow {
+        aggregates: Some(1.0),
+        ..SNOW
+    };
+    let parts = flakes(&eye(), &snow, WORLD, SIZE, &Seeing::STILL);
+    let area = |flakes: &[Flake]| flakes.iter().map(|flake| flake.radius_m.powi(2)).sum::<f64>();
+    assert!(parts.len() > 3 * whole.len(), "{} {}", parts.len(), whole.len());
+    // Parts at the border fall out of the view or into it.
+    assert!((area(&parts) / area(&whole) - 1.0).abs() < 0.05);
+}
+
+#[test]
+fn the_current_carries_particles_and_draws_them_out() {
+    let snow = Snow {
+        discs: Some(SnowDiscs::Lens),
+        drift_m_per_s: Some([0.5, 0.0, 0.0]),
+        ..SNOW
+    };
+    let (now, later) = (blurred(&snow, 0.0), blurred(&snow, 0.1));
+    let met = now.iter().filter(|flake| {
+        let moved = |other: &&Flake| {
+            let [x, y, z] = [0, 1, 2].map(|i| other.place[i] - flake.place[i]);
+            (x - 0.05).abs() < 1e-9 && y.abs() < 1e-9 && z.abs() < 1e-9
+        };
+        later.iter().any(|other| moved(&other))
+    });
+    assert!(met.count() > now.len() / 2);
+    for flake in &now {
+        let Spot::Disc { streak, .. } = flake.spot else {
+            panic!("a lens draws discs")
+        };
+        // f v t / z.
+        let wanted = 60.0 * 0.5 * 0.02 / flake.place[2];
+        assert!((streak[0] - wanted).abs() < 1e-9 && streak[1] == 0.0);
+    }
 }

@@ -1,7 +1,8 @@
 //! The rules of waters as a description's check asks for them.
 
 use spec::{
-    Ambient, Fault, ForwardScatter, Occlusion, Optics, ScatterModel, ScatterSpread, Sight, WaterRules,
+    Ambient, Fault, ForwardScatter, Occlusion, Optics, ScatterModel, ScatterSpread, Sight, SnowDaylight,
+    WaterRules,
 };
 
 use super::{Water, WaterError};
@@ -37,8 +38,25 @@ fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
             message: error.to_string(),
             missing: false,
         }));
+        if snow.daylight == Some(SnowDaylight::Depth) && !knows_diffuse(water) {
+            faults.push(Fault {
+                path: vec!["snow", "daylight"],
+                message:
+                    "`water.snow.daylight` is `depth`, which needs a water with `diffuse_attenuation_per_m`"
+                        .to_owned(),
+                missing: false,
+            });
+        }
     }
     faults
+}
+
+/// Whether the decay of daylight in a water is known.
+fn knows_diffuse(water: &spec::Water) -> bool {
+    // No camera changes it.
+    const ANY_FOCAL_PX: f64 = 500.0;
+    let known = |water: Water| water.diffuse_attenuation().is_some();
+    water.optics.is_some() && Water::resolve(water, ANY_FOCAL_PX).is_ok_and(known)
 }
 
 /// The error with the place of its field below `water`.

@@ -8,7 +8,7 @@ mod shutter;
 
 pub(crate) use develop::develop;
 pub(crate) use lag::{followed, metered_frames};
-pub(crate) use movement::{Moment, moments};
+pub(crate) use movement::{FRAMES_PER_S, Moment, moments};
 pub(crate) use shutter::{expose, gather};
 
 use std::sync::Arc;
@@ -82,6 +82,20 @@ pub(crate) fn rendered_parts(frame: &Frame) -> Result<Option<Parts>, RenderError
     Ok(Some(Parts::resolve(&frame.camera, Scenery::Rendered)?))
 }
 
+/// The parts of a frame's camera before its scene; none of a pinhole. Those of a rendered scene are known already.
+pub(crate) fn seen_parts(
+    frame: &Frame,
+    prepared: &Prepared,
+    rendered: Option<Parts>,
+) -> Result<Option<Parts>, RenderError> {
+    if frame.camera.is_pinhole() || rendered.is_some() {
+        return Ok(rendered);
+    }
+    let view = prepared.view();
+    let scenery = Scenery::Picture(view.camera, view.size);
+    Ok(Some(Parts::resolve(&frame.camera, scenery)?))
+}
+
 /// A camera before its scene.
 pub(crate) fn taking(
     frame: &Frame,
@@ -89,16 +103,7 @@ pub(crate) fn taking(
     parts: Option<Parts>,
     cameras: &mut Cameras,
 ) -> Result<Option<Taking>, RenderError> {
-    if frame.camera.is_pinhole() {
-        return Ok(None);
-    }
-    let parts = match parts {
-        Some(parts) => parts,
-        None => {
-            let view = prepared.view();
-            Parts::resolve(&frame.camera, Scenery::Picture(view.camera, view.size))?
-        }
-    };
+    let Some(parts) = parts else { return Ok(None) };
     let source = parts.source.as_ref();
     let sampling = source.map(|source| cameras.sampling(&parts.lens, source, parts.size));
     let moments = moments(frame, parts.size.1);

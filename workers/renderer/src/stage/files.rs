@@ -28,6 +28,8 @@ pub(crate) struct Pictures<'a> {
     /// Linear light after the style.
     pub(crate) styled: &'a Rgb<f32>,
     pub(crate) rgb: &'a Rgb8,
+    /// The same in 16 bits, where the camera has them.
+    pub(crate) deep: Option<&'a Raster>,
     /// Codes of the sensor; none without one.
     pub(crate) raw: Option<&'a Raw>,
     pub(crate) enhancements: &'a Enhancements,
@@ -103,7 +105,10 @@ fn content<'a>(
     let display = |layer: &Rgb<f32>| Content::Picture(Cow::Owned(transfer::encode_rgb8(layer).0));
     let linear = |layer: &'a Rgb<f32>| Content::Linear(shot.view(layer));
     match kind {
-        ArtifactKind::Rgb | ArtifactKind::Hazed => Some(Content::Picture(Cow::Borrowed(rgb))),
+        ArtifactKind::Rgb | ArtifactKind::Hazed => Some(match pictures.deep {
+            Some(deep) => Content::Codes(deep.clone()),
+            None => Content::Picture(Cow::Borrowed(rgb)),
+        }),
         ArtifactKind::Clean => Some(display(&shot.view(&scene.radiance))),
         ArtifactKind::Scattered => Some(display(&shot.view(&layers.scattered))),
         ArtifactKind::Styled => Some(display(pictures.styled)),

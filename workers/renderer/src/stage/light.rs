@@ -12,8 +12,9 @@ use optics::snow::LitFlake;
 use optics::turbidity;
 use spec::Frame;
 
+use super::above;
 use super::scene::Prepared;
-use super::{above, snow};
+use super::snow::{self, Shutter};
 use crate::stopwatch::Stopwatch;
 
 /// A scene in its light.
@@ -31,6 +32,8 @@ pub(crate) struct Lit {
     pub(crate) lamps: LampLight,
     /// Particles of snow in their light; none without snow, and where the reference draws its own.
     pub(crate) flakes: Vec<LitFlake>,
+    /// Through what those are seen.
+    pub(crate) shutter: Shutter,
     /// Whether a lamp lights any of the scene.
     pub(crate) shines: bool,
 }
@@ -41,6 +44,7 @@ impl Lit {
         frame: &Frame,
         prepared: &Arc<Prepared>,
         setting: &Setting,
+        shutter: Shutter,
         watch: &mut Stopwatch,
     ) -> Self {
         let form = Form::asked_by(frame.fidelity);
@@ -53,6 +57,7 @@ impl Lit {
             glow: None,
             lamps: LampLight::default(),
             flakes: Vec::new(),
+            shutter,
             shines: false,
         };
         if let Some(range) = range {
@@ -68,7 +73,7 @@ impl Lit {
             });
         }
         if let (Form::Fast, Some(law), Some(range)) = (form, &setting.snow, range) {
-            lit.flakes = watch.time("snow", || snow::lit(setting, law, range));
+            lit.flakes = watch.time("snow", || snow::lit(setting, law, range, &shutter));
         }
         lit
     }

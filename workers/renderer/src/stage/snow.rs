@@ -1,15 +1,21 @@
 //! Marine snow over the picture after the water.
 
+use ::camera::Parts;
+use ::camera::defocus::Focus;
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::lamp;
 use optics::plan::Form;
 use optics::setting::Setting;
-use optics::snow::{self, LitFlake, Surround};
+use optics::snow::{self, Flake, LitFlake, Seeing, Surround};
 use serde_json::json;
-use spec::{FrameRecord, Snow};
+use spec::{Frame, FrameRecord, Snow};
 
 use super::Shot;
+use super::camera::FRAMES_PER_S;
+
+/// How long the shutter is open where the description does not say, s.
+const EXPOSURE_S: f64 = 0.01;
 
 /// The drawn snow.
 struct Fallen {
@@ -34,7 +40,7 @@ pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord
                 shot.plan.snow.share.unwrap_or_default(),
             ),
         }),
-        Form::Reference => Some(fall_reference(&shot.setting, law, range, picture)),
+        Form::Reference => Some(fall_reference(shot, law, range, picture)),
     };
     let particles = fallen.as_ref().map_or(0, |fallen| fallen.particles);
     let cover = fallen.as_ref().map_or(0.0, |fallen| {
@@ -47,15 +53,62 @@ pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord
 }
 
 /// The particles in view as they are lit, the farthest first.
-pub(crate) fn lit(setting: &Setting, law: &Snow, range: &Plane<f32>) -> Vec<LitFlake> {
-    let flakes = snow::flakes(&setting.eye, law, setting.world, range.size());
+pub(crate) fn lit(setting: &Setting, law: &Snow, range: &Plane<f32>, shutter: &Shutter) -> Vec<LitFlake> {
+    let flakes = shutter.flakes(setting, law, range.size());
     surrounded(setting, range, |surround| {
         snow::lit(&flakes, law.albedo, surround)
     })
 }
 
-fn fall_reference(setting: &Setting, law: &Snow, range: &Plane<f32>, picture: &mut Rgb<f32>) -> Fallen {
-    let flakes = snow::flakes(&setting.eye, law, setting.world, range.size());
+/// Through what, when and for how long particles are seen.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Shutter {
+    /// The focus of the lens, and how many pixels of the picture that is drawn are one of the camera's.
+    focus: Option<(Focus, f64)>,
+    exposure_s: f64,
+    time_s: f64,
+}
+
+impl Shutter {
+    /// That of a frame's camera, so many frames after the frame's own time.
+    pub(crate) fn new(frame: &Frame, parts: Option<&Parts>, later: f64) -> Self {
+        let camera = ::camera::preset::complete(&frame.camera);
+        let rate = camera.frames_per_s.unwrap_or(FRAMES_PER_S);
+        let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor);
+        // Each picture of a movement is open for its part of the time.
+        let exposure_s = match (camera.motion, camera.path) {
+            (Some(motion), Some(_)) => motion.exposure_s / motion.samples as f64,
+            (Some(motion), None) => motion.exposure_s,
+            (None, _) => sensor.map_or(EXPOSURE_S, |sensor| sensor.exposure_s),
+        };
+        let scale = |parts: &Parts| {
+            let shown = parts.lens.camera.focal_px * parts.lens.magnification();
+            parts.source.map_or(1.0, |source| source.camera.focal_px / shown)
+        };
+        Self {
+            focus: parts.and_then(|parts| Some((parts.focus?, scale(parts)))),
+            exposure_s,
+            time_s: camera.path.map_or(0.0, |path| (path.frame as f64 + later) / rate),
+        }
+    }
+
+    fn flakes(&self, setting: &Setting, law: &Snow, size: (usize, usize)) -> Vec<Flake> {
+        let blur_px = |range_m: f64| {
+            self.focus
+                .map_or(0.0, |(focus, scale)| scale * focus.radius_px(range_m))
+        };
+        let seeing = Seeing {
+            blur_px: &blur_px,
+            exposure_s: self.exposure_s,
+            time_s: self.time_s,
+        };
+        snow::flakes(&setting.eye, law, setting.world, size, &seeing)
+    }
+}
+
+fn fall_reference(shot: &Shot<'_>, law: &Snow, range: &Plane<f32>, picture: &mut Rgb<f32>) -> Fallen {
+    let setting = &shot.setting;
+    let flakes = shot.lit.shutter.flakes(setting, law, range.size());
     let wide = picture.map(|&v| f64::from(v));
     let (exact, mask) = surrounded(setting, range, |surround| {
         snow::snow_reference(&wide, &flakes, law.albedo, surround)
@@ -75,12 +128,16 @@ fn surrounded<T>(setting: &Setting, range: &Plane<f32>, see: impl FnOnce(&Surrou
         Some(field) => field.path_m(place.map(|v| v / meters), meters),
         None => meters,
     };
-    let light = |place: [f64; 3]| match &setting.lighting {
-        Some(lighting) => {
-            let lamps = lamp::white_at(place, lighting);
-            [0, 1, 2].map(|i| gain[i] + lamps[i])
+    let light = |place: [f64; 3]| {
+        let above = setting.daylight_at(place);
+        let gain = [0, 1, 2].map(|i| gain[i] * above[i]);
+        match &setting.lighting {
+            Some(lighting) => {
+                let lamps = lamp::white_at(place, lighting);
+                [0, 1, 2].map(|i| gain[i] + lamps[i])
+            }
+            None => gain,
         }
-        None => gain,
     };
     see(&Surround {
         range,

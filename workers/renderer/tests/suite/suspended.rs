@@ -257,3 +257,55 @@ fn frames_of_a_path_share_their_particles_and_others_do_not() {
     let [first, second] = masks(&on_path);
     assert_eq!(first, second);
 }
+
+#[test]
+fn a_lens_makes_wide_faint_discs_of_near_particles_and_a_current_draws_them_out() {
+    let files = Files::new();
+    let frame = |camera: Value, more: Value| {
+        let mut snow = json!({"density_per_m3": 3000.0, "radius_m": 0.0015, "near_m": 0.15, "far_m": 1.0,
+            "albedo": [1, 1, 1], "discs": "lens"});
+        snow.as_object_mut()
+            .unwrap()
+            .extend(more.as_object().unwrap().clone());
+        let water = json!({"optics": "jerlov-3C", "snow": snow});
+        let fields = json!({"camera": camera, "water": water, "artifacts": ["rgb", "snow_mask", "range"]});
+        codes(file(&render(&files.job(&fields)), "snow_mask"))
+    };
+    let covered = |mask: &[u8]| mask.iter().filter(|&&code| code > 0).count();
+    let (blurred, sharp) = (json!({"defocus": {"aperture_m": 0.02, "focus_m": 5}}), json!({}));
+    let (wide, small) = (frame(blurred.clone(), json!({})), frame(sharp.clone(), json!({})));
+    assert!(
+        covered(&wide) > covered(&small),
+        "{} {}",
+        covered(&wide),
+        covered(&small)
+    );
+    assert!(wide.iter().max() < small.iter().max());
+    let drift = json!({"drift_m_per_s": [3, 0, 0]});
+    assert_ne!(frame(sharp, drift), small);
+}
+
+#[test]
+fn sixteen_bits_keep_what_eight_round_away() {
+    let files = Files::new();
+    let of = |bits: u8| {
+        let rendered = render(&files.job(&json!({"camera": {"bits": bits}})));
+        let Radiance::Encoded(raster) = decode_radiance(file(&rendered, "rgb")).unwrap() else {
+            panic!("a picture of codes");
+        };
+        raster
+    };
+    let (coarse, deep) = (of(8), of(16));
+    // Rounding twice may move a code by one.
+    let pairs = coarse
+        .to_rgb8()
+        .data()
+        .to_vec()
+        .into_iter()
+        .zip(deep.to_rgb8().data().to_vec());
+    assert!(pairs.into_iter().all(|(coarse, deep)| coarse.abs_diff(deep) <= 1));
+    let imaging::Samples::U16(samples) = deep.samples() else {
+        panic!("16 bits were asked for");
+    };
+    assert!(!samples.is_empty());
+}

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use ::camera::sensor::{self, Chance, Raw, Sensor};
 use ::camera::{balance, jpeg, mosaic, preset, tone};
-use imaging::{Rgb, Rgb8, transfer};
+use imaging::{Raster, Rgb, Rgb8, transfer};
 use serde_json::{Value, json};
 use spec::{FrameRecord, Tone, WhiteBalance};
 
@@ -17,6 +17,8 @@ pub(crate) struct Developed {
     pub(crate) rgb: Rgb8,
     /// What enhancements and metrics take, where that is not the result: the picture before its compression.
     pub(crate) before: Option<Rgb8>,
+    /// The same in 16 bits, where the camera has them.
+    pub(crate) deep: Option<Raster>,
     /// Samples that were clamped.
     pub(crate) clamped: u64,
     /// The codes of the sensor.
@@ -42,6 +44,7 @@ pub(crate) fn develop(
         return Developed {
             rgb,
             before: None,
+            deep: None,
             clamped,
             raw: None,
         };
@@ -63,7 +66,9 @@ pub(crate) fn develop(
         note(record, "white_balance", json!(gains));
         balance::apply(light.to_mut(), gains);
     }
-    let (rgb, clamped) = tone::codes(&light, taking.parts.tone.unwrap_or(Tone::Srgb));
+    let tone = taking.parts.tone.unwrap_or(Tone::Srgb);
+    let (rgb, clamped) = tone::codes(&light, tone);
+    let deep = (taking.parts.bits == 16).then(|| tone::deep_codes(&light, tone));
     let compressed = taking.parts.jpeg.map(|law| (law, jpeg::compressed(&rgb, law)));
     let (rgb, before) = match compressed {
         Some((law, left)) => (left, (!law.measured).then_some(rgb)),
@@ -72,6 +77,7 @@ pub(crate) fn develop(
     Developed {
         rgb,
         before,
+        deep,
         clamped,
         raw,
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use spec::{Frame, Scene};
 
 /// Frames of a path in a second where the description does not say.
-const FRAMES_PER_S: f64 = 25.0;
+pub(crate) const FRAMES_PER_S: f64 = 25.0;
 
 /// One picture of those that make a frame.
 #[derive(Debug, Clone, PartialEq)]
