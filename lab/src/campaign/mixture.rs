@@ -145,6 +145,7 @@ fn random_lamp(draw: impl Fn(u64) -> f64, scene: &RandomScene, camera: &Intrinsi
     let point = Light::Point(PointLamp {
         position_m,
         intensity,
+        ..PointLamp::default()
     });
     if draw(7) < 0.5 {
         return point;
@@ -163,5 +164,6 @@ fn random_lamp(draw: impl Fn(u64) -> f64, scene: &RandomScene, camera: &Intrinsi
         intensity,
         direction: direction.map(|v| v / longest),
         cone_deg,
+        ..SpotLamp::default()
     })
 }

@@ -6,9 +6,11 @@ pub(crate) mod collection;
 mod daylight;
 mod extremes;
 mod law;
+mod lights;
 mod names;
 mod object;
 mod own_water;
+mod places;
 mod scene;
 mod water;
 
@@ -22,9 +24,10 @@ use crate::node::{Node, float};
 use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
-pub(crate) use across::{has_lamps, places};
 pub(crate) use daylight::{above, may_show};
+pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
+pub(crate) use places::places;
 
 /// Walks document and table side by side.
 pub(crate) struct Checker<'v> {

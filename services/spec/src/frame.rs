@@ -9,7 +9,7 @@ use spec_derive::Described;
 use crate::artifact::ArtifactKind;
 use crate::camera::Camera;
 use crate::encode::Encode;
-use crate::light::{Haze, Light};
+use crate::light::{Haze, Light, RaySource};
 use crate::scene_files::{RangeFile, RangeKind, SceneFiles};
 use crate::schema::EXACT;
 use crate::water::Water;
@@ -43,6 +43,9 @@ pub struct Frame {
     /// lamps in the water, and haze in drawing order
     #[field(max = 64, default = [])]
     pub lights: Vec<Light>,
+    /// what shadows ask whether something is in the way; absent: `auto`
+    #[field(fixed)]
+    pub rays: Option<RaySource>,
     /// enhancement methods to run on the result
     #[field(names = Enhancement, max = 64, distinct, default = [])]
     pub enhance: Vec<String>,
@@ -107,6 +110,15 @@ impl Frame {
     #[must_use]
     pub fn has_lamps(&self) -> bool {
         self.lamp_count() > 0
+    }
+
+    /// What its shadows ask whether something is in the way: never [`RaySource::Auto`].
+    #[must_use]
+    pub fn ray_source(&self) -> RaySource {
+        match (self.rays, &self.scene) {
+            (None | Some(RaySource::Auto | RaySource::Scene), Scene::Procedural { .. }) => RaySource::Scene,
+            _ => RaySource::Screen,
+        }
     }
 
     /// Which of the worlds of its seed its particles and patches come from: all frames of a path share their water, any

@@ -58,7 +58,7 @@ pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::{Draft, Job};
 pub use json::{MAX_BYTES, MAX_DEPTH, read as read_json};
 pub use leaves::{Leaf, LeafKind, Leaves, List};
-pub use light::{Haze, HazeBlend, HazeSpace, Light, PointLamp, SpotLamp};
+pub use light::{Haze, HazeBlend, HazeSpace, Light, PointLamp, RaySource, ShadowForm, SpotLamp};
 pub use merkle::MerkleTree;
 pub use normal::normal_quantile;
 pub use own_water::{JERLOV_TYPES, OwnWater};

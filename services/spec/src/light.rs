@@ -72,7 +72,7 @@ pub enum HazeSpace {
 }
 
 /// A lamp that shines in all directions. The camera looks along z; x is right and y is down.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Described)]
 pub struct PointLamp {
     /// meters right, down and ahead of the camera
     #[field(vector, within(-1000.0, 1000.0), unit = "m")]
@@ -80,10 +80,20 @@ pub struct PointLamp {
     /// linear radiance times m², per steradian
     #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
+    /// what its light is cut off by on surfaces; absent: `none`
+    pub shadow: Option<ShadowForm>,
+    /// radius of the sphere that shines, for soft shadows
+    #[field(within(0.0, 0.5), unit = "m")]
+    pub radius_m: Option<f64>,
+    /// places of that sphere that are looked for; absent: 16
+    #[field(within(1, 256))]
+    pub samples: Option<u64>,
+    /// whether things cast shadows into the glow of the water, too
+    pub glow_shadow: Option<bool>,
 }
 
 /// A lamp that shines about an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Described)]
 pub struct SpotLamp {
     /// meters right, down and ahead of the camera
     #[field(vector, within(-1000.0, 1000.0), unit = "m")]
@@ -97,4 +107,38 @@ pub struct SpotLamp {
     /// angle from the axis at which no light is left
     #[field(within(0.5, 90.0), default = 30, unit = "degree")]
     pub cone_deg: f64,
+    /// what its light is cut off by on surfaces; absent: `none`
+    pub shadow: Option<ShadowForm>,
+    /// radius of the sphere that shines, for soft shadows
+    #[field(within(0.0, 0.5), unit = "m")]
+    pub radius_m: Option<f64>,
+    /// places of that sphere that are looked for; absent: 16
+    #[field(within(1, 256))]
+    pub samples: Option<u64>,
+    /// whether things cast shadows into the glow of the water, too
+    pub glow_shadow: Option<bool>,
+}
+
+/// How things cut off the light of a lamp.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
+#[serde(rename_all = "snake_case")]
+pub enum ShadowForm {
+    /// Not at all.
+    None,
+    /// With sharp edges: the lamp is a point.
+    Hard,
+    /// With soft edges: the lamp is a sphere.
+    Soft,
+}
+
+/// What shadows ask whether something is in the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
+#[serde(rename_all = "snake_case")]
+pub enum RaySource {
+    /// The solids of a procedural scene, else the range image.
+    Auto,
+    /// The solids of a procedural scene.
+    Scene,
+    /// The range image: only what the picture shows is in the way.
+    Screen,
 }

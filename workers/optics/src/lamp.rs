@@ -15,6 +15,7 @@
 mod airlight;
 mod beam;
 mod blurred;
+mod coarse;
 mod multiple;
 mod nodes;
 mod normals;
@@ -23,9 +24,10 @@ mod phase;
 mod point;
 mod reference;
 mod shadow;
+mod sight;
 mod surface;
 
-pub use airlight::{Airlight, airlight, airlight_with_nodes};
+pub use airlight::{Airlight, airlight, airlight_with_nodes, shaded_airlight};
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;
 pub use patches::glow_within;
@@ -36,7 +38,7 @@ pub use reference::{
     shaded_irradiance_reference,
 };
 pub use shadow::Shadow;
-pub use surface::{Irradiance, irradiance, lit, lit_rounding};
+pub use surface::{Irradiance, irradiance, irradiance_of, lit, lit_rounding, shaded_irradiance};
 
 pub use crate::legendre::gauss_legendre;
 
@@ -69,21 +71,27 @@ impl Lamp {
     /// # Errors
     /// Every number beyond its limits.
     pub fn point(position_m: [f64; 3], intensity: [f64; 3]) -> Result<Self, Vec<Beyond>> {
-        let beyond = spec::beyond(&PointLamp {
+        Self::of_point(&PointLamp {
             position_m,
             intensity,
-        });
-        let beam = Beam::Point;
+            ..PointLamp::default()
+        })
+    }
+
+    fn of_point(lamp: &PointLamp) -> Result<Self, Vec<Beyond>> {
+        let beyond = spec::beyond(lamp);
         if !beyond.is_empty() {
             return Err(beyond);
         }
-        Ok(Self {
-            position_m,
-            intensity,
-            beam,
+        let shadow = Shadow::described(lamp.shadow, lamp.radius_m, lamp.samples);
+        let bare = Self {
+            position_m: lamp.position_m,
+            intensity: lamp.intensity,
+            beam: Beam::Point,
             shadow: Shadow::None,
             glow_shadow: false,
-        })
+        };
+        Ok(bare.with_shadow(shadow, lamp.glow_shadow.unwrap_or(false)))
     }
 
     /// A lamp that shines about `direction`, of any length but 0, within `cone_deg` degrees on each side of it.
@@ -96,12 +104,24 @@ impl Lamp {
         direction: [f64; 3],
         cone_deg: f64,
     ) -> Result<Self, Vec<Beyond>> {
-        let mut beyond = spec::beyond(&SpotLamp {
+        Self::of_spot(&SpotLamp {
             position_m,
             intensity,
             direction,
             cone_deg,
-        });
+            ..SpotLamp::default()
+        })
+    }
+
+    fn of_spot(lamp: &SpotLamp) -> Result<Self, Vec<Beyond>> {
+        let SpotLamp {
+            position_m,
+            intensity,
+            direction,
+            cone_deg,
+            ..
+        } = *lamp;
+        let mut beyond = spec::beyond(lamp);
         let length = direction.iter().map(|v| v * v).sum::<f64>().sqrt();
         if length < SHORTEST_AXIS {
             beyond.push(Beyond {
@@ -116,13 +136,15 @@ impl Lamp {
         }
         let axis = direction.map(|v| v / length);
         let cos_cone = cone_deg.to_radians().cos().max(0.0);
-        Ok(Self {
+        let shadow = Shadow::described(lamp.shadow, lamp.radius_m, lamp.samples);
+        let bare = Self {
             position_m,
             intensity,
             beam: Beam::Spot { axis, cos_cone },
             shadow: Shadow::None,
             glow_shadow: false,
-        })
+        };
+        Ok(bare.with_shadow(shadow, lamp.glow_shadow.unwrap_or(false)))
     }
 
     /// The same lamp, whose light is cut off in this way on surfaces, and in the water too if `glow` says so.
@@ -144,10 +166,8 @@ impl Lamp {
         for light in lights {
             match light {
                 Light::Haze(_) => continue,
-                Light::Point(lamp) => Self::point(lamp.position_m, lamp.intensity),
-                Light::Spot(lamp) => {
-                    Self::spot(lamp.position_m, lamp.intensity, lamp.direction, lamp.cone_deg)
-                }
+                Light::Point(lamp) => Self::of_point(lamp),
+                Light::Spot(lamp) => Self::of_spot(lamp),
             }
             .map_or_else(|wrong| errors.extend(wrong), |lamp| lamps.push(lamp));
         }
@@ -158,6 +178,18 @@ impl Lamp {
     #[must_use]
     pub fn position_m(&self) -> [f64; 3] {
         self.position_m
+    }
+
+    /// What its light is cut off by on surfaces.
+    #[must_use]
+    pub fn shadow(&self) -> Shadow {
+        self.shadow
+    }
+
+    /// Whether things cast shadows into its glow, too.
+    #[must_use]
+    pub fn casts_into_water(&self) -> bool {
+        self.glow_shadow
     }
 
     /// Whether it shines about an axis.

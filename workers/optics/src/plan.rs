@@ -15,6 +15,7 @@ mod levels;
 mod line;
 mod model;
 mod scatter;
+mod shadows;
 mod shares;
 mod stats;
 mod style;
@@ -26,6 +27,7 @@ pub use gates::GateStep;
 pub use levels::display_tolerance;
 pub use line::Line;
 pub use scatter::MOST_TERMS;
+pub use shadows::{Shadows, shadow_share};
 pub use shares::glow_share;
 pub use stats::{RangeBin, SceneStats};
 
@@ -114,6 +116,8 @@ pub struct Plan {
     pub turbidity: Stage,
     /// Light of the lamps on surfaces.
     pub lamps: Stage,
+    /// Shadows on surfaces; none where no lamp casts one.
+    pub lamp_shadows: Option<Stage<Shadows>>,
     /// Attenuation; in f64 forward scatter is, too.
     pub attenuation: Stage,
     /// The veil by direction, or the constant one where that is as good; none where the frame does not ask for it. Its bound is a part
@@ -125,6 +129,8 @@ pub struct Plan {
     pub scatter: [Stage<ScatterStep>; 3],
     /// Glow of the water before the lamps.
     pub glow: Stage,
+    /// Shadows in the glow; none where no lamp casts one.
+    pub glow_shadows: Option<Stage<Shadows>>,
     /// Marine snow.
     pub snow: Stage,
     /// The style.
@@ -146,6 +152,8 @@ pub struct Plan {
 pub struct LampLight {
     /// What f32 may have lost of the light on surfaces.
     pub surface_rounding: f64,
+    /// What of the light on surfaces may be there that things would have cut off.
+    pub shadows_left: f64,
     /// What the quadrature may have left of the glow.
     pub glow_left: f64,
     /// What f32 may have lost of the glow.
@@ -228,11 +236,13 @@ impl Plan {
             above: given.above.cloned(),
             turbidity: rounded(setting.patches.is_some(), shares.path),
             lamps: rounded(setting.lighting.is_some(), shares.surfaces),
+            lamp_shadows: shadows::on_surfaces(given),
             attenuation: water.attenuation,
             veil: water.veil,
             gates: water.gates,
             scatter: water.scatter,
             glow: glow(given),
+            glow_shadows: shadows::in_water(given),
             snow: fall(given, &shares),
             style: style::choose(given),
             haze: Stage::exact(Form::Fast.when(frame.haze().iter().any(Haze::shines))),
@@ -295,11 +305,13 @@ impl Plan {
             above: None,
             turbidity: skip(),
             lamps: skip(),
+            lamp_shadows: None,
             attenuation: skip(),
             veil: None,
             gates: None,
             scatter: [const { ScatterStep::Skip }; 3].map(Stage::exact),
             glow: skip(),
+            glow_shadows: None,
             snow: skip(),
             style: Stage::exact(StyleStep::Skip),
             haze: skip(),
@@ -318,7 +330,9 @@ impl Plan {
         let others = [&self.turbidity, &self.lamps, &self.glow, &self.snow];
         self.tolerance?;
         let above = self.above.as_ref().map_or(0.0, Above::bound);
-        Some(water.unwrap_or(0.0) + above + others.iter().filter_map(|stage| stage.bound).sum::<f64>())
+        let shadows = self.lamp_shadows.as_ref().and_then(|stage| stage.bound);
+        let others = others.iter().filter_map(|stage| stage.bound).sum::<f64>();
+        Some(water.unwrap_or(0.0) + above + shadows.unwrap_or(0.0) + others)
     }
 
     /// [`Plan::bound`] of each channel.

@@ -10,6 +10,7 @@ pub(crate) mod labels;
 pub(crate) mod light;
 pub(crate) mod measure;
 mod range_file;
+pub(crate) mod rays;
 pub(crate) mod scene;
 pub(crate) mod seen;
 pub(crate) mod snow;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
+use super::places::{is_zero, places};
 use super::{Checker, Place};
 use crate::invalid::FieldError;
 use crate::node::Node;
@@ -13,8 +14,7 @@ impl Checker<'_> {
     pub(crate) fn across(&mut self, document: &Node) {
         self.camera(document);
         self.scene_files(document);
-        self.light_spaces(document);
-        self.lamp_axes(document);
+        self.lights(document);
         self.verticals(document);
         self.daylight(document);
         self.path(document);
@@ -82,17 +82,6 @@ impl Checker<'_> {
         }
     }
 
-    fn lamp_axes(&mut self, document: &Node) {
-        for (pointer, light) in lights(document) {
-            if light.get("direction").is_some_and(is_zero) {
-                let message = "this lamp's `direction` is [0, 0, 0], which is none";
-                self.refuse(|| {
-                    FieldError::new(&format!("{pointer}/direction"), message).limit("a length above 0")
-                });
-            }
-        }
-    }
-
     fn scene_files(&mut self, document: &Node) {
         for (pointer, scene) in places(document, "scene") {
             let has = |name| scene.get(name).is_some();
@@ -120,25 +109,6 @@ impl Checker<'_> {
                     let message =
                         format!("{at} describes a range file, but neither `range` nor `z_depth` is given");
                     self.refuse(|| FieldError::new(&at.pointer, message));
-                }
-            }
-        }
-    }
-
-    fn light_spaces(&mut self, document: &Node) {
-        let mut first: Option<String> = None;
-        for (pointer, space) in spaces(document) {
-            match &first {
-                None => first = Some(space.to_owned()),
-                Some(first) if first == space => {}
-                Some(first) => {
-                    let message =
-                        format!("this light's `space` is \"{space}\", but another's is \"{first}\"");
-                    self.refuse(|| {
-                        FieldError::new(&pointer, message)
-                            .value(&space.into())
-                            .limit("the same for all haze")
-                    });
                 }
             }
         }
@@ -190,59 +160,6 @@ impl Checker<'_> {
             }
         }
     }
-}
-
-/// Whether a list holds nothing but the constant 0.
-fn is_zero(list: &Node) -> bool {
-    let nothing = |node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0));
-    matches!(list, Node::List(axis) if axis.iter().all(nothing))
-}
-
-/// What can stand in a field of the document, each with its pointer.
-pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Node)> {
-    document
-        .get(name)
-        .map(|node| node.alternatives(&format!("/{name}")))
-        .unwrap_or_default()
-}
-
-/// Every list that can stand in a field of the document, with its place.
-pub(super) fn lists<'a>(document: &'a Node, name: &str) -> Vec<(Place, &'a [Node])> {
-    let mut lists = Vec::new();
-    for (pointer, node) in places(document, name) {
-        if let Node::List(items) = node {
-            let name = name.to_owned();
-            lists.push((Place { pointer, name }, items.as_slice()));
-        }
-    }
-    lists
-}
-
-/// Whether a frame can have lamps.
-pub(crate) fn has_lamps(document: &Node) -> bool {
-    lights(document)
-        .iter()
-        .any(|(_, light)| light.get("position_m").is_some())
-}
-
-/// Every light that can be, with its pointer.
-fn lights(document: &Node) -> Vec<(String, &Node)> {
-    let mut lights = Vec::new();
-    for (at, items) in lists(document, "lights") {
-        for (position, item) in items.iter().enumerate() {
-            lights.extend(item.alternatives(&at.item(position).pointer));
-        }
-    }
-    lights
-}
-
-/// The space of all haze that can be, with its pointer.
-fn spaces(document: &Node) -> Vec<(String, &str)> {
-    let all = lights(document).into_iter();
-    let nodes = all.filter_map(|(pointer, light)| Some((pointer, light.get("space")?)));
-    nodes
-        .flat_map(|(pointer, node)| node.strings(&format!("{pointer}/space")))
-        .collect()
 }
 
 /// The names that a list holds in every frame.

@@ -6,8 +6,8 @@ use imaging::codec::MAX_PIXELS;
 use serde::Deserialize;
 
 use super::Checker;
-use super::across::places;
 use super::extremes::each_draw;
+use super::places::places;
 use crate::camera::Camera;
 use crate::invalid::FieldError;
 use crate::node::{Drawn, LawNode, Node};

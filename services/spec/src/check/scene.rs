@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use super::across::{lists, places};
+use super::places::{lists, places};
 use super::{Checker, Place};
 use crate::artifact::ArtifactKind;
 use crate::invalid::FieldError;

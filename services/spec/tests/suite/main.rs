@@ -7,6 +7,7 @@ mod documents;
 mod errors;
 mod law_errors;
 mod laws;
+mod lights;
 mod scenes;
 mod soup;
 mod suspended;

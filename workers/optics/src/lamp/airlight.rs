@@ -6,7 +6,10 @@
 
 mod intervals;
 mod rounding;
+mod shadowed;
 mod spread;
+
+pub use shadowed::shaded_airlight;
 
 use std::sync::LazyLock;
 

@@ -6,11 +6,14 @@
 
 use imaging::rays::{Rays, Start};
 use imaging::vector::dot;
+use spec::ShadowForm;
 
 /// The golden angle.
 const TURN: f64 = 2.399_963_229_728_653;
 /// Places of the disc that light scattered on its way comes from.
 pub(super) const SPREAD_PLACES: usize = 16;
+/// Places of a lamp that gives none.
+const PLACES: u64 = 16;
 
 /// How things cut off the light of a lamp.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -30,6 +33,21 @@ pub enum Shadow {
 }
 
 impl Shadow {
+    /// The shadow that a lamp's fields describe. A sphere without a size is a point.
+    pub(super) fn described(form: Option<ShadowForm>, radius_m: Option<f64>, samples: Option<u64>) -> Self {
+        match form {
+            None | Some(ShadowForm::None) => Self::None,
+            Some(ShadowForm::Hard) => Self::Hard,
+            Some(ShadowForm::Soft) => match radius_m.filter(|radius| *radius > 0.0) {
+                None => Self::Hard,
+                Some(radius_m) => Self::Soft {
+                    radius_m,
+                    samples: samples.unwrap_or(PLACES) as usize,
+                },
+            },
+        }
+    }
+
     /// Radius and number of the places of a lamp.
     pub(super) fn disc(self) -> (f64, usize) {
         match self {
@@ -52,9 +70,21 @@ pub(super) fn disc_place(
     let b = x * y * a;
     let first = [1.0 + sign * x * x * a, sign * b, -sign * x];
     let second = [b, sign + y * y * a, -y];
-    let out = radius_m * ((k as f64 + 0.5) / count as f64).sqrt();
+    let [u, v] = on_unit_disc(k, count);
+    [0, 1, 2].map(|i| middle[i] + radius_m * (u * first[i] + v * second[i]))
+}
+
+/// Place `k` of `count` on a disc of radius 1.
+pub(super) fn on_unit_disc(k: usize, count: usize) -> [f64; 2] {
+    let out = ((k as f64 + 0.5) / count as f64).sqrt();
     let (sin, cos) = (TURN * k as f64).sin_cos();
-    [0, 1, 2].map(|i| middle[i] + out * (cos * first[i] + sin * second[i]))
+    [out * cos, out * sin]
+}
+
+/// The place of a disc that node `node` of a ray through the water looks at: neighbors look at others, far apart.
+pub(super) fn shared_place(node: usize, count: usize) -> usize {
+    let stride = if count.is_multiple_of(7) { 5 } else { 7 };
+    stride * node % count
 }
 
 /// Whether a place is seen from the start of a ray.

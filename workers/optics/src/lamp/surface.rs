@@ -1,7 +1,9 @@
 //! The light of lamps on surfaces.
 
 mod joined;
+mod shade;
 
+use imaging::rays::Rays;
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
@@ -13,6 +15,7 @@ use crate::extremes::{brightest, greatest};
 use crate::range::{self, SHORTEST_M};
 use crate::turbidity::{self, RUN};
 use joined::Joined;
+use shade::Shade;
 
 /// A Lambertian surface sends back J/π of what falls on it.
 const PER_STERADIAN: f32 = std::f32::consts::FRAC_1_PI;
@@ -26,9 +29,32 @@ pub struct Irradiance {
     pub rounding: f64,
 }
 
-/// [`irradiance_reference`](super::irradiance_reference) in f32.
+/// [`irradiance_reference`](super::irradiance_reference) in f32. Nothing casts a shadow.
 #[must_use]
 pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Irradiance {
+    shine_on(range, normals, lighting, None)
+}
+
+/// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. A ray that grazes an edge may pass on its other
+/// side; what of a soft lamp is hidden from none of the outermost places of its disc, or from all, is taken to be all of it; and the
+/// discs that light scattered on its way comes from are looked for from every fourth pixel where they change little; `rounding` does
+/// not count this. A lamp that lights a surface by no more than `unseen` lights it whatever is in the way.
+#[must_use]
+pub fn shaded_irradiance(
+    range: &Plane<f32>,
+    normals: &[Plane<f32>; 3],
+    lighting: &Lighting,
+    (rays, unseen): (&dyn Rays, f64),
+) -> Irradiance {
+    shine_on(range, normals, lighting, Some((rays, unseen)))
+}
+
+fn shine_on(
+    range: &Plane<f32>,
+    normals: &[Plane<f32>; 3],
+    lighting: &Lighting,
+    rays: Option<(&dyn Rays, f64)>,
+) -> Irradiance {
     let (width, height) = range.size();
     let [mut red, mut green, mut blue] = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
     let camera = &lighting.camera;
@@ -45,6 +71,9 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
     let mut places = [(); 5].map(|()| vec![0.0f32; width]);
     let mut murk = vec![1.0f32; width];
+    let mut shades: Vec<Option<Shade>> = (lighting.lamps.iter())
+        .map(|lamp| Shade::new(lamp, lighting, (range, normals), rays?))
+        .collect();
     let [mut near, mut seen] = [(); 2].map(|()| vec![0.0f32; width]);
     let mut rounding = 0.0f64;
     for y in 0..height {
@@ -56,28 +85,26 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
             radius,
         };
         let mut lost = 0.0;
-        for (lamp, limit) in sources.iter().zip(&limits) {
+        for ((lamp, limit), shade) in sources.iter().zip(&limits).zip(&mut shades) {
+            if let Some(shade) = shade {
+                shade.look(row);
+            }
             if let Some(patches) = &patches {
                 vectorized!(murk_of(patches, y, range.row(y), (row, lamp.place), &mut murk));
             }
             let [red, green, blue] = [&mut red, &mut green, &mut blue].map(|plane| plane.row_mut(y));
-            let mut to = [red, green, blue, &mut near, &mut seen];
-            match joined {
-                None => vectorized!(shine(row, *lamp, &murk, to.each_mut().map(|lane| &mut **lane))),
-                Some(water) if lamp.is_spot => vectorized!(joined::shine::<true>(
-                    row,
-                    *lamp,
-                    water,
-                    &murk,
-                    to.each_mut().map(|lane| &mut **lane)
-                )),
-                Some(water) => vectorized!(joined::shine::<false>(
-                    row,
-                    *lamp,
-                    water,
-                    &murk,
-                    to.each_mut().map(|lane| &mut **lane)
-                )),
+            let mut to: [&mut [f32]; 5] = [red, green, blue, &mut near, &mut seen];
+            match (joined, shade) {
+                (None, None) => vectorized!(shine::<false>(row, *lamp, &murk, &[], reborrow(&mut to))),
+                (None, Some(shade)) => {
+                    vectorized!(shine::<true>(row, *lamp, &murk, shade.seen(), reborrow(&mut to)))
+                }
+                (Some(water), None) => {
+                    joined::shine_unshaded(row, *lamp, water, &murk, reborrow(&mut to));
+                }
+                (Some(water), Some(shade)) => {
+                    joined::shine_shaded(row, *lamp, water, (&murk, shade.of_row(y)), reborrow(&mut to))
+                }
             }
             lost += limit.within(greatest(&near), greatest(&seen));
         }
@@ -102,6 +129,13 @@ pub fn lit(radiance: &Rgb<f32>, gain: [f64; 3], irradiance: &Rgb<f32>) -> Rgb<f3
         Plane::new(radiance.width(), radiance.height(), data).expect("the size of the frame")
     };
     Rgb::new([band(0), band(1), band(2)]).expect("planes of one frame")
+}
+
+/// The irradiance by which surfaces of this radiance in air get `light` brighter at most.
+#[must_use]
+pub fn irradiance_of(radiance: &Rgb<f32>, light: f64) -> f64 {
+    let most = f64::from(brightest(radiance).into_iter().fold(0.0, f32::max));
+    light * std::f64::consts::PI / most.max(1e-30)
 }
 
 /// What [`lit`] may differ by from the same in f64, where the light of the lamps may differ by `rounding`.
@@ -271,8 +305,13 @@ fn murk_of(
     }
 }
 
+fn reborrow<'a>(lanes: &'a mut [&mut [f32]; 5]) -> [&'a mut [f32]; 5] {
+    lanes.each_mut().map(|lane| &mut **lane)
+}
+
+/// Adds the light of a lamp to a row, `SHADED` as far as it is seen.
 #[inline(always)]
-fn shine(
+fn shine<const SHADED: bool>(
     Row {
         places: [x, y, z, range, shown],
         normals: [nx, ny, nz],
@@ -286,10 +325,12 @@ fn shine(
         ..
     }: Source,
     murk: &[f32],
+    lit: &[f32],
     [red, green, blue, near, seen]: [&mut [f32]; 5],
 ) {
     let ([ax, ay, az], slope, offset) = (profile.axis, profile.slope, profile.offset);
     let width = red.len();
+    let lit = if SHADED { &lit[..width] } else { lit };
     let (x, y, z, shown, range) = (
         &x[..width],
         &y[..width],
@@ -310,7 +351,10 @@ fn shine(
         let cos = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
         let rise = slope.mul_add(cos, offset);
         let profile = rise.max(0.0).min(1.0);
-        let fall = facing * shown[i] * profile * (inverse * inverse * inverse);
+        let mut fall = facing * shown[i] * profile * (inverse * inverse * inverse);
+        if SHADED {
+            fall *= lit[i];
+        }
         let meters = murk[i] * distance;
         // As far beyond the cone as rounding may carry the light.
         let share = range[i] * inverse;

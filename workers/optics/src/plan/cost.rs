@@ -4,7 +4,7 @@
 
 use spec::Frame;
 
-use super::{Form, Plan, ScatterStep, StyleStep};
+use super::{Form, Plan, ScatterStep, Shadows, StyleStep};
 use crate::setting::Setting;
 use crate::snow;
 
@@ -29,6 +29,10 @@ const PATH_NS: f64 = 5.3;
 const SURFACE_NS: f64 = 6.6;
 const GLOW_NS: f64 = 12.6;
 const PATCHES_NS: f64 = 6.0;
+/// Each way to a lamp through a scene; ways of a pixel in the glow, and to a soft lamp.
+const WAY_NS: f64 = 40.0;
+const GLOW_WAYS: f64 = 10.0;
+const FIRST_PLACES: usize = 5;
 const SNOW_NS: f64 = 19.6;
 const NETWORK_NS: f64 = 10.8;
 const TABLE_NS: f64 = 4.2;
@@ -79,6 +83,17 @@ impl Amounts {
 }
 
 impl Plan {
+    /// Expected milliseconds of shadows.
+    pub(super) fn shadows_cost_ms(&self, stage: &str, shadows: Shadows) -> f64 {
+        let ways = if stage == "glow_shadows" {
+            GLOW_WAYS
+        } else {
+            shadows.places.min(FIRST_PLACES) as f64
+        };
+        let ns = shadows.lamps as f64 * ways * WAY_NS * self.amounts.pixels;
+        (ns / 1e4).round() / 100.0
+    }
+
     /// Expected milliseconds of a veil by direction; none in f64.
     pub(super) fn veil_cost_ms(&self) -> Option<f64> {
         match self.veil.as_ref().map_or(Form::Skip, |veil| veil.form) {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Form, GateStep, Plan, ScatterStep, Stage, StyleStep};
+use super::{Form, GateStep, Plan, ScatterStep, Shadows, Stage, StyleStep};
 use crate::layering::Layering;
 
 /// One line of a plan. What is not known of a stage is left out.
@@ -67,6 +67,15 @@ impl Plan {
             let after = lines.iter().position(|line| line.stage == "attenuation");
             lines.insert(after.map_or(0, |at| at + 1), occlusion(gates));
         }
+        for (stage, name, of) in [
+            (&self.lamp_shadows, "lamp_shadows", "lamps"),
+            (&self.glow_shadows, "glow_shadows", "glow"),
+        ] {
+            if let Some(stage) = stage {
+                let after = lines.iter().position(|line| line.stage == of);
+                lines.insert(after.map_or(0, |at| at + 1), self.shadows(name, stage));
+            }
+        }
         if let Some(veil) = &self.veil {
             let after = lines.iter().position(|line| line.stage == "attenuation");
             let own = Line {
@@ -86,6 +95,24 @@ impl Plan {
         }
         self.explain(&mut lines);
         lines
+    }
+
+    fn shadows(&self, name: &'static str, stage: &Stage<Shadows>) -> Line {
+        let is_exact = self.glow.form == Form::Reference || self.lamps.form == Form::Reference;
+        Line {
+            terms: Some(stage.form.lamps),
+            note: Some(stage.form.note()),
+            cost_ms: (!is_exact).then(|| self.shadows_cost_ms(name, stage.form)),
+            ..with_errors(
+                name,
+                if is_exact {
+                    "reference"
+                } else {
+                    stage.form.variant()
+                },
+                stage,
+            )
+        }
     }
 
     /// Says of the stage with the largest bound why all of them exceed the tolerance.

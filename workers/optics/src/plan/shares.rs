@@ -60,7 +60,8 @@ impl Shares {
         } else {
             0.0
         };
-        let others = lamps.glow_left + lamps.glow_rounding + path + surfaces + above + snow_rounding;
+        let light = lamps.glow_left + lamps.glow_rounding + lamps.shadows_left + surfaces + above;
+        let others = light + path + snow_rounding;
         let left = |whole: f64| ((1.0 - snow) * whole - others).max(LEAST * whole);
         Self {
             tolerance,

@@ -11,6 +11,13 @@ use crate::case::Case;
 /// Largest differences as a share of the peak: light on surfaces and the glow in f64.
 const SURFACES: f64 = 1e-10;
 const GLOW: f64 = 1e-7;
+/// The same in f32: rounding; what discs that are read between every fourth pixel may lose; and an edge of a shadow in one of 32
+/// angles.
+const SURFACES_F32: f64 = 1e-5;
+const READ_F32: f64 = 2e-3;
+const GLOW_F32: f64 = 0.02;
+/// Share of pixels from which something covers a part of a soft lamp but none of its outermost places.
+const RIM: f64 = 0.02;
 /// Share of pixels in which a ray may graze an edge.
 const GRAZING: f64 = 0.005;
 
@@ -175,4 +182,26 @@ pub(crate) fn lamp(case: &Case) {
     };
     compare(case, "glow_shadowed", &glow(false), GLOW, 0.0);
     compare(case, "glow_multiple", &glow(true), GLOW, 0.0);
+    fast(case, &scene);
+}
+
+/// The same in f32.
+fn fast(case: &Case, scene: &Scene) {
+    let range = scene.range.map(|&z| z as f32);
+    let surfaces = |shadow, multiple| {
+        let lighting = scene.lighting(scene.moved_lamp, shadow, multiple);
+        let light = lamp::shaded_irradiance(&range, &scene.normals, &lighting, (&scene.boxes, 0.0)).light;
+        light.map(|&e| f64::from(e))
+    };
+    let surface = |name, shadow, multiple, (tolerance, grazing)| {
+        compare(case, name, &surfaces(shadow, multiple), tolerance, grazing);
+    };
+    surface("irradiance_hard", Shadow::Hard, false, (SURFACES_F32, GRAZING));
+    surface("irradiance_soft", scene.soft, false, (SURFACES_F32, RIM));
+    surface("irradiance_multiple", Shadow::Hard, true, (READ_F32, GRAZING));
+    for (name, multiple) in [("glow_shadowed", false), ("glow_multiple", true)] {
+        let lighting = scene.lighting(scene.lamp, Shadow::Hard, multiple);
+        let light = lamp::shaded_airlight(&range, &lighting, 1e-6, &scene.boxes).light;
+        compare(case, name, &light.map(|&v| f64::from(v)), GLOW_F32, GRAZING);
+    }
 }

@@ -4,6 +4,7 @@
 mod attack;
 mod errors;
 mod patches;
+mod shadows;
 
 use errors::{peak, worst};
 use imaging::geometry::Intrinsics;

@@ -2,19 +2,20 @@
 
 use std::sync::Arc;
 
+use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
 use optics::daylight;
-use optics::lamp::{self, Airlight, Irradiance, Lighting, REFERENCE_NODES};
-use optics::plan::{Above, Form, LampLight, SceneStats, glow_share};
+use optics::lamp::{self, Airlight, Irradiance, Lamp, Lighting, REFERENCE_NODES, Shadow};
+use optics::plan::{Above, Form, LampLight, SceneStats, glow_share, shadow_share};
 use optics::range::is_hole;
 use optics::setting::Setting;
 use optics::snow::LitFlake;
 use optics::turbidity;
 use spec::Frame;
 
-use super::above;
 use super::scene::Prepared;
 use super::snow::{self, Shutter};
+use super::{above, rays};
 use crate::stopwatch::Stopwatch;
 
 /// A scene in its light.
@@ -66,9 +67,12 @@ impl Lit {
         }
         if let (Some(lighting), Some(range)) = (&setting.lighting, range) {
             watch.time("lamps", || {
-                lit.add(form, lighting, range, setting.gain());
+                let casts = lighting.lamps.iter().any(|lamp| lamp.shadow() != Shadow::None);
+                let rays = casts.then(|| rays::of(frame, prepared)).flatten();
+                let rays = rays.as_deref();
+                lit.add(frame, (lighting, setting.gain()), range, rays);
                 if lighting.scattering != [0.0; 3] {
-                    lit.add_glow(form, lighting, range, glow_share(frame));
+                    lit.add_glow(frame, lighting, range, rays);
                 }
             });
         }
@@ -89,18 +93,33 @@ impl Lit {
     }
 
     /// Adds the light of lamps on surfaces to that around them. The radiance of the scene in air stands for its reflectance.
-    fn add(&mut self, form: Form, lighting: &Lighting, range: &Plane<f32>, gain: [f64; 3]) {
+    fn add(
+        &mut self,
+        frame: &Frame,
+        (lighting, gain): (&Lighting, [f64; 3]),
+        range: &Plane<f32>,
+        rays: Option<&dyn Rays>,
+    ) {
         let normals = lamp::normals_of(range, &lighting.camera);
-        let irradiance = match form {
-            Form::Reference => {
+        let irradiance = match (Form::asked_by(frame.fidelity), rays) {
+            (Form::Reference, rays) => {
                 let range = range.map(|&z| f64::from(z));
-                let light = lamp::irradiance_reference(&range, &normals, lighting);
+                let light = match rays {
+                    Some(rays) => lamp::shaded_irradiance_reference(&range, &normals, lighting, rays),
+                    None => lamp::irradiance_reference(&range, &normals, lighting),
+                };
                 Irradiance {
                     light: light.map(|&e| e as f32),
                     rounding: 0.0,
                 }
             }
-            Form::Fast | Form::Skip => lamp::irradiance(range, &normals, lighting),
+            (Form::Fast | Form::Skip, None) => lamp::irradiance(range, &normals, lighting),
+            (Form::Fast | Form::Skip, Some(rays)) => {
+                self.lamps.shadows_left = shadow_share(frame);
+                let each = self.lamps.shadows_left / lighting.lamps.len() as f64;
+                let unseen = lamp::irradiance_of(&self.prepared.scene.radiance, each);
+                lamp::shaded_irradiance(range, &normals, lighting, (rays, unseen))
+            }
         };
         let reflectance = &self.prepared.scene.radiance;
         let lit = match self.lit.take() {
@@ -113,17 +132,25 @@ impl Lit {
     }
 
     /// Adds the glow of the water before the lamps.
-    fn add_glow(&mut self, form: Form, lighting: &Lighting, range: &Plane<f32>, tolerance: f64) {
-        let glow = match form {
-            Form::Reference => {
+    fn add_glow(&mut self, frame: &Frame, lighting: &Lighting, range: &Plane<f32>, rays: Option<&dyn Rays>) {
+        let rays = rays.filter(|_| lighting.lamps.iter().any(Lamp::casts_into_water));
+        let glow = match (Form::asked_by(frame.fidelity), rays) {
+            (Form::Reference, rays) => {
                 let range = range.map(|&z| f64::from(z));
+                let light = match rays {
+                    Some(rays) => lamp::shaded_airlight_reference(&range, lighting, REFERENCE_NODES, rays),
+                    None => lamp::airlight_reference(&range, lighting, REFERENCE_NODES),
+                };
                 Airlight {
-                    light: lamp::airlight_reference(&range, lighting, REFERENCE_NODES).map(|&v| v as f32),
+                    light: light.map(|&v| v as f32),
                     left: 0.0,
                     rounding: 0.0,
                 }
             }
-            Form::Fast | Form::Skip => lamp::airlight(range, lighting, tolerance),
+            (Form::Fast | Form::Skip, None) => lamp::airlight(range, lighting, glow_share(frame)),
+            (Form::Fast | Form::Skip, Some(rays)) => {
+                lamp::shaded_airlight(range, lighting, glow_share(frame), rays)
+            }
         };
         self.lamps.glow_left = glow.left;
         self.lamps.glow_rounding = glow.rounding;

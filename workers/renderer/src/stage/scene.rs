@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use camera::PartsError;
 use camera::geometry::Source;
@@ -29,6 +30,8 @@ pub(crate) struct Prepared {
     pub(crate) holes: u64,
     /// Pose of the camera: of procedural scenes, and of uploaded ones that came with it.
     pub(crate) pose: Option<CameraPose>,
+    /// The world of a procedural scene.
+    pub(crate) world: Option<Arc<World>>,
     /// Its labels, where an artifact needs them.
     pub(crate) labels: Option<Labels>,
     /// What the codes of its labels mean; of procedural scenes they are fixed.
@@ -87,7 +90,7 @@ pub(crate) fn needs_labels(frame: &Frame) -> bool {
 
 /// A procedural world and the way through it.
 pub(crate) struct Place {
-    world: World,
+    world: Arc<World>,
     path: Option<(CameraPath, usize)>,
 }
 
@@ -101,7 +104,7 @@ impl Place {
     }
 
     fn new(frame: &Frame, family: &str, seed: u64) -> Result<Self, RenderError> {
-        let world = World::new(family, seed)?;
+        let world = Arc::new(World::new(family, seed)?);
         let Some(path) = frame.camera.path else {
             return Ok(Self { world, path: None });
         };
@@ -141,6 +144,7 @@ impl Place {
         let prepared = checked(frame, scene, BTreeMap::new())?;
         Ok(Prepared {
             pose: Some(pose),
+            world: Some(Arc::clone(&self.world)),
             labels,
             ..prepared
         })
@@ -216,6 +220,7 @@ fn checked(
         negative_radiance,
         holes: holes as u64,
         pose: None,
+        world: None,
         labels: None,
         classes: None,
         inputs,

@@ -344,7 +344,7 @@ fn at_nodes(lamp: &Glow, to: &Intervals, [node, weight]: [f32; 2], light: &mut [
 
 /// The integrand at the angle β of this sine and cosine.
 #[inline(always)]
-fn spread_at(lamp: &Glow, to: &Intervals, i: usize, (sin, cos): (f32, f32)) -> [f32; 3] {
+pub(super) fn spread_at(lamp: &Glow, to: &Intervals, i: usize, (sin, cos): (f32, f32)) -> [f32; 3] {
     let [narrow, growth] = lamp.denominator;
     let cos = cos.max(1e-7);
     let ss = sin * sin;

@@ -1,6 +1,9 @@
 //! The light of a lamp on a row of surfaces, joined by what was scattered on its way.
 
-use super::{Row, Source};
+use imaging::vectorized;
+
+use super::shade::RowShade;
+use super::{Row, Source, reborrow};
 use crate::elementary::{HALVINGS, fade, power_0_7};
 use crate::lamp::Lighting;
 use crate::lamp::blurred::blurred;
@@ -36,19 +39,65 @@ const SCALE: [f32; 3] = [
 ];
 const FARTHEST: f32 = WIDEST as f32;
 
-/// Adds the light of a lamp, a spot or not, to a row.
-#[inline(always)]
-pub(super) fn shine<const SPOT: bool>(
+/// Adds the light of a lamp to a row.
+pub(super) fn shine_unshaded(
     row: Row<'_>,
     lamp: Source,
     water: Joined,
     murk: &[f32],
+    mut to: [&mut [f32]; 5],
+) {
+    let open = RowShade::default();
+    if lamp.is_spot {
+        vectorized!(shine::<true, false>(
+            row,
+            lamp,
+            water,
+            (murk, open),
+            reborrow(&mut to)
+        ));
+    } else {
+        vectorized!(shine::<false, false>(
+            row,
+            lamp,
+            water,
+            (murk, open),
+            reborrow(&mut to)
+        ));
+    }
+}
+
+/// Adds the light of a lamp to a row as far as it is seen.
+pub(super) fn shine_shaded(
+    row: Row<'_>,
+    lamp: Source,
+    water: Joined,
+    around: (&[f32], RowShade<'_>),
+    mut to: [&mut [f32]; 5],
+) {
+    if lamp.is_spot {
+        vectorized!(shine::<true, true>(row, lamp, water, around, reborrow(&mut to)));
+    } else {
+        vectorized!(shine::<false, true>(row, lamp, water, around, reborrow(&mut to)));
+    }
+}
+
+/// Adds the light of a lamp, a spot or not, to a row, `SHADED` as far as it is seen.
+#[inline(always)]
+fn shine<const SPOT: bool, const SHADED: bool>(
+    row: Row<'_>,
+    lamp: Source,
+    water: Joined,
+    (murk, shade): (&[f32], RowShade<'_>),
     [red, green, blue, near, seen]: [&mut [f32]; 5],
 ) {
     let width = red.len();
     let [x, y, z, range, shown] = row.places.map(|lane| &lane[..width]);
     let [nx, ny, nz] = row.normals.map(|lane| &lane[..width]);
     let murk = &murk[..width];
+    let cut = |lane: &'_ [f32]| -> usize { if SHADED { lane.len().min(width) } else { 0 } };
+    let lit = &shade.direct[..cut(shade.direct)];
+    let spread = shade.spread.map(|lane| &lane[..cut(lane)]);
     let (near, seen) = (&mut near[..width], &mut seen[..width]);
     let (green, blue) = (&mut green[..width], &mut blue[..width]);
     let ([px, py, pz], [ir, ig, ib]) = (lamp.place, lamp.intensity);
@@ -78,6 +127,9 @@ pub(super) fn shine<const SPOT: bool>(
                 let x = (water.scattering[channel] * meters).min(FARTHEST);
                 let scale = x.mul_add(x.mul_add(SCALE[2], SCALE[1]), SCALE[0]);
                 blur = blurred([slope, offset], [cos, sin], scale);
+            }
+            if SHADED {
+                return blur.mul_add(joined * spread[channel][i], profile * direct * lit[i]);
             }
             blur.mul_add(joined, profile * direct)
         };

@@ -1,0 +1,167 @@
+//! Shadows: the fast forms against the reference, before balls and a wall.
+
+use imaging::rays::{Hit, Rays};
+use imaging::{Plane, Rgb};
+use optics::lamp::{self, Lamp, Lighting, REFERENCE_NODES, Shadow};
+
+use crate::errors::peak;
+use crate::{ABSORPTION, lighting};
+
+/// Share of samples whose rays may graze an edge, and by how much the sums of light may differ as a share.
+const GRAZING: f64 = 0.03;
+const SUMS: f64 = 0.01;
+/// An edge in one of 32 angles, as a share of the brightest glow.
+const ANGLE: f64 = 0.02;
+/// Tolerance of the glow as a share of its peak.
+const FINE: f64 = 1e-4;
+const WALL_M: f64 = 4.0;
+
+/// Balls, by center and radius, before a wall.
+struct Balls(Vec<([f64; 3], f64)>);
+
+impl Rays for Balls {
+    fn hit(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> Option<Hit> {
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let balls = self.0.iter().filter_map(|(center, radius)| {
+            let way = [0, 1, 2].map(|i| origin[i] - center[i]);
+            let (half, rest) = (dot(way, direction), dot(way, way) - radius * radius);
+            let square = half * half - rest;
+            (square >= 0.0 && rest > 0.0).then(|| -half - square.sqrt())
+        });
+        let wall = (WALL_M - origin[2]) / direction[2];
+        let met = balls.chain([wall]).filter(|met| (from..=to).contains(met));
+        met.min_by(f64::total_cmp).map(|distance| Hit {
+            distance,
+            normal: direction.map(|v| -v),
+            object: 0,
+        })
+    }
+}
+
+fn balls() -> Balls {
+    Balls(vec![
+        ([0.3, 0.1, 2.0], 0.35),
+        ([-0.8, -0.3, 2.5], 0.25),
+        ([0.9, 0.6, 1.4], 0.12),
+    ])
+}
+
+fn range_of(scene: &Balls, (width, height): (usize, usize)) -> Plane<f32> {
+    let camera = lighting(Vec::new(), (width, height), 0.9).camera;
+    Plane::from_fn(width, height, |x, y| {
+        let ray = camera.ray(x as f64, y as f64);
+        let length = ray.length();
+        let hit = scene.hit([0.0; 3], <[f64; 3]>::from(ray).map(|v| v / length), 0.0, 1e3);
+        hit.map_or(f32::INFINITY, |hit| hit.distance as f32)
+    })
+}
+
+fn lamps() -> [Lamp; 2] {
+    [
+        Lamp::point([1.2, -0.4, 0.2], [2.0, 1.5, 1.0]).unwrap(),
+        Lamp::spot([-0.9, 0.2, 0.1], [6.0, 6.0, 6.0], [0.25, 0.0, 1.0], 40.0).unwrap(),
+    ]
+}
+
+fn lit_by(lamp: Lamp, size: (usize, usize), multiple: bool) -> Lighting {
+    Lighting {
+        absorption: multiple.then_some(ABSORPTION),
+        ..lighting(vec![lamp], size, 0.9)
+    }
+}
+
+/// The share of samples that differ by more than `limit`, and by how much all of them together, as a share.
+fn differences(fast: &Rgb<f32>, exact: &Rgb<f64>, limit: f64) -> (f64, f64) {
+    let (mut wrong, mut count, mut sums) = (0.0, 0.0, [0.0f64; 2]);
+    for (fast, exact) in fast.planes().iter().zip(exact.planes()) {
+        for (fast, exact) in fast.data().iter().zip(exact.data()) {
+            count += 1.0;
+            wrong += f64::from(u8::from((f64::from(*fast) - exact).abs() > limit));
+            sums[0] += f64::from(*fast);
+            sums[1] += exact;
+        }
+    }
+    (wrong / count, (sums[0] - sums[1]).abs() / sums[1].max(1e-12))
+}
+
+#[test]
+fn shadows_on_surfaces_are_those_of_the_reference_but_at_their_edges() {
+    let scene = balls();
+    let forms = [
+        (Shadow::Hard, 2e-4),
+        (
+            Shadow::Soft {
+                radius_m: 0.08,
+                samples: 16,
+            },
+            1.0 / 16.0,
+        ),
+    ];
+    for size in [(1, 1), (17, 13), (96, 64)] {
+        let range = range_of(&scene, size);
+        for (lamp, multiple, (shadow, limit)) in lamps()
+            .into_iter()
+            .flat_map(|lamp| [(lamp, false), (lamp, true)])
+            .flat_map(|(lamp, multiple)| forms.map(|form| (lamp, multiple, form)))
+        {
+            let lighting = lit_by(lamp.with_shadow(shadow, false), size, multiple);
+            let normals = lamp::normals_of(&range, &lighting.camera);
+            let exact_range = range.map(|&z| f64::from(z));
+            let exact = lamp::shaded_irradiance_reference(&exact_range, &normals, &lighting, &scene);
+            let fast = lamp::shaded_irradiance(&range, &normals, &lighting, (&scene, 0.0));
+            // Discs of spread light are read between places.
+            let limit = if multiple { f64::max(limit, 0.01) } else { limit } * peak(&exact);
+            let (wrong, sums) = differences(&fast.light, &exact, limit);
+            assert!(
+                wrong <= GRAZING,
+                "{size:?} {lamp:?} {shadow:?} {multiple}: {wrong}"
+            );
+            assert!(sums <= SUMS, "{size:?} {lamp:?} {shadow:?} {multiple}: {sums}");
+            if size.0 > 64 {
+                let open = lamp::irradiance_reference(&exact_range, &normals, &lighting);
+                let (_, cut_off) = differences(&fast.light, &open, limit);
+                assert!(cut_off > 0.005, "nothing is in shadow: {cut_off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shadows_in_the_glow_are_those_of_the_reference_but_for_an_angle() {
+    let scene = balls();
+    for size in [(1, 1), (9, 7), (48, 32)] {
+        let range = range_of(&scene, size);
+        let exact_range = range.map(|&z| f64::from(z));
+        for (lamp, multiple) in lamps().into_iter().flat_map(|lamp| [(lamp, false), (lamp, true)]) {
+            let lighting = lit_by(lamp.with_shadow(Shadow::Hard, true), size, multiple);
+            let exact = lamp::shaded_airlight_reference(&exact_range, &lighting, REFERENCE_NODES, &scene);
+            let top = peak(&exact);
+            let fast = lamp::shaded_airlight(&range, &lighting, FINE * top, &scene);
+            let (wrong, sums) = differences(&fast.light, &exact, ANGLE * top);
+            assert!(
+                wrong <= GRAZING && sums <= SUMS,
+                "{size:?} {lamp:?} {multiple}: {wrong} {sums}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_lights_less_than_is_seen_casts_no_shadow() {
+    let scene = balls();
+    let (size, shadow) = ((96, 64), Shadow::Hard);
+    let range = range_of(&scene, size);
+    let lighting = lit_by(lamps()[0].with_shadow(shadow, false), size, false);
+    let normals = lamp::normals_of(&range, &lighting.camera);
+    let all = lamp::shaded_irradiance(&range, &normals, &lighting, (&scene, 0.0));
+    let open = lamp::irradiance(&range, &normals, &lighting);
+    for unseen in [0.01, 0.05, 1e3] {
+        let some = lamp::shaded_irradiance(&range, &normals, &lighting, (&scene, unseen));
+        let exact = all.light.map(|&v| f64::from(v));
+        let (wrong, _) = differences(&some.light, &exact, unseen);
+        assert_eq!(wrong, 0.0, "{unseen}");
+        assert!(some.light != all.light || unseen < 0.05);
+    }
+    let none = lamp::shaded_irradiance(&range, &normals, &lighting, (&scene, 1e3));
+    assert_eq!(none.light, open.light);
+}

@@ -1,0 +1,16 @@
+//! What shadows ask whether something is in the way.
+
+use imaging::rays::Rays;
+use optics::Screen;
+use spec::{Frame, RaySource};
+
+use super::scene::Prepared;
+
+/// The solids of a procedural scene, or the range image of any; none without range. In the axes of the camera of the scene.
+pub(crate) fn of<'a>(frame: &Frame, prepared: &'a Prepared) -> Option<Box<dyn Rays + 'a>> {
+    let range = prepared.scene.range.as_ref()?;
+    Some(match (frame.ray_source(), &prepared.world, &prepared.pose) {
+        (RaySource::Scene, Some(world), Some(pose)) => Box::new(world.rays(pose)),
+        _ => Box::new(Screen::new(range, prepared.view().camera)),
+    })
+}
