@@ -246,6 +246,27 @@ pub(crate) const RESULTS: &[ResultField] = &[
         "",
         "the same, greatest of all rays",
     ),
+    result(
+        "daylight.shallowest_m",
+        "/optics/daylight/shallowest_m",
+        NUMBER,
+        "m",
+        "least depth of the surfaces that light from above falls on",
+    ),
+    result(
+        "daylight.deepest_m",
+        "/optics/daylight/deepest_m",
+        NUMBER,
+        "m",
+        "the same, greatest depth",
+    ),
+    result(
+        "daylight.caustics_peak",
+        "/optics/daylight/caustics_peak",
+        NUMBER,
+        "",
+        "brightest place of the caustics over their mean",
+    ),
     result("instances", "/scene/instances", LIST, "", "objects in view"),
     result(
         "instances.visible",

@@ -24,21 +24,28 @@
 //! All lengths here are those of the range, and coefficients are per unit of it: a range scale multiplies the ones and divides
 //! the depth.
 
+mod caustics;
 mod field;
 mod gaze;
+mod seen;
 mod slope;
 mod sun;
 mod surface;
 mod veil;
 
+pub use caustics::{
+    Blur, RAYS_PER_CELL, Refraction, Tiles, Waves, caustics, caustics_reference, shafts, slices,
+    tile_reference, with_shafts,
+};
 pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, Shape, decay_from, fresnel};
 pub use gaze::Gaze;
+pub use seen::{Surfaces, access, access_reference, sunlit, sunlit_reference};
 pub use slope::{SLOPES, share_by_slope};
 pub use sun::SunLight;
 pub use surface::{Reaching, surfaces, surfaces_reference, surfaces_rounding, with_lamps};
 pub use veil::{VeilOf, veil, veil_reference};
 
-use spec::{SurfaceLight, VeilForm};
+use spec::{Caustics, SurfaceLight, VeilForm};
 
 /// The veil's exponent keeps at least this share of c: light cannot decay faster upwards than along a ray.
 pub const MOST_DECAY: f64 = 0.95;
@@ -51,6 +58,11 @@ pub struct Daylight {
     pub(crate) sun: Option<SunLight>,
     /// Rays that tell how much of the light from all around reaches a surface.
     pub(crate) rays: usize,
+    /// The waves, and how the water blurs what they draw.
+    pub(crate) caustics: Option<(Caustics, Blur)>,
+    pub(crate) has_shafts: bool,
+    /// True meters of one length of the range.
+    pub(crate) scale: f64,
     /// The radiance of each channel.
     pub(crate) fields: [Field; 3],
     /// Depth of the camera in lengths of the range.
@@ -83,6 +95,26 @@ impl Daylight {
     #[must_use]
     pub fn sun(&self) -> Option<&SunLight> {
         self.sun.as_ref()
+    }
+
+    /// The waves of a seed in the frame with this number, and how the water blurs what they draw with the sun.
+    #[must_use]
+    pub fn waves(&self, seed: u64, frame: u64) -> Option<(Waves, Blur)> {
+        self.sun?;
+        let (described, blur) = self.caustics?;
+        Some((Waves::new(&described, seed, frame), blur))
+    }
+
+    /// True meters of one length of the range.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Whether caustics show in the water before surfaces, too.
+    #[must_use]
+    pub fn has_shafts(&self) -> bool {
+        self.has_shafts
     }
 
     /// The irradiance at the camera over that which is white.

@@ -55,6 +55,17 @@ fn numbers(shot: &Shot<'_>) -> Map<String, Value> {
         let factors = json!({"mean": mean, "least": least, "most": most});
         numbers.insert("turbidity".to_owned(), factors);
     }
+    let daylight = shot.setting.water.as_ref().and_then(Water::daylight);
+    if let (Some(daylight), Some(range)) = (daylight, &shot.prepared.scene.range)
+        && shot.lit.above.is_some()
+        && let Some((shallowest, deepest)) = daylight.depths_m(range)
+    {
+        let mut own = json!({"shallowest_m": shallowest, "deepest_m": deepest});
+        if let Some(pattern) = &shot.lit.pattern {
+            own["caustics_peak"] = json!(pattern.peak());
+        }
+        numbers.insert("daylight".to_owned(), own);
+    }
     numbers
 }
 

@@ -19,6 +19,7 @@ use crate::file::File;
 use crate::frame_plan::FramePlan;
 use crate::record;
 use crate::source::SceneSource;
+use crate::stage::above::LastTiles;
 use crate::stage::camera::{self, Average, Cameras};
 use crate::stage::files::{self, Pictures};
 use crate::stage::light::Lit;
@@ -34,6 +35,7 @@ pub struct Slot {
     pub(crate) networks: Networks,
     kernels: KernelCache,
     cameras: Cameras,
+    tiles: LastTiles,
     last_scene: Option<(SceneKey, Arc<Prepared>)>,
 }
 
@@ -89,6 +91,7 @@ impl Slot {
             networks: Networks::new(engine),
             kernels: KernelCache::new(),
             cameras: Cameras::default(),
+            tiles: LastTiles::default(),
             last_scene: None,
         }
     }
@@ -320,7 +323,7 @@ impl Slot {
         let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
         let parts = camera::seen_parts(frame, &prepared, parts)?;
         let shutter = Shutter::new(frame, parts.as_ref(), later);
-        let lit = Lit::new(frame, &prepared, &setting, shutter, watch);
+        let lit = Lit::new(frame, &prepared, &setting, shutter, &mut self.tiles, watch);
         let table_max_255 = style::table_max_255(frame, &self.networks.engine)?;
         let plan = watch.time("plan", || {
             Plan::new(&Given {

@@ -353,3 +353,6 @@ fn shine(
         to[i] = if valid { light } else { 0.0 };
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -34,13 +34,13 @@ pub struct Above {
 }
 
 impl Above {
-    /// Chooses for a frame whose scene reflects or sends out at most `brightest` in each channel, at ranges up to `farthest`.
-    /// `by_screen` says that nothing is known of its shape but the range image. None where light from above falls on no surface.
+    /// Chooses for a frame whose scene reflects or sends out at most `brightest` in each channel, at ranges up to `farthest`; `peak`
+    /// is the brightest place of its caustics, where there are some. `by_screen` says that nothing is known of its shape but the range image. None where light from above falls on no surface.
     #[must_use]
     pub fn choose(
         frame: &Frame,
         setting: &Setting,
-        brightest: [f32; 3],
+        (brightest, peak): ([f32; 3], Option<f64>),
         farthest: f64,
         by_screen: bool,
     ) -> Option<Self> {
@@ -59,18 +59,22 @@ impl Above {
         let sunlit = (0..3)
             .map(|c| f64::from(brightest[c]) * most_sunlight(daylight, c, farthest))
             .fold(0.0, f64::max);
-        let is_needless = form == Form::Fast && sunlit <= share;
-        let by_sun = |changed: f64| Stage {
-            form: form.when(!is_needless),
-            share: Some(share),
-            bound: is_needless.then_some(changed),
+        let by_sun = |changed: f64| {
+            let is_needless = form == Form::Fast && changed <= share;
+            Stage {
+                form: form.when(!is_needless),
+                share: Some(share),
+                bound: is_needless.then_some(changed),
+            }
         };
+        // Brighter by no more than the peak, and darker by no more than all of it.
+        let patterned = peak.filter(|_| sun.is_some()).map(|peak| (peak - 1.0).max(1.0));
         let casts = sun.is_some_and(|sun| sun.casts_shadows);
         Some(Self {
             surfaces: Stage::exact(form),
             shadow: casts.then(|| by_sun(sunlit)),
             access: (is_sloped && daylight.rays > 0).then(|| Stage::exact(form)),
-            caustics: None,
+            caustics: patterned.map(|change| by_sun(sunlit * change)),
             is_sloped,
             sun_shines: sun.is_some(),
             rays: daylight.rays,

@@ -4,13 +4,15 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::chain::{water, water_reference};
 use optics::daylight::{
-    Field, Gaze, REFRACTIVE_INDEX, Reaching, SLOPES, Shape, decay_from, share_by_slope, surfaces_reference,
+    Blur, Daylight, Field, Gaze, RAYS_PER_CELL, REFRACTIVE_INDEX, Reaching, Refraction, SLOPES, Shape, Tiles,
+    Waves, caustics, caustics_reference, decay_from, share_by_slope, slices, surfaces_reference,
+    tile_reference,
 };
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Plan, SceneStats};
 use optics::water::Water;
 use serde_json::Value;
-use spec::{Fidelity, FromAbove, Optics, ScatterModel, Sun, SurfaceLight, VeilForm};
+use spec::{Caustics, Fidelity, FromAbove, Optics, ScatterModel, Sun, SurfaceLight, VeilForm};
 
 use crate::case::Case;
 
@@ -18,6 +20,9 @@ use crate::case::Case;
 const REFERENCE: f64 = 1e-10;
 /// The veil in f32, as a share of the brightest.
 const FLOAT: f64 = 1e-5;
+/// A caustic tile in f64, and in f32 as a share of its peak.
+const TILE: f64 = 1e-8;
+const FAST_TILE: f64 = 2e-3;
 /// Radiance by direction over that of Monte Carlo.
 const BY_DIRECTION: (f64, f64) = (0.89, 1.20);
 
@@ -99,6 +104,7 @@ fn surfaces(case: &Case, range: &Plane<f64>) {
     let sunny = FromAbove {
         sun_share: case.get("sun").and_then(|sun| sun["share"].as_f64()),
         sun: Some(sun(case)),
+        caustics: Some(waves(case)),
         ..lit
     };
     let resolve = |above: FromAbove| {
@@ -135,6 +141,11 @@ fn surfaces(case: &Case, range: &Plane<f64>) {
             }
         }
         let is_sunny = daylight.sun().is_some();
+        if let Some((waves, blur)) = daylight.waves(seed(case), 0) {
+            let time_s = case.get("caustics").and_then(|waves| waves["time_s"].as_f64());
+            let time_s = time_s.expect("a time");
+            patterns(case, range, daylight, &Waves { time_s, ..waves }, &blur);
+        }
         let reaching = Reaching {
             sunlight: is_sunny.then_some(&factor),
             access: None,
@@ -153,6 +164,71 @@ fn surfaces(case: &Case, range: &Plane<f64>) {
         let peak = case.needed(name).values.iter().copied().fold(0.0, f64::max);
         case.compare(name, &fast, FLOAT * peak, "the fast form");
     }
+}
+
+/// The tiles of the case and the pattern on its surfaces, in both forms.
+fn patterns(case: &Case, range: &Plane<f64>, daylight: &Daylight, waves: &Waves, blur: &Blur) {
+    let depths = case.numbers("tile_depths_m");
+    let expected = case.needed("caustic_tiles");
+    let cells = waves.cells;
+    let own = Tiles::new(waves, blur, depths.clone());
+    for (slice, &depth) in depths.iter().enumerate() {
+        let exact = tile_reference(waves, blur, depth, RAYS_PER_CELL, Refraction::Small);
+        let stored = &expected.values[slice * cells * cells..(slice + 1) * cells * cells];
+        let peak = stored.iter().copied().fold(0.0, f64::max);
+        let apart = |of: &dyn Fn(usize, usize) -> f64| {
+            let each = (0..cells * cells).map(|i| (of(i % cells, i / cells) - stored[i]).abs());
+            each.fold(0.0, f64::max)
+        };
+        let by_reference = apart(&|x, y| exact.pixel(x, y));
+        let by_fast = apart(&|x, y| f64::from(own.cell(slice, x, y))) / peak;
+        println!("   tile at {depth} m: {by_reference:.1e} in f64, {by_fast:.1e} of the peak in f32");
+        assert!(
+            by_reference < TILE && by_fast < FAST_TILE,
+            "{depth} m: {by_reference:e} {by_fast:e}"
+        );
+    }
+    let single = range.map(|&z| z as f32);
+    let (shallowest, deepest) = daylight.depths_m(&single).expect("surfaces");
+    let depths = slices(shallowest, deepest);
+    let tiles: Vec<Plane<f64>> = depths
+        .iter()
+        .map(|&depth| tile_reference(waves, blur, depth, RAYS_PER_CELL, Refraction::Small))
+        .collect();
+    let exact = caustics_reference(range, daylight, waves, (&tiles, &depths));
+    let mut fast = Plane::filled(range.width(), range.height(), 1.0f32);
+    let sun = daylight.sun().expect("a sun");
+    let own = Tiles::new(waves, blur, depths);
+    caustics(&single, daylight, sun, &own, &mut fast);
+    let stored = case.needed("caustic_factor").values;
+    for (i, stored) in stored.iter().enumerate() {
+        let (exact, fast) = (exact.data()[i], f64::from(fast.data()[i]));
+        let is_hole = !range.data()[i].is_finite();
+        // The depths come from ranges in f32.
+        assert!((exact - stored).abs() < 1e-6, "pixel {i}: {exact} for {stored}");
+        assert!(
+            is_hole || (fast - stored).abs() < FAST_TILE * own.peak(),
+            "pixel {i}: {fast} for {stored}"
+        );
+    }
+}
+
+fn waves(case: &Case) -> Caustics {
+    let waves = case.get("caustics").expect("caustics");
+    let number = |name: &str| waves[name].as_f64().expect("a number");
+    Caustics {
+        tile_m: number("tile_m"),
+        cells: number("cells") as usize,
+        slope: number("slope"),
+        wind_deg: number("wind").to_degrees(),
+        fps: None,
+    }
+}
+
+fn seed(case: &Case) -> u64 {
+    case.get("caustics")
+        .and_then(|waves| waves["seed"].as_u64())
+        .expect("a seed")
 }
 
 fn sun(case: &Case) -> Sun {

@@ -13,6 +13,7 @@ use optics::snow::LitFlake;
 use optics::turbidity;
 use spec::Frame;
 
+use super::above::{LastTiles, Pattern};
 use super::scene::Prepared;
 use super::snow::{self, Shutter};
 use super::{above, rays};
@@ -25,6 +26,8 @@ pub(crate) struct Lit {
     lit: Option<Rgb<f32>>,
     /// What the plan has to know of light from above on surfaces.
     pub(crate) above: Option<Above>,
+    /// Its caustics; none without.
+    pub(crate) pattern: Option<Pattern>,
     /// The paths through patches of murkier water.
     patchy: Option<Plane<f32>>,
     /// Glow of the water before the lamps; none without lamps, or in water that scatters nothing.
@@ -46,6 +49,7 @@ impl Lit {
         prepared: &Arc<Prepared>,
         setting: &Setting,
         shutter: Shutter,
+        tiles: &mut LastTiles,
         watch: &mut Stopwatch,
     ) -> Self {
         let form = Form::asked_by(frame.fidelity);
@@ -54,6 +58,7 @@ impl Lit {
             prepared: Arc::clone(prepared),
             lit: None,
             above: None,
+            pattern: None,
             patchy: watch.time("turbidity", || path(form, frame, range?, setting)),
             glow: None,
             lamps: LampLight::default(),
@@ -62,7 +67,10 @@ impl Lit {
             shines: false,
         };
         if let Some(range) = range {
-            let above = watch.time("above", || above::light(frame, prepared, setting, range));
+            let above = watch.time("above", || {
+                lit.pattern = above::pattern(frame, setting, range, tiles);
+                above::light(frame, prepared, setting, lit.pattern.as_ref())
+            });
             (lit.lit, lit.above) = above.unzip();
         }
         if let (Some(lighting), Some(range)) = (&setting.lighting, range) {

@@ -4,14 +4,18 @@ use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
 
-use super::Shot;
+use super::{Shot, above};
 use crate::error::RenderError;
 
 /// Applies the water to the lit scene.
 pub(crate) fn run(shot: &Shot<'_>, kernels: &mut KernelCache) -> Result<Layers, RenderError> {
     let radiance = shot.lit.radiance();
     match (&shot.setting.around, shot.lit.path()) {
-        (Some(water), Some(path)) => Ok(chain::water(radiance, path, water, &shot.plan, kernels)?),
+        (Some(water), Some(path)) => {
+            let mut layers = chain::water(radiance, path, water, &shot.plan, kernels)?;
+            above::shine_through(&shot.setting, path, shot.lit.pattern.as_ref(), &mut layers);
+            Ok(layers)
+        }
         _ => Ok(in_air(radiance)),
     }
 }

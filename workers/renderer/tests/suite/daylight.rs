@@ -184,3 +184,85 @@ fn a_picture_darkens_with_depth_alone() {
         "{top} {bottom} {flat_top} {flat_bottom}"
     );
 }
+
+fn sunny(more: &Value) -> Value {
+    let mut above = json!({"surfaces": "normal", "sun_share": 0.7, "sun": {"elevation_deg": 50, "azimuth_deg": 70, "shadow": "none"}});
+    for (name, value) in more.as_object().unwrap() {
+        above[name] = value.clone();
+    }
+    let mut job = reflecting(&above, &json!([]));
+    job["artifacts"] = json!(["rgb", "direct", "backscatter"]);
+    job
+}
+
+#[test]
+fn shadows_and_rays_to_the_sky_take_light_and_caustics_share_it_out() {
+    let of = |more: Value| render(&parse(&sunny(&more)));
+    let whole = |rendered: &renderer::Rendered| light(file(rendered, "direct"), 0..64);
+    let plain = of(json!({}));
+    let shadow = of(json!({"sun": {"elevation_deg": 50, "azimuth_deg": 70}}));
+    let access = of(json!({"ambient_rays": 8}));
+    let waves = of(json!({"caustics": {}}));
+    let (sun, shaded, hidden, drawn) = (whole(&plain), whole(&shadow), whole(&access), whole(&waves));
+    assert!(
+        shaded < sun && hidden < sun && shaded > 0.2 * sun && hidden > 0.2 * sun,
+        "{sun} {shaded} {hidden}"
+    );
+    assert!((drawn / sun - 1.0).abs() < 0.2 && drawn != sun, "{drawn} {sun}");
+    for (rendered, stage, variant) in [
+        (&shadow, "sun_shadow", "rays"),
+        (&access, "ambient_access", "rays"),
+        (&waves, "caustics", "tiles"),
+    ] {
+        let own = line(rendered, stage).unwrap();
+        assert_eq!(own["variant"], variant, "{own}");
+        assert!(
+            line(&plain, stage).is_none() && own["cost_ms"].as_f64().unwrap() > 0.0,
+            "{own}"
+        );
+    }
+    assert!(waves.record.optics["daylight"]["caustics_peak"].as_f64().unwrap() > 1.2);
+    assert!(plain.record.optics["daylight"]["deepest_m"].as_f64().unwrap() > 6.0);
+    assert_eq!(file(&waves, "backscatter"), file(&plain, "backscatter"));
+    let shafts = of(json!({"caustics": {}, "shafts": true}));
+    assert_eq!(file(&waves, "direct"), file(&shafts, "direct"));
+    assert_ne!(file(&waves, "backscatter"), file(&shafts, "backscatter"));
+}
+
+#[test]
+fn a_sun_that_hardly_shines_needs_no_rays_and_no_waves() {
+    let job = sunny(&json!({"sun_share": 1e-6, "sun": {"elevation_deg": 50}, "caustics": {}}));
+    let rendered = render(&parse(&job));
+    for stage in ["sun_shadow", "caustics"] {
+        let own = line(&rendered, stage).unwrap();
+        assert_eq!(own["variant"], "skip", "{own}");
+        assert!(own["bound"].as_f64().unwrap() <= own["share"].as_f64().unwrap());
+    }
+}
+
+#[test]
+fn the_form_in_f64_draws_the_same_shadows_and_waves() {
+    let of = |fidelity: Value| {
+        let mut job = sunny(&json!({"sun": {"elevation_deg": 50}, "caustics": {}, "ambient_rays": 8}));
+        job["camera"] = json!({"width": 48, "height": 32});
+        job["fidelity"] = fidelity;
+        let rendered = render(&parse(&job));
+        imaging::codec::decode_picture(file(&rendered, "rgb"))
+            .unwrap()
+            .to_rgb8()
+            .pixels()
+            .flatten()
+            .collect::<Vec<u8>>()
+    };
+    let (fast, reference) = (
+        of(json!({"tolerance": 3e-4})),
+        of(json!({"variant": "reference"})),
+    );
+    let apart = fast
+        .iter()
+        .zip(&reference)
+        .filter(|(a, b)| a.abs_diff(**b) > 6)
+        .count();
+    // Rays to the sky are few between pixels, and shadows have edges.
+    assert!(20 * apart <= fast.len(), "{apart} of {}", fast.len());
+}

@@ -1,9 +1,10 @@
 //! What light from above needs of a water, and how it follows from the rest.
 
-use spec::{Ambient, DaylightLevel, FromAbove, HoleRule, SurfaceLight, VeilForm};
+use spec::{Ambient, DaylightLevel, FromAbove, HoleRule, PhaseFunction, SurfaceLight, VeilForm};
 
-use super::{Checks, Request, WaterError, each};
-use crate::daylight::{Daylight, Field, Gaze, MOST_DECAY, Shape, SunLight, decay_from};
+use super::super::{Spread, two_kernels};
+use super::{Checks, G_SHARE_OF_SCATTERING, Request, WaterError, each};
+use crate::daylight::{Blur, Daylight, Field, Gaze, MOST_DECAY, Shape, SunLight, decay_from};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 
 /// What is known of the water.
@@ -82,6 +83,9 @@ impl Checks {
             surfaces: above.surfaces(),
             sun: sun(above),
             rays: above.ambient_rays.unwrap_or(0),
+            caustics: above.caustics.map(|waves| (waves, blur(known, c))),
+            has_shafts: above.shafts == Some(true),
+            scale,
             fields,
             depth: depth_m / scale,
             level: level(request, above, decay.map(|k| (-k * depth_m).exp())),
@@ -163,6 +167,24 @@ pub(super) fn gain(request: &Request<'_>, daylight: Option<&Daylight>) -> Option
     let above = request.water.from_above.as_ref()?;
     let lights = above.surfaces() != SurfaceLight::None;
     daylight.filter(|_| lights).map(Daylight::level)
+}
+
+/// How the water blurs caustics, by the two kernels of forward scatter in the channel with the median c.
+fn blur(known: &Known, attenuation: [f64; 3]) -> Blur {
+    let mut channels = [0, 1, 2];
+    channels.sort_by(|&i, &j| attenuation[i].total_cmp(&attenuation[j]));
+    let median = channels[1];
+    let c = attenuation[median];
+    let b = known.scattering.map_or(0.0, |b| b[median]);
+    let a = known.absorption.map_or(c - b, |a| a[median]);
+    let (narrow, tail) = two_kernels::kernels(PhaseFunction::Ff, [b; 3], 1.0);
+    let angle = |spread: &Spread| [spread.offset_px[0], spread.per_m[0]];
+    Blur {
+        attenuation: c,
+        spread_attenuation: (a + G_SHARE_OF_SCATTERING * b).min(c),
+        angles: [angle(&narrow), angle(&tail.spread)],
+        wide: [tail.share, tail.share_per_m[0]],
+    }
 }
 
 /// a + 0.1 b, or about that where only K is known: K is some sixth more.

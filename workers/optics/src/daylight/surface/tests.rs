@@ -1,0 +1,104 @@
+use imaging::geometry::Intrinsics;
+use spec::{Sun, SunShadow, VeilForm};
+
+use super::super::field::{Field, Shape};
+use super::super::gaze::Gaze;
+use super::*;
+
+pub(in crate::daylight) fn daylight(size: (usize, usize), up: [f64; 3], share: f64, depth: f64) -> Daylight {
+    let camera = Intrinsics::centered(0.8 * size.0.max(size.1) as f64, size.0, size.1);
+    let field = |a: f64, b: f64| Field {
+        shape: Shape::of_water(a, 0.0183 * b),
+        decay: 1.1 * a,
+        window: a + 0.1 * b,
+        scattering: b,
+    };
+    let sun = Sun {
+        elevation_deg: 35.0,
+        azimuth_deg: 110.0,
+        shadow: SunShadow::Hard,
+    };
+    Daylight {
+        veil: VeilForm::Constant,
+        surfaces: SurfaceLight::Normal,
+        sun: (share > 0.0).then(|| SunLight::new(share, &sun)),
+        rays: 16,
+        caustics: None,
+        has_shafts: false,
+        scale: 1.0,
+        fields: [field(0.35, 0.16), field(0.08, 0.18), field(0.07, 0.2)],
+        depth,
+        level: [0.2, 0.9, 1.0],
+        gaze: Gaze::new(camera, size, up),
+    }
+}
+
+#[test]
+fn both_forms_agree_within_the_bound_in_every_view() {
+    for size in [(1, 1), (7, 1), (33, 21), (80, 61)] {
+        let (width, height) = size;
+        let range = Plane::from_fn(width, height, |x, y| match (3 * x + y) % 7 {
+            0 => f32::NAN,
+            1 => 1e-3,
+            k => 0.3 * (x + y + k) as f32 + 0.2,
+        });
+        let albedo = Rgb::from_fn(width, height, |x, y| {
+            [0.02, 0.3 + 0.01 * (x % 40) as f32, (y % 3) as f32]
+        });
+        let normals = crate::lamp::normals_of(&range, &Intrinsics::centered(20.0, width, height));
+        let sunlight = Plane::from_fn(width, height, |x, y| (x * y % 5) as f32 * 0.7);
+        let access = Rgb::from_fn(width, height, |x, _| [1.0, 0.5, 0.1 * (x % 9) as f32]);
+        for up in [[0.0, -1.0, 0.0], [0.1, -0.7, 0.7], [0.3, -0.2, -1.0]] {
+            for (share, depth) in [(0.0, 6.0), (0.7, 6.0), (1.0, 0.0), (1e-6, 90.0)] {
+                for (sun, around) in [(false, false), (true, false), (false, true), (true, true)] {
+                    for surfaces_by in [SurfaceLight::Depth, SurfaceLight::Normal] {
+                        let mut daylight = daylight(size, up, share, depth);
+                        daylight.surfaces = surfaces_by;
+                        let reaching = Reaching {
+                            sunlight: sun.then_some(&sunlight),
+                            access: around.then_some(&access),
+                        };
+                        let exact = surfaces_reference(
+                            &albedo.map(|&v| f64::from(v)),
+                            &range.map(|&z| f64::from(z)),
+                            &normals.each_ref().map(|axis| axis.map(|&v| f64::from(v))),
+                            &daylight,
+                            reaching,
+                        );
+                        let fast = surfaces(&albedo, &range, &normals, &daylight, reaching);
+                        let limit = surfaces_rounding(&daylight, &fast, f64::from(farthest(&range)));
+                        for (fast, exact) in fast.planes().iter().zip(exact.planes()) {
+                            for (fast, exact) in fast.data().iter().zip(exact.data()) {
+                                let error = (f64::from(*fast) - exact).abs();
+                                assert!(
+                                    error <= limit,
+                                    "{size:?} {up:?} {share} {depth}: {error:e} > {limit:e}"
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn farthest(range: &Plane<f32>) -> f32 {
+    let valid = range.data().iter().copied().filter(|&z| !is_hole(z));
+    valid.fold(0.0, f32::max)
+}
+
+#[test]
+fn deeper_is_darker_and_a_white_horizontal_patch_at_the_camera_shows_the_level() {
+    let daylight = daylight((1, 1), [0.0, -1.0, 0.0], 0.0, 6.0);
+    let white = Rgb::from_fn(1, 1, |_, _| [1.0; 3]);
+    let facing_up = [0.0, -1.0, 0.0].map(|v| Plane::filled(1, 1, v));
+    let lit = |z: f64| {
+        let range = Plane::filled(1, 1, z);
+        surfaces_reference(&white, &range, &facing_up, &daylight, Reaching::default()).pixel(0, 0)
+    };
+    for (c, v) in lit(2.0).into_iter().enumerate() {
+        assert!((v - daylight.level[c]).abs() < 1e-12, "{v}");
+    }
+    assert_eq!(lit(f64::NAN), [0.0; 3]);
+}
