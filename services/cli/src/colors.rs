@@ -3,7 +3,7 @@
 use scenes::categories::FINDINGS;
 
 /// Colors of the categories by their numbers: the background dark, what inspections are about bright.
-const CATEGORY_COLORS: [[u8; 3]; 16] = [
+const CATEGORY_COLORS: [[u8; 3]; 19] = [
     [24, 38, 56],
     [176, 148, 104],
     [230, 159, 0],
@@ -20,6 +20,9 @@ const CATEGORY_COLORS: [[u8; 3]; 16] = [
     [214, 39, 40],
     [150, 160, 120],
     [255, 255, 255],
+    [255, 150, 120],
+    [60, 200, 60],
+    [170, 240, 255],
 ];
 /// Colors of the findings by their bits: crack, corrosion, spalling, joint, growth, coating damage.
 const FINDING_COLORS: [[u8; 3]; 6] = [
@@ -99,8 +102,8 @@ mod tests {
     fn every_category_and_finding_has_a_color_of_its_own() {
         assert_eq!(CATEGORIES.len(), CATEGORY_COLORS.len());
         assert_eq!(FINDINGS.len(), FINDING_COLORS.len());
-        let categories: BTreeSet<_> = (0..=u8::MAX).map(category).take(16).collect();
-        assert_eq!(categories.len(), 16);
+        let categories: BTreeSet<_> = (0..=u8::MAX).map(category).take(CATEGORIES.len()).collect();
+        assert_eq!(categories.len(), CATEGORIES.len());
         let found: BTreeSet<_> = FINDINGS
             .iter()
             .filter_map(|(found, _)| finding(found.bit()))

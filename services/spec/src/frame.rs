@@ -9,6 +9,7 @@ use spec_derive::Described;
 use crate::artifact::ArtifactKind;
 use crate::camera::Camera;
 use crate::encode::Encode;
+use crate::inhabited::{Ground, Life};
 use crate::light::{Haze, Light, RaySource};
 use crate::scene_files::{RangeFile, RangeKind, SceneFiles};
 use crate::schema::EXACT;
@@ -143,6 +144,10 @@ pub enum Scene {
         seed: u64,
         /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
         light: Option<SceneLight>,
+        /// what lives on and about it, and what hangs there; absent: nothing
+        life: Option<Life>,
+        /// what current and grain make of its bottom; absent: an even one
+        ground: Option<Ground>,
     },
     /// Uploaded before through the API.
     Uploaded {

@@ -13,6 +13,7 @@ mod described;
 mod encode;
 pub mod fields;
 mod frame;
+mod inhabited;
 mod invalid;
 mod job;
 mod json;
@@ -54,6 +55,7 @@ pub use daylight::{Caustics, DaylightLevel, FromAbove, Sun, SunShadow, SurfaceLi
 pub use described::{Beyond, Described, beyond};
 pub use encode::Encode;
 pub use frame::{Fidelity, Frame, Scene, SceneLight, Variant};
+pub use inhabited::{Ground, Life};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::{Draft, Job};
 pub use json::{MAX_BYTES, MAX_DEPTH, read as read_json};

@@ -60,12 +60,18 @@ vocabulary! {
     Bracket = 11, "bracket";
     /// The lining of a shaft or tunnel.
     Lining = 12, "lining";
-    /// A cable or hose.
+    /// A cable, hose or rope.
     Cable = 13, "cable";
     /// A natural stone.
     Stone = 14, "stone";
     /// Lost or broken things on the ground.
     Debris = 15, "debris";
+    /// An animal: mussels, tube worms, fish, jellyfish.
+    Fauna = 16, "fauna";
+    /// A plant that hangs or stands off.
+    Flora = 17, "flora";
+    /// A bubble of gas.
+    Bubble = 18, "bubble";
 }
 
 vocabulary! {
@@ -85,6 +91,14 @@ vocabulary! {
     Growth = 4, "growth";
     /// Coating that is gone from a pipe.
     CoatingDamage = 5, "coating_damage";
+}
+
+impl Category {
+    /// Whether it lives or floats: such things stop no camera and cast no shadow of contact.
+    #[must_use]
+    pub fn is_life(self) -> bool {
+        matches!(self, Self::Fauna | Self::Flora | Self::Bubble)
+    }
 }
 
 impl Finding {

@@ -10,7 +10,8 @@ pub struct Family {
     pub name: &'static str,
     /// What its scenes show.
     pub about: &'static str,
-    pub(crate) site: fn(u64) -> Site,
+    /// The site of a seed, pipes buried by a share of their diameter where that is given.
+    pub(crate) site: fn(u64, Option<f32>) -> Site,
 }
 
 const TABLE: [Family; 3] = [

@@ -2,11 +2,13 @@
 //!
 //! Pure: a procedural scene is a function of (family, seed, camera), an uploaded one of its bytes.
 
+mod bottom;
 pub mod categories;
 pub mod classes;
 mod error;
 mod families;
 pub mod labels;
+mod life;
 mod path;
 mod pipeline;
 pub mod pose;

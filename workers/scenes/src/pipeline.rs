@@ -52,15 +52,18 @@ impl Pipe {
 }
 
 /// The site of a seed.
-pub(crate) fn site(seed: u64) -> Site {
+pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
     let dice = Dice::new(seed, "pipeline");
     let mut builder = Builder::new(seed, "pipeline");
     let kind = dice.count(0, 0, 4);
+    // What lies on the ground lies among bags or rock.
+    let kind = if burial.is_some() { 3 + kind % 2 } else { kind };
     let radius = dice.between(1, 0.16, 0.5);
-    let clearance = match kind {
-        0 | 1 => dice.between(2, 0.15, 0.55),
-        2 => dice.between(2, 0.7, 1.6),
-        _ => -radius * dice.between(2, 0.25, 0.9),
+    let clearance = match (burial, kind) {
+        (Some(share), _) => -2.0 * radius * share,
+        (None, 0 | 1) => dice.between(2, 0.15, 0.55),
+        (None, 2) => dice.between(2, 0.7, 1.6),
+        (None, _) => -radius * dice.between(2, 0.25, 0.9),
     };
     let yaw = dice.between(3, -0.5, 0.5);
     let pipe = Pipe {

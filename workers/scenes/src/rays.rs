@@ -10,6 +10,7 @@ use imaging::vectorized;
 
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{load, store};
+use crate::site::pits;
 use crate::site::solid::{RUN, Run};
 use crate::site::tree::{Bundle, Tree};
 use crate::site::{FAR_M, LABEL_BEVEL_M, Site};
@@ -50,7 +51,7 @@ impl Rays for WorldRays<'_> {
                 let solid = &self.site.solids[usize::from(number)];
                 (solid.normal(place, LABEL_BEVEL_M), solid.object)
             }
-            None => (Vec3::from([0.0, 0.0, 1.0]), 0),
+            None => (pits::normal(&self.site.pits, place), 0),
         };
         // A rounded edge may turn away from the ray; it is brought back to the edge of what the ray can meet.
         let away = normal.dot(heading).max(0.0) * 1.001;
@@ -78,6 +79,9 @@ impl Rays for WorldRays<'_> {
         let mut ends = [[0.0; RUN]; 3];
         for (at, clear) in clear.chunks_mut(RUN).enumerate() {
             vectorized!(begin(frame, ways, at * RUN, &mut run, &mut ends));
+            if !self.site.pits.is_empty() {
+                self.sink(&mut run, &ends);
+            }
             let bundle = Bundle {
                 from: vectorized!(Bounds::of_points(&run.from)),
                 to: vectorized!(Bounds::of_points(&ends)),
@@ -102,6 +106,19 @@ impl WorldRays<'_> {
         right * direction.x + down * direction.y + ahead * direction.z
     }
 
+    /// Clears the ways that lead through the mouth of a pit, and marks those that lead through its wall.
+    fn sink(&self, run: &mut Run, ends: &[[f32; RUN]; 3]) {
+        for i in 0..RUN {
+            let (begin, end) = (load(&run.from, i), load(ends, i));
+            let is_between = pits::is_between(&self.site.pits, begin, end);
+            run.hidden[i] = if is_between {
+                run.hidden[i].max(f32::from(begin.z.min(end.z) < -1e-3))
+            } else {
+                0.0
+            };
+        }
+    }
+
     fn place_in_world(&self, place: DVec3) -> DVec3 {
         self.pose.position_m + self.direction_in_world(place)
     }
@@ -116,7 +133,8 @@ impl WorldRays<'_> {
         let ground = -begin.z / heading.z;
         if begin.z > 0.0 && heading.z < 0.0 && ground <= nearest {
             let from_eye = begin + heading * ground - self.pose.position_m.as_f32();
-            if from_eye.length() < FAR_M {
+            let ground = pits::sink(&self.site.pits, begin, heading, ground);
+            if from_eye.length() < FAR_M && ground <= nearest {
                 (nearest, is_met) = (ground, true);
             }
         }

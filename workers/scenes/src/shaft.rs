@@ -25,7 +25,7 @@ struct Wall {
 }
 
 /// The site of a seed.
-pub(crate) fn site(seed: u64) -> Site {
+pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
     let dice = Dice::new(seed, "shaft");
     let mut builder = Builder::new(seed, "shaft");
     let view = match dice.count(0, 0, 2) {

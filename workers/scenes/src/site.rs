@@ -1,6 +1,6 @@
 //! Worlds of solids on a seabed, and how a camera with a lamp sees them.
 //!
-//! World: meters, z up, the ground at z = 0. Surfaces are met exactly: range is the distance to the solid itself. Relief
+//! World: meters, z up, the ground at z = 0 but for its pits. Surfaces are met exactly: range is the distance to the solid itself. Relief
 //! (ripples, rust, pores, growth) turns normals and colors only and never moves a surface, as in a normal map. The picture
 //! is in air, lit by a lamp at the camera and a soft light from above; it is linear and may exceed 1 close to the lamp.
 //!
@@ -18,6 +18,7 @@ mod light;
 mod noise;
 mod outline;
 mod picture;
+pub(crate) mod pits;
 pub(crate) mod pose;
 mod shade;
 pub(crate) mod solid;
@@ -28,6 +29,7 @@ use imaging::vector::DVec3;
 use crate::CameraPose;
 use crate::categories::Category;
 use finish::Finish;
+use pits::Pit;
 use solid::Solid;
 
 pub(crate) use picture::{FAR_M, Picture, Surfaces, Wanted, render};
@@ -44,6 +46,8 @@ pub(crate) struct Object {
 pub(crate) struct Site {
     pub(crate) solids: Vec<Solid>,
     pub(crate) objects: Vec<Object>,
+    /// Pits in the ground.
+    pub(crate) pits: Vec<Pit>,
     /// Where the camera of a single frame is.
     pub(crate) pose: CameraPose,
     /// What that camera looks at.

@@ -11,7 +11,7 @@ use crate::site::chance::Dice;
 use crate::site::pose::{UP, ZERO, up};
 
 /// The site of a seed.
-pub(crate) fn site(seed: u64) -> Site {
+pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
     let dice = Dice::new(seed, "structure");
     let mut builder = Builder::new(seed, "structure");
     let kind = dice.count(0, 0, 5);
@@ -19,7 +19,7 @@ pub(crate) fn site(seed: u64) -> Site {
         0 => builder.single_pile(),
         1 => builder.pile_row(),
         2 => builder.braced_legs(),
-        3 => builder.pipeline(),
+        3 => builder.pipeline(burial),
         4 => builder.plate_wall(),
         _ => builder.frame_of_beams(),
     };

@@ -3,12 +3,13 @@
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
-use spec::{Path, SceneLight, Waypoint};
+use spec::{Ground, Life, Path, SceneLight, Waypoint};
 
 use crate::labels::Labels;
 use crate::path::CameraPath;
 use crate::site::{self, Picture, Site, Wanted};
 use crate::{CameraPose, Family, LEAST_CLEARANCE_M, Scene, SceneError};
+use crate::{bottom, life};
 
 /// What [`World::path`] keeps free, m.
 const CLEAR_M: f64 = 0.2;
@@ -22,6 +23,8 @@ const SHORTEST_SHARE: f64 = 0.02;
 /// Instances of a frame: 0 where nothing is met, 1 the ground, from 2 on the objects in view, numbered without gaps.
 pub struct World {
     pub(crate) site: Site,
+    /// How many solids, the first ones, are no life.
+    structures: usize,
 }
 
 impl World {
@@ -30,12 +33,33 @@ impl World {
     /// # Errors
     /// [`SceneError::UnknownFamily`].
     pub fn new(family: &str, seed: u64) -> Result<Self, SceneError> {
+        Self::filled(family, seed, None, None)
+    }
+
+    /// The world of a seed with life, and with what is asked of its bottom. Without both it is [`World::new`]'s; structures, view
+    /// and way are the same in any case, but for a pipe that is to be buried.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownFamily`].
+    pub fn filled(
+        family: &str,
+        seed: u64,
+        life: Option<&Life>,
+        ground: Option<&Ground>,
+    ) -> Result<Self, SceneError> {
         let known = Family::parse(family).ok_or_else(|| SceneError::UnknownFamily {
             family: family.to_owned(),
         })?;
-        Ok(Self {
-            site: (known.site)(seed),
-        })
+        let burial = ground.and_then(|ground| ground.burial);
+        let mut site = (known.site)(seed, burial.map(|share| share as f32));
+        if let Some(ground) = ground {
+            bottom::dig(&mut site, ground);
+        }
+        let structures = site.solids.len();
+        if let Some(life) = life {
+            life::settle(&mut site, life, seed);
+        }
+        Ok(Self { site, structures })
     }
 
     /// The pose of a single frame.
@@ -50,12 +74,12 @@ impl World {
         self.site.target
     }
 
-    /// Distance in meters of a point from the nearest surface, below 0 inside a solid or under the ground. Near stones and round
-    /// things it may be less than the true distance, never more.
+    /// Distance in meters of a point from the nearest surface, below 0 inside a solid or under the ground. Near stones, pits and
+    /// round things it may be less than the true distance, never more; growth, ropes, animals and bubbles do not count.
     #[must_use]
     pub fn clearance(&self, point: DVec3) -> f64 {
         let point = point.as_f32();
-        let solids = self.site.solids.iter();
+        let solids = self.site.solids[..self.structures].iter();
         f64::from(solids.map(|solid| solid.distance(point)).fold(point.z, f32::min))
     }
 

@@ -63,10 +63,7 @@ pub(crate) fn prepare(
     view: Option<Source>,
 ) -> Result<Prepared, RenderError> {
     match (&frame.scene, source) {
-        (Scene::Procedural { family, seed, .. }, _) => {
-            let place = Place::new(frame, family, *seed)?;
-            place.prepare(frame, view, 0.0)
-        }
+        (Scene::Procedural { .. }, _) => Place::of(frame)?.prepare(frame, view, 0.0),
         (Scene::Uploaded { .. } | Scene::Collection { .. }, SceneSource::Uploaded(files)) => {
             from_files(frame, files)
         }
@@ -98,13 +95,22 @@ impl Place {
     /// The world of a frame with a procedural scene.
     pub(crate) fn of(frame: &Frame) -> Result<Self, RenderError> {
         match &frame.scene {
-            Scene::Procedural { family, seed, .. } => Self::new(frame, family, *seed),
+            Scene::Procedural {
+                family,
+                seed,
+                life,
+                ground,
+                ..
+            } => Self::new(
+                frame,
+                World::filled(family, *seed, life.as_ref(), ground.as_ref())?,
+            ),
             _ => Err(RenderError::Camera(PartsError::NoPath)),
         }
     }
 
-    fn new(frame: &Frame, family: &str, seed: u64) -> Result<Self, RenderError> {
-        let world = Arc::new(World::new(family, seed)?);
+    fn new(frame: &Frame, world: World) -> Result<Self, RenderError> {
+        let world = Arc::new(world);
         let Some(path) = frame.camera.path else {
             return Ok(Self { world, path: None });
         };

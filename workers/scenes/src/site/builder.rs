@@ -52,6 +52,28 @@ impl Builder {
         }
     }
 
+    /// A builder that goes on with the objects of a site, of choices of its own.
+    pub(crate) fn over(site: &Site, seed: u64, family: &'static str) -> Self {
+        Self {
+            seed,
+            family,
+            dice: Dice::new(seed, &format!("{family}/site")),
+            solids: Vec::new(),
+            objects: site.objects.clone(),
+            current: 0,
+        }
+    }
+
+    /// How many solids it has put.
+    pub(crate) fn count(&self) -> usize {
+        self.solids.len()
+    }
+
+    /// The solids that it has put, and all objects.
+    pub(crate) fn added(self) -> (Vec<Solid>, Vec<Object>) {
+        (self.solids, self.objects)
+    }
+
     /// Choices about a topic of this site.
     pub(crate) fn about(&self, topic: &str) -> Dice {
         Dice::new(self.seed, &format!("{}/{topic}", self.family))
@@ -62,6 +84,7 @@ impl Builder {
         Site {
             solids: self.solids,
             objects: self.objects,
+            pits: Vec::new(),
             pose: CameraPose::looking(eye, target, f64::from(view.roll)),
             target,
             travel: view.travel.as_f64(),
@@ -103,10 +126,12 @@ impl Builder {
     /// Begins an object.
     pub(crate) fn object(&mut self, material: Material, category: Category) {
         let dice = self.about("finish").object(self.objects.len());
-        self.objects.push(Object {
-            finish: Finish::new(material, dice),
-            category,
-        });
+        self.object_of(Finish::new(material, dice), category);
+    }
+
+    /// Begins an object of a finish.
+    pub(crate) fn object_of(&mut self, finish: Finish, category: Category) {
+        self.objects.push(Object { finish, category });
         self.current = self.objects.len() as u16 - 1;
     }
 

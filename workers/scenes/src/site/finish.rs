@@ -5,6 +5,7 @@
 
 mod coat;
 mod concrete;
+mod grain;
 mod growth;
 mod pattern;
 mod plain;
@@ -42,6 +43,16 @@ pub(crate) enum Material {
     Bag,
     /// The rippled seabed, or the mud in a shaft.
     Sand,
+    /// Skin, shell or leaf.
+    Body {
+        /// Albedo of what faces up.
+        color: [f32; 3],
+        gloss: f32,
+        /// How many times as bright it is underneath.
+        belly: f32,
+    },
+    /// The silvery skin of a bubble.
+    Bubble,
 }
 
 /// A material with the choices of one object.
@@ -58,6 +69,8 @@ pub(crate) struct Finish {
     direction: f32,
     /// Share of silt on what faces up, 0..1.
     silt: f32,
+    /// Strength of the second scale of texture, 0..1.
+    pub(crate) grain: f32,
 }
 
 /// A group of points on a solid.
@@ -122,6 +135,8 @@ impl Finish {
             Material::Stone => pick(&[[0.22, 0.21, 0.19], [0.30, 0.24, 0.17], [0.13, 0.13, 0.14]]),
             Material::Rubber => tint([0.035, 0.035, 0.038]),
             Material::Bag => pick(&[[0.42, 0.38, 0.30], [0.30, 0.31, 0.26]]),
+            Material::Body { color, .. } => tint(color),
+            Material::Bubble => [0.42, 0.45, 0.47],
             Material::Sand => pick(&[[0.38, 0.31, 0.21], [0.27, 0.25, 0.21], [0.20, 0.17, 0.13]]),
         };
         let growth = match material {
@@ -129,7 +144,7 @@ impl Finish {
             Material::Steel | Material::Coated(_) | Material::Concrete(_) => dice.between(3, -0.55, 0.5),
             Material::Stone | Material::Bag | Material::Rubber => dice.between(3, -0.4, 0.3),
             Material::Anode => -0.5,
-            Material::Sand => -1.0,
+            Material::Sand | Material::Body { .. } | Material::Bubble => -1.0,
         };
         Self {
             material,
@@ -138,7 +153,11 @@ impl Finish {
             wear: dice.between(5, -0.35, 0.45),
             growth,
             direction: dice.between(6, 0.0, 1.0),
-            silt: dice.between(11, 0.12, 0.8),
+            silt: match material {
+                Material::Body { .. } | Material::Bubble => 0.0,
+                _ => dice.between(11, 0.12, 0.8),
+            },
+            grain: 0.0,
         }
     }
 
@@ -167,13 +186,30 @@ impl Finish {
             Material::Sand => self.sand(grain, &mut surface),
             _ => self.plain(grain, &mut surface),
         }
+        if self.grain > 0.0 {
+            self.strew(points, &mut surface);
+        }
         if self.growth > -0.9 {
             self.overgrow(grain, &mut surface);
         }
-        if self.material != Material::Sand {
+        if let Material::Body { belly, .. } = self.material {
+            vectorized!(lighten(&mut surface, belly, points.rise));
+        }
+        if self.material != Material::Sand && self.silt > 0.0 {
             vectorized!(settle(&mut surface, self.silt, points.rise, &broad.value));
         }
         surface
+    }
+}
+
+/// What lives in the open is brighter underneath.
+#[inline(always)]
+fn lighten(surface: &mut Surface, belly: f32, rise: &Lane) {
+    for i in 0..LANES {
+        let light = mix(belly, 1.0, ramp(rise[i], -0.7, 0.35));
+        for c in 0..3 {
+            surface.albedo[c][i] *= light;
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use imaging::vectorized;
 use super::Site;
 use super::camera::Camera;
 use super::outline::Outline;
+use super::pits;
 use super::shade::Shader;
 use super::solid::{Nearest, Rays};
 use crate::CameraPose;
@@ -111,6 +112,18 @@ fn trace(
     let ground = site.solids.len() as u16;
     let (start, step, height) = (camera.ray(0.0, y as f32), camera.across(), camera.eye.z);
     vectorized!(meet_ground(parameter, owner, (start, step), height, ground));
+    if !site.pits.is_empty() {
+        for (i, parameter) in parameter.iter_mut().enumerate() {
+            if owner[i] == ground {
+                *parameter = pits::sink(
+                    &site.pits,
+                    camera.eye,
+                    start + step * (i as i32 as f32),
+                    *parameter,
+                );
+            }
+        }
+    }
     for (index, (solid, outline)) in site.solids.iter().zip(outlines).enumerate() {
         let columns = outline.columns(y);
         if columns.is_empty() {

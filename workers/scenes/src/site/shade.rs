@@ -12,6 +12,7 @@ use super::lanes::{LANES, Lane, Lane3, ZEROS, load, mix, ramp, store};
 use super::light::{Light, Lit, background, illuminate, reflect};
 use super::noise::Place;
 use super::picture::Picture;
+use super::pits;
 use super::pose::{Pose, UP, ZERO};
 use super::solid::Solid;
 
@@ -55,8 +56,11 @@ impl<'a> Shader<'a> {
         let ground = Bounds::below(0.0);
         let near = boxes.iter().chain([&ground]).enumerate();
         let near = near.map(|(own, bounds)| {
-            // Mounds are a part of the ground and cast no shadow on it.
-            let casts = |&other: &usize| other != own && site.solids[other].object != 0;
+            // Mounds are a part of the ground and cast no shadow on it; life is too small and too much.
+            let casts = |&other: &usize| {
+                let object = site.solids[other].object;
+                other != own && object != 0 && !site.objects[usize::from(object)].category.is_life()
+            };
             let others = (0..boxes.len()).filter(casts);
             let others = others.filter(|&other| bounds.touches(&boxes[other], NEAR_M));
             others.map(|other| other as u16).collect()
@@ -162,6 +166,8 @@ impl<'a> Shader<'a> {
                 let world = &geometry.world;
                 vectorized!(run_out(&mut normal, &world[2]));
             }
+        } else if !self.site.pits.is_empty() {
+            pits::tilt(&self.site.pits, &geometry.world, &mut normal);
         }
         let (up, pixel_angle) = (pose.direction_in(UP), camera.inverse_focal);
         vectorized!(geometry.look(&normal, up, pixel_angle));
@@ -229,6 +235,8 @@ impl<'a> Shader<'a> {
         let (mut normal, mut edge) = ([ZEROS, ZEROS, [1.0; LANES]], ZEROS);
         if let Some(solid) = solid {
             solid.normals(&geometry.local, LABEL_BEVEL_M, &mut normal, &mut edge);
+        } else if !self.site.pits.is_empty() {
+            pits::tilt(&self.site.pits, &geometry.world, &mut normal);
         }
         let camera = self.camera;
         let axes = [camera.right, camera.down, camera.ahead].map(|axis| pose.direction_in(axis));

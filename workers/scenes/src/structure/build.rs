@@ -140,10 +140,13 @@ impl Builder {
         Aim::new(vec3(-0.5, -half, dice.between(5, 1.2, 2.2)), 2.6)
     }
 
-    pub(super) fn pipeline(&mut self) -> Aim {
+    pub(super) fn pipeline(&mut self, burial: Option<f32>) -> Aim {
         let dice = self.dice;
         let radius = dice.between(0, 0.2, 0.46);
-        let height = radius + dice.between(1, 0.12, 0.5);
+        let height = match burial {
+            Some(share) => radius - 2.0 * radius * share,
+            None => radius + dice.between(1, 0.12, 0.5),
+        };
         let material = dice.pick(2, &[Material::Steel, BOARDS, Material::Steel]);
         let yaw = dice.between(3, -0.45, 0.45);
         let along = horizontal(yaw);
@@ -152,7 +155,8 @@ impl Builder {
         self.tube(axis(-9.0), axis(9.0), radius);
         let flange = dice.between(4, -0.8, 0.8);
         self.flange(axis(flange), along, radius);
-        for i in 0..4 {
+        // What lies on the ground needs no supports.
+        for i in 0..if burial.is_some() { 0 } else { 4 } {
             self.object(BOARDS, Category::Support);
             let place = along * (-4.2 + 2.7 * i as f32 + dice.between(20 + i, -0.3, 0.3));
             let half = vec3(0.2, radius * 2.1, (height - radius) / 2.0 + 0.06);

@@ -12,15 +12,22 @@ impl Finish {
             Material::Growth => [0.006, 0.02, 0.5],
             Material::Bag => [0.005, 0.03, 0.2],
             Material::Rubber => [0.001, 0.0, 0.2],
+            Material::Body { .. } => [0.0012, 0.0, 0.25],
+            Material::Bubble => [0.0; 3],
             _ => [0.004, 0.0, 0.3],
         };
-        vectorized!(mottle(self.base, grain, weights, surface));
+        let gloss = match self.material {
+            Material::Body { gloss, .. } => gloss,
+            Material::Bubble => 6.0,
+            _ => 0.02,
+        };
+        vectorized!(mottle(self.base, grain, (weights, gloss), surface));
     }
 }
 
-/// `weights`: fine relief, broad relief and mottles.
+/// `weights`: fine relief, broad relief and mottles; and the gloss.
 #[inline(always)]
-fn mottle(base: [f32; 3], grain: &Grain<'_>, weights: [f32; 3], surface: &mut Surface) {
+fn mottle(base: [f32; 3], grain: &Grain<'_>, (weights, gloss): ([f32; 3], f32), surface: &mut Surface) {
     let Grain { broad, fine, .. } = *grain;
     let [rough, coarse, mottles] = weights;
     for i in 0..LANES {
@@ -31,6 +38,6 @@ fn mottle(base: [f32; 3], grain: &Grain<'_>, weights: [f32; 3], surface: &mut Su
         for axis in 0..3 {
             surface.slope[axis][i] = rough * fine.slope[axis][i] + coarse * broad.slope[axis][i];
         }
-        surface.gloss[i] = 0.02;
+        surface.gloss[i] = gloss;
     }
 }

@@ -1,0 +1,46 @@
+//! What fills a procedural scene: growth with relief, animals, ropes and bubbles, and the bottom's pits and grains.
+
+use serde::Deserialize;
+use spec_derive::Described;
+
+/// Growth, animals, ropes and bubbles within 8 m of a scene's usual view. Growth stands on structures and stones.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Described)]
+#[serde(deny_unknown_fields)]
+pub struct Life {
+    /// clusters of mussels on surfaces
+    #[field(within(0.0, 100.0), default = 0, unit = "1/m²")]
+    pub mussels: f64,
+    /// tufts of tube worms on surfaces
+    #[field(within(0.0, 100.0), default = 0, unit = "1/m²")]
+    pub worms: f64,
+    /// plants that hang from surfaces
+    #[field(within(0.0, 100.0), default = 0, unit = "1/m²")]
+    pub weed: f64,
+    /// loose ropes
+    #[field(within(0, 16), default = 0)]
+    pub ropes: usize,
+    /// fish
+    #[field(within(0.0, 5.0), default = 0, unit = "1/m³")]
+    pub fish: f64,
+    /// jellyfish
+    #[field(within(0.0, 2.0), default = 0, unit = "1/m³")]
+    pub jellyfish: f64,
+    /// bubbles that rise
+    #[field(within(0.0, 50.0), default = 0, unit = "1/m³")]
+    pub bubbles: f64,
+}
+
+/// The bottom of a scene.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Described)]
+#[serde(deny_unknown_fields)]
+pub struct Ground {
+    /// depth of the pits that currents dig around feet, in their diameters
+    #[field(within(0.0, 2.0), default = 0)]
+    pub scour: f64,
+    /// share of a pipe's diameter that lies under the bottom; absent: as the seed has it
+    #[field(within(0.0, 1.0))]
+    pub burial: Option<f64>,
+    /// strength of the second scale of texture, of grains and shells on sand and stones
+    #[field(within(0.0, 1.0), default = 0)]
+    pub grain: f64,
+}

@@ -1,0 +1,169 @@
+//! Growth on surfaces: mussels, tube worms, and weed that hangs.
+
+use imaging::vector::{Vec3, vec3};
+
+use super::body::Body;
+use super::{Colony, Spot, above_ground, beside, direction};
+use crate::categories::Category;
+use crate::site::chance::Dice;
+use crate::site::pose::{Pose, up};
+use crate::site::solid::{Ball, Tube};
+
+const SHELLS: [[f32; 3]; 3] = [[0.032, 0.034, 0.048], [0.06, 0.045, 0.035], [0.15, 0.13, 0.11]];
+const TUBES: [[f32; 3]; 3] = [[0.46, 0.42, 0.35], [0.34, 0.29, 0.22], [0.5, 0.48, 0.44]];
+const CROWNS: [[f32; 3]; 3] = [[0.42, 0.12, 0.06], [0.5, 0.4, 0.3], [0.3, 0.1, 0.14]];
+const WEEDS: [[f32; 3]; 4] = [
+    [0.055, 0.07, 0.022],
+    [0.095, 0.07, 0.03],
+    [0.12, 0.04, 0.035],
+    [0.04, 0.06, 0.03],
+];
+
+impl Colony {
+    /// A cluster of mussels: shells on end, crowded, their pointed sides in the surface.
+    pub(super) fn mussels(&mut self, dice: Dice, spot: &Spot) {
+        let color = dice.pick(1, &SHELLS);
+        self.begin(
+            Body {
+                color,
+                gloss: 0.25,
+                belly: 1.0,
+            },
+            Category::Fauna,
+            dice,
+        );
+        let [x, y] = beside(spot.normal);
+        let wide = dice.between(2, 0.04, 0.11);
+        // Far ones are seen as lumps.
+        let count = match spot.range {
+            near if near < 1.6 => dice.count(3, 9, 18),
+            near if near < 3.0 => dice.count(3, 6, 10),
+            _ => 3,
+        };
+        for shell in 0..count as u64 {
+            let own = dice.object(dice_number(dice, shell));
+            let grown = if count > 3 {
+                own.between(0, 0.018, 0.036)
+            } else {
+                wide * 0.5
+            };
+            let out = (spot.normal + direction(own, 1) * 0.55).normalized();
+            let (sin, cos) = libm::sincosf(own.between(3, 0.0, 6.3));
+            let aside = wide * own.between(4, 0.0, 1.0).sqrt();
+            let foot = spot.place + x * (aside * cos) + y * (aside * sin);
+            let center = foot + out * (grown * 0.5);
+            let pose = Pose::along(center, center + out, own.between(5, 0.0, 6.3));
+            let radii = vec3(grown * 0.5, grown * 0.36, grown);
+            self.builder.put(Ball { radii }, pose);
+        }
+    }
+
+    /// A tuft of worms in tubes of chalk, some with their crowns out.
+    pub(super) fn worms(&mut self, dice: Dice, spot: &Spot) {
+        let color = dice.pick(1, &TUBES);
+        self.begin(
+            Body {
+                color,
+                gloss: 0.05,
+                belly: 1.0,
+            },
+            Category::Fauna,
+            dice,
+        );
+        let count = if spot.range < 2.5 { dice.count(2, 5, 10) } else { 3 };
+        let [x, y] = beside(spot.normal);
+        let mut ends = Vec::new();
+        for worm in 0..count as u64 {
+            let own = dice.object(dice_number(dice, worm));
+            let thick = own.between(0, 0.002, 0.0042) * if count == 3 { 1.6 } else { 1.0 };
+            let foot = spot.place + x * own.between(1, -0.035, 0.035) + y * own.between(2, -0.035, 0.035);
+            let mut heading = (spot.normal * 0.5 + direction(own, 3)).normalized();
+            let mut from = foot - spot.normal * 0.003;
+            for part in 0..3u64 {
+                let to = from + heading * own.between(5 + part, 0.012, 0.035);
+                self.limb(from, to, thick);
+                heading = (heading + spot.normal * 0.55 + direction(own, 10 + 2 * part) * 0.5).normalized();
+                from = to;
+            }
+            ends.push((from, thick));
+        }
+        if dice.chance(4, 0.6) && spot.range < 3.0 {
+            let color = dice.pick(5, &CROWNS);
+            self.begin(
+                Body {
+                    color,
+                    gloss: 0.0,
+                    belly: 1.0,
+                },
+                Category::Fauna,
+                dice,
+            );
+            for (end, thick) in ends {
+                let crown = vec3(thick, thick, thick) * 2.6;
+                self.builder.ball(end, crown, 0.0);
+            }
+        }
+    }
+
+    /// A plant of some fronds. It leaves its surface, then hangs, drawn aside by the current; from the top of things it stands up first.
+    pub(super) fn weed(&mut self, dice: Dice, spot: &Spot) {
+        let color = dice.pick(1, &WEEDS);
+        self.begin(
+            Body {
+                color,
+                gloss: 0.08,
+                belly: 0.8,
+            },
+            Category::Flora,
+            dice,
+        );
+        let long = dice.between(2, 0.12, 0.3) + 0.5 * dice.between(3, 0.0, 1.0) * dice.between(4, 0.0, 1.0);
+        let parts = if spot.range < 3.0 { 6 } else { 4 };
+        let fronds = if spot.range < 3.0 { dice.count(5, 4, 8) } else { 3 };
+        let current = self.current();
+        let hangs = if spot.normal.z > 0.6 { 0.35 } else { 1.0 };
+        for frond in 0..fronds as u64 {
+            let own = dice.object(dice_number(dice, frond));
+            let mut from = spot.place;
+            let mut heading = (spot.normal + direction(own, 0) * 0.8).normalized();
+            let step = long * own.between(2, 0.6, 1.1) / parts as f32;
+            let wide = own.between(3, 0.05, 0.11) * step + 0.006;
+            for part in 0..parts as u64 {
+                let weight = up(-hangs * 0.45) + current * 0.3 + direction(own, 10 + 2 * part) * 0.3;
+                heading = (heading + weight).normalized();
+                let to = above_ground(from + heading * step, 0.01);
+                let leaf = Pose::along((from + to) * 0.5, to, own.between(40 + part, 0.0, 6.3));
+                // Broadest in the middle of the frond.
+                let along = (part as f32 + 0.7) / parts as f32;
+                let broad = wide * (0.5 + 1.6 * along * (1.0 - along) * 2.0);
+                let radii = vec3(broad, 0.15 * broad + 0.001, 0.62 * step);
+                self.builder.put(Ball { radii }, leaf);
+                from = to;
+            }
+        }
+    }
+
+    /// The current of this site, horizontal, at most of length 1.
+    pub(super) fn current(&self) -> Vec3 {
+        let dice = self.builder.about("current");
+        let (sin, cos) = libm::sincosf(dice.between(0, 0.0, 6.3));
+        vec3(cos, sin, 0.0) * dice.between(1, 0.2, 1.0)
+    }
+
+    pub(super) fn begin(&mut self, body: Body, category: Category, dice: Dice) {
+        self.builder.object_of(body.finish(dice), category);
+    }
+
+    /// A tube that begins a little before its place, so that bends have no gaps.
+    pub(super) fn limb(&mut self, from: Vec3, to: Vec3, radius: f32) {
+        let (begin, way) = (from, to - from);
+        let length = way.length() + radius;
+        let pose = Pose::along(begin, to, 0.0);
+        self.builder.put(Tube { radius, length }, pose);
+    }
+}
+
+/// The number of a part among all parts of its kind.
+pub(super) fn dice_number(dice: Dice, part: u64) -> usize {
+    (1 << 20) + dice.key(900) as usize % (1 << 16) * 64 + part as usize
+}
