@@ -2,6 +2,7 @@
 
 mod commands;
 mod drawing;
+mod look;
 mod machine;
 mod studio;
 

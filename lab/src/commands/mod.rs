@@ -7,6 +7,7 @@ mod campaign;
 mod chart;
 mod figure;
 mod ladder;
+mod look;
 mod scene_sheets;
 mod stability;
 mod suspended;
@@ -41,6 +42,8 @@ pub(crate) enum Command {
     Camera(camera::Arguments),
     /// Draw frames with snow and turbidity
     Suspended(suspended::Arguments),
+    /// Measure how near the frames of jobs are to what photographs under water look like
+    Look(look::Arguments),
     /// Draw many seeds of a scene family, or the labels of every family
     Scenes(scene_sheets::Arguments),
     /// Score a trained style over several sets of new scenes
@@ -66,6 +69,7 @@ impl Command {
             Self::Airlight(arguments) => airlight::run(&arguments),
             Self::Camera(arguments) => camera::run(&arguments),
             Self::Suspended(arguments) => suspended::run(&arguments),
+            Self::Look(arguments) => look::run(&arguments),
             Self::Scenes(arguments) => scene_sheets::run(&arguments),
             Self::TrainingScores(arguments) => training_scores::run(&arguments),
             Self::Truth(arguments) => truth::run(&arguments),

@@ -74,7 +74,7 @@ pub use scene_record::{InstanceRecord, LensRecord, SceneRecord};
 pub use set_state::SetState;
 pub use shard_member::shard_member;
 pub use suggest::nearest;
-pub use suspended::{Snow, SnowDaylight, SnowDiscs, Turbidity};
+pub use suspended::{Sediment, Snow, SnowDaylight, SnowDiscs, Turbidity};
 pub use vocabulary::Vocabulary;
 pub use water::{
     Ambient, ForwardScatter, HoleRule, Multiple, Occlusion, Optics, PhaseFunction, ScatterModel,

@@ -1,4 +1,4 @@
-//! What is suspended in the water: marine snow, and patches of turbidity.
+//! What is suspended in the water: marine snow, patches of turbidity, and clouds of sediment.
 
 use serde::Deserialize;
 use spec_derive::Described;
@@ -90,4 +90,38 @@ pub struct Turbidity {
     /// distance at which two places have little in common
     #[field(within(0.05, 1000.0), default = 2, unit = "m")]
     pub scale_m: f64,
+}
+
+/// Clouds of stirred sediment with edges: banks above the bottom, and plumes of thrusters. They hide and light up by
+/// themselves, before the water does.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
+#[serde(deny_unknown_fields)]
+pub struct Sediment {
+    /// extinction in the middle of a cloud
+    #[field(within(0.0, 100.0), default = 3, unit = "1/m")]
+    pub extinction_per_m: f64,
+    /// share of the stopped light that a cloud sends back
+    #[field(within(0.0, 1.0), default = [0.4, 0.34, 0.25])]
+    pub albedo: [f64; 3],
+    /// share of the bottom under banks
+    #[field(within(0.0, 1.0), default = 0.4)]
+    pub cover: f64,
+    /// height of the banks above the bottom
+    #[field(within(0.01, 20.0), default = 0.5, unit = "m")]
+    pub height_m: f64,
+    /// size of the billows
+    #[field(within(0.05, 20.0), default = 0.6, unit = "m")]
+    pub scale_m: f64,
+    /// width of an edge as a share of a billow
+    #[field(within(0.05, 1.0), default = 0.25)]
+    pub edge: f64,
+    /// thrusters whose plumes reach into the view
+    #[field(within(0, 8), default = 0)]
+    pub thrusters: usize,
+    /// length of a plume
+    #[field(within(0.1, 20.0), default = 1.5, unit = "m")]
+    pub plume_m: f64,
+    /// height of a picture's camera above the bottom; a procedural scene knows its bottom; absent: 1.5
+    #[field(within(0.05, 1000.0), unit = "m")]
+    pub above_bottom_m: Option<f64>,
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use spec_derive::Described;
 
 use crate::daylight::FromAbove;
-use crate::suspended::{Snow, Turbidity};
+use crate::suspended::{Sediment, Snow, Turbidity};
 
 /// The water and its style.
 #[derive(Debug, Clone, PartialEq, Deserialize, Described)]
@@ -31,6 +31,8 @@ pub struct Water {
     pub snow: Option<Snow>,
     /// patches of murkier water that multiply every coefficient; absent: even water
     pub turbidity: Option<Turbidity>,
+    /// clouds of stirred sediment near the bottom and behind thrusters; absent: none
+    pub sediment: Option<Sediment>,
     /// network, color table, or what the tolerance allows; absent: `net`
     pub style_tier: Option<StyleTier>,
     /// what becomes of light of lamps that is scattered more than once; absent: `none`
@@ -50,6 +52,7 @@ impl Default for Water {
             style: None,
             snow: None,
             turbidity: None,
+            sediment: None,
             style_tier: None,
             multiple: None,
             from_above: None,

@@ -21,6 +21,7 @@ pub mod plan;
 pub mod preset;
 pub mod range;
 mod screen;
+pub mod sediment;
 pub mod setting;
 pub mod snow;
 pub mod turbidity;

@@ -7,6 +7,7 @@ use spec::{Beyond, Frame, Scene, SceneLight, Snow, SnowDaylight, SurfaceLight};
 use crate::daylight::Gaze;
 use crate::eye::Eye;
 use crate::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting};
+use crate::sediment::Clouds;
 use crate::snow::{self, World};
 use crate::turbidity::Field;
 use crate::water::{Water, WaterError};
@@ -45,6 +46,8 @@ pub struct Setting {
     pub snow: Option<Snow>,
     /// Which particles and patches of their seed.
     pub world: World,
+    /// Clouds of sediment; none without range, since they would hang nowhere.
+    pub sediment: Option<Clouds>,
     /// Depth of the camera, m; none where it is not given.
     pub depth_m: Option<f64>,
 }
@@ -114,6 +117,9 @@ impl Setting {
             return Err(errors);
         }
         let patches = patchy.map(|patches| Field::new(&patches, world));
+        let sediment = frame.water.sediment.filter(|_| view.has_range);
+        let knows_bottom = matches!(frame.scene, Scene::Procedural { .. });
+        let up = up_of(frame, &eye);
         let shines = view.has_range && !lamps.is_empty();
         Ok(Self {
             size: view.size,
@@ -125,7 +131,8 @@ impl Setting {
                     water.clone()
                 }
             }),
-            up: up_of(frame, &eye),
+            sediment: sediment.map(|law| Clouds::new(&law, world, &eye, up, knows_bottom)),
+            up,
             eye,
             water,
             patches,

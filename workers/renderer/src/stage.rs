@@ -12,6 +12,7 @@ pub(crate) mod measure;
 mod range_file;
 pub(crate) mod rays;
 pub(crate) mod scene;
+pub(crate) mod sediment;
 pub(crate) mod seen;
 pub(crate) mod snow;
 pub(crate) mod style;

@@ -121,7 +121,11 @@ impl Checker<'_> {
         };
         let senses = has("camera", "sensor") || has("camera", "preset");
         let lacks = [
-            ("snow_mask", "`water.snow`", !has("water", "snow")),
+            (
+                "snow_mask",
+                "`water.snow`",
+                !has("water", "snow") && !has("water", "sediment"),
+            ),
             ("raw", "`camera.sensor`", !senses),
         ];
         for (pointer, list) in places(document, "artifacts") {

@@ -192,7 +192,7 @@ fn needs(ask: &Ask, lacking: &Lacking) -> String {
 
 /// Everything that each water asks for.
 fn waters(document: &Node) -> Vec<Vec<Element>> {
-    needing_range(document, "water", &["optics", "snow"])
+    needing_range(document, "water", &["optics", "snow", "sediment"])
 }
 
 /// Everything that each camera asks for.

@@ -1,4 +1,4 @@
-//! Marine snow over the picture after the water.
+//! Clouds of sediment and marine snow over the picture after the water.
 
 use ::camera::Parts;
 use ::camera::defocus::Focus;
@@ -11,8 +11,8 @@ use optics::snow::{self, Flake, LitFlake, Seeing, Surround};
 use serde_json::json;
 use spec::{Frame, FrameRecord, Snow};
 
-use super::Shot;
 use super::camera::FRAMES_PER_S;
+use super::{Shot, sediment};
 
 /// How long the shutter is open where the description does not say, s.
 const EXPOSURE_S: f64 = 0.01;
@@ -25,8 +25,25 @@ struct Fallen {
     mask: Plane<f32>,
 }
 
-/// Draws the snow over the picture and returns its opacity; none without snow or range, or where the plan skips it.
+/// Draws clouds and snow over the picture and returns their opacity; none where nothing was drawn.
 pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Option<Plane<f32>> {
+    let clouds = sediment::run(shot, &mut layers.scattered, record);
+    let snow = fall(shot, layers, record);
+    let joined = |clouds: Plane<f32>, snow: Plane<f32>| {
+        let pairs = clouds.data().iter().zip(snow.data());
+        let both = pairs
+            .map(|(cloud, flake)| cloud + flake - cloud * flake)
+            .collect();
+        Plane::new(clouds.width(), clouds.height(), both).expect("two masks of one picture")
+    };
+    match (clouds, snow) {
+        (Some(clouds), Some(snow)) => Some(joined(clouds, snow)),
+        (clouds, snow) => clouds.or(snow),
+    }
+}
+
+/// Draws the snow over the picture and returns its opacity; none without snow or range, or where the plan skips it.
+fn fall(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Option<Plane<f32>> {
     let (law, range) = (shot.setting.snow.as_ref()?, shot.prepared.scene.range.as_ref()?);
     let picture = &mut layers.scattered;
     let fallen = match shot.plan.snow.form {
@@ -55,9 +72,17 @@ pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord
 /// The particles in view as they are lit, the farthest first.
 pub(crate) fn lit(setting: &Setting, law: &Snow, range: &Plane<f32>, shutter: &Shutter) -> Vec<LitFlake> {
     let flakes = shutter.flakes(setting, law, range.size());
-    surrounded(setting, range, |surround| {
+    let mut lit = surrounded(setting, range, |surround| {
         snow::lit(&flakes, law.albedo, surround)
-    })
+    });
+    // What is behind a cloud is as faint as the cloud is thick.
+    if let Some(layers) = sediment::layers(setting, range) {
+        for LitFlake { flake, opacity, .. } in &mut lit {
+            let clear = layers.clear_to(flake.center, flake.range_m, range.size());
+            *opacity = opacity.map(|v| v * clear);
+        }
+    }
+    lit
 }
 
 /// Through what, when and for how long particles are seen.
@@ -121,7 +146,11 @@ fn fall_reference(shot: &Shot<'_>, law: &Snow, range: &Plane<f32>, picture: &mut
 }
 
 /// Hands out what the particles of a setting hang in.
-fn surrounded<T>(setting: &Setting, range: &Plane<f32>, see: impl FnOnce(&Surround<'_>) -> T) -> T {
+pub(super) fn surrounded<T>(
+    setting: &Setting,
+    range: &Plane<f32>,
+    see: impl FnOnce(&Surround<'_>) -> T,
+) -> T {
     let (eye, gain) = (&setting.eye, setting.gain());
     let patches = setting.patches.map(|field| field.seen_from(eye));
     let path = |place: [f64; 3], meters: f64| match &patches {

@@ -1,0 +1,160 @@
+//! Clouds of stirred sediment with edges: banks above the bottom, and plumes behind thrusters.
+//!
+//! The density ρ of a cloud lies within 0..1 and is smooth noise n cut off with a soft edge: `ρ = s(q/w)`, s the smooth step, w the
+//! width of an edge. Of banks `q = n + σ Φ⁻¹(cover) − 2.2 σ (h/H)²` at the height h above the bottom, σ the standard deviation
+//! of n: the share of the bottom under them is `cover`, and H above it next to nothing is left. A plume is a turbulent jet, a cone
+//! that widens by a fifth of its way (half angle 11.8°; Pope 2000), `q = 1 + 1.5 n − (r/R)² − (s/L)²` at the way s along its axis and
+//! the distance r from it. Noise stands in the world; thrusters ride with the camera.
+//!
+//! A length dt of a cloud stops the share `ε ρ dt` of the light behind it and sends albedo × light in its place, both seen through the
+//! water before it as particles of [`crate::snow`] are: `I ← I (1 − α) + C α`, `α = (1 − e^{−ε ρ dt}) e^{−c t}`. Light is that of
+//! lamps and from above at its place; light that one part of a cloud takes from another is left out.
+
+mod fast;
+mod noise;
+mod reference;
+
+pub use fast::{Layers, layers};
+pub use reference::veil_reference;
+
+use imaging::random::Stream;
+use imaging::vector::dot;
+use spec::{Sediment, normal_quantile};
+
+use crate::eye::Eye;
+use crate::snow::World;
+use noise::Noise;
+
+/// Standard deviation of the noise.
+const SPREAD: f64 = 0.28;
+/// Standard deviations by which banks are thinner at their height.
+const RISE: f64 = 2.2;
+/// How fast a jet widens (Pope 2000, section 5.1).
+const WIDENING: f64 = 0.2;
+/// Radius of a thruster, m.
+const NOZZLE_M: f64 = 0.05;
+/// Beyond this no cloud is followed, m.
+pub(crate) const FAR_M: f64 = 15.0;
+/// Height of a picture's camera above the bottom where nothing says it, m.
+const ABOVE_M: f64 = 1.5;
+
+/// A plume in camera axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Plume {
+    from: [f64; 3],
+    axis: [f64; 3],
+}
+
+/// The clouds before a camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clouds {
+    law: Sediment,
+    eye: Eye,
+    up: [f64; 3],
+    /// Height of the camera above the bottom, m.
+    above: f64,
+    noise: Noise,
+    plumes: Vec<Plume>,
+}
+
+/// What clouds hang in.
+#[derive(Clone, Copy)]
+pub struct Murk<'a> {
+    /// Beam attenuation c, 1/m.
+    pub attenuation: [f64; 3],
+    /// Meters of water of this attenuation on the way to a point in camera axes at this range.
+    pub path: &'a dyn Fn([f64; 3], f64) -> f64,
+    /// Radiance of a white particle at a point in camera axes.
+    pub light: &'a dyn Fn([f64; 3]) -> [f64; 3],
+}
+
+impl Clouds {
+    /// The clouds of a world before a camera; `up` is against gravity in its axes. A camera without a world has the
+    /// bottom of the description under it.
+    #[must_use]
+    pub fn new(law: &Sediment, world: World, eye: &Eye, up: [f64; 3], knows_bottom: bool) -> Self {
+        let dice = Stream::stage(world.seed, "sediment");
+        let above = if knows_bottom {
+            eye.position()[2]
+        } else {
+            law.above_bottom_m.unwrap_or(ABOVE_M)
+        };
+        let plume = |number: usize| {
+            let draw = |choice: u64| dice.unit(world.index, 16 + 8 * number as u64 + choice);
+            // Beside and below the camera, ahead and outwards.
+            let (sin, cos) = (std::f64::consts::PI * (0.08 + 0.84 * draw(0))).sin_cos();
+            let aside = 0.3 + 0.5 * draw(1);
+            let axis = [
+                cos * (0.1 + 0.5 * draw(2)),
+                0.15 + 0.35 * draw(3),
+                0.5 + 0.5 * draw(4),
+            ];
+            let length = dot(axis, axis).sqrt();
+            Plume {
+                from: [aside * cos, 0.6 * aside * sin, 0.2 + 0.5 * draw(5)],
+                axis: axis.map(|v| v / length),
+            }
+        };
+        Self {
+            law: *law,
+            eye: *eye,
+            up,
+            above,
+            noise: Noise::new(dice.bits(world.index, 0)),
+            plumes: (0..law.thrusters).map(plume).collect(),
+        }
+    }
+
+    /// ρ at a point in camera axes.
+    #[must_use]
+    pub fn density(&self, place: [f64; 3]) -> f64 {
+        let height = self.above + dot(self.up, place);
+        if height < -0.5 {
+            return 0.0;
+        }
+        let world = self.eye.to_world(place).map(|v| v / self.law.scale_m);
+        // Of the banks: what their height leaves of the noise, and whether there is any.
+        let rise = (height.max(0.0) / self.law.height_m).powi(2);
+        let lift = if self.law.cover > 0.0 {
+            SPREAD * (normal_quantile(self.law.cover.clamp(1e-4, 1.0 - 1e-4)) - RISE * rise)
+        } else {
+            f64::NEG_INFINITY
+        };
+        let near = self.plumes.iter().map(|plume| self.jet(plume, place));
+        let jet = near.fold(f64::NEG_INFINITY, f64::max);
+        if lift < -MOST && jet < -1.5 * MOST {
+            return 0.0;
+        }
+        let noise = self.noise.at(world);
+        smooth((noise + lift).max(jet + 1.5 * noise) / self.law.edge)
+    }
+
+    /// `1 − (r/R)² − (s/L)²` of a plume.
+    fn jet(&self, plume: &Plume, place: [f64; 3]) -> f64 {
+        let away = [0, 1, 2].map(|i| place[i] - plume.from[i]);
+        let along = dot(away, plume.axis);
+        if along <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        let aside = (dot(away, away) - along * along).max(0.0);
+        let wide = NOZZLE_M + WIDENING * along;
+        1.0 - aside / (wide * wide) - (along / self.law.plume_m).powi(2)
+    }
+
+    /// The light of a white cloud times its albedo.
+    fn color(&self, murk: &Murk<'_>, place: [f64; 3]) -> [f64; 3] {
+        let light = (murk.light)(place);
+        [0, 1, 2].map(|i| self.law.albedo[i] * light[i])
+    }
+}
+
+/// No noise is larger.
+const MOST: f64 = 1.0;
+
+fn smooth(share: f64) -> f64 {
+    let share = share.clamp(0.0, 1.0);
+    share * share * (3.0 - 2.0 * share)
+}
+
+#[cfg(test)]
+mod tests;

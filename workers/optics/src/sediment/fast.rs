@@ -1,0 +1,139 @@
+//! Clouds on few rays: what they let through and add up to each distance, and every pixel between its four rays and two distances.
+
+use imaging::{Plane, Rgb, cancel};
+
+use super::{Clouds, FAR_M, Murk};
+use crate::range::is_hole;
+
+/// Pixels between rays.
+const CELL_PX: usize = 6;
+/// Distances of a ray.
+const SLICES: usize = 48;
+
+/// What clouds do up to some distances on some rays.
+#[derive(Debug, Clone)]
+pub struct Layers {
+    columns: usize,
+    /// Length of a slice, m.
+    step: f64,
+    /// For each ray and distance, the nearest first: what is let through and what is added, R, G, B.
+    nodes: Vec<[f32; 6]>,
+    /// Whether any cloud is met.
+    is_clear: bool,
+}
+
+const NOTHING: [f32; 6] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+
+/// Follows the rays of a picture through the clouds, up to the farthest of its ranges.
+#[must_use]
+pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
+    let (width, height) = range.size();
+    let ends = range.data().iter().map(|&z| end(z));
+    let step = ends.fold(0.0, f64::max).max(1e-3) / SLICES as f64;
+    let (columns, rows) = (width.div_ceil(CELL_PX) + 1, height.div_ceil(CELL_PX) + 1);
+    let mut nodes = Vec::with_capacity(columns * rows * (SLICES + 1));
+    let mut is_clear = true;
+    for row in 0..rows {
+        cancel::check();
+        for column in 0..columns {
+            let at = |cell: usize, side: usize| (cell * CELL_PX).min(side - 1) as f64;
+            let ray = clouds.eye.ray(at(column, width), at(row, height));
+            let mut node = NOTHING;
+            nodes.push(node);
+            for slice in 0..SLICES {
+                let t = (slice as f64 + 0.5) * step;
+                let place = ray.map(|v| v * t);
+                let density = clouds.density(place);
+                if density > 0.0 {
+                    is_clear = false;
+                    let stopped = -(-clouds.law.extinction_per_m * density * step).exp_m1();
+                    let (color, path) = (clouds.color(murk, place), (murk.path)(place, t));
+                    for i in 0..3 {
+                        let share = (stopped * (-murk.attenuation[i] * path).exp()) as f32;
+                        node[3 + i] += node[i] * share * color[i] as f32;
+                        node[i] *= 1.0 - share;
+                    }
+                }
+                nodes.push(node);
+            }
+        }
+    }
+    Layers {
+        columns,
+        step,
+        nodes,
+        is_clear,
+    }
+}
+
+/// Up to where a pixel shows clouds, m.
+fn end(range: f32) -> f64 {
+    if is_hole(range) {
+        FAR_M
+    } else {
+        f64::from(range).min(FAR_M)
+    }
+}
+
+impl Layers {
+    /// Lays the clouds over a picture in linear light, in place; returns their opacity in green.
+    #[must_use]
+    pub fn veil(&self, image: &mut Rgb<f32>, range: &Plane<f32>) -> Plane<f32> {
+        let (width, height) = range.size();
+        let mut mask = Plane::filled(width, height, 0.0f32);
+        if self.is_clear {
+            return mask;
+        }
+        let planes = image.planes_mut();
+        for y in 0..height {
+            cancel::check();
+            for x in 0..width {
+                let at = y * width + x;
+                let node = self.at([x as f64, y as f64], end(range.data()[at]), (width, height));
+                for i in 0..3 {
+                    planes[i][at] = planes[i][at] * node[i] + node[3 + i];
+                }
+                mask.data_mut()[at] = 1.0 - node[1];
+            }
+        }
+        mask
+    }
+
+    /// What is let through in green on the way to a place in the picture at this range.
+    #[must_use]
+    pub fn clear_to(&self, [x, y]: [f64; 2], range_m: f64, size: (usize, usize)) -> f64 {
+        if self.is_clear {
+            return 1.0;
+        }
+        let inside = |v: f64, side: usize| v.clamp(0.0, side as f64 - 1.0);
+        let place = [inside(x, size.0), inside(y, size.1)];
+        f64::from(self.at(place, range_m.min(SLICES as f64 * self.step), size)[1])
+    }
+
+    fn at(&self, [x, y]: [f64; 2], range_m: f64, (width, height): (usize, usize)) -> [f32; 6] {
+        // The last cell of a row may be narrower.
+        let cell = |v: f64, side: usize| {
+            let first = (v as usize / CELL_PX) * CELL_PX;
+            let wide = CELL_PX.min(side - 1 - first.min(side - 1)).max(1);
+            (
+                first / CELL_PX,
+                ((v - first as f64) / wide as f64).min(1.0) as f32,
+            )
+        };
+        let ((column, across), (row, down)) = (cell(x, width), cell(y, height));
+        let deep = (range_m / self.step).min(SLICES as f64 - 1e-9).max(0.0);
+        let (slice, along) = (deep as usize, deep.fract() as f32);
+        let mut sum = [0.0f32; 6];
+        for (dy, share_y) in [(0, 1.0 - down), (1, down)] {
+            for (dx, share_x) in [(0, 1.0 - across), (1, across)] {
+                let ray = ((row + dy) * self.columns + column + dx) * (SLICES + 1) + slice;
+                let (near, far) = (&self.nodes[ray], &self.nodes[ray + 1]);
+                let share = share_x * share_y;
+                for i in 0..6 {
+                    sum[i] += share * (near[i] + (far[i] - near[i]) * along);
+                }
+            }
+        }
+        sum
+    }
+}

@@ -1,0 +1,48 @@
+//! Clouds in f64: every pixel's own ray in fine steps.
+
+use imaging::{Plane, Rgb};
+
+use super::{Clouds, FAR_M, Murk};
+use crate::range::is_hole;
+
+/// Steps of the longest ray.
+const STEPS: f64 = 600.0;
+
+/// Lays the clouds over a picture in linear light; returns it and their opacity in green. A hole has no end.
+#[must_use]
+pub fn veil_reference(
+    image: &Rgb<f64>,
+    range: &Plane<f32>,
+    clouds: &Clouds,
+    murk: &Murk<'_>,
+) -> (Rgb<f64>, Plane<f64>) {
+    let (width, height) = image.size();
+    let pixel = |x: usize, y: usize| {
+        let range = f64::from(range.pixel(x, y));
+        let end = if is_hole(range) { FAR_M } else { range.min(FAR_M) };
+        let ray = clouds.eye.ray(x as f64, y as f64);
+        let count = (STEPS * end / FAR_M).ceil().max(1.0);
+        let step = end / count;
+        let (mut added, mut clear) = ([0.0; 3], [1.0; 3]);
+        for k in 0..count as usize {
+            let t = (k as f64 + 0.5) * step;
+            let place = ray.map(|v| v * t);
+            let density = clouds.density(place);
+            if density > 0.0 {
+                let stopped = -(-clouds.law.extinction_per_m * density * step).exp_m1();
+                let (color, path) = (clouds.color(murk, place), (murk.path)(place, t));
+                for i in 0..3 {
+                    let share = stopped * (-murk.attenuation[i] * path).exp();
+                    added[i] += clear[i] * share * color[i];
+                    clear[i] *= 1.0 - share;
+                }
+            }
+        }
+        let behind = image.pixel(x, y);
+        ([0, 1, 2].map(|i| behind[i] * clear[i] + added[i]), 1.0 - clear[1])
+    };
+    (
+        Rgb::from_fn(width, height, |x, y| pixel(x, y).0),
+        Plane::from_fn(width, height, |x, y| pixel(x, y).1),
+    )
+}
