@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use sqlx::pool::PoolConnection;
@@ -13,6 +13,7 @@ use tokio::task::JoinHandle;
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
+use crate::mirror::Mirror;
 use crate::row_digests::Side;
 use crate::tables::DATASETS;
 use crate::types::{DatasetRow, Page};
@@ -28,6 +29,7 @@ const QUESTION_LIMIT: Duration = Duration::from_secs(20);
 pub struct Catalogue {
     pub(crate) path: PathBuf,
     pub(crate) columns: Columns,
+    pub(crate) mirror: Arc<Mirror>,
     pub(crate) readers: SqlitePool,
     pub(crate) reads: AtomicU64,
     pub(crate) damage: Mutex<BTreeSet<String>>,

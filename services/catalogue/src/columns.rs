@@ -123,6 +123,21 @@ impl Columns {
             .collect()
     }
 
+    /// The columns of the mirror that every image may have; those of measurements come beside them.
+    pub(crate) fn mirrored(&self) -> Vec<Column> {
+        let own = OWN.iter().map(|(name, ..)| *name);
+        let leaves = self.leaves.iter().map(|leaf| leaf.name.as_str());
+        let all = own.chain(leaves).filter_map(|name| self.get(name));
+        all.filter(|column| column.mirror.is_some()).collect()
+    }
+
+    /// Digest of the names of all columns that the mirror may have: files of other columns are written anew.
+    pub(crate) fn mirror_digest(&self) -> String {
+        let names = self.mirrored().into_iter().filter_map(|column| column.mirror);
+        let names: Vec<String> = names.chain(self.metrics.iter().cloned()).collect();
+        spec::sha256(names.join("\n").as_bytes())
+    }
+
     /// A record and its digest, with what the digest is over beside the record, as they are read to be verified.
     pub(crate) fn of_record(&self) -> Vec<Column> {
         let beside = ["job", "frame", "dataset", "created_ms", "digest"];
@@ -141,6 +156,8 @@ impl Columns {
                 unit: *unit,
                 always: true,
                 found: (name == "warned").then_some(Found::Warned),
+                // No two images have the same digest: there is nothing to count.
+                mirror: (name != "digest").then(|| name.to_owned()),
                 ..Column::new((*sql).to_owned(), *kind)
             });
         }
@@ -150,6 +167,7 @@ impl Columns {
             return Some(Column {
                 unit: leaf.unit,
                 found: Some(Found::Leaf(leaf.clone())),
+                mirror: Some(leaf.name.clone()),
                 ..Column::new(format!("images.\"{}\"", stored_name(leaf)), kind(leaf))
             });
         }
@@ -174,6 +192,7 @@ impl Columns {
             let (subject, metric) = (subject.to_owned(), known.clone());
             Column {
                 join: Some(join),
+                mirror: Some(measured_name(&subject, &metric)),
                 found: Some(Found::Metric { subject, metric }),
                 ..Column::new(sql, Kind::Number)
             }
@@ -189,6 +208,14 @@ impl Columns {
         let leaf = list.element.iter().find(|leaf| leaf.name == field)?;
         let path = json_path(&format!("{}/{position}{}", list.pointer, leaf.pointer));
         Some(extracted(path, kind(leaf), leaf.unit))
+    }
+}
+
+/// What a metric of a picture is called in the mirror, and in questions.
+pub(crate) fn measured_name(subject: &str, metric: &str) -> String {
+    match subject {
+        MAIN_SUBJECT => metric.to_owned(),
+        _ => format!("{subject}.{metric}"),
     }
 }
 

@@ -9,6 +9,7 @@ use sqlx::{AssertSqlSafe, Row};
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
+use crate::mirror;
 use crate::types::Deleted;
 use crate::versions::refuse_sealed;
 
@@ -165,6 +166,9 @@ async fn sweep(connection: &mut SqliteConnection) -> Result<bool, CatalogueError
             .bind(end)
             .execute(&mut *connection)
             .await?;
+        if table == "images" && gone.rows_affected() > 0 {
+            mirror::rows_go(connection, &job).await?;
+        }
         if gone.rows_affected() > 0 {
             return Ok(true);
         }

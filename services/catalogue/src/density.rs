@@ -1,5 +1,6 @@
 //! How the pairs of two columns are spread over a dataset.
 
+use columnar::Cells;
 use futures::TryStreamExt;
 use serde::Serialize;
 use sqlx::sqlite::SqliteConnection;
@@ -7,11 +8,11 @@ use utoipa::ToSchema;
 
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
+use crate::counting::{Asked, check_dataset, number_column};
 use crate::error::CatalogueError;
-use crate::histogram::extent;
-use crate::page::{column, double};
+use crate::page::double;
 use crate::select::Select;
-use crate::stats::check_dataset;
+use crate::types::Source;
 
 /// Upper limit for each axis: finer cells cannot be seen.
 const MOST_BINS: u32 = 400;
@@ -49,6 +50,8 @@ pub struct Density {
     pub means: Option<Vec<Option<f64>>>,
     /// Images without a finite value in one of the two.
     pub missing: u64,
+    /// Where the images were read.
+    pub source: Source,
 }
 
 /// A column and where its cells begin and end.
@@ -60,13 +63,6 @@ pub struct DensityAxis {
     pub min: f64,
     /// The highest edge.
     pub max: f64,
-}
-
-/// An image with both values.
-struct Point {
-    x: f64,
-    y: f64,
-    third: Option<f64>,
 }
 
 impl Catalogue {
@@ -86,126 +82,70 @@ impl Catalogue {
             let message = format!("{bins} bins; there may be 1 to {MOST_BINS}");
             return Err(CatalogueError::refused(message));
         }
+        let names = [Some(asked.x), Some(asked.y), asked.mean_of]
+            .into_iter()
+            .flatten();
+        let selected = names.map(|name| number_column(&self.columns, name));
+        let selected = selected.collect::<Result<Vec<_>, _>>()?;
+        let question = Asked {
+            dataset,
+            columns: &selected,
+            filter,
+        };
+        let bins = bins as usize;
+        let counted = self.count(&question, move |question| columnar::density(question, bins));
+        if let Some(cells) = counted.await? {
+            return Ok(shown(asked, bins, cells));
+        }
         let mut reader = self.reader().await?;
-        let points = points(&mut reader, &self.columns, dataset, filter, asked);
+        let points = points(&mut reader, &self.columns, &question);
         let (points, missing) = within(points).await?;
-        Ok(counted(asked, bins, &points, missing))
+        let mut cells = Cells::of(&points, missing, bins, asked.mean_of.is_some());
+        cells.source.memory = points.len() as u64 + missing;
+        Ok(shown(asked, bins, cells))
     }
 }
+
+/// An image with both values, and the third.
+type Point = (f64, f64, Option<f64>);
 
 /// The images that have both values as finite numbers, and how many have not.
 async fn points(
     connection: &mut SqliteConnection,
     columns: &Columns,
-    dataset: &str,
-    filter: Option<&str>,
-    asked: DensityColumns<'_>,
+    asked: &Asked<'_>,
 ) -> Result<(Vec<Point>, u64), CatalogueError> {
-    check_dataset(connection, dataset).await?;
-    let names = [Some(asked.x), Some(asked.y), asked.mean_of];
-    let mut selected = Vec::new();
-    for name in names.into_iter().flatten() {
-        let column = column(columns, name)?;
-        if !column.kind.is_number() {
-            return Err(CatalogueError::refused(format!("`{name}` is no number")));
-        }
-        selected.push(column);
-    }
-    let sql = Select::new(columns, &selected, filter, Some(dataset))?;
+    check_dataset(connection, asked.dataset).await?;
+    let sql = Select::new(columns, asked.columns, asked.filter, Some(asked.dataset))?;
     let (mut points, mut missing) = (Vec::new(), 0);
     let mut rows = sql.statement().fetch(connection);
     while let Some(row) = rows.try_next().await? {
-        let value = |at: usize| match selected.get(at) {
+        let value = |at: usize| match asked.columns.get(at) {
             Some(column) => Ok::<_, CatalogueError>(double(&row, at, column.kind)?.filter(|v| v.is_finite())),
             None => Ok(None),
         };
         match value(0)?.zip(value(1)?) {
-            Some((x, y)) => points.push(Point {
-                x,
-                y,
-                third: value(2)?,
-            }),
+            Some((x, y)) => points.push((x, y, value(2)?)),
             None => missing += 1,
         }
     }
     Ok((points, missing))
 }
 
-fn counted(asked: DensityColumns<'_>, bins: u32, points: &[Point], missing: u64) -> Density {
-    let axis = |name: &str, of: fn(&Point) -> f64| {
-        let values: Vec<f64> = points.iter().map(of).collect();
-        let (min, max) = extent(&values);
-        DensityAxis {
-            column: name.to_owned(),
-            min,
-            max,
-        }
+fn shown(asked: DensityColumns<'_>, bins: usize, cells: Cells) -> Density {
+    let axis = |name: &str, (min, max): (f64, f64)| DensityAxis {
+        column: name.to_owned(),
+        min,
+        max,
     };
-    let (x, y) = (axis(asked.x, |point| point.x), axis(asked.y, |point| point.y));
-    let bins = bins as usize;
-    let place = |axis: &DensityAxis, value: f64| {
-        let share = (value - axis.min) / (axis.max - axis.min);
-        ((share * bins as f64) as usize).min(bins - 1)
-    };
-    let mut counts = vec![0_u64; bins * bins];
-    let (mut sums, mut known) = (vec![0.0; bins * bins], vec![0_u64; bins * bins]);
-    for point in points {
-        let cell = place(&y, point.y) * bins + place(&x, point.x);
-        counts[cell] += 1;
-        if let Some(value) = point.third {
-            sums[cell] += value;
-            known[cell] += 1;
-        }
-    }
-    let mean = |(sum, count): (f64, u64)| (count > 0).then(|| sum / count as f64);
-    let means = asked
-        .mean_of
-        .map(|_| sums.into_iter().zip(known).map(mean).collect());
     Density {
-        x,
-        y,
+        x: axis(asked.x, cells.axes.x),
+        y: axis(asked.y, cells.axes.y),
         bins,
-        counts,
+        counts: cells.counts,
         mean_of: asked.mean_of.map(str::to_owned),
-        means,
-        missing,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const ASKED: DensityColumns<'_> = DensityColumns {
-        x: "alpha",
-        y: "uiqm",
-        mean_of: Some("range_scale"),
-    };
-
-    #[test]
-    fn every_pair_is_in_one_cell_and_the_last_edges_belong_to_the_last() {
-        let point = |x, y, third| Point { x, y, third };
-        let points = [
-            point(0.0, 0.0, Some(2.0)),
-            point(0.1, 0.2, Some(4.0)),
-            point(1.0, 2.0, None),
-            point(0.9, 0.0, Some(1.0)),
-        ];
-        let got = counted(ASKED, 2, &points, 3);
-        assert_eq!(got.counts, [2, 1, 0, 1]);
-        assert_eq!(got.means, Some(vec![Some(3.0), Some(1.0), None, None]));
-        assert_eq!((got.y.min, got.y.max, got.missing), (0.0, 2.0, 3));
-    }
-
-    #[test]
-    fn values_that_are_all_the_same_still_have_a_cell() {
-        let same = Point {
-            x: 5.0,
-            y: 5.0,
-            third: None,
-        };
-        let got = counted(ASKED, 4, &[same], 0);
-        assert_eq!(got.counts.iter().sum::<u64>(), 1);
-        assert!(counted(ASKED, 4, &[], 0).counts.iter().all(|count| *count == 0));
+        means: cells.means,
+        missing: cells.missing,
+        source: cells.source.into(),
     }
 }

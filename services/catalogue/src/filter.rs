@@ -71,6 +71,8 @@ pub(crate) struct Column {
     pub(crate) join: Option<Join>,
     /// Where the record has its value, unless the column is an extract of the record.
     pub(crate) found: Option<Found>,
+    /// What it is called in the mirror, unless it has no such column.
+    pub(crate) mirror: Option<String>,
 }
 
 impl Column {
@@ -84,6 +86,7 @@ impl Column {
             always: false,
             join: None,
             found: None,
+            mirror: None,
         }
     }
 }
@@ -116,4 +119,6 @@ pub(crate) struct Compiled {
     pub(crate) joins: BTreeSet<Join>,
     /// What it asks that the record has, too.
     pub(crate) asked: Vec<Column>,
+    /// The same for the mirror, unless it lacks a column.
+    pub(crate) condition: Option<columnar::Condition>,
 }

@@ -2,14 +2,16 @@
 
 use std::cmp::Ordering;
 
+use columnar::{Bins, Cell};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 use sqlx::sqlite::SqliteRow;
 use utoipa::ToSchema;
 
 use crate::columns::Columns;
 use crate::error::CatalogueError;
-use crate::filter::Column;
+use crate::filter::{Column, raised};
+use crate::found;
 use crate::page::{column, double, value};
 
 /// Most columns of one question: beyond it, groups have hardly more than one image each.
@@ -34,7 +36,7 @@ pub struct GroupColumn {
 pub(crate) struct Key {
     pub(crate) shown: GroupColumn,
     pub(crate) column: Column,
-    bins: Option<Bins>,
+    pub(crate) bins: Option<Bins>,
 }
 
 /// Reads `water.optics,alpha:0.1`.
@@ -106,48 +108,16 @@ impl Key {
     }
 }
 
-/// Bins of equal width, of which one begins at 0. With a width of few decimals the edges are the doubles nearest to the
-/// decimal numbers: 0.3, not 3 · 0.1.
-struct Bins {
-    numerator: f64,
-    denominator: f64,
-}
-
-/// Most decimals of a width whose edges are decimal: powers of ten that are exact.
-const MOST_DECIMALS: usize = 15;
-
-impl Bins {
-    fn new(width: f64) -> Self {
-        let text = width.to_string();
-        let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-        if decimals > MOST_DECIMALS {
-            return Self {
-                numerator: width,
-                denominator: 1.0,
-            };
-        }
-        let denominator = 10f64.powi(decimals as i32);
-        Self {
-            numerator: (width * denominator).round(),
-            denominator,
-        }
-    }
-
-    fn edge(&self, bin: f64) -> f64 {
-        bin * self.numerator / self.denominator + 0.0
-    }
-
-    /// The edge of the bin that holds a number: edge ≤ number < next edge.
-    fn lower_edge(&self, number: f64) -> f64 {
-        let bin = (number / (self.numerator / self.denominator)).floor();
-        // The division may round across an edge.
-        if self.edge(bin) > number {
-            self.edge(bin - 1.0)
-        } else if self.edge(bin + 1.0) <= number {
-            self.edge(bin + 1.0)
-        } else {
-            self.edge(bin)
-        }
+/// What the mirror has of a group, as [`Key::group`] says it.
+pub(crate) fn of_cell(cell: &Cell) -> Value {
+    match cell {
+        Cell::Missing => Value::Null,
+        Cell::Number(bits) => found::number(f64::from_bits(*bits)),
+        Cell::Edge(bits) => json!(f64::from_bits(*bits)),
+        Cell::Whole(number) => json!(number),
+        Cell::Large(held) => json!(raised(*held)),
+        Cell::Flag(flag) => json!(flag),
+        Cell::Text(text) => json!(**text),
     }
 }
 
@@ -176,36 +146,7 @@ fn compare(one: &Value, other: &Value) -> Ordering {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
-
-    #[test]
-    fn a_number_is_in_the_bin_between_the_edges_that_are_returned() {
-        for width in [0.1, 0.25, 3.0, 1e-20, 1e300, 0.007, 1.0 / 3.0] {
-            let bins = Bins::new(width);
-            for step in -2000..2000 {
-                let number = f64::from(step) * width / 7.0;
-                let low = bins.lower_edge(number);
-                let bin = (low / width).round();
-                assert!(
-                    low <= number && number < bins.edge(bin + 1.0),
-                    "{number} at {low} of {width}"
-                );
-            }
-        }
-        let tenths = Bins::new(0.1);
-        for (number, edge) in [
-            (0.3, 0.3),
-            (0.29, 0.2),
-            (0.7, 0.7),
-            (-0.05, -0.1),
-            (0.0, 0.0),
-            (1.1, 1.1),
-        ] {
-            assert_eq!(tenths.lower_edge(number), edge, "{number}");
-        }
-    }
 
     #[test]
     fn groups_are_in_the_order_of_their_values() {

@@ -8,6 +8,7 @@ mod about;
 mod catalogue;
 mod collections;
 mod columns;
+mod counting;
 mod cursor;
 mod deletion;
 mod density;
@@ -17,6 +18,7 @@ mod fill;
 mod filter;
 mod folder;
 mod found;
+mod gathering;
 mod groups;
 mod histogram;
 mod images;
@@ -27,6 +29,8 @@ mod jobs;
 mod leaf_tree;
 mod metadata;
 mod migrations;
+mod mirror;
+mod mirroring;
 mod open;
 mod page;
 mod progress;
@@ -56,13 +60,14 @@ pub use groups::{GroupColumn, compare_groups};
 pub use insert::NewImage;
 pub use job_state::JobState;
 pub use metadata::columns_of_every_image;
+pub use mirroring::MIRROR_ROWS;
 pub use scrub::DamagedRow;
 pub use stats::GroupedStats;
 pub use time::UnixMs;
 pub use types::{
     ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
     ImportedArtifact, ImportedShard, InsertImage, InsertJob, JobRow, NamedDigest, NewJob, NewShard, OpenJob,
-    Page, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+    Page, Place, Retried, SceneRow, ShardEnd, Source, StoredArtifact,
 };
 pub use versions::{SealedImage, VersionJob, VersionRow};
 pub use waters::WaterRow;

@@ -5,7 +5,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 14] = [
+const FILES: [(&str, &str); 15] = [
     (
         "catalogue",
         include_str!("../../../migrations/0001_catalogue.sql"),
@@ -29,6 +29,7 @@ const FILES: [(&str, &str); 14] = [
     ("poses", include_str!("../../../migrations/0012_poses.sql")),
     ("digests", include_str!("../../../migrations/0013_digests.sql")),
     ("folder", include_str!("../../../migrations/0014_folder.sql")),
+    ("mirror", include_str!("../../../migrations/0015_mirror.sql")),
 ];
 
 /// The migrator that brings any older catalogue up to date.

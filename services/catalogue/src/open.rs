@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use sqlx::ConnectOptions;
@@ -14,6 +14,7 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::fill::{add_columns, fill};
 use crate::migrations::migrator;
+use crate::mirror::{self, Mirror};
 use crate::row_digests;
 use crate::writer::Writer;
 
@@ -77,6 +78,7 @@ impl Catalogue {
         add_columns(&mut connection, &columns).await?;
         row_digests::prepare(&mut connection).await?;
         fill(&mut connection, &columns).await?;
+        mirror::only_of_columns(&mut connection, &columns.mirror_digest()).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
             .acquire_timeout(READER_WAIT)
@@ -87,6 +89,7 @@ impl Catalogue {
         Ok(Self {
             path: path.to_owned(),
             columns,
+            mirror: Arc::new(Mirror::beside(path)),
             readers,
             reads: AtomicU64::new(0),
             damage: Mutex::default(),

@@ -12,6 +12,7 @@ use crate::error::CatalogueError;
 use crate::images::number;
 use crate::insert::{self, NewImage};
 use crate::jobs;
+use crate::mirror;
 use crate::row_digests::Side;
 
 /// What the rows of an image say, as far as they can be read.
@@ -96,6 +97,7 @@ async fn restore(
         let gone = sqlx::query(sql).bind(job).bind(number(record.frame));
         gone.execute(&mut *connection).await?;
     }
+    mirror::rows_change(connection, job).await?;
     let image = NewImage::new(columns, job, record, stored.created_ms, &stored.offsets)?;
     insert::insert_rows(connection, columns, &[(&image, stored.dataset, false)]).await?;
     Ok(true)

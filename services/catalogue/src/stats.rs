@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use columnar::{ColumnarError, GroupBy, Summary, summary};
 use futures::TryStreamExt;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -10,12 +11,12 @@ use utoipa::ToSchema;
 
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
+use crate::counting::{Asked, check_dataset, number_column, too_many_groups};
 use crate::error::CatalogueError;
-use crate::groups::{GroupColumn, Key, MOST_GROUPS, compare_groups, keys};
-use crate::page::{column, double};
+use crate::groups::{GroupColumn, Key, MOST_GROUPS, compare_groups, keys, of_cell};
+use crate::page::double;
 use crate::select::Select;
-use crate::types::GroupStats;
-use crate::versions::Scope;
+use crate::types::{GroupStats, Source};
 
 /// What is asked for.
 struct Question<'a> {
@@ -23,7 +24,7 @@ struct Question<'a> {
     metrics: &'a [String],
     keys: &'a [Key],
     filter: Option<&'a str>,
-    most_groups: usize,
+    most_groups: Option<usize>,
 }
 
 /// Statistics of metrics in groups by several columns.
@@ -33,6 +34,8 @@ pub struct GroupedStats {
     pub by: Vec<GroupColumn>,
     /// One entry for each group and metric.
     pub groups: Vec<GroupStats>,
+    /// Where the images were read.
+    pub source: Source,
 }
 
 impl Catalogue {
@@ -46,21 +49,24 @@ impl Catalogue {
         metrics: &[String],
         group_by: Option<&str>,
         filter: Option<&str>,
-    ) -> Result<Vec<GroupStats>, CatalogueError> {
+    ) -> Result<GroupedStats, CatalogueError> {
         let key = group_by.map(|name| Key::plain(&self.columns, name)).transpose()?;
-        let question = Question {
-            dataset,
-            metrics,
-            keys: key.as_slice(),
-            filter,
-            most_groups: usize::MAX,
-        };
-        let mut groups = within(stats(&mut *self.reader().await?, &self.columns, &question)).await?;
+        let (mut groups, source) = self
+            .groups(&Question {
+                dataset,
+                metrics,
+                keys: key.as_slice(),
+                filter,
+                most_groups: None,
+            })
+            .await?;
         // The order of the first version.
-        groups
-            .all
-            .sort_by_cached_key(|group| group.key.iter().map(ToString::to_string).collect::<String>());
-        Ok(groups.summaries(metrics, |mut key| key.pop().unwrap_or_default()))
+        groups.sort_by_cached_key(|group| group.key.iter().map(ToString::to_string).collect::<String>());
+        Ok(GroupedStats {
+            by: Vec::new(),
+            groups: shown(&groups, metrics, |mut key| key.pop().unwrap_or_default()),
+            source,
+        })
     }
 
     /// Statistics of metrics over a dataset, for each group by columns and bins such as `water.optics,alpha:0.1`: images
@@ -77,85 +83,115 @@ impl Catalogue {
         filter: Option<&str>,
     ) -> Result<GroupedStats, CatalogueError> {
         let keys = keys(&self.columns, by)?;
-        let question = Question {
-            dataset,
-            metrics,
-            keys: &keys,
-            filter,
-            most_groups: MOST_GROUPS,
-        };
-        let mut groups = within(stats(&mut *self.reader().await?, &self.columns, &question)).await?;
-        groups
-            .all
-            .sort_by(|one, other| compare_groups(&one.key, &other.key));
+        let (mut groups, source) = self
+            .groups(&Question {
+                dataset,
+                metrics,
+                keys: &keys,
+                filter,
+                most_groups: Some(MOST_GROUPS),
+            })
+            .await?;
+        groups.sort_by(|one, other| compare_groups(&one.key, &other.key));
         let by: Vec<GroupColumn> = keys.into_iter().map(|key| key.shown).collect();
         let names = || by.iter().map(|key| key.column.clone());
         let named = |key: Vec<Value>| Value::Object(names().zip(key).collect::<Map<_, _>>());
         Ok(GroupedStats {
-            groups: groups.summaries(metrics, named),
+            groups: shown(&groups, metrics, named),
             by,
+            source,
         })
+    }
+
+    async fn groups(&self, question: &Question<'_>) -> Result<(Vec<Group>, Source), CatalogueError> {
+        let Question { metrics, keys, .. } = *question;
+        check_dataset(&mut *self.reader().await?, question.dataset).await?;
+        if metrics.len() > MOST_METRICS {
+            let message = format!("{} metrics; there may be {MOST_METRICS}", metrics.len());
+            return Err(CatalogueError::refused(message));
+        }
+        let mut selected = Vec::with_capacity(metrics.len() + keys.len());
+        for metric in metrics {
+            selected.push(number_column(&self.columns, metric)?);
+        }
+        selected.extend(keys.iter().map(|key| key.column.clone()));
+        let asked = Asked {
+            dataset: question.dataset,
+            columns: &selected,
+            filter: question.filter,
+        };
+        let by = |(at, key): (usize, &Key)| GroupBy {
+            column: metrics.len() + at,
+            bins: key.bins,
+        };
+        let by: Vec<GroupBy> = keys.iter().enumerate().map(by).collect();
+        let (count, most) = (metrics.len(), question.most_groups);
+        let counted = self.count(&asked, move |question| {
+            match columnar::stats(question, count, &by, most.unwrap_or(MOST_GROUPS)) {
+                // Without a limit the tables are asked, which need as much memory as there are values.
+                Err(ColumnarError::TooManyGroups(_)) if most.is_none() => Err(ColumnarError::NotFinite),
+                counted => counted,
+            }
+        });
+        if let Some((groups, source)) = counted.await? {
+            let group = |(key, values): (Vec<_>, _)| Group {
+                key: key.iter().map(of_cell).collect(),
+                values,
+            };
+            return Ok((groups.into_iter().map(group).collect(), source.into()));
+        }
+        let mut reader = self.reader().await?;
+        let read = read(&mut reader, &self.columns, &asked, question);
+        let (groups, rows) = within(read).await?;
+        let source = Source {
+            mirror: 0,
+            catalogue: rows,
+        };
+        Ok((groups.summarized(), source))
     }
 }
 
 /// Upper limit: more than there are metrics.
 const MOST_METRICS: usize = 64;
 
-/// One pass over the images for all metrics. The quartiles need every value, and SQLite takes longer to sort them than
-/// to hand them over: with three groups 3.3 us a value for aggregates and ranks, against 0.6 us.
-async fn stats(
+/// One pass over the images for all metrics; returns how many there are, too. The quartiles need every value, and SQLite takes longer
+/// to sort them than to hand them over: with three groups 3.3 us a value for aggregates and ranks, against 0.6 us.
+async fn read(
     connection: &mut SqliteConnection,
     columns: &Columns,
+    asked: &Asked<'_>,
     question: &Question<'_>,
-) -> Result<Groups, CatalogueError> {
-    check_dataset(connection, question.dataset).await?;
+) -> Result<(Groups, u64), CatalogueError> {
     let Question { metrics, keys, .. } = question;
-    if metrics.len() > MOST_METRICS {
-        let message = format!("{} metrics; there may be {MOST_METRICS}", metrics.len());
-        return Err(CatalogueError::refused(message));
-    }
-    let mut selected = Vec::with_capacity(metrics.len() + keys.len());
-    for metric in *metrics {
-        let measured = column(columns, metric)?;
-        if !measured.kind.is_number() {
-            return Err(CatalogueError::refused(format!("`{metric}` is no number")));
-        }
-        selected.push(measured);
-    }
-    selected.extend(keys.iter().map(|key| key.column.clone()));
-    let sql = Select::new(columns, &selected, question.filter, Some(question.dataset))?;
-    let mut groups = Groups::default();
+    let sql = Select::new(columns, asked.columns, asked.filter, Some(asked.dataset))?;
+    let (mut groups, mut count) = (Groups::default(), 0);
     let mut rows = sql.statement().fetch(connection);
     while let Some(row) = rows.try_next().await? {
+        count += 1;
         let key = keys.iter().enumerate();
         let key = key.map(|(at, key)| key.group(&row, metrics.len() + at));
         let values = groups.values_of(key.collect::<Result<_, _>>()?, metrics.len());
-        for (at, (values, column)) in values.iter_mut().zip(&selected).enumerate() {
+        for (at, (values, column)) in values.iter_mut().zip(asked.columns).enumerate() {
             values.extend(double(&row, at, column.kind)?);
         }
-        if groups.all.len() > question.most_groups {
-            let most = question.most_groups;
-            let message =
-                format!("`by` makes more than {most} groups: give wider bins, fewer columns or a filter");
-            return Err(CatalogueError::refused(message));
+        if let Some(most) = question.most_groups.filter(|most| groups.all.len() > *most) {
+            return Err(too_many_groups(most));
         }
     }
     drop(rows);
-    Ok(groups)
+    Ok((groups, count))
 }
 
-/// A group of images.
-struct Group {
-    /// What they have in common, column by column.
+/// A group of images: what they have in common, column by column, and a value for each metric.
+struct Group<V = Summary> {
     key: Vec<Value>,
-    /// The values of each metric.
-    values: Vec<Vec<f64>>,
+    values: Vec<V>,
 }
 
-/// Groups in the order in which they were met.
+/// Groups in the order in which they were met, with all values of each metric.
 #[derive(Default)]
 struct Groups {
-    all: Vec<Group>,
+    all: Vec<Group<Vec<f64>>>,
     /// Their places by the text of their key.
     places: HashMap<String, usize>,
     /// Neighbors are often of one group.
@@ -175,89 +211,38 @@ impl Groups {
         &mut self.all[self.last].values
     }
 
-    /// Metric by metric, in the order of the groups, whose keys are shown as `named` says.
-    fn summaries(mut self, metrics: &[String], named: impl Fn(Vec<Value>) -> Value) -> Vec<GroupStats> {
-        let keys: Vec<Value> = self.all.iter().map(|group| named(group.key.clone())).collect();
-        let mut all = Vec::with_capacity(metrics.len() * keys.len());
-        for (at, metric) in metrics.iter().enumerate() {
-            for (group, key) in self.all.iter_mut().zip(&keys) {
-                all.push(summary(
-                    key.clone(),
-                    metric,
-                    std::mem::take(&mut group.values[at]),
-                ));
-            }
-        }
-        all
+    fn summarized(self) -> Vec<Group> {
+        let group = |group: Group<Vec<f64>>| Group {
+            key: group.key,
+            values: group.values.into_iter().map(summary).collect(),
+        };
+        self.all.into_iter().map(group).collect()
     }
 }
 
-pub(crate) async fn check_dataset(
-    connection: &mut SqliteConnection,
-    name: &str,
-) -> Result<(), CatalogueError> {
-    let scope = Scope::parse(name);
-    let there = match scope.version {
-        None => sqlx::query_scalar("SELECT 1 FROM datasets WHERE name = ?").bind(name),
-        Some(version) => sqlx::query_scalar(
-            "SELECT 1 FROM versions WHERE dataset = ? AND version = ? AND unsealed_ms IS NULL",
-        )
-        .bind(scope.dataset)
-        .bind(version as i64),
+/// Metric by metric, in the order of the groups, whose keys are shown as `named` says.
+fn shown(groups: &[Group], metrics: &[String], named: impl Fn(Vec<Value>) -> Value) -> Vec<GroupStats> {
+    let keys: Vec<Value> = groups.iter().map(|group| named(group.key.clone())).collect();
+    let of_metric = |(at, metric): (usize, &String)| {
+        let groups = groups.iter().zip(&keys);
+        groups
+            .map(|(group, key)| of_group(key.clone(), metric, &group.values[at]))
+            .collect::<Vec<_>>()
     };
-    let there: Option<i64> = there.fetch_optional(connection).await?;
-    there
-        .map(drop)
-        .ok_or_else(|| CatalogueError::not_found("dataset", name))
+    metrics.iter().enumerate().flat_map(of_metric).collect()
 }
 
-fn summary(group: Value, metric: &str, mut values: Vec<f64>) -> GroupStats {
-    values.sort_by(f64::total_cmp);
-    let count = values.len();
-    let mean = (count > 0).then(|| values.iter().sum::<f64>() / count as f64);
-    let sd = mean.filter(|_| count > 1).map(|mean| {
-        let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-        (squares / (count - 1) as f64).sqrt()
-    });
-    let quantile = |share: f64| {
-        let place = share * count.checked_sub(1)? as f64;
-        let (low, high) = (values[place.floor() as usize], values[place.ceil() as usize]);
-        Some(low + (high - low) * place.fract())
-    };
+fn of_group(group: Value, metric: &str, summary: &Summary) -> GroupStats {
     GroupStats {
         group,
         metric: metric.to_owned(),
-        count: count as u64,
-        mean,
-        sd,
-        min: values.first().copied(),
-        q25: quantile(0.25),
-        median: quantile(0.5),
-        q75: quantile(0.75),
-        max: values.last().copied(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn statistics_are_those_of_the_textbook() {
-        let stats = summary(Value::Null, "uiqm", vec![4.0, 1.0, 2.0, 3.0]);
-        assert_eq!(
-            (stats.count, stats.mean, stats.min, stats.max),
-            (4, Some(2.5), Some(1.0), Some(4.0))
-        );
-        assert_eq!(
-            (stats.q25, stats.median, stats.q75),
-            (Some(1.75), Some(2.5), Some(3.25))
-        );
-        assert!((stats.sd.unwrap() - (5.0f64 / 3.0).sqrt()).abs() < 1e-15);
-        let none = summary(Value::Null, "uiqm", Vec::new());
-        assert_eq!(
-            (none.count, none.mean, none.sd, none.median),
-            (0, None, None, None)
-        );
+        count: summary.count,
+        mean: summary.mean,
+        sd: summary.sd,
+        min: summary.min,
+        q25: summary.q25,
+        median: summary.median,
+        q75: summary.q75,
+        max: summary.max,
     }
 }

@@ -332,6 +332,25 @@ pub struct GroupStats {
     pub max: Option<f64>,
 }
 
+/// Where the images that were counted were read.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = CountedSource)]
+pub struct Source {
+    /// Images that were read from the mirror, by columns.
+    pub mirror: u64,
+    /// Images that were read from the catalogue, row by row.
+    pub catalogue: u64,
+}
+
+impl From<columnar::Source> for Source {
+    fn from(source: columnar::Source) -> Self {
+        Self {
+            mirror: source.files,
+            catalogue: source.memory,
+        }
+    }
+}
+
 /// How the values of a column are spread.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct Histogram {
@@ -347,6 +366,8 @@ pub struct Histogram {
     pub above: u64,
     /// Images without a value.
     pub missing: u64,
+    /// Where the images were read.
+    pub source: Source,
 }
 
 /// A column that filters, orders and tables may name.

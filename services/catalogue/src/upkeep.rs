@@ -39,6 +39,7 @@ impl Catalogue {
             let _ = std::fs::remove_file(&unfinished);
             return Err(error.into());
         }
+        without_mirror(&unfinished).await?;
         let settle = || {
             File::open(&unfinished)?.sync_all()?;
             std::fs::rename(&unfinished, to)?;
@@ -74,6 +75,19 @@ impl Catalogue {
         let options = SqliteConnectOptions::new().filename(&self.path);
         Ok(options.disable_statement_logging().connect().await?)
     }
+}
+
+/// The copy has no files of a mirror, and its rows may have other rowids.
+async fn without_mirror(copy: &Path) -> Result<(), CatalogueError> {
+    let options = SqliteConnectOptions::new()
+        .filename(copy)
+        .disable_statement_logging();
+    let mut connection = options.connect().await?;
+    let gone = sqlx::query("DELETE FROM mirror_files")
+        .execute(&mut connection)
+        .await;
+    connection.close().await?;
+    Ok(gone.map(drop)?)
 }
 
 async fn findings(connection: &mut SqliteConnection) -> Result<Vec<String>, CatalogueError> {

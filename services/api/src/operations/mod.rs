@@ -1,5 +1,6 @@
 //! What those who run the service ask: whether it lives, what it counts, a copy of everything.
 
+pub(crate) mod mirror;
 pub(crate) mod routes;
 
 use std::path::PathBuf;

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use columnar::{Condition, Sign, Test, Value};
+
 use super::lexer::{Number, Token, tokens};
 use super::{Bind, Column, Compiled, FilterError, Join, Kind, OFFSET};
 
@@ -28,16 +30,40 @@ pub(crate) fn compile(
         joins: BTreeSet::new(),
         asked: Vec::new(),
     };
-    let sql = parser.either()?;
+    let clause = parser.either()?;
     if parser.next < parser.tokens.len() {
         return Err(parser.wrong("`and`, `or` or the end was expected"));
     }
     Ok(Compiled {
-        sql,
+        sql: clause.sql,
         binds: parser.binds,
         joins: parser.joins,
         asked: parser.asked,
+        condition: clause.condition,
     })
+}
+
+/// A condition as SQL and for the mirror.
+struct Clause {
+    sql: String,
+    condition: Option<Condition>,
+}
+
+impl Clause {
+    fn with(self, word: &str, other: Self, all: impl FnOnce(Vec<Condition>) -> Condition) -> Self {
+        let pair = self.condition.zip(other.condition);
+        Self {
+            sql: format!("({} {word} {})", self.sql, other.sql),
+            condition: pair.map(|(one, other)| all(vec![one, other])),
+        }
+    }
+
+    fn not(self) -> Self {
+        Self {
+            sql: format!("(NOT {})", self.sql),
+            condition: self.condition.map(|one| Condition::Not(Box::new(one))),
+        }
+    }
 }
 
 struct Parser<'a> {
@@ -53,29 +79,29 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    fn either(&mut self) -> Result<String, FilterError> {
-        let mut sql = self.both()?;
+    fn either(&mut self) -> Result<Clause, FilterError> {
+        let mut clause = self.both()?;
         while self.keyword("or") {
-            sql = format!("({sql} OR {})", self.both()?);
+            clause = clause.with("OR", self.both()?, Condition::Any);
         }
-        Ok(sql)
+        Ok(clause)
     }
 
-    fn both(&mut self) -> Result<String, FilterError> {
-        let mut sql = self.negation()?;
+    fn both(&mut self) -> Result<Clause, FilterError> {
+        let mut clause = self.negation()?;
         while self.keyword("and") {
-            sql = format!("({sql} AND {})", self.negation()?);
+            clause = clause.with("AND", self.negation()?, Condition::All);
         }
-        Ok(sql)
+        Ok(clause)
     }
 
-    fn negation(&mut self) -> Result<String, FilterError> {
+    fn negation(&mut self) -> Result<Clause, FilterError> {
         self.depth += 1;
         if self.depth > MOST_DEPTH {
             return Err(self.wrong(&format!("nested more than {MOST_DEPTH} deep")));
         }
-        let sql = if self.keyword("not") {
-            format!("(NOT {})", self.negation()?)
+        let clause = if self.keyword("not") {
+            self.negation()?.not()
         } else if self.sign("(") {
             let inner = self.either()?;
             self.expect(")")?;
@@ -84,10 +110,10 @@ impl Parser<'_> {
             self.comparison()?
         };
         self.depth -= 1;
-        Ok(sql)
+        Ok(clause)
     }
 
-    fn comparison(&mut self) -> Result<String, FilterError> {
+    fn comparison(&mut self) -> Result<Clause, FilterError> {
         let position = self.position();
         let Some(Token::Word(name)) = self.peek().cloned() else {
             return Err(self.wrong("the name of a column was expected"));
@@ -103,84 +129,78 @@ impl Parser<'_> {
         if column.found.is_some() && !self.asked.contains(&column) {
             self.asked.push(column.clone());
         }
-        let sql = &column.sql;
-        // Two-valued: what is missing compares as false. Where nothing is missing an index can be used.
-        let known = |condition: String| {
-            if column.always {
-                format!("({condition})")
-            } else {
-                format!("coalesce({condition}, 0)")
-            }
-        };
         if self.keyword("is") {
-            let negated = if self.keyword("not") { " NOT" } else { "" };
+            let negated = self.keyword("not");
             if !self.keyword("null") {
                 return Err(self.wrong("`null` was expected"));
             }
-            return Ok(format!("({sql} IS{negated} NULL)"));
+            let clause = tested(&column, format!("({} IS NULL)", column.sql), Test::IsMissing);
+            return Ok(match negated {
+                true => Clause {
+                    sql: format!("({} IS NOT NULL)", column.sql),
+                    ..clause.not()
+                },
+                false => clause,
+            });
         }
         if self.keyword("between") {
-            self.ordered(&column)?;
-            let low = self.value(&column)?;
-            if !self.keyword("and") {
-                return Err(self.wrong("`and` was expected between the two bounds"));
-            }
-            let high = self.value(&column)?;
-            let is_empty = match (&low, &high) {
-                (Bind::Number(low), Bind::Number(high)) => low > high,
-                (Bind::Whole(low), Bind::Whole(high)) => low > high,
-                _ => false,
-            };
-            if is_empty {
-                return Err(self.wrong("the lower bound is above the upper bound"));
-            }
-            self.bind(low)?;
-            self.bind(high)?;
-            return Ok(known(format!("{sql} BETWEEN ? AND ?")));
+            return self.between(&column);
         }
         let negated = self.keyword("not");
         if self.keyword("in") {
-            let places = self.list(&column)?;
-            return Ok(if negated {
-                format!("(NOT {})", known(format!("{sql} IN ({places})")))
-            } else {
-                known(format!("{sql} IN ({places})"))
-            });
+            let clause = self.list(&column)?;
+            return Ok(if negated { clause.not() } else { clause });
         }
         if negated {
             return Err(self.wrong("`in` was expected after `not`"));
         }
-        for (sign, operator) in [
-            ("==", "="),
-            ("=", "="),
-            ("!=", "!="),
-            ("<=", "<="),
-            (">=", ">="),
-            ("<", "<"),
-            (">", ">"),
-        ] {
-            if self.sign(sign) {
+        for (text, operator, sign) in SIGNS {
+            if self.sign(text) {
                 if !matches!(operator, "=" | "!=") {
                     self.ordered(&column)?;
                 }
                 let value = self.value(&column)?;
-                self.bind(value)?;
-                return Ok(known(format!("{sql} {operator} ?")));
+                self.bind(value.clone())?;
+                let sql = known(&column, format!("{} {operator} ?", column.sql));
+                return Ok(tested(&column, sql, Test::Is(sign, of_bind(value))));
             }
         }
         if column.kind == Kind::Bool {
-            Ok(known(sql.clone()))
+            let test = Test::Is(Sign::Unequal, Value::Whole(0));
+            Ok(tested(&column, known(&column, column.sql.clone()), test))
         } else {
             Err(self.wrong("a comparison was expected"))
         }
     }
 
-    fn list(&mut self, column: &Column) -> Result<String, FilterError> {
+    fn between(&mut self, column: &Column) -> Result<Clause, FilterError> {
+        self.ordered(column)?;
+        let low = self.value(column)?;
+        if !self.keyword("and") {
+            return Err(self.wrong("`and` was expected between the two bounds"));
+        }
+        let high = self.value(column)?;
+        let is_empty = match (&low, &high) {
+            (Bind::Number(low), Bind::Number(high)) => low > high,
+            (Bind::Whole(low), Bind::Whole(high)) => low > high,
+            _ => false,
+        };
+        if is_empty {
+            return Err(self.wrong("the lower bound is above the upper bound"));
+        }
+        self.bind(low.clone())?;
+        self.bind(high.clone())?;
+        let sql = known(column, format!("{} BETWEEN ? AND ?", column.sql));
+        Ok(tested(column, sql, Test::Between(of_bind(low), of_bind(high))))
+    }
+
+    fn list(&mut self, column: &Column) -> Result<Clause, FilterError> {
         self.expect("(")?;
-        let mut places = String::new();
+        let (mut places, mut values) = (String::new(), Vec::new());
         loop {
             let value = self.value(column)?;
-            self.bind(value)?;
+            self.bind(value.clone())?;
+            values.push(of_bind(value));
             places.push('?');
             if !self.sign(",") {
                 break;
@@ -188,7 +208,8 @@ impl Parser<'_> {
             places.push_str(", ");
         }
         self.expect(")")?;
-        Ok(places)
+        let sql = known(column, format!("{} IN ({places})", column.sql));
+        Ok(tested(column, sql, Test::In(values)))
     }
 
     fn ordered(&self, column: &Column) -> Result<(), FilterError> {
@@ -270,6 +291,42 @@ impl Parser<'_> {
             message: message.to_owned(),
             did_you_mean: None,
         }
+    }
+}
+
+/// Signs as they are written, in SQL and for the mirror; a longer one stands before its beginning.
+const SIGNS: [(&str, &str, Sign); 7] = [
+    ("==", "=", Sign::Equal),
+    ("=", "=", Sign::Equal),
+    ("!=", "!=", Sign::Unequal),
+    ("<=", "<=", Sign::AtMost),
+    (">=", ">=", Sign::AtLeast),
+    ("<", "<", Sign::Below),
+    (">", ">", Sign::Above),
+];
+
+/// Two-valued: what is missing compares as false. Where nothing is missing an index can be used.
+fn known(column: &Column, condition: String) -> String {
+    if column.always {
+        format!("({condition})")
+    } else {
+        format!("coalesce({condition}, 0)")
+    }
+}
+
+fn tested(column: &Column, sql: String, test: Test) -> Clause {
+    let name = column.mirror.clone();
+    Clause {
+        sql,
+        condition: name.map(|name| Condition::Test(name, test)),
+    }
+}
+
+fn of_bind(bind: Bind) -> Value {
+    match bind {
+        Bind::Number(number) => Value::Number(number),
+        Bind::Whole(number) => Value::Whole(number),
+        Bind::Text(text) => Value::Text(text),
     }
 }
 

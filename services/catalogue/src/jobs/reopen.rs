@@ -7,6 +7,7 @@ use sqlx::sqlite::SqliteConnection;
 use super::{imported, known_job, row};
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
+use crate::mirror;
 use crate::tables::job_columns;
 use crate::types::Retried;
 use crate::versions::refuse_sealed;
@@ -59,6 +60,7 @@ async fn reopen(
         .fetch_all(&mut *connection)
         .await?;
     gone.sort_unstable();
+    mirror::rows_change(connection, id).await?;
     sqlx::query("UPDATE datasets SET images = images - ?, bytes = bytes - ? WHERE name = ?")
         .bind(gone.len() as i64)
         .bind(bytes)

@@ -67,7 +67,7 @@ async fn a_deleted_job_is_out_of_sight_at_once_and_its_dataset_counts_without_it
         .stats("bay", &["uiqm".to_owned()], None, None)
         .await
         .unwrap();
-    assert_eq!(stats[0].count, 2);
+    assert_eq!(stats.groups[0].count, 2);
     let late = at
         .catalogue
         .insert_image("job_a", &synthetic::record("job_a", 3), 0)

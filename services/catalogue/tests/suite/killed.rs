@@ -34,6 +34,12 @@ async fn child() {
         .unwrap();
     synthetic::fill(&catalogue, &gone, 0..300, 0).await.unwrap();
     catalogue.delete_job(&gone).await.unwrap();
+    let mirrored = Arc::clone(&catalogue);
+    tokio::spawn(async move {
+        loop {
+            mirrored.mirror_some(64).await.unwrap();
+        }
+    });
     let start = catalogue.job("job_a").await.unwrap().unwrap().done;
     let mut tasks = tokio::task::JoinSet::new();
     for first in start..start + 16 {
@@ -109,6 +115,7 @@ async fn what_was_acknowledged_is_there_after_every_kill() {
         None,
         Some("catalogue.written=abort@9"),
         Some("catalogue.committed=abort@9"),
+        Some("mirror.written=abort@2"),
         None,
         Some("catalogue.written=abort@30"),
         Some("catalogue.committed=abort@31"),
@@ -125,6 +132,11 @@ async fn what_was_acknowledged_is_there_after_every_kill() {
         acknowledged.extend(run_and_kill(&path, faults, most));
         at = at.reopen().await;
         at.is_sound().await;
+        assert_eq!(
+            at.catalogue.check_mirror().await.unwrap(),
+            [""; 0],
+            "round {round}"
+        );
         let open = at.open_job("job_a").await;
         let there = |frame: &u64| open.done.iter().any(|range| range.contains(frame));
         let lost: Vec<_> = acknowledged.iter().filter(|frame| !there(frame)).collect();

@@ -99,7 +99,11 @@ async fn seeds_of_64_bits_are_kept_compared_and_ordered_exactly() {
         .stats("bay", &["uiqm".to_owned()], Some("seed"), None)
         .await
         .unwrap();
-    let groups: Vec<_> = stats.iter().filter_map(|group| group.group.as_u64()).collect();
+    let groups: Vec<_> = stats
+        .groups
+        .iter()
+        .filter_map(|group| group.group.as_u64())
+        .collect();
     assert!(SEEDS.iter().all(|seed| groups.contains(seed)), "{groups:?}");
 }
 

@@ -12,6 +12,7 @@ mod import;
 mod injection;
 mod killed;
 mod leaves;
+mod mirror;
 mod pages;
 mod questions;
 mod scale;

@@ -105,7 +105,7 @@ async fn a_version_stays_while_its_dataset_grows() {
     assert_eq!(at.frames_of("bay@3").await, 0);
     let metrics = ["uiqm".to_owned()];
     let stats = at.catalogue.stats("bay@1", &metrics, None, None).await.unwrap();
-    assert_eq!(stats[0].count, 4);
+    assert_eq!(stats.groups[0].count, 4);
     let histogram = at
         .catalogue
         .histogram("bay@2", None, "uiqm", 1, None)

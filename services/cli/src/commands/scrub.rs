@@ -1,5 +1,7 @@
 //! `fathom scrub`: verifies everything that a stopped service has stored, and optionally repairs it.
 
+mod findings;
+mod mirror;
 mod repair;
 mod space;
 
@@ -10,11 +12,11 @@ use catalogue::{CatalogueError, ImportedArtifact, JobRow};
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::styles::StyleArguments;
-use serde::Serialize;
 use serde_json::json;
 use store::Scrubbed;
 
 use super::cluster::hand_over;
+use findings::{Damaged, Findings, Row, Unnamed};
 use repair::Repair;
 
 /// Options of `fathom scrub`.
@@ -29,6 +31,9 @@ pub struct Arguments {
     /// Restore a lost catalogue from the newest backup in the folder, or lost packs by rendering every image again; then repair
     #[arg(long)]
     rebuild: bool,
+    /// Write the mirror anew, from which images are counted
+    #[arg(long)]
+    mirror: bool,
     /// Print the findings as one JSON object
     #[arg(long)]
     json: bool,
@@ -69,141 +74,6 @@ pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Fai
     }
 }
 
-/// The findings of a scrub.
-#[derive(Default, Serialize)]
-struct Findings {
-    /// Blobs that were read.
-    blobs: u64,
-    /// Artifacts in the tars of sets that were read.
-    imported: u64,
-    bytes: u64,
-    /// Errors in the catalogue itself.
-    catalogue: Vec<String>,
-    /// Rows of the catalogue that are not what was written.
-    rows: Vec<Row>,
-    /// Packs that cannot be read at all.
-    packs_set_aside: u64,
-    /// Errors in packs, apart from the bytes of blobs.
-    packs: Vec<String>,
-    damaged: Vec<Damaged>,
-    unnamed: Unnamed,
-}
-
-/// A row of the catalogue that is not what was written.
-#[derive(Serialize)]
-struct Row {
-    /// Which, and what of it.
-    what: String,
-    /// None: repair was not requested.
-    repaired: Option<bool>,
-    /// Why it was not repaired.
-    reason: Option<String>,
-}
-
-/// Space in nobody's use: no damage.
-#[derive(Default, Serialize)]
-struct Unnamed {
-    /// Blobs that no row names.
-    blobs: u64,
-    /// Bytes of the disk that are free again.
-    freed: u64,
-}
-
-/// A damaged or missing blob that a row names.
-#[derive(Serialize)]
-struct Damaged {
-    digest: String,
-    state: &'static str,
-    /// Such as `rgb of job_…/3`.
-    owner: String,
-    /// None: repair was not requested.
-    repaired: Option<bool>,
-    /// Why it was not repaired.
-    reason: Option<String>,
-}
-
-impl Damaged {
-    fn new(digest: String, state: Scrubbed, owner: String, repair: Option<Result<(), String>>) -> Self {
-        Self {
-            digest,
-            state: match state {
-                Scrubbed::Good => "good",
-                Scrubbed::Corrupt => "corrupt",
-                Scrubbed::Missing => "missing",
-            },
-            owner,
-            repaired: repair.as_ref().map(Result::is_ok),
-            reason: repair.and_then(Result::err),
-        }
-    }
-}
-
-impl Findings {
-    fn left(&self) -> usize {
-        let left = self
-            .damaged
-            .iter()
-            .filter(|damaged| damaged.repaired != Some(true));
-        // A pack that was set aside is no loss once all its blobs are restored.
-        let rows = self.rows.iter().filter(|row| row.repaired != Some(true));
-        self.catalogue.len() + self.packs.len() + rows.count() + left.count()
-    }
-
-    fn print(&self) {
-        println!(
-            "{} blobs and {} artifacts in sets, {} MB read",
-            self.blobs,
-            self.imported,
-            self.bytes / 1_000_000
-        );
-        for finding in &self.catalogue {
-            println!("catalogue: {finding}");
-        }
-        for Row {
-            what,
-            repaired,
-            reason,
-        } in &self.rows
-        {
-            println!(
-                "catalogue: damaged {what}{}",
-                outcome(*repaired, reason.as_deref())
-            );
-        }
-        for finding in &self.packs {
-            println!("packs: {finding}");
-        }
-        if self.unnamed.blobs > 0 {
-            let Unnamed { blobs, freed } = self.unnamed;
-            println!("{blobs} blobs that no row names; {freed} bytes freed");
-        }
-        if self.packs_set_aside > 0 {
-            println!(
-                "{} packs could not be read and were set aside",
-                self.packs_set_aside
-            );
-        }
-        for damaged in &self.damaged {
-            let Damaged {
-                digest, state, owner, ..
-            } = damaged;
-            let outcome = outcome(damaged.repaired, damaged.reason.as_deref());
-            println!("{state} {digest}: {owner}{outcome}");
-        }
-        if self.left() == 0 {
-            println!("all is well");
-        }
-    }
-}
-
-fn outcome(repaired: Option<bool>, reason: Option<&str>) -> String {
-    match (repaired, reason) {
-        (Some(true), _) => "; restored".to_owned(),
-        (_, Some(reason)) => format!("; not repaired: {reason}"),
-        (_, None) => String::new(),
-    }
-}
-
 /// Reads everything; returns nothing if there is a set that this program cannot read.
 async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>, Failure> {
     let library = arguments.style.library_of_service(&arguments.data)?;
@@ -239,6 +109,7 @@ async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>
     for job in jobs {
         imported(&data, &sets, &job, wants_repair, &mut findings).await?;
     }
+    mirror::look(&data, wants_repair, arguments.mirror, &mut findings).await?;
     space::look(&data, &arguments.data, wants_repair, &mut findings).await?;
     data.close().await;
     Ok(Some(findings))

@@ -2,7 +2,7 @@
 
 use crate::http::{Json, Path, Problem, Query, Slug, State, Topic, bounds};
 
-use catalogue::{Catalogue, GroupColumn, GroupStats, GroupedStats};
+use catalogue::{Catalogue, GroupColumn, GroupStats, GroupedStats, Source};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -35,6 +35,8 @@ pub(crate) struct Statistics {
     by: Option<Vec<GroupColumn>>,
     /// One entry for each group and metric.
     groups: Vec<GroupStats>,
+    /// Where the images were read.
+    source: Source,
 }
 
 /// Statistics of metrics over a dataset, per group.
@@ -50,14 +52,22 @@ pub(crate) async fn stats(
     let filter = bounds::filter(asked.filter)?;
     let Some(by) = asked.by else {
         let groups = catalogue.stats(&name, &metrics, asked.group_by.as_deref(), filter.as_deref());
-        let groups = groups.await?;
-        return Ok(Json(Statistics { by: None, groups }));
+        let GroupedStats { groups, source, .. } = groups.await?;
+        return Ok(Json(Statistics {
+            by: None,
+            groups,
+            source,
+        }));
     };
     if asked.group_by.is_some() {
         let detail = "give `by` or `group_by`, not both";
         return Err(Problem::new(Slug::InvalidQuery, detail));
     }
     let stats = catalogue.grouped_stats(&name, &metrics, &by, filter.as_deref());
-    let GroupedStats { by, groups } = stats.await?;
-    Ok(Json(Statistics { by: Some(by), groups }))
+    let GroupedStats { by, groups, source } = stats.await?;
+    Ok(Json(Statistics {
+        by: Some(by),
+        groups,
+        source,
+    }))
 }

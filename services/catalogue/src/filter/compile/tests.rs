@@ -30,6 +30,7 @@ fn lookup(name: &str) -> Option<Column> {
         always: false,
         join: None,
         found: None,
+        mirror: Some(name.to_owned()),
     })
 }
 

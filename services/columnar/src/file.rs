@@ -1,0 +1,377 @@
+//! A file: its footer, read once, and its columns, each compared with its checksum whenever it is read.
+
+use std::collections::{BTreeMap, HashMap};
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bytes::{Buf, Bytes};
+use parquet::basic::Type as Physical;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaDataReader};
+use parquet::file::reader::{ChunkReader, Length, SerializedPageReader};
+use parquet::file::statistics::Statistics;
+use serde::{Deserialize, Serialize};
+
+use crate::column::{Column, ColumnBuilder, Kind};
+use crate::condition::{Bound, Range};
+use crate::error::ColumnarError;
+use crate::write::sha256;
+
+/// The name of [`About`] among the key-value pairs of the footer.
+pub(crate) const ABOUT: &str = "fathom";
+/// Length of the footer and the magic number, which end a file.
+const TRAILER: usize = 8;
+
+/// What a file says of itself.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct About {
+    /// The place of its first row in the catalogue.
+    pub first_row: i64,
+    /// That of its last row.
+    pub last_row: i64,
+    /// Digest of the names of all columns that it may have.
+    pub columns: String,
+    /// Rows of each job.
+    pub jobs: BTreeMap<String, u64>,
+    /// CRC-32 of each column, in their order.
+    #[serde(default)]
+    pub checksums: Vec<u32>,
+}
+
+/// How a file is found and known again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Named {
+    /// Its name in the folder.
+    pub name: String,
+    /// SHA-256 of its footer, in hexadecimal.
+    pub digest: String,
+    /// Its length.
+    pub bytes: u64,
+}
+
+/// An open file.
+#[derive(Debug)]
+pub struct MirrorFile {
+    path: PathBuf,
+    about: About,
+    rows: usize,
+    chunks: HashMap<String, Chunk>,
+    /// Among all files of this process.
+    pub(crate) id: u64,
+}
+
+/// Where a column stands.
+#[derive(Debug)]
+struct Chunk {
+    kind: Kind,
+    meta: Box<ColumnChunkMetaData>,
+    checksum: u32,
+    range: Option<Range>,
+}
+
+/// The footer with the trailer, of the bytes at the end of a file.
+pub(crate) fn footer(end: &[u8]) -> Option<&[u8]> {
+    let trailer = end.len().checked_sub(TRAILER)?;
+    let length = u32::from_le_bytes(end[trailer..trailer + 4].try_into().ok()?) as usize;
+    end.get(trailer.checked_sub(length)?..)
+}
+
+impl MirrorFile {
+    /// Opens a file with a footer of this digest.
+    ///
+    /// # Errors
+    /// [`ColumnarError::Damaged`], [`ColumnarError::Io`].
+    pub fn open(path: &Path, digest: &str) -> Result<Self, ColumnarError> {
+        let damaged = |what: &str| ColumnarError::Damaged {
+            path: path.to_owned(),
+            what: what.to_owned(),
+        };
+        let file = std::fs::File::open(path).map_err(ColumnarError::io(path))?;
+        let length = file.metadata().map_err(ColumnarError::io(path))?.len();
+        let read = |from: u64| {
+            let mut bytes = vec![0; (length - from) as usize];
+            file.read_exact_at(&mut bytes, from).map(|()| bytes)
+        };
+        let trailer_at = length
+            .checked_sub(TRAILER as u64)
+            .ok_or_else(|| damaged("its length"))?;
+        let trailer = read(trailer_at).map_err(ColumnarError::io(path))?;
+        let footer_length = u64::from(u32::from_le_bytes([
+            trailer[0], trailer[1], trailer[2], trailer[3],
+        ]));
+        let from = trailer_at
+            .checked_sub(footer_length)
+            .ok_or_else(|| damaged("its footer"))?;
+        let footer = read(from).map_err(ColumnarError::io(path))?;
+        if sha256(&footer) != digest {
+            return Err(damaged("its footer"));
+        }
+        Self::parse(path, &footer[..footer.len() - TRAILER]).ok_or_else(|| damaged("its footer"))
+    }
+
+    fn parse(path: &Path, footer: &[u8]) -> Option<Self> {
+        static NEXT: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
+        let footer = ParquetMetaDataReader::decode_metadata(footer).ok()?;
+        let pairs = footer.file_metadata().key_value_metadata()?;
+        let about = pairs.iter().find(|pair| pair.key == ABOUT)?.value.as_ref()?;
+        let about: About = serde_json::from_str(about).ok()?;
+        let group = footer.row_groups().first()?;
+        let rows = group.num_rows() as usize;
+        let chunks = group
+            .columns()
+            .iter()
+            .zip(&about.checksums)
+            .map(|(meta, checksum)| {
+                let kind = match meta.column_type() {
+                    Physical::DOUBLE => Kind::Number,
+                    Physical::BOOLEAN => Kind::Flag,
+                    Physical::BYTE_ARRAY => Kind::Text,
+                    _ if meta.column_descr().logical_type_ref().is_some() => Kind::Large,
+                    _ => Kind::Whole,
+                };
+                let range = meta.statistics().and_then(|known| range(known, kind));
+                let chunk = Chunk {
+                    kind,
+                    meta: Box::new(meta.clone()),
+                    checksum: *checksum,
+                    range,
+                };
+                (
+                    meta.column_path().parts().first().cloned().unwrap_or_default(),
+                    chunk,
+                )
+            });
+        Some(Self {
+            path: path.to_owned(),
+            rows,
+            chunks: chunks.collect(),
+            id: NEXT.fetch_add(1, std::sync::atomic::Ordering::Relaxed),
+            about,
+        })
+    }
+
+    /// What it says of itself.
+    #[must_use]
+    pub fn about(&self) -> &About {
+        &self.about
+    }
+
+    /// Where it lies.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Reads a column. One that the file does not have is missing in every row.
+    ///
+    /// # Errors
+    /// [`ColumnarError::Damaged`], [`ColumnarError::Io`].
+    pub fn read(&self, name: &str) -> Result<Column, ColumnarError> {
+        let Some(chunk) = self.chunks.get(name) else {
+            return Ok(Column::Missing(self.rows));
+        };
+        let piece = self.piece(chunk, name)?;
+        let column =
+            decoded(&piece, chunk, self.rows).map_err(|error| self.damaged(&format!("{name}: {error}")))?;
+        if column.len() == self.rows {
+            Ok(column)
+        } else {
+            Err(self.damaged(name))
+        }
+    }
+
+    pub(crate) fn range(&self, name: &str) -> Option<Range> {
+        self.chunks.get(name).and_then(|chunk| chunk.range)
+    }
+
+    /// Compares every column with its checksum.
+    ///
+    /// # Errors
+    /// [`ColumnarError::Damaged`], [`ColumnarError::Io`].
+    pub fn check(&self) -> Result<(), ColumnarError> {
+        self.chunks
+            .iter()
+            .try_for_each(|(name, chunk)| self.piece(chunk, name).map(drop))
+    }
+
+    fn piece(&self, chunk: &Chunk, name: &str) -> Result<Piece, ColumnarError> {
+        let (start, length) = chunk.meta.byte_range();
+        let mut bytes = vec![0; length as usize];
+        let file = std::fs::File::open(&self.path).map_err(ColumnarError::io(&self.path))?;
+        match file.read_exact_at(&mut bytes, start) {
+            Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => Err(self.damaged(name)),
+            Err(error) => Err(ColumnarError::io(&self.path)(error)),
+            Ok(()) if crc32fast::hash(&bytes) != chunk.checksum => Err(self.damaged(name)),
+            Ok(()) => Ok(Piece {
+                start,
+                bytes: bytes.into(),
+            }),
+        }
+    }
+
+    fn damaged(&self, what: &str) -> ColumnarError {
+        ColumnarError::Damaged {
+            path: self.path.clone(),
+            what: what.to_owned(),
+        }
+    }
+}
+
+/// Where the values of a column lie, unless its kind has none. Zeros are left open: footers do not say which of the two they are.
+fn range(known: &Statistics, kind: Kind) -> Option<Range> {
+    let any_missing = known.null_count_opt() != Some(0);
+    let (low, high) = match known {
+        Statistics::Double(known) => {
+            let (low, high) = (*known.min_opt()?, *known.max_opt()?);
+            (low != 0.0 && high != 0.0).then_some((Bound::Number(low), Bound::Number(high)))?
+        }
+        Statistics::Int64(known) if kind == Kind::Whole => {
+            (Bound::Whole(*known.min_opt()?), Bound::Whole(*known.max_opt()?))
+        }
+        _ => return None,
+    };
+    Some(Range {
+        low,
+        high,
+        any_missing,
+    })
+}
+
+/// The bytes of a column, as a reader of the whole file sees them.
+struct Piece {
+    start: u64,
+    bytes: Bytes,
+}
+
+impl Length for Piece {
+    fn len(&self) -> u64 {
+        self.start + self.bytes.len() as u64
+    }
+}
+
+impl Piece {
+    fn from(&self, start: u64) -> Result<Bytes, ParquetError> {
+        let at = start.checked_sub(self.start).map(|at| at as usize);
+        let at = at.filter(|at| *at <= self.bytes.len());
+        at.map(|at| self.bytes.slice(at..))
+            .ok_or_else(|| ParquetError::EOF("outside of the column".to_owned()))
+    }
+}
+
+impl ChunkReader for Piece {
+    type T = bytes::buf::Reader<Bytes>;
+
+    fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
+        Ok(self.from(start)?.reader())
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
+        let mut bytes = self.from(start)?;
+        if bytes.len() < length {
+            return Err(ParquetError::EOF("outside of the column".to_owned()));
+        }
+        bytes.truncate(length);
+        Ok(bytes)
+    }
+}
+
+fn decoded(piece: &Piece, chunk: &Chunk, rows: usize) -> Result<Column, ParquetError> {
+    let piece = Arc::new(Piece {
+        start: piece.start,
+        bytes: piece.bytes.clone(),
+    });
+    let pages = SerializedPageReader::new(piece, &chunk.meta, rows, None)?;
+    match get_column_reader(chunk.meta.column_descr_ptr(), Box::new(pages)) {
+        ColumnReader::DoubleColumnReader(reader) => {
+            let (levels, values) = all(reader, rows)?;
+            if values.len() == levels.len() {
+                return Ok(Column::Numbers(values));
+            }
+            let mut values = values.into_iter();
+            let spread = |level: &i16| {
+                if *level == 1 {
+                    values.next().unwrap_or(f64::NAN)
+                } else {
+                    f64::NAN
+                }
+            };
+            Ok(Column::Numbers(levels.iter().map(spread).collect()))
+        }
+        ColumnReader::Int64ColumnReader(reader) => {
+            let (levels, values) = all(reader, rows)?;
+            let held = |value: i64| {
+                if chunk.kind == Kind::Large {
+                    value ^ i64::MIN
+                } else {
+                    value
+                }
+            };
+            Ok(wholes(chunk.kind, &levels, values.into_iter().map(held)))
+        }
+        ColumnReader::BoolColumnReader(reader) => {
+            let (levels, values) = all(reader, rows)?;
+            Ok(wholes(chunk.kind, &levels, values.into_iter().map(i64::from)))
+        }
+        ColumnReader::ByteArrayColumnReader(reader) => texts(reader, rows),
+        _ => Err(ParquetError::General("a type that is never written".to_owned())),
+    }
+}
+
+/// All levels and values.
+fn all<T: DataType>(
+    mut reader: ColumnReaderImpl<T>,
+    rows: usize,
+) -> Result<(Vec<i16>, Vec<T::T>), ParquetError> {
+    let (mut levels, mut values) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
+    reader.read_records(rows, Some(&mut levels), None, &mut values)?;
+    Ok((levels, values))
+}
+
+fn wholes(kind: Kind, levels: &[i16], values: impl Iterator<Item = i64>) -> Column {
+    let any_missing = levels.contains(&0);
+    let mut values = values;
+    if !any_missing {
+        return Column::Wholes {
+            kind,
+            values: values.collect(),
+            missing: Vec::new(),
+        };
+    }
+    let spread = |level: &i16| {
+        if *level == 1 {
+            values.next().unwrap_or(0)
+        } else {
+            0
+        }
+    };
+    Column::Wholes {
+        kind,
+        values: levels.iter().map(spread).collect(),
+        missing: levels.iter().map(|level| *level == 0).collect(),
+    }
+}
+
+/// Equal texts of a dictionary share their bytes, so that most are known by their address.
+fn texts(reader: ColumnReaderImpl<ByteArrayType>, rows: usize) -> Result<Column, ParquetError> {
+    let (levels, values): (_, Vec<ByteArray>) = all(reader, rows)?;
+    let mut column = ColumnBuilder::new(Kind::Text);
+    let mut values = values.iter();
+    for level in levels {
+        let text = if level == 1 { values.next() } else { None };
+        let text = text.map(|text| text.as_utf8()).transpose()?;
+        column.text(text);
+    }
+    Ok(column.build())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,34 @@
+//! Images by columns: Parquet files that are written once, and questions that count their rows.
+//!
+//! A file holds some thousand rows as one row group. Its footer has a checksum of each column, and who names the file knows the
+//! digest of the footer, so that no damaged byte is ever counted. Questions go over files and over rows from elsewhere alike, in
+//! passes of which each is spread over threads; every sum is exact, so that neither the order of rows nor the number of threads
+//! changes a bit of an answer.
+
+mod bins;
+mod cache;
+mod column;
+mod condition;
+mod density;
+mod error;
+mod file;
+mod groups;
+mod histogram;
+mod parts;
+mod stats;
+mod sum;
+mod write;
+
+pub use bins::Bins;
+pub use cache::Cache;
+pub use column::{Column, ColumnBuilder, Kind};
+pub use condition::{Condition, Sign, Test, Value};
+pub use density::{Axes, Cells, density};
+pub use error::ColumnarError;
+pub use file::{About, MirrorFile, Named};
+pub use groups::{Cell, GroupBy};
+pub use histogram::{Counts, extent, histogram};
+pub use parts::{Part, Question, Source};
+pub use stats::{Summary, stats, summary};
+pub use sum::Sum;
+pub use write::write;

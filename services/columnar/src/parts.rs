@@ -1,0 +1,240 @@
+//! The rows of a question: files and rows from elsewhere, gone through in passes by several threads.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::cache::Cache;
+use crate::column::Column;
+use crate::condition::{Columns, Condition, Mask, Range};
+use crate::error::ColumnarError;
+use crate::file::MirrorFile;
+
+/// The column of the job.
+const JOB: &str = "job";
+
+/// Some rows.
+#[derive(Debug)]
+pub enum Part {
+    /// A file.
+    File {
+        /// Which.
+        file: Arc<MirrorFile>,
+        /// The jobs whose rows are asked for; `None`: all.
+        jobs: Option<HashSet<String>>,
+    },
+    /// Rows that are in memory and fulfill the condition: the columns of the question in their order, of at most 65 535 rows.
+    Rows(Vec<Arc<Column>>),
+}
+
+/// Rows under a condition, and the columns that are asked for.
+#[derive(Debug)]
+pub struct Question<'a> {
+    /// All rows, in any order.
+    pub parts: &'a [Part],
+    /// Columns by name.
+    pub columns: &'a [String],
+    /// Which rows of files count.
+    pub condition: Option<&'a Condition>,
+    /// Columns that were read before.
+    pub cache: &'a Cache,
+    /// Threads to use; they change no bit of the answer.
+    pub threads: usize,
+}
+
+/// Where the rows that were counted came from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Source {
+    /// Rows of files.
+    pub files: u64,
+    /// Rows in memory.
+    pub memory: u64,
+}
+
+/// A part as a pass sees it.
+pub(crate) struct Rows<'a> {
+    question: &'a Question<'a>,
+    pub(crate) at: usize,
+    pub(crate) mask: &'a Mask,
+}
+
+/// A question whose condition has been answered.
+pub(crate) struct Masked<'a> {
+    pub(crate) question: &'a Question<'a>,
+    masks: Vec<Mask>,
+    pub(crate) source: Source,
+}
+
+impl<'a> Masked<'a> {
+    pub(crate) fn new(question: &'a Question<'a>) -> Result<Self, ColumnarError> {
+        question.cache.begin();
+        let mut masks = spread(question.parts.len(), question.threads, Vec::new, |masks, at| {
+            masks.push((at, question.mask(at)?));
+            Ok(())
+        })?
+        .concat();
+        masks.sort_unstable_by_key(|(at, _)| *at);
+        let masks: Vec<Mask> = masks.into_iter().map(|(_, mask)| mask).collect();
+        let mut source = Source::default();
+        for (part, mask) in question.parts.iter().zip(&masks) {
+            match part {
+                Part::File { file, .. } => source.files += mask.count(file.rows()) as u64,
+                Part::Rows(columns) => {
+                    source.memory += columns.first().map_or(0, |column| column.len()) as u64
+                }
+            }
+        }
+        Ok(Self {
+            question,
+            masks,
+            source,
+        })
+    }
+
+    /// A pass over the parts that have rows: each thread folds some of them into a value of its own.
+    pub(crate) fn pass<T: Send>(
+        &self,
+        empty: impl Fn() -> T + Sync,
+        fold: impl Fn(&mut T, &Rows<'_>) -> Result<(), ColumnarError> + Sync,
+    ) -> Result<Vec<T>, ColumnarError> {
+        let parts = self.question.parts.len();
+        spread(parts, self.question.threads, empty, |folded, at| {
+            let mask = &self.masks[at];
+            if *mask == Mask::None {
+                return Ok(());
+            }
+            let question = self.question;
+            fold(folded, &Rows { question, at, mask })
+        })
+    }
+}
+
+impl Rows<'_> {
+    /// A column of the question by its place.
+    pub(crate) fn column(&self, place: usize) -> Result<Arc<Column>, ColumnarError> {
+        match &self.question.parts[self.at] {
+            Part::Rows(columns) => Ok(Arc::clone(&columns[place])),
+            Part::File { file, .. } => self.question.cache.read(file, &self.question.columns[place]),
+        }
+    }
+
+    /// Where the values of a column lie, if that is known without reading it and every row counts and has one.
+    pub(crate) fn range(&self, place: usize) -> Option<Range> {
+        match &self.question.parts[self.at] {
+            Part::File { file, .. } if *self.mask == Mask::All => file
+                .range(&self.question.columns[place])
+                .filter(|range| !range.any_missing),
+            _ => None,
+        }
+    }
+
+    /// Rows that count.
+    pub(crate) fn count(&self) -> u64 {
+        let rows = match &self.question.parts[self.at] {
+            Part::File { file, .. } => file.rows(),
+            Part::Rows(columns) => columns.first().map_or(0, |column| column.len()),
+        };
+        self.mask.count(rows) as u64
+    }
+
+    /// Calls `each` with the places of the rows that count.
+    #[inline]
+    pub(crate) fn each(&self, rows: usize, mut each: impl FnMut(usize)) {
+        match self.mask {
+            Mask::None => {}
+            Mask::All => (0..rows).for_each(each),
+            Mask::Some(mask) => {
+                for (at, counts) in mask.iter().enumerate() {
+                    if *counts {
+                        each(at);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Question<'_> {
+    fn mask(&self, at: usize) -> Result<Mask, ColumnarError> {
+        match &self.parts[at] {
+            Part::Rows(columns) => Ok(match columns.first() {
+                Some(column) if !column.is_empty() => Mask::All,
+                _ => Mask::None,
+            }),
+            Part::File { file, jobs } => {
+                let columns = OfFile {
+                    file,
+                    cache: self.cache,
+                };
+                let mask = match jobs {
+                    None => Mask::All,
+                    Some(jobs) => of_jobs(&*columns.column(JOB)?, jobs),
+                };
+                match self.condition {
+                    Some(condition) if mask != Mask::None => Ok(mask.and(condition.mask(&columns)?)),
+                    _ => Ok(mask),
+                }
+            }
+        }
+    }
+}
+
+fn of_jobs(column: &Column, jobs: &HashSet<String>) -> Mask {
+    let Column::Texts { codes, texts } = column else {
+        return Mask::None;
+    };
+    let asked: Vec<bool> = texts.iter().map(|text| jobs.contains(&**text)).collect();
+    let row = |code: &u16| asked.get(usize::from(*code)).copied().unwrap_or(false);
+    Mask::of(codes.iter().map(row).collect())
+}
+
+struct OfFile<'a> {
+    file: &'a MirrorFile,
+    cache: &'a Cache,
+}
+
+impl Columns for OfFile<'_> {
+    type Error = ColumnarError;
+
+    fn column(&self, name: &str) -> Result<Arc<Column>, ColumnarError> {
+        self.cache.read(self.file, name)
+    }
+
+    fn range(&self, name: &str) -> Option<Range> {
+        self.file.range(name)
+    }
+}
+
+/// Folds the numbers below `items` into one value for each thread.
+fn spread<T: Send>(
+    items: usize,
+    threads: usize,
+    empty: impl Fn() -> T + Sync,
+    fold: impl Fn(&mut T, usize) -> Result<(), ColumnarError> + Sync,
+) -> Result<Vec<T>, ColumnarError> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut folded = empty();
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            if at >= items {
+                return Ok(folded);
+            }
+            fold(&mut folded, at)?;
+        }
+    };
+    let threads = threads.min(items).max(1);
+    if threads == 1 {
+        return work().map(|folded| vec![folded]);
+    }
+    std::thread::scope(|scope| {
+        let all: Vec<_> = (1..threads).map(|_| scope.spawn(&work)).collect();
+        let own = work();
+        let others = all.into_iter().map(|thread| {
+            thread
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        std::iter::once(own).chain(others).collect()
+    })
+}

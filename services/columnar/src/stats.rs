@@ -1,0 +1,393 @@
+//! Count, mean, deviation and quartiles of columns in groups, without holding their values.
+//!
+//! A pass finds the smallest and the largest value of each group, a second one counts values in fine bins and adds them up, and
+//! a third one adds the squares and gathers the values of the bins in which quartiles lie.
+
+use crate::error::ColumnarError;
+use crate::groups::{Cell, GroupBy, Grouped, NO_GROUP, grouped};
+use crate::parts::{Masked, Question, Rows, Source};
+use crate::sum::Sum;
+
+/// Statistics of the values of a group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)]
+pub struct Summary {
+    pub count: u64,
+    pub mean: Option<f64>,
+    pub sd: Option<f64>,
+    pub min: Option<f64>,
+    pub q25: Option<f64>,
+    pub median: Option<f64>,
+    pub q75: Option<f64>,
+    pub max: Option<f64>,
+}
+
+/// The shares below the quartiles.
+const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
+/// Bins of one group at most, and of all groups of a column together: some megabytes for each thread.
+const MOST_BINS: usize = 4096;
+const ALL_BINS: usize = 1 << 18;
+const LEAST_BINS: usize = 64;
+
+/// A group with what is known of its values so far.
+#[derive(Debug, Clone, Copy)]
+struct Ends {
+    count: u64,
+    low: f64,
+    high: f64,
+}
+
+const NO_VALUES: Ends = Ends {
+    count: 0,
+    low: f64::INFINITY,
+    high: f64::NEG_INFINITY,
+};
+
+/// Values of a group in bins, and their sum.
+#[derive(Clone)]
+struct Binned {
+    counts: Vec<u32>,
+    sum: Sum,
+}
+
+/// The squares of a group's deviations, and the values of its wanted bins.
+#[derive(Clone)]
+struct Gathered {
+    squares: Sum,
+    values: Vec<f64>,
+}
+
+/// What is asked of a group in the third pass.
+struct Wanted {
+    mean: f64,
+    /// The bins in which quartiles lie.
+    bins: Vec<bool>,
+    largest_square: f64,
+}
+
+/// The summaries of one column, group by group.
+type Summaries = Vec<Summary>;
+
+/// Statistics of the first `metrics` columns of the question for each group: its key, and one summary for each column. Groups are in
+/// no order.
+///
+/// # Errors
+/// [`ColumnarError::TooManyGroups`] for more than `most`; [`ColumnarError::NotFinite`] for values for which there are no bins; those
+/// of files.
+pub fn stats(
+    question: &Question<'_>,
+    metrics: usize,
+    by: &[GroupBy],
+    most: usize,
+) -> Result<(Vec<(Vec<Cell>, Summaries)>, Source), ColumnarError> {
+    let masked = Masked::new(question)?;
+    let grouped = grouped(&masked, by, most)?;
+    let columns = (0..metrics).map(|metric| of_column(&masked, &grouped, metric));
+    let columns = columns.collect::<Result<Vec<_>, _>>()?;
+    let groups = grouped.keys.into_iter().enumerate().map(|(group, key)| {
+        let summaries = columns.iter().map(|column| column[group]).collect();
+        (key, summaries)
+    });
+    Ok((groups.collect(), masked.source))
+}
+
+/// The same of plain values.
+#[must_use]
+pub fn summary(mut values: Vec<f64>) -> Summary {
+    values.sort_by(f64::total_cmp);
+    let count = values.len();
+    let mean = (count > 0).then(|| Sum::of(values.iter().copied()) / count as f64);
+    let sd = mean.filter(|_| count > 1).map(|mean| {
+        let squares = values.iter().map(|value| (value - mean) * (value - mean));
+        (Sum::of(squares) / (count - 1) as f64).sqrt()
+    });
+    let [q25, median, q75] = SHARES.map(|share| {
+        let place = Place::of(share, count as u64)?;
+        Some(place.between(values[place.low as usize], values[place.high as usize]))
+    });
+    Summary {
+        count: count as u64,
+        mean,
+        sd,
+        min: values.first().map(|value| value + 0.0),
+        q25,
+        median,
+        q75,
+        max: values.last().map(|value| value + 0.0),
+    }
+}
+
+/// Where a quartile lies among sorted values.
+struct Place {
+    low: u64,
+    high: u64,
+    share: f64,
+}
+
+impl Place {
+    fn of(share: f64, count: u64) -> Option<Self> {
+        let place = share * count.checked_sub(1)? as f64;
+        Some(Self {
+            low: place.floor() as u64,
+            high: place.ceil() as u64,
+            share: place.fract(),
+        })
+    }
+
+    /// Zero has no sign here, so that it does not matter which of equal values stands first.
+    fn between(&self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.share + 0.0
+    }
+}
+
+fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Summaries, ColumnarError> {
+    let groups = grouped.keys.len();
+    let bins = (ALL_BINS / groups.max(1)).clamp(LEAST_BINS, MOST_BINS);
+    let ends = ends(masked, grouped, metric)?;
+    if ends
+        .iter()
+        .any(|ends| ends.count > 0 && !(ends.high - ends.low).is_finite())
+    {
+        return Err(ColumnarError::NotFinite);
+    }
+    let binned = binned(masked, grouped, metric, &ends, bins)?;
+    let wanted: Vec<Wanted> = ends
+        .iter()
+        .zip(&binned)
+        .map(|(ends, binned)| Wanted::new(ends, binned))
+        .collect();
+    let gathered = gathered(masked, grouped, metric, &ends, &wanted, bins)?;
+    let all = ends.iter().zip(&binned).zip(&wanted).zip(gathered);
+    Ok(all
+        .map(|(((ends, binned), wanted), gathered)| summarized(ends, binned, wanted, gathered))
+        .collect())
+}
+
+/// Calls `each` with the group and the value of every row that counts and has one.
+#[inline]
+fn each_value(
+    rows: &Rows<'_>,
+    grouped: &Grouped,
+    metric: usize,
+    mut each: impl FnMut(usize, f64),
+) -> Result<(), ColumnarError> {
+    let column = rows.column(metric)?;
+    let values = column.numbers();
+    let groups = &grouped.groups[rows.at];
+    if groups.is_empty() {
+        rows.each(values.len(), |at| {
+            if !values[at].is_nan() {
+                each(0, values[at]);
+            }
+        });
+        return Ok(());
+    }
+    for (group, value) in groups.iter().zip(values.iter()) {
+        if *group != NO_GROUP && !value.is_nan() {
+            each(usize::from(*group), *value);
+        }
+    }
+    Ok(())
+}
+
+fn ends(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Vec<Ends>, ColumnarError> {
+    use crate::condition::Bound;
+    let groups = grouped.keys.len();
+    let all = masked.pass(
+        || vec![NO_VALUES; groups],
+        |ends, rows| {
+            if let (true, Some(known)) = (grouped.groups[rows.at].is_empty(), rows.range(metric))
+                && let (Bound::Number(low), Bound::Number(high)) = (known.low, known.high)
+            {
+                ends[0].merge(&Ends {
+                    count: rows.count(),
+                    low,
+                    high,
+                });
+                return Ok(());
+            }
+            each_value(rows, grouped, metric, |group, value| {
+                ends[group].merge(&Ends {
+                    count: 1,
+                    low: value,
+                    high: value,
+                });
+            })
+        },
+    )?;
+    let mut ends = vec![NO_VALUES; groups];
+    for part in all {
+        ends.iter_mut().zip(&part).for_each(|(all, more)| all.merge(more));
+    }
+    Ok(ends)
+}
+
+impl Ends {
+    #[inline]
+    fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.low = self.low.min(other.low);
+        self.high = self.high.max(other.high);
+    }
+
+    fn largest(&self) -> f64 {
+        if self.count == 0 {
+            0.0
+        } else {
+            self.low.abs().max(self.high.abs())
+        }
+    }
+
+    /// Bins for each unit; 0 where all values are in one.
+    fn scale(&self, bins: usize) -> f64 {
+        let scale = bins as f64 / (self.high - self.low);
+        if scale.is_finite() { scale } else { 0.0 }
+    }
+
+    /// The bin of a value, which never falls as the value grows.
+    #[inline]
+    fn bin(&self, value: f64, scale: f64, bins: usize) -> usize {
+        (((value - self.low) * scale) as usize).min(bins - 1)
+    }
+}
+
+fn binned(
+    masked: &Masked<'_>,
+    grouped: &Grouped,
+    metric: usize,
+    ends: &[Ends],
+    bins: usize,
+) -> Result<Vec<Binned>, ColumnarError> {
+    let scales: Vec<f64> = ends.iter().map(|ends| ends.scale(bins)).collect();
+    let empty = || -> Vec<Binned> {
+        let one = |ends: &Ends| Binned {
+            counts: vec![0; bins],
+            sum: Sum::up_to(ends.largest()),
+        };
+        ends.iter().map(one).collect()
+    };
+    let mut all = empty();
+    for part in masked.pass(empty, |binned, rows| {
+        each_value(rows, grouped, metric, |group, value| {
+            let bin = ends[group].bin(value, scales[group], bins);
+            let binned = &mut binned[group];
+            binned.counts[bin] += 1;
+            binned.sum.add(value);
+        })
+    })? {
+        for (all, more) in all.iter_mut().zip(&part) {
+            all.sum.merge(&more.sum);
+            for (all, more) in all.counts.iter_mut().zip(&more.counts) {
+                *all += more;
+            }
+        }
+    }
+    Ok(all)
+}
+
+impl Wanted {
+    fn new(ends: &Ends, binned: &Binned) -> Self {
+        let mut bins = vec![false; binned.counts.len()];
+        let places = SHARES.iter().filter_map(|share| Place::of(*share, ends.count));
+        let mut ranks: Vec<u64> = places.flat_map(|place| [place.low, place.high]).collect();
+        ranks.sort_unstable();
+        let (mut ranks, mut below) = (ranks.into_iter().peekable(), 0);
+        // Where all values are the same there is nothing to look for.
+        if ends.low < ends.high {
+            for (bin, count) in binned.counts.iter().enumerate() {
+                below += u64::from(*count);
+                while ranks.next_if(|rank| *rank < below).is_some() {
+                    bins[bin] = true;
+                }
+            }
+        }
+        let mean = if ends.count == 0 {
+            0.0
+        } else {
+            binned.sum.total() / ends.count as f64
+        };
+        let square = |value: f64| (value - mean) * (value - mean);
+        Self {
+            mean,
+            bins,
+            largest_square: if ends.count == 0 {
+                0.0
+            } else {
+                square(ends.low).max(square(ends.high))
+            },
+        }
+    }
+}
+
+fn gathered(
+    masked: &Masked<'_>,
+    grouped: &Grouped,
+    metric: usize,
+    ends: &[Ends],
+    wanted: &[Wanted],
+    bins: usize,
+) -> Result<Vec<Gathered>, ColumnarError> {
+    let scales: Vec<f64> = ends.iter().map(|ends| ends.scale(bins)).collect();
+    let empty = || -> Vec<Gathered> {
+        let one = |wanted: &Wanted| Gathered {
+            squares: Sum::up_to(wanted.largest_square),
+            values: Vec::new(),
+        };
+        wanted.iter().map(one).collect()
+    };
+    let mut all = empty();
+    for part in masked.pass(empty, |gathered, rows| {
+        each_value(rows, grouped, metric, |group, value| {
+            let (wanted, gathered) = (&wanted[group], &mut gathered[group]);
+            gathered
+                .squares
+                .add((value - wanted.mean) * (value - wanted.mean));
+            if wanted.bins[ends[group].bin(value, scales[group], bins)] {
+                gathered.values.push(value);
+            }
+        })
+    })? {
+        for (all, more) in all.iter_mut().zip(part) {
+            all.squares.merge(&more.squares);
+            all.values.extend(more.values);
+        }
+    }
+    Ok(all)
+}
+
+fn summarized(ends: &Ends, binned: &Binned, wanted: &Wanted, mut gathered: Gathered) -> Summary {
+    gathered.values.sort_unstable_by(f64::total_cmp);
+    let value = |rank: u64| {
+        if !(ends.low < ends.high) {
+            return ends.low;
+        }
+        // The rank among the gathered values: less what is in the bins before that were not.
+        let (mut below, mut skipped) = (0, 0);
+        for (count, is_wanted) in binned.counts.iter().zip(&wanted.bins) {
+            if rank < below + u64::from(*count) {
+                break;
+            }
+            below += u64::from(*count);
+            skipped += if *is_wanted { 0 } else { u64::from(*count) };
+        }
+        gathered.values[(rank - skipped) as usize]
+    };
+    let [q25, median, q75] = SHARES.map(|share| {
+        let place = Place::of(share, ends.count)?;
+        Some(place.between(value(place.low), value(place.high)))
+    });
+    let some = |value: f64| (ends.count > 0).then_some(value + 0.0);
+    Summary {
+        count: ends.count,
+        mean: some(wanted.mean),
+        sd: (ends.count > 1).then(|| (gathered.squares.total() / (ends.count - 1) as f64).sqrt()),
+        min: some(ends.low),
+        q25,
+        median,
+        q75,
+        max: some(ends.high),
+    }
+}
+
+#[cfg(test)]
+mod tests;
