@@ -33,6 +33,7 @@ export const GROUPS = [
   ["Scene and camera", [
     choice("/scene/family", "/v1/lists/families", { value: "structure" }),
     slider("/scene/seed", 0, 1000000, { whole: true, value: 0 }),
+    choice("/camera/preset", "/v1/lists/cameras", { none: "pinhole" }),
     slider("/camera/hfov_deg", 20, 150, { value: 80 }),
     slider("/camera/width", 64, 2048, { whole: true, value: 768 }),
     slider("/camera/height", 64, 1536, { whole: true, value: 492 }),

@@ -3,10 +3,10 @@
 import { get } from "./api.js";
 import { h, put } from "./dom.js";
 
-const PAGE = 200;
+const PAGE = 100;
 // Rows of one question on the way to a page far below.
 const STRIDE = 1000;
-const MOST_PAGES = 40;
+const MOST_PAGES = 80;
 // Browsers lay out no taller elements.
 const TALLEST = 15_000_000;
 

@@ -10,7 +10,8 @@ import { bytes, number, path, queryOf } from "./text.js";
 export async function show(root, route) {
   const [job, frame] = route.args;
   const base = `/v1/images/${path(job ?? "", frame ?? "")}`;
-  const [record, info, fields] = await Promise.all([get(base, {}, route.signal), known("/v1/lists/artifacts"), known("/v1/lists/fields")]);
+  const [record, info, fields, description, waters] = await Promise.all([get(base, {}, route.signal), known("/v1/lists/artifacts"),
+    known("/v1/lists/fields"), get(`/v1/jobs/${path(job ?? "")}/description`, {}, route.signal).catch(() => null), known("/v1/waters").catch(() => [])]);
   const about = new Map(info.map((kind) => [kind.name, kind.about]));
   const layers = new Layers(route, base, record, about);
   const neighbors = h("nav.beside", { "aria-label": "Neighbors" });
@@ -19,7 +20,7 @@ export async function show(root, route) {
   root.append(heading(`${record.dataset} · frame ${frame}`, neighbors), layers.element,
     h("div.row", {}, again, h("a", { href: `#/compose?job=${encodeURIComponent(JSON.stringify(ofFrame(record)))}` }, "Open in Compose"),
       h("a", { href: `#/set/${path(record.dataset)}` }, "To its set"), h("a", { href: `#/jobs/${path(job)}` }, "To its job")), verdict,
-    h("div.columns", {}, section("Parameters", parameters(record, fields)), section("Plan and time", planTable(record)),
+    h("div.columns", {}, section("Parameters", parameters(record, fields, description, waters)), section("Plan and time", planTable(record)),
       section("Metrics", measurements(record)), section("Objects", boxesTable(record, (one) => layers.point(one))),
       section("Along a column", await along(record, route)), section("Files", files(record, base, about)),
       section("Where it comes from", provenance(record))),

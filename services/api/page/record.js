@@ -1,27 +1,40 @@
 // Tables of what the record of an image says.
 
 import { h, table } from "./dom.js";
+import { lawOf } from "./laws.js";
 import { codeColor } from "./picture.js";
 import { number } from "./text.js";
 
 const OPTICS_UNITS = { spread_px_per_m: "px/m", spread_offset_px: "px", backscatter_fraction: "" };
 
-export function parameters(record, fields) {
+// job is the description of the whole job, as far as it is known: where it has a law, the law stands beside the value.
+export function parameters(record, fields, job, waters) {
   const known = new Map(fields.map((field) => [field.name.replace(/\([a-z]+\)/g, ""), field]));
   const rows = [];
   flatten(record.parameters, "", rows);
   const described = rows.filter(([name]) => !name.startsWith("artifacts") && !name.startsWith("metrics")).map(([name, value]) => {
     const field = known.get(name.replace(/\[\d+\]/g, "[]"));
-    return [h("span", { title: field?.about }, name), [value, field?.unit && ` ${field.unit}`]];
+    return [h("span", { title: field?.about }, name), [value, field?.unit && ` ${field.unit}`], h("span.quiet.mono", {}, lawAt(job, name))];
   });
   const optics = record.optics ?? {};
   const derived = new Set(optics.derived ?? []);
   const water = Object.entries(optics).filter(([, value]) => Array.isArray(value) && typeof value[0] === "number" || typeof value === "number")
     .map(([name, value]) => [name, [[value].flat().map((one) => number(one)).join(", "), ` ${OPTICS_UNITS[name] ?? (name.endsWith("_per_m") ? "1/m" : "")}`,
       derived.has(name) && h("em.quiet", {}, " derived")]]);
-  return [table(["parameter", "value"], described, { label: "Parameters" }), water.length > 0
+  const source = waters?.find((one) => one.name === optics.preset)?.source;
+  return [table(["parameter", "value", "law"], described, { label: "Parameters" }), source && h("p.quiet", {}, `Water ${optics.preset}: ${source}`), water.length > 0
     && h("details", {}, h("summary", {}, `Coefficients of ${optics.preset ?? "the water"} in this frame (R, G, B)`),
       table(["coefficient", "value"], water, { label: "Coefficients" }))];
+}
+
+// The law that a description has at a parameter, or above it, as text.
+function lawAt(job, name) {
+  let place = job;
+  for (const key of ["", ...name.split(/[.[\]]+/).filter(Boolean)]) {
+    if (key !== "") place = place && typeof place === "object" ? place[key] : undefined;
+    if (lawOf(place)) return JSON.stringify(place);
+  }
+  return "";
 }
 
 function flatten(value, name, rows) {

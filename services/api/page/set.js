@@ -12,7 +12,7 @@ import { bytes, count, number, path, queryOf, quoted } from "./text.js";
 const OVERLAYS = [["", "none"], ["semantics", "categories"], ["instances", "instances"], ["boxes", "boxes"], ["range", "range"]];
 
 // Images that the grid has room for until it is known how many there are.
-const FIRST = 200;
+const FIRST = 100;
 
 export async function show(root, route) {
   const name = route.args[0] ?? "";

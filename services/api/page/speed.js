@@ -3,6 +3,7 @@
 import { get, list, send } from "./api.js";
 import { curves } from "./chart.js";
 import { h, heading, put, same, select, table } from "./dom.js";
+import { shade } from "./picture.js";
 import { count, number, path } from "./text.js";
 
 const SAMPLE = 24;
@@ -10,9 +11,10 @@ const SAMPLE = 24;
 export async function show(root, route) {
   const chart = h("section.panel");
   const frames = h("section.panel");
-  root.append(heading("Speed and accuracy"), chart, frames, same("fathom plan examples/tour.json --frame 3",
+  const maps = h("section.panel");
+  root.append(heading("Speed and accuracy"), chart, maps, frames, same("fathom plan examples/tour.json --frame 3",
     "cargo run --release -p lab -- chart --out charts", "GET /v1/images/{job}/{frame}"));
-  await Promise.all([figures(chart, route), ofSet(frames, route)]);
+  await Promise.all([figures(chart, route), stability(maps, route), ofSet(frames, route)]);
 }
 
 async function figures(place, route) {
@@ -41,6 +43,43 @@ async function figures(place, route) {
     h("details", {}, h("summary", {}, "The same as a table"), table(["variant", "ms", "largest error", "codes", ""], shown.map((row) => [
       `${row.variant} ${row.terms}`, number(Number(row.ms_min), 3), number(Number(row.error_max), 2), row.codes_max,
       [row.default === "true" && "default ", row.pareto === "true" && "front"]]), { label: "Variants" })));
+  };
+  const change = (values) => {
+    route.set(values);
+    draw();
+  };
+  draw();
+}
+
+// Where an enhancement makes pictures worse: rows of degradations, each in steps from harmless to hopeless.
+async function stability(place, route) {
+  const text = await send("/assets/stability.csv", { signal: route.signal }).then((one) => one.text());
+  const [head, ...rows] = text.trim().split("\n").map((line) => line.split(";"));
+  const all = rows.map((row) => Object.fromEntries(head.map((name, at) => [name, row[at]])));
+  const methods = [...new Set(all.map((row) => row.method))];
+  const shows = [["ssim", "change of the SSIM"], ["gain", "amplified noise"]];
+  const draw = () => {
+    const method = methods.includes(route.query.method) ? route.query.method : methods[1];
+    const what = route.query.map === "gain" ? "gain" : "ssim";
+    const shown = all.filter((row) => row.method === method);
+    const worse = shown.filter((row) => Number(row.ssim_after) < Number(row.ssim_before)).length;
+    const cell = (row) => {
+      const change = Number(row.ssim_after) - Number(row.ssim_before);
+      const label = what === "ssim" ? `${change > 0 ? "+" : ""}${change.toFixed(2)}` : `${row.gain}×`;
+      const share = what === "ssim" ? 0.5 - change : Math.log10(Math.max(1, Number(row.gain))) / 2;
+      const [r, g, b] = shade(share);
+      const td = h("td", { title: `${row.degradation} ${row.value}: SSIM ${row.ssim_before} to ${row.ssim_after}, gain ${row.gain}, failures ${row.failures}` }, label);
+      td.style.background = `rgb(${r} ${g} ${b})`;
+      td.style.color = 0.3 * r + 0.59 * g + 0.11 * b > 110 ? "#000" : "#fff";
+      return td;
+    };
+    const kinds = [...new Set(shown.map((row) => row.degradation))];
+    put(place, h("h2", {}, "Where enhancements fail"), h("div.row", {}, select("Method", methods, method, (value) => change({ method: value })),
+      select("Map", shows, what, (value) => change({ map: value }))),
+    h("p.quiet", {}, `${worse} of ${shown.length} cells move the picture away from the clean one. Shipped figures of 8 scenes under water, each degraded in `
+      + "8 steps; those of ibla and suir are of their earlier form."),
+    h("div.wide", {}, h("table.map", { "aria-label": `${method}: ${what}` }, kinds.map((kind) => h("tr", {}, h("th", { scope: "row" }, kind),
+      shown.filter((row) => row.degradation === kind).map(cell))))));
   };
   const change = (values) => {
     route.set(values);

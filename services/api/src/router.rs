@@ -131,6 +131,7 @@ fn asking() -> OpenApiRouter<App> {
 fn following() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::get::get))
+        .routes(routes!(jobs::routes::description::get))
         .routes(routes!(styles::routes::training::get))
 }
 

@@ -12,7 +12,7 @@ use crate::counting::{Asked, check_dataset, number_column};
 use crate::error::CatalogueError;
 use crate::page::double;
 use crate::select::Select;
-use crate::types::Source;
+use crate::source::Source;
 
 /// Upper limit for each axis: finer cells cannot be seen.
 const MOST_BINS: u32 = 400;

@@ -41,6 +41,7 @@ mod row_digests;
 mod scenes;
 mod scrub;
 mod select;
+mod source;
 mod stats;
 mod tables;
 mod time;
@@ -62,12 +63,13 @@ pub use job_state::JobState;
 pub use metadata::columns_of_every_image;
 pub use mirroring::MIRROR_ROWS;
 pub use scrub::DamagedRow;
+pub use source::Source;
 pub use stats::GroupedStats;
 pub use time::UnixMs;
 pub use types::{
     ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
     ImportedArtifact, ImportedShard, InsertImage, InsertJob, JobRow, NamedDigest, NewJob, NewShard, OpenJob,
-    Page, Place, Retried, SceneRow, ShardEnd, Source, StoredArtifact,
+    Page, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
 };
 pub use versions::{SealedImage, VersionJob, VersionRow};
 pub use waters::WaterRow;

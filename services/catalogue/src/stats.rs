@@ -16,7 +16,8 @@ use crate::error::CatalogueError;
 use crate::groups::{GroupColumn, Key, MOST_GROUPS, compare_groups, keys, of_cell};
 use crate::page::double;
 use crate::select::Select;
-use crate::types::{GroupStats, Source};
+use crate::source::Source;
+use crate::types::GroupStats;
 
 /// What is asked for.
 struct Question<'a> {

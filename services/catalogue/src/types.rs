@@ -9,6 +9,7 @@ use spec::{ArtifactEntry, Provenance, SceneFiles};
 use utoipa::ToSchema;
 
 use crate::job_state::JobState;
+use crate::source::Source;
 use crate::time::UnixMs;
 
 /// A job to store.
@@ -330,25 +331,6 @@ pub struct GroupStats {
     pub q75: Option<f64>,
     /// The largest value.
     pub max: Option<f64>,
-}
-
-/// Where the images that were counted were read.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ToSchema)]
-#[schema(as = CountedSource)]
-pub struct Source {
-    /// Images that were read from the mirror, by columns.
-    pub mirror: u64,
-    /// Images that were read from the catalogue, row by row.
-    pub catalogue: u64,
-}
-
-impl From<columnar::Source> for Source {
-    fn from(source: columnar::Source) -> Self {
-        Self {
-            mirror: source.files,
-            catalogue: source.memory,
-        }
-    }
 }
 
 /// How the values of a column are spread.

@@ -76,8 +76,15 @@ const MACHINE: Asset = Asset {
     bytes: include_bytes!("../../../../docs/charts/machine.json"),
 };
 
+/// Where enhancements fail, from the laboratory's stability.csv, to the digits that a map shows.
+const STABILITY: Asset = Asset {
+    path: "/assets/stability.csv",
+    media_type: "text/csv; charset=utf-8",
+    bytes: include_bytes!("../../../../docs/stability/map.csv"),
+};
+
 pub(crate) fn router() -> Router {
-    let assets = [START, FIGURES, MACHINE].into_iter().chain(ASSETS);
+    let assets = [START, FIGURES, MACHINE, STABILITY].into_iter().chain(ASSETS);
     assets.fold(Router::new(), |router, asset| {
         let tag = spec::hex(&Sha256::digest(asset.bytes));
         let path = asset.path;
@@ -122,7 +129,7 @@ mod tests {
                 words.filter_map(|word| word.strip_prefix("./").or_else(|| word.strip_prefix("/assets/")));
             for name in named {
                 let is_there = |asset: &Asset| asset.path == format!("/assets/{name}");
-                let all = [FIGURES, MACHINE].into_iter().chain(ASSETS);
+                let all = [FIGURES, MACHINE, STABILITY].into_iter().chain(ASSETS);
                 assert!(
                     all.into_iter().any(|asset| is_there(&asset)),
                     "{} names {name}",
@@ -136,7 +143,7 @@ mod tests {
 
     #[test]
     fn the_page_is_small_and_puts_no_markup_together() {
-        let all = [START, FIGURES, MACHINE].into_iter().chain(ASSETS);
+        let all = [START, FIGURES, MACHINE, STABILITY].into_iter().chain(ASSETS);
         let bytes: usize = all.map(|asset| asset.bytes.len()).sum();
         assert!(bytes <= 300_000, "{bytes}");
         for asset in &ASSETS {
@@ -150,5 +157,41 @@ mod tests {
                 assert!(!text(asset).contains(wrong), "{} has {wrong}", asset.path);
             }
         }
+    }
+
+    #[test]
+    fn the_maps_are_the_figures_of_the_laboratory_with_fewer_digits() {
+        let full = include_str!("../../../../docs/stability/stability.csv");
+        // Only names have commas within quotes.
+        let cells = |line: &str| -> Vec<String> {
+            let parts: Vec<&str> = line.split('"').collect();
+            let Some(name) = parts.get(1) else {
+                return line.split(',').map(str::to_owned).collect();
+            };
+            let (before, after) = (parts[0].trim_end_matches(','), parts[2].trim_start_matches(','));
+            let rest = after.split(',').map(str::to_owned);
+            [before.to_owned(), (*name).to_owned()]
+                .into_iter()
+                .chain(rest)
+                .collect()
+        };
+        let rounded = |cells: Vec<String>| {
+            let number = |at: usize, digits: usize| {
+                let value: f64 = cells[at].parse().unwrap();
+                format!("{value:.digits$}")
+            };
+            let all = [
+                cells[0].clone(),
+                cells[1].clone(),
+                cells[3].clone(),
+                number(4, 3),
+                number(5, 3),
+                number(11, 1),
+                cells[13].clone(),
+            ];
+            all.join(";")
+        };
+        let expected: Vec<String> = full.lines().skip(1).map(|line| rounded(cells(line))).collect();
+        assert_eq!(text(&STABILITY).lines().skip(1).collect::<Vec<_>>(), expected);
     }
 }

@@ -1,10 +1,21 @@
-//! `GET /v1/worker/jobs/{id}`.
+//! `GET /v1/jobs/{id}/description` and `GET /v1/worker/jobs/{id}`.
 
 use axum::response::IntoResponse;
+use serde_json::Value;
 
 use crate::http::stored::octets;
-use crate::http::{Path, Problem, State, Topic, found};
+use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::jobs::Jobs;
+
+/// See the description of a job: defaults are filled in, laws are kept.
+#[utoipa::path(get, path = "/v1/jobs/{id}/description", tag = "jobs", operation_id = "get_job_description",
+    params(("id" = String, Path, description = "`job_…`")),
+    responses((status = 200, description = "The description.", body = Value)))]
+pub(crate) async fn get(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Json<Value>, Problem> {
+    let description = found(jobs.catalogue.description(&id).await?, "job", &id)?;
+    let value = serde_json::from_str(&description).map_err(|error| Problem::internal(&error))?;
+    Ok(Json(value))
+}
 
 /// The canonical description of a job, which a lease names by its digest.
 pub(crate) async fn description(
