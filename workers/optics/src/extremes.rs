@@ -20,7 +20,8 @@ pub(crate) fn least(values: &[f32]) -> f32 {
 }
 
 /// The largest light of each channel; at least 0.
-pub(crate) fn brightest(light: &Rgb<f32>) -> [f32; 3] {
+#[must_use]
+pub fn brightest(light: &Rgb<f32>) -> [f32; 3] {
     light.planes().each_ref().map(|plane| greatest(plane.data()))
 }
 

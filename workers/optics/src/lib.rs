@@ -29,6 +29,7 @@ mod visibility;
 pub mod water;
 
 pub use blend::style_blend;
+pub use extremes::brightest;
 pub use haze::haze;
 pub use screen::Screen;
 pub use visibility::{LEAST_CONTRAST, Visibility, visibility};

@@ -106,40 +106,37 @@ pub fn surfaces(
     let (width, height) = range.size();
     assert_eq!(reflectance.size(), (width, height), "one range for each pixel");
     let channels = [0, 1, 2].map(|c| Channel::new(daylight, c));
-    let toward = daylight.sun.map(|sun| {
-        let toward = sun.toward(&daylight.gaze);
-        toward.map(|v| (v / sun.rise) as f32)
-    });
-    let up = daylight.gaze.up.map(|v| v as f32);
+    let sight = Sight::new(daylight);
     let mut bands = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
     let mut rises = vec![0.0f32; width];
+    let mut places = Places::new(width);
     for y in 0..height {
         let row = Row::new(&daylight.gaze, y);
         vectorized!(rises_of(row, &mut rises));
         let range = range.row(y);
-        let lit = reaching.sunlight.map(|plane| plane.row(y));
+        let is_sloped = daylight.surfaces == SurfaceLight::Normal;
+        if is_sloped {
+            let normals = normals.each_ref().map(|plane| plane.row(y));
+            vectorized!(place_row(sight, range, &rises, normals, &mut places));
+            if let Some(lit) = reaching.sunlight {
+                vectorized!(dim(lit.row(y), &mut places.direct));
+            }
+        }
         for (c, band) in bands.iter_mut().enumerate() {
             let (channel, band) = (&channels[c], band.row_mut(y));
             let albedo = reflectance.planes()[c].row(y);
-            let depths = Depths {
-                range,
-                rises: &rises,
-                albedo,
-            };
-            if daylight.surfaces != SurfaceLight::Normal {
-                vectorized!(by_depth(channel, depths, band));
+            if !is_sloped {
+                vectorized!(by_depth(channel, (range, &rises, albedo), band));
                 continue;
             }
-            let normals = normals.each_ref().map(|plane| plane.row(y));
-            let access = reaching.access.map(|access| access.planes()[c].row(y));
-            match toward {
-                None => vectorized!(overcast(channel, depths, normals, up, band)),
-                Some(toward) => {
-                    vectorized!(sunny(channel, depths, normals, (up, toward), (lit, access), band))
-                }
+            look_up(&channel.table, &places, band);
+            if let Some(access) = reaching.access {
+                vectorized!(dim(access.planes()[c].row(y), band));
             }
-            if let (Some(access), None) = (access, toward) {
-                vectorized!(dimmed(access, band));
+            if daylight.sun.is_some() {
+                vectorized!(sunny(channel, &places, albedo, band));
+            } else {
+                vectorized!(overcast(channel, &places, albedo, band));
             }
         }
     }
@@ -195,9 +192,10 @@ struct Channel {
     share: f32,
     fading: f32,
     /// Where each piece of the table by slope begins, and how it rises in 1/16 of the cosine.
-    begin: [f32; 32],
-    rise: [f32; 32],
+    table: [[f32; 2]; PIECES],
 }
+
+const PIECES: usize = SLOPES - 1;
 
 impl Channel {
     fn new(daylight: &Daylight, c: usize) -> Self {
@@ -210,18 +208,102 @@ impl Channel {
             depth: daylight.depth as f32,
             share: sun.map_or(0.0, |sun| sun.share) as f32,
             fading: sun.map_or(0.0, |sun: &SunLight| sun.fading(field)) as f32,
-            begin: std::array::from_fn(|k| table[k] as f32),
-            rise: std::array::from_fn(|k| (table[k + 1] - table[k]) as f32),
+            table: std::array::from_fn(|k| [table[k] as f32, (table[k + 1] - table[k]) as f32]),
         }
     }
 }
 
-/// The places of a row of surfaces and their reflectance.
+/// The vertical and the way to the sun in f32.
 #[derive(Clone, Copy)]
-struct Depths<'a> {
-    range: &'a [f32],
-    rises: &'a [f32],
-    albedo: &'a [f32],
+struct Sight {
+    up: [f32; 3],
+    /// Over its cosine from the vertical; zero without a sun.
+    toward: [f32; 3],
+    depth: f32,
+}
+
+impl Sight {
+    fn new(daylight: &Daylight) -> Self {
+        let toward = daylight.sun.map_or([0.0; 3], |sun| {
+            sun.toward(&daylight.gaze).map(|v| (v / sun.rise) as f32)
+        });
+        Self {
+            up: daylight.gaze.up.map(|v| v as f32),
+            toward,
+            depth: daylight.depth as f32,
+        }
+    }
+}
+
+/// What all channels of a row share.
+struct Places {
+    /// How far above the camera.
+    above: Vec<f32>,
+    /// The piece of the table by slope, and the share of it.
+    piece: Vec<u32>,
+    part: Vec<f32>,
+    /// max(n·s, 0)/μ of the sun, and what reaches of it.
+    direct: Vec<f32>,
+    /// 1, or 0 at holes.
+    counts: Vec<f32>,
+}
+
+impl Places {
+    fn new(width: usize) -> Self {
+        let blank = || vec![0.0f32; width];
+        Self {
+            above: blank(),
+            piece: vec![0; width],
+            part: blank(),
+            direct: blank(),
+            counts: blank(),
+        }
+    }
+}
+
+#[inline(always)]
+fn place_row(sight: Sight, range: &[f32], rises: &[f32], n: [&[f32]; 3], to: &mut Places) {
+    /// Added, it rounds a float of this size to an integer, which then stands in its low bits.
+    const ROUND: f32 = 12_582_912.0;
+    let Sight { up, toward, depth } = sight;
+    let len = range.len();
+    let [nx, ny, nz] = n.map(|axis| &axis[..len]);
+    let rises = &rises[..len];
+    let (above, piece, part) = (&mut to.above[..len], &mut to.piece[..len], &mut to.part[..len]);
+    let (direct, counts) = (&mut to.direct[..len], &mut to.counts[..len]);
+    for i in 0..len {
+        let (valid, z) = masked(range[i]);
+        above[i] = height(z, rises[i], depth);
+        counts[i] = if valid { 1.0 } else { 0.0 };
+        let facing = nx[i] * up[0] + ny[i] * up[1] + nz[i] * up[2];
+        let sun = nx[i] * toward[0] + ny[i] * toward[1] + nz[i] * toward[2];
+        direct[i] = if sun > 0.0 { sun } else { 0.0 };
+        let place = (facing + 1.0) * 16.0;
+        let place = if place > 0.0 { place } else { 0.0 };
+        let place = if place < 32.0 { place } else { 32.0 };
+        // Both pieces that meet at a slope agree there.
+        let middle = place - 0.5;
+        let middle = if middle > 0.0 { middle } else { 0.0 };
+        let middle = if middle < 31.0 { middle } else { 31.0 };
+        let rounded = middle + ROUND;
+        piece[i] = rounded.to_bits();
+        part[i] = place - (rounded - ROUND);
+    }
+}
+
+/// D of a row: a loop by itself, since the table is read pixel by pixel.
+fn look_up(table: &[[f32; 2]; PIECES], places: &Places, to: &mut [f32]) {
+    for ((to, &piece), &part) in to.iter_mut().zip(&places.piece).zip(&places.part) {
+        let [begin, rise] = table[piece as usize % PIECES];
+        *to = begin + rise * part;
+    }
+}
+
+#[inline(always)]
+fn dim(share: &[f32], to: &mut [f32]) {
+    for (to, share) in to.iter_mut().zip(share) {
+        *to *= share;
+    }
 }
 
 /// How far above the camera.
@@ -239,11 +321,10 @@ fn grown(x: f32) -> f32 {
 }
 
 #[inline(always)]
-fn by_depth(channel: &Channel, depths: Depths<'_>, to: &mut [f32]) {
+fn by_depth(channel: &Channel, (range, rises, albedo): (&[f32], &[f32], &[f32]), to: &mut [f32]) {
     let Channel {
         level, decay, depth, ..
     } = *channel;
-    let Depths { range, rises, albedo } = depths;
     for (((to, &z), &rise), &rho) in to.iter_mut().zip(range).zip(rises).zip(albedo) {
         let (valid, z) = masked(z);
         let z = if valid { z } else { 0.0 };
@@ -251,80 +332,20 @@ fn by_depth(channel: &Channel, depths: Depths<'_>, to: &mut [f32]) {
     }
 }
 
-/// The table by slope.
+/// Takes A D in `to`.
 #[inline(always)]
-fn by_slope(begin: &[f32; 32], rise: &[f32; 32], slope: f32) -> f32 {
-    let place = (slope + 1.0) * 16.0;
-    let place = if place > 0.0 { place } else { 0.0 };
-    let place = if place < 32.0 { place } else { 32.0 };
-    let piece = if place < 31.0 { place } else { 31.0 };
-    let k = piece as i32;
-    let share = place - k as f32;
-    let k = (k & 31) as usize;
-    begin[k] + rise[k] * share
-}
-
-#[inline(always)]
-fn overcast(channel: &Channel, depths: Depths<'_>, n: [&[f32]; 3], up: [f32; 3], to: &mut [f32]) {
-    let Channel {
-        level, decay, depth, ..
-    } = *channel;
-    let (begin, slope) = (&channel.begin, &channel.rise);
-    let Depths { range, rises, albedo } = depths;
+fn overcast(channel: &Channel, places: &Places, albedo: &[f32], to: &mut [f32]) {
+    let Channel { level, decay, .. } = *channel;
     let len = to.len();
-    let (range, rises, albedo) = (&range[..len], &rises[..len], &albedo[..len]);
-    let n = n.map(|axis| &axis[..len]);
+    let (above, counts, albedo) = (&places.above[..len], &places.counts[..len], &albedo[..len]);
     for i in 0..len {
-        let (valid, z) = masked(range[i]);
-        let arriving = albedo[i] * level * grown(decay * height(z, rises[i], depth));
-        let facing = n[0][i] * up[0] + n[1][i] * up[1] + n[2][i] * up[2];
-        let light = arriving * by_slope(begin, slope, facing);
-        to[i] = if valid { light } else { 0.0 };
+        to[i] *= counts[i] * albedo[i] * level * grown(decay * above[i]);
     }
 }
 
+/// Takes A D in `to`.
 #[inline(always)]
-fn dimmed(access: &[f32], to: &mut [f32]) {
-    for (to, access) in to.iter_mut().zip(access) {
-        *to *= access;
-    }
-}
-
-#[inline(always)]
-fn sunny(
-    channel: &Channel,
-    depths: Depths<'_>,
-    n: [&[f32]; 3],
-    (up, toward): ([f32; 3], [f32; 3]),
-    (lit, access): (Option<&[f32]>, Option<&[f32]>),
-    to: &mut [f32],
-) {
-    match (lit, access) {
-        (None, None) => shine(channel, depths, n, (up, toward), |_| [1.0, 1.0], to),
-        (Some(lit), None) => {
-            let lit = &lit[..to.len()];
-            shine(channel, depths, n, (up, toward), |i| [lit[i], 1.0], to);
-        }
-        (None, Some(access)) => {
-            let access = &access[..to.len()];
-            shine(channel, depths, n, (up, toward), |i| [1.0, access[i]], to);
-        }
-        (Some(lit), Some(access)) => {
-            let (lit, access) = (&lit[..to.len()], &access[..to.len()]);
-            shine(channel, depths, n, (up, toward), |i| [lit[i], access[i]], to);
-        }
-    }
-}
-
-#[inline(always)]
-fn shine(
-    channel: &Channel,
-    depths: Depths<'_>,
-    n: [&[f32]; 3],
-    (up, toward): ([f32; 3], [f32; 3]),
-    reaching: impl Fn(usize) -> [f32; 2],
-    to: &mut [f32],
-) {
+fn sunny(channel: &Channel, places: &Places, albedo: &[f32], to: &mut [f32]) {
     let Channel {
         level,
         decay,
@@ -333,24 +354,14 @@ fn shine(
         fading,
         ..
     } = *channel;
-    let (begin, slope) = (&channel.begin, &channel.rise);
-    let Depths { range, rises, albedo } = depths;
     let len = to.len();
-    let (range, rises, albedo) = (&range[..len], &rises[..len], &albedo[..len]);
-    let n = n.map(|axis| &axis[..len]);
+    let (above, counts, albedo) = (&places.above[..len], &places.counts[..len], &albedo[..len]);
+    let direct = &places.direct[..len];
     for i in 0..len {
-        let (valid, z) = masked(range[i]);
-        let above = height(z, rises[i], depth);
-        let arriving = albedo[i] * level * grown(decay * above);
-        let facing = n[0][i] * up[0] + n[1][i] * up[1] + n[2][i] * up[2];
-        let direct = n[0][i] * toward[0] + n[1][i] * toward[1] + n[2][i] * toward[2];
-        let direct = if direct > 0.0 { direct } else { 0.0 };
-        let part = share * grown(-fading * (depth - above));
+        let arriving = counts[i] * albedo[i] * level * grown(decay * above[i]);
+        let part = share * grown(-fading * (depth - above[i]));
         let part = if part < 1.0 { part } else { 1.0 };
-        let [seen, open] = reaching(i);
-        let around = open * by_slope(begin, slope, facing);
-        let light = arriving * (part * seen * direct + (1.0 - part) * around);
-        to[i] = if valid { light } else { 0.0 };
+        to[i] = arriving * (part * direct[i] + (1.0 - part) * to[i]);
     }
 }
 

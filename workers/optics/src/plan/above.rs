@@ -133,7 +133,7 @@ impl Above {
                     }
                     Form::Fast if name == "sun_shadow" => Some("at edges a pixel may fall on the other side"),
                     Form::Fast if name == "ambient_access" => {
-                        Some("between every fourth pixel on one object at one range, each pixel elsewhere")
+                        Some("between every fourth pixel of one surface, each pixel where there is none")
                     }
                     Form::Fast | Form::Reference => None,
                 };

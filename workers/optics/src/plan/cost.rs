@@ -14,11 +14,11 @@ const ATTENUATION_NS: f64 = 1.5;
 const VEIL_NS: f64 = 10.0;
 /// Daylight on surfaces under an even sky and with the sun, a ray to the sun from each pixel, each ray to the sky from where there
 /// are any, and caustics with the tiles that they are looked up in.
-const OVERCAST_NS: f64 = 6.0;
-const SUNNY_NS: f64 = 10.0;
-const SUN_RAY_NS: f64 = 60.0;
-const AMBIENT_RAY_NS: f64 = 10.0;
-const CAUSTICS_NS: f64 = 30.0;
+const OVERCAST_NS: f64 = 7.0;
+const SUNNY_NS: f64 = 9.0;
+const SUN_RAY_NS: f64 = 30.0;
+const AMBIENT_RAY_NS: f64 = 20.0;
+const CAUSTICS_NS: f64 = 40.0;
 /// Each channel that is transformed, and each of its kernels.
 const CHANNEL_NS: f64 = 7.8;
 const KERNEL_NS: f64 = 1.87;

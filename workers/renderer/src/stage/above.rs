@@ -85,10 +85,7 @@ pub(crate) fn light(
     let scene = &prepared.scene.radiance;
     let range = &*of_surfaces(prepared.scene.range.as_ref()?, water.holes());
     let farthest = farthest(range).unwrap_or(0.0);
-    let brightest = scene.planes().each_ref().map(|plane| {
-        let samples = plane.data().iter();
-        samples.fold(0.0f32, |most, &sample| most.max(sample))
-    });
+    let brightest = optics::brightest(scene);
     let by_screen = frame.ray_source() == RaySource::Screen;
     let peak = pattern.map(|pattern| pattern.tiles.peak());
     let mut above = Above::choose(frame, setting, (brightest, peak), farthest, by_screen)?;

@@ -7,6 +7,7 @@ use super::super::veil::{Row, rises_of};
 use super::super::{Daylight, SunLight};
 use super::Waves;
 use super::tile::Tiles;
+use crate::attenuation::masked;
 use crate::range::is_hole;
 
 /// Tiles of one side hold every depth of a cell side by side, at most so many.
@@ -194,7 +195,8 @@ fn trace(of: Trace, range: &[f32], depth: &mut [f32], first: &mut [f32], second:
     let (depth, first, second) = (&mut depth[..len], &mut first[..len], &mut second[..len]);
     for i in 0..len {
         let u = (i as i32 as f32 - of.cx) * of.inverse_focal;
-        let z = range[i] / (u * u + of.square).sqrt();
+        let (valid, z) = masked(range[i]);
+        let z = if valid { z } else { 0.0 } / (u * u + of.square).sqrt();
         let [above, east, north] = of.growth.map(|[growth, rest]| (growth * u + rest) * z);
         let under = of.depth - above;
         let under = of.scale * if under > 0.0 { under } else { 0.0 };
@@ -293,10 +295,23 @@ fn look_up(tiles: &Tiles, steps: &Steps, depth: f32, [u, v]: [f32; 2]) -> f32 {
     above * (1.0 - t) + under * t
 }
 
-/// C in f32 at a depth and a place of entry in true meters.
-pub(super) fn pattern_at(tiles: &Tiles, depth_m: f64, entry: [f64; 2]) -> f32 {
-    let waves = &tiles.waves;
-    let per_m = waves.cells as f64 / waves.tile_m;
-    let place = entry.map(|at| (at.rem_euclid(waves.tile_m) * per_m - 0.5) as f32);
-    look_up(tiles, &Steps::new(&tiles.depths_m), depth_m as f32, place)
+/// C in f32 at single places.
+pub(super) struct LookUp<'a> {
+    tiles: &'a Tiles,
+    steps: Steps,
+}
+
+impl<'a> LookUp<'a> {
+    pub(super) fn new(tiles: &'a Tiles) -> Self {
+        let steps = Steps::new(&tiles.depths_m);
+        Self { tiles, steps }
+    }
+
+    /// At a depth and a place of entry in true meters.
+    pub(super) fn at(&self, depth_m: f64, entry: [f64; 2]) -> f32 {
+        let waves = &self.tiles.waves;
+        let per_m = waves.cells as f64 / waves.tile_m;
+        let place = entry.map(|at| (at * per_m - 0.5) as f32);
+        look_up(self.tiles, &self.steps, depth_m as f32, place)
+    }
 }

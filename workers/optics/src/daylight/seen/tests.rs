@@ -1,8 +1,10 @@
-use imaging::rays::Hit;
+use imaging::rays::{Hit, Rays};
 use imaging::vector::vec3;
 
 use super::super::surface;
+use super::sky::Directions;
 use super::*;
+use crate::range::is_hole;
 
 /// A floor 1 m below a level camera and a ball above it.
 struct Ball;

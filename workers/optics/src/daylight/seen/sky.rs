@@ -1,0 +1,388 @@
+//! How much of the light from all around nothing hides.
+
+use imaging::rays::{Rays, Ways, leaving, offset};
+use imaging::vector::DVec3;
+use imaging::{Plane, Rgb, vectorized};
+
+use super::super::Daylight;
+use super::{SQUARE, Surfaces, single, to_sea};
+use crate::attenuation::exp_negative;
+use crate::range::is_hole;
+
+/// The golden angle.
+const TURN: f64 = 2.399_963_229_728_653;
+/// Attenuation lengths beyond which nothing hides.
+const FARTHEST: f64 = 10.0;
+/// Every so many pixels have rays of their own.
+const STRIDE: usize = 4;
+/// Between them it is as between those of one surface: ranges that differ less, and normals at a smaller angle than this cosine.
+const ONE_RANGE: f32 = 0.05;
+const ONE_NORMAL: f32 = 0.995;
+/// Places whose ways are asked for at once.
+const BATCH: usize = 64;
+
+/// The directions about a normal.
+pub(super) struct Directions {
+    /// Cosine from the normal, and both parts across it.
+    parts: Vec<[f64; 3]>,
+}
+
+impl Directions {
+    pub(super) fn new(count: usize) -> Self {
+        let part = |k: usize| {
+            let cosine = (1.0 - (k as f64 + 0.5) / count as f64).sqrt();
+            let across = (1.0 - cosine * cosine).sqrt();
+            let (sine, turned) = (TURN * k as f64).sin_cos();
+            [cosine, across * turned, across * sine]
+        };
+        Self {
+            parts: (0..count).map(part).collect(),
+        }
+    }
+
+    /// Direction k about a unit vector.
+    pub(super) fn about(&self, k: usize, normal: DVec3) -> DVec3 {
+        let [first, second] = across(normal);
+        let [ahead, along, aside] = self.parts[k];
+        normal * ahead + first * along + second * aside
+    }
+}
+
+/// The axes of the frame of Duff et al. (2017) about a unit vector.
+fn across(normal: DVec3) -> [DVec3; 2] {
+    let DVec3 { x, y, z } = normal;
+    let sign = if z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    [
+        DVec3::from([1.0 + sign * x * x * a, sign * b, -sign * x]),
+        DVec3::from([b, sign + y * y * a, -y]),
+    ]
+}
+
+/// What a place needs to know of its surroundings.
+struct Sky<'a> {
+    daylight: &'a Daylight,
+    directions: Directions,
+    /// m.
+    farthest: f64,
+}
+
+impl<'a> Sky<'a> {
+    fn new(daylight: &'a Daylight, attenuation: [f64; 3]) -> Self {
+        let clearest = attenuation.into_iter().fold(f64::INFINITY, f64::min);
+        Self {
+            daylight,
+            directions: Directions::new(daylight.rays),
+            farthest: FARTHEST / clearest.max(1e-6),
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.daylight.rays
+    }
+
+    fn way(&self, place: DVec3, direction: DVec3) -> f64 {
+        let rise = direction.dot(self.daylight.gaze.up.into());
+        self.farthest.min(to_sea(self.daylight, place, rise))
+    }
+
+    /// A of each channel where these directions are clear.
+    fn access(&self, normal: DVec3, clear: impl Fn(usize) -> bool) -> [f32; 3] {
+        let (mut open, mut all) = ([0.0; 3], [0.0; 3]);
+        for k in 0..self.count() {
+            let rise = self.directions.about(k, normal).dot(self.daylight.gaze.up.into());
+            let is_clear = clear(k);
+            for c in 0..3 {
+                let light = self.daylight.fields[c].shape.phi(rise);
+                all[c] += light;
+                open[c] += if is_clear { light } else { 0.0 };
+            }
+        }
+        [0, 1, 2].map(|c| (open[c] / all[c]) as f32)
+    }
+}
+
+/// A of every pixel; 1 at holes. `attenuation` is c of each channel.
+#[must_use]
+pub fn access_reference(
+    surfaces: Surfaces<'_>,
+    daylight: &Daylight,
+    attenuation: [f64; 3],
+    rays: &dyn Rays,
+) -> Rgb<f32> {
+    let sky = Sky::new(daylight, attenuation);
+    Rgb::from_fn(surfaces.range.width(), surfaces.range.height(), |x, y| {
+        if is_hole(surfaces.range.pixel(x, y)) {
+            return [1.0; 3];
+        }
+        let normal = DVec3::from(surfaces.normal(x, y).map(f64::from));
+        let place = surfaces.place(daylight, x, y);
+        let start = leaving(place.into(), normal.into());
+        sky.access(normal, |k| {
+            let direction = sky.directions.about(k, normal);
+            let meters = sky.way(place, direction);
+            meters <= start.from || !rays.occluded(start.origin, direction.into(), start.from, meters)
+        })
+    })
+}
+
+/// [`access_reference`] with many rays at once, at every fourth pixel of every fourth row. Other pixels lie between those of the four
+/// around them that show the same surface; where none does, they have rays of their own.
+#[must_use]
+pub fn access(
+    surfaces: Surfaces<'_>,
+    daylight: &Daylight,
+    attenuation: [f64; 3],
+    rays: &dyn Rays,
+) -> Rgb<f32> {
+    let (width, height) = surfaces.range.size();
+    let sky = Sky::new(daylight, attenuation);
+    let (columns, rows) = (knots(width), knots(height));
+    let coarse = at_knots(surfaces, &sky, rays, (&columns, &rows));
+    let mut open =
+        Rgb::new([(); 3].map(|()| Plane::filled(width, height, 1.0f32))).expect("planes of one size");
+    let mut rest = Vec::new();
+    for y in 0..height {
+        let j = (y / STRIDE).min(rows.len().saturating_sub(2));
+        for x in 0..width {
+            if is_hole(surfaces.range.pixel(x, y)) {
+                continue;
+            }
+            let i = (x / STRIDE).min(columns.len().saturating_sub(2));
+            let (right, below) = ((i + 1).min(columns.len() - 1), (j + 1).min(rows.len() - 1));
+            let [s, t] = [
+                share(x, columns[i], columns[right]),
+                share(y, rows[j], rows[below]),
+            ];
+            let corners = [
+                (i, j, (1.0 - s) * (1.0 - t)),
+                (right, j, s * (1.0 - t)),
+                (i, below, (1.0 - s) * t),
+                (right, below, s * t),
+            ];
+            let (mut sum, mut weight) = ([0.0f32; 3], 0.0);
+            for (i, j, near) in corners {
+                if near > 0.0 && is_one(surfaces, [x, y], [columns[i], rows[j]]) {
+                    weight += near;
+                    let own = coarse[j * columns.len() + i];
+                    (0..3).for_each(|c| sum[c] += near * own[c]);
+                }
+            }
+            if weight == 0.0 {
+                rest.push([x, y]);
+                continue;
+            }
+            for (plane, sum) in open.planes_mut().into_iter().zip(sum) {
+                plane[y * width + x] = sum / weight;
+            }
+        }
+    }
+    rest.sort_by_key(|&[x, y]| (y / SQUARE, x / SQUARE));
+    for (&[x, y], value) in rest.iter().zip(at_places(surfaces, &sky, rays, &rest)) {
+        for (plane, value) in open.planes_mut().into_iter().zip(value) {
+            plane[y * width + x] = value;
+        }
+    }
+    open
+}
+
+/// Where between two knots a pixel is.
+fn share(at: usize, low: usize, high: usize) -> f32 {
+    if high == low {
+        0.0
+    } else {
+        (at - low) as f32 / (high - low) as f32
+    }
+}
+
+/// A at the knots, row by row.
+fn at_knots(
+    surfaces: Surfaces<'_>,
+    sky: &Sky<'_>,
+    rays: &dyn Rays,
+    (columns, rows): (&[usize], &[usize]),
+) -> Vec<[f32; 3]> {
+    let mut order: Vec<[usize; 2]> = (0..rows.len())
+        .flat_map(|j| (0..columns.len()).map(move |i| [i, j]))
+        .collect();
+    order.sort_by_key(|&[i, j]| (j / SQUARE, i / SQUARE));
+    let places: Vec<[usize; 2]> = order.iter().map(|&[i, j]| [columns[i], rows[j]]).collect();
+    let mut values = vec![[1.0; 3]; order.len()];
+    for ([i, j], value) in order.iter().zip(at_places(surfaces, sky, rays, &places)) {
+        values[j * columns.len() + i] = value;
+    }
+    values
+}
+
+/// Every so many of so many places, and the last.
+fn knots(count: usize) -> Vec<usize> {
+    let mut knots: Vec<usize> = (0..count).step_by(STRIDE).collect();
+    if knots.last() != Some(&(count - 1)) {
+        knots.push(count - 1);
+    }
+    knots
+}
+
+/// Whether two pixels show one surface.
+fn is_one(surfaces: Surfaces<'_>, [x, y]: [usize; 2], [i, j]: [usize; 2]) -> bool {
+    let (own, other) = (surfaces.range.pixel(x, y), surfaces.range.pixel(i, j));
+    let (n, m) = (surfaces.normal(x, y), surfaces.normal(i, j));
+    let turned = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+    let object = surfaces
+        .objects
+        .is_none_or(|objects| objects.pixel(x, y) == objects.pixel(i, j));
+    object && (own - other).abs() < ONE_RANGE * own && turned > ONE_NORMAL
+}
+
+/// A at some pixels that are near each other in the list; 1 at holes.
+fn at_places(surfaces: Surfaces<'_>, sky: &Sky<'_>, rays: &dyn Rays, places: &[[usize; 2]]) -> Vec<[f32; 3]> {
+    let mut values = Vec::with_capacity(places.len());
+    let (mut ways, mut clear) = (Ways::default(), Vec::new());
+    let mut bundles = vec![Bundle::default(); sky.count()];
+    let gaze = Gaze::new(sky);
+    for batch in places.chunks(BATCH) {
+        let spots = Spots::new(surfaces, sky.daylight, batch);
+        ways.clear();
+        for (part, bundle) in sky.directions.parts.iter().zip(&mut bundles) {
+            let part = part.map(|v| v as f32);
+            vectorized!(spread(&spots, gaze, part, bundle));
+            let axes = ways.from.iter_mut().chain(&mut ways.to);
+            for (axis, lane) in axes.zip(spots.from.iter().chain(&bundle.to)) {
+                axis.extend_from_slice(&lane[..batch.len()]);
+            }
+        }
+        clear.clear();
+        clear.resize(ways.len(), false);
+        rays.look(&ways, &mut clear);
+        for (i, &[x, y]) in batch.iter().enumerate() {
+            if is_hole(surfaces.range.pixel(x, y)) {
+                values.push([1.0; 3]);
+                continue;
+            }
+            let (mut open, mut all) = ([0.0f32; 3], [0.0f32; 3]);
+            for (k, bundle) in bundles.iter().enumerate() {
+                let is_clear = clear[k * batch.len() + i];
+                for c in 0..3 {
+                    let light = bundle.light[c][i];
+                    all[c] += light;
+                    open[c] += if is_clear { light } else { 0.0 };
+                }
+            }
+            values.push([0, 1, 2].map(|c| open[c] / all[c]));
+        }
+    }
+    values
+}
+
+type Lane = [f32; BATCH];
+
+/// Some places with their normals and the axes across them, off their surfaces.
+struct Spots {
+    from: [Lane; 3],
+    normal: [Lane; 3],
+    first: [Lane; 3],
+    second: [Lane; 3],
+}
+
+impl Spots {
+    fn new(surfaces: Surfaces<'_>, daylight: &Daylight, places: &[[usize; 2]]) -> Self {
+        let blank = || [[0.0f32; BATCH]; 3];
+        let mut spots = Self {
+            from: blank(),
+            normal: blank(),
+            first: blank(),
+            second: blank(),
+        };
+        for (i, &[x, y]) in places.iter().enumerate() {
+            let is_open = is_hole(surfaces.range.pixel(x, y));
+            let (place, normal) = if is_open {
+                (DVec3::from([0.0; 3]), DVec3::from([0.0, 0.0, -1.0]))
+            } else {
+                let normal = DVec3::from(surfaces.normal(x, y).map(f64::from));
+                (surfaces.place(daylight, x, y), normal)
+            };
+            let [first, second] = across(normal);
+            let start = place + normal * offset(place.into());
+            let lanes = [
+                &mut spots.from,
+                &mut spots.normal,
+                &mut spots.first,
+                &mut spots.second,
+            ];
+            for (lanes, vector) in lanes.into_iter().zip([start, normal, first, second]) {
+                for (lane, v) in lanes.iter_mut().zip(single(vector)) {
+                    lane[i] = v;
+                }
+            }
+        }
+        spots
+    }
+}
+
+/// Ends of the ways in one direction about some normals, and the light from there in each channel.
+#[derive(Clone)]
+struct Bundle {
+    to: [Lane; 3],
+    light: [Lane; 3],
+}
+
+impl Default for Bundle {
+    fn default() -> Self {
+        Self {
+            to: [[0.0; BATCH]; 3],
+            light: [[0.0; BATCH]; 3],
+        }
+    }
+}
+
+/// The vertical and the light by direction in f32.
+#[derive(Clone, Copy)]
+struct Gaze {
+    up: [f32; 3],
+    depth: f32,
+    farthest: f32,
+    shapes: [[f32; 2]; 3],
+}
+
+impl Gaze {
+    fn new(sky: &Sky<'_>) -> Self {
+        let fields = &sky.daylight.fields;
+        Self {
+            up: sky.daylight.gaze.up.map(|v| v as f32),
+            depth: sky.daylight.depth as f32,
+            farthest: sky.farthest as f32,
+            shapes: [0, 1, 2].map(|c| [fields[c].shape.p as f32, fields[c].shape.q as f32]),
+        }
+    }
+}
+
+#[inline(always)]
+fn spread(spots: &Spots, gaze: Gaze, [ahead, along, aside]: [f32; 3], bundle: &mut Bundle) {
+    let Gaze {
+        up,
+        depth,
+        farthest,
+        shapes,
+    } = gaze;
+    for i in 0..BATCH {
+        let v = [0, 1, 2].map(|axis| {
+            spots.normal[axis][i] * ahead + spots.first[axis][i] * along + spots.second[axis][i] * aside
+        });
+        let from = [0, 1, 2].map(|axis| spots.from[axis][i]);
+        let rise = v[0] * up[0] + v[1] * up[1] + v[2] * up[2];
+        let under = depth - (from[0] * up[0] + from[1] * up[1] + from[2] * up[2]);
+        let under = if under > 0.0 { under } else { 0.0 };
+        let steep = if rise > 1e-6 { rise } else { 1e-6 };
+        let to_sea = under / steep;
+        let meters = if rise > 0.0 { to_sea } else { farthest };
+        let meters = if meters < farthest { meters } else { farthest };
+        for axis in 0..3 {
+            bundle.to[axis][i] = from[axis] + v[axis] * meters;
+        }
+        for c in 0..3 {
+            let [p, q] = shapes[c];
+            bundle.light[c][i] = exp_negative(-(rise * (p + q * rise)));
+        }
+    }
+}
