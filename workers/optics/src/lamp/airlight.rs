@@ -4,6 +4,7 @@
 //! t₀ + D u, sin θ is sin² β − cos² β, and the denominator of the phase function is (1 + g)² sin² β + (1 − g)² cos² β, without
 //! cancellation. Rows are cut into runs of pixels; each run and lamp has its own number of nodes.
 
+mod composite;
 mod intervals;
 mod rounding;
 mod shadowed;
@@ -225,7 +226,6 @@ impl Glow {
         let absorption = lighting.absorption.filter(|_| lamp.beam != Beam::Point)?;
         let mut glow = Self::made(lamp, lighting, (order, absorption, MOST_SWELL));
         glow.attenuation = lighting.attenuation.map(|c| c as f32 * HALVINGS);
-        glow.source.slope = lamp.beam.steepest();
         glow.source.edge = greatest(lighting.attenuation);
         Some(glow)
     }
@@ -257,7 +257,6 @@ impl Glow {
                 } else {
                     0.0
                 },
-                slope: 0.0,
                 asymmetry: g,
                 tolerance: match order {
                     Order::Within(tolerance) => tolerance,
@@ -294,6 +293,20 @@ fn add<const SPOT: bool, const SPREAD: bool>(
         Some(count) => (count, 0.0),
         None => nodes::count(span, lamp.source),
     };
+    if SPREAD && left > lamp.source.tolerance && lamp.fixed.is_none() {
+        // The bound of the rule is far above what it leaves where light swells late.
+        let own = composite::sum_up::<false>(lamp, &intervals, composite::spacing(lamp.source.asymmetry));
+        let mut most = [0.0f32; RUN];
+        for (sum, light) in sum.iter_mut().zip(&own.light) {
+            for i in 0..RUN {
+                sum[i] += light[i];
+                most[i] = most[i].max(light[i]);
+            }
+        }
+        errors.left += own.left;
+        errors.rounding += lamp.rounding.within(span, extreme(&most, f32::max));
+        return;
+    }
     let rule = &rules[count / 2];
     let mut light = [[0.0f32; RUN]; 3];
     for &node in rule {

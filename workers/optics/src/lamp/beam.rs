@@ -18,14 +18,6 @@ impl Beam {
         }
     }
 
-    /// By how much the profile falls at most with the angle to the axis, 1/rad: `sin cone/(1 − cos cone)`.
-    pub(super) fn steepest(self) -> f64 {
-        match self {
-            Self::Point => 0.0,
-            Self::Spot { cos_cone, .. } => (1.0 - cos_cone * cos_cone).sqrt() * self.slope(),
-        }
-    }
-
     /// Share of the intensity in a direction, whose cosine to the axis is `cosine(axis)`.
     pub(super) fn profile(self, cosine: impl Fn([f64; 3]) -> f64) -> f64 {
         match self {

@@ -15,10 +15,6 @@ pub const MOST_NODES: usize = COUNTS[COUNTS.len() - 1];
 const POLE_FACTOR: f64 = 50.0;
 /// The share of the light that swells late, of which half is met as an edge.
 const SWELLING: f64 = 0.31;
-/// The blurred profile of a spot is a sum of pieces with kinks. Their errors, each at most its jump times (π/n)²/8 of the light,
-/// cancel for the most part; this is more than was found to be left of them.
-const KINKS: f64 = 5.0;
-
 /// What a run of pixels has in common: the widest interval, the nearest approach, the shortest path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
@@ -46,9 +42,8 @@ pub(super) struct Source {
     pub(super) attenuation: f64,
     /// How fast light fades toward the end of a ray, 1/m.
     pub(super) edge: f64,
-    /// How fast light that scatters more than once comes to its most, 1/m, and how steep the blurred profile is, 1/rad; 0 without.
+    /// How fast light that scatters more than once comes to its most, 1/m; 0 without.
     pub(super) swelling: f64,
-    pub(super) slope: f64,
     pub(super) asymmetry: f64,
     /// The error in linear light that the lamp may have.
     pub(super) tolerance: f64,
@@ -62,7 +57,7 @@ struct Left {
     edge: f64,
     fade: f64,
     /// What falls as 1/n² alone.
-    kinks: f64,
+    swelling: f64,
 }
 
 impl Left {
@@ -86,7 +81,7 @@ impl Left {
             growth,
             edge: at_end * shown(source.edge),
             fade,
-            kinks: swelling + KINKS * source.slope * 2.0 * half * at_start.max(at_end),
+            swelling,
         }
     }
 }
@@ -98,11 +93,14 @@ pub(super) fn count(span: Span, source: Source) -> (usize, f64) {
         growth,
         edge,
         fade,
-        kinks,
+        swelling,
     } = Left::new(span, source);
     // The cube root and its exponential only where they can help.
     let left = |n: f64, enough: f64| {
-        let (pole, edge) = (pole * (-growth * n).exp() + kinks / (n * n), 0.5 * edge / (n * n));
+        let (pole, edge) = (
+            pole * (-growth * n).exp() + swelling / (n * n),
+            0.5 * edge / (n * n),
+        );
         if pole > enough || pole + edge <= enough {
             return pole + edge;
         }

@@ -20,6 +20,10 @@ pub const REFERENCE_NODES: usize = 128;
 /// Where the integrand has edges, each stretch between them is cut into so many parts of so many nodes.
 const PARTS: usize = 8;
 const PART_NODES: usize = 16;
+/// Of a ray without shadows so many, the last of them halved so often towards its end: what is spread is blurred the wider, the longer
+/// its way, and has kinks where a part of it leaves the cone.
+const FINE_PARTS: usize = 32;
+const FINE_HALVINGS: i32 = 6;
 /// Steps in which a ray is searched for the edges of shadows, and how closely they are found.
 const SEARCH_STEPS: usize = 64;
 const EDGE: f64 = 1e-9;
@@ -126,7 +130,7 @@ impl<'a> Glow<'a> {
         let has_edges = self.lighting.absorption.is_some() && self.lamp.beam != Beam::Point;
         let Some(rays) = rays else {
             return if has_edges {
-                self.in_parts([from, to], rules)
+                self.in_fine_parts([from, to], rules)
             } else {
                 self.between([from, to], &rules.whole)
             };
@@ -156,6 +160,19 @@ impl<'a> Glow<'a> {
         };
         let from = rays::offset(origin);
         sees(rays, Start { origin, from }, target)
+    }
+
+    fn in_fine_parts(&self, [from, to]: [f64; 2], rules: &Rules) -> [f64; 3] {
+        let step = (to - from) / FINE_PARTS as f64;
+        let equal = (0..FINE_PARTS).map(|part| from + step * part as f64);
+        let halved = (1..=FINE_HALVINGS).map(|half| to - step * 0.5f64.powi(half));
+        let ends: Vec<f64> = equal.chain(halved).chain([to]).collect();
+        let mut sum = [0.0; 3];
+        for part in ends.windows(2) {
+            let light = self.between([part[0], part[1]], &rules.part);
+            (0..3).for_each(|i| sum[i] += light[i]);
+        }
+        sum
     }
 
     fn in_parts(&self, [from, to]: [f64; 2], rules: &Rules) -> [f64; 3] {

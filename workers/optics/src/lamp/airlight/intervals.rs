@@ -79,7 +79,7 @@ pub(super) struct Intervals {
     /// cos of the angle to the axis: `across · cos θ + along · sin θ`.
     pub(super) across: Lanes,
     pub(super) along: Lanes,
-    /// The part of the axis that is at right angles to the plane of ray and lamp.
+    /// Length of the part of the axis that is at right angles to the plane of ray and lamp.
     pub(super) out: Lanes,
     /// Where the ray begins, in β.
     pub(super) from: Lanes,
@@ -187,7 +187,11 @@ pub(super) fn intervals<const SPOT: bool, const WHOLE: bool>(
             let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) / distance;
             let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
             if WHOLE {
-                to.out[i] = ax.mul_add(mx, ay.mul_add(my, az * mz)) / distance;
+                let out = ax.mul_add(mx, ay.mul_add(my, az * mz)) / distance;
+                // A ray through the lamp passes it at its radius: what is missing to a unit axis then.
+                let share = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt() / distance;
+                let missing = (1.0 - share * share) * (1.0 - along * along).max(0.0);
+                to.out[i] = out.mul_add(out, missing).sqrt();
                 to.from[i] = from;
             }
             let most = across.mul_add(across, along * along).sqrt();

@@ -9,6 +9,7 @@ use imaging::{Plane, vectorized};
 
 use super::super::blurred::blurred;
 use super::super::nodes;
+use super::composite::{self, Sum};
 use super::intervals::{Intervals, Murk, Rays, extreme, intervals, murk_of, rays_of};
 use super::{Errors, Glow, Lanes, RUN, swollen};
 use crate::elementary::{fade, sin_cos, small_sin_cos};
@@ -28,6 +29,8 @@ const BETWEEN_CELLS: f64 = 0.2;
 /// Between two rays the lamp is seen from directions no farther apart than this share of its cone: a narrow beam might pass between
 /// them and be seen by neither.
 const SHARE_OF_CONE: f32 = 0.125;
+/// Along a ray nodes are no farther apart than this share of the cone, in β; a ray has so many at equal distances.
+const NODES_OF_CONE: f32 = 0.35;
 /// What f32 may lose of the place in a cell, in cells.
 const PLACE: f64 = 3e-5;
 
@@ -69,7 +72,8 @@ pub(super) fn add(
             ends[0].min(ends[1])
         };
         let is_read = |column: usize| {
-            worst[column] <= lamp.source.tolerance && frame.turn(nearest(column)) <= SHARE_OF_CONE
+            let is_wide = std::f32::consts::FRAC_PI_2 <= frame.spacing() * 2.0 * CELLS as f32;
+            is_wide && worst[column] <= lamp.source.tolerance && frame.turn(nearest(column)) <= SHARE_OF_CONE
         };
         for column in (0..columns).filter(|&column| !is_read(column)) {
             errors.include(frame.sum_up((column, row), glow));
@@ -142,6 +146,27 @@ impl Frame<'_> {
         let away = x.mul_add(x, y.mul_add(y, z * z)).sqrt();
         let step = STEP as f32 * self.lens[0] * (away / nearest_m).max(1.0);
         step / self.lamp.profile.cos_cone.acos()
+    }
+
+    /// How far apart nodes in β may lie: some in each of the widths that the profile of the lamp changes over.
+    fn spacing(&self) -> f32 {
+        let of_cone = NODES_OF_CONE * self.lamp.profile.cos_cone.acos();
+        of_cone.min(composite::spacing(self.lamp.source.asymmetry))
+    }
+
+    /// The sum over a fixed rule.
+    fn at_fixed(&self, intervals: &Intervals, count: usize) -> Sum {
+        let lamp = self.lamp;
+        let mut light = [[0.0f32; RUN]; 3];
+        for &node in &self.rules[count / 2] {
+            vectorized!(at_nodes(lamp, intervals, node, &mut light));
+        }
+        for (light, gain) in light.iter_mut().zip(lamp.gain) {
+            for i in 0..RUN {
+                light[i] *= gain * intervals.scale[i];
+            }
+        }
+        Sum { light, left: 0.0 }
     }
 
     /// The rays of a row of blocks; `columns` blocks have one ray more, and one on each side.
@@ -271,26 +296,21 @@ impl Frame<'_> {
         if span.to <= span.from {
             return errors;
         }
-        let (count, left) = match lamp.fixed {
-            Some(count) => (count, 0.0),
-            None => nodes::count(span, lamp.source),
+        let sum = match lamp.fixed {
+            Some(count) => self.at_fixed(&intervals, count),
+            None => composite::sum_up::<true>(lamp, &intervals, self.spacing()),
         };
-        let mut light = [[0.0f32; RUN]; 3];
-        for &node in &self.rules[count / 2] {
-            vectorized!(at_nodes(lamp, &intervals, node, &mut light));
-        }
         let mut most = [0.0f32; RUN];
-        for (channel, light) in light.iter().enumerate() {
+        for (channel, light) in sum.light.iter().enumerate() {
             for i in 0..RUN {
                 let (x, y) = at(i);
                 if x < width && y < height {
-                    let added = lamp.gain[channel] * intervals.scale[i] * light[i];
-                    glow[channel][y * width + x] += added;
-                    most[i] = most[i].max(added);
+                    glow[channel][y * width + x] += light[i];
+                    most[i] = most[i].max(light[i]);
                 }
             }
         }
-        errors.left = left;
+        errors.left = sum.left;
         errors.rounding = lamp.rounding.within(span, extreme(&most, f32::max));
         errors
     }
