@@ -60,7 +60,9 @@ fn add(
 ) -> Result<(), CatalogueError> {
     match kind {
         filter::Kind::Number => column.number(double(row, at, kind)?),
-        filter::Kind::Text => column.text(row.try_get_unchecked(at)?),
+        filter::Kind::Text => {
+            column.text(row.try_get_unchecked(at)?);
+        }
         filter::Kind::Whole | filter::Kind::Large | filter::Kind::Bool => {
             column.whole(row.try_get_unchecked(at)?);
         }

@@ -11,7 +11,7 @@ use crate::error::CatalogueError;
 use crate::versions::Scope;
 
 /// Columns of files that are kept in memory: with the rest of a service of 10^7 images below 300 MB.
-const CACHE_BYTES: usize = 96 << 20;
+const CACHE_BYTES: usize = 64 << 20;
 /// More threads would take the processors from the workers.
 const MOST_THREADS: usize = 4;
 

@@ -25,6 +25,8 @@ const READERS: u32 = 8;
 /// Pages that a connection keeps, in KiB with a minus sign as SQLite wants it: digests fall anywhere in their index, and
 /// SQLite's own 2 MB hold too few of its pages.
 const CACHE: &str = "-32768";
+/// The same of each reader: what all of them keep counts, and the system keeps pages, too.
+const READER_CACHE: &str = "-8192";
 /// Rows that a reader's thread may be ahead: each time it stops costs a change of threads, and with 50 that
 /// is most of a question over a million rows.
 const ROWS: usize = 2048;
@@ -82,7 +84,12 @@ impl Catalogue {
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
             .acquire_timeout(READER_WAIT)
-            .connect_with(options.pragma("query_only", "ON").row_buffer_size(ROWS))
+            .connect_with(
+                options
+                    .pragma("cache_size", READER_CACHE)
+                    .pragma("query_only", "ON")
+                    .row_buffer_size(ROWS),
+            )
             .await
             .map_err(|e| unusable(&e))?;
         let (writer, task) = Writer::start(connection, columns.clone(), wal_path(path));

@@ -34,6 +34,18 @@ impl Bins {
         bin * self.numerator / self.denominator + 0.0
     }
 
+    /// About which bin holds a number: one beside it where rounding says so.
+    pub(crate) fn about(&self, number: f64) -> i64 {
+        (number * self.denominator / self.numerator) as i64
+    }
+
+    /// The edge behind that of a bin, unless the bin is so far from 0 that its number is not certain.
+    pub(crate) fn upper_edge(&self, lower_edge: f64) -> Option<f64> {
+        const MOST: f64 = 1e12;
+        let bin = (lower_edge * self.denominator / self.numerator).round();
+        (bin.abs() < MOST).then(|| self.edge(bin + 1.0))
+    }
+
     /// The edge of the bin that holds a number: edge ≤ number < next edge.
     #[must_use]
     pub fn lower_edge(&self, number: f64) -> f64 {

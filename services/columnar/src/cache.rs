@@ -61,6 +61,11 @@ impl Cache {
 impl Held {
     fn keep(&mut self, key: (u64, String), column: &Arc<Column>, most_bytes: usize) {
         let bytes = column.bytes();
+        // Texts have to be taken apart, numbers are read as they lie: these leave room for those.
+        let most_bytes = match **column {
+            Column::Texts { .. } => most_bytes,
+            _ => most_bytes / 2,
+        };
         if self.bytes + bytes > most_bytes {
             // What no question of late has asked for.
             let old = self.now.saturating_sub(1);

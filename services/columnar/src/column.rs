@@ -192,8 +192,16 @@ impl ColumnBuilder {
         }
     }
 
-    /// Adds a text to a column of at most 65 535 rows.
-    pub fn text(&mut self, value: Option<&str>) {
+    /// Adds a text that was added before, by its place.
+    pub(crate) fn code(&mut self, code: u16) {
+        if let Column::Texts { codes, .. } = &mut self.column {
+            codes.push(code);
+        }
+    }
+
+    /// Adds a text to a column of at most 65 535 rows; returns its place.
+    pub fn text(&mut self, value: Option<&str>) -> u16 {
+        let mut added = NO_TEXT;
         if let Column::Texts { codes, texts } = &mut self.column {
             let code = value.map_or(NO_TEXT, |value| {
                 if let Some(last) = codes.last().filter(|last| **last != NO_TEXT)
@@ -210,7 +218,9 @@ impl ColumnBuilder {
                 })
             });
             codes.push(code);
+            added = code;
         }
+        added
     }
 
     /// The column.

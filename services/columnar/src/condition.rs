@@ -223,7 +223,7 @@ impl Test {
                 let bound = number(bound);
                 match sign {
                     Sign::Equal => rows(&|value| *value == bound),
-                    Sign::Unequal => rows(&|value| *value < bound || *value > bound),
+                    Sign::Unequal => rows(&|value| !value.is_nan() && *value != bound),
                     Sign::Below => values.iter().map(|value| *value < bound).collect(),
                     Sign::Above => values.iter().map(|value| *value > bound).collect(),
                     Sign::AtMost => values.iter().map(|value| *value <= bound).collect(),

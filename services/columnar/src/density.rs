@@ -96,6 +96,8 @@ impl Cells {
     }
 }
 
+type Numbers<'a> = Cow<'a, [f64]>;
+
 /// The columns of some rows.
 struct Triple(Arc<Column>, Arc<Column>, Option<Arc<Column>>);
 
@@ -105,7 +107,7 @@ impl Triple {
         Ok(Self(rows.column(0)?, rows.column(1)?, third))
     }
 
-    fn numbers(&self) -> (Cow<'_, [f64]>, Cow<'_, [f64]>, Option<Cow<'_, [f64]>>) {
+    fn numbers(&self) -> (Numbers<'_>, Numbers<'_>, Option<Numbers<'_>>) {
         (
             self.0.numbers(),
             self.1.numbers(),

@@ -15,7 +15,7 @@ use parquet::file::reader::{ChunkReader, Length, SerializedPageReader};
 use parquet::file::statistics::Statistics;
 use serde::{Deserialize, Serialize};
 
-use crate::column::{Column, ColumnBuilder, Kind};
+use crate::column::{Column, ColumnBuilder, Kind, NO_TEXT};
 use crate::condition::{Bound, Range};
 use crate::error::ColumnarError;
 use crate::write::sha256;
@@ -360,15 +360,28 @@ fn wholes(kind: Kind, levels: &[i16], values: impl Iterator<Item = i64>) -> Colu
     }
 }
 
-/// Equal texts of a dictionary share their bytes, so that most are known by their address.
+/// Equal texts of a dictionary share their bytes, so that most are known by their address: to compare them took most of the time.
 fn texts(reader: ColumnReaderImpl<ByteArrayType>, rows: usize) -> Result<Column, ParquetError> {
+    /// Addresses that are remembered, each at a place of its own.
+    const PLACES: usize = 1024;
     let (levels, values): (_, Vec<ByteArray>) = all(reader, rows)?;
     let mut column = ColumnBuilder::new(Kind::Text);
+    let mut seen = vec![((0, 0), NO_TEXT); PLACES];
     let mut values = values.iter();
     for level in levels {
         let text = if level == 1 { values.next() } else { None };
-        let text = text.map(|text| text.as_utf8()).transpose()?;
-        column.text(text);
+        let Some(text) = text else {
+            column.text(None);
+            continue;
+        };
+        let bytes = text.data();
+        let address = (bytes.as_ptr() as usize, bytes.len());
+        let place = &mut seen[(address.0 ^ (address.0 >> 10)) % PLACES];
+        if place.0 == address && place.1 != NO_TEXT {
+            column.code(place.1);
+        } else {
+            *place = (address, column.text(Some(text.as_utf8()?)));
+        }
     }
     Ok(column.build())
 }

@@ -79,7 +79,7 @@ pub(crate) fn grouped(masked: &Masked<'_>, by: &[GroupBy], most: usize) -> Resul
         let mut failed = None;
         rows.each(length, |at| {
             if failed.is_none() {
-                match places.of_row(&coded, at, &place) {
+                match places.of_row(&coded, at, place) {
                     Ok(group) => groups[at] = group,
                     Err(error) => failed = Some(error),
                 }
@@ -146,9 +146,10 @@ impl Coded {
             }
             _ => {
                 let numbers = column.numbers();
+                let mut edges = Edges::new(bins);
                 let value = |at: usize| match bins {
                     _ if !numbers[at].is_finite() => f64::NAN,
-                    Some(bins) => bins.lower_edge(numbers[at]),
+                    Some(_) => edges.lower(numbers[at]),
                     None => numbers[at] + 0.0,
                 };
                 let values: Vec<f64> = (0..numbers.len()).map(value).collect();
@@ -174,6 +175,38 @@ impl Coded {
             codes.push(code);
         }
         Self { codes, cells }
+    }
+}
+
+/// Edges of bins that were found before: to find them takes several divisions, to compare with them none.
+struct Edges {
+    bins: Option<Bins>,
+    known: Vec<(f64, f64)>,
+}
+
+impl Edges {
+    const PLACES: usize = 256;
+
+    fn new(bins: Option<Bins>) -> Self {
+        Self {
+            bins,
+            known: vec![(f64::INFINITY, f64::NEG_INFINITY); Self::PLACES],
+        }
+    }
+
+    /// [`Bins::lower_edge`].
+    #[inline]
+    fn lower(&mut self, number: f64) -> f64 {
+        let Some(bins) = &self.bins else { return number };
+        let known = &mut self.known[bins.about(number) as usize % Self::PLACES];
+        if !(known.0 <= number && number < known.1) {
+            let lower = bins.lower_edge(number);
+            let Some(upper) = bins.upper_edge(lower) else {
+                return lower;
+            };
+            *known = (lower, upper);
+        }
+        known.0
     }
 }
 
@@ -276,6 +309,30 @@ impl Places {
                 let group = key()?;
                 groups.insert(codes, group);
                 Ok(group)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remembered_edges_are_those_that_are_computed() {
+        for width in [0.1, 0.25, 3.0, 1e-20, 1e300, 0.007, 1.0 / 3.0] {
+            let bins = Bins::new(width);
+            let mut edges = Edges::new(Some(bins));
+            let mut numbers: Vec<f64> = (-3000..3000).map(|step| f64::from(step) * width / 7.0).collect();
+            numbers.extend(
+                [1e15, 0.1 + 0.2, 0.3, -1e13, 1e295, 7e15, 0.7].map(|number| number * width.min(1.0)),
+            );
+            for number in numbers {
+                assert_eq!(
+                    edges.lower(number).to_bits(),
+                    bins.lower_edge(number).to_bits(),
+                    "{number} of {width}"
+                );
             }
         }
     }

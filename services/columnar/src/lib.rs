@@ -29,6 +29,6 @@ pub use file::{About, MirrorFile, Named};
 pub use groups::{Cell, GroupBy};
 pub use histogram::{Counts, extent, histogram};
 pub use parts::{Part, Question, Source};
-pub use stats::{Summary, stats, summary};
+pub use stats::{Group, Summary, stats, summary};
 pub use sum::Sum;
 pub use write::write;

@@ -228,7 +228,7 @@ fn spread<T: Send>(
         return work().map(|folded| vec![folded]);
     }
     std::thread::scope(|scope| {
-        let all: Vec<_> = (1..threads).map(|_| scope.spawn(&work)).collect();
+        let all: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let own = work();
         let others = all.into_iter().map(|thread| {
             thread

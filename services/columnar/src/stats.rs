@@ -65,8 +65,11 @@ struct Wanted {
     largest_square: f64,
 }
 
-/// The summaries of one column, group by group.
+/// The summaries of one column, group by group, or of a group, column by column.
 type Summaries = Vec<Summary>;
+
+/// A group: its key, and one summary for each column.
+pub type Group = (Vec<Cell>, Vec<Summary>);
 
 /// Statistics of the first `metrics` columns of the question for each group: its key, and one summary for each column. Groups are in
 /// no order.
@@ -79,7 +82,7 @@ pub fn stats(
     metrics: usize,
     by: &[GroupBy],
     most: usize,
-) -> Result<(Vec<(Vec<Cell>, Summaries)>, Source), ColumnarError> {
+) -> Result<(Vec<Group>, Source), ColumnarError> {
     let masked = Masked::new(question)?;
     let grouped = grouped(&masked, by, most)?;
     let columns = (0..metrics).map(|metric| of_column(&masked, &grouped, metric));
@@ -358,7 +361,7 @@ fn gathered(
 fn summarized(ends: &Ends, binned: &Binned, wanted: &Wanted, mut gathered: Gathered) -> Summary {
     gathered.values.sort_unstable_by(f64::total_cmp);
     let value = |rank: u64| {
-        if !(ends.low < ends.high) {
+        if ends.low == ends.high {
             return ends.low;
         }
         // The rank among the gathered values: less what is in the bins before that were not.

@@ -35,7 +35,7 @@ pub fn write(
     let columns: Vec<_> = columns.iter().filter(|(.., column)| !column.is_void()).collect();
     let bytes = encoded(&columns, about.clone())?;
     let digest = footer(&bytes)
-        .map(|footer| sha256(footer))
+        .map(sha256)
         .ok_or_else(|| parquet::errors::ParquetError::General("a file without a footer".to_owned()))?;
     let name = format!("{}-{}-{}.parquet", about.first_row, about.last_row, &digest[..16]);
     let (unfinished, path) = (folder.join(format!(".{name}")), folder.join(&name));
