@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::described::Described;
 use crate::frame::Frame;
-use crate::record::RESULTS;
+use crate::results::RESULTS;
 use crate::schema::{EXACT, Field, Shape};
 
 /// A scalar of a record.

@@ -27,6 +27,7 @@ mod own_water;
 mod recent;
 mod record;
 mod record_text;
+mod results;
 mod rules;
 mod scene_files;
 mod scene_parts;

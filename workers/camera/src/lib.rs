@@ -11,6 +11,7 @@ pub mod exposure;
 pub mod geometry;
 pub mod jpeg;
 pub mod mosaic;
+mod parts;
 mod plan;
 pub mod preset;
 pub mod rules;
@@ -18,4 +19,5 @@ pub mod sensor;
 pub mod tone;
 pub mod vignette;
 
-pub use plan::{Given, Parts, PartsError, Plan, Scenery, Step};
+pub use parts::{Parts, PartsError, Scenery};
+pub use plan::{Given, Plan, Step};

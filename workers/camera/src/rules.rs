@@ -3,7 +3,7 @@
 use imaging::geometry::Intrinsics;
 use spec::{Camera, CameraRules, Fault};
 
-use crate::plan::{Parts, PartsError, Scenery};
+use crate::parts::{Parts, PartsError, Scenery};
 
 /// The rules of cameras.
 pub const RULES: CameraRules = CameraRules { faults };

@@ -17,6 +17,7 @@ mod model;
 mod scatter;
 mod shadows;
 mod shares;
+mod snow;
 mod stats;
 mod style;
 mod veil;
@@ -31,12 +32,11 @@ pub use shadows::{Shadows, shadow_share};
 pub use shares::glow_share;
 pub use stats::{RangeBin, SceneStats};
 
-use spec::{Fidelity, Frame, Haze, Snow};
+use spec::{Fidelity, Frame, Haze};
 
 use crate::forward_scatter::{Kernels, Nodes};
 use crate::lamp;
 use crate::setting::Setting;
-use crate::snow;
 use crate::water::Water;
 use model::{Conditions, ModelErrors};
 use shares::Shares;
@@ -243,7 +243,7 @@ impl Plan {
             scatter: water.scatter,
             glow: glow(given),
             glow_shadows: shadows::in_water(given),
-            snow: fall(given, &shares),
+            snow: snow::fall(given, &shares),
             style: style::choose(given),
             haze: Stage::exact(Form::Fast.when(frame.haze().iter().any(Haze::shines))),
             enhance: Stage::exact(Form::Fast.when(!frame.enhance.is_empty())),
@@ -379,36 +379,6 @@ fn glow(given: &Given<'_>) -> Stage {
         share: glows.then_some(glow_share(given.frame)),
         bound: (form == Form::Fast).then_some(given.lamps.glow_left + given.lamps.glow_rounding),
     }
-}
-
-/// The snow; left out where it is expected to change less than its share.
-fn fall(given: &Given<'_>, shares: &Shares) -> Stage {
-    let Some(law) = &given.setting.snow else {
-        return Stage::exact(Form::Skip);
-    };
-    let form = Form::asked_by(given.frame.fidelity);
-    let form = form.when(form == Form::Reference || !is_needless(given, law, shares.snow));
-    Stage {
-        form,
-        share: Some(shares.snow),
-        bound: match form {
-            Form::Skip => Some(shares.snow),
-            Form::Fast => Some(shares.snow + shares.snow_rounding),
-            Form::Reference => None,
-        },
-    }
-}
-
-fn is_needless(given: &Given<'_>, law: &Snow, share: f64) -> bool {
-    let Given { frame, setting, .. } = given;
-    // The clearest patch lets the most through.
-    let clearest = 1.0 - frame.water.turbidity.map_or(0.0, |patches| patches.contrast);
-    let least = setting.attenuation().into_iter().fold(f64::INFINITY, f64::min) * clearest;
-    let lamps = setting.lighting.as_ref().map_or([0.0; 3], lamp::most_white);
-    let gain = setting.gain();
-    let colors = [0, 1, 2].map(|i| law.albedo[i] * (gain[i] + lamps[i]));
-    let contrast = colors.into_iter().fold(levels::brightest_behind(given), f64::max);
-    snow::is_needless(law, setting.size.0 * setting.size.1, least, contrast, share)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! cancellation. Rows are cut into runs of pixels; each run and lamp has its own number of nodes.
 
 mod composite;
+mod integrand;
 mod intervals;
 mod rounding;
 mod shadowed;
@@ -23,10 +24,11 @@ use super::multiple::{SATURATION, SWELL};
 use super::nodes::{self, MOST_NODES, Source};
 use super::patches;
 use super::{Lamp, Lighting};
-use crate::elementary::{HALVINGS, fade, small_sin_cos};
+use crate::elementary::{HALVINGS, small_sin_cos};
 use crate::extremes::brightest;
 use crate::legendre::gauss_legendre;
 use crate::turbidity;
+use integrand::scattered;
 use intervals::{Intervals, Murk, Rays, extreme, intervals, murk_of, rays_of};
 use rounding::Rounding;
 
@@ -346,62 +348,4 @@ fn quadrature<const SPOT: bool, const SPREAD: bool>(
         green[i] = weight.mul_add(g1 + g2, green[i]);
         blue[i] = weight.mul_add(b1 + b2, blue[i]);
     }
-}
-
-/// The integrand at the angle β of this sine and cosine.
-#[inline(always)]
-fn scattered<const SPOT: bool, const SPREAD: bool>(
-    lamp: &Glow,
-    [nearest, distance, across, along]: [f32; 4],
-    (sin, cos): (f32, f32),
-) -> [f32; 3] {
-    let ([narrow, growth], [cr, cg, cb]) = (lamp.denominator, lamp.attenuation);
-    let cos = cos.max(1e-7);
-    let ss = sin * sin;
-    let denominator = ss.mul_add(growth, narrow);
-    let cubed = denominator * denominator.sqrt();
-    // One division serves the phase function and the tangent.
-    let inverse = 1.0 / (cubed * cos);
-    let mut light = inverse * cos;
-    if SPOT {
-        let to_axis = across.mul_add(2.0 * sin * cos, along * cos.mul_add(-cos, ss));
-        light *= lamp
-            .profile
-            .slope
-            .mul_add(to_axis, lamp.profile.offset)
-            .max(0.0)
-            .min(1.0);
-    }
-    let path = distance.mul_add(sin * inverse * cubed, nearest);
-    if SPREAD {
-        return swollen(lamp, path).map(|arriving| light * arriving);
-    }
-    [
-        light * fade(cr, path),
-        light * fade(cg, path),
-        light * fade(cb, path),
-    ]
-}
-
-/// e^{−c_g L} over a path in meters of mean water, divided by the most that light swells:
-/// `a L − 0.06 x/(1 + x/8) + 0.48 = a L + 3.84/(8 + x)`.
-#[inline(always)]
-fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
-    const LATE: f32 = (MOST_SWELL * SATURATION) as f32 * HALVINGS;
-    let ([ar, ag, ab], [br, bg, bb]) = (lamp.absorption, lamp.scattering);
-    let scale = SATURATION as f32;
-    // The camera lies before the nearest place of the ray: rounding may carry a path of 0 below it.
-    let path = path.max(0.0);
-    let (dr, dg, db) = (
-        br.mul_add(path, scale),
-        bg.mul_add(path, scale),
-        bb.mul_add(path, scale),
-    );
-    // One division for all three.
-    let late = LATE / (dr * dg * db);
-    [
-        fade(1.0, ar.mul_add(path, late * dg * db)),
-        fade(1.0, ag.mul_add(path, late * dr * db)),
-        fade(1.0, ab.mul_add(path, late * dr * dg)),
-    ]
 }

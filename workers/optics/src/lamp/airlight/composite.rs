@@ -11,9 +11,9 @@ use std::sync::LazyLock;
 
 use imaging::vectorized;
 
+use super::integrand::{scattered, spread_at};
 use super::intervals::{Intervals, extreme};
-use super::spread::spread_at;
-use super::{Glow, Lanes, RUN, scattered};
+use super::{Glow, Lanes, RUN};
 use crate::elementary::{angle, sin_cos};
 
 /// Cells of the first sum, and how often they are halved.

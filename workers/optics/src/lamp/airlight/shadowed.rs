@@ -7,9 +7,9 @@
 
 use imaging::{Plane, Rgb, vectorized};
 
+use super::integrand::{scattered, spread_at};
 use super::intervals::{Intervals, Murk, Rays, intervals};
-use super::spread::spread_at;
-use super::{Airlight, Glow, Lanes, Order, RUN, airlight, scattered, shining};
+use super::{Airlight, Glow, Lanes, Order, RUN, airlight, shining};
 use crate::attenuation::masked;
 use crate::elementary::small_sin_cos;
 use crate::lamp::beam::Beam;

@@ -7,12 +7,12 @@
 
 use imaging::{Plane, vectorized};
 
-use super::super::blurred::blurred;
 use super::super::nodes;
 use super::composite::{self, Sum};
+use super::integrand::spread_at;
 use super::intervals::{Intervals, Murk, Rays, extreme, intervals, murk_of, rays_of};
-use super::{Errors, Glow, Lanes, RUN, swollen};
-use crate::elementary::{fade, sin_cos, small_sin_cos};
+use super::{Errors, Glow, Lanes, RUN};
+use crate::elementary::{sin_cos, small_sin_cos};
 use crate::lamp::Lighting;
 use crate::turbidity;
 
@@ -361,43 +361,6 @@ fn at_nodes(lamp: &Glow, to: &Intervals, [node, weight]: [f32; 2], light: &mut [
         blue[i] = weight.mul_add(b1 + b2, blue[i]);
     }
 }
-
-/// The integrand at the angle β of this sine and cosine.
-#[inline(always)]
-pub(super) fn spread_at(lamp: &Glow, to: &Intervals, i: usize, (sin, cos): (f32, f32)) -> [f32; 3] {
-    let [narrow, growth] = lamp.denominator;
-    let cos = cos.max(1e-7);
-    let ss = sin * sin;
-    let denominator = ss.mul_add(growth, narrow);
-    let light = 1.0 / (denominator * denominator.sqrt());
-    let path = to.distance[i].mul_add(sin / cos, to.nearest[i]).max(0.0);
-    // The angle to the axis: θ = 2 β − π/2.
-    let (sin_ray, cos_ray) = (cos.mul_add(-cos, ss), 2.0 * sin * cos);
-    let (across, along, out) = (to.across[i], to.along[i], to.out[i]);
-    let cos_axis = across.mul_add(cos_ray, along * sin_ray);
-    let aside = across.mul_add(sin_ray, -(along * cos_ray));
-    let sin_axis = aside.mul_add(aside, out * out).sqrt();
-    let all = swollen(lamp, path);
-    let mut spread = [0.0f32; 3];
-    for channel in 0..3 {
-        let direct = fade(lamp.attenuation[channel], path) * UNSWOLLEN;
-        let scale = SCALE[1].mul_add(lamp.scattering[channel] * path, SCALE[0]);
-        let profile = blurred(
-            [lamp.profile.slope, lamp.profile.offset],
-            [cos_axis, sin_axis],
-            scale,
-        );
-        spread[channel] = light * profile * (all[channel] - direct).max(0.0);
-    }
-    spread
-}
-
-/// e^−0.48: `gain` holds the most that light swells by.
-const UNSWOLLEN: f32 = 0.618_783_4;
-const SCALE: [f32; 2] = [
-    super::super::multiple::GLOW_SCALE[0] as f32,
-    super::super::multiple::GLOW_SCALE[1] as f32,
-];
 
 /// Where in its cells each ray ends.
 #[inline(always)]

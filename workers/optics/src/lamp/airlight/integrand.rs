@@ -1,0 +1,99 @@
+//! What the quadratures of the glow sum up.
+
+use super::intervals::Intervals;
+use super::{Glow, MOST_SWELL};
+use crate::elementary::{HALVINGS, fade};
+use crate::lamp::blurred::blurred;
+use crate::lamp::multiple::{GLOW_SCALE, SATURATION};
+
+/// The integrand at the angle β of this sine and cosine.
+#[inline(always)]
+pub(super) fn scattered<const SPOT: bool, const SPREAD: bool>(
+    lamp: &Glow,
+    [nearest, distance, across, along]: [f32; 4],
+    (sin, cos): (f32, f32),
+) -> [f32; 3] {
+    let ([narrow, growth], [cr, cg, cb]) = (lamp.denominator, lamp.attenuation);
+    let cos = cos.max(1e-7);
+    let ss = sin * sin;
+    let denominator = ss.mul_add(growth, narrow);
+    let cubed = denominator * denominator.sqrt();
+    // One division serves the phase function and the tangent.
+    let inverse = 1.0 / (cubed * cos);
+    let mut light = inverse * cos;
+    if SPOT {
+        let to_axis = across.mul_add(2.0 * sin * cos, along * cos.mul_add(-cos, ss));
+        light *= lamp
+            .profile
+            .slope
+            .mul_add(to_axis, lamp.profile.offset)
+            .max(0.0)
+            .min(1.0);
+    }
+    let path = distance.mul_add(sin * inverse * cubed, nearest);
+    if SPREAD {
+        return swollen(lamp, path).map(|arriving| light * arriving);
+    }
+    [
+        light * fade(cr, path),
+        light * fade(cg, path),
+        light * fade(cb, path),
+    ]
+}
+
+/// e^{−c_g L} over a path in meters of mean water, divided by the most that light swells:
+/// `a L − 0.06 x/(1 + x/8) + 0.48 = a L + 3.84/(8 + x)`.
+#[inline(always)]
+fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
+    const LATE: f32 = (MOST_SWELL * SATURATION) as f32 * HALVINGS;
+    let ([ar, ag, ab], [br, bg, bb]) = (lamp.absorption, lamp.scattering);
+    let scale = SATURATION as f32;
+    // The camera lies before the nearest place of the ray: rounding may carry a path of 0 below it.
+    let path = path.max(0.0);
+    let (dr, dg, db) = (
+        br.mul_add(path, scale),
+        bg.mul_add(path, scale),
+        bb.mul_add(path, scale),
+    );
+    // One division for all three.
+    let late = LATE / (dr * dg * db);
+    [
+        fade(1.0, ar.mul_add(path, late * dg * db)),
+        fade(1.0, ag.mul_add(path, late * dr * db)),
+        fade(1.0, ab.mul_add(path, late * dr * dg)),
+    ]
+}
+
+/// The integrand of what of the light of a spot was spread on its way, at the angle β of this sine and cosine.
+#[inline(always)]
+pub(super) fn spread_at(lamp: &Glow, to: &Intervals, i: usize, (sin, cos): (f32, f32)) -> [f32; 3] {
+    let [narrow, growth] = lamp.denominator;
+    let cos = cos.max(1e-7);
+    let ss = sin * sin;
+    let denominator = ss.mul_add(growth, narrow);
+    let light = 1.0 / (denominator * denominator.sqrt());
+    let path = to.distance[i].mul_add(sin / cos, to.nearest[i]).max(0.0);
+    // The angle to the axis: θ = 2 β − π/2.
+    let (sin_ray, cos_ray) = (cos.mul_add(-cos, ss), 2.0 * sin * cos);
+    let (across, along, out) = (to.across[i], to.along[i], to.out[i]);
+    let cos_axis = across.mul_add(cos_ray, along * sin_ray);
+    let aside = across.mul_add(sin_ray, -(along * cos_ray));
+    let sin_axis = aside.mul_add(aside, out * out).sqrt();
+    let all = swollen(lamp, path);
+    let mut spread = [0.0f32; 3];
+    for channel in 0..3 {
+        let direct = fade(lamp.attenuation[channel], path) * UNSWOLLEN;
+        let scale = SCALE[1].mul_add(lamp.scattering[channel] * path, SCALE[0]);
+        let profile = blurred(
+            [lamp.profile.slope, lamp.profile.offset],
+            [cos_axis, sin_axis],
+            scale,
+        );
+        spread[channel] = light * profile * (all[channel] - direct).max(0.0);
+    }
+    spread
+}
+
+/// e^−0.48: `gain` holds the most that light swells by.
+const UNSWOLLEN: f32 = 0.618_783_4;
+const SCALE: [f32; 2] = [GLOW_SCALE[0] as f32, GLOW_SCALE[1] as f32];
