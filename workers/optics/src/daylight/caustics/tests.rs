@@ -62,7 +62,7 @@ fn tiles_are_the_reference_and_keep_the_light() {
 
 #[test]
 fn few_rays_that_bend_a_little_draw_what_many_draw_by_the_law_of_refraction() {
-    for (depth, expected) in [(1.0, 0.49), (2.0, 0.76), (4.0, 0.63)] {
+    for depth in [1.0, 2.0, 4.0] {
         let cheap = tile_reference(&waves(), &clear(), depth, RAYS_PER_CELL, Refraction::Small);
         let exact = tile_reference(&waves(), &clear(), depth, 8, Refraction::Exact);
         let apart: f64 = cheap
@@ -73,9 +73,8 @@ fn few_rays_that_bend_a_little_draw_what_many_draw_by_the_law_of_refraction() {
             .sum();
         let rms = (apart / (64.0 * 64.0)).sqrt();
         let of_both = [contrast(cheap.data()), contrast(exact.data())];
-        println!("{depth} m: contrast {of_both:?} for {expected}, rms {rms:.4}");
         assert!(
-            rms < 0.05 && (of_both[0] - of_both[1]).abs() < 0.01,
+            rms < 0.05 && (of_both[0] - of_both[1]).abs() < 0.01 && of_both[0] > 0.3,
             "{depth} m: {rms} {of_both:?}"
         );
     }
