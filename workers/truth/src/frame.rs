@@ -9,7 +9,7 @@ use imaging::vector::vec3;
 use imaging::{Plane, Rgb};
 use optics::setting::Setting;
 use optics::water::Water;
-use spec::Frame;
+use spec::{Frame, SurfaceLight};
 
 use crate::dice::Address;
 use crate::estimate::Pixel;
@@ -30,6 +30,11 @@ pub enum NoTruth {
     /// More light scattered than lost.
     #[error("water.optics: scattering exceeds beam attenuation")]
     MoreScatteredThanLost,
+    /// Light from above that falls on surfaces is not traced.
+    #[error(
+        "water.from_above.surfaces: light from above on surfaces is not traced, leave it out or take lamps"
+    )]
+    LitFromAbove,
 }
 
 /// A frame to be traced.
@@ -57,6 +62,10 @@ impl<'a> Scene<'a> {
         phase: Phase,
     ) -> Result<Self, NoTruth> {
         let setting = subject.setting;
+        let above = setting.water.as_ref().and_then(Water::daylight);
+        if above.is_some_and(|daylight| daylight.surfaces() != SurfaceLight::None) {
+            return Err(NoTruth::LitFromAbove);
+        }
         let water = setting.water.as_ref().map_or(Ok([NOTHING; 3]), coefficients)?;
         let lamps = if setting.lighting.is_some() {
             Lamp::among(&subject.frame.lights)
