@@ -30,7 +30,7 @@ pub struct Above {
     /// Rays to the sky of each place that has some.
     pub(super) rays: usize,
     /// Whether rays are followed through a range image, whose errors have no bound.
-    by_screen: bool,
+    pub(super) by_screen: bool,
 }
 
 impl Above {

@@ -19,6 +19,8 @@ const SUNNY_NS: f64 = 9.0;
 const SUN_RAY_NS: f64 = 30.0;
 const AMBIENT_RAY_NS: f64 = 20.0;
 const CAUSTICS_NS: f64 = 40.0;
+/// A ray through a range image, pixel by pixel; of those to the sky there is one for each fifth pixel.
+const SCREEN_RAY_NS: f64 = 12_000.0;
 /// Each channel that is transformed, and each of its kernels.
 const CHANNEL_NS: f64 = 7.8;
 const KERNEL_NS: f64 = 1.87;
@@ -111,7 +113,9 @@ impl Plan {
             (_, Form::Skip) => 0.0,
             ("surfaces", _) if above.sun_shines => SUNNY_NS,
             ("surfaces", _) => OVERCAST_NS,
+            ("sun_shadow", _) if above.by_screen => SCREEN_RAY_NS,
             ("sun_shadow", _) => SUN_RAY_NS,
+            ("ambient_access", _) if above.by_screen => SCREEN_RAY_NS / 5.0 * above.rays as f64,
             ("ambient_access", _) => AMBIENT_RAY_NS * above.rays as f64,
             (_, _) => CAUSTICS_NS,
         };
