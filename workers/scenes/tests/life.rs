@@ -1,4 +1,5 @@
 //! Life and the bottom: what they add to pictures and labels, and what they leave alone.
+#![allow(clippy::unwrap_used)]
 
 use imaging::geometry::Intrinsics;
 use imaging::rays::Rays;

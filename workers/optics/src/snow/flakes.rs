@@ -93,7 +93,7 @@ fn seen(
     let reaches =
         |center: f64, side: usize, reach: f64| center >= -reach && center <= side as f64 - 1.0 + reach;
     let [across, down] = spot.farthest();
-    (reaches(center[0], width, across) && reaches(center[1], height, down)).then(|| Flake {
+    (reaches(center[0], width, across) && reaches(center[1], height, down)).then_some(Flake {
         place,
         radius_m,
         range_m,
