@@ -76,7 +76,7 @@ async function stability(place, route) {
     const kinds = [...new Set(shown.map((row) => row.degradation))];
     put(place, h("h2", {}, "Where enhancements fail"), h("div.row", {}, select("Method", methods, method, (value) => change({ method: value })),
       select("Map", shows, what, (value) => change({ map: value }))),
-    h("p.quiet", {}, `${worse} of ${shown.length} cells move the picture away from the clean one. Shipped figures of 8 scenes under water, each degraded in `
+    h("p.quiet", {}, `${worse} of ${shown.length} cells move the picture away from the clean one on average; bright is worse. Shipped figures of 8 scenes under water, each degraded in `
       + "8 steps; those of ibla and suir are of their earlier form."),
     h("div.wide", {}, h("table.map", { "aria-label": `${method}: ${what}` }, kinds.map((kind) => h("tr", {}, h("th", { scope: "row" }, kind),
       shown.filter((row) => row.degradation === kind).map(cell))))));

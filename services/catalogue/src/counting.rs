@@ -1,6 +1,6 @@
 //! What is counted over a dataset: from the mirror where it has the rows, from the tables where it has not.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use columnar::{ColumnarError, Condition, Part, Question};
@@ -92,7 +92,7 @@ impl Catalogue {
         let mut state = reader.begin().await?;
         check_dataset(&mut state, asked.dataset).await?;
         let files = mirror::files(&mut state).await?;
-        let mut jobs = mirror::jobs_of(&mut state, asked.dataset).await?;
+        let mut jobs = jobs_of(&mut state, asked.dataset).await?;
         if jobs.is_empty() {
             return Ok(None);
         }
@@ -129,6 +129,28 @@ impl Catalogue {
         }
         Ok(())
     }
+}
+
+/// The jobs of a dataset, or of a sealed version of it, by the file that has rows of them.
+async fn jobs_of(
+    connection: &mut SqliteConnection,
+    dataset: &str,
+) -> Result<HashMap<String, HashSet<String>>, CatalogueError> {
+    let scope = Scope::parse(dataset);
+    let rows: Vec<(String, String)> = sqlx::query_as(
+        "SELECT file, job_id FROM mirror_jobs WHERE job_id IN
+             (SELECT id FROM jobs WHERE dataset = ?1 AND id NOT IN (SELECT job_id FROM deletions)
+                 AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2)))",
+    )
+    .bind(scope.dataset)
+    .bind(scope.version.map(|version| version as i64))
+    .fetch_all(connection)
+    .await?;
+    let mut jobs: HashMap<String, HashSet<String>> = HashMap::new();
+    for (file, job) in rows {
+        jobs.entry(file).or_default().insert(job);
+    }
+    Ok(jobs)
 }
 
 /// The error for more groups than a table should have.

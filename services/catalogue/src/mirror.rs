@@ -8,7 +8,6 @@ use columnar::{Cache, ColumnarError, MirrorFile, Part};
 use sqlx::sqlite::SqliteConnection;
 
 use crate::error::CatalogueError;
-use crate::versions::Scope;
 
 /// Columns of files that are kept in memory: with the rest of a service of 10^7 images below 300 MB.
 const CACHE_BYTES: usize = 64 << 20;
@@ -111,28 +110,6 @@ pub(crate) async fn files(connection: &mut SqliteConnection) -> Result<Vec<FileR
         digest,
     };
     Ok(rows.into_iter().map(file).collect())
-}
-
-/// The jobs of a dataset, or of a sealed version of it, by the file that has rows of them.
-pub(crate) async fn jobs_of(
-    connection: &mut SqliteConnection,
-    dataset: &str,
-) -> Result<HashMap<String, HashSet<String>>, CatalogueError> {
-    let scope = Scope::parse(dataset);
-    let rows: Vec<(String, String)> = sqlx::query_as(
-        "SELECT file, job_id FROM mirror_jobs WHERE job_id IN
-             (SELECT id FROM jobs WHERE dataset = ?1 AND id NOT IN (SELECT job_id FROM deletions)
-                 AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2)))",
-    )
-    .bind(scope.dataset)
-    .bind(scope.version.map(|version| version as i64))
-    .fetch_all(connection)
-    .await?;
-    let mut jobs: HashMap<String, HashSet<String>> = HashMap::new();
-    for (file, job) in rows {
-        jobs.entry(file).or_default().insert(job);
-    }
-    Ok(jobs)
 }
 
 /// The rowids that no file holds, from the first to the last of each stretch.

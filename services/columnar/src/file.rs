@@ -14,11 +14,11 @@ use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaDataReader};
 use parquet::file::reader::{ChunkReader, Length, SerializedPageReader};
 use parquet::file::statistics::Statistics;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use crate::column::{Column, ColumnBuilder, Kind, NO_TEXT};
 use crate::condition::{Bound, Range};
 use crate::error::ColumnarError;
-use crate::write::sha256;
 
 /// The name of [`About`] among the key-value pairs of the footer.
 pub(crate) const ABOUT: &str = "fathom";
@@ -70,6 +70,11 @@ struct Chunk {
     meta: Box<ColumnChunkMetaData>,
     checksum: u32,
     range: Option<Range>,
+}
+
+/// SHA-256 in hexadecimal.
+pub(crate) fn sha256(bytes: &[u8]) -> String {
+    hex::encode(Sha256::digest(bytes))
 }
 
 /// The footer with the trailer, of the bytes at the end of a file.
@@ -385,6 +390,3 @@ fn texts(reader: ColumnReaderImpl<ByteArrayType>, rows: usize) -> Result<Column,
     }
     Ok(column.build())
 }
-
-#[cfg(test)]
-mod tests;

@@ -14,7 +14,7 @@ use parquet::schema::types::Type;
 
 use crate::column::{Column, Kind, NO_TEXT, raised};
 use crate::error::ColumnarError;
-use crate::file::{ABOUT, About, Named, footer};
+use crate::file::{ABOUT, About, Named, footer, sha256};
 
 /// One page for each column: a question reads all of it anyway.
 const PAGE_BYTES: usize = 4 << 20;
@@ -56,12 +56,6 @@ pub fn write(
         digest,
         bytes: bytes.len() as u64,
     })
-}
-
-/// SHA-256 in hexadecimal.
-pub(crate) fn sha256(bytes: &[u8]) -> String {
-    use sha2::{Digest, Sha256};
-    hex::encode(Sha256::digest(bytes))
 }
 
 fn encoded(columns: &[&(String, Kind, Column)], mut about: About) -> Result<Vec<u8>, ColumnarError> {
@@ -162,3 +156,6 @@ fn write_column<W: Write + Send>(
     }
     Ok(writer.close()?)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,9 @@
+use std::collections::BTreeMap;
+
 use super::*;
-use crate::write::write;
+use crate::column::ColumnBuilder;
+use crate::condition::Bound;
+use crate::file::MirrorFile;
 
 fn columns() -> Vec<(String, Kind, Column)> {
     let mut text = ColumnBuilder::new(Kind::Text);
