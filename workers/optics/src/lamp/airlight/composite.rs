@@ -59,7 +59,7 @@ pub(super) fn spacing(asymmetry: f64) -> f32 {
 /// Sums up along the rays of a run. Nodes are at most `spacing` apart in β: what is narrower is not found.
 pub(super) fn sum_up<const SPOT: bool>(lamp: &Glow, to: &Intervals, spacing: f32) -> Sum {
     let widest = 2.0 * extreme(&to.half, f32::max);
-    let fits = |level: &usize| FRAC_PI_2.min(1.6 * widest) <= spacing * (2 * CELLS << level) as f32;
+    let fits = |level: &usize| FRAC_PI_2.min(1.6 * widest) <= spacing * ((2 * CELLS) << level) as f32;
     let first = (0..HALVINGS).find(fits).unwrap_or(HALVINGS - 1);
     let mut sum = Sum {
         light: level::<SPOT>(lamp, to, first),
