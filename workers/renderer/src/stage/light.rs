@@ -66,7 +66,7 @@ impl Lit {
             shutter,
             shines: false,
         };
-        if let Some(range) = range {
+        if let Some(range) = range.filter(|_| frame.water.from_above.is_some()) {
             let above = watch.time("above", || {
                 lit.pattern = above::pattern(frame, setting, range, tiles);
                 above::light(frame, prepared, setting, lit.pattern.as_ref())
