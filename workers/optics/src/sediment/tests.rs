@@ -123,7 +123,7 @@ fn few_rays_show_what_all_of_them_do() {
         "{mean} {common} {worst}"
     );
     let covered = exact_mask.data().iter().filter(|&&opacity| opacity > 0.2).count();
-    assert!(covered > 2_000, "{covered}");
+    assert!(covered > 1_000, "{covered}");
 }
 
 #[test]
