@@ -107,7 +107,11 @@ fn semantics_are_the_categories_of_the_instances() {
     let lives = [Category::Fauna, Category::Flora, Category::Bubble];
     for (category, name) in CATEGORIES {
         let is_seen = seen[*category as usize] > 0;
-        assert_eq!(is_seen, !lives.contains(category), "{name}: an empty world has no life in it");
+        assert_eq!(
+            is_seen,
+            !lives.contains(category),
+            "{name}: an empty world has no life in it"
+        );
     }
 }
 
