@@ -63,11 +63,11 @@ class Service:
         self.token = token
         self.start()
 
-    def start(self):
+    def start(self, patience_s=60):
         command = [FATHOM, "serve", "--data", self.folder, "--listen", f"127.0.0.1:{self.port}", "--slots", "1"]
         environment = {**os.environ, **({"FATHOM_TOKEN": self.token} if self.token else {})}
         self.process = subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
-        for _ in range(600):
+        for _ in range(10 * patience_s):
             try:
                 urllib.request.urlopen(f"{self.address}/livez").close()
                 return

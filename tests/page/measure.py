@@ -80,17 +80,22 @@ def drag(browser, address):
     return rate, last["ms"]
 
 
-def main(address, name, condition="frame < 1000"):
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        paints = sorted(first_paint(browser, address, name) for _ in range(5))
-        rows, counted = filtered(browser, address, name, condition)
-        rate, ms = drag(browser, address)
-        browser.close()
+def report(browser, address, name, condition):
+    """Measures and prints."""
+    paints = sorted(first_paint(browser, address, name) for _ in range(5))
+    rows, counted = filtered(browser, address, name, condition)
+    rate, ms = drag(browser, address)
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     print(f"first paint of {name}: median {paints[2]:.0f} ms, fastest {paints[0]:.0f} ms")
     print(f"filter {condition}: rows after {rows:.0f} ms, count after {counted:.0f} ms")
     print(f"drag: {rate:.1f} frames/s at half size, the last took {ms} ms")
+
+
+def main(address, name, condition="frame < 1000"):
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        report(browser, address, name, condition)
+        browser.close()
 
 
 if __name__ == "__main__":
