@@ -123,6 +123,7 @@ fn few_rays_show_what_all_of_them_do() {
         "{mean} {common} {worst}"
     );
     let covered = exact_mask.data().iter().filter(|&&opacity| opacity > 0.2).count();
+    // Errors mean something only where clouds are: 1356 of the 14 700 pixels lie behind them.
     assert!(covered > 1_000, "{covered}");
 }
 

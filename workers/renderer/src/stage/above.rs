@@ -96,7 +96,7 @@ pub(crate) fn light(
         objects: prepared.scene.instances.as_ref(),
     };
     let asks = above.shadow.is_some() || above.access.is_some();
-    let rays = asks.then(|| rays::of(frame, prepared)).flatten();
+    let rays = asks.then(|| rays::scene_rays(frame, prepared)).flatten();
     let sunlight = daylight
         .sun()
         .and_then(|sun| sunlight(&above, surfaces, (daylight, sun), rays.as_deref(), pattern));

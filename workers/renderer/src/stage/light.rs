@@ -76,7 +76,7 @@ impl Lit {
         if let (Some(lighting), Some(range)) = (&setting.lighting, range) {
             watch.time("lamps", || {
                 let casts = lighting.lamps.iter().any(|lamp| lamp.shadow() != Shadow::None);
-                let rays = casts.then(|| rays::of(frame, prepared)).flatten();
+                let rays = casts.then(|| rays::scene_rays(frame, prepared)).flatten();
                 let rays = rays.as_deref();
                 lit.add(frame, (lighting, setting.gain()), range, rays);
                 if lighting.scattering != [0.0; 3] {

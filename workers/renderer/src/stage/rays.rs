@@ -7,7 +7,7 @@ use spec::{Frame, RaySource};
 use super::scene::Prepared;
 
 /// The solids of a procedural scene, or the range image of any; none without range. In the axes of the camera of the scene.
-pub(crate) fn of<'a>(frame: &Frame, prepared: &'a Prepared) -> Option<Box<dyn Rays + 'a>> {
+pub(crate) fn scene_rays<'a>(frame: &Frame, prepared: &'a Prepared) -> Option<Box<dyn Rays + 'a>> {
     let range = prepared.scene.range.as_ref()?;
     Some(match (frame.ray_source(), &prepared.world, &prepared.pose) {
         (RaySource::Scene, Some(world), Some(pose)) => Box::new(world.rays(pose)),

@@ -24,7 +24,7 @@ const NODE: f64 = 0.288_675_134_594_812_9;
 
 /// Of the difference before the last one.
 const AGREED: f64 = 0.3;
-/// Nodes are no farther apart than so many times (1 − g)/√g, twice half the width of the peak.
+/// Nodes lie at most this many widths of the peak, (1 − g)/√g, apart.
 const NODES_OF_PEAK: f64 = 1.0;
 /// Light of less than this is lost in f32.
 const LEAST: f64 = 1e-30;

@@ -29,7 +29,7 @@ const BETWEEN_CELLS: f64 = 0.2;
 /// Between two rays the lamp is seen from directions no farther apart than this share of its cone: a narrow beam might pass between
 /// them and be seen by neither.
 const SHARE_OF_CONE: f32 = 0.125;
-/// Along a ray nodes are no farther apart than this share of the cone, in β; a ray has so many at equal distances.
+/// Along a ray, nodes lie at most this share of the cone apart, in β.
 const NODES_OF_CONE: f32 = 0.35;
 /// What f32 may lose of the place in a cell, in cells.
 const PLACE: f64 = 3e-5;
