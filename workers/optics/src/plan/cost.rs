@@ -32,8 +32,8 @@ const SURFACE_NS: f64 = 6.6;
 const GLOW_NS: f64 = 12.6;
 const PATCHES_NS: f64 = 6.0;
 /// Each way to a lamp through a scene; ways of a pixel in the glow, and to a soft lamp.
-const WAY_NS: f64 = 40.0;
-const GLOW_WAYS: f64 = 10.0;
+const WAY_NS: f64 = 60.0;
+const GLOW_WAYS: f64 = 5.0;
 const FIRST_PLACES: usize = 5;
 const SNOW_NS: f64 = 19.6;
 const NETWORK_NS: f64 = 10.8;
