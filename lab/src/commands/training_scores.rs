@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .iter()
         .map(|path| photo(path))
         .collect::<Result<Vec<_>, Failure>>()?;
-    let trainer = Trainer::new(&photos, arguments.seed, 1);
+    let trainer = Trainer::new(&photos, network.takes_range(), arguments.seed, 1);
     for (scenes, draws) in SETS {
         let of = |weights| score_over(weights, &photos, scenes.clone(), draws).losses;
         let (start, end) = (of(trainer.color_transfer()), of(&network));

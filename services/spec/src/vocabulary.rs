@@ -30,6 +30,8 @@ pub struct Vocabulary {
     pub camera_rules: CameraRules,
     /// Style models.
     pub styles: Vec<String>,
+    /// Those of the style models that take the range of each pixel.
+    pub range_styles: Vec<String>,
     /// Enhancement methods.
     pub enhancements: Vec<String>,
     /// Metrics, `name` or `name@profile`.

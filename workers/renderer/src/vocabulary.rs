@@ -28,6 +28,11 @@ pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
             .collect(),
         camera_rules: camera::rules::RULES,
         styles: library.names().iter().map(ToString::to_string).collect(),
+        range_styles: library
+            .models()
+            .filter(|model| model.card.takes_range)
+            .map(|model| model.name.clone())
+            .collect(),
         enhancements: owned(enhance::METHODS),
         metrics: MetricId::all().map(|metric| metric.to_string()).collect(),
         local,

@@ -9,14 +9,14 @@ fn frames(c: &mut Criterion) {
     let values = (0..PARAMETERS).map(|i| (i as f32 * 0.37).fract() * 0.2 - 0.1);
     let network = Network::new(&Weights::new(values.collect()).expect("as many numbers as it has"));
     let mut scratch = Scratch::default();
-    let table = Table::new(&network);
+    let table = Table::new(&network).expect("a table of a network without range");
     let mut table_scratch = TableScratch::default();
     for (width, height) in [(640, 480), (869, 565), (1920, 1080)] {
         let frame = Rgb::from_fn(width, height, |x, y| {
             [x as f32 / 1920.0, y as f32 / 1080.0, (x * y % 97) as f32 / 97.0]
         });
         c.bench_function(&format!("net {width}x{height}"), |b| {
-            b.iter(|| network.apply(&frame, &mut scratch));
+            b.iter(|| network.apply(&frame, None, &mut scratch));
         });
         c.bench_function(&format!("lut {width}x{height}"), |b| {
             b.iter(|| table.apply(&frame, &mut table_scratch));

@@ -3,7 +3,7 @@
 use imaging::digest::sha256;
 use serde::{Deserialize, Serialize};
 
-use crate::ports::takes_noise;
+use crate::ports::takes;
 
 /// What is known of a model. A card file is this as JSON; all but the name and the digest may be left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,6 +38,10 @@ pub struct Card {
     /// card file says.
     #[serde(default)]
     pub takes_noise: bool,
+    /// Whether it has an input `range`, which is fed from the frame: it cannot repaint a scene without one. Read from the
+    /// file, whatever a card file says.
+    #[serde(default)]
+    pub takes_range: bool,
     /// What the style weight does with its output.
     #[serde(default)]
     pub alpha: String,
@@ -134,7 +138,8 @@ impl Card {
                 card.sha256
             ));
         }
-        card.takes_noise = takes_noise(onnx);
+        card.takes_noise = takes(onnx, "noise");
+        card.takes_range = takes(onnx, "range");
         Ok(card)
     }
 
@@ -150,7 +155,8 @@ impl Card {
             licence: unknown(),
             inputs: Vec::new(),
             outputs: Vec::new(),
-            takes_noise: takes_noise(onnx),
+            takes_noise: takes(onnx, "noise"),
+            takes_range: takes(onnx, "range"),
             alpha: String::new(),
             caveats: vec!["it came without a card".to_owned()],
             training: None,

@@ -9,7 +9,7 @@ use imaging::{Plane, Rgb};
 use crate::error::StyleError;
 use crate::library::StyleModel;
 use crate::runtime::{Runtime, RuntimeMissing};
-use crate::session::Session;
+use crate::session::{Beside, Session};
 
 /// Sizes that a network must take: the smallest, one that no stride divides, the usual one.
 const SIZES: [(usize, usize); 3] = [(1, 1), (33, 17), (768, 492)];
@@ -96,7 +96,12 @@ fn answer(session: &mut Session, frame: &Rgb<f32>) -> Result<Rgb<f32>, Unfit> {
     let (width, height) = frame.size();
     // Standard normal noise has few values beyond ±2; the same each time.
     let noise = Plane::from_fn(width, height, |x, y| ((x * 7 + y * 13) % 41) as f32 / 10.0 - 2.0);
-    let styled = session.apply(frame, Some(&noise))?;
+    let range = Plane::from_fn(width, height, |x, y| (x + y) as f32 / (width + height) as f32);
+    let beside = Beside {
+        noise: Some(&noise),
+        range: Some(&range),
+    };
+    let styled = session.apply(frame, beside)?;
     let mut samples = styled.planes().iter().flat_map(|plane| plane.data());
     match samples.find(|sample| !sample.is_finite()) {
         Some(&value) => Err(Unfit::NotFinite { value, width, height }),

@@ -21,4 +21,8 @@ pub use error::StyleError;
 pub use library::{Library, LibraryError, StyleModel, is_name};
 pub use noise::noise;
 pub use runtime::{Runtime, RuntimeMissing};
-pub use session::Session;
+pub use session::{Beside, Session};
+
+/// Scale of the range that a model is given, in meters: `1 − exp(−Z / scale)` for a range Z, 1 where there is none. At this
+/// range a water of ordinary clearness leaves about a third of the contrast.
+pub const RANGE_SCALE_M: f32 = 4.0;

@@ -98,7 +98,7 @@ macro_rules! shipped {
 }
 
 /// The shipped models: name, ONNX file, card.
-const SHIPPED: [(&str, &[u8], &str); 3] = shipped!("atlantic", "mediterranean", "muddy");
+const SHIPPED: [(&str, &[u8], &str); 4] = shipped!("atlantic", "atlantic-range", "mediterranean", "muddy");
 
 /// Models by name; cheap to clone.
 #[derive(Debug, Clone)]
@@ -267,7 +267,10 @@ mod tests {
     #[test]
     fn each_shipped_card_fits_its_model_and_says_where_it_comes_from() {
         let library = Library::embedded().unwrap();
-        assert_eq!(library.names(), ["atlantic", "mediterranean", "muddy"]);
+        assert_eq!(
+            library.names(),
+            ["atlantic", "atlantic-range", "mediterranean", "muddy"]
+        );
         for name in library.names() {
             let card = &library.get(name).unwrap().card;
             assert_eq!(card.licence, "MIT OR Apache-2.0");
@@ -276,6 +279,7 @@ mod tests {
                 "{name}: {}",
                 card.source
             );
+            assert_eq!(card.takes_range, name == "atlantic-range");
             let training = card.training.as_ref().expect("a shipped water was trained here");
             assert!(
                 training.kept_step > 0 && training.photos.iter().all(|digest| digest.len() == 64),
@@ -294,7 +298,13 @@ mod tests {
         let library = with_files(&[("harbour_2-b.onnx", b"model"), ("notes.txt", b"ignored")]).unwrap();
         assert_eq!(
             library.names(),
-            ["atlantic", "harbour_2-b", "mediterranean", "muddy"]
+            [
+                "atlantic",
+                "atlantic-range",
+                "harbour_2-b",
+                "mediterranean",
+                "muddy"
+            ]
         );
         let card = &library.get("harbour_2-b").unwrap().card;
         assert_eq!(

@@ -2,11 +2,8 @@
 
 use crate::net::wire::under;
 
-/// Name of the input for noise.
-const NOISE: &[u8] = b"noise";
-
-/// Returns whether a model has an input `noise` beside its picture; false for a file that is no model.
-pub(crate) fn takes_noise(onnx: &[u8]) -> bool {
+/// Returns whether a model has an input of this name beside its picture; false for a file that is no model.
+pub(crate) fn takes(onnx: &[u8], name: &str) -> bool {
     let graph = under(onnx, 7).next().unwrap_or_default();
     // Old files list their weights among the inputs as well.
     let weights: Vec<&[u8]> = under(graph, 5)
@@ -14,7 +11,7 @@ pub(crate) fn takes_noise(onnx: &[u8]) -> bool {
         .collect();
     let inputs = under(graph, 11).filter_map(|input| under(input, 1).next());
     let inputs: Vec<&[u8]> = inputs.filter(|name| !weights.contains(name)).collect();
-    inputs.len() > 1 && inputs.contains(&NOISE)
+    inputs.len() > 1 && inputs.contains(&name.as_bytes())
 }
 
 #[cfg(test)]
@@ -37,6 +34,9 @@ mod tests {
 
     #[test]
     fn an_input_is_noise_by_its_name_beside_another_and_if_it_is_no_weight() {
+        let takes_noise = |onnx: &[u8]| takes(onnx, "noise");
+        let both = model(&["image", "range", "noise"], &[]);
+        assert!(takes(&both, "range") && takes_noise(&both) && !takes(&both, "depth"));
         assert!(takes_noise(&model(&["image", "noise"], &["weight"])));
         assert!(takes_noise(&model(&["noise", "x"], &[])));
         for (inputs, weights) in [

@@ -11,6 +11,16 @@ use crate::net::{self, Network, Scratch, Table, TableScratch};
 
 use onnx::Graph;
 
+/// What a model may be given beside the frame, each of the frame's size.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Beside<'a> {
+    /// Standard normal samples, see [`crate::noise`]: zeros if absent. A model that takes no noise does not look at it.
+    pub noise: Option<&'a Plane<f32>>,
+    /// The range of each pixel, `1 − exp(−Z / `[`crate::RANGE_SCALE_M`]`)`, and 1 where there is none. A model that takes
+    /// a range needs it; others do not look at it.
+    pub range: Option<&'a Plane<f32>>,
+}
+
 /// A model that is ready to run. It uses the thread that calls it and no other: frames run side by side, each with a
 /// session of its own. The same frame gives the same bits: of our own network on every machine, of another one on one
 /// build of ONNX Runtime and one set of CPU features.
@@ -41,10 +51,10 @@ impl Session {
     }
 
     /// A session with the color table of our own network in its place: several times faster, without softening and haze
-    /// around edges. `None` for a model of any other form.
+    /// around edges. `None` for a model of any other form, or that takes a range.
     #[must_use]
     pub fn table(model: &StyleModel) -> Option<Self> {
-        let table = Table::new(&Network::new(&net::onnx::read(&model.onnx)?));
+        let table = Table::new(&Network::new(&net::onnx::read(&model.onnx)?))?;
         Some(Self {
             name: model.name.clone(),
             form: Form::Table(Box::new((table, TableScratch::default()))),
@@ -74,32 +84,41 @@ impl Session {
         matches!(&self.form, Form::Onnx(graph) if graph.takes_noise())
     }
 
+    /// Whether the model has an input for the range: it needs [`Beside::range`].
+    #[must_use]
+    pub fn takes_range(&self) -> bool {
+        match &self.form {
+            Form::Native(native) => native.0.takes_range(),
+            Form::Table(_) => false,
+            Form::Onnx(graph) => graph.takes_range(),
+        }
+    }
+
     /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An output that is larger than the frame
-    /// (of a network that pads) is cropped from the top left. `noise` is standard normal, of the frame's size, for a
-    /// model with such an input: zeros if absent; other models ignore it.
+    /// (of a network that pads) is cropped from the top left.
     ///
     /// # Errors
-    /// [`StyleError`]: an empty frame, a sample that is not finite, a network that fails, or an output that is no
-    /// picture, is smaller than the frame, or holds a sample that is not finite.
-    pub fn apply(&mut self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<Rgb<f32>, StyleError> {
-        self.check(encoded, noise)?;
+    /// [`StyleError`]: an empty frame, a range that is needed and absent, a sample that is not finite, a network that
+    /// fails, or an output that is no picture, is smaller than the frame, or holds a sample that is not finite.
+    pub fn apply(&mut self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<Rgb<f32>, StyleError> {
+        self.check(encoded, beside)?;
         match &mut self.form {
             Form::Native(native) => {
                 let (network, scratch) = &mut **native;
-                Ok(network.apply(encoded, scratch))
+                Ok(network.apply(encoded, beside.range, scratch))
             }
             Form::Table(table) => {
                 let (table, scratch) = &mut **table;
                 Ok(table.apply(encoded, scratch))
             }
-            Form::Onnx(graph) => graph.run(encoded, noise).map_err(|reason| StyleError::Run {
+            Form::Onnx(graph) => graph.run(encoded, beside).map_err(|reason| StyleError::Run {
                 name: self.name.clone(),
                 reason,
             }),
         }
     }
 
-    fn check(&self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<(), StyleError> {
+    fn check(&self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<(), StyleError> {
         let wrong = |reason: String| {
             Err(StyleError::Input {
                 name: self.name.clone(),
@@ -110,16 +129,25 @@ impl Session {
         if width == 0 || height == 0 {
             return wrong(format!("the frame is empty: {width}×{height}"));
         }
-        let noise = noise.filter(|_| self.takes_noise());
-        if let Some((columns, rows)) = noise.map(Plane::size)
-            && (columns, rows) != (width, height)
-        {
-            return wrong(format!(
-                "noise is {columns}×{rows} but the frame is {width}×{height}"
-            ));
+        if self.takes_range() && beside.range.is_none() {
+            return wrong("it takes the range of each pixel, and the frame has none".to_owned());
+        }
+        let noise = beside.noise.filter(|_| self.takes_noise());
+        let range = beside.range.filter(|_| self.takes_range());
+        let beside = [("noise", noise), ("range", range)];
+        let beside = beside
+            .into_iter()
+            .filter_map(|(input, plane)| Some((input, plane?)));
+        for (input, plane) in beside.clone() {
+            let (columns, rows) = plane.size();
+            if (columns, rows) != (width, height) {
+                return wrong(format!(
+                    "{input} is {columns}×{rows} but the frame is {width}×{height}"
+                ));
+            }
         }
         let planes = encoded.planes().iter().map(|plane| ("image", plane));
-        for (input, plane) in planes.chain(noise.map(|noise| ("noise", noise))) {
+        for (input, plane) in planes.chain(beside) {
             if let Some(at) = plane.data().iter().position(|sample| !sample.is_finite()) {
                 let (x, y, value) = (at % width, at / width, plane.data()[at]);
                 return wrong(format!(

@@ -25,6 +25,36 @@ pub struct Contents {
     stream: Stream,
 }
 
+/// A content picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Content {
+    /// Three channels of [`SIDE`]², sRGB-encoded, 0..=1.
+    pub picture: Tensor<f32>,
+    /// The range of each pixel as a network is given it: 0 at the camera, 1 far away.
+    pub range: Tensor<f32>,
+}
+
+impl Content {
+    /// A square crop, mirrored or not.
+    pub(crate) fn cropped(&self, at: (usize, usize), side: usize, mirrored: bool) -> Self {
+        Self {
+            picture: self.picture.cropped(at, side, mirrored),
+            range: self.range.cropped(at, side, mirrored),
+        }
+    }
+}
+
+/// Ranges in meters as a network is given them.
+fn given(range: Vec<f32>) -> Tensor<f32> {
+    let range = Plane::new(SIDE, SIDE, range).expect("one sample for each pixel");
+    Tensor {
+        channels: 1,
+        height: SIDE,
+        width: SIDE,
+        data: optics::range::faded(&range, style::RANGE_SCALE_M).into_data(),
+    }
+}
+
 /// A picture in air: linear light, and the range of each pixel in meters.
 struct Air {
     light: Tensor<f32>,
@@ -44,6 +74,12 @@ impl Contents {
     /// The picture of an index: three channels of [`SIDE`]², sRGB-encoded, 0..=1.
     #[must_use]
     pub fn picture(&self, index: u64) -> Tensor<f32> {
+        self.content(index).picture
+    }
+
+    /// The picture of an index with its range.
+    #[must_use]
+    pub fn content(&self, index: u64) -> Content {
         let chance = Chance {
             stream: self.stream,
             index,
@@ -55,7 +91,12 @@ impl Contents {
                 let value = chance.between("flat color", channel, 0.0, 1.0);
                 picture.plane_mut(channel as usize).fill(value as f32);
             }
-            return picture;
+            let range = chance.between("flat range", 0, 0.3, FAR_M) as f32;
+            let range = vec![range; SIDE * SIDE];
+            return Content {
+                picture,
+                range: given(range),
+            };
         }
         let air = if index % 3 == 2 {
             shapes::draw(&chance)
@@ -72,7 +113,10 @@ impl Contents {
         } else {
             air.light
         };
-        finish(light, gain, &chance)
+        Content {
+            picture: finish(light, gain, &chance),
+            range: given(air.range),
+        }
     }
 
     fn scene(&self, chance: &Chance) -> Air {

@@ -4,6 +4,7 @@
 //! Pure: a training is a function of photos, seed and number of steps. Threads share the work and never change a bit.
 
 pub mod content;
+mod contrast;
 mod layer;
 pub mod loss;
 pub mod network;
@@ -14,7 +15,9 @@ mod score;
 pub mod tensor;
 mod trainer;
 mod transfer;
+mod veil;
 
+pub use contrast::{ContrastKept, contrast_kept};
 pub use photo::{MAX_SIDE_PX, MIN_SIDE_PX, MIN_SPREAD, Photo, PhotoError};
 pub use score::{Score, new_scenes, score, score_over};
 pub use trainer::{Best, Trainer};

@@ -1,4 +1,8 @@
-//! What training lowers: `4 texture + 15 color + 6.4 content + 20 range`.
+//! What training lowers: `4 texture + 15 color + 6.4 content + 20 outside`.
+//!
+//! For a network that takes a range, texture and color are compared within bands of range: what is near in the results with
+//! what is near in the photos, and what is far with what is far. So contrast must fall with the range as it does in the photos.
+//! Content counts less with the range.
 
 mod content;
 mod draw;
@@ -20,7 +24,7 @@ use crate::tensor::Tensor;
 const TEXTURE: f64 = 4.0;
 const COLOR: f64 = 15.0;
 const CONTENT: f64 = 6.4;
-const RANGE: f64 = 20.0;
+const OUTSIDE: f64 = 20.0;
 
 /// The parts of the loss.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -32,14 +36,14 @@ pub struct Losses {
     /// Share of the content that is lost, 0..=2.
     pub content: f64,
     /// Mean of what lies below 0 or above 1.
-    pub range: f64,
+    pub outside: f64,
 }
 
 impl Losses {
     /// What training lowers.
     #[must_use]
     pub fn total(&self) -> f64 {
-        TEXTURE * self.texture + COLOR * self.color + CONTENT * self.content + RANGE * self.range
+        TEXTURE * self.texture + COLOR * self.color + CONTENT * self.content + OUTSIDE * self.outside
     }
 
     /// The mean of several.
@@ -50,36 +54,53 @@ impl Losses {
             texture: mean(|l| l.texture),
             color: mean(|l| l.color),
             content: mean(|l| l.content),
-            range: mean(|l| l.range),
+            outside: mean(|l| l.outside),
         }
     }
 }
 
-/// The losses of a batch and the gradient for each of its results. The losses see results before they are clamped.
+/// How far away the pixels of two sets of pictures are, picture by picture, one channel each. Only the order of the values
+/// counts, and that within each set.
+#[derive(Debug, Clone, Copy)]
+pub struct Ranges<'a, T> {
+    /// Of the content pictures.
+    pub contents: &'a [Pyramid<T>],
+    /// Of the style.
+    pub style: &'a [Pyramid<T>],
+}
+
+/// The losses of a batch and the gradient for each of its results. The losses see results before they are clamped. With
+/// ranges, texture and color are compared within bands of range.
 #[must_use]
 pub fn losses<T: Real>(
     contents: &[Pyramid<T>],
     results: Vec<Tensor<T>>,
     style: &[Pyramid<T>],
+    ranges: Option<Ranges<'_, T>>,
     stream: &Stream,
     step: u64,
 ) -> (Losses, Vec<Tensor<T>>) {
     let results: Vec<Pyramid<T>> = results.into_par_iter().map(Pyramid::new).collect();
-    let found = sliced(&results, style, stream, step);
+    let found = sliced(&results, style, ranges, stream, step);
     let mut gradients = found.gradients;
-    let content = content::content(contents, &results, &mut gradients);
+    let content = content::content(
+        contents,
+        &results,
+        ranges.map(|ranges| ranges.contents),
+        &mut gradients,
+    );
     let samples: usize = results.iter().map(|result| result.levels[0].data.len()).sum();
-    let slope = T::from_f64(RANGE / samples as f64);
+    let slope = T::from_f64(OUTSIDE / samples as f64);
     let (zero, one) = (T::default(), T::from_f64(1.0));
-    let mut range = 0.0;
+    let mut outside = 0.0;
     for (gradient, result) in gradients.iter_mut().zip(&results) {
         let pairs = gradient.levels[0].data.iter_mut().zip(&result.levels[0].data);
         for (gradient, &value) in pairs {
             if value < zero {
-                range -= value.to_f64();
+                outside -= value.to_f64();
                 *gradient += -slope;
             } else if value > one {
-                range += value.to_f64() - 1.0;
+                outside += value.to_f64() - 1.0;
                 *gradient += slope;
             }
         }
@@ -88,7 +109,7 @@ pub fn losses<T: Real>(
         texture: found.texture,
         color: found.color,
         content,
-        range: range / samples as f64,
+        outside: outside / samples as f64,
     };
     (losses, gradients.into_par_iter().map(Pyramid::collapse).collect())
 }

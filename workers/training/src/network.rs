@@ -6,8 +6,13 @@
 //! h = relu(pixel(x) + resize(leave(c), bilinear, to the size of x))
 //! styled = color(x) + output(h)                                       not clamped
 //! ```
+//!
+//! With a range q of each pixel and `r = (q x, q)`, `range_pixel(r)` is added to what `h` is made of, and `range_color(r)` to
+//! the result.
 
-use style::net::layer::{BLOCKS, COLOR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PIXEL, REDUCE, Weights};
+use style::net::layer::{
+    BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, REDUCE, Weights,
+};
 
 use crate::layer::{filter, mix, scale};
 use crate::real::Real;
@@ -17,23 +22,37 @@ use crate::tensor::Tensor;
 pub struct Trace<T> {
     /// The result before it is clamped.
     pub styled: Tensor<T>,
-    /// What each layer was given, in the order of [`LAYERS`]; bordered for those of side 3.
-    inputs: Vec<Tensor<T>>,
+    /// What each layer was given; bordered for those of side 3.
+    inputs: Vec<(Layer, Tensor<T>)>,
     /// The context before the blocks.
     context: Tensor<T>,
 }
 
 impl<T> Trace<T> {
     fn input(&self, layer: Layer) -> &Tensor<T> {
-        let at = LAYERS.iter().position(|known| *known == layer);
-        &self.inputs[at.expect("a layer of the list")]
+        let found = self.inputs.iter().find(|(known, _)| *known == layer);
+        &found.expect("a layer that ran").1
     }
 }
 
-/// Runs the network on a picture of three channels.
+/// The colors of a picture times their range, and the range: what a network that takes a range is given beside the picture.
 #[must_use]
-pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>) -> Trace<T> {
-    let mut inputs = Vec::with_capacity(LAYERS.len());
+pub fn ranged<T: Real>(image: &Tensor<T>, range: &Tensor<T>) -> Tensor<T> {
+    let mut out = Tensor::zeros(4, image.height, image.width);
+    for channel in 0..3 {
+        let pairs = image.plane(channel).iter().zip(range.plane(0));
+        for (out, (&color, &range)) in out.plane_mut(channel).iter_mut().zip(pairs) {
+            *out = color * range;
+        }
+    }
+    out.plane_mut(3).copy_from_slice(range.plane(0));
+    out
+}
+
+/// Runs the network on a picture of three channels; `ranged` is [`ranged()`] for a network that takes a range.
+#[must_use]
+pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>, ranged: Option<&Tensor<T>>) -> Trace<T> {
+    let mut inputs = Vec::with_capacity(weights.layers().len());
     let mut apply = |layer: Layer, input: &Tensor<T>, step| {
         let (weight, bias) = (weights.weight(layer), weights.bias(layer));
         let input = if layer.side == 3 {
@@ -45,7 +64,7 @@ pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>) -> Trace<T> {
             3 => filter::forward(&input, weight, bias, step),
             _ => mix::forward(&input, weight, bias),
         };
-        inputs.push(input);
+        inputs.push((layer, input));
         out
     };
     let quarter = apply(ENTER, &scale::pooled(image), 1).relu();
@@ -60,8 +79,14 @@ pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>) -> Trace<T> {
     let left = apply(LEAVE, &now, 1);
     let mut features = apply(PIXEL, image, 1);
     features.add(&scale::resized(&left, image.height, image.width));
+    if let Some(ranged) = ranged {
+        features.add(&apply(RANGE_PIXEL, ranged, 1));
+    }
     let mut styled = apply(OUTPUT, &features.relu(), 1);
     styled.add(&apply(COLOR, image, 1));
+    if let Some(ranged) = ranged {
+        styled.add(&apply(RANGE_COLOR, ranged, 1));
+    }
     Trace {
         styled,
         inputs,
@@ -72,7 +97,7 @@ pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>) -> Trace<T> {
 /// The gradient of all numbers of the network from that of its result.
 #[must_use]
 pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tensor<T>) -> Weights<T> {
-    let mut sums = Weights::zeros();
+    let mut sums = Weights::zeros(weights.takes_range());
     let mut learn = |layer: Layer, gradient: &Tensor<T>, step| match layer.side {
         3 => filter::backward_weights(trace.input(layer), gradient, step, sums.layer_mut(layer)),
         _ => mix::backward_weights(trace.input(layer), gradient, sums.layer_mut(layer)),
@@ -93,6 +118,10 @@ pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tens
     learn(OUTPUT, gradient, 1);
     let features = through(OUTPUT, gradient, 1, true);
     learn(PIXEL, &features, 1);
+    if weights.takes_range() {
+        learn(RANGE_COLOR, gradient, 1);
+        learn(RANGE_PIXEL, &features, 1);
+    }
     let left = scale::unresized(&features, trace.context.height, trace.context.width);
     learn(LEAVE, &left, 1);
     let mut context = through(LEAVE, &left, 1, false);

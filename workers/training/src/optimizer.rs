@@ -1,6 +1,6 @@
 //! Adam (Kingma and Ba 2015) with a learning rate that rises for a tenth of the steps and then falls along a cosine.
 
-use style::net::layer::{PARAMETERS, Weights};
+use style::net::layer::Weights;
 
 const PEAK: f64 = 2e-3;
 /// The peak over the first rate, and over the last.
@@ -19,9 +19,10 @@ pub(crate) struct Adam {
 }
 
 impl Adam {
-    pub(crate) fn new() -> Self {
+    /// For so many numbers.
+    pub(crate) fn new(count: usize) -> Self {
         Self {
-            moments: vec![[0.0; 2]; PARAMETERS],
+            moments: vec![[0.0; 2]; count],
             done: 0,
         }
     }
@@ -77,7 +78,8 @@ mod tests {
 
     #[test]
     fn it_finds_the_bottom_of_a_bowl() {
-        let (mut weights, mut adam) = (Weights::zeros(), Adam::new());
+        let mut weights = Weights::zeros(false);
+        let mut adam = Adam::new(weights.values().len());
         for _ in 0..1000 {
             let gradient = weights.map(|&value: &f32| value - 0.25);
             adam.step(&mut weights, gradient, 1000);

@@ -5,6 +5,7 @@ use imaging::{Rgb, Rgb8, codec};
 use crate::loss::pyramid::Pyramid;
 use crate::tensor::Tensor;
 use crate::transfer::ColorStats;
+use crate::veil;
 
 /// Longest side that is used; a larger photo is reduced to it first. Texture is learned at the scale of ordinary frames.
 pub const MAX_SIDE_PX: usize = 768;
@@ -38,6 +39,8 @@ pub enum PhotoError {
 #[derive(Debug, Clone)]
 pub struct Photo {
     pub(crate) pyramid: Pyramid<f32>,
+    /// Its range, as far as the veil tells it.
+    pub(crate) range: Pyramid<f32>,
 }
 
 impl Photo {
@@ -58,9 +61,17 @@ impl Photo {
         if spread < MIN_SPREAD {
             return Err(PhotoError::Flat { spread });
         }
+        let pyramid = Pyramid::new(tensor);
         Ok(Self {
-            pyramid: Pyramid::new(tensor),
+            range: Pyramid::new(veil::estimate(&pyramid)),
+            pyramid,
         })
+    }
+
+    /// The order of its pixels by range as the veil tells it, 0 near and 1 far, in rows; the size is that of the reduced photo.
+    #[must_use]
+    pub fn range(&self) -> &Tensor<f32> {
+        &self.range.levels[0]
     }
 }
 

@@ -2,18 +2,17 @@
 
 use std::ops::Range;
 
-use imaging::Rgb;
 use imaging::random::Stream;
+use imaging::{Plane, Rgb};
 use rayon::prelude::*;
 use style::net::layer::{OUTPUT, Weights};
 use style::net::{Network, Scratch};
 
-use crate::content::Contents;
+use crate::content::{Content, Contents};
 use crate::loss::pyramid::Pyramid;
-use crate::loss::{Losses, losses};
+use crate::loss::{Losses, Ranges, losses};
 use crate::photo::Photo;
 use crate::tensor::Tensor;
-use crate::trainer::cropped;
 
 /// New scenes that are judged; they are the same for every training.
 ///
@@ -39,12 +38,12 @@ pub struct Score {
 /// Some of the new scenes as pictures, sRGB-encoded.
 #[must_use]
 pub fn new_scenes() -> Vec<Rgb<f32>> {
-    crops(0..SHOWN).iter().map(Tensor::to_rgb).collect()
+    crops(0..SHOWN).iter().map(|crop| crop.picture.to_rgb()).collect()
 }
 
-fn crops(scenes: Range<u64>) -> Vec<Tensor<f32>> {
+fn crops(scenes: Range<u64>) -> Vec<Content> {
     let contents = Contents::new(SEED, "held-out content");
-    let crop = |index| cropped(&contents.picture(index), (16, 16), SIDE, false);
+    let crop = |index| contents.content(index).cropped((16, 16), SIDE, false);
     scenes.into_par_iter().map(crop).collect()
 }
 
@@ -73,11 +72,21 @@ pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws
         .flat_map(|(a, b)| a.data.iter().zip(&b.data));
     let squares: f64 = pairs.map(|(&a, &b)| f64::from(a - b) * f64::from(a - b)).sum();
     let samples: usize = results.iter().map(|result| result.data.len()).sum();
-    let before: Vec<_> = crops.into_iter().map(Pyramid::new).collect();
-    let style: Vec<_> = photos.iter().map(|photo| photo.pyramid.clone()).collect();
+    let (before, near): (Vec<_>, Vec<_>) = crops
+        .into_iter()
+        .map(|crop| (Pyramid::new(crop.picture), Pyramid::new(crop.range)))
+        .unzip();
+    let (style, far): (Vec<_>, Vec<_>) = photos
+        .iter()
+        .map(|photo| (photo.pyramid.clone(), photo.range.clone()))
+        .unzip();
+    let ranges = weights.takes_range().then_some(Ranges {
+        contents: &near,
+        style: &far,
+    });
     let stream = Stream::stage(SEED, "held-out draws");
     let all: Vec<Losses> = (0..draws)
-        .map(|draw| losses(&before, results.clone(), &style, &stream, draw).0)
+        .map(|draw| losses(&before, results.clone(), &style, ranges, &stream, draw).0)
         .collect();
     Score {
         losses: Losses::mean(&all),
@@ -85,6 +94,8 @@ pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws
     }
 }
 
-fn repaint(network: &Network, crop: &Tensor<f32>) -> Tensor<f32> {
-    Tensor::from(&network.apply(&crop.to_rgb(), &mut Scratch::default()))
+fn repaint(network: &Network, crop: &Content) -> Tensor<f32> {
+    let range = Plane::new(SIDE, SIDE, crop.range.data.clone()).expect("a range for each pixel");
+    let picture = crop.picture.to_rgb();
+    Tensor::from(&network.apply(&picture, Some(&range), &mut Scratch::default()))
 }

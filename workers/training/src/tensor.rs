@@ -65,6 +65,22 @@ impl<T: Real> Tensor<T> {
         &mut self.data[start..start + self.width]
     }
 
+    /// A square crop, mirrored or not.
+    #[must_use]
+    pub fn cropped(&self, (left, top): (usize, usize), side: usize, mirrored: bool) -> Self {
+        let mut crop = Self::zeros(self.channels, side, side);
+        for channel in 0..self.channels {
+            for y in 0..side {
+                let row = crop.row_mut(channel, y);
+                row.copy_from_slice(&self.row(channel, top + y)[left..left + side]);
+                if mirrored {
+                    row.reverse();
+                }
+            }
+        }
+        crop
+    }
+
     /// Adds another tensor of the same size.
     pub fn add(&mut self, other: &Self) {
         for (sum, &value) in self.data.iter_mut().zip(&other.data) {

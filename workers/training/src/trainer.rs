@@ -2,16 +2,15 @@
 
 use imaging::random::Stream;
 use rayon::prelude::*;
-use style::net::layer::{BLOCKS, COLOR, LAYERS, OUTPUT, PIXEL, Weights};
+use style::net::layer::{BLOCKS, COLOR, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
 
-use crate::content::{Contents, SIDE};
+use crate::content::{Content, Contents, SIDE};
 use crate::loss::pyramid::Pyramid;
-use crate::loss::{Losses, losses};
-use crate::network::{backward, forward};
+use crate::loss::{Losses, Ranges, losses};
+use crate::network::{backward, forward, ranged};
 use crate::optimizer::Adam;
 use crate::photo::Photo;
-use crate::tensor::Tensor;
-use crate::transfer::{ColorStats, transfer};
+use crate::transfer::{ColorStats, Transfer, ranged_transfer, transfer};
 
 /// Pictures of a batch: many small ones, since the style's colors must be found over all of them together, and a batch
 /// of few is too far from the whole.
@@ -31,8 +30,10 @@ const WINDOW: usize = 50;
 /// A training under way.
 pub struct Trainer {
     style: Vec<Pyramid<f32>>,
+    /// Ranges of the style, as far as its veil tells them.
+    style_ranges: Vec<Pyramid<f32>>,
     /// Content pictures from dark to bright.
-    pool: Vec<Tensor<f32>>,
+    pool: Vec<Content>,
     stream: Stream,
     start: Weights,
     weights: Weights,
@@ -54,48 +55,41 @@ pub struct Best {
 }
 
 impl Trainer {
-    /// Prepares to learn one water from one or more photos of it: measures colors, and starts from the closed-form
-    /// color transfer.
+    /// Prepares to learn one water from one or more photos of it, by a network that takes a range or none: measures colors,
+    /// and starts from the closed-form color transfer.
     ///
     /// # Panics
     /// Without a photo.
     #[must_use]
-    pub fn new(photos: &[Photo], seed: u64, steps: usize) -> Self {
+    pub fn new(photos: &[Photo], takes_range: bool, seed: u64, steps: usize) -> Self {
         assert!(!photos.is_empty(), "there is a photo to learn from");
         let style: Vec<_> = photos.iter().map(|photo| photo.pyramid.clone()).collect();
+        let style_ranges: Vec<_> = photos.iter().map(|photo| photo.range.clone()).collect();
         let contents = Contents::new(seed, "training content");
-        let mut pool: Vec<Tensor<f32>> = (0..POOL as u64)
+        let mut pool: Vec<Content> = (0..POOL as u64)
             .into_par_iter()
-            .map(|index| contents.picture(index))
+            .map(|index| contents.content(index))
             .collect();
-        let content = ColorStats::measure(pool.iter());
+        let start = started(&pool, photos, takes_range);
         // Floats that are not negative are ordered as their bits are.
-        pool.sort_by_cached_key(|picture| {
-            picture
+        pool.sort_by_cached_key(|content| {
+            content
+                .picture
                 .data
                 .iter()
                 .map(|&value| f64::from(value))
                 .sum::<f64>()
                 .to_bits()
         });
-        let target = ColorStats::measure(style.iter().map(|pyramid| &pyramid.levels[0]));
         let stream = Stream::stage(seed, "training");
-        let (map, offset) = transfer(&content, &target);
-        let mut start = Weights::zeros();
-        let (weight, bias) = start.layer_mut(COLOR);
-        for (weight, &value) in weight.iter_mut().zip(map.as_flattened()) {
-            *weight = value as f32;
-        }
-        for (bias, &value) in bias.iter_mut().zip(&offset) {
-            *bias = value as f32;
-        }
         Self {
             style,
+            style_ranges,
             pool,
             stream,
             weights: randomized(&start, &stream),
+            optimizer: Adam::new(start.values().len()),
             start,
-            optimizer: Adam::new(),
             steps,
             window: Vec::new(),
             best: None,
@@ -117,24 +111,33 @@ impl Trainer {
     /// One step, and the losses before it.
     pub fn step(&mut self) -> Losses {
         let step = self.optimizer.done() as u64;
-        let crops: Vec<Tensor<f32>> = (0..BATCH)
+        let takes_range = self.weights.takes_range();
+        let crops: Vec<Content> = (0..BATCH)
             .into_par_iter()
             .map(|place| self.crop(step, place))
             .collect();
-        let traces: Vec<_> = crops
-            .par_iter()
-            .map(|crop| forward(&self.weights, crop))
-            .collect();
+        let run = |crop: &Content| {
+            let ranged = takes_range.then(|| ranged(&crop.picture, &crop.range));
+            forward(&self.weights, &crop.picture, ranged.as_ref())
+        };
+        let traces: Vec<_> = crops.par_iter().map(run).collect();
         let results = traces.iter().map(|trace| trace.styled.clone()).collect();
-        let contents: Vec<_> = crops.into_par_iter().map(Pyramid::new).collect();
-        let (losses, gradients) = losses(&contents, results, &self.style, &self.stream, step);
+        let pyramids = crops
+            .into_par_iter()
+            .map(|crop| (Pyramid::new(crop.picture), Pyramid::new(crop.range)));
+        let (contents, near): (Vec<_>, Vec<_>) = pyramids.unzip();
+        let ranges = takes_range.then_some(Ranges {
+            contents: &near,
+            style: &self.style_ranges,
+        });
+        let (losses, gradients) = losses(&contents, results, &self.style, ranges, &self.stream, step);
         let parts: Vec<Weights> = traces
             .par_iter()
             .zip(&gradients)
             .map(|(trace, gradient)| backward(&self.weights, trace, gradient))
             .collect();
         // In the order of the pictures, whichever was ready first.
-        let mut gradient = Weights::zeros();
+        let mut gradient = Weights::zeros(takes_range);
         for part in &parts {
             for (sum, value) in gradient.values_mut().iter_mut().zip(part.values()) {
                 *sum += value;
@@ -178,39 +181,49 @@ impl Trainer {
 
     /// A crop of a picture of the brightness that belongs to a place of the batch. So each batch has about the colors of
     /// all pictures, as if it were several times as large.
-    fn crop(&self, step: u64, place: usize) -> Tensor<f32> {
+    fn crop(&self, step: u64, place: usize) -> Content {
         let draw = |purpose: u64| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose);
-        let picture = &self.pool[place * CHOICE + (draw(3) * CHOICE as f64) as usize];
+        let content = &self.pool[place * CHOICE + (draw(3) * CHOICE as f64) as usize];
         let offset = |purpose| (draw(purpose) * (SIDE - CROP + 1) as f64) as usize;
-        cropped(picture, (offset(0), offset(1)), CROP, draw(2) < 0.5)
+        content.cropped((offset(0), offset(1)), CROP, draw(2) < 0.5)
     }
 }
 
-/// A square crop, mirrored or not.
-pub(crate) fn cropped(
-    picture: &Tensor<f32>,
-    (left, top): (usize, usize),
-    side: usize,
-    mirrored: bool,
-) -> Tensor<f32> {
-    let mut crop = Tensor::zeros(3, side, side);
-    for channel in 0..3 {
-        for y in 0..side {
-            let row = crop.row_mut(channel, y);
-            row.copy_from_slice(&picture.row(channel, top + y)[left..left + side]);
-            if mirrored {
-                row.reverse();
-            }
+/// The color transfer, for either half of the range if the network takes one.
+fn started(pool: &[Content], photos: &[Photo], takes_range: bool) -> Weights {
+    let mut start = Weights::zeros(takes_range);
+    let mut put = |layer, values: &[f64], offsets: &[f64]| {
+        let (weight, bias) = start.layer_mut(layer);
+        let pairs = weight.iter_mut().chain(bias);
+        for (number, &value) in pairs.zip(values.iter().chain(offsets)) {
+            *number = value as f32;
         }
+    };
+    if takes_range {
+        let contents = pool.iter().map(|content| (&content.picture, &content.range));
+        let styles = photos
+            .iter()
+            .map(|photo| (&photo.pyramid.levels[0], &photo.range.levels[0]));
+        let Transfer { near, change } = ranged_transfer(contents, styles);
+        put(COLOR, near.0.as_flattened(), &near.1);
+        let change: Vec<f64> = (0..3)
+            .flat_map(|row| change.0[row].into_iter().chain([change.1[row]]))
+            .collect();
+        put(RANGE_COLOR, &change, &[]);
+    } else {
+        let content = ColorStats::measure(pool.iter().map(|content| &content.picture));
+        let target = ColorStats::measure(photos.iter().map(|photo| &photo.pyramid.levels[0]));
+        let (map, offset) = transfer(&content, &target);
+        put(COLOR, map.as_flattened(), &offset);
     }
-    crop
+    start
 }
 
 /// Uniform in ±1/sqrt(fan-in), smaller at the ends of the residual branches, beside the color map of the start.
 fn randomized(start: &Weights, stream: &Stream) -> Weights {
     let mut weights = start.clone();
-    for (index, layer) in LAYERS.into_iter().enumerate() {
-        if layer == COLOR {
+    for (index, &layer) in start.layers().iter().enumerate() {
+        if layer == COLOR || layer == RANGE_COLOR {
             continue;
         }
         let reach = 1.0 / (layer.fan_in() as f64).sqrt();
@@ -230,6 +243,7 @@ fn randomized(start: &Weights, stream: &Stream) -> Weights {
                 OUTPUT => 0.0,
                 // Features begin alive: the context can push all of them below the ReLU for good.
                 PIXEL => PIXEL_BIAS,
+                RANGE_PIXEL => 0.0,
                 _ => draw(1 << 20 | at) as f32,
             };
         }

@@ -68,6 +68,74 @@ pub(crate) fn transfer(content: &ColorStats, style: &ColorStats) -> (Matrix, [f6
     (map, offset)
 }
 
+/// A map whose matrix and offset change with the range q: `near + q change`.
+pub(crate) struct Transfer {
+    pub(crate) near: (Matrix, [f64; 3]),
+    pub(crate) change: (Matrix, [f64; 3]),
+}
+
+/// The transfer between the nearer halves of two sets of pictures, and between the farther halves: linear in the range q of the
+/// content, through both at the means of q of the halves. The halves are of all pixels of a set, by its own order of range.
+pub(crate) fn ranged_transfer<'a>(
+    contents: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>,
+    styles: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>,
+) -> Transfer {
+    let (contents, styles) = (Halves::split(contents), Halves::split(styles));
+    let maps = [0, 1].map(|half| transfer(&contents.colors[half], &styles.colors[half]));
+    let [near, far] = contents.ranges;
+    // Where all pixels have one range, the nearer half stands for all.
+    let apart = if far > near { far - near } else { f64::INFINITY };
+    let slope = |one: f64, other: f64| (other - one) / apart;
+    let rows =
+        |of: &dyn Fn(usize, usize) -> f64| [0, 1, 2].map(|row| [0, 1, 2].map(|column| of(row, column)));
+    let matrix = rows(&|row, column| slope(maps[0].0[row][column], maps[1].0[row][column]));
+    let offset = [0, 1, 2].map(|row| slope(maps[0].1[row], maps[1].1[row]));
+    Transfer {
+        near: (
+            rows(&|row, column| maps[0].0[row][column] - near * matrix[row][column]),
+            [0, 1, 2].map(|row| maps[0].1[row] - near * offset[row]),
+        ),
+        change: (matrix, offset),
+    }
+}
+
+/// Colors and mean range of the nearer and of the farther half of the pixels of a set.
+struct Halves {
+    colors: [ColorStats; 2],
+    ranges: [f64; 2],
+}
+
+impl Halves {
+    fn split<'a>(pictures: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>) -> Self {
+        let mut pixels: Vec<(f32, [f32; 3])> = Vec::new();
+        for (picture, range) in pictures {
+            let colors =
+                (0..picture.plane(0).len()).map(|at| [0, 1, 2].map(|channel| picture.plane(channel)[at]));
+            pixels.extend(range.plane(0).iter().copied().zip(colors));
+        }
+        pixels.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let (near, far) = pixels.split_at(pixels.len() / 2);
+        let half = |pixels: &[(f32, [f32; 3])]| {
+            let mut colors = Tensor::zeros(3, 1, pixels.len());
+            for channel in 0..3 {
+                for (out, (_, color)) in colors.plane_mut(channel).iter_mut().zip(pixels) {
+                    *out = color[channel];
+                }
+            }
+            let range = pixels.iter().map(|(range, _)| f64::from(*range)).sum::<f64>();
+            (
+                ColorStats::measure(std::iter::once(&colors)),
+                range / pixels.len().max(1) as f64,
+            )
+        };
+        let ((near, near_range), (far, far_range)) = (half(near), half(far));
+        Self {
+            colors: [near, far],
+            ranges: [near_range, far_range],
+        }
+    }
+}
+
 fn product(a: &Matrix, b: &Matrix) -> Matrix {
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| (0..3).map(|at| a[row][at] * b[at][column]).sum()))
 }

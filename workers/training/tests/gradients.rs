@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use imaging::random::Stream;
-use style::net::layer::{LAYERS, OUTPUT, Weights};
-use training::loss::losses;
+use style::net::layer::{OUTPUT, Weights};
 use training::loss::pyramid::Pyramid;
-use training::network::{backward, forward};
+use training::loss::{Ranges, losses};
+use training::network::{backward, forward, ranged};
 use training::tensor::Tensor;
 
 /// Rounding of central differences of sums of order 1.
@@ -24,10 +24,10 @@ fn noise(seed: u64, channels: usize, height: usize, width: usize) -> Tensor<f64>
     tensor
 }
 
-fn weights() -> Weights<f64> {
+fn weights(takes_range: bool) -> Weights<f64> {
     let stream = Stream::stage(3, "gradients");
-    let mut weights = Weights::zeros();
-    for (index, layer) in LAYERS.into_iter().enumerate() {
+    let mut weights = Weights::zeros(takes_range);
+    for (index, &layer) in weights.clone().layers().iter().enumerate() {
         let reach = 1.0 / (layer.fan_in() as f64).sqrt();
         let (weight, bias) = weights.layer_mut(layer);
         bias.fill(if layer == OUTPUT { 0.2 } else { 0.3 });
@@ -46,10 +46,12 @@ fn product(one: &Tensor<f64>, other: &Tensor<f64>) -> f64 {
 #[test]
 fn the_network_s_gradient_is_that_of_finite_differences_in_every_layer() {
     let (image, direction) = (noise(1, 3, 33, 37), noise(2, 3, 33, 37));
-    let weights = weights();
-    let gradient = backward(&weights, &forward(&weights, &image), &direction);
-    let value = |weights: &Weights<f64>| product(&forward(weights, &image).styled, &direction);
-    for layer in LAYERS {
+    let weights = weights(true);
+    let ranged = ranged(&image, &noise(3, 1, 33, 37));
+    let run = |weights: &Weights<f64>| forward(weights, &image, Some(&ranged));
+    let gradient = backward(&weights, &run(&weights), &direction);
+    let value = |weights: &Weights<f64>| product(&run(weights).styled, &direction);
+    for &layer in weights.layers() {
         let (weight, bias) = (gradient.weight(layer), gradient.bias(layer));
         let largest = weight.iter().chain(bias).fold(0.0f64, |m, v| m.max(v.abs()));
         assert!(largest > 0.0, "{}", layer.name);
@@ -76,10 +78,15 @@ fn the_network_s_gradient_is_that_of_finite_differences_in_every_layer() {
 #[test]
 fn the_losses_gradient_is_that_of_finite_differences() {
     let stream = Stream::stage(9, "gradients");
-    let contents = [noise(4, 3, 64, 72), noise(5, 3, 64, 72)];
-    let contents: Vec<_> = contents.into_iter().map(Pyramid::new).collect();
+    let pyramids = |seeds: [u64; 2], channels| seeds.map(|seed| Pyramid::new(noise(seed, channels, 64, 72)));
+    let contents = pyramids([4, 5], 3);
     let style = [Pyramid::new(noise(6, 3, 80, 96))];
-    // Values below 0 and above 1, so that the range counts as well.
+    let (near, far) = (pyramids([41, 51], 1), [Pyramid::new(noise(61, 1, 80, 96))]);
+    let by_range = Ranges {
+        contents: &near,
+        style: &far,
+    };
+    // Values below 0 and above 1, so that what lies outside counts as well.
     let result = |seed| {
         let mut result = noise(seed, 3, 64, 72);
         result
@@ -89,25 +96,27 @@ fn the_losses_gradient_is_that_of_finite_differences() {
         result
     };
     let results = vec![result(7), result(8)];
-    let (_, gradients) = losses(&contents, results.clone(), &style, &stream, 2);
-    for seed in 0..6 {
-        let directions: Vec<_> = (0..2).map(|at| noise(20 + 2 * seed + at, 3, 64, 72)).collect();
-        let moved = |by: f64| {
-            let mut moved = results.clone();
-            for (result, direction) in moved.iter_mut().zip(&directions) {
-                for (value, direction) in result.data.iter_mut().zip(&direction.data) {
-                    *value += by * (direction - 0.5);
+    for ranges in [None, Some(by_range)] {
+        let (_, gradients) = losses(&contents, results.clone(), &style, ranges, &stream, 2);
+        for seed in 0..6 {
+            let directions: Vec<_> = (0..2).map(|at| noise(20 + 2 * seed + at, 3, 64, 72)).collect();
+            let moved = |by: f64| {
+                let mut moved = results.clone();
+                for (result, direction) in moved.iter_mut().zip(&directions) {
+                    for (value, direction) in result.data.iter_mut().zip(&direction.data) {
+                        *value += by * (direction - 0.5);
+                    }
                 }
-            }
-            losses(&contents, moved, &style, &stream, 2).0.total()
-        };
-        let difference = (moved(STEP) - moved(-STEP)) / (2.0 * STEP);
-        let along = |(gradient, direction): (&Tensor<f64>, &Tensor<f64>)| {
-            let pairs = gradient.data.iter().zip(&direction.data);
-            pairs.map(|(a, b)| a * (b - 0.5)).sum::<f64>()
-        };
-        let found: f64 = gradients.iter().zip(&directions).map(along).sum();
-        let error = (found - difference).abs() / difference.abs();
-        assert!(error < OF_LOSSES, "direction {seed}: {found} is not {difference}");
+                losses(&contents, moved, &style, ranges, &stream, 2).0.total()
+            };
+            let difference = (moved(STEP) - moved(-STEP)) / (2.0 * STEP);
+            let along = |(gradient, direction): (&Tensor<f64>, &Tensor<f64>)| {
+                let pairs = gradient.data.iter().zip(&direction.data);
+                pairs.map(|(a, b)| a * (b - 0.5)).sum::<f64>()
+            };
+            let found: f64 = gradients.iter().zip(&directions).map(along).sum();
+            let error = (found - difference).abs() / difference.abs();
+            assert!(error < OF_LOSSES, "direction {seed}: {found} is not {difference}");
+        }
     }
 }

@@ -8,7 +8,7 @@ use optics::water::Water;
 use optics::{chain, haze};
 use spec::{Ambient, ForwardScatter, Haze, HazeBlend, HazeSpace, Optics, ScatterModel};
 use style::net::{Network, Scratch};
-use training::network::forward;
+use training::network::{forward, ranged};
 use training::tensor::Tensor;
 use training::{Photo, Trainer, score};
 
@@ -51,13 +51,13 @@ fn photo() -> Photo {
     Photo::new(&transfer::encode_rgb8(&shown).0).unwrap()
 }
 
-fn trained(threads: usize, steps: usize) -> Vec<f32> {
+fn trained(threads: usize, takes_range: bool, steps: usize) -> Vec<f32> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .unwrap();
     pool.install(|| {
-        let mut trainer = Trainer::new(&[photo()], 5, steps);
+        let mut trainer = Trainer::new(&[photo()], takes_range, 5, steps);
         while !trainer.is_done() {
             trainer.step();
         }
@@ -67,9 +67,11 @@ fn trained(threads: usize, steps: usize) -> Vec<f32> {
 
 #[test]
 fn the_number_of_threads_changes_no_bit() {
-    let alone = trained(1, 3);
-    assert_eq!(trained(3, 3), alone);
-    assert_eq!(trained(4, 3), alone);
+    for takes_range in [false, true] {
+        let alone = trained(1, takes_range, 3);
+        assert_eq!(trained(3, takes_range, 3), alone);
+        assert_eq!(trained(4, takes_range, 3), alone);
+    }
 }
 
 /// Least gain in texture over the color transfer after 60 steps; the `fathom train` of the job's photos gains .19 to .27.
@@ -77,7 +79,7 @@ const LEAST_GAIN: f64 = 0.15;
 
 #[test]
 fn training_beats_the_color_transfer_it_starts_from() {
-    let mut trainer = Trainer::new(&[photo()], 1, 60);
+    let mut trainer = Trainer::new(&[photo()], false, 1, 60);
     let start = score(trainer.color_transfer(), &[photo()]);
     assert_eq!(start.branch, 0.0);
     while !trainer.is_done() {
@@ -95,18 +97,32 @@ fn training_beats_the_color_transfer_it_starts_from() {
 /// Training and rendering run the network by different code.
 #[test]
 fn training_sees_the_network_that_renders() {
-    let mut trainer = Trainer::new(&[photo()], 2, 4);
+    for takes_range in [false, true] {
+        sees_what_renders(takes_range);
+    }
+}
+
+fn sees_what_renders(takes_range: bool) {
+    let mut trainer = Trainer::new(&[photo()], takes_range, 2, 4);
     (0..4).for_each(|_| {
         trainer.step();
     });
     let weights = trainer.best().weights;
+    let range = Plane::from_fn(53, 41, |x, y| (x + y) as f32 / 94.0);
     let picture = Rgb::from_fn(53, 41, |x, y| [x as f32 / 53.0, y as f32 / 41.0, 0.3f32]);
     let mut image = Tensor::zeros(3, 41, 53);
     for (channel, plane) in picture.planes().iter().enumerate() {
         image.plane_mut(channel).copy_from_slice(plane.data());
     }
-    let styled = forward(&weights, &image).styled;
-    let rendered = Network::new(&weights).apply(&picture, &mut Scratch::default());
+    let plane = Tensor {
+        channels: 1,
+        height: 41,
+        width: 53,
+        data: range.data().to_vec(),
+    };
+    let ranged = takes_range.then(|| ranged(&image, &plane));
+    let styled = forward(&weights, &image, ranged.as_ref()).styled;
+    let rendered = Network::new(&weights).apply(&picture, Some(&range), &mut Scratch::default());
     let samples = rendered.planes().iter().flat_map(Plane::data);
     for (a, b) in styled.data.iter().zip(samples) {
         assert!((a.clamp(0.0, 1.0) - b).abs() < 1e-5, "{a} {b}");

@@ -13,11 +13,14 @@ pub(super) fn tiers(scene: &ChartScene, library: &Library, runs: usize) -> Vec<P
     let mut points = Vec::new();
     for name in library.names() {
         let Some(model) = library.get(name) else { continue };
-        let Some(weights) = net::onnx::read(&model.onnx) else {
+        // One water that takes a range would cost what the others do.
+        let Some(weights) = net::onnx::read(&model.onnx).filter(|weights| !weights.takes_range()) else {
             continue;
         };
         let (weights, doubled) = (weights.map(|&w| f64::from(w)), encoded.map(|&v| f64::from(v)));
-        let (slow, exact) = time(1, || net::apply_reference(&weights, &doubled).map(|&v| v as f32));
+        let (slow, exact) = time(1, || {
+            net::apply_reference(&weights, &doubled, None).map(|&v| v as f32)
+        });
         let exact = transfer::decode_unit(&exact);
         let mut add = |tier: &str, times, picture: &Rgb<f32>| {
             let variant = format!("{tier} ({name})");
@@ -37,7 +40,7 @@ pub(super) fn tiers(scene: &ChartScene, library: &Library, runs: usize) -> Vec<P
             ("colour table", Session::table(model)),
         ] {
             let Some(mut session) = session else { continue };
-            let (times, styled) = time(runs, || session.apply(&encoded, None));
+            let (times, styled) = time(runs, || session.apply(&encoded, style::Beside::default()));
             if let Ok(styled) = styled {
                 add(tier, times, &transfer::decode_unit(&styled));
             }

@@ -64,7 +64,9 @@ pub(super) fn measure(
     runtime: &Runtime,
 ) -> Result<Vec<Steadiness>, StyleError> {
     let names = library.names();
-    let models = names.iter().filter_map(|name| library.get(name)).chain([control]);
+    let models = names.iter().filter_map(|name| library.get(name));
+    // Frames here are pictures without a range.
+    let models = models.filter(|model| !model.card.takes_range).chain([control]);
     models
         .map(|model| {
             let session = Session::native(model);
@@ -75,7 +77,7 @@ pub(super) fn measure(
 }
 
 fn steadiness(name: &str, mut session: Session) -> Result<Steadiness, StyleError> {
-    let mut run = |frame: &Rgb<f32>| session.apply(frame, None);
+    let mut run = |frame: &Rgb<f32>| session.apply(frame, style::Beside::default());
     let scenes = training::new_scenes();
     let lively: Vec<&Rgb<f32>> = scenes
         .iter()

@@ -187,6 +187,8 @@ pub(crate) struct StyleCard {
     outputs: Vec<String>,
     /// Whether it takes noise of the job's seed and the frame.
     takes_noise: bool,
+    /// Whether it takes the range of each pixel: it cannot repaint a scene without one.
+    takes_range: bool,
     /// What the style weight does with its output.
     alpha: String,
     /// What a user should know.

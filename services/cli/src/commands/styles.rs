@@ -51,17 +51,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     let row = |card: &Value| {
-        let noise = if card["takes_noise"] == true { "yes" } else { "no" };
+        let takes = |name: &str| if card[name] == true { "yes" } else { "no" };
         let digest: String = cell(&card["sha256"]).chars().take(16).collect();
         vec![
             cell(&card["name"]),
             cell(&card["licence"]),
-            noise.to_owned(),
+            takes("takes_noise").to_owned(),
+            takes("takes_range").to_owned(),
             digest,
         ]
     };
     let rows: Vec<Vec<String>> = cards.iter().map(row).collect();
-    println!("{}", table(&["style", "licence", "noise", "sha256"], &rows));
+    println!(
+        "{}",
+        table(&["style", "licence", "noise", "range", "sha256"], &rows)
+    );
     if remote.is_none() {
         match Runtime::load(arguments.style.onnxruntime.as_deref()) {
             Ok(runtime) => println!("\nONNX Runtime {}", runtime.version()),

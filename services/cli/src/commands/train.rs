@@ -13,7 +13,7 @@ use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
 use cli::remote::{Remote, ServerArguments};
-use imaging::Rgb8;
+use imaging::{Plane, Rgb8};
 use training::{Photo, Trainer};
 
 use super::styles;
@@ -35,6 +35,10 @@ pub(crate) struct Arguments {
     /// Steps; 60 are enough for a first look
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: u32,
+    /// Make a network that takes the range of each pixel as well: contrast falls with it as in the photos. Such a style
+    /// needs scenes with a range
+    #[arg(long)]
+    range: bool,
     /// Folder for NAME.onnx, NAME.card.json and NAME.sheet.png
     #[arg(long, default_value = ".", value_name = "DIR")]
     out: PathBuf,
@@ -125,7 +129,7 @@ fn read(path: &Path) -> Result<Given, Failure> {
 fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<(), Failure> {
     let photos: Vec<Photo> = given.iter().map(|given| given.photo.clone()).collect();
     let steps = arguments.steps as usize;
-    let mut trainer = Trainer::new(&photos, arguments.seed, steps);
+    let mut trainer = Trainer::new(&photos, arguments.range, arguments.seed, steps);
     let start = training::score(trainer.color_transfer(), &photos);
     let product = Product {
         arguments,
@@ -157,6 +161,17 @@ fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<()
             "{name:16} {:7.3} {:7.3} {:8.3}",
             parts.texture, parts.color, parts.content
         );
+    }
+    if arguments.range {
+        println!("{:16} nearer than 2 m, at 4 to 12 m", "contrast kept");
+        let models = [
+            ("color transfer", trainer.color_transfer()),
+            (arguments.name.as_str(), &best.weights),
+        ];
+        for (name, weights) in models {
+            let kept = training::contrast_kept(weights, Plane::clone);
+            println!("{name:16} {:15.3} {:12.3}", kept.near, kept.far);
+        }
     }
     println!("{}", product.path("onnx").display());
     Ok(())

@@ -64,6 +64,7 @@ impl Checker<'_> {
         };
         for draws in [
             waters(document),
+            self.styles(document),
             cameras(document),
             lamps(document),
             artifacts(document),
@@ -143,6 +144,31 @@ impl Checker<'_> {
             }
         }
         scenes
+    }
+
+    /// The styles of each water that take a range.
+    fn styles(&self, document: &Node) -> Vec<Vec<Element>> {
+        let of_water = |(pointer, water): (String, &Node)| {
+            let pointer = format!("{pointer}/style");
+            let style = water.get("style")?;
+            let needs_range =
+                |(_, name): &(String, &str)| self.vocabulary.range_styles.iter().any(|known| known == name);
+            let asks = style.strings(&pointer).into_iter().filter(needs_range);
+            let ask = |(pointer, name): (String, &str)| Ask {
+                pointer,
+                name: format!("the style \"{name}\""),
+                value: name.into(),
+                part: ScenePart::Range,
+            };
+            Some(Element {
+                asks: asks.map(ask).collect(),
+                values: style.alternatives(&pointer).len(),
+            })
+        };
+        let waters = places(document, "water").into_iter();
+        waters
+            .map(|water| of_water(water).into_iter().collect())
+            .collect()
     }
 
     fn uploaded(&mut self, pointer: &str, id: &str, uploads: &Uploads) -> Option<Candidate> {

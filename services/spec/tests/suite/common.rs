@@ -27,7 +27,8 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
         camera_rules: camera::rules::RULES,
         unrenderable_presets: vec![("clear-kd".to_owned(), "it has no beam attenuation".to_owned())],
         waters: [("quay".to_owned(), water)].into(),
-        styles: names(&["atlantic", "mediterranean", "muddy"]),
+        styles: names(&["atlantic", "mediterranean", "muddy", "ranged"]),
+        range_styles: names(&["ranged"]),
         enhancements: names(&["hscm", "ulap"]),
         metrics: names(&[
             "entropy",

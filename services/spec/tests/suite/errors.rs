@@ -35,7 +35,7 @@ fn all_errors_are_reported_together() {
         .filter_map(|error| error.did_you_mean.as_deref())
         .collect();
     assert_eq!(meant, ["artifacts", "structure", "atlantic"]);
-    assert_eq!(found[4].allowed, ["atlantic", "mediterranean", "muddy"]);
+    assert_eq!(found[4].allowed, ["atlantic", "mediterranean", "muddy", "ranged"]);
 }
 
 #[test]

@@ -82,6 +82,29 @@ fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() 
 }
 
 #[test]
+fn a_style_that_takes_a_range_needs_a_scene_with_one() {
+    let styled = |scene: &str, style: Value| over(json!(scene), json!({"water": {"style": style}}));
+    let found = errors(&styled("scn_flat", json!("ranged")));
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].pointer, "/water/style");
+    assert_eq!(
+        found[0].message,
+        "the style \"ranged\" needs a range, which scene `scn_flat` lacks"
+    );
+    assert_eq!(found[0].value, Some(json!("ranged")));
+    assert_eq!(found[0].limit.as_deref(), Some("only over a scene with a range"));
+    // Over a scene with a range, and of a style that takes none, nothing is said.
+    assert_eq!(warnings(&styled("scn_deep", json!("ranged"))), [""; 0]);
+    assert_eq!(warnings(&styled("scn_flat", json!("muddy"))), [""; 0]);
+    assert_eq!(
+        warnings(&styled("scn_flat", json!({"choice": ["muddy", "ranged"]}))),
+        [
+            "the style \"ranged\" at /water/style/choice/1 needs a range, which scene `scn_flat` lacks: such frames go without it"
+        ]
+    );
+}
+
+#[test]
 fn what_a_scene_has_may_be_asked_for() {
     let water = json!({"optics": {"preset": "jerlov-1C", "veil_gain": 0.3}});
     let fields = json!({"water": water, "lights": [lamp()], "artifacts": ["rgb", "range"]});

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use imaging::{Rgb, transfer};
 use optics::plan::StyleStep;
 use spec::{Frame, FrameRecord};
-use style::{Session, StyleError, StyleModel};
+use style::{Beside, RANGE_SCALE_M, Session, StyleError, StyleModel};
 
 use super::Shot;
 use crate::engine::Engine;
@@ -32,7 +32,8 @@ impl Networks {
         }
     }
 
-    /// Styles a picture as planned: linear light after the blend. The record names the model that ran: its name ends in
+    /// Styles a picture as planned: linear light after the blend. A style that takes a range leaves a scene without one as it
+    /// is: jobs that can only have such frames were refused. The record names the model that ran: its name ends in
     /// `.lut` for the color table, in `.noise` for a network that was fed noise of (job seed, frame).
     pub(crate) fn run<'a>(
         &mut self,
@@ -46,11 +47,22 @@ impl Networks {
         };
         let model = find(name, &self.engine)?;
         let is_table = step == StyleStep::Table;
+        let range = shot.range();
+        if model.card.takes_range && range.is_none() {
+            return Ok(Cow::Borrowed(scattered));
+        }
         let session = self.session(&model, is_table)?;
+        let range = range
+            .filter(|_| session.takes_range())
+            .map(|range| optics::range::faded(range, RANGE_SCALE_M));
         let noise = session
             .takes_noise()
             .then(|| style::noise(frame.seed, frame.index, scattered.size()));
-        let repainted = session.apply(&transfer::encode_unit(scattered), noise.as_ref())?;
+        let beside = Beside {
+            noise: noise.as_ref(),
+            range: range.as_ref(),
+        };
+        let repainted = session.apply(&transfer::encode_unit(scattered), beside)?;
         let uses_runtime = session.uses_runtime();
         let variant = match (is_table, noise) {
             (true, _) => ".lut",
@@ -98,8 +110,7 @@ fn find(name: &str, engine: &Engine) -> Result<Arc<StyleModel>, RenderError> {
 
 fn prepare(model: &StyleModel, is_table: bool, engine: &Engine) -> Result<Session, RenderError> {
     if is_table {
-        let reason =
-            "it has no color table: only the shipped waters and those that `fathom train` makes have one";
+        let reason = "it has no color table: only waters that `fathom train` makes without a range have one";
         return Session::table(model).ok_or_else(|| {
             RenderError::Style(StyleError::Model {
                 name: model.name.clone(),

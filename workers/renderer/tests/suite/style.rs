@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::common::{Files, engine, engine_without_runtime, file, try_render};
+use crate::common::{Files, WIDTH, engine, engine_without_runtime, file, try_render};
 
 #[test]
 fn without_the_runtime_a_style_of_another_form_fails_for_good_and_says_what_to_run() {
@@ -99,4 +99,40 @@ fn a_color_table_takes_the_place_of_the_network_where_it_is_asked_for_or_allowed
         !error.retryable() && error.to_string().contains("no color table"),
         "{error}"
     );
+}
+
+#[test]
+fn a_style_that_takes_a_range_is_given_that_of_each_pixel_and_leaves_a_scene_without_one() {
+    let files = Files::new();
+    let styled = |scene: serde_json::Value| {
+        let fields =
+            json!({"scene": scene, "water": {"style": "atlantic-range"}, "artifacts": ["rgb", "clean"]});
+        try_render(&files.stored_job(&fields), &engine_without_runtime()).unwrap()
+    };
+    // Near at the left and far at the right, against nothing but open water: near pixels differ more.
+    let (ramp, open) = (styled(files.scene("range.npy")), styled(files.scene("holes.npy")));
+    let near_and_far = [0, WIDTH - 4].map(|left| {
+        let of = |rendered| columns(file(rendered, "rgb"), left);
+        apart(&of(&ramp), &of(&open))
+    });
+    // At 5 m three quarters of the way to open water are done, at 1 m a quarter; the picture is darker where it is near.
+    assert!(2 * near_and_far[0] > 3 * near_and_far[1], "{near_and_far:?}");
+    assert!(ramp.record.provenance.inputs.contains_key("style.atlantic-range"));
+    let bare = styled(files.scene_without_range());
+    assert_eq!(file(&bare, "rgb"), file(&bare, "clean"));
+    assert!(!bare.record.provenance.inputs.contains_key("style.atlantic-range"));
+}
+
+/// Four columns of a picture from the one at `left`.
+fn columns(picture: &[u8], left: usize) -> Vec<u8> {
+    let picture = imaging::codec::decode_picture(picture).unwrap().to_rgb8();
+    let places = (0..picture.height()).flat_map(|y| (left..left + 4).map(move |x| (x, y)));
+    places.flat_map(|(x, y)| picture.pixel(x, y)).collect()
+}
+
+fn apart(one: &[u8], other: &[u8]) -> u64 {
+    one.iter()
+        .zip(other)
+        .map(|(&a, &b)| u64::from(a.abs_diff(b)))
+        .sum()
 }

@@ -134,7 +134,7 @@ mod tests {
         let mut path = vec![7];
         path.extend([1, 5, 6].repeat(40));
         assert!(matches!(look(&under(&path, b"")), Err(Unfit::NotOnnx)));
-        for model in ["atlantic", "mediterranean", "muddy"] {
+        for model in ["atlantic", "atlantic-range", "mediterranean", "muddy"] {
             let library = crate::Library::embedded().unwrap();
             assert!(look(&library.get(model).unwrap().onnx).is_ok(), "{model}");
         }

@@ -16,12 +16,16 @@ use multiply::{Block, load, multiply, multiply_row, splat, store};
 use packed::Packed;
 use planes::{close_row, stride};
 
-use super::layer::{COLOR, OUTPUT, PIXEL, Weights};
+use super::layer::{COLOR, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
 
 /// Vectors of a block of the features: with four of its eight outputs, eight sums.
 const PIXEL_VECTORS: usize = 2;
 /// Vectors of a block of the result: with its three outputs, nine sums.
 const OUTPUT_VECTORS: usize = 3;
+
+/// What a pixel is given as: its color, and in a network that takes a range its color times its range, and its range.
+const PLAIN: usize = 3;
+const RANGED: usize = 7;
 
 /// A network that is ready to run.
 #[derive(Debug, Clone)]
@@ -30,6 +34,8 @@ pub struct Network {
     pixel: Packed<4>,
     output: Packed<3>,
     color: Packed<3>,
+    /// Channels that a pixel is given as.
+    channels: usize,
 }
 
 /// What a network needs while it runs; kept between frames. Nothing in it changes a result.
@@ -49,18 +55,34 @@ impl Network {
     /// Orders the weights for the run.
     #[must_use]
     pub fn new(weights: &Weights) -> Self {
+        let (mut pixel, mut color) = (Packed::new(weights, PIXEL), Packed::new(weights, COLOR));
+        if weights.takes_range() {
+            pixel.join(Packed::new(weights, RANGE_PIXEL));
+            color.join(Packed::new(weights, RANGE_COLOR));
+        }
         Self {
             context: Context::new(weights),
-            pixel: Packed::new(weights, PIXEL),
+            pixel,
             output: Packed::new(weights, OUTPUT),
-            color: Packed::new(weights, COLOR),
+            color,
+            channels: if weights.takes_range() { RANGED } else { PLAIN },
         }
     }
 
-    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An empty frame stays empty. The bits depend
-    /// on the frame alone, not on the CPU.
+    /// Whether it takes a range.
     #[must_use]
-    pub fn apply(&self, encoded: &Rgb<f32>, scratch: &mut Scratch) -> Rgb<f32> {
+    pub fn takes_range(&self) -> bool {
+        self.channels == RANGED
+    }
+
+    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An empty frame stays empty. `range` is that
+    /// of the frame's pixels, 0 at the camera and 1 far away: all are at the camera if it is absent, and a network that
+    /// takes none does not look at it. The bits depend on frame and range alone, not on the CPU.
+    ///
+    /// # Panics
+    /// When the range is smaller than the frame.
+    #[must_use]
+    pub fn apply(&self, encoded: &Rgb<f32>, range: Option<&Plane<f32>>, scratch: &mut Scratch) -> Rgb<f32> {
         let (width, height) = encoded.size();
         let [mut r, mut g, mut b] = [const { Vec::new() }; 3];
         for plane in [&mut r, &mut g, &mut b] {
@@ -71,6 +93,7 @@ impl Network {
             pulp::Arch::new().dispatch(Run {
                 network: self,
                 encoded,
+                range: range.filter(|_| self.takes_range()),
                 scratch,
                 planes: &mut planes,
             });
@@ -83,6 +106,7 @@ impl Network {
 struct Run<'a> {
     network: &'a Network,
     encoded: &'a Rgb<f32>,
+    range: Option<&'a Plane<f32>>,
     scratch: &'a mut Scratch,
     planes: &'a mut [Vec<f32>; 3],
 }
@@ -95,14 +119,16 @@ impl WithSimd for Run<'_> {
         let Self {
             network,
             encoded,
+            range,
             scratch,
             planes,
         } = self;
+        let channels = network.channels;
         let (width, height) = encoded.size();
         let stride = stride(width);
         let context = network.context.run(encoded, &mut scratch.context);
         scratch.widened.start(width, context);
-        scratch.image.resize(3 * 3 * stride, 0.0);
+        scratch.image.resize(3 * channels * stride, 0.0);
         scratch.features.resize(3 * 8 * stride, 0.0);
         for row in &mut scratch.styled {
             row.resize(stride, 0.0);
@@ -112,11 +138,8 @@ impl WithSimd for Run<'_> {
             cancel::check();
             while made < (y + 2).min(height) {
                 while copied < (made + 2).min(height) {
-                    for (channel, plane) in encoded.planes().iter().enumerate() {
-                        let row = &mut scratch.image[(copied % 3 * 3 + channel) * stride..][..stride];
-                        row[1..=width].copy_from_slice(plane.row(copied));
-                        close_row(row, width);
-                    }
+                    let rows = &mut scratch.image[copied % 3 * channels * stride..][..channels * stride];
+                    copy_row(encoded, range, copied, rows, stride);
                     copied += 1;
                 }
                 let place = place(made, height, context.height);
@@ -156,6 +179,32 @@ impl WithSimd for Run<'_> {
     }
 }
 
+/// Row `y` of the frame as the network is given it, bordered: colors, then with a network that takes a range colors times
+/// range, and the range.
+#[inline(always)]
+fn copy_row(encoded: &Rgb<f32>, range: Option<&Plane<f32>>, y: usize, rows: &mut [f32], stride: usize) {
+    let width = encoded.width();
+    let (colors, ranged) = rows.split_at_mut(PLAIN * stride);
+    for (plane, row) in encoded.planes().iter().zip(colors.chunks_exact_mut(stride)) {
+        row[1..=width].copy_from_slice(plane.row(y));
+    }
+    if let Some(range) = range {
+        let range = &range.row(y)[..width];
+        let (products, last) = ranged.split_at_mut(PLAIN * stride);
+        for (plane, row) in encoded.planes().iter().zip(products.chunks_exact_mut(stride)) {
+            for ((product, color), range) in row[1..=width].iter_mut().zip(plane.row(y)).zip(range) {
+                *product = color * range;
+            }
+        }
+        last[1..=width].copy_from_slice(range);
+    } else {
+        ranged.fill(0.0);
+    }
+    for row in rows.chunks_exact_mut(stride) {
+        close_row(row, width);
+    }
+}
+
 /// Rows of several channels: `[slot][channel]`.
 #[derive(Clone, Copy)]
 struct Rows<'a> {
@@ -189,12 +238,13 @@ fn make_features<S: Simd>(
 ) {
     let zero = simd.splat_f32s(0.0);
     let share = simd.splat_f32s(place.share);
+    let channels = pixel.groups[0].weights.len() / pixel.taps;
     for (index, group) in pixel.groups.iter().enumerate() {
         for x in (0..width).step_by(PIXEL_VECTORS * S::F32_LANES) {
             let mut sums: Block<S, 4, PIXEL_VECTORS> = splat(simd, &group.bias);
-            for channel in 0..3 {
+            for channel in 0..channels {
                 for row in 0..3 {
-                    let samples = &image.row(image.slots[row], 3, channel)[x..];
+                    let samples = &image.row(image.slots[row], channels, channel)[x..];
                     let weights = &group.weights[9 * channel + 3 * row..];
                     multiply_row(simd, &mut sums, samples, weights);
                 }
@@ -233,7 +283,7 @@ fn finish<S: Simd>(
     for x in (0..width).step_by(OUTPUT_VECTORS * S::F32_LANES) {
         let mut sums: Block<S, 3, OUTPUT_VECTORS> = splat(simd, &bias);
         for (channel, weights) in color.weights.iter().enumerate() {
-            let samples = &image.row(image.slots[1], 3, channel)[1 + x..];
+            let samples = &image.row(image.slots[1], network.channels, channel)[1 + x..];
             multiply(simd, &mut sums, samples, weights);
         }
         for channel in 0..8 {

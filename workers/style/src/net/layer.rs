@@ -88,16 +88,44 @@ pub const OUTPUT: Layer = PIXEL.then("output", 3, 8, 3);
 /// The affine color map: 3 → 3 channels.
 pub const COLOR: Layer = OUTPUT.then("colour", 3, 3, 1);
 
-/// Every layer, in the order of the list.
-pub const LAYERS: [Layer; 14] = {
+/// Features of a pixel from its range, and from its color times its range: 4 → 8 channels. Of networks that take a range.
+pub const RANGE_PIXEL: Layer = COLOR.then("range_pixel", 8, 4, 3);
+/// What the range changes in the color map: 4 → 3 channels. Of networks that take a range.
+pub const RANGE_COLOR: Layer = RANGE_PIXEL.then("range_color", 3, 4, 1);
+
+/// Every layer of a network that takes a range, in the order of the list; those of one that takes none come first.
+const ALL: [Layer; 16] = {
     let [a, b] = BLOCKS;
     [
-        ENTER, REDUCE, a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], LEAVE, PIXEL, OUTPUT, COLOR,
+        ENTER,
+        REDUCE,
+        a[0],
+        a[1],
+        a[2],
+        a[3],
+        b[0],
+        b[1],
+        b[2],
+        b[3],
+        LEAVE,
+        PIXEL,
+        OUTPUT,
+        COLOR,
+        RANGE_PIXEL,
+        RANGE_COLOR,
     ]
 };
 
-/// How many numbers are trained.
+/// How many numbers are trained in a network that takes no range.
 pub const PARAMETERS: usize = COLOR.end();
+/// How many numbers are trained in a network that takes a range.
+pub const RANGE_PARAMETERS: usize = RANGE_COLOR.end();
+
+/// Every layer of a network that takes a range, or of one that takes none.
+#[must_use]
+pub fn layers(takes_range: bool) -> &'static [Layer] {
+    if takes_range { &ALL } else { &ALL[..14] }
+}
 
 const fn block(after: Layer, names: [&'static str; 4]) -> [Layer; 4] {
     let spread_a = after.then(names[0], 16, 1, 3);
@@ -114,10 +142,24 @@ pub struct Weights<T = f32> {
 }
 
 impl<T> Weights<T> {
-    /// Takes [`PARAMETERS`] numbers in the order of [`LAYERS`]; `None` for any other count.
+    /// Takes [`PARAMETERS`] or [`RANGE_PARAMETERS`] numbers, layer after layer; `None` for any other count.
     #[must_use]
     pub fn new(values: Vec<T>) -> Option<Self> {
-        (values.len() == PARAMETERS).then_some(Self { values })
+        [PARAMETERS, RANGE_PARAMETERS]
+            .contains(&values.len())
+            .then_some(Self { values })
+    }
+
+    /// Whether the network takes a range.
+    #[must_use]
+    pub fn takes_range(&self) -> bool {
+        self.values.len() == RANGE_PARAMETERS
+    }
+
+    /// Its layers, in the order of the list.
+    #[must_use]
+    pub fn layers(&self) -> &'static [Layer] {
+        layers(self.takes_range())
     }
 
     /// All numbers.
@@ -159,9 +201,10 @@ impl<T> Weights<T> {
 impl<T: Clone + Default> Weights<T> {
     /// A network of zeros.
     #[must_use]
-    pub fn zeros() -> Self {
+    pub fn zeros(takes_range: bool) -> Self {
+        let count = if takes_range { RANGE_PARAMETERS } else { PARAMETERS };
         Self {
-            values: vec![T::default(); PARAMETERS],
+            values: vec![T::default(); count],
         }
     }
 }
@@ -173,10 +216,11 @@ mod tests {
     #[test]
     fn the_layers_fill_the_list_without_a_gap() {
         let mut at = 0;
-        for layer in LAYERS {
+        for (index, layer) in ALL.into_iter().enumerate() {
             assert_eq!(layer.start, at, "{}", layer.name);
             at = layer.end();
+            assert_eq!(index == 13, at == PARAMETERS, "{}", layer.name);
         }
-        assert_eq!((at, PARAMETERS), (4735, 4735));
+        assert_eq!((PARAMETERS, RANGE_PARAMETERS, at), (4735, 5046, 5046));
     }
 }

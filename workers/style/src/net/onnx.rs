@@ -9,11 +9,21 @@
 //! styled = clamp(color(x) + output(h), 0, 1)
 //! ```
 //!
+//! A network that takes a range has a second input q, 0 at the camera and 1 far away, and with `r = (q x, q)`
+//!
+//! ```text
+//! h = relu(pixel(x) + range_pixel(r) + resize(leave(c), bilinear, to the size of x))
+//! styled = clamp(color(x) + range_color(r) + output(h), 0, 1)
+//! ```
+//!
 //! Filters of side 3 continue a picture by its edge. Opset 17, float32.
 
 mod graph;
 
-use super::layer::{BLOCKS, COLOR, ENTER, LAYERS, LEAVE, Layer, OUTPUT, PARAMETERS, PIXEL, REDUCE, Weights};
+use super::layer::{
+    BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PARAMETERS, RANGE_PIXEL, REDUCE,
+    Weights, layers,
+};
 use super::wire::{Value, bytes, fields, integer, under};
 
 pub use graph::{Attribute, Form, Graph};
@@ -68,8 +78,9 @@ pub fn read(file: &[u8]) -> Option<Weights> {
         }
     }
     let found = found.filter(|_| version == Some(IR_VERSION as u64))?;
-    let mut values = Vec::with_capacity(PARAMETERS);
-    for layer in LAYERS {
+    let mut values = Vec::with_capacity(RANGE_PARAMETERS);
+    let takes_range = under(found, 11).nth(1).is_some();
+    for layer in layers(takes_range) {
         for (name, length) in [("weight", layer.weights()), ("bias", layer.outputs)] {
             values.extend(floats(found, &format!("{}.{name}", layer.name), length)?);
         }
@@ -130,13 +141,42 @@ fn graph(weights: &Weights) -> Vec<u8> {
         ],
     );
     convolution(&mut graph, PIXEL, ("image", "pixel"), 1);
+    if weights.takes_range() {
+        ranged(&mut graph);
+    }
+    let (both, sum) = if weights.takes_range() {
+        ("both.ranged", "sum.ranged")
+    } else {
+        ("both", "sum")
+    };
     graph.node("Add", &["pixel", "resized"], "both", &[]);
-    graph.node("Relu", &["both"], "features", &[]);
+    if weights.takes_range() {
+        graph.node("Add", &["both", "pixel.ranged"], both, &[]);
+    }
+    graph.node("Relu", &[both], "features", &[]);
     convolution(&mut graph, OUTPUT, ("features", "texture"), 1);
     convolution(&mut graph, COLOR, ("image", "toned"), 1);
     graph.node("Add", &["toned", "texture"], "sum", &[]);
-    graph.node("Clip", &["sum", "black", "white"], "styled", &[]);
-    for layer in LAYERS {
+    if weights.takes_range() {
+        graph.node("Add", &["sum", "toned.ranged"], sum, &[]);
+    }
+    graph.node("Clip", &[sum, "black", "white"], "styled", &[]);
+    constants(&mut graph, weights);
+    graph.finish("fathom_style")
+}
+
+/// What the range adds to the features and to the color map.
+fn ranged(graph: &mut Graph) {
+    graph.input("range", 1);
+    graph.node("Mul", &["image", "range"], "image.ranged", &[]);
+    let axis = Attribute::Integer(1);
+    graph.node("Concat", &["image.ranged", "range"], "ranged", &[("axis", &axis)]);
+    convolution(graph, RANGE_PIXEL, ("ranged", "pixel.ranged"), 1);
+    convolution(graph, RANGE_COLOR, ("ranged", "toned.ranged"), 1);
+}
+
+fn constants(graph: &mut Graph, weights: &Weights) {
+    for &layer in weights.layers() {
         let sides = [layer.outputs, layer.inputs, layer.side, layer.side].map(|side| side as i64);
         graph.floats(&format!("{}.weight", layer.name), &sides, weights.weight(layer));
         graph.floats(&format!("{}.bias", layer.name), &sides[..1], weights.bias(layer));
@@ -147,7 +187,6 @@ fn graph(weights: &Weights) -> Vec<u8> {
     graph.integers("four", &[4]);
     graph.floats("black", &[], &[0.0]);
     graph.floats("white", &[], &[1.0]);
-    graph.finish("fathom_style")
 }
 
 fn convolution(graph: &mut Graph, layer: Layer, ports: (&str, &str), step: i64) {
@@ -167,15 +206,22 @@ fn convolution(graph: &mut Graph, layer: Layer, ports: (&str, &str), step: i64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::net::layer::PARAMETERS;
 
     fn some() -> Weights {
-        Weights::new((0..PARAMETERS).map(|i| (i as f32 * 0.37).fract() - 0.5).collect()).unwrap()
+        of(PARAMETERS)
+    }
+
+    fn of(count: usize) -> Weights {
+        Weights::new((0..count).map(|i| (i as f32 * 0.37).fract() - 0.5).collect()).unwrap()
     }
 
     #[test]
     fn the_numbers_come_back_from_the_file_and_metadata_does_not_matter() {
         for metadata in [&[][..], &[("seed", "7"), ("photo", "none")]] {
-            assert_eq!(read(&write(&some(), metadata)).unwrap(), some());
+            for count in [PARAMETERS, RANGE_PARAMETERS] {
+                assert_eq!(read(&write(&of(count), metadata)).unwrap(), of(count));
+            }
         }
     }
 

@@ -2,13 +2,16 @@
 
 use imaging::{Plane, Rgb};
 
-use super::layer::{BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, REDUCE, Weights};
+use super::layer::{
+    BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, REDUCE, Weights,
+};
 
 type Planes = Vec<Plane<f64>>;
 
-/// Repaints a picture; empty ones stay empty. Slow, and without a limit of its own.
+/// Repaints a picture; empty ones stay empty. Slow, and without a limit of its own. `range` is that of the picture's
+/// pixels, 0 at the camera and 1 far away: all are at the camera if it is absent, and a network that takes none does not look at it.
 #[must_use]
-pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>) -> Rgb<f64> {
+pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>, range: Option<&Plane<f64>>) -> Rgb<f64> {
     let (width, height) = encoded.size();
     if width == 0 || height == 0 {
         return encoded.clone();
@@ -23,14 +26,27 @@ pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>) -> Rgb<f64> {
     }
     let left = convolved(weights, LEAVE, &context, 1);
     let resized: Planes = left.iter().map(|plane| resize(plane, width, height)).collect();
-    let features = relu(sum(convolved(weights, PIXEL, &image, 1), &resized));
-    let styled = sum(
-        convolved(weights, COLOR, &image, 1),
-        &convolved(weights, OUTPUT, &features, 1),
-    );
+    let mut features = sum(convolved(weights, PIXEL, &image, 1), &resized);
+    let mut toned = convolved(weights, COLOR, &image, 1);
+    if weights.takes_range() {
+        let ranged = ranged(&image, range);
+        features = sum(features, &convolved(weights, RANGE_PIXEL, &ranged, 1));
+        toned = sum(toned, &convolved(weights, RANGE_COLOR, &ranged, 1));
+    }
+    let styled = sum(toned, &convolved(weights, OUTPUT, &relu(features), 1));
     Rgb::from_fn(width, height, |x, y| {
         [0, 1, 2].map(|channel| styled[channel].pixel(x, y).clamp(0.0, 1.0))
     })
+}
+
+/// The colors times their range, and the range.
+fn ranged(image: &[Plane<f64>], range: Option<&Plane<f64>>) -> Planes {
+    let (width, height) = image[0].size();
+    let at = |x, y| range.map_or(0.0, |range| range.pixel(x, y));
+    let of = |plane: &Plane<f64>| Plane::from_fn(width, height, |x, y| plane.pixel(x, y) * at(x, y));
+    let mut ranged: Planes = image.iter().map(of).collect();
+    ranged.push(Plane::from_fn(width, height, at));
+    ranged
 }
 
 fn relu(planes: Planes) -> Planes {

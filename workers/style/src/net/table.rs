@@ -29,11 +29,15 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table of a network: a pure function of it.
+    /// The table of a network: a pure function of it. A network that takes a range has none: a table of colors cannot
+    /// know it.
     #[must_use]
-    pub fn new(network: &Network) -> Self {
+    pub fn new(network: &Network) -> Option<Self> {
+        if network.takes_range() {
+            return None;
+        }
         let mut scratch = Scratch::default();
-        let mut repaint = |picture: &Rgb<f32>| network.apply(picture, &mut scratch);
+        let mut repaint = |picture: &Rgb<f32>| network.apply(picture, None, &mut scratch);
         let pairs: Vec<_> = swatches::swatches()
             .map(|before| {
                 let after = repaint(&before);
@@ -45,7 +49,7 @@ impl Table {
             repaint(&flat).pixel(0, 0)
         };
         let flat: Vec<[f32; 3]> = (0..NODES * NODES * NODES).map(node).collect();
-        Self::fit(&pairs, &flat)
+        Some(Self::fit(&pairs, &flat))
     }
 
     /// Fits a table to pictures before and after. `flat` is what becomes of a frame of each node's color.

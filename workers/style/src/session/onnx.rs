@@ -5,6 +5,8 @@ use ort::environment::Environment;
 use ort::session::builder::{GraphOptimizationLevel, SessionBuilder};
 use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
 
+use super::Beside;
+
 /// A loaded network and the names of its inputs and output.
 pub(super) struct Graph {
     session: ort::session::Session,
@@ -17,6 +19,7 @@ pub(super) struct Graph {
 struct Ports {
     image: String,
     noise: Option<String>,
+    range: Option<String>,
     styled: String,
 }
 
@@ -38,8 +41,12 @@ impl Graph {
         self.ports.noise.is_some()
     }
 
+    pub(super) fn takes_range(&self) -> bool {
+        self.ports.range.is_some()
+    }
+
     /// Runs a frame that was checked. An error says what the network did.
-    pub(super) fn run(&mut self, encoded: &Rgb<f32>, noise: Option<&Plane<f32>>) -> Result<Rgb<f32>, String> {
+    pub(super) fn run(&mut self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<Rgb<f32>, String> {
         let (width, height) = encoded.size();
         self.samples.clear();
         for plane in encoded.planes() {
@@ -54,16 +61,20 @@ impl Graph {
         let image =
             TensorRef::from_array_view(([1, 3, height, width], samples.as_slice())).map_err(failed)?;
         let mut inputs = vec![(ports.image.as_str(), image)];
-        let silence: Vec<f32>;
-        if let Some(port) = &ports.noise {
-            let noise = if let Some(noise) = noise {
-                noise.data()
-            } else {
-                silence = vec![0.0; width * height];
-                &silence
-            };
-            let noise = TensorRef::from_array_view(([1, 1, height, width], noise)).map_err(failed)?;
-            inputs.push((port, noise));
+        let given = [(&ports.noise, beside.noise), (&ports.range, beside.range)];
+        let zeros = if given
+            .iter()
+            .any(|(port, plane)| port.is_some() && plane.is_none())
+        {
+            vec![0.0; width * height]
+        } else {
+            Vec::new()
+        };
+        for (port, plane) in given {
+            let Some(port) = port else { continue };
+            let plane = plane.map_or(zeros.as_slice(), Plane::data);
+            let plane = TensorRef::from_array_view(([1, 1, height, width], plane)).map_err(failed)?;
+            inputs.push((port, plane));
         }
         let outputs = session.run(inputs).map_err(failed)?;
         let (shape, styled) = outputs[ports.styled.as_str()]
@@ -87,30 +98,32 @@ fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
 }
 
 impl Ports {
-    /// Finds the inputs `image` and `noise` and the output `styled` by name; an only input or a first output of
+    /// Finds the inputs `image`, `noise` and `range` and the output `styled` by name; an only input or a first output of
     /// another name takes the place of `image` or `styled`.
     fn find(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
         let named = |outlets: &[Outlet], name: &str| outlets.iter().position(|outlet| outlet.name() == name);
-        let noise = named(inputs, "noise").filter(|_| inputs.len() > 1);
-        let image = named(inputs, "image").or_else(|| (0..inputs.len()).find(|&input| Some(input) != noise));
+        let [noise, range] = ["noise", "range"].map(|name| named(inputs, name).filter(|_| inputs.len() > 1));
+        let is_beside = |input: usize| Some(input) == noise || Some(input) == range;
+        let image = named(inputs, "image").or_else(|| (0..inputs.len()).find(|&input| !is_beside(input)));
         let image = image.ok_or("it has no input")?;
-        let known = |input: usize| input == image || Some(input) == noise;
+        let known = |input: usize| input == image || is_beside(input);
         if let Some(other) = (0..inputs.len()).find(|&input| !known(input)) {
             let other = inputs[other].name();
             return Err(format!(
-                "nothing is known of its input `{other}`; it may have `image` and `noise`"
+                "nothing is known of its input `{other}`; it may have `image`, `noise` and `range`"
             ));
         }
         let styled = named(outputs, "styled").unwrap_or(0);
         let styled = outputs.get(styled).ok_or("it has no output")?;
         check_kind(&inputs[image], 3)?;
         check_kind(styled, 3)?;
-        if let Some(noise) = noise {
-            check_kind(&inputs[noise], 1)?;
+        for beside in [noise, range].into_iter().flatten() {
+            check_kind(&inputs[beside], 1)?;
         }
         Ok(Self {
             image: inputs[image].name().to_owned(),
             noise: noise.map(|noise| inputs[noise].name().to_owned()),
+            range: range.map(|range| inputs[range].name().to_owned()),
             styled: styled.name().to_owned(),
         })
     }

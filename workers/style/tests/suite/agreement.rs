@@ -1,10 +1,10 @@
 //! The fast network, its f64 reference and ONNX Runtime on the exported file agree: weights × picture × size.
 
-use imaging::Rgb;
 use imaging::random::Stream;
-use style::net::layer::{COLOR, LAYERS, OUTPUT, Weights};
+use imaging::{Plane, Rgb};
+use style::net::layer::{COLOR, OUTPUT, RANGE_COLOR, Weights};
 use style::net::{Network, Scratch, apply_reference, onnx};
-use style::{Library, Session};
+use style::{Beside, Library, Session};
 
 use crate::{model_of, runtime};
 
@@ -38,12 +38,19 @@ fn shipped() -> Vec<(String, Weights)> {
     names.map(|name| (name.to_owned(), weights(name))).collect()
 }
 
-/// The shipped networks and a random one, whose layers keep the size of the values.
+/// The shipped networks and two random ones, the last of which takes a range.
 fn networks() -> Vec<(String, Weights)> {
     let mut networks = shipped();
+    networks.push(("random".to_owned(), random(false)));
+    networks.push(("random with range".to_owned(), random(true)));
+    networks
+}
+
+/// A random network, whose layers keep the size of the values.
+fn random(takes_range: bool) -> Weights {
     let stream = Stream::stage(5, "agreement");
-    let mut random = Weights::zeros();
-    for (index, layer) in LAYERS.into_iter().enumerate() {
+    let mut random = Weights::zeros(takes_range);
+    for (index, &layer) in random.clone().layers().iter().enumerate() {
         let scale = 0.7 / (layer.fan_in() as f64).sqrt();
         let (weight, bias) = random.layer_mut(layer);
         // Biases keep every channel alive and the result between black and white.
@@ -53,10 +60,22 @@ fn networks() -> Vec<(String, Weights)> {
             *value = ((stream.unit(index as u64, at as u64) - 0.5) * 2.0 * scale) as f32;
         }
     }
-    let (weight, bias) = random.layer_mut(COLOR);
-    weight.iter_mut().chain(bias).for_each(|value| *value *= 0.1);
-    networks.push(("random".to_owned(), random));
-    networks
+    for layer in [COLOR, RANGE_COLOR]
+        .into_iter()
+        .filter(|layer| takes_range || *layer == COLOR)
+    {
+        let (weight, bias) = random.layer_mut(layer);
+        weight.iter_mut().chain(bias).for_each(|value| *value *= 0.1);
+    }
+    random
+}
+
+/// The range of a picture: everything from the camera to far away, with steps.
+fn range(width: usize, height: usize) -> Plane<f32> {
+    let stream = Stream::stage(7, "agreement");
+    Plane::from_fn(width, height, |x, y| {
+        stream.unit((y / 3) as u64, (x / 5) as u64) as f32
+    })
 }
 
 /// A ramp, and noise that is as rough as a picture can be.
@@ -85,6 +104,13 @@ fn judge(weights: &Weights) -> Session {
     runtime().session(&model).unwrap()
 }
 
+fn with(range: &Plane<f32>) -> Beside<'_> {
+    Beside {
+        noise: None,
+        range: Some(range),
+    }
+}
+
 #[test]
 fn fast_reference_and_onnx_runtime_agree_at_every_size() {
     let mut failures = Vec::new();
@@ -97,9 +123,11 @@ fn fast_reference_and_onnx_runtime_agree_at_every_size() {
         let mut scratch = Scratch::default();
         for (width, height) in SIZES {
             for (picture, frame) in pictures(width, height) {
-                let fast = network.apply(&frame, &mut scratch);
-                let reference = apply_reference(&exact, &frame.map(|&v| f64::from(v)));
-                let judged = judge.apply(&frame, None).unwrap();
+                let range = range(width, height);
+                let fast = network.apply(&frame, Some(&range), &mut scratch);
+                let doubled = (frame.map(|&v| f64::from(v)), range.map(|&v| f64::from(v)));
+                let reference = apply_reference(&exact, &doubled.0, Some(&doubled.1));
+                let judged = judge.apply(&frame, with(&range)).unwrap();
                 let errors = [
                     ("fast and reference", largest_error(&fast, &reference)),
                     ("fast and ONNX Runtime", largest_error(&fast, &judged)),
@@ -125,16 +153,19 @@ fn whole_frames_agree_with_onnx_runtime_and_one_with_the_reference() {
         let mut scratch = Scratch::default();
         for (width, height) in FRAMES {
             for (picture, frame) in pictures(width, height) {
-                let fast = network.apply(&frame, &mut scratch);
-                let error = largest_error(&fast, &judge.apply(&frame, None).unwrap());
+                let range = range(width, height);
+                let fast = network.apply(&frame, Some(&range), &mut scratch);
+                let error = largest_error(&fast, &judge.apply(&frame, with(&range)).unwrap());
                 assert!(error <= FLOAT, "{name}, {picture}, {width}×{height}: {error:.1e}");
             }
         }
     }
     let (name, weights) = networks().pop().unwrap();
     let [_, (_, frame)] = pictures(640, 480);
-    let fast = Network::new(&weights).apply(&frame, &mut Scratch::default());
-    let exact = apply_reference(&weights.map(|&v| f64::from(v)), &frame.map(|&v| f64::from(v)));
+    let range = range(640, 480);
+    let fast = Network::new(&weights).apply(&frame, Some(&range), &mut Scratch::default());
+    let doubled = (frame.map(|&v| f64::from(v)), range.map(|&v| f64::from(v)));
+    let exact = apply_reference(&weights.map(|&v| f64::from(v)), &doubled.0, Some(&doubled.1));
     let error = largest_error(&fast, &exact);
     assert!(error <= FLOAT, "{name}: {error:.1e}");
 }
@@ -146,11 +177,23 @@ fn what_was_computed_before_changes_no_bit() {
     let mut used = Scratch::default();
     for (width, height) in [(97, 61), (13, 17), (127, 64), (1, 1), (97, 61)] {
         let [_, (_, frame)] = pictures(width, height);
-        let first = network.apply(&frame, &mut Scratch::default());
-        assert_eq!(network.apply(&frame, &mut used), first, "{width}×{height}");
+        let range = range(width, height);
+        let first = network.apply(&frame, Some(&range), &mut Scratch::default());
+        assert_eq!(
+            network.apply(&frame, Some(&range), &mut used),
+            first,
+            "{width}×{height}"
+        );
+        let near = network.apply(&frame, None, &mut used);
+        let zeros = Plane::filled(width, height, 0.0);
+        assert_eq!(
+            near,
+            network.apply(&frame, Some(&zeros), &mut used),
+            "{width}×{height}"
+        );
     }
     let empty = Rgb::from_fn(0, 5, |_, _| [0.0f32; 3]);
-    assert_eq!(network.apply(&empty, &mut used), empty);
+    assert_eq!(network.apply(&empty, None, &mut used), empty);
 }
 
 /// A layer that did not matter could be wrong unseen. A few channels are dead behind their ReLU, as in any network.
@@ -160,14 +203,15 @@ fn the_numbers_of_every_layer_count() {
     let weights = weights.map(|&v| f64::from(v));
     let [_, (_, frame)] = pictures(24, 16);
     let frame = frame.map(|&v| f64::from(v));
-    let before = apply_reference(&weights, &frame);
-    for layer in LAYERS {
+    let range = range(24, 16).map(|&v| f64::from(v));
+    let before = apply_reference(&weights, &frame, Some(&range));
+    for &layer in weights.layers() {
         let length = layer.weights() + layer.outputs;
         let alive = (0..length).filter(|&at| {
             let mut changed = weights.clone();
             let (weight, bias) = changed.layer_mut(layer);
             *weight.iter_mut().chain(bias).nth(at).unwrap() += 0.1;
-            largest_error(&before, &apply_reference(&changed, &frame)) > 0.0
+            largest_error(&before, &apply_reference(&changed, &frame, Some(&range))) > 0.0
         });
         let (alive, name) = (alive.count(), layer.name);
         assert!(4 * alive >= 3 * length, "{name}: {alive} of {length}");

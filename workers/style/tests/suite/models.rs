@@ -1,13 +1,14 @@
 //! Models of other forms than the shipped ones: what is taken, and what is refused with which words.
 
 use imaging::{Plane, Rgb};
-use style::{Session, StyleError};
+use style::{Beside, Session, StyleError};
 
 use crate::onnx::{DOUBLE, FLOAT, Graph};
 use crate::{model_of, runtime};
 
 const IMAGE: (&str, u64, u64) = ("image", FLOAT, 3);
 const NOISE: (&str, u64, u64) = ("noise", FLOAT, 1);
+const RANGE: (&str, u64, u64) = ("range", FLOAT, 1);
 
 /// A session of a model of a user's folder.
 fn session_of(onnx: &[u8]) -> Result<Session, StyleError> {
@@ -29,6 +30,13 @@ fn unary(operator: &str) -> Graph<'_> {
     }
 }
 
+fn with_noise(noise: &Plane<f32>) -> Beside<'_> {
+    Beside {
+        noise: Some(noise),
+        range: None,
+    }
+}
+
 fn frame() -> Rgb<f32> {
     Rgb::from_fn(4, 3, |x, y| [0.1 * x as f32, 0.2 * y as f32, 0.5])
 }
@@ -40,7 +48,10 @@ fn an_only_input_and_a_first_output_may_have_any_name() {
         output: "y",
         ..unary("Identity")
     };
-    assert_eq!(session(&graph).apply(&frame(), None).unwrap(), frame());
+    assert_eq!(
+        session(&graph).apply(&frame(), Beside::default()).unwrap(),
+        frame()
+    );
 }
 
 #[test]
@@ -52,14 +63,14 @@ fn noise_reaches_a_model_that_asks_for_it_and_is_zero_when_it_is_not_given() {
         ..unary("Add")
     };
     let mut session = session(&graph);
-    assert_eq!(session.apply(&frame(), None).unwrap(), frame());
+    assert_eq!(session.apply(&frame(), Beside::default()).unwrap(), frame());
     let noise = Plane::filled(4, 3, 0.25f32);
     assert_eq!(
-        session.apply(&frame(), Some(&noise)).unwrap(),
+        session.apply(&frame(), with_noise(&noise)).unwrap(),
         frame().map(|v| v + 0.25)
     );
     let error = session
-        .apply(&frame(), Some(&Plane::filled(3, 4, 0.0)))
+        .apply(&frame(), with_noise(&Plane::filled(3, 4, 0.0)))
         .unwrap_err();
     assert_eq!(
         error.to_string(),
@@ -68,10 +79,50 @@ fn noise_reaches_a_model_that_asks_for_it_and_is_zero_when_it_is_not_given() {
 }
 
 #[test]
+fn the_range_reaches_a_model_that_asks_for_it_and_is_needed() {
+    let graph = Graph {
+        operator: "Sum",
+        inputs: &[RANGE, IMAGE, NOISE],
+        operands: &[0, 1, 2],
+        ..unary("Sum")
+    };
+    let model = model_of(&graph.bytes());
+    assert!(model.card.takes_range && model.card.takes_noise);
+    let mut session = runtime().session(&model).unwrap();
+    assert!(session.takes_range() && session.takes_noise());
+    let error = session.apply(&frame(), Beside::default()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "style `test`: it takes the range of each pixel, and the frame has none"
+    );
+    let (range, noise) = (Plane::filled(4, 3, 0.125f32), Plane::filled(4, 3, 0.25f32));
+    let ranged = |noise| Beside {
+        noise,
+        range: Some(&range),
+    };
+    let shown = session.apply(&frame(), ranged(None)).unwrap();
+    assert_eq!(shown, frame().map(|v| v + 0.125));
+    let shown = session.apply(&frame(), ranged(Some(&noise))).unwrap();
+    assert_eq!(shown, frame().map(|v| v + 0.375));
+    let wrong = Plane::filled(4, 3, f32::NAN);
+    let beside = Beside {
+        noise: None,
+        range: Some(&wrong),
+    };
+    let error = session.apply(&frame(), beside).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "style `test`: range is NaN at pixel (0, 0) but must be finite"
+    );
+}
+
+#[test]
 fn a_model_without_noise_does_not_look_at_it() {
     let noise = Plane::filled(1, 1, f32::NAN);
     assert_eq!(
-        session(&unary("Identity")).apply(&frame(), Some(&noise)).unwrap(),
+        session(&unary("Identity"))
+            .apply(&frame(), with_noise(&noise))
+            .unwrap(),
         frame()
     );
 }
@@ -85,7 +136,7 @@ fn an_answer_that_was_padded_is_cropped_from_the_top_left() {
             ..unary("Concat")
         };
         assert_eq!(
-            session(&graph).apply(&frame(), None).unwrap(),
+            session(&graph).apply(&frame(), Beside::default()).unwrap(),
             frame(),
             "axis {axis}"
         );
@@ -94,7 +145,7 @@ fn an_answer_that_was_padded_is_cropped_from_the_top_left() {
 
 #[test]
 fn an_answer_out_of_the_unit_interval_is_clamped() {
-    let styled = session(&unary("Neg")).apply(&frame(), None).unwrap();
+    let styled = session(&unary("Neg")).apply(&frame(), Beside::default()).unwrap();
     assert!(
         styled
             .planes()
@@ -105,7 +156,12 @@ fn an_answer_out_of_the_unit_interval_is_clamped() {
 
 #[test]
 fn an_answer_that_is_no_picture_of_the_frame_is_refused() {
-    let refused = |graph: &Graph| session(graph).apply(&frame(), None).unwrap_err().to_string();
+    let refused = |graph: &Graph| {
+        session(graph)
+            .apply(&frame(), Beside::default())
+            .unwrap_err()
+            .to_string()
+    };
     assert_eq!(
         refused(&unary("GlobalAveragePool")),
         "style `test` answered a picture of 1×1 to a frame of 4×3"
@@ -121,13 +177,13 @@ fn a_frame_that_would_spoil_the_answer_is_refused() {
     let mut session = session(&unary("Identity"));
     let mut picture = frame();
     picture.planes_mut()[1][6] = f32::NAN;
-    let error = session.apply(&picture, None).unwrap_err();
+    let error = session.apply(&picture, Beside::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "style `test`: image is NaN at pixel (2, 1) but must be finite"
     );
     let error = session
-        .apply(&Rgb::from_fn(0, 3, |_, _| [0.0; 3]), None)
+        .apply(&Rgb::from_fn(0, 3, |_, _| [0.0; 3]), Beside::default())
         .unwrap_err();
     assert_eq!(error.to_string(), "style `test`: the frame is empty: 0×3");
 }

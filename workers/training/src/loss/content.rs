@@ -2,7 +2,8 @@
 //!
 //! `ncc = cov / sqrt((va + e)(vb + e))` in windows of 7×7 in steps of 2, for a before and b after;
 //! `loss = mean(w (1 - ncc)) / (mean(w) + 0.05)`, `w = va / (va + 4e-4)`, so that flat places do not count. Gain and offset
-//! of b do not matter: a water may take contrast and lift black. Brightness at all levels; from the second on also two
+//! of b do not matter: a water may take contrast and lift black. With ranges q, 0 near and 1 far, w is times `(1 − q)²` at the
+//! window's center: what is far away is not there to be kept. Brightness at all levels; from the second on also two
 //! color differences at a quarter of the weight. Mean over levels.
 
 use rayon::prelude::*;
@@ -30,19 +31,23 @@ const AXES: [([f64; 3], f64); 3] = [
 pub(crate) fn content<T: Real>(
     before: &[Pyramid<T>],
     after: &[Pyramid<T>],
+    ranges: Option<&[Pyramid<T>]>,
     gradients: &mut [Pyramid<T>],
 ) -> f64 {
-    let of_picture = |(before, after): (&Pyramid<T>, &Pyramid<T>)| -> Vec<Vec<Windows<T>>> {
+    let of_picture = |(index, (before, after)): (usize, (&Pyramid<T>, &Pyramid<T>))| -> Vec<Vec<Windows<T>>> {
         let level = |level: usize| {
             let axes = if level == 0 { &AXES[..1] } else { &AXES[..] };
             let along = |pyramid: &Pyramid<T>, axis| projected(&pyramid.levels[level], axis);
             axes.iter()
-                .map(|&(axis, _)| Windows::new(along(before, axis), along(after, axis)))
+                .map(|&(axis, _)| {
+                    let range = ranges.map(|ranges| &ranges[index].levels[level]);
+                    Windows::new(along(before, axis), along(after, axis), range)
+                })
                 .collect()
         };
         (0..LEVELS).map(level).collect()
     };
-    let windows: Vec<_> = before.par_iter().zip(after).map(of_picture).collect();
+    let windows: Vec<_> = before.par_iter().zip(after).enumerate().map(of_picture).collect();
     let mut loss = 0.0;
     let mut factors = vec![Vec::new(); LEVELS];
     for level in 0..LEVELS {
@@ -98,7 +103,7 @@ struct Windows<T> {
 }
 
 impl<T: Real> Windows<T> {
-    fn new(before: Tensor<T>, after: Tensor<T>) -> Self {
+    fn new(before: Tensor<T>, after: Tensor<T>, range: Option<&Tensor<T>>) -> Self {
         let (width, height) = (before.width, before.height);
         let count = |side: usize| (side + STEP).saturating_sub(WINDOW) / STEP;
         let (columns, rows) = (count(width), count(height));
@@ -129,20 +134,23 @@ impl<T: Real> Windows<T> {
                         *moment += sum;
                     }
                 }
-                windows.push(moments.map(|sum| sum / (WINDOW * WINDOW) as f64));
+                let center =
+                    |range: &Tensor<T>| range.row(0, STEP * row + WINDOW / 2)[STEP * column + WINDOW / 2];
+                let near = range.map_or(1.0, |range| 1.0 - center(range).to_f64());
+                windows.push(moments.map(|sum| sum / (WINDOW * WINDOW) as f64), near * near);
             }
         }
         windows
     }
 
-    /// A window from the means of a, b, a², b² and ab.
-    fn push(&mut self, [a, b, aa, bb, ab]: [f64; 5]) {
+    /// A window from the means of a, b, a², b² and ab, and the share of its weight that its range leaves.
+    fn push(&mut self, [a, b, aa, bb, ab]: [f64; 5], near: f64) {
         let (va, vb, cov) = ((aa - a * a).max(0.0), bb - b * b, ab - a * b);
         let flat = vb <= 0.0;
         let vb = vb.max(0.0);
         let scale = 1.0 / ((va + VARIANCE_FLOOR) * (vb + VARIANCE_FLOOR)).sqrt();
         let ncc = cov * scale;
-        let weight = va / (va + HALF_WEIGHT);
+        let weight = near * (va / (va + HALF_WEIGHT));
         self.weight += weight;
         self.lost += weight * (1.0 - ncc);
         let samples = (WINDOW * WINDOW) as f64;

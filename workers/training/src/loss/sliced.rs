@@ -4,20 +4,24 @@
 //! `distance(f) = mean over i of |sorted(f·a)_i - sorted(f·b)_i| / (s + e)`, for patches a of the results and b of the
 //! style, a direction f, and the standard deviation s of f·b. Texture: random filters over 7×7×3 samples, e = 0.002.
 //! Color: random directions in the color of the center, e = 0.02. Both are means over directions and levels.
-//! Patches are pooled over the batch: no single picture must look like the whole style.
+//! Patches are pooled over the batch: no single picture must look like the whole style. With ranges the patches of either
+//! side are ordered by the range at their center and split into [`BANDS`] of as many; the distance is the mean of those of the
+//! bands, each with its own s. A band of one side is held against the same of the other.
 
 use imaging::random::Stream;
 use rayon::prelude::*;
 
-use super::draw::{DIRECTIONS, FILTERS, Place, directions, filters, places};
+use super::draw::{DIRECTIONS, FILTERS, PATCH, Place, directions, filters, places};
 use super::pyramid::{LEVELS, Pyramid};
 use super::slices::{Slices, projections, scatter};
-use super::{COLOR, TEXTURE};
+use super::{COLOR, Ranges, TEXTURE};
 use crate::real::Real;
 use crate::tensor::Tensor;
 
 /// Patches drawn at each level.
 const PATCHES: [usize; LEVELS] = [2048, 2048, 1024, 1024];
+/// Bands of range.
+const BANDS: usize = 4;
 /// Added to the standard deviation of the style.
 const TEXTURE_FLOOR: f64 = 0.002;
 const COLOR_FLOOR: f64 = 0.02;
@@ -33,6 +37,7 @@ pub(crate) struct Sliced<T> {
 pub(crate) fn sliced<T: Real>(
     batch: &[Pyramid<T>],
     style: &[Pyramid<T>],
+    ranges: Option<Ranges<'_, T>>,
     stream: &Stream,
     step: u64,
 ) -> Sliced<T> {
@@ -43,7 +48,12 @@ pub(crate) fn sliced<T: Real>(
             directions: directions(stream, address(1)),
         };
         let drawn = |pictures, purpose| Drawn::new(pictures, level, stream, address(purpose));
-        compare(&drawn(batch, 2), &drawn(style, 512), &slices)
+        let (ours, theirs) = (drawn(batch, 2), drawn(style, 512));
+        let bands = ranges.map(|ranges| {
+            [(&ours, ranges.contents), (&theirs, ranges.style)]
+                .map(|(drawn, ranges)| drawn.by_range(ranges, level))
+        });
+        compare(&ours, &theirs, bands.as_ref(), &slices)
     };
     let levels: Vec<_> = (0..LEVELS).into_par_iter().map(at_level).collect();
     let mut gradients: Vec<Pyramid<T>> = batch.iter().map(Pyramid::like).collect();
@@ -88,6 +98,18 @@ impl<'a, T: Real> Drawn<'a, T> {
         }
     }
 
+    /// The patches from near to far, by the range at their center.
+    fn by_range(&self, ranges: &[Pyramid<T>], level: usize) -> Vec<u32> {
+        let pairs = ranges.iter().zip(&self.places);
+        let at_centers = pairs.flat_map(|(range, places)| {
+            let range = &range.levels[level];
+            places
+                .iter()
+                .map(|place| range.row(0, place.y + PATCH / 2)[place.x + PATCH / 2])
+        });
+        T::ascending(&at_centers.collect::<Vec<_>>())
+    }
+
     /// Projections of all patches, slice by slice.
     fn projected(&self, slices: &Slices<T>) -> Vec<Vec<T>> {
         let pairs = self.pictures.par_iter().zip(&self.places);
@@ -105,7 +127,12 @@ struct Level<T> {
     gradients: Vec<Tensor<T>>,
 }
 
-fn compare<T: Real>(ours: &Drawn<'_, T>, theirs: &Drawn<'_, T>, slices: &Slices<T>) -> Level<T> {
+fn compare<T: Real>(
+    ours: &Drawn<'_, T>,
+    theirs: &Drawn<'_, T>,
+    bands: Option<&[Vec<u32>; 2]>,
+    slices: &Slices<T>,
+) -> Level<T> {
     let (results, styles) = (ours.projected(slices), theirs.projected(slices));
     let slope = |slice: usize| {
         let (share, floor, slices) = if slice < FILTERS {
@@ -114,7 +141,10 @@ fn compare<T: Real>(ours: &Drawn<'_, T>, theirs: &Drawn<'_, T>, slices: &Slices<
             (COLOR, COLOR_FLOOR, DIRECTIONS)
         };
         let factor = share / (slices * LEVELS * results[slice].len()) as f64;
-        apart(&results[slice], &styles[slice], floor, factor)
+        match bands {
+            Some(orders) => banded([&results[slice], &styles[slice]], orders, floor, factor),
+            None => apart(&results[slice], &styles[slice], floor, factor),
+        }
     };
     let found: Vec<(f64, Vec<T>)> = (0..FILTERS + DIRECTIONS).into_par_iter().map(slope).collect();
     let mean = |found: &[(f64, Vec<T>)]| found.iter().map(|f| f.0).sum::<f64>() / found.len() as f64;
@@ -133,6 +163,33 @@ fn compare<T: Real>(ours: &Drawn<'_, T>, theirs: &Drawn<'_, T>, slices: &Slices<
         color,
         gradients: (0..ours.pictures.len()).into_par_iter().map(gradient).collect(),
     }
+}
+
+/// The mean distance of bands of two sets of as many numbers, each in its order, and its slope for each of the first.
+fn banded<T: Real>(
+    [ours, theirs]: [&[T]; 2],
+    [our_order, their_order]: &[Vec<u32>; 2],
+    floor: f64,
+    factor: f64,
+) -> (f64, Vec<T>) {
+    let (mut sum, mut slopes) = (0.0, vec![T::default(); ours.len()]);
+    let end = |band: usize| ours.len() * band / BANDS;
+    for band in 0..BANDS {
+        let (our_order, their_order) = (
+            &our_order[end(band)..end(band + 1)],
+            &their_order[end(band)..end(band + 1)],
+        );
+        let in_order = |values: &[T], order: &[u32]| -> Vec<T> {
+            order.iter().map(|&place| values[place as usize]).collect()
+        };
+        let (ours, theirs) = (in_order(ours, our_order), in_order(theirs, their_order));
+        let (distance, found) = apart(&ours, &theirs, floor, factor);
+        sum += distance;
+        for (&place, slope) in our_order.iter().zip(found) {
+            slopes[place as usize] = slope;
+        }
+    }
+    (sum / BANDS as f64, slopes)
 }
 
 /// Distance of two sets of as many numbers, and its slope for each of the first.

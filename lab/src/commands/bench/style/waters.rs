@@ -22,7 +22,8 @@ struct Look {
 pub(super) fn compare(text: &mut String, library: &Library) -> Result<(), Failure> {
     let mut looks = Vec::new();
     for model in library.names().into_iter().filter_map(|name| library.get(name)) {
-        if let Some(session) = Session::native(model) {
+        // The scenes here are pictures without a range.
+        if let Some(session) = Session::native(model).filter(|session| !session.takes_range()) {
             looks.push(Look::measure(&model.name, session)?);
         }
     }
@@ -68,7 +69,7 @@ impl Look {
         let (mut light, mut squares, mut fine, mut coarse) = (0.0, 0.0, 0.0, 0.0);
         for scene in &scenes {
             let styled = session
-                .apply(scene, None)
+                .apply(scene, style::Beside::default())
                 .map_err(|error| Failure::Other(error.into()))?;
             for (sum, plane) in sums.iter_mut().zip(styled.planes()) {
                 *sum += 255.0 * plane.data().iter().map(|&v| f64::from(v)).sum::<f64>();

@@ -15,11 +15,12 @@ struct Scene {
     color: f64,
 }
 
-pub(super) fn measure(weights: &Weights) -> TableDistance {
+/// None for a network that takes a range, which has no table.
+pub(super) fn measure(weights: &Weights) -> Option<TableDistance> {
     let network = Network::new(weights);
-    let table = Table::new(&network);
+    let table = Table::new(&network)?;
     let of_scene = |scene: &Rgb<f32>| {
-        let exact = network.apply(scene, &mut Scratch::default());
+        let exact = network.apply(scene, None, &mut Scratch::default());
         let near = table.apply(scene, &mut TableScratch::default());
         let planes = exact.planes().iter().zip(near.planes());
         let pairs = planes.flat_map(|(a, b)| a.data().iter().zip(b.data()));
@@ -47,13 +48,13 @@ pub(super) fn measure(weights: &Weights) -> TableDistance {
     differences.sort_by(f64::total_cmp);
     let last = differences.len() - 1;
     let rounded = |value: f64| (value * 1e4).round() / 1e4;
-    TableDistance {
+    Some(TableDistance {
         mean_255: rounded(differences.iter().sum::<f64>() / differences.len() as f64),
         high_255: rounded(differences[last - last / 1000]),
         max_255: rounded(differences[last]),
         ssim: rounded(mean(|scene| scene.similarity)),
         delta_e: rounded(mean(|scene| scene.color)),
-    }
+    })
 }
 
 fn gray(picture: &Rgb<f32>) -> Plane<u8> {

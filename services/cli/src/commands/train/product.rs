@@ -6,7 +6,6 @@ use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
 use imaging::codec;
-use style::net::layer::PARAMETERS;
 use style::net::{Network, onnx};
 use style::{Card, Parts, Training};
 use training::loss::Losses;
@@ -77,15 +76,14 @@ impl Product<'_> {
             name: name.clone(),
             file: format!("{name}.onnx"),
             sha256: imaging::digest::sha256(model),
-            architecture: "a context branch at quarter resolution, a thin branch at full resolution and an affine \
-                           color map; opset 17, fp32"
-                .to_owned(),
-            parameters: Some(PARAMETERS as u64),
+            architecture: architecture(best.weights.takes_range()).to_owned(),
+            parameters: Some(best.weights.values().len() as u64),
             source: self.arguments.source.clone(),
             licence: self.arguments.licence.clone(),
-            inputs: vec!["image: [n,3,h,w] float32, sRGB-encoded, 0..1, any size from 1x1".to_owned()],
+            inputs: inputs(best.weights.takes_range()),
             outputs: vec!["styled: [n,3,h,w] float32, sRGB-encoded, 0..1, the size of the input".to_owned()],
             takes_noise: false,
+            takes_range: best.weights.takes_range(),
             alpha: "share of this output in the frame, blended in sRGB-encoded values: 0 leaves the network out, 1 is \
                     its output alone"
                 .to_owned(),
@@ -101,9 +99,29 @@ impl Product<'_> {
                 branch_rms_255: rounded(score.branch),
                 code_version: env!("CARGO_PKG_VERSION").to_owned(),
             }),
-            table: Some(distance::measure(&best.weights)),
+            table: distance::measure(&best.weights),
         }
     }
+}
+
+fn architecture(takes_range: bool) -> &'static str {
+    if takes_range {
+        "a context branch at quarter resolution, a thin branch at full resolution and an affine color map; the last two see \
+         the range; opset 17, fp32"
+    } else {
+        "a context branch at quarter resolution, a thin branch at full resolution and an affine color map; opset 17, fp32"
+    }
+}
+
+fn inputs(takes_range: bool) -> Vec<String> {
+    let mut inputs = vec!["image: [n,3,h,w] float32, sRGB-encoded, 0..1, any size from 1x1".to_owned()];
+    if takes_range {
+        let scale = style::RANGE_SCALE_M;
+        inputs.push(format!(
+            "range: [n,1,h,w] float32, 1 - exp(-Z / {scale} m) of the range Z, 1 where there is no surface"
+        ));
+    }
+    inputs
 }
 
 fn parts(losses: &Losses) -> Parts {

@@ -27,7 +27,13 @@ pub(super) fn draw(photos: &[&Rgb8], network: &Network) -> Result<Rgb8, Failure>
         let lens = Intrinsics::centered(0.6 * WIDTH as f64, WIDTH, HEIGHT);
         let scene =
             scenes::procedural("structure", seed, WIDTH, HEIGHT, lens).context("cannot render a scene")?;
-        let styled = network.apply(&transfer::encode_unit(&scene.radiance), &mut scratch);
+        let range = scene.range.as_ref();
+        let range = range.map(|range| optics::range::faded(range, style::RANGE_SCALE_M));
+        let styled = network.apply(
+            &transfer::encode_unit(&scene.radiance),
+            range.as_ref(),
+            &mut scratch,
+        );
         let blended = |alpha| transfer::encode_rgb8(&optics::style_blend(&scene.radiance, &styled, alpha)).0;
         before.push(tile(blended(0.0), format!("scene {seed}")));
         whole.push(tile(blended(1.0), "alpha 1".to_owned()));

@@ -32,4 +32,14 @@ impl<const OUT: usize> Packed<OUT> {
             taps,
         }
     }
+
+    /// Makes one layer of two that are added: it is given the channels of both.
+    pub(super) fn join(&mut self, other: Self) {
+        for (group, other) in self.groups.iter_mut().zip(other.groups) {
+            group.weights.extend(other.weights);
+            for (bias, other) in group.bias.iter_mut().zip(other.bias) {
+                *bias += other;
+            }
+        }
+    }
 }

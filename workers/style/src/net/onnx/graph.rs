@@ -18,11 +18,12 @@ pub enum Attribute<'a> {
     Text(&'a str),
 }
 
-/// A graph from `image` to `styled`.
+/// A graph from `image`, and what else it takes, to `styled`.
 #[derive(Default)]
 pub struct Graph {
     message: Vec<u8>,
     tensors: Vec<Vec<u8>>,
+    inputs: Vec<Vec<u8>>,
 }
 
 impl Graph {
@@ -70,6 +71,11 @@ impl Graph {
         );
     }
 
+    /// An input beside `image`, of as many channels.
+    pub fn input(&mut self, name: &str, channels: i64) {
+        self.inputs.push(port(name, channels));
+    }
+
     /// A tensor of floats.
     pub fn floats(&mut self, name: &str, sides: &[i64], values: &[f32]) {
         let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -91,8 +97,11 @@ impl Graph {
         for tensor in &self.tensors {
             bytes(message, 5, tensor);
         }
-        bytes(message, 11, &port("image"));
-        bytes(message, 12, &port("styled"));
+        bytes(message, 11, &port("image", 3));
+        for input in &self.inputs {
+            bytes(message, 11, input);
+        }
+        bytes(message, 12, &port("styled", 3));
         self.message
     }
 }
@@ -144,13 +153,13 @@ fn tensor(name: &str, kind: i64, sides: &[i64], raw: &[u8]) -> Vec<u8> {
     message
 }
 
-/// An input or output: float32 of shape [n, 3, h, w].
-fn port(name: &str) -> Vec<u8> {
+/// An input or output: float32 of shape [n, channels, h, w].
+fn port(name: &str, channels: i64) -> Vec<u8> {
     let mut shape = Vec::new();
     for side in ["n", "", "h", "w"] {
         let mut dimension = Vec::new();
         match side {
-            "" => integer(&mut dimension, 1, 3),
+            "" => integer(&mut dimension, 1, channels),
             open => bytes(&mut dimension, 2, open.as_bytes()),
         }
         bytes(&mut shape, 1, &dimension);
