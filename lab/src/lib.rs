@@ -7,6 +7,7 @@
 pub mod campaign;
 pub mod chain_stability;
 pub mod chart;
+pub mod effects;
 pub mod frame_truth;
 mod johnson;
 pub mod lamp_truth;

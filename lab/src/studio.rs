@@ -6,7 +6,7 @@ use std::sync::Arc;
 use anyhow::Context;
 use cli::exit::Failure;
 use imaging::{Raster, codec};
-use renderer::{Engine, Rendered, SceneSource, Slot, WaterLight};
+use renderer::{Engine, Rendered, Round, SceneSource, Slot, Traced, Tracing, WaterLight};
 use serde_json::Value;
 use spec::{Frame, Job};
 use style::Library;
@@ -40,10 +40,22 @@ impl Studio {
         frame.map_err(|invalid| cli::job::refused(Path::new("the description"), &invalid))
     }
 
-    /// The light of a frame in its water, part by part.
-    pub(crate) fn water_light(&mut self, frame: &Frame) -> Result<WaterLight, Failure> {
+    /// The light of a frame in its water as far as a truth has it, with the veil of daylight or without.
+    pub(crate) fn water_light(&mut self, frame: &Frame, has_daylight: bool) -> Result<WaterLight, Failure> {
         self.slot
-            .water_light(frame, &SceneSource::Local)
+            .water_light(frame, &SceneSource::Local, has_daylight)
+            .map_err(Failure::input)
+    }
+
+    /// The light of a frame by Monte Carlo.
+    pub(crate) fn trace(
+        &mut self,
+        frame: &Frame,
+        tracing: &Tracing,
+        round: Round<'_>,
+    ) -> Result<Option<Traced>, Failure> {
+        self.slot
+            .trace(frame, &SceneSource::Local, tracing, round)
             .map_err(Failure::input)
     }
 

@@ -44,6 +44,13 @@ pub(crate) fn of_content<'py>(py: Python<'py>, content: Content<'static>) -> PyR
             let samples = pixels.flat_map(|((r, g), b)| [*r, *g, *b]).collect();
             array(py, samples, vec![height, width, 3])
         }
+        Content::Pair([first, second]) => {
+            let (width, height) = first.size();
+            let planes = first.planes().into_iter().chain(second.planes());
+            let planes: Vec<&[f32]> = planes.map(Plane::data).collect();
+            let samples = (0..width * height).flat_map(|i| planes.iter().map(move |plane| plane[i]));
+            array(py, samples.collect(), vec![height, width, 6])
+        }
         Content::Range(range) => {
             let (width, height) = range.size();
             let mut meters = range.into_owned().into_data();

@@ -5,6 +5,7 @@ mod bench;
 mod camera;
 mod campaign;
 mod chart;
+mod effect_sheets;
 mod figure;
 mod ladder;
 mod look;
@@ -14,6 +15,7 @@ mod suspended;
 mod table1;
 mod training_scores;
 mod truth;
+mod truth_effects;
 mod truth_lamps;
 mod waters;
 
@@ -52,6 +54,10 @@ pub(crate) enum Command {
     Truth(truth::Arguments),
     /// Measure the light of lamps in six waters by Monte Carlo, beside that of the chain
     TruthLamps(truth_lamps::Arguments),
+    /// Measure what each effect brings the chain nearer to the truth, and what it costs
+    TruthEffects(truth_effects::Arguments),
+    /// Draw scenes without and with each effect that has a truth
+    EffectSheets(effect_sheets::Arguments),
     /// Measure how fast rendering and the service are on this machine
     Bench(bench::Arguments),
 }
@@ -74,6 +80,8 @@ impl Command {
             Self::TrainingScores(arguments) => training_scores::run(&arguments),
             Self::Truth(arguments) => truth::run(&arguments),
             Self::TruthLamps(arguments) => truth_lamps::run(&arguments),
+            Self::TruthEffects(arguments) => truth_effects::run(&arguments),
+            Self::EffectSheets(arguments) => effect_sheets::run(&arguments),
             Self::Bench(arguments) => bench::run(&arguments),
         }
     }

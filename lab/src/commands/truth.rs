@@ -9,11 +9,11 @@ use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::{files, job};
 use imaging::codec;
-use lab::frame_truth::{Asked, Found, Moment, trace};
-use renderer::WaterLight;
+use lab::frame_truth::round;
+use renderer::{Traced, Tracing};
 use serde_json::json;
 use spec::Frame;
-use truth::{FournierForand, Goal, Phase};
+use truth::{Goal, Law};
 
 use crate::studio::Studio;
 
@@ -43,9 +43,9 @@ pub(crate) struct Arguments {
     /// Seed of the paths; without, the job's
     #[arg(long)]
     seed: Option<u64>,
-    /// How the water scatters
-    #[arg(long, value_enum, default_value_t = Law::Ff)]
-    phase: Law,
+    /// How the water scatters, by its backscatter fraction; without, as the job's `water.phase`
+    #[arg(long, value_enum)]
+    phase: Option<Kind>,
     /// Trace all channels on one path, for attenuations within a factor of 3 of each other
     #[arg(long)]
     shared: bool,
@@ -53,7 +53,7 @@ pub(crate) struct Arguments {
 
 /// Phase functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Law {
+enum Kind {
     /// Fournier-Forand with the water's backscatter fraction
     Ff,
     /// Henyey-Greenstein with the water's backscatter fraction, as the chain has it
@@ -80,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let frame = job
         .resolve(arguments.frame)
         .map_err(|invalid| job::refused(&arguments.spec, &invalid))?;
-    let chain = studio.water_light(&frame)?;
+    let chain = studio.water_light(&frame, false)?;
     let (width, height) = chain.setting.size;
     let pixels = (width * height) as u64;
     if arguments.budget_s.is_none() && pixels.saturating_mul(arguments.paths_max) > MOST_WORK {
@@ -90,8 +90,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             pixels * arguments.paths_max
         )));
     }
+    let phase = match arguments.phase {
+        Some(Kind::Ff) => spec::Phase::Ff {
+            backscatter_fraction: None,
+        },
+        Some(Kind::Hg) => spec::Phase::Hg { g: None },
+        None => frame.water.phase.unwrap_or_default(),
+    };
+    let tracing = Tracing {
+        goal: Goal {
+            target: arguments.target,
+            block: usize::from(arguments.block),
+            most_paths: arguments.paths_max,
+        },
+        law: Law::asked(phase, chain.setting.water.as_ref()),
+        seed: arguments.seed.unwrap_or(frame.seed),
+        is_shared: arguments.shared,
+        limit: if arguments.budget_s.is_some() {
+            "paths_max or budget_s"
+        } else {
+            "paths_max"
+        },
+    };
     let start = Instant::now();
-    let found = traced(arguments, &frame, &chain, start)?;
+    let found = traced(arguments, &frame, &mut studio, &tracing, pixels)?;
     write(arguments, &found, start.elapsed())
 }
 
@@ -99,59 +121,41 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn traced(
     arguments: &Arguments,
     frame: &Frame,
-    chain: &WaterLight,
-    start: Instant,
-) -> Result<Found, Failure> {
-    let fraction = chain
-        .setting
-        .water
-        .as_ref()
-        .map_or(optics::lamp::AVERAGE_BACKSCATTER_FRACTION, |water| {
-            water.backscatter_fraction()
-        });
-    let phase = match arguments.phase {
-        Law::Ff => Phase::fournier_forand(FournierForand::of_backscatter(fraction)),
-        Law::Hg => Phase::henyey_greenstein(optics::lamp::asymmetry_of(fraction)),
-    };
-    let asked = Asked {
-        goal: Goal {
-            target: arguments.target,
-            block: usize::from(arguments.block),
-            most_paths: arguments.paths_max,
-        },
-        seed: arguments.seed.unwrap_or(frame.seed),
-        is_shared: arguments.shared,
-        threads: std::thread::available_parallelism().map_or(1, usize::from),
-    };
-    let pixels = (chain.setting.size.0 * chain.setting.size.1) as u64;
+    studio: &mut Studio,
+    tracing: &Tracing,
+    pixels: u64,
+) -> Result<Traced, Failure> {
+    let start = Instant::now();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let mut progress = Progress::new("truth", "pixels", pixels);
-    let found = trace(frame, chain, phase, &asked, &mut |moment| match moment {
-        Moment::Done(pixels) => {
-            progress.set(pixels as u64);
-            true
-        }
-        Moment::Round(samples) => {
-            progress.set_with(0, format!("pixels, paths {} to {}", samples.start, samples.end));
-            // A round takes as long as all before it together.
-            let ends = 2 * start.elapsed();
-            arguments
-                .budget_s
-                .is_none_or(|budget| samples.start == 0 || ends <= Duration::from_secs(budget))
-        }
+    let found = studio.trace(frame, tracing, &mut |shutter, scene, samples| {
+        progress.set_with(0, format!("pixels, paths {} to {}", samples.start, samples.end));
+        // A round takes as long as all before it together.
+        let ends = 2 * start.elapsed();
+        let is_in_time = arguments
+            .budget_s
+            .is_none_or(|budget| samples.start == 0 || ends <= Duration::from_secs(budget));
+        is_in_time.then(|| {
+            round(
+                (shutter, scene),
+                pixels as usize,
+                samples,
+                threads,
+                &mut |pixels| {
+                    progress.set(pixels as u64);
+                },
+            )
+        })
     });
     progress.finish();
-    found.map_err(Failure::input)
+    found?.ok_or_else(|| {
+        Failure::BadInput("scene: it has no range, without which there is no water before it".to_owned())
+    })
 }
 
-fn write(arguments: &Arguments, found: &Found, took: Duration) -> Result<(), Failure> {
+fn write(arguments: &Arguments, found: &Traced, took: Duration) -> Result<(), Failure> {
     let [mean, error] = found.truth.pictures();
     let mut report = json!(found.report);
-    report["phase"] = json!(
-        arguments
-            .phase
-            .to_possible_value()
-            .map(|value| value.get_name().to_owned())
-    );
     report["seconds"] = json!(took.as_secs_f64());
     let text = serde_json::to_string_pretty(&report).context("cannot write the report")?;
     let path = |name: &str| arguments.out.join(name);

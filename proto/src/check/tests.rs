@@ -30,6 +30,7 @@ fn commit() -> CommitRequest {
         timings_ms: BTreeMap::from([("water".to_owned(), 1.5)]),
         warnings: vec!["dark".to_owned()],
         scene: None,
+        truth: None,
         provenance: spec::Provenance::default(),
     };
     CommitRequest {

@@ -59,6 +59,10 @@ pub enum ArtifactKind {
     Raw,
     /// Where the camera looks into the picture that was uploaded, 8-bit PNG, 255 = inside.
     Valid,
+    /// Light of the frame by Monte Carlo and its standard error, linear NPY of six planes.
+    Truth,
+    /// What was traced, and how far the chain is from it, JSON.
+    TruthReport,
     /// Result of an enhancement method.
     Enhanced(String),
     /// The circular mask of HSCM, 8-bit PNG.
@@ -69,7 +73,7 @@ pub enum ArtifactKind {
 
 impl ArtifactKind {
     /// Every kind with a fixed name; `enhanced.<method>` comes beside them.
-    pub const FIXED: [(&'static str, Self); 20] = [
+    pub const FIXED: [(&'static str, Self); 22] = [
         ("rgb", Self::Rgb),
         ("clean", Self::Clean),
         ("direct", Self::Direct),
@@ -88,6 +92,8 @@ impl ArtifactKind {
         ("snow_mask", Self::SnowMask),
         ("raw", Self::Raw),
         ("valid", Self::Valid),
+        ("truth", Self::Truth),
+        ("truth_report", Self::TruthReport),
         ("hscm_mask", Self::HscmMask),
         ("preview", Self::Preview),
     ];
@@ -122,6 +128,12 @@ impl ArtifactKind {
                 "codes of the sensor: 16-bit PNG, a mosaic or RGB; black, gain and filters are in the record"
             }
             Self::Valid => "where the camera looks into the picture: 8-bit PNG, 255 = inside, 0 = beyond",
+            Self::Truth => {
+                "light by Monte Carlo, three planes, and its standard error, three planes: NPY float32 [h, w, 6], linear, white = 1"
+            }
+            Self::TruthReport => {
+                "what was traced, how well it is known, and how far the chain is from it: JSON"
+            }
             Self::Enhanced(_) => "result of the enhancement, 8 bit, in the format of `encode`",
             Self::HscmMask => "circular mask of HSCM: 8-bit PNG",
             Self::Preview => "thumbnail of at most 256 px a side, in the format of `encode`",
@@ -147,11 +159,17 @@ impl ArtifactKind {
         )
     }
 
+    /// Whether it is made of the light by Monte Carlo, which is traced only for it.
+    #[must_use]
+    pub fn is_traced(&self) -> bool {
+        matches!(self, Self::Truth | Self::TruthReport)
+    }
+
     /// What the scene must have for it.
     #[must_use]
     pub fn needs(&self) -> Option<ScenePart> {
         match self {
-            Self::Range => Some(ScenePart::Range),
+            Self::Range | Self::Truth | Self::TruthReport => Some(ScenePart::Range),
             Self::Instances | Self::Semantics | Self::Boxes => Some(ScenePart::Instances),
             Self::Normals | Self::Findings => Some(ScenePart::Surfaces),
             _ => None,
@@ -181,10 +199,13 @@ impl ArtifactKind {
             | Self::Raw
             | Self::Valid
             | Self::HscmMask => PNG,
-            Self::Direct | Self::ForwardScatter | Self::Backscatter | Self::Transmittance | Self::Normals => {
-                "application/x-npy"
-            }
-            Self::Boxes => "application/json",
+            Self::Direct
+            | Self::ForwardScatter
+            | Self::Backscatter
+            | Self::Transmittance
+            | Self::Normals
+            | Self::Truth => "application/x-npy",
+            Self::Boxes | Self::TruthReport => "application/json",
         }
     }
 

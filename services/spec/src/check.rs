@@ -12,6 +12,7 @@ mod object;
 mod own_water;
 mod places;
 mod scene;
+mod truth;
 mod water;
 
 use std::collections::BTreeSet;
@@ -28,6 +29,7 @@ pub(crate) use daylight::{above, may_show};
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
 pub(crate) use places::places;
+pub(crate) use truth::is_traced;
 
 /// Walks document and table side by side.
 pub(crate) struct Checker<'v> {

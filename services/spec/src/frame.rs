@@ -13,6 +13,7 @@ use crate::inhabited::{Ground, Life};
 use crate::light::{Haze, Light, RaySource};
 use crate::scene_files::{RangeFile, RangeKind, SceneFiles};
 use crate::schema::EXACT;
+use crate::truth::Truth;
 use crate::water::Water;
 
 /// One image of a job, with every law replaced by its value.
@@ -56,6 +57,9 @@ pub struct Frame {
     /// how exact the water must be
     #[field(default = {"tolerance": 3e-4})]
     pub fidelity: Fidelity,
+    /// how well the artifacts `truth` and `truth_report` must know the light; absent: as its defaults
+    #[field(fixed)]
+    pub truth: Option<Truth>,
     /// what to store
     #[field(names = Artifact, max = 64, distinct, default = ["rgb"])]
     pub artifacts: Vec<ArtifactKind>,
@@ -120,6 +124,12 @@ impl Frame {
             (None | Some(RaySource::Auto | RaySource::Scene), Scene::Procedural { .. }) => RaySource::Scene,
             _ => RaySource::Screen,
         }
+    }
+
+    /// Whether an artifact asks for its light by Monte Carlo.
+    #[must_use]
+    pub fn is_traced(&self) -> bool {
+        self.artifacts.iter().any(ArtifactKind::is_traced)
     }
 
     /// Which of the worlds of its seed its particles and patches come from: all frames of a path share their water, any

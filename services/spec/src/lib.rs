@@ -38,6 +38,7 @@ mod shard_member;
 mod suggest;
 mod suspended;
 pub mod table;
+pub mod truth;
 mod vocabulary;
 mod warnings;
 mod water;
@@ -76,6 +77,7 @@ pub use set_state::SetState;
 pub use shard_member::shard_member;
 pub use suggest::nearest;
 pub use suspended::{Sediment, Snow, SnowDaylight, SnowDiscs, Turbidity};
+pub use truth::{Phase, Truth, TruthRecord};
 pub use vocabulary::Vocabulary;
 pub use water::{
     Ambient, ForwardScatter, HoleRule, Multiple, Occlusion, Optics, PhaseFunction, ScatterModel,

@@ -9,6 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::artifact::{ArtifactKind, is_media_type};
 use crate::scene_record::SceneRecord;
+use crate::truth::TruthRecord;
 
 /// Everything known about one image apart from its bytes.
 pub type FrameRecord = RecordOf<Value, Map<String, Value>>;
@@ -38,6 +39,9 @@ pub struct RecordOf<V, M> {
     /// Where the camera was and what could be seen; of uploaded scenes only where an artifact with labels was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<SceneRecord>,
+    /// What was traced of it by Monte Carlo; only where an artifact asked for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<TruthRecord>,
     /// With what it was made.
     pub provenance: Provenance,
 }

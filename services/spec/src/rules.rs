@@ -47,6 +47,8 @@ impl Default for CameraRules {
 pub struct Sight {
     /// Whether lamps light it.
     pub lamps: bool,
+    /// Whether its light is traced by Monte Carlo.
+    pub traced: bool,
     /// The largest cross-section of the view at 1 m, m²; absent if it is not known.
     pub solid: Option<f64>,
 }

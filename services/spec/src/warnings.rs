@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::check::{above, has_lamps, may_show, places};
+use crate::check::{above, has_lamps, is_traced, may_show, places};
 use crate::node::{Law, LawNode, Node};
 use crate::vocabulary::Vocabulary;
 use crate::water::{Optics, Water};
@@ -22,6 +22,15 @@ pub(crate) fn find(document: &Node, written: &Value, vocabulary: &Vocabulary) ->
     }
     if written.pointer("/water/multiple").is_some() && !has_lamps(document) {
         warnings.push("`water.multiple` has no effect without lamps".to_owned());
+    }
+    if !is_traced(document) {
+        for (pointer, field) in [("/truth", "truth"), ("/water/phase", "water.phase")] {
+            if written.pointer(pointer).is_some() {
+                warnings.push(format!(
+                    "`{field}` has no effect without the artifact `truth` or `truth_report`"
+                ));
+            }
+        }
     }
     let without_optics = ["range_scale", "depth_m", "ambient", "holes", "turbidity"];
     for name in without_optics.into_iter().filter(|_| none_has("optics")) {

@@ -6,6 +6,7 @@ use spec_derive::Described;
 
 use crate::daylight::FromAbove;
 use crate::suspended::{Sediment, Snow, Turbidity};
+use crate::truth::Phase;
 
 /// The water and its style.
 #[derive(Debug, Clone, PartialEq, Deserialize, Described)]
@@ -37,6 +38,8 @@ pub struct Water {
     pub style_tier: Option<StyleTier>,
     /// what becomes of light of lamps that is scattered more than once; absent: `none`
     pub multiple: Option<Multiple>,
+    /// how the water scatters in the artifact `truth`, and nowhere else; absent: `ff`
+    pub phase: Option<Phase>,
     /// light from above by direction and depth; absent: as `ambient` and the veiling light have it
     pub from_above: Option<FromAbove>,
 }
@@ -55,6 +58,7 @@ impl Default for Water {
             sediment: None,
             style_tier: None,
             multiple: None,
+            phase: None,
             from_above: None,
         }
     }

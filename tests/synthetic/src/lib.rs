@@ -87,6 +87,7 @@ pub fn record(job: &str, frame: u64) -> FrameRecord {
             .collect(),
         warnings: Vec::new(),
         scene: None,
+        truth: None,
         provenance: Provenance {
             code_version: "0.1.0".to_owned(),
             cpu_features: "avx2,fma".to_owned(),

@@ -14,7 +14,7 @@ mod sides;
 
 pub use decode::{FilePlane, Radiance, decode_picture, decode_plane, decode_radiance};
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_png_with_text, encode_webp_lossless};
-pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_plane, encode_npy_rgb};
+pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_pair, encode_npy_plane, encode_npy_rgb};
 pub use scale::downscale;
 pub use sides::{announced_pixels, read_sides};
 

@@ -97,6 +97,25 @@ impl Daylight {
         self.sun.as_ref()
     }
 
+    /// Where the camera looks.
+    #[must_use]
+    pub fn gaze(&self) -> &Gaze {
+        &self.gaze
+    }
+
+    /// The downwelling irradiance just below the surface, where that which is white lights a white patch to a radiance of 1.
+    #[must_use]
+    pub fn at_surface(&self) -> [f64; 3] {
+        let rise = |i: usize| (self.fields[i].decay * self.depth).exp();
+        [0, 1, 2].map(|i| std::f64::consts::PI * self.level[i] * rise(i))
+    }
+
+    /// Whether waves draw a pattern with the sun.
+    #[must_use]
+    pub fn has_waves(&self) -> bool {
+        self.caustics.is_some()
+    }
+
     /// The waves of a seed in the frame with this number, and how the water blurs what they draw with the sun.
     #[must_use]
     pub fn waves(&self, seed: u64, frame: u64) -> Option<(Waves, Blur)> {

@@ -15,6 +15,8 @@ pub enum Content<'a> {
     Codes(Raster),
     /// Linear samples, stored as NPY.
     Linear(Cow<'a, Rgb<f32>>),
+    /// Linear samples and their standard errors, stored as NPY of six planes.
+    Pair([Cow<'a, Rgb<f32>>; 2]),
     /// Range in meters, NaN, infinite or not positive where there is none; stored as PNG in millimeters.
     Range(Cow<'a, Plane<f32>>),
     /// An object, stored as JSON.
@@ -36,6 +38,7 @@ impl Content<'_> {
             Self::Picture(picture) => Content::Picture(Cow::Owned(picture.into_owned())),
             Self::Codes(codes) => Content::Codes(codes),
             Self::Linear(layer) => Content::Linear(Cow::Owned(layer.into_owned())),
+            Self::Pair(pair) => Content::Pair(pair.map(|layer| Cow::Owned(layer.into_owned()))),
             Self::Range(range) => Content::Range(Cow::Owned(range.into_owned())),
             Self::Json(value) => Content::Json(value),
         }

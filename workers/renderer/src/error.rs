@@ -64,6 +64,12 @@ pub enum RenderError {
     /// The camera's path is invalid.
     #[error("{}", list(.0))]
     Path(Vec<SceneError>),
+    /// The light of the frame cannot be traced.
+    #[error(transparent)]
+    Truth(#[from] truth::NoTruth),
+    /// Tracing it would take too many paths.
+    #[error(transparent)]
+    TruthWork(#[from] spec::truth::TooMuch),
     /// The style network failed.
     #[error(transparent)]
     Style(#[from] StyleError),

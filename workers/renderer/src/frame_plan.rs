@@ -11,10 +11,12 @@ pub struct FramePlan {
     pub water: Plan,
     /// The camera, line by line.
     camera: Vec<Line>,
+    /// What a truth is expected to take; none where none is asked for.
+    truth: Option<Line>,
 }
 
 impl FramePlan {
-    pub(crate) fn new(water: &Plan, camera: Option<&camera::Plan>) -> Self {
+    pub(crate) fn new(water: &Plan, camera: Option<&camera::Plan>, truth: Option<Line>) -> Self {
         let line = |step: &Step| Line {
             stage: step.stage,
             variant: step.variant,
@@ -30,16 +32,18 @@ impl FramePlan {
             camera: camera
                 .map(|plan| plan.steps.iter().map(line).collect())
                 .unwrap_or_default(),
+            truth,
         }
     }
 
-    /// Line by line, the camera last.
+    /// Line by line, the camera last, and behind it what only an artifact asks for.
     #[must_use]
     pub fn lines(&self) -> Vec<Line> {
         self.water
             .lines()
             .into_iter()
             .chain(self.camera.iter().cloned())
+            .chain(self.truth.clone())
             .collect()
     }
 }

@@ -28,4 +28,5 @@ pub use frame_plan::FramePlan;
 pub use provenance::{CODE_VERSION, cpu_features};
 pub use slot::{LinearPicture, Rendered, Slot, WaterLight};
 pub use source::{SceneBytes, SceneSource};
+pub use stage::truth::{Round, Traced, Tracing};
 pub use vocabulary::vocabulary;

@@ -1,5 +1,7 @@
 //! The pipeline of one frame.
 
+mod light;
+
 use std::sync::Arc;
 
 use ::camera::Parts;
@@ -27,8 +29,10 @@ use crate::stage::scene::{self, Prepared};
 use crate::stage::seen::Seen;
 use crate::stage::snow::Shutter;
 use crate::stage::style::{self, Networks};
-use crate::stage::{Shot, enhance, glow, haze, labels, measure, snow, water};
+use crate::stage::{Shot, enhance, glow, haze, labels, measure, snow, truth, water};
 use crate::stopwatch::Stopwatch;
+
+pub use light::WaterLight;
 
 /// Caches that one worker thread reuses between frames. They never change a result.
 pub struct Slot {
@@ -55,21 +59,6 @@ pub struct LinearPicture {
     pub radiance: Rgb<f32>,
     /// The plan by which it was rendered.
     pub plan: Plan,
-}
-
-/// The light of a frame in the water before snow, style and haze, with what it was made of: to be held against another model.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WaterLight {
-    /// The surroundings.
-    pub setting: Setting,
-    /// The scene in air.
-    pub scene: scenes::Scene,
-    /// Light of surfaces that arrives unscattered.
-    pub direct: Rgb<f32>,
-    /// Light of surfaces that arrives scattered forward.
-    pub forward_scatter: Rgb<f32>,
-    /// Light of lamps that the water scatters to the camera; none without.
-    pub glow: Option<Rgb<f32>>,
 }
 
 /// What a prepared scene depends on. Scenes from local files are not kept: the files may change.
@@ -128,22 +117,6 @@ impl Slot {
         Ok(self.run(frame, source, picture)?.0)
     }
 
-    /// The light of a frame in its water, part by part.
-    ///
-    /// # Errors
-    /// As [`Slot::render`].
-    pub fn water_light(&mut self, frame: &Frame, source: &SceneSource) -> Result<WaterLight, RenderError> {
-        let shot = self.resolve(frame, source, &mut Stopwatch::start())?;
-        let layers = water::run(&shot, &mut self.kernels)?;
-        Ok(WaterLight {
-            scene: shot.prepared.scene.clone(),
-            direct: layers.direct,
-            forward_scatter: layers.forward_scatter,
-            glow: shot.lit.glow,
-            setting: shot.setting,
-        })
-    }
-
     /// Runs all stages and gives what they made to the last one.
     fn run<T>(
         &mut self,
@@ -159,6 +132,7 @@ impl Slot {
 
         let mut layers = watch.time("water", || water::run(&shot, &mut self.kernels))?;
         glow::run(&shot, &mut layers, &mut record);
+        let traced = watch.time("truth", || truth::run(&shot, &layers, &mut record))?;
         let snow = watch.time("snow", || snow::run(&shot, &mut layers, &mut record));
         let taken = self.take(&mut shot, &layers, &mut record, &mut watch)?;
         let shot = &shot;
@@ -187,6 +161,7 @@ impl Slot {
             deep: developed.deep.as_ref(),
             raw: developed.raw.as_ref(),
             enhancements: &enhancements,
+            traced: traced.as_ref(),
         };
         let made = watch.time("files", || last(shot, &pictures, &mut record))?;
         record.timings_ms = watch.stop();

@@ -16,6 +16,7 @@ pub(crate) mod sediment;
 pub(crate) mod seen;
 pub(crate) mod snow;
 pub(crate) mod style;
+pub(crate) mod truth;
 pub(crate) mod water;
 
 use std::borrow::Cow;
@@ -47,7 +48,8 @@ pub(crate) struct Shot<'a> {
 impl Shot<'_> {
     /// The plan of the whole frame.
     pub(crate) fn frame_plan(&self) -> FramePlan {
-        FramePlan::new(&self.plan, self.taking.as_ref().map(|taking| &taking.plan))
+        let camera = self.taking.as_ref().map(|taking| &taking.plan);
+        FramePlan::new(&self.plan, camera, truth::line(self))
     }
 
     /// A layer of the scene as the camera's picture shows it.

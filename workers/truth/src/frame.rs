@@ -16,6 +16,7 @@ use crate::estimate::Pixel;
 use crate::lamp::Lamp;
 use crate::phase::Phase;
 use crate::scene::{Along, Scene};
+use crate::sea::Sea;
 use crate::surface::{Picture, Surfaces};
 use crate::water::{Coefficients, Murk};
 
@@ -30,11 +31,23 @@ pub enum NoTruth {
     /// More light scattered than lost.
     #[error("water.optics: scattering exceeds beam attenuation")]
     MoreScatteredThanLost,
-    /// Light from above that falls on surfaces is not traced.
+    /// Daylight that has no direction cannot be traced.
     #[error(
-        "water.from_above.surfaces: light from above on surfaces is not traced, leave it out or take lamps"
+        "water.from_above.surfaces: `depth` dims a picture that is lit already, which is not traced; take `normal` over a scene of \
+         reflectance"
     )]
-    LitFromAbove,
+    LitByDepth,
+    /// The surface of the sea is flat.
+    #[error("water.from_above.caustics: the sea surface of the truth is flat")]
+    Waves,
+    /// Clouds of sediment are not traced.
+    #[error("water.sediment: clouds are not traced")]
+    Clouds,
+    /// The irradiance at the surface is no number.
+    #[error(
+        "water.depth_m: so little daylight is left that the irradiance at the surface is beyond all numbers"
+    )]
+    TooDeep,
 }
 
 /// A frame to be traced.
@@ -52,7 +65,8 @@ pub struct Subject<'a> {
 
 impl<'a> Scene<'a> {
     /// The scene of a frame: its picture in air sends out its radiance and, where there are lamps, sends their light back by as much,
-    /// at most all of it. Daylight's veil, snow, style, haze and camera are not in it.
+    /// at most all of it. A scene of reflectance that daylight lights lies below a flat sea under an even sky and its sun, whose light
+    /// in the water is traced, too; elsewhere daylight's veil is not in it, and snow, style, haze and camera never are.
     ///
     /// # Errors
     /// [`NoTruth`].
@@ -62,10 +76,10 @@ impl<'a> Scene<'a> {
         phase: Phase,
     ) -> Result<Self, NoTruth> {
         let setting = subject.setting;
-        let above = setting.water.as_ref().and_then(Water::daylight);
-        if above.is_some_and(|daylight| daylight.surfaces() != SurfaceLight::None) {
-            return Err(NoTruth::LitFromAbove);
+        if setting.sediment.is_some() {
+            return Err(NoTruth::Clouds);
         }
+        let sea = sea(setting)?;
         let water = setting.water.as_ref().map_or(Ok([NOTHING; 3]), coefficients)?;
         let lamps = if setting.lighting.is_some() {
             Lamp::among(&subject.frame.lights)
@@ -80,18 +94,31 @@ impl<'a> Scene<'a> {
             subject.radiance,
             subject.range,
             setting.eye.camera,
-            setting.gain(),
-            !lamps.is_empty(),
+            if sea.is_some() { [0.0; 3] } else { setting.gain() },
+            !lamps.is_empty() || sea.is_some(),
         );
         Ok(Self {
             rays,
             surfaces: Surfaces::Picture(picture),
             lamps,
-            sea: None,
+            sea,
             water,
             phase,
             murk: patches.map_or(Murk::Even, |field| Murk::Patches(Box::new(field))),
         })
+    }
+}
+
+/// The sea over surfaces that daylight lights; none where it does not.
+fn sea(setting: &Setting) -> Result<Option<Sea>, NoTruth> {
+    let Some(daylight) = setting.water.as_ref().and_then(Water::daylight) else {
+        return Ok(None);
+    };
+    match daylight.surfaces() {
+        SurfaceLight::None => Ok(None),
+        SurfaceLight::Depth => Err(NoTruth::LitByDepth),
+        SurfaceLight::Normal if daylight.has_waves() => Err(NoTruth::Waves),
+        SurfaceLight::Normal => Sea::of_daylight(daylight).ok_or(NoTruth::TooDeep).map(Some),
     }
 }
 

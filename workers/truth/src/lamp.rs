@@ -15,6 +15,8 @@ pub struct Lamp {
     pub beam: Option<(DVec3, f64)>,
     /// Nothing is nearer than this, m.
     pub radius_m: f64,
+    /// Radius of the disc, across the way to it, whose places are looked for by turns: shadows have soft edges; 0: its middle.
+    pub disc_m: f64,
 }
 
 impl Lamp {
@@ -25,21 +27,22 @@ impl Lamp {
     }
 
     fn of(light: &Light) -> Option<Self> {
-        let lamp = |place: [f64; 3], intensity| Self {
+        let lamp = |place: [f64; 3], intensity, radius_m: Option<f64>| Self {
             place: place.into(),
             intensity,
             beam: None,
-            radius_m: LAMP_RADIUS_M,
+            radius_m: radius_m.unwrap_or(0.0).max(LAMP_RADIUS_M),
+            disc_m: radius_m.unwrap_or(0.0),
         };
         match light {
             Light::Haze(_) => None,
-            Light::Point(point) => Some(lamp(point.position_m, point.intensity)),
+            Light::Point(point) => Some(lamp(point.position_m, point.intensity, point.radius_m)),
             Light::Spot(spot) => {
                 let axis = DVec3::from(spot.direction).normalized();
                 let cosine = spot.cone_deg.to_radians().cos().max(0.0);
                 Some(Self {
                     beam: Some((axis, cosine)),
-                    ..lamp(spot.position_m, spot.intensity)
+                    ..lamp(spot.position_m, spot.intensity, spot.radius_m)
                 })
             }
         }

@@ -11,11 +11,13 @@
 
 mod compare;
 mod converge;
+mod daylight;
 mod dice;
 mod estimate;
 mod frame;
 mod lamp;
 pub mod lantern;
+mod law;
 mod phase;
 mod report;
 mod scene;
@@ -30,9 +32,10 @@ pub use dice::{Address, MOST_PATHS, MOST_PIXELS, stream};
 pub use estimate::{BATCHES, Blocks, Estimate, Level, Part, Pixel, Spread};
 pub use frame::{NoTruth, Shutter, Subject};
 pub use lamp::Lamp;
+pub use law::Law;
 pub use optics::Screen;
 pub use phase::{FournierForand, Phase};
-pub use report::{ChainLight, Parts, Report};
+pub use report::{Asked, ChainLight, Parts, Report};
 pub use scene::{Along, Scene};
 pub use sea::{REFRACTIVE_INDEX, Sea, Sun, fresnel};
 pub use surface::{Material, Picture, Surfaces};

@@ -6,14 +6,30 @@ use serde::Serialize;
 use crate::compare::Comparison;
 use crate::converge::{Goal, Truth};
 use crate::estimate::{Level, Part, Spread};
+use crate::law::Law;
 
-/// The chain's light of a frame, linear, without daylight's veil.
+/// The chain's light of a frame, linear.
 #[derive(Debug, Clone, Copy)]
 pub struct ChainLight<'a> {
     /// Light that arrives unscattered.
     pub direct: &'a Rgb<f32>,
-    /// Light that arrives scattered: of surfaces and of lamps.
+    /// Light that arrives scattered: of surfaces, of lamps and, where it is traced, of daylight.
     pub scattered: &'a Rgb<f32>,
+}
+
+/// What was asked for, and how the tracing ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Asked {
+    /// How well the frame had to be known.
+    pub goal: Goal,
+    /// How its water scatters.
+    pub law: Law,
+    /// Where surfaces come from: `scene` or `screen`.
+    pub rays: &'static str,
+    /// Whether daylight was traced, which the chain's scattered light then has to hold as well.
+    pub has_sea: bool,
+    /// What ended it short of the target.
+    pub limit: &'static str,
 }
 
 /// What was traced, how well it is known, and how far the chain is from it.
@@ -23,6 +39,10 @@ pub struct Report {
     pub paths: u64,
     /// Whether the target was met before the paths ran out.
     pub converged: bool,
+    /// What ended it: `target`, or the limit that came first.
+    pub ended_by: &'static str,
+    /// How the water scatters.
+    pub phase: Law,
     /// Target for the error of the median block, as a share of the mean.
     pub target: f64,
     /// Pixels on a side of a block.
@@ -40,7 +60,7 @@ pub struct Report {
     /// Where the truth has its surfaces from.
     pub rays: &'static str,
     /// What neither holds.
-    pub left_out: &'static [&'static str],
+    pub left_out: Vec<&'static str>,
 }
 
 /// Comparisons of parts of the light.
@@ -54,12 +74,18 @@ pub struct Parts {
     pub all: Comparison,
 }
 
-const LEFT_OUT: &[&str] = &["veil of daylight", "snow", "style", "haze", "camera"];
+const LEFT_OUT: [&str; 4] = ["snow", "style", "haze", "camera"];
 
 impl Report {
     /// Holds the chain's light against the truth of the same frame.
     #[must_use]
-    pub fn new(truth: &Truth, goal: &Goal, chain: &ChainLight<'_>, range: Option<&Plane<f32>>) -> Self {
+    pub fn new(truth: &Truth, asked: &Asked, chain: &ChainLight<'_>, range: Option<&Plane<f32>>) -> Self {
+        let goal = &asked.goal;
+        let missing = if asked.has_sea {
+            "waves"
+        } else {
+            "veil of daylight"
+        };
         let estimate = &truth.estimate;
         let compare = |light: &Rgb<f32>, part| Comparison::new(light, estimate, part, range, goal.block);
         let all = Rgb::from_fn(estimate.size.0, estimate.size.1, |x, y| {
@@ -68,6 +94,8 @@ impl Report {
         Self {
             paths: estimate.paths,
             converged: truth.is_converged,
+            ended_by: if truth.is_converged { "target" } else { asked.limit },
+            phase: asked.law,
             target: goal.target,
             block: goal.block,
             cut: estimate.cut(),
@@ -79,8 +107,8 @@ impl Report {
                 scattered: compare(chain.scattered, Part::Scattered),
                 all: compare(&all, Part::All),
             },
-            rays: "screen",
-            left_out: LEFT_OUT,
+            rays: asked.rays,
+            left_out: std::iter::once(missing).chain(LEFT_OUT).collect(),
         }
     }
 }

@@ -22,7 +22,7 @@ const TYPICAL_NS: [(&str, f64); 13] = [
     ("files", 75.0),
 ];
 /// Bytes a pixel of each kind of artifact: PNG of synthetic scenes, float32 NPY of the linear layers.
-const TYPICAL_BYTES: [(&str, f64); 12] = [
+const TYPICAL_BYTES: [(&str, f64); 13] = [
     ("range", 0.6),
     ("instances", 0.02),
     ("snow_mask", 0.1),
@@ -34,6 +34,7 @@ const TYPICAL_BYTES: [(&str, f64); 12] = [
     ("forward_scatter", 12.0),
     ("backscatter", 12.0),
     ("transmittance", 12.0),
+    ("truth", 24.0),
     ("clean", 1.0),
 ];
 /// Bytes a pixel of any other kind: pictures.
@@ -143,7 +144,7 @@ impl Learned {
             let units = if *stage == "lamps" { frame.lamp_count() } else { 1 };
             self.stage_ns.get(stage).unwrap_or(typical) * units as f64
         });
-        ns.sum::<f64>() * pixels / 1e9
+        ns.sum::<f64>() * pixels / 1e9 + traced_seconds(frame, *pixels)
     }
 
     fn bytes(&self, Sized { frame, pixels }: &Sized<'_>) -> f64 {
@@ -159,6 +160,15 @@ impl Learned {
         };
         let kinds = frame.artifacts.iter().map(ToString::to_string);
         kinds.map(each).sum::<f64>() * pixels + ROW_BYTES
+    }
+}
+
+/// What the paths of a truth take at most by convention; 0 where no artifact asks for it.
+fn traced_seconds(frame: &Frame, pixels: f64) -> f64 {
+    let most = frame.truth.unwrap_or_default().most_paths(pixels as u64);
+    match most {
+        Ok((paths, _)) if frame.is_traced() => spec::truth::seconds(pixels as u64, paths),
+        _ => 0.0,
     }
 }
 
@@ -239,6 +249,7 @@ mod tests {
             timings_ms: BTreeMap::from([("scene".to_owned(), 1000.0), ("water".to_owned(), 0.0)]),
             warnings: Vec::new(),
             scene: None,
+            truth: None,
             provenance: Provenance::default(),
         });
         let learned = cost(&costs, &job(json!({})));

@@ -19,6 +19,7 @@ impl Checker<'_> {
         self.daylight(document);
         self.path(document);
         self.artifacts(document);
+        self.truth(document);
     }
 
     /// A path goes through one world, from one place to another.

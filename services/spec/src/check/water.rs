@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::Checker;
 use super::extremes::each_draw;
-use super::{has_lamps, places};
+use super::{has_lamps, is_traced, places};
 use crate::invalid::FieldError;
 use crate::node::{Drawn, LawNode, Node};
 use crate::rules::Sight;
@@ -31,6 +31,7 @@ impl Checker<'_> {
         }
         let sight = Sight {
             lamps: has_lamps(document),
+            traced: is_traced(document),
             solid: widest(document),
         };
         let mut found = BTreeSet::new();

@@ -11,4 +11,5 @@ mod lights;
 mod scenes;
 mod soup;
 mod suspended;
+mod truth;
 mod waters;

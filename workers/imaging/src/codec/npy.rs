@@ -185,6 +185,20 @@ pub fn encode_npy_rgb(picture: &Rgb<f32>) -> Vec<u8> {
     )
 }
 
+/// An NPY file of shape [height, width, 6] of two pictures of one size, f32, little endian: the planes of the first, then those of
+/// the second. Rows and columns beyond the smaller one are left out.
+#[must_use]
+pub fn encode_npy_pair(first: &Rgb<f32>, second: &Rgb<f32>) -> Vec<u8> {
+    let width = first.width().min(second.width());
+    let height = first.height().min(second.height());
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let values = pixels.flat_map(|(x, y)| {
+        let planes = first.planes().iter().chain(second.planes());
+        planes.map(move |plane| plane.pixel(x, y))
+    });
+    encode(&format!("({height}, {width}, 6)"), values, 6 * width * height)
+}
+
 /// An NPY file of shape [height, width], f32, little endian.
 #[must_use]
 pub fn encode_npy_plane(plane: &Plane<f32>) -> Vec<u8> {

@@ -16,6 +16,9 @@ pub const RULES: WaterRules = WaterRules {
     lit_warning,
 };
 
+/// No camera changes what is looked at here.
+const ANY_FOCAL_PX: f64 = 500.0;
+
 fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
     let mut faults = Vec::new();
     if water.optics.is_none() && water.from_above.is_some() {
@@ -27,6 +30,9 @@ fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
     }
     if water.optics.is_some() {
         faults.extend(Water::validate(water, sight.lamps).iter().map(fault));
+    }
+    if sight.traced && faults.is_empty() {
+        faults.extend(untraceable(water));
     }
     if let Some(snow) = &water.snow {
         let mut errors = snow::validate(snow);
@@ -51,10 +57,21 @@ fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
     faults
 }
 
+/// What the truth has to know of a water that is right by itself.
+fn untraceable(water: &spec::Water) -> Option<Fault> {
+    water.optics.as_ref()?;
+    let resolved = Water::resolve(water, ANY_FOCAL_PX).ok()?;
+    resolved.scattering().is_none().then(|| Fault {
+        path: vec!["optics"],
+        message: "the artifacts `truth` and `truth_report` need `absorption_per_m` and `scattering_per_m` in `water.optics`: \
+                  without them there is nothing to trace"
+            .to_owned(),
+        missing: true,
+    })
+}
+
 /// Whether the decay of daylight in a water is known.
 fn knows_diffuse(water: &spec::Water) -> bool {
-    // No camera changes it.
-    const ANY_FOCAL_PX: f64 = 500.0;
     let known = |water: Water| water.diffuse_attenuation().is_some();
     water.optics.is_some() && Water::resolve(water, ANY_FOCAL_PX).is_ok_and(known)
 }

@@ -97,10 +97,11 @@ pub(crate) fn light(
     };
     let asks = above.shadow.is_some() || above.access.is_some();
     let rays = asks.then(|| rays::scene_rays(frame, prepared)).flatten();
+    let rays = rays.as_deref().map(|rays| rays as &dyn Rays);
     let sunlight = daylight
         .sun()
-        .and_then(|sun| sunlight(&above, surfaces, (daylight, sun), rays.as_deref(), pattern));
-    let access = rays.as_deref().zip(above.access.as_ref());
+        .and_then(|sun| sunlight(&above, surfaces, (daylight, sun), rays, pattern));
+    let access = rays.zip(above.access.as_ref());
     let attenuation = Water::direct_attenuation(water);
     let access = access.map(|(rays, stage)| match stage.form {
         Form::Reference => daylight::access_reference(surfaces, daylight, attenuation, rays),

@@ -11,6 +11,7 @@ use spec::{ArtifactKind, Counts, Encode, FrameRecord, ScenePart};
 
 use super::enhance::Enhancements;
 use super::range_file::millimeters;
+use super::truth::Traced;
 use super::water::transmittance;
 use super::{Shot, snow};
 use crate::content::Content;
@@ -33,6 +34,8 @@ pub(crate) struct Pictures<'a> {
     /// Codes of the sensor; none without one.
     pub(crate) raw: Option<&'a Raw>,
     pub(crate) enhancements: &'a Enhancements,
+    /// The light by Monte Carlo; none where no artifact asks for it.
+    pub(crate) traced: Option<&'a Traced>,
 }
 
 /// Encodes the requested artifacts in the order of the frame; each one that does not exist becomes a warning.
@@ -155,6 +158,11 @@ fn content<'a>(
             let described = record.scene.as_ref().filter(|scene| scene.instances.is_some());
             described.map(|scene| Content::Json(json!(scene)))
         }
+        ArtifactKind::Truth => {
+            let pictures = pictures.traced?.truth.pictures();
+            Some(Content::Pair(pictures.map(Cow::Owned)))
+        }
+        ArtifactKind::TruthReport => Some(Content::Json(json!(pictures.traced?.report))),
         ArtifactKind::Range => Some(Content::Range(Cow::Borrowed(shot.range()?))),
     }
 }
@@ -204,6 +212,7 @@ fn encode_content(
         },
         Content::Codes(codes) => codec::encode_png_with_text(&codes, texts)?,
         Content::Linear(layer) => codec::encode_npy_rgb(&layer),
+        Content::Pair([first, second]) => codec::encode_npy_pair(&first, &second),
         Content::Range(range) => {
             let (codes, saturated) = millimeters(&range);
             counts.range_saturated = saturated;

@@ -77,7 +77,7 @@ impl Lit {
             watch.time("lamps", || {
                 let casts = lighting.lamps.iter().any(|lamp| lamp.shadow() != Shadow::None);
                 let rays = casts.then(|| rays::scene_rays(frame, prepared)).flatten();
-                let rays = rays.as_deref();
+                let rays = rays.as_deref().map(|rays| rays as &dyn Rays);
                 lit.add(frame, (lighting, setting.gain()), range, rays);
                 if lighting.scattering != [0.0; 3] {
                     lit.add_glow(frame, lighting, range, rays);

@@ -83,7 +83,12 @@ impl Files {
         scene
     }
 
-    fn path(&self, name: &str) -> String {
+    /// Another file in its folder.
+    pub(crate) fn add(&self, name: &str, bytes: Vec<u8>) {
+        write(&self.folder.path().join(name), bytes);
+    }
+
+    pub(crate) fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_str().unwrap().to_owned()
     }
 }

@@ -16,4 +16,5 @@ mod onnx;
 mod shadows;
 mod style;
 mod suspended;
+mod truth;
 mod waters;

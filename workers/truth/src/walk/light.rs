@@ -35,7 +35,7 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    fn lamp_along(&self, lamp: &Lamp, along: Along, end: f64, unit: f64) -> Option<[f64; N]> {
+    fn lamp_along(&mut self, lamp: &Lamp, along: Along, end: f64, unit: f64) -> Option<[f64; N]> {
         let Along { origin, direction } = along;
         let away = lamp.place + -origin;
         let nearest = direction.dot(away);
@@ -74,15 +74,25 @@ impl<const N: usize> Walk<'_, N> {
         }))
     }
 
-    /// Distance and direction to a lamp that nothing hides.
-    fn unblocked(&self, lamp: &Lamp, place: DVec3, from: f64) -> Option<(f64, DVec3)> {
+    /// Distance and direction to a lamp, where nothing hides the place of it that is looked for.
+    fn unblocked(&mut self, lamp: &Lamp, place: DVec3, from: f64) -> Option<(f64, DVec3)> {
         let away = lamp.place + -place;
         let reach = away.length();
         if reach <= 0.0 {
             return None;
         }
         let toward = away * (1.0 / reach);
-        (!self.scene.is_blocked(place, toward, from, reach)).then_some((reach, toward))
+        let shift = if lamp.disc_m > 0.0 {
+            across(toward, lamp.disc_m, self.dice.pair())
+        } else {
+            DVec3::from([0.0; 3])
+        };
+        let sought = away + shift;
+        let distance = sought.length();
+        let blocked = self
+            .scene
+            .is_blocked(place, sought * (1.0 / distance), from, distance);
+        (!blocked).then_some((reach, toward))
     }
 
     /// Adds the light that the end of a segment sends, of the present order. `passes` is the share of it that arrives.
@@ -115,7 +125,7 @@ impl<const N: usize> Walk<'_, N> {
     }
 
     /// The light of lamps and sun that falls on a surface.
-    fn irradiance(&self, place: DVec3, normal: [f64; 3]) -> [f64; N] {
+    fn irradiance(&mut self, place: DVec3, normal: [f64; 3]) -> [f64; N] {
         let start = leaving(place.into(), normal);
         let (origin, normal) = (DVec3::from(start.origin), DVec3::from(normal));
         let mut sum = self
@@ -124,7 +134,8 @@ impl<const N: usize> Walk<'_, N> {
                 let facing = normal.dot(direction).max(0.0);
                 light.map(|light| light * facing)
             });
-        for lamp in &self.scene.lamps {
+        let scene = self.scene;
+        for lamp in &scene.lamps {
             let Some((reach, toward)) = self.unblocked(lamp, origin, start.from) else {
                 continue;
             };
@@ -161,4 +172,17 @@ impl<const N: usize> Walk<'_, N> {
         });
         Some((light, sun.direction))
     }
+}
+
+/// A place of a disc of this radius across a unit vector, even over its area.
+fn across(toward: DVec3, radius: f64, [distance, azimuth]: [f64; 2]) -> DVec3 {
+    // The axes of Duff et al. 2017.
+    let [x, y, z]: [f64; 3] = toward.into();
+    let sign = if z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    let first = DVec3::from([1.0 + sign * x * x * a, sign * b, -sign * x]);
+    let second = DVec3::from([b, sign + y * y * a, -y]);
+    let (sine, cosine) = (2.0 * PI * azimuth).sin_cos();
+    (first * cosine + second * sine) * (radius * distance.sqrt())
 }

@@ -18,6 +18,7 @@ fn lamp(place: [f64; 3], intensity: f64) -> Lamp {
         intensity: [intensity; 3],
         beam: None,
         radius_m: 0.02,
+        disc_m: 0.0,
     }
 }
 

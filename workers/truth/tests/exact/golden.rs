@@ -10,13 +10,13 @@ use imaging::vector::vec3;
 use serde_json::Value;
 use truth::{Along, FournierForand, Lamp, Material, Phase, Sea};
 
-struct Case {
+pub(crate) struct Case {
     folder: PathBuf,
     parameters: Value,
 }
 
 impl Case {
-    fn read(folder: &Path) -> Self {
+    pub(crate) fn read(folder: &Path) -> Self {
         let text = std::fs::read_to_string(folder.join("params.json")).expect("params.json");
         Self {
             folder: folder.to_owned(),
@@ -24,16 +24,16 @@ impl Case {
         }
     }
 
-    fn number(&self, pointer: &str) -> f64 {
+    pub(crate) fn number(&self, pointer: &str) -> f64 {
         let value = self.parameters.pointer(pointer).and_then(Value::as_f64);
         value.unwrap_or_else(|| panic!("{}: {pointer}", self.folder.display()))
     }
 
-    fn triple(&self, pointer: &str) -> [f64; 3] {
+    pub(crate) fn triple(&self, pointer: &str) -> [f64; 3] {
         [0, 1, 2].map(|i| self.number(&format!("{pointer}/{i}")))
     }
 
-    fn array(&self, name: &str) -> Vec<f64> {
+    pub(crate) fn array(&self, name: &str) -> Vec<f64> {
         let bytes = std::fs::read(self.folder.join(format!("{name}.npy"))).expect("an array");
         match codec::decode_npy(&bytes).expect("NPY").values {
             NpyValues::F64(values) => values,
@@ -131,6 +131,7 @@ fn lamp_frame(case: &Case) {
         intensity: [case.number("/lamp/intensity"); 3],
         beam: Some((axis.into(), case.number("/lamp/cone_deg").to_radians().cos())),
         radius_m: case.number("/lamp_radius_m"),
+        disc_m: 0.0,
     }];
     let camera = Intrinsics::centered(case.number("/focal_px"), width, height);
     let pixel = |i: usize| {

@@ -215,6 +215,7 @@ pub(crate) fn record(frame: &Frame, digest: &str, bytes: u64) -> FrameRecord {
         timings_ms: BTreeMap::from([("water".to_owned(), 3.0)]),
         warnings: Vec::new(),
         scene: None,
+        truth: None,
         provenance: Provenance {
             code_version: "test".into(),
             cpu_features: "none".into(),

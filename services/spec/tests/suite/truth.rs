@@ -1,0 +1,157 @@
+//! The truth of a frame: what is asked of it, and what it does not go with.
+
+use serde_json::{Value, json};
+use spec::{Phase, Truth};
+
+use crate::common::{errors, job_with, only_error, with};
+
+/// A job of few pixels that asks for its truth, with these fields beside.
+fn traced(beside: Value) -> Value {
+    let mut fields = json!({
+        "camera": {"width": 64, "height": 48},
+        "water": {"optics": {"absorption_per_m": [0.35, 0.08, 0.07], "scattering_per_m": [0.16, 0.18, 0.2],
+                            "veiling_light": [0, 0, 0]}},
+        "artifacts": ["truth", "truth_report"]
+    });
+    if let Value::Object(beside) = beside {
+        for (name, value) in beside {
+            fields[name] = value;
+        }
+    }
+    fields
+}
+
+#[test]
+fn absent_fields_are_their_defaults_and_change_no_job() {
+    let frame = job_with(traced(json!({}))).resolve(0).unwrap();
+    assert!(frame.is_traced());
+    assert_eq!((frame.truth, frame.water.phase), (None, None));
+    assert!(frame.parameters.get("truth").is_none());
+    let frame = job_with(traced(json!({"truth": {}}))).resolve(0).unwrap();
+    assert_eq!(frame.truth, Some(Truth::default()));
+    let plain = job_with(json!({}));
+    assert!(!plain.resolve(0).unwrap().is_traced());
+    assert!(!plain.canonical().contains("truth") && !plain.canonical().contains("phase"));
+}
+
+#[test]
+fn both_phase_functions_are_read() {
+    let phase = |phase: Value| {
+        let mut job = traced(json!({}));
+        job["water"]["phase"] = phase;
+        job_with(job).resolve(0).unwrap().water.phase.unwrap()
+    };
+    assert_eq!(phase(json!({})), Phase::default());
+    assert_eq!(
+        phase(json!({"kind": "ff", "backscatter_fraction": 0.01})),
+        Phase::Ff {
+            backscatter_fraction: Some(0.01)
+        }
+    );
+    assert_eq!(phase(json!({"kind": "hg", "g": 0.9})), Phase::Hg { g: Some(0.9) });
+}
+
+#[test]
+fn numbers_of_a_phase_function_belong_to_their_kind() {
+    let refused = |phase: Value| {
+        let mut job = traced(json!({}));
+        job["water"]["phase"] = phase;
+        only_error(job)
+    };
+    for (phase, at) in [
+        (json!({"kind": "ff", "g": 0.9}), "/water/phase/g"),
+        (
+            json!({"kind": "hg", "backscatter_fraction": 0.01}),
+            "/water/phase/backscatter_fraction",
+        ),
+        (json!({"kind": "hg", "g": 0.99}), "/water/phase/g"),
+        (json!({"kind": "mie"}), "/water/phase/kind"),
+    ] {
+        assert_eq!(refused(phase.clone()).pointer, at, "{phase}");
+    }
+}
+
+#[test]
+fn more_paths_than_the_limit_need_a_budget_that_pays_for_the_first() {
+    let large = || json!({"camera": {"width": 300, "height": 300}});
+    let error = only_error(traced(large()));
+    assert_eq!(error.pointer, "/camera");
+    assert!(
+        error.message.contains("65536 paths of each of 90000 pixels"),
+        "{}",
+        error.message
+    );
+    let beside = |truth: Value| {
+        let mut fields = large();
+        fields["truth"] = truth;
+        traced(fields)
+    };
+    assert_eq!(
+        only_error(beside(json!({"paths_max": 131_072}))).pointer,
+        "/truth/paths_max"
+    );
+    assert_eq!(
+        only_error(beside(json!({"budget_s": 8}))).pointer,
+        "/truth/budget_s"
+    );
+    job_with(beside(json!({"budget_s": 60})));
+    job_with(beside(json!({"paths_max": 32_768})));
+}
+
+#[test]
+fn what_is_not_traced_is_refused_all_at_once() {
+    let job = traced(json!({
+        "scene": {"kind": "procedural", "family": "structure", "light": "albedo"},
+        "camera": {"width": 64, "height": 48, "distortion": {"k1": -0.1}, "port": {"kind": "flat"}},
+        "water": {
+            "depth_m": 5, "holes": {"range_m": 9}, "sediment": {},
+            "optics": {"absorption_per_m": [0.35, 0.08, 0.07], "scattering_per_m": [0.16, 0.18, 0.2],
+                            "veiling_light": [0, 0, 0]},
+            "from_above": {"surfaces": {"choice": ["normal", "depth"]}, "sun_share": 0.5, "caustics": {}}
+        }
+    }));
+    let found: Vec<String> = errors(&with(job))
+        .into_iter()
+        .map(|error| error.pointer)
+        .collect();
+    for pointer in [
+        "/camera/distortion",
+        "/camera/port",
+        "/water/holes",
+        "/water/sediment",
+        "/water/from_above/surfaces",
+        "/water/from_above/caustics",
+    ] {
+        assert!(
+            found.iter().any(|at| at == pointer),
+            "{pointer} is not in {found:?}"
+        );
+    }
+}
+
+#[test]
+fn water_whose_scattering_is_not_known_has_no_truth() {
+    let optics = json!({"beam_attenuation_per_m": [0.5, 0.3, 0.3], "veiling_light": [0.1, 0.2, 0.3]});
+    let job = traced(json!({"water": {"optics": optics}}));
+    let error = only_error(job);
+    assert_eq!(error.pointer, "/water/optics");
+    assert!(error.message.contains("nothing to trace"), "{}", error.message);
+}
+
+#[test]
+fn fields_of_the_truth_without_its_artifacts_are_warned_of() {
+    let job = job_with(
+        json!({"truth": {"target": 0.1}, "water": {"optics": "jerlov-1C", "phase": {"kind": "hg"}}}),
+    );
+    let about = |field: &str| {
+        job.warnings()
+            .iter()
+            .any(|text| text.starts_with(&format!("`{field}` has no effect")))
+    };
+    assert!(about("truth") && about("water.phase"), "{:?}", job.warnings());
+    assert!(
+        job_with(traced(json!({"truth": {"target": 0.1}})))
+            .warnings()
+            .is_empty()
+    );
+}

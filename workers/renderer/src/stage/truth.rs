@@ -1,0 +1,191 @@
+//! The truth of a frame: its light by Monte Carlo, for the artifacts that ask for it.
+
+use std::ops::Range;
+
+use imaging::Rgb;
+use optics::chain::Layers;
+use optics::plan::Line;
+use spec::truth::{TooMuch, seconds};
+use spec::{FrameRecord, RaySource, TruthRecord};
+use truth::{Asked, ChainLight, Goal, Law, Pixel, Report, Scene, Shutter, Subject, Truth, converge};
+
+use super::{Shot, rays};
+use crate::error::RenderError;
+
+/// What is asked of the truth of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tracing {
+    /// How well the frame must be known.
+    pub goal: Goal,
+    /// How its water scatters.
+    pub law: Law,
+    /// Seed of the paths.
+    pub seed: u64,
+    /// Whether a path serves all channels.
+    pub is_shared: bool,
+    /// What ends it short of the target.
+    pub limit: &'static str,
+}
+
+/// Light of a frame by Monte Carlo, and the chain held against it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Traced {
+    /// The paths.
+    pub truth: Truth,
+    /// What they say.
+    pub report: Report,
+}
+
+/// One round: some samples of every pixel of a scene, row by row; none where it will not go on.
+pub type Round<'r> = &'r mut dyn FnMut(&Shutter, &Scene<'_>, &Range<u64>) -> Option<Vec<Pixel>>;
+
+/// Traces a frame, where an artifact asks for it and the scene has a range. `layers` are the chain's with its glow, before snow.
+pub(crate) fn run(
+    shot: &Shot<'_>,
+    layers: &Layers,
+    record: &mut FrameRecord,
+) -> Result<Option<Traced>, RenderError> {
+    let frame = shot.frame;
+    if !frame.is_traced() || shot.prepared.scene.range.is_none() {
+        return Ok(None);
+    }
+    let (asked, most) = (frame.truth.unwrap_or_default(), most_paths(shot)?);
+    let tracing = Tracing {
+        goal: Goal {
+            target: asked.target,
+            block: asked.block,
+            most_paths: most.paths,
+        },
+        law: law(shot),
+        seed: asked.seed.unwrap_or(frame.seed),
+        is_shared: false,
+        limit: most.limit,
+    };
+    let pixels = pixels(shot) as usize;
+    let traced = trace(shot, layers, &tracing, &mut |shutter, scene, samples| {
+        Some(shutter.trace(scene, 0..pixels, samples))
+    })?;
+    record.truth = traced.as_ref().map(|traced| summary(&traced.report));
+    Ok(traced)
+}
+
+/// How the water of a frame scatters in its truth.
+pub(crate) fn law(shot: &Shot<'_>) -> Law {
+    let asked = shot.frame.water.phase.unwrap_or_default();
+    Law::asked(asked, shot.setting.water.as_ref())
+}
+
+/// Traces a frame round by round; none of a scene without a range, and where the first round is not traced.
+pub(crate) fn trace(
+    shot: &Shot<'_>,
+    layers: &Layers,
+    tracing: &Tracing,
+    round: Round<'_>,
+) -> Result<Option<Traced>, RenderError> {
+    let (frame, prepared) = (shot.frame, &shot.prepared);
+    let range = prepared.scene.range.as_ref();
+    let Some((range, solids)) = range.zip(rays::scene_rays(frame, prepared)) else {
+        return Ok(None);
+    };
+    let subject = Subject {
+        frame,
+        setting: &shot.setting,
+        radiance: &prepared.scene.radiance,
+        range,
+    };
+    let scene = Scene::of_frame(&subject, &*solids, tracing.law.phase())?;
+    let shutter = Shutter {
+        camera: shot.setting.eye.camera,
+        width: shot.setting.size.0,
+        frame: frame.index,
+        stream: truth::stream(tracing.seed),
+        is_shared: tracing.is_shared,
+    };
+    let truth = converge(shot.setting.size, &tracing.goal, |samples| {
+        round(&shutter, &scene, &samples)
+    });
+    let Some(truth) = truth else { return Ok(None) };
+    let asked = Asked {
+        goal: tracing.goal,
+        law: tracing.law,
+        rays: match rays::source(frame, prepared) {
+            RaySource::Scene => "scene",
+            RaySource::Screen | RaySource::Auto => "screen",
+        },
+        has_sea: scene.sea.is_some(),
+        limit: tracing.limit,
+    };
+    let scattered = scattered(shot, layers, asked.has_sea);
+    let light = ChainLight {
+        direct: &layers.direct,
+        scattered: &scattered,
+    };
+    let report = Report::new(&truth, &asked, &light, Some(range));
+    Ok(Some(Traced { truth, report }))
+}
+
+/// The line of a plan that says what the truth is expected to take; none where no artifact asks for it.
+pub(crate) fn line(shot: &Shot<'_>) -> Option<Line> {
+    let has_range = shot.prepared.scene.range.is_some();
+    let most = most_paths(shot)
+        .ok()
+        .filter(|_| has_range && shot.frame.is_traced())?;
+    Some(Line {
+        stage: "truth",
+        variant: "monte_carlo",
+        terms: None,
+        share: None,
+        bound: None,
+        model_error: None,
+        cost_ms: Some(1e3 * seconds(pixels(shot), most.paths)),
+        note: Some(format!(
+            "never chosen by a plan: an artifact asks for it; at most {} paths of each pixel and channel",
+            most.paths
+        )),
+    })
+}
+
+/// A limit of paths, and the field that sets it.
+struct Most {
+    paths: u64,
+    limit: &'static str,
+}
+
+fn most_paths(shot: &Shot<'_>) -> Result<Most, TooMuch> {
+    let asked = shot.frame.truth.unwrap_or_default();
+    let (paths, by_budget) = asked.most_paths(pixels(shot))?;
+    let limit = if by_budget { "budget_s" } else { "paths_max" };
+    Ok(Most { paths, limit })
+}
+
+fn pixels(shot: &Shot<'_>) -> u64 {
+    let (width, height) = shot.setting.size;
+    width as u64 * height as u64
+}
+
+/// The chain's light that the water scattered: of surfaces and lamps, and the veil where daylight is traced. `layers` hold the
+/// glow in their backscatter.
+pub(crate) fn scattered(shot: &Shot<'_>, layers: &Layers, has_sea: bool) -> Rgb<f32> {
+    let added = if has_sea {
+        Some(&layers.backscatter)
+    } else {
+        shot.lit.glow.as_ref()
+    };
+    let Some(added) = added else {
+        return layers.forward_scatter.clone();
+    };
+    let at = |of: &Rgb<f32>, i: usize, x, y| of.planes()[i].pixel(x, y);
+    Rgb::from_fn(added.width(), added.height(), |x, y| {
+        [0, 1, 2].map(|i| at(&layers.forward_scatter, i, x, y) + at(added, i, x, y))
+    })
+}
+
+fn summary(report: &Report) -> TruthRecord {
+    TruthRecord {
+        paths: report.paths,
+        ended_by: report.ended_by.to_owned(),
+        cut: report.cut,
+        median_error: report.block_error.map(|spread| spread.median),
+        error_95: report.block_error.map(|spread| spread.percentile_95),
+    }
+}

@@ -1,0 +1,68 @@
+//! The sky and the sun over a frame whose surfaces daylight lights.
+
+use std::f64::consts::TAU;
+
+use imaging::vector::DVec3;
+use optics::daylight::{CRITICAL_COSINE, Daylight};
+
+use crate::sea::{Sea, Sun, fresnel};
+
+/// Steps of the integral of what an even sky sends through the surface: its error is 1e-6 of it.
+const STEPS: usize = 4096;
+
+impl Sea {
+    /// The sea over a frame: a flat surface, an even sky and a sun that together send the irradiance of this daylight to just below
+    /// the surface, in units where white is lit to a radiance of 1. None where the irradiance is beyond all numbers.
+    #[must_use]
+    pub fn of_daylight(daylight: &Daylight) -> Option<Self> {
+        let irradiance = daylight.at_surface();
+        if irradiance.iter().any(|light| !light.is_finite()) {
+            return None;
+        }
+        let gaze = daylight.gaze();
+        let sun = daylight.sun();
+        let share = sun.map_or(0.0, |sun| sun.share.clamp(0.0, 1.0));
+        Some(Self {
+            up: DVec3::from(gaze.up).normalized(),
+            depth_m: daylight.depth(),
+            sky: irradiance.map(|light| (1.0 - share) * light / sky_irradiance()),
+            sun: sun.map(|sun| Sun {
+                direction: DVec3::from(sun.toward(gaze)).normalized(),
+                irradiance: irradiance.map(|light| share * light / sun.rise),
+            }),
+        })
+    }
+}
+
+/// Irradiance just below the surface under an even sky whose radiance in the water is 1 before the surface reflects a part of it:
+/// `2π ∫ (1 − R(μ)) μ dμ` over the cone in which the sky is seen.
+fn sky_irradiance() -> f64 {
+    // In μ = μ_c + (1 − μ_c) u², since R begins at the edge of the cone with the root of the distance.
+    let width = 1.0 - CRITICAL_COSINE;
+    let step = |k: usize| {
+        let u = (k as f64 + 0.5) / STEPS as f64;
+        let cosine = CRITICAL_COSINE + width * u * u;
+        (1.0 - fresnel(cosine)) * cosine * 2.0 * width * u
+    };
+    TAU * (0..STEPS).map(step).sum::<f64>() / STEPS as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sea::REFRACTIVE_INDEX;
+
+    #[test]
+    fn an_even_sky_loses_at_the_surface_what_walsh_gives() {
+        // Walsh 1926: the share of diffuse light that a flat surface of index n reflects.
+        let n = REFRACTIVE_INDEX;
+        let (square, fourth) = (n * n, n.powi(4));
+        let reflected = 0.5
+            + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0).powi(2))
+            + square * (square - 1.0).powi(2) / (square + 1.0).powi(3) * ((n - 1.0) / (n + 1.0)).ln()
+            - 2.0 * n.powi(3) * (square + 2.0 * n - 1.0) / ((square + 1.0) * (fourth - 1.0))
+            + 8.0 * fourth * (fourth + 1.0) / ((square + 1.0) * (fourth - 1.0).powi(2)) * n.ln();
+        let above = std::f64::consts::PI / square;
+        assert!((sky_irradiance() / above - (1.0 - reflected)).abs() < 1e-6);
+    }
+}
