@@ -17,7 +17,7 @@ pub struct ChainLight<'a> {
     pub scattered: &'a Rgb<f32>,
 }
 
-/// What was asked for, and how the tracing ended.
+/// What was asked for, and what ended it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
     /// How well the frame had to be known.
