@@ -46,7 +46,7 @@ pub(crate) fn of_content<'py>(py: Python<'py>, content: Content<'static>) -> PyR
         }
         Content::Pair([first, second]) => {
             let (width, height) = first.size();
-            let planes = first.planes().into_iter().chain(second.planes());
+            let planes = first.planes().iter().chain(second.planes());
             let planes: Vec<&[f32]> = planes.map(Plane::data).collect();
             let samples = (0..width * height).flat_map(|i| planes.iter().map(move |plane| plane[i]));
             array(py, samples.collect(), vec![height, width, 6])
