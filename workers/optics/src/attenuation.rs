@@ -5,7 +5,9 @@
 //! subtraction loses several per cent of the scattered share at centimeters. They are plain additions and multiplications
 //! without fused steps: every CPU gives the same bits.
 
-use imaging::vectorized;
+use imaging::{Plane, vectorized};
+
+use crate::range::is_hole;
 
 /// Beyond this `exp(−x)` is 0 in f32 arithmetic.
 pub(crate) const OPAQUE: f32 = 87.0;
@@ -155,9 +157,41 @@ pub(crate) fn spread_light(source: &[f32], range: &[f32], [gain, g, excess]: [f3
     }
 }
 
+/// `1 − exp(−Z / scale_m)` of each pixel: 0 at the camera, 1 far away and where there is no surface.
+#[must_use]
+pub fn faded(range: &Plane<f32>, scale_m: f32) -> Plane<f32> {
+    let mut out = range.clone();
+    let per_m = 1.0 / scale_m;
+    vectorized!(fade(out.data_mut(), per_m));
+    out
+}
+
+#[inline(always)]
+fn fade(range: &mut [f32], per_m: f32) {
+    for z in range {
+        let far = if is_hole(*z) { OPAQUE } else { *z * per_m };
+        *z = one_minus_exp_negative(far);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_far_or_has_no_surface_fades_to_one() {
+        let range = [0.002, 1.0, 4.0, 40.0, 1e6, 0.0, -1.0, f32::NAN, f32::INFINITY];
+        let found = faded(&Plane::new(9, 1, range.to_vec()).unwrap(), 4.0);
+        for (&z, &found) in range.iter().zip(found.data()) {
+            let is_surface = z.is_finite() && z > 0.0;
+            let expected = if is_surface {
+                -(-f64::from(z) / 4.0).exp_m1()
+            } else {
+                1.0
+            };
+            assert!((f64::from(found) - expected).abs() < 3e-7, "{z} m: {found}");
+        }
+    }
 
     #[test]
     fn the_exponential_is_exact_to_three_parts_in_ten_million() {

@@ -5,8 +5,6 @@ use std::borrow::Cow;
 use imaging::{Plane, vectorized};
 use spec::HoleRule;
 
-use crate::attenuation::{OPAQUE, one_minus_exp_negative};
-
 /// The shortest range that is one, in meters: below it, and where it is not finite, the pixel is a hole.
 pub const SHORTEST_M: f64 = 1e-3;
 
@@ -32,23 +30,6 @@ pub(crate) fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Pl
 #[must_use]
 pub fn of_surfaces(range: &Plane<f32>, holes: HoleRule) -> Cow<'_, Plane<f32>> {
     filled(range, holes)
-}
-
-/// `1 − exp(−Z / scale_m)` of each pixel: 0 at the camera, 1 far away and where there is no surface.
-#[must_use]
-pub fn faded(range: &Plane<f32>, scale_m: f32) -> Plane<f32> {
-    let mut out = range.clone();
-    let per_m = 1.0 / scale_m;
-    vectorized!(fade(out.data_mut(), per_m));
-    out
-}
-
-#[inline(always)]
-fn fade(range: &mut [f32], per_m: f32) {
-    for z in range {
-        let far = if is_hole(*z) { OPAQUE } else { *z * per_m };
-        *z = one_minus_exp_negative(far);
-    }
 }
 
 /// The farthest range in meters; none in a frame of holes.

@@ -51,7 +51,7 @@ fn given(range: Vec<f32>) -> Tensor<f32> {
         channels: 1,
         height: SIDE,
         width: SIDE,
-        data: optics::range::faded(&range, style::RANGE_SCALE_M).into_data(),
+        data: optics::attenuation::faded(&range, style::RANGE_SCALE_M).into_data(),
     }
 }
 

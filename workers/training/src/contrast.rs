@@ -42,7 +42,7 @@ pub fn contrast_kept(weights: &Weights, ranges: impl Fn(&Plane<f32>) -> Plane<f3
             scenes::procedural("structure", seed, WIDTH, HEIGHT, lens).expect("a family that is there");
         let range = scene.range.expect("a procedural scene has a range");
         let before = transfer::encode_unit(&scene.radiance);
-        let given = optics::range::faded(&ranges(&range), style::RANGE_SCALE_M);
+        let given = optics::attenuation::faded(&ranges(&range), style::RANGE_SCALE_M);
         let after = network.apply(&before, Some(&given), &mut Scratch::default());
         [NEAR_M, FAR_M].map(|band| sums(&before, &after, &range, &band))
     };

@@ -55,7 +55,7 @@ fn photo(seed: u64) -> (Photo, Plane<f32>) {
     let layers = chain::water_reference(&radiance, &doubled, &water).unwrap();
     let shown = layers.scattered.map(|&light| light as f32);
     let photo = Photo::new(&transfer::encode_rgb8(&shown).0).unwrap();
-    (photo, optics::range::faded(&range, style::RANGE_SCALE_M))
+    (photo, optics::attenuation::faded(&range, style::RANGE_SCALE_M))
 }
 
 /// Least rank correlation of the estimate with the range: 1 is its order, 0 is chance. Thin struts far apart are the

@@ -54,7 +54,7 @@ impl Networks {
         let session = self.session(&model, is_table)?;
         let range = range
             .filter(|_| session.takes_range())
-            .map(|range| optics::range::faded(range, RANGE_SCALE_M));
+            .map(|range| optics::attenuation::faded(range, RANGE_SCALE_M));
         let noise = session
             .takes_noise()
             .then(|| style::noise(frame.seed, frame.index, scattered.size()));

@@ -100,6 +100,14 @@ fn floats(graph: &[u8], name: &str, length: usize) -> Option<impl Iterator<Item 
 
 fn graph(weights: &Weights) -> Vec<u8> {
     let mut graph = Graph::default();
+    context(&mut graph);
+    pixels(&mut graph, weights.takes_range());
+    constants(&mut graph, weights);
+    graph.finish("fathom_style")
+}
+
+/// The context branch, as wide as the picture in the end.
+fn context(graph: &mut Graph) {
     graph.node(
         "AveragePool",
         &["image"],
@@ -110,21 +118,21 @@ fn graph(weights: &Weights) -> Vec<u8> {
             ("ceil_mode", &Attribute::Integer(1)),
         ],
     );
-    convolution(&mut graph, ENTER, ("pooled", "entered"), 1);
+    convolution(graph, ENTER, ("pooled", "entered"), 1);
     graph.node("Relu", &["entered"], "quarter", &[]);
-    convolution(&mut graph, REDUCE, ("quarter", "reduced"), 2);
+    convolution(graph, REDUCE, ("quarter", "reduced"), 2);
     graph.node("Relu", &["reduced"], "context0", &[]);
     for (index, [spread_a, mix_a, spread_b, mix_b]) in BLOCKS.into_iter().enumerate() {
         let name = |what: &str| format!("block{index}.{what}");
         let (before, after) = (format!("context{index}"), format!("context{}", index + 1));
-        convolution(&mut graph, spread_a, (&before, &name("spread_a")), 1);
-        convolution(&mut graph, mix_a, (&name("spread_a"), &name("mix_a")), 1);
+        convolution(graph, spread_a, (&before, &name("spread_a")), 1);
+        convolution(graph, mix_a, (&name("spread_a"), &name("mix_a")), 1);
         graph.node("Relu", &[&name("mix_a")], &name("relu"), &[]);
-        convolution(&mut graph, spread_b, (&name("relu"), &name("spread_b")), 1);
-        convolution(&mut graph, mix_b, (&name("spread_b"), &name("mix_b")), 1);
+        convolution(graph, spread_b, (&name("relu"), &name("spread_b")), 1);
+        convolution(graph, mix_b, (&name("spread_b"), &name("mix_b")), 1);
         graph.node("Add", &[&before, &name("mix_b")], &after, &[]);
     }
-    convolution(&mut graph, LEAVE, ("context2", "left"), 1);
+    convolution(graph, LEAVE, ("context2", "left"), 1);
     graph.node("Shape", &["left"], "left.shape", &[]);
     graph.node("Shape", &["image"], "image.shape", &[]);
     graph.node("Slice", &["left.shape", "zero", "two"], "channels", &[]);
@@ -140,29 +148,31 @@ fn graph(weights: &Weights) -> Vec<u8> {
             ("mode", &Attribute::Text("linear")),
         ],
     );
-    convolution(&mut graph, PIXEL, ("image", "pixel"), 1);
-    if weights.takes_range() {
-        ranged(&mut graph);
+}
+
+/// The branch at full resolution, the color map, and their sum with the context.
+fn pixels(graph: &mut Graph, takes_range: bool) {
+    convolution(graph, PIXEL, ("image", "pixel"), 1);
+    if takes_range {
+        ranged(graph);
     }
-    let (both, sum) = if weights.takes_range() {
+    let (both, sum) = if takes_range {
         ("both.ranged", "sum.ranged")
     } else {
         ("both", "sum")
     };
     graph.node("Add", &["pixel", "resized"], "both", &[]);
-    if weights.takes_range() {
+    if takes_range {
         graph.node("Add", &["both", "pixel.ranged"], both, &[]);
     }
     graph.node("Relu", &[both], "features", &[]);
-    convolution(&mut graph, OUTPUT, ("features", "texture"), 1);
-    convolution(&mut graph, COLOR, ("image", "toned"), 1);
+    convolution(graph, OUTPUT, ("features", "texture"), 1);
+    convolution(graph, COLOR, ("image", "toned"), 1);
     graph.node("Add", &["toned", "texture"], "sum", &[]);
-    if weights.takes_range() {
+    if takes_range {
         graph.node("Add", &["sum", "toned.ranged"], sum, &[]);
     }
     graph.node("Clip", &[sum, "black", "white"], "styled", &[]);
-    constants(&mut graph, weights);
-    graph.finish("fathom_style")
 }
 
 /// What the range adds to the features and to the color map.

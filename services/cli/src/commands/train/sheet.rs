@@ -28,7 +28,7 @@ pub(super) fn draw(photos: &[&Rgb8], network: &Network) -> Result<Rgb8, Failure>
         let scene =
             scenes::procedural("structure", seed, WIDTH, HEIGHT, lens).context("cannot render a scene")?;
         let range = scene.range.as_ref();
-        let range = range.map(|range| optics::range::faded(range, style::RANGE_SCALE_M));
+        let range = range.map(|range| optics::attenuation::faded(range, style::RANGE_SCALE_M));
         let styled = network.apply(
             &transfer::encode_unit(&scene.radiance),
             range.as_ref(),
