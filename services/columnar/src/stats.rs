@@ -24,9 +24,9 @@ pub struct Summary {
 
 /// The shares below the quartiles.
 const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
-/// Bins of one group at most, and of all groups of a column together: some megabytes for each thread.
+/// Bins of one group at most, and of all groups of a column together: their counts stay in a processor's own cache.
 const MOST_BINS: usize = 4096;
-const ALL_BINS: usize = 1 << 18;
+const ALL_BINS: usize = 1 << 15;
 const LEAST_BINS: usize = 64;
 
 /// A group with what is known of its values so far.
