@@ -51,6 +51,17 @@ def until(page, expression, arg=None, timeout=60_000):
     raise TimeoutError(expression)
 
 
+def drag(page, selector, begin, end):
+    """Drags over an element, between shares of its sides."""
+    page.locator(selector).scroll_into_view_if_needed()
+    box = page.locator(selector).bounding_box()
+    at = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in (begin, end)]
+    page.mouse.move(*at[0])
+    page.mouse.down()
+    page.mouse.move(*at[1], steps=5)
+    page.mouse.up()
+
+
 class Service:
     """A `fathom serve` that can be ended and started again at the same address."""
 

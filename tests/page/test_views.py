@@ -7,7 +7,7 @@ import urllib.parse
 import urllib.request
 
 import pytest
-from conftest import AXE, FRAMES, HOSTILE, ROOT, until
+from conftest import AXE, FRAMES, HOSTILE, ROOT, drag, until
 
 VIEWS = ["", "set/reef", "set/reef?overlay=boxes&order=-uiqm&x=alpha&y=uiqm", "image", "jobs", "job", "compose", "waters", "styles",
          "speed", "compare?a=reef&b=reef"]
@@ -70,16 +70,6 @@ def test_a_drag_over_a_histogram_and_a_density_becomes_a_filter(visit):
     until(page, "document.querySelector('canvas.density').getAttribute('aria-label').startsWith('Density:')")
     drag(page, "canvas.density", (0.05, 0.05), (0.95, 0.95))
     until(page, "document.getElementById('filter').value.includes(' and uiqm between')")
-
-
-def drag(page, selector, begin, end):
-    page.locator(selector).scroll_into_view_if_needed()
-    box = page.locator(selector).bounding_box()
-    at = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in (begin, end)]
-    page.mouse.move(*at[0])
-    page.mouse.down()
-    page.mouse.move(*at[1], steps=5)
-    page.mouse.up()
 
 
 def test_an_image_shows_its_layers_numbers_and_hostile_labels_as_text(visit, service):

@@ -4,8 +4,6 @@ import { get } from "./api.js";
 import { h, put } from "./dom.js";
 
 const PAGE = 100;
-// Rows of one question on the way to a page far below.
-const STRIDE = 1000;
 const MOST_PAGES = 80;
 // Browsers lay out no taller elements.
 const TALLEST = 15_000_000;
@@ -16,6 +14,7 @@ export class Grid {
     this.signal = signal;
     this.cell = cell;
     this.cells = new Map();
+    this.onproblem = null;
     this.space = h("ul.cells", { role: "list" });
     this.element = h("div.grid", { role: "region", "aria-label": "Images", tabindex: "0" }, this.space);
     this.element.addEventListener("scroll", () => this.layOut(), { passive: true });
@@ -25,7 +24,7 @@ export class Grid {
     signal.addEventListener("abort", () => watch.disconnect());
   }
 
-  // Shows the images of a question; first is its first page, if it is here already.
+  // Shows the images of a question.
   show(question, total) {
     this.asked?.abort();
     this.asked = new AbortController();
@@ -34,7 +33,6 @@ export class Grid {
     this.question = question;
     this.total = total;
     this.pages = new Map();
-    this.cursors = new Map([[0, undefined]]);
     this.walking = null;
     this.element.scrollTop = 0;
     this.layOut(true);
@@ -54,7 +52,9 @@ export class Grid {
       this.high = Math.round(this.side * 0.66 + 24);
       const rows = Math.ceil(this.total / this.columns);
       this.tall = rows * this.high;
-      this.squeeze = Math.max(1, this.tall / TALLEST);
+      // So that the end of the bar is that of the rows.
+      const view = this.element.clientHeight;
+      this.squeeze = this.tall > TALLEST ? (this.tall - view) / (TALLEST - view) : 1;
       this.space.style.height = `${Math.min(this.tall, TALLEST)}px`;
       this.clear();
     }
@@ -100,7 +100,7 @@ export class Grid {
     put(cell, this.cell(row, at));
   }
 
-  // Asks for the pages in view, one walk at a time; the newest wish wins.
+  // Asks for the pages in view, one at a time; the newest wish wins.
   async want(first, last) {
     this.wish = { first, last };
     if (this.walking) return;
@@ -121,25 +121,11 @@ export class Grid {
   }
 
   async load(page, signal) {
-    let near = page;
-    while (!this.cursors.has(near)) near -= 1;
-    while (near < page) {
-      const isFar = (page - near) * PAGE >= STRIDE;
-      const step = isFar ? STRIDE : PAGE;
-      const answer = await get("/v1/images", { ...this.question, fields: "frame", limit: step, cursor: this.cursors.get(near) }, signal);
-      if (!answer.next_cursor) return this.end(near * PAGE + answer.items.length);
-      near += step / PAGE;
-      this.cursors.set(near, answer.next_cursor);
-      // Somebody scrolled elsewhere.
-      if (page < this.wish.first || page > this.wish.last) return undefined;
-    }
-    const answer = await get("/v1/images", { ...this.question, limit: PAGE, cursor: this.cursors.get(page) }, signal);
+    const answer = await get("/v1/images", { ...this.question, limit: PAGE, offset: page * PAGE }, signal);
     this.pages.set(page, answer.items);
-    if (answer.next_cursor) this.cursors.set(page + 1, answer.next_cursor);
-    else this.end(page * PAGE + answer.items.length);
+    if (!answer.next_cursor) this.end(page * PAGE + answer.items.length);
     if (this.pages.size > MOST_PAGES) this.pages.delete(this.pages.keys().next().value);
     for (const [at, cell] of this.cells) this.fill(at, cell);
-    return undefined;
   }
 
   // There are fewer than was said.

@@ -13,6 +13,7 @@ use tokio::task::JoinHandle;
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
+use crate::metadata::Remembered;
 use crate::mirror::Mirror;
 use crate::row_digests::Side;
 use crate::tables::DATASETS;
@@ -30,6 +31,8 @@ pub struct Catalogue {
     pub(crate) path: PathBuf,
     pub(crate) columns: Columns,
     pub(crate) mirror: Arc<Mirror>,
+    /// What jobs have, for lists of columns.
+    pub(crate) remembered: Remembered,
     pub(crate) readers: SqlitePool,
     pub(crate) reads: AtomicU64,
     pub(crate) damage: Mutex<BTreeSet<String>>,

@@ -12,7 +12,7 @@ use crate::error::CatalogueError;
 use crate::filter::Column;
 use crate::gathering::gather;
 use crate::mirror::{self, FileRow};
-use crate::page::column;
+use crate::named::column;
 use crate::select::Select;
 use crate::versions::Scope;
 

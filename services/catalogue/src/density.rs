@@ -10,7 +10,7 @@ use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::counting::{Asked, check_dataset, number_column};
 use crate::error::CatalogueError;
-use crate::page::double;
+use crate::named::double;
 use crate::select::Select;
 use crate::source::Source;
 

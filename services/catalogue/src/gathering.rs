@@ -7,7 +7,7 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use crate::error::CatalogueError;
 use crate::filter;
-use crate::page::double;
+use crate::named::double;
 use crate::select::Select;
 
 /// The kind of a column of the mirror.

@@ -12,7 +12,7 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::{Column, raised};
 use crate::found;
-use crate::page::{column, double, value};
+use crate::named::{column, double, value};
 
 /// Most columns of one question: beyond it, groups have hardly more than one image each.
 const MOST_COLUMNS: usize = 8;

@@ -31,6 +31,7 @@ mod metadata;
 mod migrations;
 mod mirror;
 mod mirroring;
+mod named;
 mod open;
 mod page;
 mod progress;

@@ -1,5 +1,8 @@
 //! The columns of a dataset, for tables of everything that is known about it.
 
+use std::collections::{BTreeSet, HashMap};
+use std::sync::{Mutex, PoisonError};
+
 use sqlx::sqlite::SqliteConnection;
 
 use crate::catalogue::{Catalogue, within};
@@ -18,7 +21,7 @@ impl Catalogue {
     /// [`CatalogueError`].
     pub async fn columns(&self, dataset: &str) -> Result<Vec<ColumnInfo>, CatalogueError> {
         let mut reader = self.reader().await?;
-        let names = within(names(&mut reader, &self.columns, dataset)).await?;
+        let names = within(names(&mut reader, &self.columns, &self.remembered, dataset)).await?;
         Ok(names
             .into_iter()
             .filter_map(|name| info(&self.columns, name))
@@ -40,6 +43,7 @@ pub fn columns_of_every_image(metrics: &[String]) -> Vec<ColumnInfo> {
 async fn names(
     connection: &mut SqliteConnection,
     columns: &Columns,
+    remembered: &Remembered,
     dataset: &str,
 ) -> Result<Vec<String>, CatalogueError> {
     let labels = distinct(
@@ -50,22 +54,7 @@ async fn names(
            AND (?2 IS NULL OR jobs.id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2))",
     );
     let labels = labels.await?;
-    let subjects = distinct(
-        connection,
-        dataset,
-        "SELECT DISTINCT subject FROM measurements WHERE job_id IN
-             (SELECT id FROM jobs WHERE dataset = ?1 AND id NOT IN (SELECT job_id FROM deletions)
-                 AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2)))",
-    );
-    let subjects = subjects.await?;
-    let kinds = distinct(
-        connection,
-        dataset,
-        "SELECT DISTINCT kind FROM artifacts WHERE job_id IN
-             (SELECT id FROM jobs WHERE dataset = ?1 AND id NOT IN (SELECT job_id FROM deletions)
-                 AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2)))",
-    );
-    let kinds = kinds.await?;
+    let (subjects, kinds) = pictures(connection, remembered, dataset).await?;
     let mut names = columns.names();
     names.extend(labels.into_iter().map(|label| format!("labels.{label}")));
     for subject in subjects.iter().filter(|subject| *subject != "rgb") {
@@ -76,18 +65,113 @@ async fn names(
     Ok(names)
 }
 
+/// Pictures that were measured, and kinds of artifacts.
+type Pictures = (BTreeSet<String>, BTreeSet<String>);
+
+/// What jobs of many images were found to have: all of their rows have to be read for it. The version of a job grows with each of its
+/// images that is stored or goes.
+#[derive(Default)]
+pub(crate) struct Remembered(Mutex<HashMap<String, (i64, Pictures)>>);
+
+impl Remembered {
+    /// Frames of a job that is remembered; the rows of smaller ones are read in a few milliseconds.
+    const LEAST_FRAMES: i64 = 10_000;
+    /// Jobs that are remembered.
+    const MOST: usize = 1000;
+
+    fn get(&self, job: &str, version: i64) -> Option<Pictures> {
+        let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (of_version, pictures) = known.get(job)?;
+        (*of_version == version).then(|| pictures.clone())
+    }
+
+    fn keep(&self, job: String, version: i64, pictures: Pictures) {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() >= Self::MOST {
+            known.clear();
+        }
+        known.insert(job, (version, pictures));
+    }
+}
+
+/// The pictures and kinds of a dataset or a version of it.
+async fn pictures(
+    connection: &mut SqliteConnection,
+    remembered: &Remembered,
+    dataset: &str,
+) -> Result<Pictures, CatalogueError> {
+    let scope = Scope::parse(dataset);
+    let jobs = sqlx::query_as(
+        "SELECT id, version FROM jobs WHERE dataset = ?1 AND frames >= ?3 AND id NOT IN (SELECT job_id FROM deletions)
+            AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2))",
+    );
+    let jobs = jobs
+        .bind(scope.dataset)
+        .bind(scope.version.map(|version| version as i64));
+    let jobs: Vec<(String, i64)> = jobs
+        .bind(Remembered::LEAST_FRAMES)
+        .fetch_all(&mut *connection)
+        .await?;
+    let (mut subjects, mut kinds) = of_small_jobs(connection, dataset).await?;
+    for (job, version) in jobs {
+        let found = match remembered.get(&job, version) {
+            Some(found) => found,
+            None => {
+                let found = of_job(connection, &job).await?;
+                remembered.keep(job, version, found.clone());
+                found
+            }
+        };
+        subjects.extend(found.0);
+        kinds.extend(found.1);
+    }
+    Ok((subjects, kinds))
+}
+
+async fn of_small_jobs(connection: &mut SqliteConnection, dataset: &str) -> Result<Pictures, CatalogueError> {
+    let subjects = distinct(
+        connection,
+        dataset,
+        "SELECT DISTINCT subject FROM measurements WHERE job_id IN
+             (SELECT id FROM jobs WHERE dataset = ?1 AND frames < ?3 AND id NOT IN (SELECT job_id FROM deletions)
+                 AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2)))",
+    );
+    let subjects = subjects.await?;
+    let kinds = distinct(
+        connection,
+        dataset,
+        "SELECT DISTINCT kind FROM artifacts WHERE job_id IN
+             (SELECT id FROM jobs WHERE dataset = ?1 AND frames < ?3 AND id NOT IN (SELECT job_id FROM deletions)
+                 AND (?2 IS NULL OR id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2)))",
+    );
+    Ok((subjects, kinds.await?))
+}
+
+async fn of_job(connection: &mut SqliteConnection, job: &str) -> Result<Pictures, CatalogueError> {
+    let subjects: Vec<String> =
+        sqlx::query_scalar("SELECT DISTINCT subject FROM measurements WHERE job_id = ?")
+            .bind(job)
+            .fetch_all(&mut *connection)
+            .await?;
+    let kinds: Vec<String> = sqlx::query_scalar("SELECT DISTINCT kind FROM artifacts WHERE job_id = ?")
+        .bind(job)
+        .fetch_all(connection)
+        .await?;
+    Ok((subjects.into_iter().collect(), kinds.into_iter().collect()))
+}
+
 /// The names that a statement finds in a dataset or a version of it, in order.
 async fn distinct(
     connection: &mut SqliteConnection,
     dataset: &str,
     sql: &'static str,
-) -> Result<Vec<String>, CatalogueError> {
+) -> Result<BTreeSet<String>, CatalogueError> {
     let scope = Scope::parse(dataset);
     let names = sqlx::query_scalar(sql).bind(scope.dataset);
     let names = names.bind(scope.version.map(|version| version as i64));
-    let mut names: Vec<String> = names.fetch_all(connection).await?;
-    names.sort_unstable();
-    Ok(names)
+    let names = names.bind(Remembered::LEAST_FRAMES);
+    let names: Vec<String> = names.fetch_all(connection).await?;
+    Ok(names.into_iter().collect())
 }
 
 fn info(columns: &Columns, name: String) -> Option<ColumnInfo> {

@@ -13,6 +13,7 @@ use crate::catalogue::Catalogue;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::fill::{add_columns, fill};
+use crate::metadata::Remembered;
 use crate::migrations::migrator;
 use crate::mirror::{self, Mirror};
 use crate::row_digests;
@@ -97,6 +98,7 @@ impl Catalogue {
             path: path.to_owned(),
             columns,
             mirror: Arc::new(Mirror::beside(path)),
+            remembered: Remembered::default(),
             readers,
             reads: AtomicU64::new(0),
             damage: Mutex::default(),

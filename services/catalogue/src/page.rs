@@ -1,37 +1,27 @@
 //! Pages of images: filter, order, fields, and cursors that begin the next page where the last one ended.
 
+mod ranked;
+
 use futures::TryStreamExt;
 use serde_json::{Map, Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
-use sqlx::{Row, TypeInfo, ValueRef};
 
 use crate::about::About;
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::filter::{Bind, Column, FilterError, Kind, raised};
-use crate::found;
+use crate::filter::{Bind, Column, Kind};
+use crate::named::{column, stored, value};
 use crate::reading::{Place, Reader, Wanted};
 use crate::select::Select;
 use crate::types::{ImageQuery, Page};
+use ranked::Ranked;
 
 /// Every column of a dataset with ten enhancements are some hundreds; SQLite returns at most 2000.
 const MOST_FIELDS: usize = 1000;
 /// A page ends with the row that reaches this size, about that of its JSON: a thousand ordinary rows have 2 MB.
 const PAGE_BYTES: usize = 8 << 20;
-
-/// A column by its name, or an error with the nearest one.
-pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueError> {
-    columns.get(name).ok_or_else(|| {
-        let did_you_mean = spec::nearest(name, &columns.names());
-        let unknown = FilterError::new(format!("unknown column `{name}`"));
-        CatalogueError::Filter(FilterError {
-            did_you_mean,
-            ..unknown
-        })
-    })
-}
 
 impl Catalogue {
     /// A page of images: as many as are asked for, or fewer if they are large.
@@ -39,21 +29,39 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError::Filter`] for filter, order or fields; [`CatalogueError::Cursor`]; [`CatalogueError::Timeout`].
     pub async fn images(&self, query: ImageQuery) -> Result<Page<Value>, CatalogueError> {
-        within(images(&mut *self.reader().await?, &self.columns, &query)).await
+        if query.cursor.is_some() && query.offset > 0 {
+            let message = "`offset` and `cursor` both say where a page begins: give one of them".to_owned();
+            return Err(CatalogueError::refused(message));
+        }
+        if let Some(found) = self.ranked(&query).await? {
+            let question = Question::of_rows(&self.columns, &query, &found)?;
+            if found.is_empty() {
+                return Ok(Page::whole(Vec::new()));
+            }
+            let (page, rows) = within(images(&mut *self.reader().await?, &question, &query)).await?;
+            // Else some of them have gone since they were found.
+            if rows == found.len() || page.next_cursor.is_some() {
+                return Ok(page);
+            }
+        }
+        let question = Question::new(&self.columns, &query)?;
+        let (page, _) = within(images(&mut *self.reader().await?, &question, &query)).await?;
+        Ok(page)
     }
 }
 
+/// A page, and how many rows were read for it.
 async fn images(
     connection: &mut SqliteConnection,
-    columns: &Columns,
+    question: &Question,
     query: &ImageQuery,
-) -> Result<Page<Value>, CatalogueError> {
-    let question = Question::new(columns, query)?;
+) -> Result<(Page<Value>, usize), CatalogueError> {
     let mut rows = question.sql.statement().fetch(connection);
-    let (mut items, mut bytes) = (Vec::new(), 0);
+    let (mut items, mut bytes, mut read) = (Vec::new(), 0, 0);
     let mut last = None;
     let mut next_cursor = None;
     while let Some(row) = rows.try_next().await? {
+        read += 1;
         if items.len() == query.limit as usize || bytes >= PAGE_BYTES {
             let places = last.map(|row| question.place(&row));
             next_cursor = places
@@ -66,7 +74,7 @@ async fn images(
         items.push(Value::Object(item));
         last = Some(row);
     }
-    Ok(Page { items, next_cursor })
+    Ok((Page { items, next_cursor }, read))
 }
 
 /// About the length of an item as JSON.
@@ -102,6 +110,36 @@ enum Shown {
 
 impl Question {
     fn new(columns: &Columns, query: &ImageQuery) -> Result<Self, CatalogueError> {
+        let (mut question, order) = Self::unordered(columns, query)?;
+        let sql = &mut question.sql;
+        if let Some(text) = &query.cursor {
+            order.after(sql, &cursor::read(&question.identity, text)?)?;
+        }
+        order.by(sql);
+        sql.push(" LIMIT ? OFFSET ?");
+        sql.bind(Bind::Whole(i64::from(query.limit) + 1));
+        sql.bind(Bind::Whole(i64::try_from(query.offset).unwrap_or(i64::MAX)));
+        Ok(question)
+    }
+
+    /// The same of images that are known to be its rows, and of one behind them.
+    fn of_rows(columns: &Columns, query: &ImageQuery, rows: &[Ranked]) -> Result<Self, CatalogueError> {
+        let (mut question, order) = Self::unordered(columns, query)?;
+        let places = vec!["(?, ?)"; rows.len()].join(", ");
+        let sql = &mut question.sql;
+        sql.push(&format!(
+            " AND (images.job_id, images.frame) IN (VALUES {places})"
+        ));
+        for (job, frame) in rows {
+            sql.bind(Bind::Text(job.to_string()));
+            sql.bind(Bind::Whole(*frame));
+        }
+        order.by(sql);
+        Ok(question)
+    }
+
+    /// All rows of the query, and their order.
+    fn unordered(columns: &Columns, query: &ImageQuery) -> Result<(Self, Order), CatalogueError> {
         let names = if query.fields.is_empty() {
             columns.names()
         } else {
@@ -136,22 +174,15 @@ impl Question {
             }
             selected.push(column);
         }
-        let mut sql = Select::new(columns, &selected, filter, dataset)?;
-        let identity = cursor::question(&[dataset, filter, query.order_by.as_deref()]);
-        if let Some(text) = &query.cursor {
-            order.after(&mut sql, &cursor::read(&identity, text)?)?;
-        }
-        order.by(&mut sql);
-        sql.push(" LIMIT ?");
-        sql.bind(Bind::Whole(i64::from(query.limit) + 1));
-        Ok(Self {
-            sql,
+        let question = Self {
+            sql: Select::new(columns, &selected, filter, dataset)?,
             fields,
             compared,
             reader: wanted.reader(),
             key,
-            identity,
-        })
+            identity: identity(query),
+        };
+        Ok((question, order))
     }
 
     /// A row as an object; what is missing is left out.
@@ -182,6 +213,12 @@ impl Question {
         let key = self.key.map(|at| stored(row, at)).transpose()?;
         Ok(json!([key, stored(row, 0)?, stored(row, 1)?]))
     }
+}
+
+/// What a query's cursors belong to.
+fn identity(query: &ImageQuery) -> String {
+    let parts = [&query.dataset, &query.filter, &query.order_by];
+    cursor::question(&parts.map(|part| part.as_deref()))
 }
 
 /// The order of a page: a column with missing values last, then job and frame.
@@ -257,43 +294,6 @@ impl Order {
         sql.bind(frame);
         sql.push(")");
         Ok(())
-    }
-}
-
-/// A value as it is meant: SQLite has no booleans and no numbers from 2^63 on, and keeps whole numbers of old catalogues
-/// as doubles.
-pub(crate) fn value(row: &SqliteRow, index: usize, kind: Kind) -> Result<Value, CatalogueError> {
-    let stored = stored(row, index)?;
-    Ok(match (kind, stored.as_i64(), stored.as_f64()) {
-        (Kind::Bool, _, Some(number)) => json!(number != 0.0),
-        (Kind::Large, Some(lowered), _) => json!(raised(lowered)),
-        (Kind::Whole, None, Some(number)) => json!(number as i64),
-        _ => stored,
-    })
-}
-
-/// A number as a double, the nearest where it is large.
-pub(crate) fn double(row: &SqliteRow, index: usize, kind: Kind) -> Result<Option<f64>, CatalogueError> {
-    let number = match kind {
-        Kind::Large => {
-            let lowered: Option<i64> = row.try_get_unchecked(index)?;
-            lowered.map(|lowered| raised(lowered) as f64)
-        }
-        _ => row.try_get_unchecked(index)?,
-    };
-    Ok(number)
-}
-
-/// A value as it is stored, of whatever type it has.
-fn stored(row: &SqliteRow, index: usize) -> Result<Value, CatalogueError> {
-    let raw = row.try_get_raw(index)?;
-    if raw.is_null() {
-        return Ok(Value::Null);
-    }
-    match raw.type_info().name() {
-        "INTEGER" => Ok(json!(row.try_get_unchecked::<i64, _>(index)?)),
-        "REAL" => Ok(found::number(row.try_get_unchecked(index)?)),
-        _ => Ok(json!(row.try_get_unchecked::<String, _>(index)?)),
     }
 }
 

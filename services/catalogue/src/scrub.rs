@@ -13,7 +13,7 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::{Column, Kind};
 use crate::found::Found;
-use crate::page::value;
+use crate::named::value;
 use crate::row_digests::intact;
 use crate::tables::TABLES;
 use crate::upkeep::MOST_FINDINGS;

@@ -14,7 +14,7 @@ use crate::columns::Columns;
 use crate::counting::{Asked, check_dataset, number_column, too_many_groups};
 use crate::error::CatalogueError;
 use crate::groups::{GroupColumn, Key, MOST_GROUPS, compare_groups, keys, of_cell};
-use crate::page::double;
+use crate::named::double;
 use crate::select::Select;
 use crate::source::Source;
 use crate::types::GroupStats;

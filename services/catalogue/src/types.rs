@@ -283,6 +283,8 @@ pub struct ImageQuery {
     pub limit: u32,
     /// Where the page before ended.
     pub cursor: Option<String>,
+    /// Rows before the page; not together with a cursor.
+    pub offset: u64,
     /// Columns; empty: all that have a value.
     pub fields: Vec<String>,
 }

@@ -3,7 +3,7 @@
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions, Row};
 
-use super::Question;
+use super::{Question, Ranked};
 use crate::columns::Columns;
 use crate::cursor;
 use crate::fill::add_columns;
@@ -27,7 +27,10 @@ async fn empty() -> SqliteConnection {
 
 /// The steps of the plan, one a line.
 async fn plan(query: &ImageQuery) -> String {
-    let question = Question::new(&columns(), query).unwrap();
+    steps(&Question::new(&columns(), query).unwrap()).await
+}
+
+async fn steps(question: &Question) -> String {
     let sql = format!("EXPLAIN QUERY PLAN {}", question.sql.text);
     let statement = question.sql.bound_to(sqlx::query(AssertSqlSafe(sql)));
     let steps = statement.fetch_all(&mut empty().await).await.unwrap();
@@ -103,6 +106,27 @@ async fn pages_of_everything_follow_the_order_of_jobs_and_frames_without_sorting
         "{next}"
     );
     assert!(!first.contains("TEMP B-TREE") && !next.contains("TEMP B-TREE"));
+}
+
+#[tokio::test]
+async fn images_that_the_mirror_has_found_are_read_one_by_one() {
+    let rows: Vec<Ranked> = (0..101).map(|frame| ("job_1".into(), frame)).collect();
+    for filter in [None, Some("uiqm > 0.8"), Some("water.style = 'muddy'")] {
+        for order_by in [None, Some("-alpha".to_owned()), Some("uiqm".to_owned())] {
+            let query = ImageQuery {
+                order_by,
+                ..of_dataset(filter)
+            };
+            let question = Question::of_rows(&columns(), &query, &rows).unwrap();
+            let plan = steps(&question).await;
+            assert!(
+                plan.contains("(dataset=? AND job_id=? AND frame=?)")
+                    || plan.contains("(job_id=? AND frame=?)"),
+                "{plan}"
+            );
+            assert!(!plan.contains("SCAN images"), "{plan}");
+        }
+    }
 }
 
 #[tokio::test]

@@ -1,6 +1,6 @@
 //! Answers of the mirror are those of the tables, whatever it holds and whatever became of what it held.
 
-use catalogue::{DensityColumns, Source};
+use catalogue::{DensityColumns, ImageQuery, Source};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -189,6 +189,31 @@ impl World {
         (answers, sources)
     }
 
+    /// Pages in several orders, from several ranks on, and where each goes on.
+    async fn pages(&self, filter: &str) -> Vec<Value> {
+        let mut pages = Vec::new();
+        for order in ["", "-alpha", "water.style", "-seed", "hscm.uiqm"] {
+            for offset in [0, 61, 1000] {
+                let mut query = ImageQuery {
+                    dataset: Some("bay".to_owned()),
+                    filter: Some(filter.to_owned()).filter(|filter| !filter.is_empty()),
+                    order_by: Some(order.to_owned()),
+                    limit: 9,
+                    offset,
+                    fields: vec!["job".to_owned(), "frame".to_owned()],
+                    ..ImageQuery::default()
+                };
+                for _ in 0..2 {
+                    let page = self.at.catalogue.images(query.clone()).await.unwrap();
+                    pages.push(json!([order, offset, page.items, page.next_cursor.is_some()]));
+                    let Some(next) = page.next_cursor else { break };
+                    (query.cursor, query.offset) = (Some(next), 0);
+                }
+            }
+        }
+        pages
+    }
+
     /// Asks the same with and without the mirror. Returns how many images were read from it.
     async fn agree(&self, filter: &str) -> u64 {
         let tables = match filter {
@@ -199,6 +224,10 @@ impl World {
         let (expected, alone) = self.answers(&tables).await;
         for (at, (got, expected)) in got.iter().zip(&expected).enumerate() {
             assert_eq!(got, expected, "answer {at} under `{filter}`");
+        }
+        let alone_pages = self.pages(&tables).await;
+        for (got, expected) in self.pages(filter).await.iter().zip(&alone_pages) {
+            assert_eq!(got, expected, "a page under `{filter}`");
         }
         for (source, alone) in sources.iter().zip(&alone) {
             assert_eq!(alone.mirror, 0);

@@ -108,6 +108,7 @@ impl Table {
             order_by: None,
             limit: ROWS_BATCH,
             cursor,
+            offset: 0,
             fields: self.columns.clone(),
         };
         let page = self.catalogue.images(query).await?;

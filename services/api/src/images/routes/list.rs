@@ -27,6 +27,9 @@ pub(crate) struct Parameters {
     limit: Option<u32>,
     /// `next_cursor` of the page before; the other parameters must be the same.
     cursor: Option<String>,
+    /// Rows before the page, in place of a cursor: a jump to any of them.
+    #[param(default = 0)]
+    offset: Option<u64>,
     /// Columns of the answer, separated by commas; absent: all that have a value.
     #[param(example = "job,frame,alpha,uiqm")]
     fields: Option<String>,
@@ -45,6 +48,7 @@ pub(crate) async fn list(
         order_by: asked.order_by,
         limit: bounds::rows(asked.limit)?,
         cursor: asked.cursor,
+        offset: asked.offset.unwrap_or_default(),
         fields: asked.fields.as_deref().map(bounds::names).unwrap_or_default(),
     };
     Ok(Json(catalogue.images(query).await?))

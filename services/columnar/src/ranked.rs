@@ -1,0 +1,324 @@
+//! Rows in the order of a column, then of their job and frame, from any rank on: what a page that lies far below shows.
+//!
+//! A row becomes a key of bits in whose order the rows stand. A pass counts the rows by the first bits in which keys differ, another
+//! one those of the chosen ones by the next bits, until few enough are left to be sorted; then one pass gathers what follows.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use crate::column::{Column, NO_TEXT};
+use crate::error::ColumnarError;
+use crate::parts::{Masked, Question, Rows};
+
+/// The columns of the question that give the order, by their places.
+#[derive(Debug, Clone, Copy)]
+pub struct Order {
+    /// The column that comes first, and whether its largest value does; rows without a value come last.
+    pub by: Option<(usize, bool)>,
+    /// The job, a text.
+    pub job: usize,
+    /// The frame, a whole number.
+    pub frame: usize,
+}
+
+/// Where the rows that are asked for begin.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Start {
+    /// Behind so many rows.
+    Behind(u64),
+    /// Behind a row: its value of the first column, its job and its frame.
+    After(Option<Sorted>, String, i64),
+}
+
+/// A value by which rows are sorted.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sorted {
+    /// Of a column of numbers.
+    Number(f64),
+    /// Of a column of whole numbers, as it is held.
+    Whole(i64),
+    /// Of a column of texts.
+    Text(String),
+}
+
+/// Whether the value is missing, the value, the job, the frame, each as a number in whose order rows stand.
+type Key = [u64; 4];
+
+const FIRST: Key = [0; 4];
+/// Bits by which a pass counts.
+const DIGIT: u32 = 16;
+/// So many keys are sorted at once, 8 MB of them. In tests few rows need every pass.
+const FEW: u64 = if cfg!(test) { 4 } else { 1 << 18 };
+
+/// Jobs and frames of `most` rows.
+///
+/// # Errors
+/// Those of files.
+pub fn ranked(
+    question: &Question<'_>,
+    order: &Order,
+    start: &Start,
+    most: usize,
+) -> Result<Vec<(Arc<str>, i64)>, ColumnarError> {
+    let masked = Masked::new(question)?;
+    let keys = Keys::new(&masked, order)?;
+    let first = match start {
+        Start::Behind(0) => Some(FIRST),
+        Start::Behind(rank) => select(&masked, &keys, *rank)?,
+        Start::After(value, job, frame) => Some(keys.after(value.as_ref(), job, *frame)),
+    };
+    let Some(first) = first else {
+        return Ok(Vec::new());
+    };
+    let found = smallest(&masked, &keys, &first, most)?;
+    let row = |key: &Key| (Arc::clone(&keys.jobs[key[2] as usize]), signed(key[3]));
+    Ok(found.iter().map(row).collect())
+}
+
+/// What makes keys of rows: texts are known by their place among all texts of their column.
+struct Keys {
+    order: Order,
+    jobs: Vec<Arc<str>>,
+    texts: Vec<Arc<str>>,
+}
+
+impl Keys {
+    fn new(masked: &Masked<'_>, order: &Order) -> Result<Self, ColumnarError> {
+        let texts = |place: usize| -> Result<Vec<Arc<str>>, ColumnarError> {
+            let all = masked.pass(BTreeSet::new, |all, rows| {
+                if let Column::Texts { texts, .. } = &*rows.column(place)? {
+                    all.extend(texts.iter().cloned());
+                }
+                Ok(())
+            })?;
+            Ok(all
+                .into_iter()
+                .flatten()
+                .collect::<BTreeSet<_>>()
+                .into_iter()
+                .collect())
+        };
+        Ok(Self {
+            order: *order,
+            jobs: texts(order.job)?,
+            texts: order
+                .by
+                .map_or_else(|| Ok(Vec::new()), |(place, _)| texts(place))?,
+        })
+    }
+
+    /// Calls `each` with the key of every row that counts.
+    fn each(&self, rows: &Rows<'_>, mut each: impl FnMut(Key)) -> Result<(), ColumnarError> {
+        let (jobs, frames) = (rows.column(self.order.job)?, rows.column(self.order.frame)?);
+        let (Column::Texts { codes, texts }, Column::Wholes { values: frames, .. }) = (&*jobs, &*frames)
+        else {
+            return Ok(());
+        };
+        let jobs = places(texts, &self.jobs);
+        let job = |at: usize| jobs.get(usize::from(codes[at])).copied().unwrap_or_default();
+        let tail = |at: usize| (job(at), unsigned(frames[at]));
+        let Some((place, descending)) = self.order.by else {
+            rows.each(frames.len(), |at| each(key(None, false, tail(at))));
+            return Ok(());
+        };
+        let count = frames.len();
+        match &*rows.column(place)? {
+            Column::Missing(_) => rows.each(count, |at| each(key(Some(None), descending, tail(at)))),
+            Column::Numbers(values) => rows.each(count, |at| {
+                let value = (!values[at].is_nan()).then(|| ordered(values[at]));
+                each(key(Some(value), descending, tail(at)));
+            }),
+            Column::Wholes { values, missing, .. } => rows.each(count, |at| {
+                let is_missing = missing.get(at).copied().unwrap_or(false);
+                let value = (!is_missing).then(|| unsigned(values[at]));
+                each(key(Some(value), descending, tail(at)));
+            }),
+            Column::Texts { codes, texts } => {
+                let places = places(texts, &self.texts);
+                rows.each(count, |at| {
+                    let value = (codes[at] != NO_TEXT).then(|| places[usize::from(codes[at])]);
+                    each(key(Some(value), descending, tail(at)));
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The least key that a row behind this one can have. A text that no row has any more stands between its neighbors.
+    fn after(&self, value: Option<&Sorted>, job: &str, frame: i64) -> Key {
+        let place = |text: &str, all: &[Arc<str>]| all.partition_point(|one| **one < *text);
+        let place_of_job = place(job, &self.jobs);
+        let is_job_known = self.jobs.get(place_of_job).is_some_and(|known| **known == *job);
+        let mut tail = (place_of_job as u64, 0);
+        if is_job_known {
+            tail.1 = unsigned(frame).saturating_add(1);
+        }
+        let Some((_, descending)) = self.order.by else {
+            return key(None, false, tail);
+        };
+        let value = value.map(|value| match value {
+            Sorted::Number(number) => ordered(*number),
+            Sorted::Whole(whole) => unsigned(*whole),
+            Sorted::Text(text) => {
+                let place = place(text, &self.texts);
+                if self.texts.get(place).is_none_or(|known| **known != **text) {
+                    // The text at its place is greater: all of its rows follow, or none.
+                    tail = if descending { (u64::MAX, u64::MAX) } else { (0, 0) };
+                }
+                place as u64
+            }
+        });
+        key(Some(value), descending, tail)
+    }
+}
+
+/// A key of a value, if the order asks for one, and of job and frame.
+#[inline]
+fn key(value: Option<Option<u64>>, descending: bool, (job, frame): (u64, u64)) -> Key {
+    let (missing, value) = match value {
+        None => (0, 0),
+        Some(None) => (1, 0),
+        Some(Some(value)) if descending => (0, !value),
+        Some(Some(value)) => (0, value),
+    };
+    [missing, value, job, frame]
+}
+
+/// Places of a part's texts among all.
+fn places(texts: &[Arc<str>], all: &[Arc<str>]) -> Vec<u64> {
+    let place = |text: &Arc<str>| all.binary_search(text).unwrap_or_else(|place| place) as u64;
+    texts.iter().map(place).collect()
+}
+
+/// A whole number with a sign in the order of those without.
+#[inline]
+fn unsigned(whole: i64) -> u64 {
+    (whole ^ i64::MIN) as u64
+}
+
+fn signed(ordered: u64) -> i64 {
+    ordered as i64 ^ i64::MIN
+}
+
+/// A double in the order of whole numbers; the two zeros are the same.
+#[inline]
+fn ordered(number: f64) -> u64 {
+    let bits = (number + 0.0).to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
+/// The key of the row behind so many others, unless there are no more.
+fn select(masked: &Masked<'_>, keys: &Keys, rank: u64) -> Result<Option<Key>, ColumnarError> {
+    let extents = masked.pass(
+        || (0, [u64::MAX; 4], FIRST),
+        |(count, low, high), rows| {
+            keys.each(rows, |key| {
+                *count += 1;
+                *low = key.min(*low);
+                *high = key.max(*high);
+            })
+        },
+    )?;
+    let all = extents.into_iter();
+    let (mut count, mut low, mut high) = all
+        .reduce(|one, other| (one.0 + other.0, one.1.min(other.1), one.2.max(other.2)))
+        .unwrap_or((0, FIRST, FIRST));
+    if rank >= count {
+        return Ok(None);
+    }
+    let mut rank = rank;
+    while count > FEW && low != high {
+        let at = differ(&low, &high);
+        let counts = masked.pass(
+            || vec![0_u64; 1 << DIGIT],
+            |counts, rows| {
+                keys.each(rows, |key| {
+                    if low <= key && key <= high {
+                        counts[digit(&key, at)] += 1;
+                    }
+                })
+            },
+        )?;
+        let of_digit = |digit: usize| counts.iter().map(|counts| counts[digit]).sum::<u64>();
+        let mut chosen = 0;
+        while of_digit(chosen) <= rank {
+            rank -= of_digit(chosen);
+            chosen += 1;
+        }
+        count = of_digit(chosen);
+        (low, high) = with_digit(&low, at, chosen as u64);
+    }
+    let gathered = masked.pass(Vec::new, |gathered, rows| {
+        keys.each(rows, |key| {
+            if low <= key && key <= high {
+                gathered.push(key);
+            }
+        })
+    })?;
+    let mut gathered = gathered.concat();
+    let (_, found, _) = gathered.select_nth_unstable(rank as usize);
+    Ok(Some(*found))
+}
+
+/// The `most` smallest keys from one on, in order.
+fn smallest(masked: &Masked<'_>, keys: &Keys, first: &Key, most: usize) -> Result<Vec<Key>, ColumnarError> {
+    let most = most.max(1);
+    let found = masked.pass(
+        || (Vec::with_capacity(2 * most), [u64::MAX; 4]),
+        |(found, last), rows| {
+            keys.each(rows, |key| {
+                if key < *first || key > *last {
+                    return;
+                }
+                found.push(key);
+                if found.len() == 2 * most {
+                    *last = *found.select_nth_unstable(most - 1).1;
+                    found.truncate(most);
+                }
+            })
+        },
+    )?;
+    let mut found: Vec<Key> = found.into_iter().flat_map(|(found, _)| found).collect();
+    found.sort_unstable();
+    found.truncate(most);
+    Ok(found)
+}
+
+/// The first bit in which two keys differ.
+fn differ(one: &Key, other: &Key) -> u32 {
+    let word = (0..4).find(|&word| one[word] != other[word]).unwrap_or(3);
+    64 * word as u32 + (one[word] ^ other[word]).leading_zeros()
+}
+
+/// The bits of a key from one on; behind the last there are zeros.
+#[inline]
+fn digit(key: &Key, at: u32) -> usize {
+    let (word, bit) = ((at / 64) as usize, at % 64);
+    let next = key.get(word + 1).copied().unwrap_or_default();
+    let pair = u128::from(key[word]) << 64 | u128::from(next);
+    (pair >> (128 - DIGIT - bit)) as usize & ((1 << DIGIT) - 1)
+}
+
+/// The least and the greatest key that begins as this one does and then has a digit.
+fn with_digit(key: &Key, at: u32, digit: u64) -> (Key, Key) {
+    let (mut low, mut high) = (*key, *key);
+    for bit in at..256 {
+        let (word, mask) = ((bit / 64) as usize, 1 << (63 - bit % 64));
+        let is_set = bit - at < DIGIT && digit >> (DIGIT - 1 - (bit - at)) & 1 == 1;
+        let is_open = bit - at >= DIGIT;
+        low[word] = if is_set {
+            low[word] | mask
+        } else {
+            low[word] & !mask
+        };
+        high[word] = if is_set || is_open {
+            high[word] | mask
+        } else {
+            high[word] & !mask
+        };
+    }
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests;
