@@ -26,6 +26,7 @@ use crate::processes::Processes;
 use crate::processes::child::Children;
 use crate::processes::compute::Compute;
 use crate::processes::decoding::Decoding;
+use crate::processes::live::Live;
 use crate::scenes::Scenes;
 use crate::sets::Sets;
 use crate::styles::{AddedStyleError, Styles};
@@ -114,6 +115,8 @@ impl App {
                 limits.uploads + limits.pictures,
                 limits.decoding_mib,
             ),
+            live: (config.workers > 0)
+                .then(|| Live::new(&config.worker_program, &config.data, config.style_options())),
         });
         let waters = Arc::new(Waters::open(Arc::clone(&catalogue), clock.clone()).await?);
         let styles = Styles::open(

@@ -108,7 +108,7 @@ async fn watched(mut child: Child, allowance: Allowance) -> Ended {
 }
 
 /// Waits until a child exceeds its allowance; returns what it exceeded.
-async fn exceeded(id: Option<u32>, allowance: Allowance) -> String {
+pub(crate) async fn exceeded(id: Option<u32>, allowance: Allowance) -> String {
     let looking = async {
         loop {
             tokio::time::sleep(LOOK).await;

@@ -14,6 +14,7 @@ pub mod export;
 mod import;
 mod jobs;
 mod list;
+mod live;
 mod measure;
 mod plan;
 mod query;
@@ -118,6 +119,9 @@ pub(crate) enum Command {
     /// Render a stored frame once more, for the service
     #[command(hide = true)]
     Rerender(rerender::Arguments),
+    /// Render frames that somebody looks at (used by the service)
+    #[command(hide = true)]
+    Live(live::Arguments),
     /// Decode what was uploaded, for the service
     #[command(hide = true)]
     Decode(decode::Arguments),
@@ -130,6 +134,7 @@ impl Command {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
             Self::Rerender(arguments) => rerender::run(&arguments),
+            Self::Live(arguments) => live::run(&arguments),
             Self::CheckStyle(arguments) => check_style::run(&arguments),
             Self::Decode(arguments) => decode::run(&arguments),
             Self::Serve(arguments) => serve::run(arguments, None),

@@ -12,13 +12,15 @@ use crate::jobs::submit::Submission;
 use crate::jobs::wait::Until;
 use crate::limits;
 use crate::openapi::{Bytes, ImageRecord, JobDescription};
+use crate::processes::live::Live;
 
 /// Where direct renders go unless they name a dataset.
 const DATASET: &str = "renders";
 
 /// Render one frame now.
 ///
-/// A job of one frame and high priority, waited for. The answer is the picture itself if `Accept` names an image
+/// A job of one frame and high priority, waited for; a small picture of a procedural scene that leaves nothing behind is
+/// rendered without a job. The answer is the picture itself if `Accept` names an image
 /// type, else the image's record. It leaves nothing behind, unless the description names a dataset or the request has an
 /// `Idempotency-Key`; then `Content-Location` says where the image is. A render that is not ready in time stays, as the job that
 /// `Location` names.
@@ -45,6 +47,15 @@ pub(crate) async fn create(
         return Err(Problem::field("/count", message));
     }
     let is_kept = names_dataset(&body) || submitter.idempotency_key.is_some();
+    let wait = wait.unwrap_or(limits::DEFAULT_RENDER_WAIT);
+    if !is_kept && wait >= Live::LIMIT && wants_picture(&headers) {
+        jobs.check_runtime(&job)?;
+        if let Some(live) = &jobs.processes.live
+            && let Some(drawn) = live.draw(&job).await
+        {
+            return Ok(([(header::CONTENT_TYPE, drawn.media_type)], drawn.bytes).into_response());
+        }
+    }
     let submission = Submission {
         submitter,
         priority: limits::RENDER_PRIORITY,
@@ -52,7 +63,6 @@ pub(crate) async fn create(
         again: true,
     };
     let submitted = jobs.submit(job, submission).await?.job;
-    let wait = wait.unwrap_or(limits::DEFAULT_RENDER_WAIT);
     let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
     let id = row.id.clone();
     let mut response = match row.state {

@@ -1,0 +1,218 @@
+//! Frames that somebody looks at while a value is dragged: rendered by a process that stays, without a job.
+//!
+//! A job of one frame is stored, leased, uploaded, committed and deleted, each step flushed to the disk; that took longer than the
+//! rendering. The process reads a description a line and replies with a line of JSON and the bytes of the picture. Whatever it cannot
+//! do is left to a job, which says why.
+
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::Deserialize;
+use serde_json::json;
+use spec::{Frame, Job};
+use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
+use tokio::process::{Child, ChildStdin, ChildStdout, Command};
+use tokio::sync::{Mutex, OwnedMutexGuard, Semaphore};
+
+use super::child::{Allowance, exceeded};
+
+/// What a frame may take.
+const ALLOWANCE: Allowance = Allowance {
+    time: Duration::from_secs(10),
+    memory_bytes: 2 << 30,
+};
+/// The size of a frame: larger ones are not looked at while they change.
+const MOST_PIXELS: usize = 1 << 20;
+/// Frames in the process or waiting for it: two of a person who drags, and of one beside.
+const PLACES: usize = 4;
+/// A process that was not asked for so long ends.
+const IDLE: Duration = Duration::from_secs(60);
+/// The line before the picture.
+const MOST_HEAD_BYTES: u64 = 4096;
+/// The picture: all pixels with 16 bits and without compression are less.
+const MOST_PICTURE_BYTES: u64 = 8 << 20;
+
+/// The process, started with the first frame.
+pub(crate) struct Live {
+    program: PathBuf,
+    arguments: Vec<PathBuf>,
+    places: Semaphore,
+    running: Arc<Mutex<Option<Running>>>,
+}
+
+/// A picture that is not stored.
+pub(crate) struct Drawn {
+    pub(crate) media_type: &'static str,
+    pub(crate) bytes: Vec<u8>,
+}
+
+struct Running {
+    child: Child,
+    requests: ChildStdin,
+    replies: BufReader<ChildStdout>,
+    /// Frames so far.
+    drawn: u64,
+}
+
+/// The line before a picture.
+#[derive(Deserialize)]
+struct Head {
+    media_type: String,
+    bytes: u64,
+}
+
+impl Live {
+    /// A process of this program over this data folder, with options for styles.
+    pub(crate) fn new(program: &Path, data: &Path, options: Vec<(&'static str, PathBuf)>) -> Self {
+        let given = options
+            .into_iter()
+            .flat_map(|(option, path)| [PathBuf::from(option), path]);
+        Self {
+            program: program.to_owned(),
+            arguments: ["live".into(), "--data".into(), data.to_owned()]
+                .into_iter()
+                .chain(given)
+                .collect(),
+            places: Semaphore::new(PLACES),
+            running: Arc::default(),
+        }
+    }
+
+    /// The time after which a frame is given up.
+    pub(crate) const LIMIT: Duration = ALLOWANCE.time;
+
+    /// The picture of a job's only frame. `None`: a job has to be made of it.
+    pub(crate) async fn draw(&self, job: &Job) -> Option<Drawn> {
+        if !is_small(&job.resolve(0).ok()?) {
+            return None;
+        }
+        let _place = self.places.try_acquire().ok()?;
+        let mut request = json!({"spec": job.canonical()}).to_string();
+        request.push('\n');
+        let held = Arc::clone(&self.running).lock_owned().await;
+        let (program, arguments) = (self.program.clone(), self.arguments.clone());
+        // To its end even if nobody waits any more: the next reply would be that of this frame.
+        let drawing = tokio::spawn(async move { draw(held, &program, &arguments, request.as_bytes()).await });
+        let (drawn, number) = drawing.await.ok().flatten()?;
+        self.end_if_idle(number);
+        Some(drawn)
+    }
+
+    fn end_if_idle(&self, number: u64) {
+        let running = Arc::clone(&self.running);
+        tokio::spawn(async move {
+            tokio::time::sleep(IDLE).await;
+            let mut running = running.lock().await;
+            if running.as_ref().is_some_and(|running| running.drawn == number) {
+                *running = None;
+            }
+        });
+    }
+}
+
+/// Whether a frame needs nothing but its description and is small.
+fn is_small(frame: &Frame) -> bool {
+    let scene = &frame.scene;
+    let pixels = frame.camera.width * frame.camera.height;
+    scene.uploaded_id().is_none() && scene.files().is_none() && pixels <= MOST_PIXELS
+}
+
+/// Draws, and puts the process back if it has replied as it should.
+async fn draw(
+    mut held: OwnedMutexGuard<Option<Running>>,
+    program: &Path,
+    arguments: &[PathBuf],
+    request: &[u8],
+) -> Option<(Drawn, u64)> {
+    let mut running = match held.take() {
+        Some(running) => running,
+        None => start(program, arguments)?,
+    };
+    let id = running.child.id();
+    let drawn = tokio::select! {
+        drawn = running.exchange(request) => drawn,
+        reason = exceeded(id, ALLOWANCE) => {
+            tracing::warn!(reason, "a live frame was given up");
+            None
+        }
+    }?;
+    running.drawn += 1;
+    let number = running.drawn;
+    *held = Some(running);
+    Some((drawn, number))
+}
+
+fn start(program: &Path, arguments: &[PathBuf]) -> Option<Running> {
+    let mut child = Command::new(program)
+        .args(arguments)
+        .env_remove("FATHOM_TOKEN")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .kill_on_drop(true)
+        .spawn()
+        .inspect_err(|error| tracing::error!(%error, "cannot start the process of live frames"))
+        .ok()?;
+    let (requests, replies) = child.stdin.take().zip(child.stdout.take())?;
+    Some(Running {
+        child,
+        requests,
+        replies: BufReader::new(replies),
+        drawn: 0,
+    })
+}
+
+impl Running {
+    async fn exchange(&mut self, request: &[u8]) -> Option<Drawn> {
+        self.requests.write_all(request).await.ok()?;
+        let mut head = Vec::new();
+        let mut line = (&mut self.replies).take(MOST_HEAD_BYTES);
+        line.read_until(b'\n', &mut head).await.ok()?;
+        let head: Head = serde_json::from_slice(&head).ok()?;
+        let known = ["image/png", "image/jpeg", "image/webp"];
+        let media_type = known.into_iter().find(|known| *known == head.media_type)?;
+        let length = (head.bytes <= MOST_PICTURE_BYTES).then_some(head.bytes as usize)?;
+        let mut bytes = vec![0; length];
+        self.replies.read_exact(&mut bytes).await.ok()?;
+        Some(Drawn { media_type, bytes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stand-in for the program, which replies as a script says.
+    async fn drawn(script: &str) -> Option<Vec<u8>> {
+        let arguments = ["-c".into(), PathBuf::from(script)];
+        let held: Arc<Mutex<Option<Running>>> = Arc::default();
+        let first = draw(
+            Arc::clone(&held).lock_owned().await,
+            Path::new("/bin/sh"),
+            &arguments,
+            b"{}\n",
+        )
+        .await;
+        let is_kept = held.lock().await.is_some();
+        assert_eq!(is_kept, first.is_some());
+        first.map(|(drawn, _)| drawn.bytes)
+    }
+
+    #[tokio::test]
+    async fn a_reply_is_believed_as_far_as_it_is_one() {
+        let good = r#"read line; printf '{"media_type":"image/png","bytes":3}\nabc'; read line"#;
+        assert_eq!(drawn(good).await.as_deref(), Some(&b"abc"[..]));
+        for bad in [
+            "read line; exit 1",
+            r#"read line; printf '{"error":"no"}\n'; read line"#,
+            r#"read line; printf '{"media_type":"text/html","bytes":3}\nabc'; read line"#,
+            r#"read line; printf '{"media_type":"image/png","bytes":99999999999}\nabc'; read line"#,
+            r#"read line; printf '{"media_type":"image/png","bytes":30}\nabc'"#,
+            "read line; tr '\\0' x </dev/zero",
+        ] {
+            assert_eq!(drawn(bad).await, None, "{bad}");
+        }
+    }
+}
