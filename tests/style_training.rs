@@ -101,6 +101,36 @@ fn a_photo_becomes_a_style_that_is_usable_at_once_and_the_same_as_the_command_ma
 }
 
 #[test]
+fn a_training_shows_what_it_has_learned_by_now() {
+    let data = tempfile::tempdir().unwrap();
+    let service = Service::start(data.path(), &["--slots", "1"]);
+    let (status, training) = ask(&service, "quay", "5000", &photo());
+    assert_eq!(status, 202, "{training}");
+    let path = format!("/v1/styles/trainings/{}", training["id"].as_str().unwrap());
+    let begun = Instant::now();
+    let mut seen = Vec::new();
+    while seen.len() < 2 {
+        assert!(begun.elapsed() < LIMIT, "no two previews: {seen:?}");
+        let (_, now) = service.get(&path);
+        assert!(
+            ["queued", "running"].contains(&now["state"].as_str().unwrap()),
+            "{now}"
+        );
+        if let Some(drawn) = now["preview_ms"].as_u64().filter(|drawn| !seen.contains(drawn)) {
+            let (status, bytes) = service.get_bytes(&format!("{path}/preview"));
+            assert_eq!(status, 200);
+            let picture = imaging::codec::decode_picture(&bytes).unwrap();
+            assert_eq!((picture.width(), picture.height()), (320, 240));
+            seen.push(drawn);
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert_eq!(service.delete(&path).0, 200);
+    assert_eq!(ended(&service, &training["id"])["state"], "cancelled");
+    assert_eq!(service.get_bytes(&format!("{path}/preview")).0, 404);
+}
+
+#[test]
 fn photos_that_cannot_be_learned_from_are_refused_at_once_and_the_others_taken() {
     let data = tempfile::tempdir().unwrap();
     let service = Service::start(data.path(), &["--slots", "1"]);

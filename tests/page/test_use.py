@@ -1,6 +1,8 @@
 """What a person does: with the keyboard alone, while the service is away, with a token, and dragging."""
 
 import json
+import re
+import urllib.request
 
 from conftest import JOB, Service, until
 
@@ -109,6 +111,53 @@ def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
     page.click("text=Submit")
     until(page, "location.hash.startsWith('#/jobs/job_')")
     until(page, "document.querySelector('.big')?.textContent.includes('done')", timeout=60_000)
+
+
+def test_a_live_frame_has_the_bytes_of_a_job_and_is_none(service):
+    frame = {"scene": {"kind": "procedural", "family": "structure", "seed": 3}, "camera": {"width": 96, "height": 64},
+             "water": {"optics": "jerlov-1C", "range_scale": 0.3}, "alpha": 0.4, "artifacts": ["rgb"], "metrics": [],
+             "encode": {"format": "jpeg", "quality": 82}}
+
+    def picture(job):
+        headers = {"content-type": "application/json", "accept": "image/*"}
+        with urllib.request.urlopen(urllib.request.Request(service.address + "/v1/renders", json.dumps(job).encode(), headers)) as response:
+            return response.headers["content-type"], response.read()
+
+    def attempts():
+        with urllib.request.urlopen(service.address + "/metrics") as response:
+            return re.search(r"^fathom_attempts_total (\d+)", response.read().decode(), re.M)[1]
+
+    before = attempts()
+    live = [picture(frame) for _ in range(3)]
+    assert attempts() == before
+    stored = picture({**frame, "dataset": "beside"})
+    assert attempts() != before
+    assert live == [stored] * 3 and stored[0] == "image/jpeg"
+
+
+def test_a_style_is_seen_while_it_learns(visit, tmp_path):
+    service = Service(str(tmp_path))
+    try:
+        photo = tmp_path / "photo.jpg"
+        frame = {"scene": {"kind": "procedural", "family": "structure", "seed": 5}, "camera": {"width": 320, "height": 240},
+                 "water": {"optics": "jerlov-5C", "range_scale": 0.4}, "artifacts": ["rgb"], "metrics": []}
+        request = urllib.request.Request(service.address + "/v1/renders", json.dumps(frame).encode(),
+                                         {"content-type": "application/json", "accept": "image/*"})
+        photo.write_bytes(urllib.request.urlopen(request).read())
+        page = visit("styles", to=service)
+        page.set_input_files(".drop input[type=file]", photo)
+        page.fill(".drop input[type=text]", "pier")
+        page.fill(".drop input[type=number]", "5000")
+        page.click(".drop button")
+        until(page, "document.querySelector('img.learning')?.naturalWidth > 0", timeout=120_000)
+        first = page.get_attribute("img.learning", "src")
+        until(page, "(first) => document.querySelector('img.learning').src.endsWith(first) === false", arg=first, timeout=120_000)
+        until(page, "document.querySelector('img.learning').naturalWidth === 320")
+        page.click("text=Stop")
+        until(page, "document.querySelector('.drop').textContent.includes('cancelled')")
+        assert page.locator("img.learning").count() == 1
+    finally:
+        service.stop()
 
 
 def test_a_lamp_is_moved_in_the_picture(visit):

@@ -4,7 +4,8 @@ import { list, pause, send } from "./api.js";
 import { curves } from "./chart.js";
 import { h, heading, problemBox, put, same, table } from "./dom.js";
 import { pictureOf, rendered } from "./live.js";
-import { count, number } from "./text.js";
+import { picture } from "./picture.js";
+import { count, number, path } from "./text.js";
 
 const SCENE = { scene: { kind: "procedural", family: "structure", seed: 4 }, camera: { width: 320, height: 205, hfov_deg: 80 } };
 const COLORS = [["r", 0], ["g", 1], ["b", 2]];
@@ -120,13 +121,21 @@ function trainer(route, done) {
 
 async function watch(training, words, route) {
   const points = {};
+  const scene = h("div");
+  let drawn = null;
   for (;;) {
     for (const [loss, value] of Object.entries(training.losses ?? {})) (points[loss] ??= []).push([training.done, value]);
     const lines = Object.entries(points).map(([loss, all], index) => ({ name: loss, color: ["r", "g", "b"][index % 3], points: all }));
     const stop = ["queued", "running"].includes(training.state) && h("button", { type: "button", onclick: () => send(
       `/v1/styles/trainings/${encodeURIComponent(training.id)}`, { method: "DELETE" }).catch(() => {}) }, "Stop");
+    if (training.preview_ms && training.preview_ms !== drawn) {
+      drawn = training.preview_ms;
+      // Another address for each: the picture behind it changes.
+      put(scene, picture(`/v1/styles/trainings/${path(training.id)}/preview?at=${drawn}`, `A scene in ${training.name} after ${training.done} steps`,
+        { class: "learning", width: 320, height: 240 }));
+    }
     put(words, h("p", {}, `${training.name}: ${training.state}, ${number(training.done)} of ${number(training.steps)} steps`,
-      training.error && h("span.bad", {}, ` ${training.error}`)), h("progress", { max: training.steps, "aria-label": "Progress of the training" }), stop,
+      training.error && h("span.bad", {}, ` ${training.error}`)), h("progress", { max: training.steps, "aria-label": "Progress of the training" }), stop, scene,
     lines.some((line) => line.points.length > 1) && curves(lines, { label: `Losses: ${Object.keys(points).join(", ")}`, x: "steps", y: Object.keys(points).join(", ") }));
     words.querySelector("progress").value = training.done;
     if (!["queued", "running"].includes(training.state)) return;

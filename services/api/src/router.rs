@@ -110,6 +110,7 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(waters::routes::water::list))
         .routes(routes!(waters::routes::water::get))
         .routes(routes!(styles::routes::list::list))
+        .routes(routes!(styles::routes::training::preview))
         .routes(routes!(lists::routes::list::list))
         .routes(routes!(lists::routes::get::get))
         .routes(routes!(datasets::routes::dataset::list))

@@ -102,6 +102,12 @@ impl Trainer {
         &self.start
     }
 
+    /// The weights after the newest step.
+    #[must_use]
+    pub fn weights(&self) -> &Weights {
+        &self.weights
+    }
+
     /// Whether all steps are done.
     #[must_use]
     pub fn is_done(&self) -> bool {

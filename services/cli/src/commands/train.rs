@@ -1,6 +1,7 @@
 //! `fathom train`: a style water from a photo.
 
 mod distance;
+mod preview;
 mod product;
 mod progress;
 mod sheet;
@@ -17,6 +18,7 @@ use imaging::{Plane, Rgb8};
 use training::{Photo, Trainer};
 
 use super::styles;
+use preview::Preview;
 use product::Product;
 use progress::TrainingProgress;
 
@@ -62,6 +64,9 @@ pub(crate) struct Arguments {
     /// File that tells the progress as JSON, for the service that asks for the training
     #[arg(long, hide = true)]
     progress: Option<PathBuf>,
+    /// File that shows a scene in the style as it is by now, PNG, for the service that asks for the training
+    #[arg(long, hide = true)]
+    preview: Option<PathBuf>,
 }
 
 /// A photo with its file's digest.
@@ -138,11 +143,14 @@ fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<()
     };
     product.write(&trainer.best(), start, 0)?;
     let mut progress = TrainingProgress::new(steps, arguments.progress.clone())?;
+    let mut preview = Preview::new(arguments.preview.clone())?;
+    preview.draw(trainer.color_transfer())?;
     let mut done = 0;
     while !trainer.is_done() && !stop.load(Ordering::Relaxed) {
         let losses = trainer.step();
         done += 1;
         progress.set(done, &losses)?;
+        preview.draw_at_times(trainer.weights())?;
     }
     progress.finish();
     let best = trainer.best();

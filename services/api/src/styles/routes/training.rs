@@ -1,12 +1,14 @@
 //! `GET /v1/styles/trainings/{id}` and `DELETE` of the same.
 
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use style::Card;
 use utoipa::{IntoParams, ToSchema};
 
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
-use crate::openapi::{Losses, StyleCard};
+use crate::openapi::{Bytes, Losses, StyleCard};
 use crate::styles::Styles;
 use crate::styles::trainings::{Progress, Training};
 
@@ -46,6 +48,8 @@ pub(crate) struct TrainingView {
     /// The losses of the newest steps.
     #[schema(value_type = Option<Losses>)]
     losses: Value,
+    /// When its preview was drawn, Unix time in milliseconds; null: there is none.
+    preview_ms: Option<u64>,
     /// Why there is no style.
     error: Option<String>,
     /// The card of the style, as in the list of styles.
@@ -77,6 +81,7 @@ impl TrainingView {
             seed: order.seed,
             done,
             losses: progress["losses"].clone(),
+            preview_ms: training.previewed_ms(),
             error,
             card,
         }
@@ -106,6 +111,27 @@ pub(crate) async fn get(
     let training = styles.trainings.get(&id)?;
     styles.wait(&training, limit).await;
     Ok(Json(TrainingView::new(&training)))
+}
+
+/// See a scene in the style as it is by now.
+///
+/// It is drawn every few seconds while the training runs; `preview_ms` of the training says when. Only the newest is kept, and none of a
+/// training that has ended.
+#[utoipa::path(get, path = "/v1/styles/trainings/{id}/preview", tag = "styles", operation_id = "get_training_preview",
+    params(("id" = String, Path, description = "`trn_…`")),
+    responses((status = 200, description = "The picture.", body = Bytes, content_type = "image/png")))]
+pub(crate) async fn preview(
+    State(styles): Topic<Styles>,
+    Path(id): Path<String>,
+) -> Result<Response, Problem> {
+    let training = styles.trainings.get(&id)?;
+    let found = styles.processes.compute.run(move || training.preview()).await?;
+    let bytes = found.ok_or_else(|| Problem::not_found(format!("no preview of training `{id}` now")))?;
+    let head = [
+        (header::CONTENT_TYPE, "image/png"),
+        (header::CACHE_CONTROL, "no-store"),
+    ];
+    Ok((head, bytes).into_response())
 }
 
 /// Cancel a training.

@@ -9,10 +9,12 @@ mod process;
 pub(crate) use process::photo_name;
 
 use std::collections::VecDeque;
-use std::path::Path;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use imaging::codec::{announced_pixels, decode_picture};
 use serde_json::Value;
 use style::Card;
 use tempfile::TempDir;
@@ -69,6 +71,25 @@ impl Training {
         serde_json::from_slice(&text).ok()
     }
 
+    /// When the picture changed last, Unix time; `None`: there is none.
+    pub(crate) fn previewed_ms(&self) -> Option<u64> {
+        let changed = std::fs::metadata(self.preview_path()).ok()?.modified().ok()?;
+        let since = changed.duration_since(std::time::UNIX_EPOCH).ok()?;
+        u64::try_from(since.as_millis()).ok()
+    }
+
+    /// A scene in the style as it is by now, PNG. Nothing but a small picture of this form is shown.
+    pub(crate) fn preview(&self) -> Option<Vec<u8>> {
+        let file = std::fs::File::open(self.preview_path()).ok()?;
+        let mut bytes = Vec::new();
+        file.take(PREVIEW_BYTES + 1).read_to_end(&mut bytes).ok()?;
+        is_preview(&bytes).then_some(bytes)
+    }
+
+    fn preview_path(&self) -> PathBuf {
+        self.order.folder.path().join(process::PREVIEW)
+    }
+
     fn is_open(&self) -> bool {
         matches!(self.state(), Progress::Open)
     }
@@ -85,6 +106,20 @@ impl Training {
         }
         self.ended.notify_waiters();
     }
+}
+
+/// Bytes of a preview: its pixels without compression are fewer.
+const PREVIEW_BYTES: u64 = 512 << 10;
+/// Pixels of a preview: what decoding it may take.
+const PREVIEW_PIXELS: usize = 512 * 512;
+
+/// Whether bytes are a PNG that can be decoded and shown.
+fn is_preview(bytes: &[u8]) -> bool {
+    const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+    bytes.len() as u64 <= PREVIEW_BYTES
+        && bytes.starts_with(SIGNATURE)
+        && (1..=PREVIEW_PIXELS).contains(&announced_pixels(bytes))
+        && decode_picture(bytes).is_ok()
 }
 
 /// The trainings of a running service, the oldest first.
@@ -190,5 +225,29 @@ impl Styles {
         training.stop.cancel();
         self.wait(&training, limits::REQUEST).await;
         Ok(training)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use imaging::Rgb8;
+    use imaging::codec::encode_png;
+
+    use super::*;
+
+    #[test]
+    fn nothing_but_a_small_png_is_shown() {
+        let png = |side: usize| {
+            let picture = Rgb8::from_fn(side, side, |x, y| [x as u8, y as u8, 7]);
+            encode_png(&picture.into()).unwrap_or_default()
+        };
+        let good = png(64);
+        assert!(is_preview(&good));
+        assert!(!is_preview(&png(600)), "too many pixels");
+        assert!(!is_preview(&good[..good.len() / 2]), "cut off");
+        assert!(!is_preview(b"<svg onload='alert(1)'/>"), "no PNG");
+        assert!(!is_preview(&[]), "nothing");
+        let long = [good.as_slice(), &vec![0; PREVIEW_BYTES as usize]].concat();
+        assert!(!is_preview(&long), "too many bytes");
     }
 }

@@ -14,6 +14,8 @@ use crate::styles::{NewStyle, Styles};
 
 /// Where the process tells its progress, in the folder of the order.
 pub(super) const PROGRESS: &str = "progress.json";
+/// Where the process shows the style as it is by now.
+pub(super) const PREVIEW: &str = "preview.png";
 const OUT: &str = "out";
 
 /// A picture of 64 Mpx is decoded in a few seconds and takes 1 GiB.
@@ -62,11 +64,12 @@ pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<Card, S
     let out = folder.join(OUT);
     let mut arguments = arguments(order);
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let options: [(&str, OsString); 7] = [
+    let options: [(&str, OsString); 8] = [
         ("--seed", order.seed.to_string().into()),
         ("--steps", order.steps.to_string().into()),
         ("--threads", cores.div_ceil(2).to_string().into()),
         ("--progress", folder.join(PROGRESS).into()),
+        ("--preview", folder.join(PREVIEW).into()),
         ("--out", out.clone().into()),
         ("--licence", order.licence.clone().into()),
         ("--source", order.source.clone().into()),

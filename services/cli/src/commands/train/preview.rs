@@ -1,0 +1,60 @@
+//! A scene in the style as it is by now, so that whoever waits sees it learn.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use cli::exit::Failure;
+use cli::files;
+use imaging::codec;
+use imaging::geometry::Intrinsics;
+use imaging::{Rgb, transfer};
+use style::net::layer::Weights;
+use style::net::{Network, Scratch};
+
+/// Shortest time between two pictures; one takes a few hundredths of it.
+const INTERVAL: Duration = Duration::from_secs(2);
+/// The scene, not used in training.
+const SEED: u64 = 3;
+const WIDTH: usize = 320;
+const HEIGHT: usize = 240;
+
+pub(super) struct Preview {
+    file: Option<PathBuf>,
+    /// In linear light.
+    scene: Rgb<f32>,
+    drawn: Instant,
+}
+
+impl Preview {
+    /// Without a file nothing is drawn.
+    pub(super) fn new(file: Option<PathBuf>) -> Result<Self, Failure> {
+        let lens = Intrinsics::centered(0.6 * WIDTH as f64, WIDTH, HEIGHT);
+        let scene =
+            scenes::procedural("structure", SEED, WIDTH, HEIGHT, lens).context("cannot render a scene")?;
+        Ok(Self {
+            file,
+            scene: scene.radiance,
+            drawn: Instant::now(),
+        })
+    }
+
+    /// Draws if the last picture is old enough. Only weights are read: when it draws changes nothing of the training.
+    pub(super) fn draw_at_times(&mut self, weights: &Weights) -> Result<(), Failure> {
+        if self.drawn.elapsed() < INTERVAL {
+            return Ok(());
+        }
+        self.draw(weights)
+    }
+
+    pub(super) fn draw(&mut self, weights: &Weights) -> Result<(), Failure> {
+        let Some(file) = &self.file else { return Ok(()) };
+        let encoded = transfer::encode_unit(&self.scene);
+        let styled = Network::new(weights).apply(&encoded, None, &mut Scratch::default());
+        let (picture, _) = transfer::encode_rgb8(&optics::style_blend(&self.scene, &styled, 1.0));
+        let bytes = codec::encode_png(&picture.into()).context("cannot encode the preview")?;
+        files::write(file, &bytes)?;
+        self.drawn = Instant::now();
+        Ok(())
+    }
+}
