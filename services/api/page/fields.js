@@ -15,6 +15,7 @@ export const START = {
 const slider = (pointer, low, high, more = {}) => ({ pointer, kind: "number", low, high, ...more });
 const choice = (pointer, list, more = {}) => ({ pointer, kind: "choice", list, ...more });
 
+/** @type {[string, any[]][]} */
 export const GROUPS = [
   ["Water", [
     choice("/water/optics", "/v1/waters", { value: "jerlov-1C", none: "no water" }),

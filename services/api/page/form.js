@@ -9,7 +9,8 @@ import { number } from "./text.js";
 export class Form {
   // changed(isDragging) is called after each change of the document.
   constructor(job, changed) {
-    Object.assign(this, { job, changed });
+    this.job = job;
+    this.changed = changed;
     this.element = h("form.compose-form", { "aria-label": "Fields of the job", onsubmit: (event) => event.preventDefault() });
     this.notes = new Map();
   }
@@ -25,7 +26,8 @@ export class Form {
   // Draws every control anew, as after a change of the JSON.
   draw() {
     const active = document.activeElement;
-    const pointer = active?.closest?.("[data-pointer]")?.dataset.pointer;
+    const holder = /** @type {HTMLElement} */ (active?.closest?.("[data-pointer]"));
+    const pointer = holder?.dataset.pointer;
     const open = new Map([...this.element.querySelectorAll("details")].map((one) => [one.dataset.group, one.open]));
     this.notes.clear();
     const groups = GROUPS.map(([title, fields], index) => h("details.panel", { "data-group": title, open: open.get(title) ?? index !== 1 },

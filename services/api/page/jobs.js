@@ -68,7 +68,7 @@ class Bar {
     const [first, last] = [this.told[0], this.told.at(-1)];
     if (first && last.at - first.at > 400) return (1000 * (last.done - first.done)) / (last.at - first.at);
     if (this.job.started_at && this.job.finished_at) {
-      const seconds = (new Date(this.job.finished_at) - new Date(this.job.started_at)) / 1000;
+      const seconds = (Date.parse(this.job.finished_at) - Date.parse(this.job.started_at)) / 1000;
       return seconds > 0 ? this.job.done / seconds : 0;
     }
     return 0;

@@ -12,7 +12,10 @@ const ORDER = ["rgb", "clean", "direct", "forward_scatter", "backscatter", "scat
 
 export class Layers {
   constructor(route, base, record, about) {
-    Object.assign(this, { route, base, record, about });
+    this.route = route;
+    this.base = base;
+    this.record = record;
+    this.about = about;
     this.files = new Map(record.artifacts.filter((file) => file.media_type !== "application/json").map((file) => [file.kind, file]));
     const rank = (kind) => (ORDER.includes(kind) ? ORDER.indexOf(kind) : ORDER.length);
     const kinds = [...this.files.keys()].sort((a, b) => rank(a) - rank(b));

@@ -8,7 +8,9 @@ const MOST = 2;
 export class Live {
   // shown({bitmap, ms, isFull}) is called for each picture, in order; failed(error) where there is none.
   constructor(signal, shown, failed) {
-    Object.assign(this, { signal, shown, failed });
+    this.signal = signal;
+    this.shown = shown;
+    this.failed = failed;
     this.open = 0;
     this.asked = 0;
     this.newest = 0;

@@ -47,7 +47,8 @@ export function readNpy(data) {
   return { shape, values: new Float32Array(data.slice(10 + length)) };
 }
 
-function ofArray({ shape: [height, width, channels = 1], values }, kind) {
+function ofArray({ shape, values }, kind) {
+  const [height, width, channels = 1] = shape;
   const image = new ImageData(width, height);
   const code = { normals: (v) => 127.5 * (v + 1), transmittance: (v) => 255 * v }[kind] ?? encoded;
   for (let at = 0; at < width * height; at += 1) {
@@ -117,8 +118,7 @@ function ofRange({ width, height, values }) {
     image.data.set(shade(1 - (values[at] - low) / (high - low)), 4 * at);
     image.data[4 * at + 3] = 255;
   }
-  image.legend = `bright ${(low / 1000).toFixed(1)} m, dark ${(high / 1000).toFixed(1)} m, empty: no range`;
-  return image;
+  return Object.assign(image, { legend: `bright ${(low / 1000).toFixed(1)} m, dark ${(high / 1000).toFixed(1)} m, empty: no range` });
 }
 
 const STOPS = [[13, 8, 135], [84, 2, 163], [139, 10, 165], [185, 50, 137], [219, 92, 104], [244, 136, 73], [254, 188, 43], [240, 249, 33]];

@@ -22,7 +22,9 @@ export async function show(root, route) {
 
 class SetView {
   constructor(root, route, name) {
-    Object.assign(this, { root, route, name });
+    this.root = root;
+    this.route = route;
+    this.name = name;
     this.counts = h("p.counts", { role: "status" }, "Loading …");
     this.side = h("div.side");
     this.tools = h("div.row.tools");

@@ -48,7 +48,7 @@ function card(set, jobs, route) {
 
 function rateOf(jobs) {
   const job = jobs.find((one) => one.started_at && one.finished_at && one.done > 1);
-  const seconds = job && (new Date(job.finished_at) - new Date(job.started_at)) / 1000;
+  const seconds = job && (Date.parse(job.finished_at) - Date.parse(job.started_at)) / 1000;
   return seconds > 0 ? job.done / seconds : null;
 }
 

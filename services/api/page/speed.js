@@ -29,7 +29,7 @@ async function figures(place, route) {
     const scene = scenes.includes(route.query.scene) ? route.query.scene : scenes.at(-1);
     const shown = all.filter((row) => row.stage === stage && row.scene === scene && Number(row.error_max) > 0 && Number(row.ms_min) > 0);
     const variants = [...new Set(shown.map((row) => row.variant))];
-    const front = shown.filter((row) => row.pareto === "true").sort((a, b) => a.ms_min - b.ms_min);
+    const front = shown.filter((row) => row.pareto === "true").sort((a, b) => Number(a.ms_min) - Number(b.ms_min));
     const point = (row) => [Number(row.ms_min), Number(row.error_max)];
     const name = (row) => `${row.variant}${row.terms ? ` ${row.terms}` : ""}: ${number(Number(row.ms_min), 3)} ms, error ${number(Number(row.error_max), 2)}`;
     const marks = shown.map((row) => ({ x: Number(row.ms_min), y: Number(row.error_max), name: name(row), strong: row.default === "true",
