@@ -92,6 +92,22 @@ fn lamps(bench: &mut Criterion) {
                 });
             },
         );
+        let joined = |lighting: &Lighting| Lighting {
+            absorption: Some([0.366, 0.099, 0.159]),
+            ..lighting.clone()
+        };
+        for (water, lighting) in [("", joined(&lighting)), (" in patches", joined(&patchy))] {
+            let normals = lamp::normals_of(&range, &lighting.camera);
+            bench.bench_function(&format!("airlight of 4 {name}{water}, multiply scattered"), |b| {
+                b.iter(|| lamp::airlight(black_box(&range), &lighting, 3e-4));
+            });
+            bench.bench_function(
+                &format!("light of 4 {name} on surfaces{water}, multiply scattered"),
+                |b| {
+                    b.iter(|| lamp::irradiance(black_box(&range), &normals, &lighting));
+                },
+            );
+        }
         let normals = lamp::normals_of(&range, &lighting.camera);
         bench.bench_function(&format!("light of 4 {name} on surfaces"), |b| {
             b.iter(|| lamp::irradiance(black_box(&range), &normals, &lighting));

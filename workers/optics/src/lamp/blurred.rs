@@ -1,6 +1,6 @@
 //! The blurred profile of a spot in f32, where loops over it vectorize.
 
-use std::f32::consts::PI;
+use std::f32::consts::FRAC_PI_2;
 
 use super::multiple::{AZIMUTHS, RINGS};
 use crate::elementary::sin_cos;
@@ -19,17 +19,21 @@ const TURN: [f32; AZIMUTHS / 2] = [0.923_879_5, 0.382_683_43];
 /// [`blurred`](super::multiple::blurred) of the profile `offset + slope cos`, by cosine and sine of the angle to the axis.
 #[inline(always)]
 pub(super) fn blurred([slope, offset]: [f32; 2], [cos, sin]: [f32; 2], scale: f32) -> f32 {
+    // As comparisons: `max` would care for NaN, which takes three instructions in place of one.
+    let positive = |v: f32| if v > 0.0 { v } else { 0.0 };
+    let (along, across) = (slope * cos, slope * sin);
     let mut sum = 0.0f32;
     for out in OUT {
         // By half the angle, which stays below π/2.
-        let (half_sin, half_cos) = sin_cos(0.5 * (scale * out).min(PI));
+        let half = scale * (0.5 * out);
+        let (half_sin, half_cos) = sin_cos(if half < FRAC_PI_2 { half } else { FRAC_PI_2 });
         let (sin_ring, cos_ring) = (
             2.0 * half_sin * half_cos,
             (2.0 * half_sin).mul_add(-half_sin, 1.0),
         );
-        let (middle, reach) = ((slope * cos).mul_add(cos_ring, offset), slope * sin * sin_ring);
+        let (middle, reach) = (along.mul_add(cos_ring, offset), across * sin_ring);
         for turn in TURN {
-            sum += reach.mul_add(turn, middle).max(0.0) + reach.mul_add(-turn, middle).max(0.0);
+            sum += positive(reach.mul_add(turn, middle)) + positive(reach.mul_add(-turn, middle));
         }
     }
     sum * (1.0 / (RINGS * AZIMUTHS) as f32)

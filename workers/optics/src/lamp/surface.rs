@@ -7,14 +7,14 @@ use imaging::rays::Rays;
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
-use super::beam::{Beam, Profile};
+use super::beam::Profile;
 use super::{Lamp, Lighting};
 use crate::attenuation::masked;
 use crate::elementary::{HALVINGS, fade};
 use crate::extremes::{brightest, greatest};
 use crate::range::{self, SHORTEST_M};
 use crate::turbidity::{self, RUN};
-use joined::Joined;
+use joined::{Blur, Joined};
 use shade::Shade;
 
 /// A Lambertian surface sends back J/π of what falls on it.
@@ -74,6 +74,9 @@ fn shine_on(
     let mut shades: Vec<Option<Shade>> = (lighting.lamps.iter())
         .map(|lamp| Shade::new(lamp, lighting, (range, normals), rays?))
         .collect();
+    let mut blurs: Vec<Option<Blur>> = (lighting.lamps.iter())
+        .map(|lamp| Blur::new(lamp, lighting, width))
+        .collect();
     let [mut near, mut seen] = [(); 2].map(|()| vec![0.0f32; width]);
     let mut rounding = 0.0f64;
     for y in 0..height {
@@ -85,13 +88,17 @@ fn shine_on(
             radius,
         };
         let mut lost = 0.0;
-        for ((lamp, limit), shade) in sources.iter().zip(&limits).zip(&mut shades) {
+        for (((lamp, limit), shade), blur) in sources.iter().zip(&limits).zip(&mut shades).zip(&mut blurs) {
             if let Some(shade) = shade {
                 shade.look(row);
             }
             if let Some(patches) = &patches {
                 vectorized!(murk_of(patches, y, range.row(y), (row, lamp.place), &mut murk));
             }
+            if let (Some(blur), Some(water)) = (&mut *blur, joined) {
+                blur.look(row, *lamp, water, &murk);
+            }
+            let blur = blur.as_ref().map(Blur::lanes);
             let [red, green, blue] = [&mut red, &mut green, &mut blue].map(|plane| plane.row_mut(y));
             let mut to: [&mut [f32]; 5] = [red, green, blue, &mut near, &mut seen];
             match (joined, shade) {
@@ -100,10 +107,16 @@ fn shine_on(
                     vectorized!(shine::<true>(row, *lamp, &murk, shade.seen(), reborrow(&mut to)))
                 }
                 (Some(water), None) => {
-                    joined::shine_unshaded(row, *lamp, water, &murk, reborrow(&mut to));
+                    joined::shine_unshaded(row, *lamp, water, (&murk, blur), reborrow(&mut to));
                 }
                 (Some(water), Some(shade)) => {
-                    joined::shine_shaded(row, *lamp, water, (&murk, shade.of_row(y)), reborrow(&mut to))
+                    joined::shine_shaded(
+                        row,
+                        *lamp,
+                        water,
+                        (&murk, shade.of_row(y), blur),
+                        reborrow(&mut to),
+                    );
                 }
             }
             lost += limit.within(greatest(&near), greatest(&seen));
@@ -233,7 +246,6 @@ struct Row<'a> {
 /// A lamp in f32.
 #[derive(Clone, Copy)]
 struct Source {
-    is_spot: bool,
     place: [f32; 3],
     profile: Profile,
     intensity: [f32; 3],
@@ -243,7 +255,6 @@ impl Source {
     fn new(lamp: &Lamp) -> Self {
         let single = |values: [f64; 3]| values.map(|v| v as f32);
         Self {
-            is_spot: lamp.beam != Beam::Point,
             place: single(lamp.position_m),
             profile: lamp.beam.single(),
             intensity: single(lamp.intensity),

@@ -94,6 +94,36 @@ fn the_fast_form_stays_within_its_tolerance_of_the_reference() {
     }
 }
 
+/// Spots beside the camera, whose spread light is read between rays and degrees of murkiness.
+#[test]
+fn light_scattered_more_than_once_stays_within_its_tolerance() {
+    let size = (67, 29);
+    let exact_range = range(size.0, size.1);
+    let range = exact_range.map(|&z| z as f32);
+    for (contrast, scale_m) in [(0.3, 0.1), (0.95, 0.7), (0.9, 20.0)] {
+        let spots = cases()[1].1[..2].to_vec();
+        let lighting = Lighting {
+            absorption: Some([0.366, 0.099, 0.159]),
+            ..lighting(spots, size, Some(field(contrast, scale_m, 1)))
+        };
+        let exact = lamp::airlight_reference(&exact_range, &lighting, REFERENCE_NODES);
+        for tolerance in [3e-4, 1e-5] {
+            let fast = lamp::airlight(&range, &lighting, tolerance);
+            let error = worst(&fast.light, &exact);
+            // Of the smaller one the halvings may leave a little more, and say so.
+            assert!(
+                fast.left <= tolerance.max(2e-5),
+                "{contrast}, {scale_m} m: {:e}",
+                fast.left
+            );
+            assert!(
+                error <= fast.left + fast.rounding.min(ROUNDING * peak(&exact)),
+                "{contrast}, {scale_m} m: {error:e}"
+            );
+        }
+    }
+}
+
 #[test]
 fn patches_without_contrast_change_no_bit() {
     let size = (131, 37);

@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 use imaging::vectorized;
 
-use super::integrand::{scattered, spread_at};
+use super::integrand::{SpreadNode, scattered};
 use super::intervals::{Intervals, extreme};
 use super::{Glow, Lanes, RUN};
 use crate::elementary::{angle, sin_cos};
@@ -90,7 +90,11 @@ pub(super) fn sum_up<const SPOT: bool>(lamp: &Glow, to: &Intervals, spacing: f32
 /// The sum of one level, in linear light.
 fn level<const SPOT: bool>(lamp: &Glow, to: &Intervals, level: usize) -> [Lanes; 3] {
     let mut light = [[0.0f32; RUN]; 3];
-    vectorized!(at_nodes::<SPOT>(lamp, to, &LEVELS[level], &mut light));
+    if SPOT {
+        spread_at_nodes(lamp, to, &LEVELS[level], &mut light);
+    } else {
+        vectorized!(at_nodes(lamp, to, &LEVELS[level], &mut light));
+    }
     for (light, gain) in light.iter_mut().zip(lamp.gain) {
         for i in 0..RUN {
             light[i] *= gain * to.scale[i];
@@ -99,23 +103,45 @@ fn level<const SPOT: bool>(lamp: &Glow, to: &Intervals, level: usize) -> [Lanes;
     light
 }
 
+fn spread_at_nodes(lamp: &Glow, to: &Intervals, nodes: &[[f32; 2]], light: &mut [Lanes; 3]) {
+    let (mut spread, mut from, mut angles) = (SpreadNode::dark(), [0.0f32; RUN], [0.0f32; RUN]);
+    vectorized!(starts_of(to, &mut from));
+    for &[place, weight] in nodes {
+        vectorized!(angles_of(to, (place, &from), &mut angles));
+        spread.shine(lamp, to, &angles);
+        for (light, spread) in light.iter_mut().zip(&spread.light) {
+            for i in 0..RUN {
+                light[i] = weight.mul_add(spread[i], light[i]);
+            }
+        }
+    }
+}
+
+/// Where the intervals begin, in β.
 #[inline(always)]
-fn at_nodes<const SPOT: bool>(lamp: &Glow, to: &Intervals, nodes: &[[f32; 2]], light: &mut [Lanes; 3]) {
-    let mut from = [0.0f32; RUN];
+fn starts_of(to: &Intervals, from: &mut Lanes) {
     for i in 0..RUN {
         from[i] = angle(to.sin[i], to.cos[i]) - to.half[i];
     }
+}
+
+#[inline(always)]
+fn angles_of(to: &Intervals, (place, from): (f32, &Lanes), angles: &mut Lanes) {
+    for i in 0..RUN {
+        angles[i] = (2.0 * place).mul_add(to.half[i], from[i]).max(0.0).min(FRAC_PI_2);
+    }
+}
+
+#[inline(always)]
+fn at_nodes(lamp: &Glow, to: &Intervals, nodes: &[[f32; 2]], light: &mut [Lanes; 3]) {
+    let [mut from, mut angles] = [[0.0f32; RUN]; 2];
+    starts_of(to, &mut from);
     let [red, green, blue] = light;
     for &[place, weight] in nodes {
+        angles_of(to, (place, &from), &mut angles);
         for i in 0..RUN {
-            let beta = (2.0 * place).mul_add(to.half[i], from[i]).max(0.0).min(FRAC_PI_2);
-            let at = sin_cos(beta);
-            let [r, g, b] = if SPOT {
-                spread_at(lamp, to, i, at)
-            } else {
-                let ray = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
-                scattered::<false, true>(lamp, ray, at)
-            };
+            let ray = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
+            let [r, g, b] = scattered::<false, true>(lamp, ray, sin_cos(angles[i]));
             red[i] = weight.mul_add(r, red[i]);
             green[i] = weight.mul_add(g, green[i]);
             blue[i] = weight.mul_add(b, blue[i]);

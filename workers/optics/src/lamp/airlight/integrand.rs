@@ -1,8 +1,10 @@
 //! What the quadratures of the glow sum up.
 
+use imaging::vectorized;
+
 use super::intervals::Intervals;
-use super::{Glow, MOST_SWELL};
-use crate::elementary::{HALVINGS, fade};
+use super::{Glow, Lanes, MOST_SWELL, RUN};
+use crate::elementary::{HALVINGS, fade, sin_cos};
 use crate::lamp::blurred::blurred;
 use crate::lamp::multiple::{GLOW_SCALE, SATURATION};
 
@@ -64,9 +66,17 @@ fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
     ]
 }
 
-/// The integrand of what of the light of a spot was spread on its way, at the angle β of this sine and cosine.
+/// What of the light of a spot was spread on its way: as if it shone in all directions, the scale of the kernel of each channel,
+/// and cosine and sine of the angle to its axis.
+pub(super) struct Spread {
+    pub(super) light: [f32; 3],
+    pub(super) scale: [f32; 3],
+    pub(super) turned: [f32; 2],
+}
+
+/// At the angle β of this sine and cosine.
 #[inline(always)]
-pub(super) fn spread_at(lamp: &Glow, to: &Intervals, i: usize, (sin, cos): (f32, f32)) -> [f32; 3] {
+pub(super) fn spread_evenly(lamp: &Glow, to: &Intervals, i: usize, (sin, cos): (f32, f32)) -> Spread {
     let [narrow, growth] = lamp.denominator;
     let cos = cos.max(1e-7);
     let ss = sin * sin;
@@ -80,16 +90,77 @@ pub(super) fn spread_at(lamp: &Glow, to: &Intervals, i: usize, (sin, cos): (f32,
     let aside = across.mul_add(sin_ray, -(along * cos_ray));
     let sin_axis = aside.mul_add(aside, out * out).sqrt();
     let all = swollen(lamp, path);
-    let mut spread = [0.0f32; 3];
+    let mut spread = Spread {
+        light: [0.0; 3],
+        scale: [0.0; 3],
+        turned: [cos_axis, sin_axis],
+    };
     for channel in 0..3 {
         let direct = fade(lamp.attenuation[channel], path) * UNSWOLLEN;
-        let scale = SCALE[1].mul_add(lamp.scattering[channel] * path, SCALE[0]);
-        let profile = blurred(
-            [lamp.profile.slope, lamp.profile.offset],
-            [cos_axis, sin_axis],
-            scale,
-        );
-        spread[channel] = light * profile * (all[channel] - direct).max(0.0);
+        spread.scale[channel] = SCALE[1].mul_add(lamp.scattering[channel] * path, SCALE[0]);
+        spread.light[channel] = light * (all[channel] - direct).max(0.0);
+    }
+    spread
+}
+
+/// What of the light of a spot was spread on its way, on a run of rays at one node of each. First as if the lamp shone in all
+/// directions, then with its blurred profile: in one loop that is too much for the registers, and takes several times as long.
+pub(super) struct SpreadNode {
+    pub(super) light: [Lanes; 3],
+    scale: [Lanes; 3],
+    cos: Lanes,
+    sin: Lanes,
+}
+
+impl SpreadNode {
+    pub(super) fn dark() -> Self {
+        let dark = [0.0; RUN];
+        Self {
+            light: [dark; 3],
+            scale: [dark; 3],
+            cos: dark,
+            sin: dark,
+        }
+    }
+
+    /// The integrand at each ray's angle β.
+    pub(super) fn shine(&mut self, lamp: &Glow, to: &Intervals, angles: &Lanes) {
+        vectorized!(shine_evenly(lamp, to, angles, self));
+        let shape = [lamp.profile.slope, lamp.profile.offset];
+        for channel in 0..3 {
+            vectorized!(shape_light(shape, channel, self));
+        }
+    }
+}
+
+#[inline(always)]
+fn shine_evenly(lamp: &Glow, to: &Intervals, angles: &Lanes, node: &mut SpreadNode) {
+    for i in 0..RUN {
+        let spread = spread_evenly(lamp, to, i, sin_cos(angles[i]));
+        for channel in 0..3 {
+            node.light[channel][i] = spread.light[channel];
+            node.scale[channel][i] = spread.scale[channel];
+        }
+        [node.cos[i], node.sin[i]] = spread.turned;
+    }
+}
+
+#[inline(always)]
+fn shape_light(shape: [f32; 2], channel: usize, node: &mut SpreadNode) {
+    let (light, scale) = (&mut node.light[channel], &node.scale[channel]);
+    for i in 0..RUN {
+        light[i] *= blurred(shape, [node.cos[i], node.sin[i]], scale[i]);
+    }
+}
+
+/// The integrand of what of the light of a spot was spread on its way, at the angle β of this sine and cosine.
+#[inline(always)]
+pub(super) fn spread_at(lamp: &Glow, to: &Intervals, i: usize, at: (f32, f32)) -> [f32; 3] {
+    let Spread { light, scale, turned } = spread_evenly(lamp, to, i, at);
+    let shape = [lamp.profile.slope, lamp.profile.offset];
+    let mut spread = [0.0f32; 3];
+    for channel in 0..3 {
+        spread[channel] = light[channel] * blurred(shape, turned, scale[channel]);
     }
     spread
 }

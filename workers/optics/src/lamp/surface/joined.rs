@@ -5,9 +5,9 @@ use imaging::vectorized;
 use super::shade::RowShade;
 use super::{Row, Source, reborrow};
 use crate::elementary::{HALVINGS, fade, power_0_7};
-use crate::lamp::Lighting;
 use crate::lamp::blurred::blurred;
 use crate::lamp::multiple::{MOST_LOSS, SURFACE_SCALE, WIDEST, loss_factor};
+use crate::lamp::{Lamp, Lighting};
 
 /// Of each channel: b in 1/m; a, the factor of κ b and the most of it in halvings per meter.
 #[derive(Clone, Copy)]
@@ -39,31 +39,99 @@ const SCALE: [f32; 3] = [
 ];
 const FARTHEST: f32 = WIDEST as f32;
 
-/// Adds the light of a lamp to a row.
+/// The blurred profile of a spot on the surfaces of a row. Computed by itself: in the loop over all else of a pixel it is too much for
+/// the registers, and takes six times as long.
+pub(super) struct Blur([Vec<f32>; 3]);
+
+/// Pixels that are computed together.
+const RUN: usize = 64;
+
+/// Where the surfaces of a run lie in the beam: the angle to the axis by cosine and sine, and the scale of the kernel of each channel.
+struct InBeam {
+    cos: [f32; RUN],
+    sin: [f32; RUN],
+    scale: [[f32; RUN]; 3],
+}
+
+impl Blur {
+    /// None of a lamp that shines in all directions, or where light that scatters more than once is not followed.
+    pub(super) fn new(lamp: &Lamp, lighting: &Lighting, width: usize) -> Option<Self> {
+        lighting.absorption?;
+        lamp.is_spot().then(|| Self([(); 3].map(|()| vec![0.0; width])))
+    }
+
+    /// Computes it for a row.
+    pub(super) fn look(&mut self, row: Row<'_>, lamp: Source, water: Joined, murk: &[f32]) {
+        let mut run = InBeam {
+            cos: [0.0; RUN],
+            sin: [0.0; RUN],
+            scale: [[0.0; RUN]; 3],
+        };
+        let shape = [lamp.profile.slope, lamp.profile.offset];
+        for start in (0..murk.len()).step_by(RUN) {
+            let count = RUN.min(murk.len() - start);
+            vectorized!(in_beam(row, lamp, water, (murk, start, count), &mut run));
+            for (channel, lane) in self.0.iter_mut().enumerate() {
+                let lane = &mut lane[start..start + count];
+                vectorized!(blur(shape, &run, channel, lane));
+            }
+        }
+    }
+
+    /// Of the row that was computed last.
+    pub(super) fn lanes(&self) -> [&[f32]; 3] {
+        self.0.each_ref().map(Vec::as_slice)
+    }
+}
+
+#[inline(always)]
+fn blur(shape: [f32; 2], run: &InBeam, channel: usize, lane: &mut [f32]) {
+    for (i, blur) in lane.iter_mut().enumerate().take(RUN) {
+        *blur = blurred(shape, [run.cos[i], run.sin[i]], run.scale[channel][i]);
+    }
+}
+
+#[inline(always)]
+fn in_beam(
+    row: Row<'_>,
+    lamp: Source,
+    water: Joined,
+    (murk, start, count): (&[f32], usize, usize),
+    to: &mut InBeam,
+) {
+    let [x, y, z, ..] = row.places.map(|lane| &lane[start..start + count]);
+    let murk = &murk[start..start + count];
+    let ([px, py, pz], [ax, ay, az]) = (lamp.place, lamp.profile.axis);
+    for i in 0..count.min(RUN) {
+        let (lx, ly, lz) = (px - x[i], py - y[i], pz - z[i]);
+        let distance = lx.mul_add(lx, ly.mul_add(ly, lz * lz)).sqrt().max(row.radius);
+        let inverse = 1.0 / distance;
+        // The cross product keeps the sine accurate near the axis.
+        let (cx, cy, cz) = (ay * lz - az * ly, az * lx - ax * lz, ax * ly - ay * lx);
+        to.cos[i] = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
+        to.sin[i] = cx.mul_add(cx, cy.mul_add(cy, cz * cz)).sqrt() * inverse;
+        for channel in 0..3 {
+            let x = (water.scattering[channel] * (murk[i] * distance)).min(FARTHEST);
+            to.scale[channel][i] = x.mul_add(x.mul_add(SCALE[2], SCALE[1]), SCALE[0]);
+        }
+    }
+}
+
+/// Adds the light of a lamp to a row, of a spot with its blurred profile there.
 pub(super) fn shine_unshaded(
     row: Row<'_>,
     lamp: Source,
     water: Joined,
-    murk: &[f32],
+    (murk, blur): (&[f32], Option<[&[f32]; 3]>),
     mut to: [&mut [f32]; 5],
 ) {
     let open = RowShade::default();
-    if lamp.is_spot {
-        vectorized!(shine::<true, false>(
-            row,
-            lamp,
-            water,
-            (murk, open),
-            reborrow(&mut to)
-        ));
+    if let Some(blur) = blur {
+        let around = (murk, open, blur);
+        vectorized!(shine::<true, false>(row, lamp, water, around, reborrow(&mut to)));
     } else {
-        vectorized!(shine::<false, false>(
-            row,
-            lamp,
-            water,
-            (murk, open),
-            reborrow(&mut to)
-        ));
+        let around = (murk, open, [&[][..]; 3]);
+        vectorized!(shine::<false, false>(row, lamp, water, around, reborrow(&mut to)));
     }
 }
 
@@ -72,12 +140,14 @@ pub(super) fn shine_shaded(
     row: Row<'_>,
     lamp: Source,
     water: Joined,
-    around: (&[f32], RowShade<'_>),
+    (murk, shade, blur): (&[f32], RowShade<'_>, Option<[&[f32]; 3]>),
     mut to: [&mut [f32]; 5],
 ) {
-    if lamp.is_spot {
+    if let Some(blur) = blur {
+        let around = (murk, shade, blur);
         vectorized!(shine::<true, true>(row, lamp, water, around, reborrow(&mut to)));
     } else {
+        let around = (murk, shade, [&[][..]; 3]);
         vectorized!(shine::<false, true>(row, lamp, water, around, reborrow(&mut to)));
     }
 }
@@ -88,7 +158,7 @@ fn shine<const SPOT: bool, const SHADED: bool>(
     row: Row<'_>,
     lamp: Source,
     water: Joined,
-    (murk, shade): (&[f32], RowShade<'_>),
+    (murk, shade, blur): (&[f32], RowShade<'_>, [&[f32]; 3]),
     [red, green, blue, near, seen]: [&mut [f32]; 5],
 ) {
     let width = red.len();
@@ -96,6 +166,7 @@ fn shine<const SPOT: bool, const SHADED: bool>(
     let [nx, ny, nz] = row.normals.map(|lane| &lane[..width]);
     let murk = &murk[..width];
     let cut = |lane: &'_ [f32]| -> usize { if SHADED { lane.len().min(width) } else { 0 } };
+    let blur = blur.map(|lane| if SPOT { &lane[..width] } else { lane });
     let lit = &shade.direct[..cut(shade.direct)];
     let spread = shade.spread.map(|lane| &lane[..cut(lane)]);
     let (near, seen) = (&mut near[..width], &mut seen[..width]);
@@ -110,24 +181,16 @@ fn shine<const SPOT: bool, const SHADED: bool>(
         let fall = facing * shown[i] * (inverse * inverse * inverse);
         let meters = murk[i] * distance;
         let power = power_0_7(meters);
-        let (mut cos, mut sin, mut profile) = (0.0, 0.0, 1.0);
+        let mut profile = 1.0;
         if SPOT {
-            cos = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
-            // The cross product keeps the sine accurate near the axis.
-            let (cx, cy, cz) = (ay * lz - az * ly, az * lx - ax * lz, ax * ly - ay * lx);
-            sin = cx.mul_add(cx, cy.mul_add(cy, cz * cz)).sqrt() * inverse;
+            let cos = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
             profile = slope.mul_add(cos, offset).max(0.0).min(1.0);
         }
         let arriving = |channel: usize| {
             let direct = fade(row.attenuation[channel], meters);
             let lost = (water.loss[channel] * power).min(water.most_loss[channel]);
             let joined = (fade(water.absorption[channel] + lost, meters) - direct).max(0.0);
-            let mut blur = 1.0;
-            if SPOT {
-                let x = (water.scattering[channel] * meters).min(FARTHEST);
-                let scale = x.mul_add(x.mul_add(SCALE[2], SCALE[1]), SCALE[0]);
-                blur = blurred([slope, offset], [cos, sin], scale);
-            }
+            let blur = if SPOT { blur[channel][i] } else { 1.0 };
             if SHADED {
                 return blur.mul_add(joined * spread[channel][i], profile * direct * lit[i]);
             }
