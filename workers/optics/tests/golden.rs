@@ -6,6 +6,8 @@
 
 #[path = "golden/case.rs"]
 mod case;
+#[path = "golden/cut.rs"]
+mod cut;
 #[path = "golden/daylight.rs"]
 mod daylight;
 #[path = "golden/gates.rs"]
