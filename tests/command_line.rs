@@ -145,7 +145,7 @@ fn the_waters_carry_their_source_and_the_styles_their_digest() {
             .all(|w| w["source"].as_str().is_some_and(|s| !s.is_empty()))
     );
     let styles: Value = serde_json::from_slice(&run(&["styles", "--json"]).stdout).expect("JSON");
-    assert_eq!(styles.as_array().map(Vec::len), Some(3));
+    assert_eq!(styles.as_array().map(Vec::len), Some(4));
     assert!(
         styles
             .as_array()

@@ -37,6 +37,7 @@ mod page;
 mod progress;
 mod reading;
 mod recovery;
+mod remembered;
 mod restore;
 mod row_digests;
 mod scenes;

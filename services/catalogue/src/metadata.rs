@@ -1,7 +1,6 @@
 //! The columns of a dataset, for tables of everything that is known about it.
 
-use std::collections::{BTreeSet, HashMap};
-use std::sync::{Mutex, PoisonError};
+use std::collections::BTreeSet;
 
 use sqlx::sqlite::SqliteConnection;
 
@@ -9,6 +8,7 @@ use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::Kind;
+use crate::remembered::{Pictures, Remembered};
 use crate::types::ColumnInfo;
 use crate::versions::Scope;
 
@@ -63,35 +63,6 @@ async fn names(
     }
     names.extend(kinds.into_iter().map(|kind| format!("artifacts.{kind}")));
     Ok(names)
-}
-
-/// Pictures that were measured, and kinds of artifacts.
-type Pictures = (BTreeSet<String>, BTreeSet<String>);
-
-/// What jobs of many images were found to have: all of their rows have to be read for it. The version of a job grows with each of its
-/// images that is stored or goes.
-#[derive(Default)]
-pub(crate) struct Remembered(Mutex<HashMap<String, (i64, Pictures)>>);
-
-impl Remembered {
-    /// Frames of a job that is remembered; the rows of smaller ones are read in a few milliseconds.
-    const LEAST_FRAMES: i64 = 10_000;
-    /// Jobs that are remembered.
-    const MOST: usize = 1000;
-
-    fn get(&self, job: &str, version: i64) -> Option<Pictures> {
-        let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let (of_version, pictures) = known.get(job)?;
-        (*of_version == version).then(|| pictures.clone())
-    }
-
-    fn keep(&self, job: String, version: i64, pictures: Pictures) {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if known.len() >= Self::MOST {
-            known.clear();
-        }
-        known.insert(job, (version, pictures));
-    }
 }
 
 /// The pictures and kinds of a dataset or a version of it.

@@ -13,9 +13,9 @@ use crate::catalogue::Catalogue;
 use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::fill::{add_columns, fill};
-use crate::metadata::Remembered;
 use crate::migrations::migrator;
 use crate::mirror::{self, Mirror};
+use crate::remembered::Remembered;
 use crate::row_digests;
 use crate::writer::Writer;
 

@@ -46,7 +46,7 @@ fn of_channel(radiance: &Plane<f64>, range: &Plane<f64>, (a, b, focal): (f64, f6
     let node = |k: usize| (low + high) / 2.0 + (high - low) / 2.0 * angle(k).cos();
     // Barycentric weights of Chebyshev nodes.
     let weight = |k: usize| {
-        if k % 2 == 0 {
+        if k.is_multiple_of(2) {
             angle(k).sin()
         } else {
             -angle(k).sin()

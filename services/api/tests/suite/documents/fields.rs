@@ -63,7 +63,8 @@ fn compare(document: &Value, place: &str, shape: &Shape, schema: &Value) -> usiz
                     document,
                     schema["oneOf"].as_array().unwrap().iter().find(is_it).unwrap(),
                 );
-                let is_usual = *presence == Presence::Default("\"png\"") && option.name == "png";
+                let usual = format!("\"{}\"", option.name);
+                let is_usual = matches!(presence, Presence::Default(name) if *name == usual);
                 let mut inside = schema.clone();
                 inside["properties"]
                     .as_object_mut()
