@@ -88,8 +88,7 @@ def frame(line, folder, known):
     assert {kind: digest(data) for kind, data in stored.items()} == {kind: entry["digest"] for kind, entry in files.items()}
     rest = {key: record.get(key) for key in ("counts", "warnings", "scene")} | {"inputs": record["provenance"]["inputs"]}
     rest["artifacts"] = {kind: [entry["bytes"], entry["media_type"]] for kind, entry in files.items()}
-    # Every record has the time of the truth, 0 where it is not asked for; the reference data have none.
-    rest["timings"] = sorted(name for name in record["timings_ms"] if name != "truth")
+    rest["timings"] = sorted(record["timings_ms"])
     kinds = sorted(stored)
     details = {"parameters": record["parameters"], "optics": record["optics"], "plan": record["plan"], "measured": record["measurements"], "rest": rest,
                "files": {kind: files[kind]["digest"] for kind in kinds}}

@@ -132,7 +132,11 @@ impl Slot {
 
         let mut layers = watch.time("water", || water::run(&shot, &mut self.kernels))?;
         glow::run(&shot, &mut layers, &mut record);
-        let traced = watch.time("truth", || truth::run(&shot, &layers, &mut record))?;
+        let traced = if truth::is_asked(&shot) {
+            watch.time("truth", || truth::run(&shot, &layers, &mut record))?
+        } else {
+            None
+        };
         let snow = watch.time("snow", || snow::run(&shot, &mut layers, &mut record));
         let taken = self.take(&mut shot, &layers, &mut record, &mut watch)?;
         let shot = &shot;

@@ -1,4 +1,4 @@
-//! Frames that somebody looks at while a value is dragged: rendered by a process that stays, without a job.
+//! Preview frames while a value is dragged: rendered without a job, by a process that keeps running.
 //!
 //! A job of one frame is stored, leased, uploaded, committed and deleted, each step flushed to the disk; that took longer than the
 //! rendering. The process reads a description a line and replies with a line of JSON and the bytes of the picture. Whatever it cannot

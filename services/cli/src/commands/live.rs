@@ -1,4 +1,4 @@
-//! `fathom live`: renders one frame after the other, for the service, while somebody looks at them.
+//! `fathom live`: renders preview frames for the service, one after another.
 
 use std::io::{BufRead, Write};
 use std::path::PathBuf;

@@ -119,7 +119,7 @@ pub(crate) enum Command {
     /// Render a stored frame once more, for the service
     #[command(hide = true)]
     Rerender(rerender::Arguments),
-    /// Render frames that somebody looks at (used by the service)
+    /// Render preview frames (used by the service)
     #[command(hide = true)]
     Live(live::Arguments),
     /// Decode what was uploaded, for the service

@@ -143,14 +143,18 @@ fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<()
     };
     product.write(&trainer.best(), start, 0)?;
     let mut progress = TrainingProgress::new(steps, arguments.progress.clone())?;
-    let mut preview = Preview::new(arguments.preview.clone())?;
-    preview.draw(trainer.color_transfer())?;
+    let mut preview = arguments.preview.clone().map(Preview::new).transpose()?;
+    if let Some(preview) = &mut preview {
+        preview.draw(trainer.color_transfer())?;
+    }
     let mut done = 0;
     while !trainer.is_done() && !stop.load(Ordering::Relaxed) {
         let losses = trainer.step();
         done += 1;
         progress.set(done, &losses)?;
-        preview.draw_at_times(trainer.weights())?;
+        if let Some(preview) = &mut preview {
+            preview.draw_at_times(trainer.weights())?;
+        }
     }
     progress.finish();
     let best = trainer.best();

@@ -39,16 +39,18 @@ pub struct Traced {
 /// One round: some samples of every pixel of a scene, row by row; none where it will not go on.
 pub type Round<'r> = &'r mut dyn FnMut(&Shutter, &Scene<'_>, &Range<u64>) -> Option<Vec<Pixel>>;
 
-/// Traces a frame, where an artifact asks for it and the scene has a range. `layers` are the chain's with its glow, before snow.
+/// Whether an artifact asks for it and the scene has a range.
+pub(crate) fn is_asked(shot: &Shot<'_>) -> bool {
+    shot.frame.is_traced() && shot.prepared.scene.range.is_some()
+}
+
+/// Traces a frame. `layers` are the chain's with its glow, before snow.
 pub(crate) fn run(
     shot: &Shot<'_>,
     layers: &Layers,
     record: &mut FrameRecord,
 ) -> Result<Option<Traced>, RenderError> {
     let frame = shot.frame;
-    if !frame.is_traced() || shot.prepared.scene.range.is_none() {
-        return Ok(None);
-    }
     let (asked, most) = (frame.truth.unwrap_or_default(), most_paths(shot)?);
     let tracing = Tracing {
         goal: Goal {

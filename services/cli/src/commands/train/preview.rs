@@ -8,7 +8,7 @@ use cli::exit::Failure;
 use cli::files;
 use imaging::codec;
 use imaging::geometry::Intrinsics;
-use imaging::{Rgb, transfer};
+use imaging::{Plane, Rgb, transfer};
 use style::net::layer::Weights;
 use style::net::{Network, Scratch};
 
@@ -20,21 +20,23 @@ const WIDTH: usize = 320;
 const HEIGHT: usize = 240;
 
 pub(super) struct Preview {
-    file: Option<PathBuf>,
+    file: PathBuf,
     /// In linear light.
     scene: Rgb<f32>,
+    /// As networks that take the range have it.
+    range: Option<Plane<f32>>,
     drawn: Instant,
 }
 
 impl Preview {
-    /// Without a file nothing is drawn.
-    pub(super) fn new(file: Option<PathBuf>) -> Result<Self, Failure> {
+    pub(super) fn new(file: PathBuf) -> Result<Self, Failure> {
         let lens = Intrinsics::centered(0.6 * WIDTH as f64, WIDTH, HEIGHT);
         let scene =
             scenes::procedural("structure", SEED, WIDTH, HEIGHT, lens).context("cannot render a scene")?;
         Ok(Self {
             file,
             scene: scene.radiance,
+            range: (scene.range).map(|range| optics::attenuation::faded(&range, style::RANGE_SCALE_M)),
             drawn: Instant::now(),
         })
     }
@@ -48,12 +50,11 @@ impl Preview {
     }
 
     pub(super) fn draw(&mut self, weights: &Weights) -> Result<(), Failure> {
-        let Some(file) = &self.file else { return Ok(()) };
         let encoded = transfer::encode_unit(&self.scene);
-        let styled = Network::new(weights).apply(&encoded, None, &mut Scratch::default());
+        let styled = Network::new(weights).apply(&encoded, self.range.as_ref(), &mut Scratch::default());
         let (picture, _) = transfer::encode_rgb8(&optics::style_blend(&self.scene, &styled, 1.0));
         let bytes = codec::encode_png(&picture.into()).context("cannot encode the preview")?;
-        files::write(file, &bytes)?;
+        files::write(&self.file, &bytes)?;
         self.drawn = Instant::now();
         Ok(())
     }
