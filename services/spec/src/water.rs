@@ -36,7 +36,7 @@ pub struct Water {
     pub sediment: Option<Sediment>,
     /// network, color table, or what the tolerance allows; absent: `net`
     pub style_tier: Option<StyleTier>,
-    /// what becomes of light of lamps that is scattered more than once; absent: `none`
+    /// what becomes of light of lamps that is scattered more than once; absent: `quasi_single`
     pub multiple: Option<Multiple>,
     /// how the water scatters in the artifact `truth`, and nowhere else; absent: `ff`
     pub phase: Option<Phase>,

@@ -256,7 +256,7 @@ impl Checks {
             let reason = "`multiple` \"quasi_single\" follows light by a and b apart";
             self.missing("scattering_per_m", reason);
         }
-        request.lamps.then(|| asked.unwrap_or(Multiple::None))
+        request.lamps.then(|| asked.unwrap_or(Multiple::QuasiSingle))
     }
 
     /// exp(−K_d h) where depth and K_d are known; an error where ambient light asks for it and they are not.
