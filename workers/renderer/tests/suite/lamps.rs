@@ -57,7 +57,9 @@ fn a_lamp_aimed_away_and_a_scene_without_range_are_said_in_the_record() {
     let files = Files::new();
     let mut away = spot(json!([0, 0, -1]));
     away["position_m"] = json!([0.0, 0.0, -0.5]);
-    let fields = json!({"water": {"optics": "jerlov-3C"}, "lights": [away.clone()]});
+    // Of light that scatters more than once some arrives wherever a lamp is aimed.
+    let water = json!({"optics": "jerlov-3C", "multiple": "none"});
+    let fields = json!({"water": water, "lights": [away.clone()]});
     assert_eq!(
         render(&files.job(&fields)).record.warnings,
         ["no lamp lights anything in view"]
