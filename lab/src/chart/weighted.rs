@@ -2,7 +2,8 @@
 //! They differ from what is shipped only in the weights and the functions.
 
 use imaging::Plane;
-use imaging::dct::{Complex, Folding, PairDct};
+use imaging::dct::{Folding, PairDct};
+use imaging::fft::Complex;
 use optics::kernel::Transfer;
 
 /// A copy: its transfer function on the grid of the frame, column-major, and its weight at a kernel scale.

@@ -5,7 +5,7 @@
 //! an even kernel becomes a product, without wrap-around and without padding.
 //!
 //! Each pass is a complex FFT of the same length (Makhoul 1980, "A fast cosine transform in one and two dimensions") that
-//! carries two real lines at once. [`Dct2`] is the plain form in either precision, [`PairDct`] the fast one.
+//! carries two real lines at once. [`Dct2`] is the plain form in f64, [`PairDct`] the fast one in f32.
 
 mod folding;
 mod group;
@@ -13,37 +13,32 @@ mod pair;
 
 pub use folding::Folding;
 pub use pair::PairDct;
-pub use rustfft::num_complex::Complex;
-
-use std::sync::Arc;
-
-use rustfft::{Fft, FftNum, FftPlanner};
 
 use crate::cancel;
+use crate::fft::{self, Complex, Ffts};
 
 /// Columns that a vertical pass gathers together: 16 f32 fill a cache line.
 const COLUMNS: usize = 16;
 
-/// The transforms of one frame size, with their buffers. f64 for references, f32 for speed.
-pub struct Dct2<T: FftNum> {
+/// The transforms of one frame size, with their buffers.
+pub struct Dct2 {
     width: usize,
     height: usize,
-    rows: Lines<T>,
-    columns: Lines<T>,
-    block: Vec<T>,
+    rows: Lines,
+    columns: Lines,
+    block: Vec<f64>,
 }
 
-impl<T: FftNum> Dct2<T> {
+impl Dct2 {
     /// Plans the transforms of planes of `width × height`.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
-        let mut planner = FftPlanner::new();
         Self {
             width,
             height,
-            rows: Lines::new(&mut planner, width),
-            columns: Lines::new(&mut planner, height),
-            block: vec![T::zero(); height * COLUMNS],
+            rows: Lines::new(width),
+            columns: Lines::new(height),
+            block: vec![0.0; height * COLUMNS],
         }
     }
 
@@ -57,7 +52,7 @@ impl<T: FftNum> Dct2<T> {
     ///
     /// # Panics
     /// When the plane is of another size.
-    pub fn forward(&mut self, plane: &mut [T]) {
+    pub fn forward(&mut self, plane: &mut [f64]) {
         self.both_axes(plane, Lines::forward);
     }
 
@@ -65,11 +60,11 @@ impl<T: FftNum> Dct2<T> {
     ///
     /// # Panics
     /// When the plane is of another size.
-    pub fn inverse(&mut self, plane: &mut [T]) {
+    pub fn inverse(&mut self, plane: &mut [f64]) {
         self.both_axes(plane, Lines::inverse);
     }
 
-    fn both_axes(&mut self, plane: &mut [T], pass: fn(&mut Lines<T>, &mut [T], &mut [T])) {
+    fn both_axes(&mut self, plane: &mut [f64], pass: fn(&mut Lines, &mut [f64], &mut [f64])) {
         assert_eq!(
             plane.len(),
             self.width * self.height,
@@ -107,34 +102,28 @@ impl<T: FftNum> Dct2<T> {
 }
 
 /// Transforms of lines of one length, two at a time; the second may be empty.
-struct Lines<T: FftNum> {
+struct Lines {
     length: usize,
-    forward: Arc<dyn Fft<T>>,
-    inverse: Arc<dyn Fft<T>>,
+    ffts: Ffts<f64>,
     /// `exp(-iπk/2N)`.
-    twiddles: Vec<Complex<T>>,
-    buffer: Vec<Complex<T>>,
-    scratch: Vec<Complex<T>>,
+    twiddles: Vec<Complex<f64>>,
+    buffer: Vec<Complex<f64>>,
+    scratch: Vec<Complex<f64>>,
 }
 
-impl<T: FftNum> Lines<T> {
-    fn new(planner: &mut FftPlanner<T>, length: usize) -> Self {
-        let forward = planner.plan_fft_forward(length);
-        let inverse = planner.plan_fft_inverse(length);
-        let scratch = forward
-            .get_inplace_scratch_len()
-            .max(inverse.get_inplace_scratch_len());
+impl Lines {
+    fn new(length: usize) -> Self {
+        let ffts = fft::double(length);
         let twiddle = |k: usize| {
             let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
-            Complex::new(real(angle.cos()), real(angle.sin()))
+            Complex::new(angle.cos(), angle.sin())
         };
         Self {
             length,
-            forward,
-            inverse,
             twiddles: (0..length).map(twiddle).collect(),
-            buffer: vec![Complex::new(T::zero(), T::zero()); length],
-            scratch: vec![Complex::new(T::zero(), T::zero()); scratch],
+            buffer: vec![Complex::default(); length],
+            scratch: vec![Complex::default(); ffts.scratch],
+            ffts,
         }
     }
 
@@ -147,45 +136,46 @@ impl<T: FftNum> Lines<T> {
         }
     }
 
-    fn forward(&mut self, first: &mut [T], second: &mut [T]) {
+    fn forward(&mut self, first: &mut [f64], second: &mut [f64]) {
         for index in 0..self.length {
             let place = self.place(index);
-            self.buffer[place] = Complex::new(first[index], second.get(index).copied().unwrap_or(T::zero()));
+            self.buffer[place] = Complex::new(first[index], second.get(index).copied().unwrap_or(0.0));
         }
-        self.forward
+        self.ffts
+            .forward
             .process_with_scratch(&mut self.buffer, &mut self.scratch);
-        let half: T = real(0.5);
         for k in 0..self.length {
             let here = self.buffer[k];
             let mirrored = self.buffer[if k == 0 { 0 } else { self.length - k }].conj();
             let one = here + mirrored;
             let two = here - mirrored;
             let twiddle = self.twiddles[k];
-            first[k] = half * (one.re * twiddle.re - one.im * twiddle.im);
+            first[k] = 0.5 * (one.re * twiddle.re - one.im * twiddle.im);
             if let Some(sample) = second.get_mut(k) {
                 // two = 2i V: its real part after division by 2i is im/2, its imaginary part -re/2.
-                *sample = half * (two.im * twiddle.re + two.re * twiddle.im);
+                *sample = 0.5 * (two.im * twiddle.re + two.re * twiddle.im);
             }
         }
     }
 
-    fn inverse(&mut self, first: &mut [T], second: &mut [T]) {
-        let scale: T = real(1.0 / self.length as f64);
+    fn inverse(&mut self, first: &mut [f64], second: &mut [f64]) {
+        let scale = 1.0 / self.length as f64;
         for k in 0..self.length {
             let back = self.twiddles[k].conj() * scale;
-            let pair = |line: &[T]| {
-                let mirrored = if k == 0 { T::zero() } else { line[self.length - k] };
+            let pair = |line: &[f64]| {
+                let mirrored = if k == 0 { 0.0 } else { line[self.length - k] };
                 Complex::new(line[k], -mirrored) * back
             };
             let one = pair(first);
             let two = if second.is_empty() {
-                Complex::new(T::zero(), T::zero())
+                Complex::default()
             } else {
                 pair(second)
             };
             self.buffer[k] = Complex::new(one.re - two.im, one.im + two.re);
         }
-        self.inverse
+        self.ffts
+            .inverse
             .process_with_scratch(&mut self.buffer, &mut self.scratch);
         for index in 0..self.length {
             let place = self.place(index);
@@ -195,10 +185,6 @@ impl<T: FftNum> Lines<T> {
             }
         }
     }
-}
-
-fn real<T: FftNum>(value: f64) -> T {
-    T::from_f64(value).expect("f32 and f64 hold every f64, rounded")
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ pub mod cancel;
 pub mod codec;
 pub mod dct;
 pub mod digest;
+pub mod fft;
 pub mod geometry;
 pub mod lab;
 mod plane;

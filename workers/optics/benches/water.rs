@@ -3,7 +3,8 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use imaging::dct::{Complex, PairDct};
+use imaging::dct::PairDct;
+use imaging::fft::Complex;
 use imaging::{Plane, Rgb};
 use optics::forward_scatter::KernelCache;
 use optics::kernel::Transfer;

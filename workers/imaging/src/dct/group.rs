@@ -1,6 +1,6 @@
 //! Columns of a plane in groups that a fast transform works on together.
 
-use rustfft::num_complex::Complex;
+use crate::fft::Complex;
 
 /// Columns that are transformed together, and as many mirrored ones: eight complex numbers are a cache line.
 pub(super) const TILE: usize = 16;

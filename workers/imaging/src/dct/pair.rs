@@ -4,12 +4,9 @@
 //! [`Folding`]. Rows and columns of coefficients are passed on one by one while they are in the nearest
 //! cache: a plane of a frame does not fit there, and writing it out and reading it again would take longer than the FFT.
 
-use std::sync::Arc;
-
 use super::group::{Group, TILE};
+use crate::fft::{self, Complex, Ffts};
 use crate::{cancel, vectorized};
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
 /// Transforms of pairs of f32 planes of one size. Same scale as [`Dct2`](super::Dct2).
 pub struct PairDct {
@@ -25,21 +22,19 @@ pub struct PairDct {
 }
 
 struct Axis {
-    forward: Arc<dyn Fft<f32>>,
-    inverse: Arc<dyn Fft<f32>>,
+    ffts: Ffts<f32>,
     /// `exp(-iπk/2N)`.
     twiddles: Vec<Complex<f32>>,
 }
 
 impl Axis {
-    fn new(planner: &mut FftPlanner<f32>, length: usize) -> Self {
+    fn new(length: usize) -> Self {
         let twiddle = |k: usize| {
             let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
             Complex::new(angle.cos() as f32, angle.sin() as f32)
         };
         Self {
-            forward: planner.plan_fft_forward(length),
-            inverse: planner.plan_fft_inverse(length),
+            ffts: fft::single(length),
             twiddles: (0..length).map(twiddle).collect(),
         }
     }
@@ -49,15 +44,9 @@ impl PairDct {
     /// Plans the transforms of planes of `width × height`.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
-        let mut planner = FftPlanner::new();
-        let rows = Axis::new(&mut planner, width);
-        let columns = Axis::new(&mut planner, height);
-        let needed = [&rows, &columns].map(|axis| {
-            axis.forward
-                .get_inplace_scratch_len()
-                .max(axis.inverse.get_inplace_scratch_len())
-        });
-        let scratch = vec![Complex::default(); needed[0].max(needed[1])];
+        let rows = Axis::new(width);
+        let columns = Axis::new(height);
+        let scratch = vec![Complex::default(); rows.ffts.scratch.max(columns.ffts.scratch)];
         Self {
             width,
             height,
@@ -96,7 +85,10 @@ impl PairDct {
         for (y, row) in self.plane.chunks_exact_mut(self.width).enumerate() {
             cancel::check();
             fill(y, row);
-            self.rows.forward.process_with_scratch(row, &mut self.scratch);
+            self.rows
+                .ffts
+                .forward
+                .process_with_scratch(row, &mut self.scratch);
         }
         for group in Group::below(columns, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
@@ -104,6 +96,7 @@ impl PairDct {
             vectorized!(group.across(lines, &self.rows.twiddles, self.height, forward_butterfly));
             let lines = &mut lines[..group.below_limit(columns) * self.height];
             self.columns
+                .ffts
                 .forward
                 .process_with_scratch(lines, &mut self.scratch);
             for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
@@ -131,14 +124,20 @@ impl PairDct {
                 fill(p, line);
                 vectorized!(along(line, &self.columns.twiddles, inverse_butterfly));
             }
-            self.columns.inverse.process_with_scratch(some, &mut self.scratch);
+            self.columns
+                .ffts
+                .inverse
+                .process_with_scratch(some, &mut self.scratch);
             none.fill(Complex::default());
             vectorized!(group.across(lines, &self.rows.twiddles, self.height, inverse_butterfly));
             group.store(lines, self.height, &mut self.plane, self.width);
         }
         let scale = 1.0 / (self.width * self.height) as f32;
         for (y, row) in self.plane.chunks_exact_mut(self.width).enumerate() {
-            self.rows.inverse.process_with_scratch(row, &mut self.scratch);
+            self.rows
+                .ffts
+                .inverse
+                .process_with_scratch(row, &mut self.scratch);
             vectorized!(row.iter_mut().for_each(|value| *value = value.scale(scale)));
             take(y, row);
         }

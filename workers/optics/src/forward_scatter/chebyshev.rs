@@ -13,7 +13,8 @@
 use std::ops::Range;
 
 use imaging::Plane;
-use imaging::dct::{Complex, Folding};
+use imaging::dct::Folding;
+use imaging::fft::Complex;
 use imaging::vectorized;
 
 use super::basis::BLOCK;

@@ -9,7 +9,7 @@
 //! with `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))`, what becomes of a spectrum on a path of Z. T at the gate drops out of the middle two lines,
 //! so that only A/T, which is never small, is divided by.
 
-use imaging::dct::Complex;
+use imaging::fft::Complex;
 use imaging::{Plane, vectorized};
 
 use super::channel::{Channel, folded};

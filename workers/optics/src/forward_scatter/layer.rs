@@ -1,6 +1,6 @@
 //! A layer of a frame as if nothing were in front of it, in f32 and in the order of the transform.
 
-use imaging::dct::Complex;
+use imaging::fft::Complex;
 use imaging::vectorized;
 
 use super::KernelCache;

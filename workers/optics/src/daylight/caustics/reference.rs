@@ -1,8 +1,7 @@
 //! The tile of one depth in f64.
 
 use imaging::Plane;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use imaging::fft::{self, Complex};
 
 use super::super::field::REFRACTIVE_INDEX;
 use super::{Blur, Waves};
@@ -86,25 +85,24 @@ fn share_out(tile: &mut [f64], cells: usize, cell: [f64; 2], light: f64) {
 
 fn blurred(tile: &mut [f64], waves: &Waves, blur: &Blur, depth_m: f64) {
     let cells = waves.cells;
-    let mut planner = FftPlanner::new();
-    let (forward, inverse) = (planner.plan_fft_forward(cells), planner.plan_fft_inverse(cells));
+    let ffts = fft::double(cells);
     let mut spectrum: Vec<Complex<f64>> = tile.iter().map(|&v| Complex::new(v, 0.0)).collect();
     let transposed = |from: &[Complex<f64>]| -> Vec<Complex<f64>> {
         let at = |i: usize| from[(i % cells) * cells + i / cells];
         (0..cells * cells).map(at).collect()
     };
-    forward.process(&mut spectrum);
+    ffts.forward.process(&mut spectrum);
     spectrum = transposed(&spectrum);
-    forward.process(&mut spectrum);
+    ffts.forward.process(&mut spectrum);
     let transfer = blur.at(depth_m);
     let frequency = |k: usize| k.min(cells - k) as f64 / waves.tile_m;
     for (i, value) in spectrum.iter_mut().enumerate() {
         let (a, b) = (frequency(i / cells), frequency(i % cells));
         *value *= transfer(a.hypot(b)) / (cells * cells) as f64;
     }
-    inverse.process(&mut spectrum);
+    ffts.inverse.process(&mut spectrum);
     spectrum = transposed(&spectrum);
-    inverse.process(&mut spectrum);
+    ffts.inverse.process(&mut spectrum);
     for (to, value) in tile.iter_mut().zip(&spectrum) {
         *to = value.re;
     }

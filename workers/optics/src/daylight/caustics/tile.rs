@@ -1,11 +1,8 @@
 //! Tiles at some depths in f32. Two of them share a transform, one as the real and one as the imaginary part: M is real and the
 //! same in both directions.
 
-use std::sync::Arc;
-
+use imaging::fft::{self, Complex, Ffts};
 use imaging::vectorized;
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
 use super::super::field::REFRACTIVE_INDEX;
 use super::reference::RAYS_PER_CELL;
@@ -233,37 +230,31 @@ fn write(own: &[f32], values: &mut [f32], (slice, count): (usize, usize)) {
 /// Transforms of one size.
 struct Transform {
     cells: usize,
-    forward: Arc<dyn Fft<f32>>,
-    inverse: Arc<dyn Fft<f32>>,
+    ffts: Ffts<f32>,
     other: Vec<Complex<f32>>,
     scratch: Vec<Complex<f32>>,
 }
 
 impl Transform {
     fn new(cells: usize) -> Self {
-        let mut planner = FftPlanner::new();
-        let (forward, inverse) = (planner.plan_fft_forward(cells), planner.plan_fft_inverse(cells));
-        let scratch = forward
-            .get_inplace_scratch_len()
-            .max(inverse.get_inplace_scratch_len());
+        let ffts = fft::single(cells);
         Self {
             cells,
-            forward,
-            inverse,
             other: vec![Complex::new(0.0, 0.0); cells * cells],
-            scratch: vec![Complex::new(0.0, 0.0); scratch],
+            scratch: vec![Complex::default(); ffts.scratch],
+            ffts,
         }
     }
 
     /// Blurs the real part by the first of the gains and the imaginary one by the second.
     fn blur(&mut self, light: &mut Vec<Complex<f32>>, gains: &[Vec<f32>; 2]) {
-        self.forward.process_with_scratch(light, &mut self.scratch);
+        self.ffts.forward.process_with_scratch(light, &mut self.scratch);
         self.transpose(light);
-        self.forward.process_with_scratch(light, &mut self.scratch);
+        self.ffts.forward.process_with_scratch(light, &mut self.scratch);
         self.scale(light, gains);
-        self.inverse.process_with_scratch(light, &mut self.scratch);
+        self.ffts.inverse.process_with_scratch(light, &mut self.scratch);
         self.transpose(light);
-        self.inverse.process_with_scratch(light, &mut self.scratch);
+        self.ffts.inverse.process_with_scratch(light, &mut self.scratch);
     }
 
     /// With the spectra A and B of two real tiles, that of A + i B at k and its conjugate at −k give both: `A = (S + S̄₋)/2` and

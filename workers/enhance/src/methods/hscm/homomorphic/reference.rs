@@ -1,14 +1,13 @@
 //! The definition, in double precision: pad, transform, multiply, transform back, crop.
 
+use imaging::fft::{self, Complex, Fft};
 use imaging::{Plane, reflected};
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlannerScalar};
 
 use super::padding::padded_side;
 use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
-/// The filtered logarithm `x`. The scalar planner is used so that every machine computes the same bits.
+/// The filtered logarithm `x`.
 pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
     let (width, height) = luma.codes().size();
     let (padded_width, padded_height) = (padded_side(width), padded_side(height));
@@ -20,9 +19,8 @@ pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
         )
     });
 
-    let mut planner = FftPlannerScalar::new();
-    let [along_x, along_y] = [padded_width, padded_height].map(|side| planner.plan_fft_forward(side));
-    transform(&mut bins, along_x.as_ref(), along_y.as_ref());
+    let [along_x, along_y] = [padded_width, padded_height].map(fft::double);
+    transform(&mut bins, along_x.forward.as_ref(), along_y.forward.as_ref());
     for v in 0..padded_height {
         for (u, bin) in bins.row_mut(v).iter_mut().enumerate() {
             // Signed bin numbers: the second half of a side counts back from its end.
@@ -31,8 +29,7 @@ pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
             *bin *= (R_HIGH - R_LOW) * (1.0 - (-0.5 * (u * u + v * v)).exp()) + R_LOW;
         }
     }
-    let [along_x, along_y] = [padded_width, padded_height].map(|side| planner.plan_fft_inverse(side));
-    transform(&mut bins, along_x.as_ref(), along_y.as_ref());
+    transform(&mut bins, along_x.inverse.as_ref(), along_y.inverse.as_ref());
 
     let scale = 1.0 / (padded_width * padded_height) as f64;
     Plane::from_fn(width, height, |x, y| bins.pixel(x, y).re * scale)
