@@ -61,7 +61,7 @@ function brushed(plot, brush, chosen) {
 
 // Curves over a common axis: [{name, color, points: [[x, y], …]}].
 export function curves(lines, { label, x, y, log = false, marks = [] }) {
-  const [left, bottom, width, height] = [46, 26, 420, 210];
+  const [left, top, bottom, width, height] = [46, 20, 26, 420, 222];
   const scale = log ? Math.log10 : (value) => value;
   const all = [...lines.flatMap((line) => line.points), ...marks.map((mark) => [mark.x, mark.y])];
   const range = (axis) => {
@@ -71,7 +71,7 @@ export function curves(lines, { label, x, y, log = false, marks = [] }) {
   };
   const [[x0, x1], [y0, y1]] = [range(0), range(1)];
   const px = (value) => left + ((scale(value) - x0) / (x1 - x0)) * (width - left - 8);
-  const py = (value) => 8 + (1 - (scale(value) - y0) / (y1 - y0)) * (height - bottom - 8);
+  const py = (value) => top + (1 - (scale(value) - y0) / (y1 - y0)) * (height - bottom - top);
   const paths = lines.map((line) => svg("polyline.line", { points: line.points.map(([a, b]) => `${px(a)},${py(b)}`).join(" "),
     class: `line ${line.color}` }, svg("title", {}, line.name)));
   const dots = marks.map((mark) => svg("circle", { cx: px(mark.x), cy: py(mark.y), r: mark.strong ? 6 : 3.2,
@@ -79,7 +79,7 @@ export function curves(lines, { label, x, y, log = false, marks = [] }) {
   const unscale = log ? (value) => 10 ** value : (value) => value;
   const texts = [[x0, 0], [(x0 + x1) / 2, 0.5], [x1, 1]].map(([value, place]) => svg("text", { y: height - 12,
     x: left + place * (width - left - 8), "text-anchor": ["start", "middle", "end"][place * 2] }, number(unscale(value), 3)));
-  const sides = [[y0, height - bottom], [y1, 14]].map(([value, place]) => svg("text", { x: left - 4, y: place, "text-anchor": "end" },
+  const sides = [[y0, height - bottom], [y1, top + 6]].map(([value, place]) => svg("text", { x: left - 4, y: place, "text-anchor": "end" },
     number(unscale(value), 2)));
   return svg("svg.curves", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": label },
     svg("path.axis", { d: `M${left} 6V${height - bottom}H${width - 6}` }), paths, dots, texts, sides,

@@ -13,7 +13,7 @@ export async function show(root, route) {
 }
 
 async function all(root, route) {
-  const place = h("div");
+  const place = h("div.above");
   const workers = h("section.panel");
   root.append(heading("Jobs"), place, workers, same("GET /v1/jobs", "GET /v1/workers", "fathom jobs"));
   const jobs = await list("/v1/jobs", route.signal);

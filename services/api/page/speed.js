@@ -33,13 +33,13 @@ async function figures(place, route) {
     const point = (row) => [Number(row.ms_min), Number(row.error_max)];
     const name = (row) => `${row.variant}${row.terms ? ` ${row.terms}` : ""}: ${number(Number(row.ms_min), 3)} ms, error ${number(Number(row.error_max), 2)}`;
     const marks = shown.map((row) => ({ x: Number(row.ms_min), y: Number(row.error_max), name: name(row), strong: row.default === "true",
-      color: `c${variants.indexOf(row.variant) % 6}` }));
+      color: `c${variants.indexOf(row.variant) % 8}` }));
     put(place, h("h2", {}, "Error against time"), h("p.quiet", {}, `Left is faster, down is more exact; both axes are logarithmic. A ring marks what a `
       + `job gets, the line joins what nothing else beats. Shipped figures, not of this machine: ${machine.machine}, ${machine.runs} runs of each.`),
     h("div.row", {}, select("Stage", stages, stage, (value) => change({ stage: value })), select("Scene", scenes, scene, (value) => change({ scene: value }))),
     shown.length > 0 ? curves([{ name: "front", color: "front", points: front.map(point) }], { label: `Error against time of ${stage}, ${scene}`,
       x: "ms", y: "largest error", log: true, marks }) : h("p", {}, "No variant of it has an error."),
-    h("p.legend", {}, variants.map((variant, at) => [h(`i.key.c${at % 6}`), variant])),
+    h("p.legend", {}, variants.map((variant, at) => [h(`i.key.c${at % 8}`), variant])),
     h("details", {}, h("summary", {}, "The same as a table"), table(["variant", "ms", "largest error", "codes", ""], shown.map((row) => [
       `${row.variant} ${row.terms}`, number(Number(row.ms_min), 3), number(Number(row.error_max), 2), row.codes_max,
       [row.default === "true" && "default ", row.pareto === "true" && "front"]]), { label: "Variants" })));

@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn inverse_undoes_forward_in_both_precisions() {
+    fn inverse_undoes_forward() {
         for (width, height) in SIZES {
             let original = noise(width, height, 3);
             let mut plane = original.clone();
@@ -253,15 +253,6 @@ mod tests {
             transform.forward(&mut plane);
             transform.inverse(&mut plane);
             assert!(largest_difference(&plane, &original) < 1e-13, "{width}×{height}");
-            let mut single: Vec<f32> = original.iter().map(|&v| v as f32).collect();
-            let mut transform = Dct2::new(width, height);
-            transform.forward(&mut single);
-            transform.inverse(&mut single);
-            let single: Vec<f64> = single.iter().map(|&v| f64::from(v)).collect();
-            assert!(
-                largest_difference(&single, &original) < 1e-6,
-                "{width}×{height} in f32"
-            );
         }
     }
 
