@@ -19,7 +19,12 @@ fn photo() -> Vec<u8> {
 }
 
 fn ask(service: &Service, name: &str, steps: &str, photo: &[u8]) -> (u16, Value) {
+    ask_with_range(service, (name, "false"), steps, photo)
+}
+
+fn ask_with_range(service: &Service, (name, range): (&str, &str), steps: &str, photo: &[u8]) -> (u16, Value) {
     let fields = [
+        ("range", range.as_bytes()),
         ("name", name.as_bytes()),
         ("steps", steps.as_bytes()),
         ("photo", photo),
@@ -98,6 +103,20 @@ fn a_photo_becomes_a_style_that_is_usable_at_once_and_the_same_as_the_command_ma
     let card: Value = serde_json::from_slice(&std::fs::read(out.join("harbour.card.json")).unwrap()).unwrap();
     assert_eq!(card["sha256"], training["card"]["sha256"]);
     assert_eq!(card["training"], training["card"]["training"]);
+}
+
+#[test]
+fn a_style_that_follows_the_range_can_be_trained() {
+    let data = tempfile::tempdir().unwrap();
+    let service = Service::start(data.path(), &["--slots", "1"]);
+    let (status, training) = ask_with_range(&service, ("dock", "true"), "3", &photo());
+    assert_eq!((status, &training["range"]), (202, &json!(true)), "{training}");
+    let training = ended(&service, &training["id"]);
+    assert_eq!(training["state"], "done", "{training}");
+    let (_, page) = service.get("/v1/styles");
+    let styles = page["items"].as_array().unwrap();
+    let dock = styles.iter().find(|style| style["name"] == "dock").unwrap();
+    assert_eq!(dock["takes_range"], true, "{dock}");
 }
 
 #[test]

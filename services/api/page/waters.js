@@ -98,11 +98,13 @@ function trainer(route, done) {
   const photo = h("input", { type: "file", accept: "image/png,image/jpeg,image/webp", multiple: true, required: true, "aria-label": "Photos of one water" });
   const name = h("input", { type: "text", required: true, pattern: "[a-z0-9_\\-]{1,64}", "aria-label": "Name of the style", placeholder: "name, such as dock" });
   const steps = h("input", { type: "number", min: 1, max: 5000, value: 300, "aria-label": "Steps" });
+  const range = h("input", { type: "checkbox", "aria-label": "Follows the range" });
   const form = h("form.panel.drop", { onsubmit: async (event) => {
     event.preventDefault();
     const body = new FormData();
     body.append("name", name.value);
     body.append("steps", steps.value);
+    body.append("range", range.checked);
     for (const file of photo.files) body.append("photo", file);
     try {
       const training = await (await send("/v1/styles/train", { method: "POST", body, signal: route.signal })).json();
@@ -115,7 +117,8 @@ function trainer(route, done) {
     event.preventDefault();
     if (event.dataTransfer.files.length > 0) photo.files = event.dataTransfer.files;
   } }, h("h2", {}, "Train a style from a photo"), h("p.quiet", {}, "Drop photos of one water here, or choose them. A thousand steps take about a minute on four free cores."),
-  h("div.row", {}, photo, name, h("label.field", {}, h("span", {}, "steps"), steps), h("button.primary", {}, "Train")), words);
+  h("div.row", {}, photo, name, h("label.field", {}, h("span", {}, "steps"), steps),
+    h("label.field", { title: "Contrast falls with the range as in the photos; scenes need a range" }, h("span", {}, "follows the range"), range), h("button.primary", {}, "Train")), words);
   return form;
 }
 

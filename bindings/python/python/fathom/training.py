@@ -50,18 +50,22 @@ def train(
     steps: int = 1000,
     seed: int = 1,
     threads: int | None = None,
+    range: bool = False,
     licence: str = "unknown",
     progress: bool = True,
 ) -> Style:
     """Train a style water from one or more photos of the same water.
 
-    The same photos, seed and steps give the same network, whatever `threads` is. Raises `CommandError` with the reason
+    The same photos, seed and steps give the same network, whatever `threads` is. With `range` it takes the range of each
+    pixel as well, and its scenes must have one. Raises `CommandError` with the reason
     where a photo cannot be learned from.
     """
     given = [photos] if isinstance(photos, (str, os.PathLike, np.ndarray)) else list(photos)
     with tempfile.TemporaryDirectory(prefix="fathom-train-") as folder:
         place = Path(folder)
         options = ["--name", name, "--seed", str(seed), "--steps", str(steps), "--licence", licence]
+        if range:
+            options.append("--range")
         if threads is not None:
             options += ["--threads", str(threads)]
         files = [_file(photo, place / f"photo-{number}.png") for number, photo in enumerate(given)]

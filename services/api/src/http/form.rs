@@ -89,8 +89,8 @@ impl Form {
         self.texts(name).next().unwrap_or_else(|| otherwise.to_owned())
     }
 
-    /// A number within its limit; one that is not is refused.
-    pub(crate) fn number<T: FromStr>(
+    /// A number within its limit, or a truth value; another one is refused.
+    pub(crate) fn parsed<T: FromStr>(
         &mut self,
         name: &str,
         limit: &str,

@@ -59,8 +59,8 @@ impl SceneForm {
         let above_0 = |value: &f64| *value > 0.0 && value.is_finite();
         let finite = |value: &f64| value.is_finite();
         let angle = |degrees: &f64| *degrees > 0.0 && *degrees < 180.0;
-        let focal_px = form.number("focal_px", "a number above 0", above_0);
-        let fx = form.number("fx", "a number above 0", above_0);
+        let focal_px = form.parsed("focal_px", "a number above 0", above_0);
+        let fx = form.parsed("fx", "a number above 0", above_0);
         let classes = form.get("classes").map(|text| scenes::classes::read(text));
         let classes =
             classes.and_then(|read| read.map_err(|wrong| form.refuse_inside("classes", wrong)).ok());
@@ -91,12 +91,12 @@ impl SceneForm {
             instances: form.get("instances").cloned(),
             classes,
             pose,
-            unit_m: form.number("unit_m", "a number above 0", above_0),
-            invalid_code: form.number("invalid_code", "a whole number in 0..=65535", |_| true),
+            unit_m: form.parsed("unit_m", "a number above 0", above_0),
+            invalid_code: form.parsed("invalid_code", "a whole number in 0..=65535", |_| true),
             focal_px: focal_px.or(fx),
-            cx: form.number("cx", "a finite number", finite),
-            cy: form.number("cy", "a finite number", finite),
-            hfov_deg: form.number("hfov_deg", "a number above 0 and below 180", angle),
+            cx: form.parsed("cx", "a finite number", finite),
+            cy: form.parsed("cy", "a finite number", finite),
+            hfov_deg: form.parsed("hfov_deg", "a number above 0 and below 180", angle),
             collection,
             name,
         };

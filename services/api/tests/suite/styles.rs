@@ -230,6 +230,11 @@ fn a_training_that_cannot_be_taken_is_refused_by_field() {
             "steps",
         ),
         (
+            &[("name", b"a"), ("photo", b"p"), ("range", b"far")],
+            "/range",
+            "true or false",
+        ),
+        (
             &[("name", b"a"), ("name", b"b"), ("photo", b"p")],
             "/name",
             "twice",

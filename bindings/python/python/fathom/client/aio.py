@@ -134,9 +134,10 @@ class AsyncClient:
         *,
         steps: int | None = None,
         seed: int | None = None,
+        range: bool = False,
     ) -> dict[str, Any]:
         """Train a style water on the service and wait for it."""
-        return await self._run(calls.train(photos, name, {"steps": steps, "seed": seed}))
+        return await self._run(calls.train(photos, name, {"steps": steps, "seed": seed, "range": range or None}))
 
     async def dataset(self, name: str, filter: str = "") -> Dataset:
         """Return the images of a dataset, for `fathom.open`."""

@@ -204,11 +204,11 @@ def _scene_file(name: str, part: Picture) -> bytes:
     return file.getvalue()
 
 
-def train(photos: Photo | Sequence[Photo], name: str, numbers: Mapping[str, Any]) -> Call[dict[str, Any]]:
+def train(photos: Photo | Sequence[Photo], name: str, options: Mapping[str, Any]) -> Call[dict[str, Any]]:
     """Train a style water on the service and follow it to its end."""
     given = [photos] if isinstance(photos, (str, os.PathLike, np.ndarray)) else list(photos)
     files = [("photo", ("photo", _scene_file("photo", photo))) for photo in given]
-    data = {"name": name} | {key: str(value) for key, value in numbers.items() if value is not None}
+    data = {"name": name} | {key: json.dumps(value) for key, value in options.items() if value is not None}
     response = yield Request("POST", "/v1/styles/train", {"files": files, "data": data})
     training: dict[str, Any] = response.json()
     while training["state"] in ("queued", "running"):

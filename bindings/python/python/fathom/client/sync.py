@@ -142,9 +142,10 @@ class Client:
         *,
         steps: int | None = None,
         seed: int | None = None,
+        range: bool = False,
     ) -> dict[str, Any]:
         """Train a style water on the service, wait for it and return the training with its `state`."""
-        return self._run(calls.train(photos, name, {"steps": steps, "seed": seed}))
+        return self._run(calls.train(photos, name, {"steps": steps, "seed": seed, "range": range or None}))
 
     def dataset(self, name: str, filter: str = "") -> Dataset:
         """Return the images of a dataset, for `fathom.open`."""

@@ -15,11 +15,12 @@ use crate::limits;
 use crate::styles::Styles;
 use crate::styles::trainings::{Order, photo_name};
 
-const FIELDS: [(&str, Kind); 6] = [
+const FIELDS: [(&str, Kind); 7] = [
     ("name", Kind::Text),
     ("photo", Kind::Files),
     ("seed", Kind::Text),
     ("steps", Kind::Text),
+    ("range", Kind::Text),
     ("licence", Kind::Text),
     ("source", Kind::Text),
 ];
@@ -40,6 +41,10 @@ pub(crate) struct TrainingUpload {
     /// Steps, 1..=5000; 60 are enough for a first look.
     #[schema(default = 1000, minimum = 1, maximum = 5000)]
     steps: Option<u32>,
+    /// Whether its network takes the range of each pixel as well: contrast falls with it as in the photos. Jobs with such a style
+    /// need scenes with a range.
+    #[schema(default = false)]
+    range: Option<bool>,
     /// Terms under which the photo, and so the style, may be used.
     #[schema(default = "unknown")]
     licence: Option<String>,
@@ -69,9 +74,10 @@ pub(crate) async fn train(
 async fn read(body: Multipart) -> Result<Order, Problem> {
     let mut form = Form::read(body, &FIELDS).await?;
     let seed_limit = format!("a whole number in 0..={}", u64::MAX);
-    let seed = form.number("seed", &seed_limit, |_| true);
+    let seed = form.parsed("seed", &seed_limit, |_| true);
     let steps_limit = format!("a whole number in 1..={}", limits::STEPS);
-    let steps = form.number("steps", &steps_limit, |steps| (1..=limits::STEPS).contains(steps));
+    let steps = form.parsed("steps", &steps_limit, |steps| (1..=limits::STEPS).contains(steps));
+    let range = form.parsed("range", "true or false", |_| true);
     let photos = form.all("photo").count();
     if photos > limits::PHOTOS {
         let message = format!("there are more than {} photos", limits::PHOTOS);
@@ -94,6 +100,7 @@ async fn read(body: Multipart) -> Result<Order, Problem> {
         name,
         seed: seed.unwrap_or(1),
         steps: steps.unwrap_or(1000),
+        range: range.unwrap_or(false),
         licence: form.text_or("licence", "unknown"),
         source: form.text_or("source", "trained from photos given by a user of the service"),
         photos,

@@ -43,6 +43,8 @@ pub(crate) struct TrainingView {
     steps: u32,
     /// Seed of all chance.
     seed: u64,
+    /// Whether its network takes the range of each pixel as well.
+    range: bool,
     /// Steps done.
     done: u64,
     /// The losses of the newest steps.
@@ -79,6 +81,7 @@ impl TrainingView {
             state,
             steps: order.steps,
             seed: order.seed,
+            range: order.range,
             done,
             losses: progress["losses"].clone(),
             preview_ms: training.previewed_ms(),

@@ -32,6 +32,8 @@ pub(crate) struct Order {
     pub(crate) name: String,
     pub(crate) seed: u64,
     pub(crate) steps: u32,
+    /// Whether its network takes the range of each pixel as well.
+    pub(crate) range: bool,
     pub(crate) licence: String,
     pub(crate) source: String,
     pub(crate) photos: usize,

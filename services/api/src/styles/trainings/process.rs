@@ -81,6 +81,9 @@ pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<Card, S
         option.push(value);
         arguments.push(option);
     }
+    if order.range {
+        arguments.push("--range".into());
+    }
     let ended = run(&styles.trainings.trainers, &arguments, TRAIN).await;
     match ended.map_err(|problem| problem.to_string())? {
         Ended::Well => {}
