@@ -209,7 +209,7 @@ fn a_damaged_style_is_left_out_and_the_service_still_starts() {
 #[test]
 fn a_training_that_cannot_be_taken_is_refused_by_field() {
     let service = start_with(trusting());
-    let refused: [Refused; 9] = [
+    let refused: [Refused; 10] = [
         (&[("photo", b"p")], "/name", "1 to 64"),
         (&[("name", b"harbour")], "/photo", "missing"),
         (&[("name", b"Big Bay"), ("photo", b"p")], "/name", "a-z, 0-9"),
