@@ -56,9 +56,9 @@ def train(
 ) -> Style:
     """Train a style water from one or more photos of the same water.
 
-    The same photos, seed and steps give the same network, whatever `threads` is. With `range` it takes the range of each
-    pixel as well, and its scenes must have one. Raises `CommandError` with the reason
-    where a photo cannot be learned from.
+    The same photos, seed and steps give the same network, whatever `threads` is. With `range` it takes the range of
+    each pixel as well, and its scenes must have one. Raises `CommandError` with the reason where a photo cannot be
+    learned from.
     """
     given = [photos] if isinstance(photos, (str, os.PathLike, np.ndarray)) else list(photos)
     with tempfile.TemporaryDirectory(prefix="fathom-train-") as folder:
