@@ -208,7 +208,7 @@ def train(photos: Photo | Sequence[Photo], name: str, options: Mapping[str, Any]
     """Train a style water on the service and follow it to its end."""
     given = [photos] if isinstance(photos, (str, os.PathLike, np.ndarray)) else list(photos)
     files = [("photo", ("photo", _scene_file("photo", photo))) for photo in given]
-    data = {"name": name} | {key: json.dumps(value) for key, value in options.items() if value is not None}
+    data = {"name": name} | {key: str(value).lower() for key, value in options.items() if value is not None}
     response = yield Request("POST", "/v1/styles/train", {"files": files, "data": data})
     training: dict[str, Any] = response.json()
     while training["state"] in ("queued", "running"):
