@@ -91,7 +91,7 @@ fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
         Complex::new((-0.5 * signed * signed).exp() / lost / n as f64, 0.0)
     };
     let mut bins: Vec<Complex<f64>> = (0..n).map(bin).collect();
-    fft::double(n).inverse.process(&mut bins);
+    fft::double_inverse(n).process(&mut bins);
     let mut outside: f64 = bins[1..].iter().map(|weight| weight.re.abs()).sum();
     let mut taps = vec![bins[0].re];
     let tail = [KERNEL_TAIL, KERNEL_TAIL_DECIMATED][step - 1];
