@@ -45,7 +45,7 @@ def test_a_set_shows_its_images_and_a_filter_fewer(visit, service):
     page.fill("#filter", "frame < 5")
     page.press("#filter", "Enter")
     until(page, "document.querySelectorAll('.cell a').length === 5")
-    assert page.locator(".counts").inner_text().startswith("5 of")
+    until(page, "document.querySelector('.counts').textContent.startsWith('5 of')")
     assert urllib.parse.parse_qs(page.url.split("?")[1])["filter"] == ["frame < 5"]
     other = visit(page.url.split("#/")[1])
     until(other, "document.querySelectorAll('.cell a').length === 5")
