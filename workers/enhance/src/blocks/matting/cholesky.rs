@@ -7,7 +7,8 @@
 use imaging::Plane;
 
 use super::front::Front;
-use super::laplacian::{Laplacian, RIM, STEPS};
+use super::laplacian::Laplacian;
+use super::windows::{RIM, STEPS};
 
 /// Rectangles of at most so many pixels are not cut.
 const LEAF_PX: usize = 48;

@@ -2,7 +2,8 @@
 
 use imaging::{Plane, vectorized};
 
-use super::laplacian::{Laplacian, RIM};
+use super::laplacian::Laplacian;
+use super::windows::RIM;
 
 /// Far more steps than the worst picture needs: rounding could keep a residual above its bound for ever.
 const STEPS_MAX: usize = 40_000;

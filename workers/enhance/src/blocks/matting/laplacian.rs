@@ -1,27 +1,8 @@
-//! The coefficients of the matting Laplacian.
+//! The matting Laplacian in f64.
 
 use imaging::{Plane, vectorized};
 
-/// What is added to the covariance of each window, for colors in 0..=255.
-const RIDGE: f64 = 1e-7 / 9.0 * 255.0 * 255.0;
-/// Pixels around the picture that hold zeros: the reach of a coefficient.
-pub(super) const RIM: usize = 2;
-/// From a pixel to itself and to the later ones of its neighborhood: columns and rows.
-pub(super) const STEPS: [(isize, usize); 13] = [
-    (0, 0),
-    (1, 0),
-    (2, 0),
-    (-2, 1),
-    (-1, 1),
-    (0, 1),
-    (1, 1),
-    (2, 1),
-    (-2, 2),
-    (-1, 2),
-    (0, 2),
-    (1, 2),
-    (2, 2),
-];
+use super::windows::{RIM, STEPS, each_row};
 
 /// A symmetric matrix over the pixels of a picture that reaches two pixels far. Planes have a rim of zeros.
 pub(super) struct Laplacian {
@@ -40,14 +21,12 @@ impl Laplacian {
             height,
             coefficients: std::array::from_fn(|_| vec![0.0; (width + 2 * RIM) * (height + 2 * RIM)]),
         };
-        for y in 1..height - 1 {
-            for x in 1..width - 1 {
-                let colors = std::array::from_fn(|i| {
-                    [0, 1, 2].map(|c: usize| i32::from(channels[c].pixel(x + i % 3 - 1, y + i / 3 - 1)))
-                });
-                laplacian.add_window((x - 1, y - 1), &colors);
+        let stride = laplacian.stride();
+        each_row(channels, |y, row| {
+            for (plane, row) in laplacian.coefficients.iter_mut().zip(row) {
+                plane[(y + RIM) * stride..][..stride].copy_from_slice(row);
             }
-        }
+        });
         laplacian
     }
 
@@ -72,55 +51,10 @@ impl Laplacian {
         &self.coefficients[0]
     }
 
-    /// Adds the window whose first pixel is given.
-    fn add_window(&mut self, (x, y): (usize, usize), colors: &[[i32; 3]; 9]) {
-        let sums = [0, 1, 2].map(|c| colors.iter().map(|color| color[c]).sum::<i32>());
-        // Nine times the distance from the mean, exact.
-        let away = colors.map(|color| [0, 1, 2].map(|c| f64::from(9 * color[c] - sums[c]) / 9.0));
-        let covariance = |a: usize, b: usize| {
-            let products: i32 = colors.iter().map(|color| color[a] * color[b]).sum();
-            let ridge = if a == b { RIDGE } else { 0.0 };
-            f64::from(9 * products - sums[a] * sums[b]) / 81.0 + ridge
-        };
-        let white = whitened(away, covariance);
-        for i in 0..9 {
-            let position = self.position(x + i % 3, y + i / 3);
-            for j in i..9 {
-                let (columns, rows) = ((j % 3) as isize - (i % 3) as isize, j / 3 - i / 3);
-                let step = step_of(columns, rows);
-                let product: f64 = (0..3).map(|c| white[i][c] * white[j][c]).sum();
-                let own = if i == j { 1.0 } else { 0.0 };
-                self.coefficients[step][position] += own - (1.0 + product) / 9.0;
-            }
-        }
-    }
-
     /// `out = (L + λ E) x`, both with their rim; the rim of `x` is 0, and that of `out` stays as it is.
     pub(super) fn apply(&self, closeness: f64, x: &[f64], out: &mut [f64]) {
         vectorized!(apply(self, closeness, x, out));
     }
-}
-
-/// `C⁻¹ v` of each vector, `C Cᵀ` the covariance: their products are those with its inverse. Of colors along a line the adjugate
-/// would lose the ridge to rounding, and the matrix would not stay positive.
-fn whitened(vectors: [[f64; 3]; 9], covariance: impl Fn(usize, usize) -> f64) -> [[f64; 3]; 9] {
-    let c11 = covariance(0, 0).sqrt();
-    let (c21, c31) = (covariance(0, 1) / c11, covariance(0, 2) / c11);
-    let c22 = (covariance(1, 1) - c21 * c21).sqrt();
-    let c32 = (covariance(1, 2) - c31 * c21) / c22;
-    let c33 = (covariance(2, 2) - c31 * c31 - c32 * c32).sqrt();
-    vectors.map(|[r, g, b]| {
-        let r = r / c11;
-        let g = (g - c21 * r) / c22;
-        [r, g, (b - c31 * r - c32 * g) / c33]
-    })
-}
-
-/// Place in [`STEPS`].
-fn step_of(columns: isize, rows: usize) -> usize {
-    // The row of the pixel itself has no steps to the left.
-    let first = if rows == 0 { 0 } else { 5 * rows };
-    first.wrapping_add_signed(columns)
 }
 
 #[inline(always)]
@@ -148,13 +82,6 @@ fn apply(laplacian: &Laplacian, closeness: f64, x: &[f64], out: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn steps_stand_in_their_order() {
-        for (place, (columns, rows)) in STEPS.into_iter().enumerate() {
-            assert_eq!(step_of(columns, rows), place);
-        }
-    }
 
     #[test]
     fn rows_sum_to_nothing() {

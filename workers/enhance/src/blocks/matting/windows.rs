@@ -1,0 +1,136 @@
+//! The coefficients of the matting Laplacian, row by row.
+
+use imaging::{Plane, vectorized};
+
+/// Pixels around the picture that hold zeros: the reach of a coefficient.
+pub(super) const RIM: usize = 2;
+/// From a pixel to itself and to the later ones of its neighborhood: columns and rows.
+pub(super) const STEPS: [(isize, usize); 13] = [
+    (0, 0),
+    (1, 0),
+    (2, 0),
+    (-2, 1),
+    (-1, 1),
+    (0, 1),
+    (1, 1),
+    (2, 1),
+    (-2, 2),
+    (-1, 2),
+    (0, 2),
+    (1, 2),
+    (2, 2),
+];
+
+/// What is added to the covariance of each window, for colors in 0..=255.
+const RIDGE: f64 = 1e-7 / 9.0 * 255.0 * 255.0;
+/// Windows that are worked on together: what is known of them stays in the first-level cache.
+const BLOCK: usize = 64;
+/// Pixels of a window, and its side.
+const PIXELS: usize = 9;
+const SIDE: usize = 3;
+
+type Lanes = [f64; BLOCK];
+
+/// A row of each of [`STEPS`], with its rim.
+pub(super) type Row = [Vec<f64>; STEPS.len()];
+
+/// Hands the rows of a picture of at least 3 × 3 pixels to `take`, from the first to the last.
+pub(super) fn each_row(channels: &[Plane<u8>; 3], mut take: impl FnMut(usize, &Row)) {
+    let (width, height) = channels[0].size();
+    let empty = || -> Row { std::array::from_fn(|_| vec![0.0; width + 2 * RIM]) };
+    // Windows reach three rows: a row is complete when the windows that end in it are added.
+    let mut rows: [Row; SIDE] = std::array::from_fn(|_| empty());
+    let mut white = Box::new([[[0.0; BLOCK]; 3]; PIXELS]);
+    for y in 0..height {
+        if y + SIDE <= height {
+            for x in (0..width + 1 - SIDE).step_by(BLOCK) {
+                let count = BLOCK.min(width + 1 - SIDE - x);
+                let lines = channels
+                    .each_ref()
+                    .map(|plane| std::array::from_fn(|row| &plane.row(y + row)[x..x + count + SIDE - 1]));
+                vectorized!(whiten(&lines, count, &mut white));
+                vectorized!(add(&white, (x, count), &mut rows));
+            }
+        }
+        take(y, &rows[0]);
+        rows.rotate_left(1);
+        rows[SIDE - 1].iter_mut().for_each(|row| row.fill(0.0));
+    }
+}
+
+/// The colors of each window less their mean, multiplied by `C⁻¹`, `C Cᵀ` their covariance: their products are those with its inverse.
+/// Of colors along a line the adjugate would lose the ridge to rounding, and the matrix would not stay positive.
+#[inline(always)]
+fn whiten(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes; 3]; PIXELS]) {
+    let lines = lines.map(|rows| rows.map(|row| &row[..count + SIDE - 1]));
+    let code =
+        |channel: usize, pixel: usize, n: usize| i32::from(lines[channel][pixel / SIDE][n + pixel % SIDE]);
+    for n in 0..count {
+        let (mut sums, mut products) = ([0i32; 3], [[0i32; 3]; 3]);
+        for pixel in 0..PIXELS {
+            let color = [0, 1, 2].map(|channel| code(channel, pixel, n));
+            for a in 0..3 {
+                sums[a] += color[a];
+                for b in 0..=a {
+                    products[a][b] += color[a] * color[b];
+                }
+            }
+        }
+        let covariance = |a: usize, b: usize| {
+            let ridge = if a == b { RIDGE } else { 0.0 };
+            f64::from(9 * products[a][b] - sums[a] * sums[b]) / 81.0 + ridge
+        };
+        let c11 = covariance(0, 0).sqrt();
+        let (c21, c31) = (covariance(1, 0) / c11, covariance(2, 0) / c11);
+        let c22 = (covariance(1, 1) - c21 * c21).sqrt();
+        let c32 = (covariance(2, 1) - c31 * c21) / c22;
+        let c33 = (covariance(2, 2) - c31 * c31 - c32 * c32).sqrt();
+        for pixel in 0..PIXELS {
+            // Nine times the distance from the mean is exact.
+            let away = [0, 1, 2].map(|c| f64::from(9 * code(c, pixel, n) - sums[c]) / 9.0);
+            let r = away[0] / c11;
+            let g = (away[1] - c21 * r) / c22;
+            white[pixel][0][n] = r;
+            white[pixel][1][n] = g;
+            white[pixel][2][n] = (away[2] - c31 * r - c32 * g) / c33;
+        }
+    }
+}
+
+/// Adds the windows from column `x` on. Each coefficient adds its windows from left to right, whatever the block.
+#[inline(always)]
+fn add(white: &[[Lanes; 3]; PIXELS], (x, count): (usize, usize), rows: &mut [Row; SIDE]) {
+    for row in 0..SIDE {
+        for column in (0..SIDE).rev() {
+            let i = SIDE * row + column;
+            for j in i..PIXELS {
+                let step = step_of((j % SIDE) as isize - column as isize, j / SIDE - row);
+                let to = &mut rows[row][step][x + column + RIM..][..count];
+                let own = if i == j { 1.0 } else { 0.0 };
+                let ([a, b, c], [d, e, f]) = (&white[i], &white[j]);
+                for n in 0..count {
+                    to[n] += own - (1.0 + (a[n] * d[n] + b[n] * e[n] + c[n] * f[n])) / 9.0;
+                }
+            }
+        }
+    }
+}
+
+/// Place in [`STEPS`].
+fn step_of(columns: isize, rows: usize) -> usize {
+    // The row of the pixel itself has no steps to the left.
+    let first = if rows == 0 { 0 } else { 5 * rows };
+    first.wrapping_add_signed(columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_stand_in_their_order() {
+        for (place, (columns, rows)) in STEPS.into_iter().enumerate() {
+            assert_eq!(step_of(columns, rows), place);
+        }
+    }
+}
