@@ -15,6 +15,7 @@ mod levels;
 mod line;
 mod model;
 mod scatter;
+mod sediment;
 mod shadows;
 mod shares;
 mod snow;
@@ -131,6 +132,8 @@ pub struct Plan {
     pub glow: Stage,
     /// Shadows in the glow; none where no lamp casts one.
     pub glow_shadows: Option<Stage<Shadows>>,
+    /// Clouds of sediment; none where the frame does not ask for them.
+    pub sediment: Option<Stage>,
     /// Marine snow.
     pub snow: Stage,
     /// The style.
@@ -175,6 +178,8 @@ pub struct Given<'a> {
     pub above: Option<&'a Above>,
     /// The light of its lamps.
     pub lamps: LampLight,
+    /// The most that clouds of sediment may hide of a pixel; 0 where none is in view.
+    pub cloud_opacity: f64,
     /// The most light that a particle of snow adds to a pixel; 0 without snow.
     pub snow_peak: f64,
     /// Largest distance of the style's color table from its network, 8-bit codes; none without a table.
@@ -243,6 +248,7 @@ impl Plan {
             scatter: water.scatter,
             glow: glow(given),
             glow_shadows: shadows::in_water(given),
+            sediment: sediment::drift(given),
             snow: snow::fall(given, &shares),
             style: style::choose(given),
             haze: Stage::exact(Form::Fast.when(frame.haze().iter().any(Haze::shines))),
@@ -312,6 +318,7 @@ impl Plan {
             scatter: [const { ScatterStep::Skip }; 3].map(Stage::exact),
             glow: skip(),
             glow_shadows: None,
+            sediment: None,
             snow: skip(),
             style: Stage::exact(StyleStep::Skip),
             haze: skip(),
@@ -331,8 +338,9 @@ impl Plan {
         self.tolerance?;
         let above = self.above.as_ref().map_or(0.0, Above::bound);
         let shadows = self.lamp_shadows.as_ref().and_then(|stage| stage.bound);
+        let clouds = self.sediment.as_ref().and_then(|stage| stage.bound);
         let others = others.iter().filter_map(|stage| stage.bound).sum::<f64>();
-        Some(water.unwrap_or(0.0) + above + shadows.unwrap_or(0.0) + others)
+        Some(water.unwrap_or(0.0) + above + shadows.unwrap_or(0.0) + clouds.unwrap_or(0.0) + others)
     }
 
     /// [`Plan::bound`] of each channel.

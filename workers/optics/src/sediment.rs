@@ -17,11 +17,13 @@ mod reference;
 pub use fast::{Layers, layers};
 pub use reference::veil_reference;
 
+use imaging::Plane;
 use imaging::random::Stream;
 use imaging::vector::dot;
 use spec::{Sediment, normal_quantile};
 
 use crate::eye::Eye;
+use crate::range::is_hole;
 use crate::snow::World;
 use noise::Noise;
 
@@ -116,7 +118,7 @@ impl Clouds {
         // Of the banks: what their height leaves of the noise, and whether there is any.
         let rise = (height.max(0.0) / self.law.height_m).powi(2);
         let lift = if self.law.cover > 0.0 {
-            SPREAD * (normal_quantile(self.law.cover.clamp(1e-4, 1.0 - 1e-4)) - RISE * rise)
+            SPREAD * (self.cut() - RISE * rise)
         } else {
             f64::NEG_INFINITY
         };
@@ -127,6 +129,39 @@ impl Clouds {
         }
         let noise = self.noise.at(world);
         smooth((noise + lift).max(jet + 1.5 * noise) / self.law.edge)
+    }
+
+    /// The share of the light that a cloud sends back.
+    pub(crate) fn albedo(&self) -> [f64; 3] {
+        self.law.albedo
+    }
+
+    /// No pixel of a picture with these ranges is hidden more: 0 where nothing is stirred up, or banks lie below all that is seen.
+    #[must_use]
+    pub fn most_opacity(&self, range: &Plane<f32>) -> f64 {
+        let is_met = !self.plumes.is_empty() || (self.law.cover > 0.0 && self.shows_banks(range));
+        if !is_met {
+            return 0.0;
+        }
+        let farthest = range.data().iter().map(|&z| end(z)).fold(0.0, f64::max);
+        -(-self.law.extinction_per_m * farthest).exp_m1()
+    }
+
+    /// Whether any pixel shows a place that is as low as banks may be high.
+    fn shows_banks(&self, range: &Plane<f32>) -> bool {
+        let (width, height) = range.size();
+        let top = self.law.height_m * ((self.cut() + MOST / SPREAD) / RISE).max(0.0).sqrt();
+        let lowest = |x: usize, y: usize| {
+            let ray = self.eye.ray(x as f64, y as f64);
+            self.above + (dot(self.up, ray) * end(range.pixel(x, y))).min(0.0)
+        };
+        // The lower rows first, where the bottom mostly is.
+        (0..height).rev().any(|y| (0..width).any(|x| lowest(x, y) <= top))
+    }
+
+    /// Standard deviations by which the noise is lifted at the bottom, for banks to cover their share of it.
+    fn cut(&self) -> f64 {
+        normal_quantile(self.law.cover.clamp(1e-4, 1.0 - 1e-4))
     }
 
     /// `1 − (r/R)² − (s/L)²` of a plume.
@@ -150,6 +185,15 @@ impl Clouds {
 
 /// No noise is larger.
 const MOST: f64 = 1.0;
+
+/// Up to where a pixel shows clouds, m; a hole has no end.
+fn end(range: f32) -> f64 {
+    if is_hole(range) {
+        FAR_M
+    } else {
+        f64::from(range).min(FAR_M)
+    }
+}
 
 fn smooth(share: f64) -> f64 {
     let share = share.clamp(0.0, 1.0);

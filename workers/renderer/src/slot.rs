@@ -10,6 +10,7 @@ use imaging::Rgb;
 use optics::chain::Layers;
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Given, Plan};
+use optics::sediment::Layers as Clouds;
 use optics::setting::Setting;
 use optics::snow::peak;
 use spec::{Camera, Exposure, Frame, FrameRecord, Scene};
@@ -138,6 +139,8 @@ impl Slot {
             None
         };
         let snow = watch.time("snow", || snow::run(&shot, &mut layers, &mut record));
+        // Those of a large frame are large, and are drawn by now.
+        shot.lit.clouds = None;
         let taken = self.take(&mut shot, &layers, &mut record, &mut watch)?;
         let shot = &shot;
         let scattered = taken.as_ref().unwrap_or(&layers.scattered);
@@ -311,6 +314,7 @@ impl Slot {
                 stats: &lit.measure(&setting),
                 above: lit.above.as_ref(),
                 lamps: lit.lamps,
+                cloud_opacity: lit.clouds.as_ref().map_or(0.0, Clouds::most_opacity),
                 snow_peak: peak(&lit.flakes),
                 table_max_255,
             })

@@ -35,6 +35,9 @@ const PATCHES_NS: f64 = 6.0;
 const WAY_NS: f64 = 60.0;
 const GLOW_WAYS: f64 = 5.0;
 const FIRST_PLACES: usize = 5;
+/// Clouds of sediment without a lamp, and what each lamp costs in them.
+const SEDIMENT_NS: f64 = 100.0;
+const LIT_SEDIMENT_NS: f64 = 50.0;
 const SNOW_NS: f64 = 19.6;
 const NETWORK_NS: f64 = 10.8;
 const TABLE_NS: f64 = 4.2;
@@ -101,6 +104,16 @@ impl Plan {
         match self.veil.as_ref().map_or(Form::Skip, |veil| veil.form) {
             Form::Skip => Some(0.0),
             Form::Fast => Some((VEIL_NS * self.amounts.pixels / 1e4).round() / 100.0),
+            Form::Reference => None,
+        }
+    }
+
+    /// Expected milliseconds of clouds of sediment; none in f64.
+    pub(super) fn sediment_cost_ms(&self) -> Option<f64> {
+        let Amounts { pixels, lamps, .. } = self.amounts;
+        match self.sediment.as_ref().map_or(Form::Skip, |clouds| clouds.form) {
+            Form::Skip => Some(0.0),
+            Form::Fast => Some(((SEDIMENT_NS + LIT_SEDIMENT_NS * lamps) * pixels / 1e4).round() / 100.0),
             Form::Reference => None,
         }
     }

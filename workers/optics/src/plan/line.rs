@@ -76,6 +76,10 @@ impl Plan {
                 lines.insert(after.map_or(0, |at| at + 1), self.shadows(name, stage));
             }
         }
+        if let Some(clouds) = &self.sediment {
+            let before = lines.iter().position(|line| line.stage == "snow");
+            lines.insert(before.unwrap_or(lines.len()), self.sediment(clouds));
+        }
         if let Some(veil) = &self.veil {
             let after = lines.iter().position(|line| line.stage == "attenuation");
             let own = Line {
@@ -112,6 +116,20 @@ impl Plan {
                 },
                 stage,
             )
+        }
+    }
+
+    fn sediment(&self, clouds: &Stage) -> Line {
+        let note = match clouds.form {
+            Form::Skip => Some("no cloud is in view that hides more than its share"),
+            Form::Fast => Some("what lies between the rays it follows is not bounded"),
+            Form::Reference => None,
+        };
+        Line {
+            note: note.map(str::to_owned),
+            cost_ms: self.sediment_cost_ms(),
+            model_error: self.model.of("sediment").filter(|_| clouds.form != Form::Skip),
+            ..line("sediment", clouds, "rays")
         }
     }
 

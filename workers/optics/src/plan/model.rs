@@ -84,6 +84,7 @@ const PHYSICAL: &[&str] = &[
     "veil",
     "forward_scatter",
     "glow",
+    "sediment",
     "snow",
 ];
 

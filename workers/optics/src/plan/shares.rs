@@ -3,7 +3,7 @@
 use spec::{Fidelity, Frame};
 
 use super::levels::{self, PILED_UP};
-use super::{Above, Given, SceneStats};
+use super::{Above, Given, SceneStats, sediment};
 use crate::setting::Setting;
 use crate::turbidity::path_rounding;
 use crate::water::Water;
@@ -14,6 +14,8 @@ const TOLERANCE: f64 = 3e-4;
 const DARK: f64 = 1.0 / 255.0 / 12.92;
 /// Share of the tolerance that the glow of lamps may use up: more nodes cost little beside more kernels.
 const GLOW: f64 = 0.25;
+/// Share of clouds of sediment, taken only where it leaves them out.
+const SEDIMENT: f64 = 0.125;
 /// Share of the snow: wider discs cost next to nothing.
 const SNOW: f64 = 0.125;
 /// What f32 may lose where particles lie over one another, for light up to 1: half of it was seen, with thousands on one pixel.
@@ -61,7 +63,8 @@ impl Shares {
             0.0
         };
         let light = lamps.glow_left + lamps.glow_rounding + lamps.shadows_left + surfaces + above;
-        let others = light + path + snow_rounding;
+        let clouds = sediment::drift(given).and_then(|stage| stage.bound);
+        let others = light + path + snow_rounding + clouds.unwrap_or(0.0);
         let left = |whole: f64| ((1.0 - snow) * whole - others).max(LEAST * whole);
         Self {
             tolerance,
@@ -83,7 +86,17 @@ impl Shares {
 /// The error in linear light that the quadrature of the glow of lamps may leave in this frame.
 #[must_use]
 pub fn glow_share(frame: &Frame) -> f64 {
-    GLOW * match frame.fidelity {
+    GLOW * before_water(frame)
+}
+
+/// What clouds of sediment may change at most where they are left out of this frame.
+pub(super) fn sediment_share(frame: &Frame) -> f64 {
+    SEDIMENT * before_water(frame)
+}
+
+/// The tolerance of stages that are decided on before the water is known.
+fn before_water(frame: &Frame) -> f64 {
+    match frame.fidelity {
         Fidelity::Tolerance(tolerance) => tolerance,
         Fidelity::DISPLAY => DARK,
         _ => TOLERANCE,

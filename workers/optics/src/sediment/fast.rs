@@ -2,8 +2,7 @@
 
 use imaging::{Plane, Rgb, cancel};
 
-use super::{Clouds, FAR_M, Murk};
-use crate::range::is_hole;
+use super::{Clouds, Murk, end};
 
 /// Pixels between rays.
 const CELL_PX: usize = 6;
@@ -20,6 +19,8 @@ pub struct Layers {
     nodes: Vec<[f32; 6]>,
     /// Whether any cloud is met.
     is_clear: bool,
+    /// What [`Clouds::most_opacity`] says of them.
+    most_opacity: f64,
 }
 
 const NOTHING: [f32; 6] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
@@ -27,6 +28,10 @@ const NOTHING: [f32; 6] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 /// Follows the rays of a picture through the clouds, up to the farthest of its ranges.
 #[must_use]
 pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
+    let most_opacity = clouds.most_opacity(range);
+    if most_opacity == 0.0 {
+        return Layers::clear();
+    }
     let (width, height) = range.size();
     let ends = range.data().iter().map(|&z| end(z));
     let step = ends.fold(0.0, f64::max).max(1e-3) / SLICES as f64;
@@ -63,19 +68,28 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
         step,
         nodes,
         is_clear,
-    }
-}
-
-/// Up to where a pixel shows clouds, m.
-fn end(range: f32) -> f64 {
-    if is_hole(range) {
-        FAR_M
-    } else {
-        f64::from(range).min(FAR_M)
+        most_opacity,
     }
 }
 
 impl Layers {
+    /// Those of a picture that shows no clouds.
+    fn clear() -> Self {
+        Self {
+            columns: 0,
+            step: 1.0,
+            nodes: Vec::new(),
+            is_clear: true,
+            most_opacity: 0.0,
+        }
+    }
+
+    /// No pixel is hidden more, even between the rays.
+    #[must_use]
+    pub fn most_opacity(&self) -> f64 {
+        self.most_opacity
+    }
+
     /// Lays the clouds over a picture in linear light, in place; returns their opacity in green.
     #[must_use]
     pub fn veil(&self, image: &mut Rgb<f32>, range: &Plane<f32>) -> Plane<f32> {

@@ -2,8 +2,7 @@
 
 use imaging::{Plane, Rgb};
 
-use super::{Clouds, FAR_M, Murk};
-use crate::range::is_hole;
+use super::{Clouds, FAR_M, Murk, end};
 
 /// Steps of the longest ray.
 const STEPS: f64 = 600.0;
@@ -18,8 +17,7 @@ pub fn veil_reference(
 ) -> (Rgb<f64>, Plane<f64>) {
     let (width, height) = image.size();
     let pixel = |x: usize, y: usize| {
-        let range = f64::from(range.pixel(x, y));
-        let end = if is_hole(range) { FAR_M } else { range.min(FAR_M) };
+        let end = end(range.pixel(x, y));
         let ray = clouds.eye.ray(x as f64, y as f64);
         let count = (STEPS * end / FAR_M).ceil().max(1.0);
         let step = end / count;

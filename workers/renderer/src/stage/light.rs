@@ -8,6 +8,7 @@ use optics::daylight;
 use optics::lamp::{self, Airlight, Irradiance, Lamp, Lighting, REFERENCE_NODES, Shadow};
 use optics::plan::{Above, Form, LampLight, SceneStats, glow_share, shadow_share};
 use optics::range::is_hole;
+use optics::sediment::Layers as Clouds;
 use optics::setting::Setting;
 use optics::snow::LitFlake;
 use optics::turbidity;
@@ -16,7 +17,7 @@ use spec::Frame;
 use super::above::{LastTiles, Pattern};
 use super::scene::Prepared;
 use super::snow::{self, Shutter};
-use super::{above, rays};
+use super::{above, rays, sediment};
 use crate::stopwatch::Stopwatch;
 
 /// A scene in its light.
@@ -34,6 +35,8 @@ pub(crate) struct Lit {
     pub(crate) glow: Option<Rgb<f32>>,
     /// What the plan has to know of the light of the lamps.
     pub(crate) lamps: LampLight,
+    /// Clouds of sediment in their light; none without clouds, and where the reference follows its own.
+    pub(crate) clouds: Option<Clouds>,
     /// Particles of snow in their light; none without snow, and where the reference draws its own.
     pub(crate) flakes: Vec<LitFlake>,
     /// Through what those are seen.
@@ -62,6 +65,7 @@ impl Lit {
             patchy: watch.time("turbidity", || path(form, frame, range?, setting)),
             glow: None,
             lamps: LampLight::default(),
+            clouds: None,
             flakes: Vec::new(),
             shutter,
             shines: false,
@@ -84,10 +88,18 @@ impl Lit {
                 }
             });
         }
-        if let (Form::Fast, Some(law), Some(range)) = (form, &setting.snow, range) {
-            lit.flakes = watch.time("snow", || snow::lit(setting, law, range, &shutter));
+        if let (Form::Fast, Some(range)) = (form, range) {
+            watch.time("snow", || lit.suspend(setting, range));
         }
         lit
+    }
+
+    /// Adds clouds and snow.
+    fn suspend(&mut self, setting: &Setting, range: &Plane<f32>) {
+        self.clouds = sediment::layers(setting, range);
+        if let Some(law) = &setting.snow {
+            self.flakes = snow::lit(setting, law, range, &self.shutter, self.clouds.as_ref());
+        }
     }
 
     /// What the camera would see if the water took nothing.

@@ -2,8 +2,9 @@
 
 use imaging::{Plane, Rgb};
 use optics::plan::Form;
-use optics::sediment::{self, Layers, Murk};
+use optics::sediment::{self, Clouds, Layers, Murk};
 use optics::setting::Setting;
+use optics::snow::Surround;
 use serde_json::json;
 use spec::FrameRecord;
 
@@ -14,40 +15,50 @@ use super::snow::surrounded;
 pub(crate) fn layers(setting: &Setting, range: &Plane<f32>) -> Option<Layers> {
     let clouds = setting.sediment.as_ref()?;
     Some(surrounded(setting, range, |surround| {
-        let murk = Murk {
-            attenuation: surround.attenuation,
-            path: surround.path,
-            light: surround.light,
-        };
-        sediment::layers(range, clouds, &murk)
+        sediment::layers(range, clouds, &murk(surround))
     }))
 }
 
-/// Draws the clouds over the picture and returns their opacity; none without clouds or range.
+/// Draws the clouds over the picture and returns their opacity; none without clouds or range, or where the plan
+/// skips them.
 pub(super) fn run(shot: &Shot<'_>, picture: &mut Rgb<f32>, record: &mut FrameRecord) -> Option<Plane<f32>> {
     let (clouds, range) = (
         shot.setting.sediment.as_ref()?,
         shot.prepared.scene.range.as_ref()?,
     );
-    let mask = if Form::asked_by(shot.frame.fidelity) == Form::Reference {
-        let wide = picture.map(|&v| f64::from(v));
-        let (exact, mask) = surrounded(&shot.setting, range, |surround| {
-            let murk = Murk {
-                attenuation: surround.attenuation,
-                path: surround.path,
-                light: surround.light,
-            };
-            sediment::veil_reference(&wide, range, clouds, &murk)
-        });
-        *picture = exact.map(|&v| v as f32);
-        mask.map(|&v| v as f32)
-    } else {
-        layers(&shot.setting, range)?.veil(picture, range)
+    let mask = match shot.plan.sediment.as_ref().map_or(Form::Skip, |stage| stage.form) {
+        Form::Skip => None,
+        Form::Fast => shot.lit.clouds.as_ref().map(|layers| layers.veil(picture, range)),
+        Form::Reference => Some(veil_reference(shot, clouds, range, picture)),
     };
-    let sum: f64 = mask.data().iter().map(|&v| f64::from(v)).sum();
-    let cover = sum / mask.data().len() as f64;
+    let cover = mask.as_ref().map_or(0.0, |mask| {
+        let sum: f64 = mask.data().iter().map(|&v| f64::from(v)).sum();
+        sum / mask.data().len() as f64
+    });
     record
         .optics
         .insert("sediment".to_owned(), json!({"cover": cover}));
-    Some(mask)
+    mask
+}
+
+fn veil_reference(
+    shot: &Shot<'_>,
+    clouds: &Clouds,
+    range: &Plane<f32>,
+    picture: &mut Rgb<f32>,
+) -> Plane<f32> {
+    let wide = picture.map(|&v| f64::from(v));
+    let (exact, mask) = surrounded(&shot.setting, range, |surround| {
+        sediment::veil_reference(&wide, range, clouds, &murk(surround))
+    });
+    *picture = exact.map(|&v| v as f32);
+    mask.map(|&v| v as f32)
+}
+
+fn murk<'a>(surround: &Surround<'a>) -> Murk<'a> {
+    Murk {
+        attenuation: surround.attenuation,
+        path: surround.path,
+        light: surround.light,
+    }
 }

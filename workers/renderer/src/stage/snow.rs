@@ -6,6 +6,7 @@ use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::lamp;
 use optics::plan::Form;
+use optics::sediment::Layers as Clouds;
 use optics::setting::Setting;
 use optics::snow::{self, Flake, LitFlake, Seeing, Surround};
 use serde_json::json;
@@ -70,13 +71,19 @@ fn fall(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Optio
 }
 
 /// The particles in view as they are lit, the farthest first.
-pub(crate) fn lit(setting: &Setting, law: &Snow, range: &Plane<f32>, shutter: &Shutter) -> Vec<LitFlake> {
+pub(crate) fn lit(
+    setting: &Setting,
+    law: &Snow,
+    range: &Plane<f32>,
+    shutter: &Shutter,
+    clouds: Option<&Clouds>,
+) -> Vec<LitFlake> {
     let flakes = shutter.flakes(setting, law, range.size());
     let mut lit = surrounded(setting, range, |surround| {
         snow::lit(&flakes, law.albedo, surround)
     });
     // What is behind a cloud is as faint as the cloud is thick.
-    if let Some(layers) = sediment::layers(setting, range) {
+    if let Some(layers) = clouds {
         for LitFlake { flake, opacity, .. } in &mut lit {
             let clear = layers.clear_to(flake.center, flake.range_m, range.size());
             *opacity = opacity.map(|v| v * clear);
