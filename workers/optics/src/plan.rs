@@ -89,6 +89,8 @@ pub enum StyleStep {
     Skip,
     /// The network.
     Network,
+    /// The network, which looks at the range of each pixel, too.
+    RangeNetwork,
     /// Its color table.
     Table,
 }
@@ -165,6 +167,15 @@ pub struct LampLight {
     pub glow_peak: f64,
 }
 
+/// What a plan has to know of a style model. The default is that of a frame without one.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StyleTraits {
+    /// Largest distance of its color table from its network, 8-bit codes; none without a table.
+    pub table_max_255: Option<f64>,
+    /// Whether it looks at the range of each pixel.
+    pub takes_range: bool,
+}
+
 /// What a plan is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a> {
@@ -182,8 +193,8 @@ pub struct Given<'a> {
     pub cloud_opacity: f64,
     /// The most light that a particle of snow adds to a pixel; 0 without snow.
     pub snow_peak: f64,
-    /// Largest distance of the style's color table from its network, 8-bit codes; none without a table.
-    pub table_max_255: Option<f64>,
+    /// The frame's style.
+    pub style: StyleTraits,
 }
 
 impl Form {

@@ -306,7 +306,7 @@ impl Slot {
         let parts = camera::seen_parts(frame, &prepared, parts)?;
         let shutter = Shutter::new(frame, parts.as_ref(), later);
         let lit = Lit::new(frame, &prepared, &setting, shutter, &mut self.tiles, watch);
-        let table_max_255 = style::table_max_255(frame, &self.networks.engine)?;
+        let style = style::traits(frame, &self.networks.engine)?;
         let plan = watch.time("plan", || {
             Plan::new(&Given {
                 frame,
@@ -316,7 +316,7 @@ impl Slot {
                 lamps: lit.lamps,
                 cloud_opacity: lit.clouds.as_ref().map_or(0.0, Clouds::most_opacity),
                 snow_peak: peak(&lit.flakes),
-                table_max_255,
+                style,
             })
         });
         let taking = camera::taking(frame, &prepared, parts, &mut self.cameras)?;

@@ -1,13 +1,16 @@
 //! One frame through a network on one core.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use imaging::Rgb;
-use style::net::layer::{PARAMETERS, Weights};
+use imaging::{Plane, Rgb};
+use style::net::layer::{PARAMETERS, RANGE_PARAMETERS, Weights};
 use style::net::{Network, Scratch, Table, TableScratch};
 
 fn frames(c: &mut Criterion) {
-    let values = (0..PARAMETERS).map(|i| (i as f32 * 0.37).fract() * 0.2 - 0.1);
-    let network = Network::new(&Weights::new(values.collect()).expect("as many numbers as it has"));
+    let of = |parameters: usize| {
+        let values = (0..parameters).map(|i| (i as f32 * 0.37).fract() * 0.2 - 0.1);
+        Network::new(&Weights::new(values.collect()).expect("as many numbers as it has"))
+    };
+    let (network, ranged) = (of(PARAMETERS), of(RANGE_PARAMETERS));
     let mut scratch = Scratch::default();
     let table = Table::new(&network).expect("a table of a network without range");
     let mut table_scratch = TableScratch::default();
@@ -17,6 +20,10 @@ fn frames(c: &mut Criterion) {
         });
         c.bench_function(&format!("net {width}x{height}"), |b| {
             b.iter(|| network.apply(&frame, None, &mut scratch));
+        });
+        let range = Plane::from_fn(width, height, |x, y| (x + y) as f32 / 3000.0);
+        c.bench_function(&format!("net with range {width}x{height}"), |b| {
+            b.iter(|| ranged.apply(&frame, Some(&range), &mut scratch));
         });
         c.bench_function(&format!("lut {width}x{height}"), |b| {
             b.iter(|| table.apply(&frame, &mut table_scratch));

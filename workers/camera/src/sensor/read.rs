@@ -2,9 +2,10 @@
 
 use imaging::{Plane, Rgb, cancel, vectorized};
 
-use super::noise::{BLOCK, Streams, fill_normals, normal};
+use super::noise::{BLOCK, Elements, Streams, fill_normals, normal};
 use super::pattern::{Fixed, FixedBlock, Pattern, elements};
 use super::{Chance, MOST_COUNTED, POISSON_SWITCH, Raw, Sensor, color_of};
+use crate::elementary::exponential_of_minus;
 
 /// Pixels that are counted together.
 const LANES: usize = 8;
@@ -74,28 +75,8 @@ impl Reader<'_> {
         let fixed = self.pattern.block(&self.streams, place, length, &mut self.drawn);
         vectorized!(collect(&mut *electrons, light, sensor.white_e(), &fixed));
         if sensor.shot {
-            let [least, most] = extremes(electrons);
-            if most >= POISSON_SWITCH {
-                fill_normals(&self.streams.shot_normal, frame, elements, normals);
-                if least < POISSON_SWITCH {
-                    self.streams
-                        .shot
-                        .fill_units(frame, 2 * elements.first, 2 * elements.step, units);
-                    let few = counted(electrons, units);
-                    vectorized!(scatter(&mut *electrons, normals));
-                    let all = electrons.iter_mut().zip(few);
-                    all.for_each(|(electrons, few)| *electrons = few.unwrap_or(*electrons));
-                } else {
-                    vectorized!(scatter(&mut *electrons, normals));
-                }
-            } else {
-                self.streams
-                    .shot
-                    .fill_units(frame, 2 * elements.first, 2 * elements.step, units);
-                let few = counted(electrons, units);
-                let all = electrons.iter_mut().zip(few);
-                all.for_each(|(electrons, few)| *electrons = few.unwrap_or(*electrons));
-            }
+            let buffers = [&mut *electrons, &mut *normals, &mut *units];
+            arrive(&self.streams, frame, elements, buffers);
         }
         if sensor.read_noise_e > 0.0 {
             fill_normals(&self.streams.read, frame, elements, normals);
@@ -124,6 +105,22 @@ fn collect(electrons: &mut [f64], light: &[f32], white_e: f64, fixed: &FixedBloc
     }
 }
 
+/// Makes whole electrons of means, in place; the other two are room for random numbers.
+fn arrive(streams: &Streams, frame: u64, elements: Elements, [electrons, normals, units]: [&mut [f64]; 3]) {
+    let [least, most] = extremes(electrons);
+    let mut buffer = [0.0; BLOCK];
+    let means = &mut buffer[..electrons.len()];
+    means.copy_from_slice(electrons);
+    if most >= POISSON_SWITCH {
+        fill_normals(&streams.shot_normal, frame, elements, normals);
+        vectorized!(scatter(&mut *electrons, normals));
+    }
+    if least < POISSON_SWITCH {
+        (streams.shot).fill_units(frame, 2 * elements.first, 2 * elements.step, units);
+        vectorized!(count(&mut *electrons, means, units));
+    }
+}
+
 /// Least and greatest value.
 fn extremes(values: &[f64]) -> [f64; 2] {
     let (mut least, mut most) = ([f64::INFINITY; LANES], [0.0; LANES]);
@@ -148,28 +145,31 @@ fn scatter(electrons: &mut [f64], normals: &[f64]) {
     }
 }
 
-/// Whole electrons where few are expected, by the sum of Poisson's probabilities; none elsewhere.
-fn counted(means: &[f64], units: &[f64]) -> Vec<Option<f64>> {
-    let mut counts = Vec::with_capacity(means.len());
-    for (means, units) in means.chunks(LANES).zip(units.chunks(LANES)) {
+/// Whole electrons where few are expected, by the sum of Poisson's probabilities; the others stay as they are.
+#[inline(always)]
+fn count(electrons: &mut [f64], means: &[f64], units: &[f64]) {
+    let blocks = means.chunks(LANES).zip(units.chunks(LANES));
+    for (electrons, (means, units)) in electrons.chunks_mut(LANES).zip(blocks) {
+        // A lane without few electrons stops at once.
         let (mut mean, mut unit) = ([0.0; LANES], [-1.0; LANES]);
         for (lane, (&of, &with)) in means.iter().zip(units).enumerate() {
             if of < POISSON_SWITCH {
                 (mean[lane], unit[lane]) = (of, with);
             }
         }
-        let mut found = [0.0; LANES];
-        let mut probability = mean.map(|mean| libm::exp(-mean));
-        vectorized!(count(&mean, &unit, &mut probability, &mut found));
-        let few = means.iter().zip(found);
-        counts.extend(few.map(|(&mean, found)| (mean < POISSON_SWITCH).then_some(found)));
+        let found = count_lanes(&mean, &unit);
+        for ((electrons, &mean), found) in electrons.iter_mut().zip(means).zip(found) {
+            if mean < POISSON_SWITCH {
+                *electrons = found;
+            }
+        }
     }
-    counts
 }
 
 #[inline(always)]
-fn count(mean: &[f64; LANES], unit: &[f64; LANES], probability: &mut [f64; LANES], found: &mut [f64; LANES]) {
-    let mut sum = [0.0; LANES];
+fn count_lanes(mean: &[f64; LANES], unit: &[f64; LANES]) -> [f64; LANES] {
+    let mut probability = mean.map(exponential_of_minus);
+    let (mut sum, mut found) = ([0.0; LANES], [0.0; LANES]);
     for k in 1..=MOST_COUNTED {
         let per_k = 1.0 / k as f64;
         let mut open = 0.0;
@@ -181,9 +181,10 @@ fn count(mean: &[f64; LANES], unit: &[f64; LANES], probability: &mut [f64; LANES
             probability[lane] *= mean[lane] * per_k;
         }
         if open == 0.0 {
-            return;
+            break;
         }
     }
+    found
 }
 
 /// Electrons with their noise as codes.

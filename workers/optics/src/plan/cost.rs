@@ -35,11 +35,13 @@ const PATCHES_NS: f64 = 6.0;
 const WAY_NS: f64 = 60.0;
 const GLOW_WAYS: f64 = 5.0;
 const FIRST_PLACES: usize = 5;
-/// Clouds of sediment without a lamp, and what each lamp costs in them.
-const SEDIMENT_NS: f64 = 100.0;
-const LIT_SEDIMENT_NS: f64 = 50.0;
+/// Clouds of sediment without a lamp, and what each lamp costs in them: the rays through them, of which half are empty in the mean.
+const SEDIMENT_NS: f64 = 150.0;
+const LIT_SEDIMENT_NS: f64 = 5.0;
 const SNOW_NS: f64 = 19.6;
 const NETWORK_NS: f64 = 10.8;
+/// What the range of each pixel adds to that: its fading, and the layers that look at it.
+const RANGE_NS: f64 = 4.2;
 const TABLE_NS: f64 = 4.2;
 /// Each light.
 const HAZE_NS: f64 = 5.0;
@@ -174,6 +176,7 @@ impl Plan {
             match self.style.form {
                 StyleStep::Skip => 0.0,
                 StyleStep::Network => NETWORK_NS * pixels,
+                StyleStep::RangeNetwork => (NETWORK_NS + RANGE_NS) * pixels,
                 StyleStep::Table => TABLE_NS * pixels,
             },
             of(self.haze.form, HAZE_NS * lights),

@@ -216,7 +216,7 @@ fn occlusion(step: &Stage<GateStep>) -> Line {
 fn style(step: &Stage<StyleStep>) -> Line {
     let (variant, note) = match step.form {
         StyleStep::Skip => ("skip", None),
-        StyleStep::Network => (
+        StyleStep::Network | StyleStep::RangeNetwork => (
             "network",
             Some("its gain is not known: the bounds hold up to its input"),
         ),

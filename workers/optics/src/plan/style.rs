@@ -10,13 +10,13 @@ const STEEPEST: f64 = 2.4 / 1.055;
 
 /// The network of a style, or its color table where it is asked for, or within the tolerance of the network.
 pub(super) fn choose(given: &Given<'_>) -> Stage<StyleStep> {
-    let Given {
-        frame, table_max_255, ..
-    } = *given;
+    let Given { frame, style, .. } = *given;
     if frame.water.style.is_none() || frame.alpha <= 0.0 {
         return Stage::exact(StyleStep::Skip);
     }
-    let distance = table_max_255.map(|max| frame.alpha * (STEEPEST * max / 255.0));
+    let distance = style
+        .table_max_255
+        .map(|max| frame.alpha * (STEEPEST * max / 255.0));
     let share = match frame.fidelity {
         Fidelity::Tolerance(tolerance) => Some(tolerance),
         _ => None,
@@ -32,6 +32,8 @@ pub(super) fn choose(given: &Given<'_>) -> Stage<StyleStep> {
     Stage {
         form: if takes_table {
             StyleStep::Table
+        } else if style.takes_range {
+            StyleStep::RangeNetwork
         } else {
             StyleStep::Network
         },

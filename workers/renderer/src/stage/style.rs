@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use imaging::{Rgb, transfer};
-use optics::plan::StyleStep;
+use optics::plan::{StyleStep, StyleTraits};
 use spec::{Frame, FrameRecord};
 use style::{Beside, RANGE_SCALE_M, Session, StyleError, StyleModel};
 
@@ -92,12 +92,16 @@ impl Networks {
     }
 }
 
-/// Largest difference of the color table of a frame's style from its network, 8-bit codes; none without style or table.
-pub(crate) fn table_max_255(frame: &Frame, engine: &Engine) -> Result<Option<f64>, RenderError> {
+/// What the plan has to know of a frame's style.
+pub(crate) fn traits(frame: &Frame, engine: &Engine) -> Result<StyleTraits, RenderError> {
     let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {
-        return Ok(None);
+        return Ok(StyleTraits::default());
     };
-    Ok(find(name, engine)?.card.table.map(|table| table.max_255))
+    let model = find(name, engine)?;
+    Ok(StyleTraits {
+        table_max_255: model.card.table.map(|table| table.max_255),
+        takes_range: model.card.takes_range,
+    })
 }
 
 fn find(name: &str, engine: &Engine) -> Result<Arc<StyleModel>, RenderError> {

@@ -1,5 +1,6 @@
 //! When the style network runs, and what happens where it cannot.
 
+use renderer::{SceneSource, Slot};
 use serde_json::json;
 
 use crate::common::{Files, WIDTH, engine, engine_without_runtime, file, try_render};
@@ -135,4 +136,21 @@ fn apart(one: &[u8], other: &[u8]) -> u64 {
         .zip(other)
         .map(|(&a, &b)| u64::from(a.abs_diff(b)))
         .sum()
+}
+
+#[test]
+fn a_style_that_looks_at_the_range_is_expected_to_cost_more() {
+    let files = Files::new();
+    let cost = |style: &str| {
+        let job = files.job(&json!({"water": {"style": style}}));
+        let plan = Slot::new(&engine_without_runtime())
+            .plan(&job.resolve(0).unwrap(), &SceneSource::Local)
+            .unwrap();
+        let lines = plan.lines();
+        let line = lines.into_iter().find(|line| line.stage == "style").unwrap();
+        assert_eq!(line.variant, "network");
+        line.cost_ms.unwrap()
+    };
+    let (plain, ranged) = (cost("atlantic"), cost("atlantic-range"));
+    assert!(ranged > plain && plain > 0.0, "{ranged} against {plain}");
 }
