@@ -3,7 +3,7 @@
 use renderer::{SceneSource, Slot};
 use serde_json::json;
 
-use crate::common::{Files, WIDTH, engine, engine_without_runtime, file, try_render};
+use crate::common::{Files, WIDTH, engine, engine_without_runtime, file, parse, try_render};
 
 #[test]
 fn without_the_runtime_a_style_of_another_form_fails_for_good_and_says_what_to_run() {
@@ -140,9 +140,11 @@ fn apart(one: &[u8], other: &[u8]) -> u64 {
 
 #[test]
 fn a_style_that_looks_at_the_range_is_expected_to_cost_more() {
-    let files = Files::new();
     let cost = |style: &str| {
-        let job = files.job(&json!({"water": {"style": style}}));
+        let job = parse(
+            &json!({"scene": {"kind": "procedural", "family": "structure"}, "metrics": [],
+                                "camera": {"width": 400, "height": 300}, "water": {"style": style}}),
+        );
         let plan = Slot::new(&engine_without_runtime())
             .plan(&job.resolve(0).unwrap(), &SceneSource::Local)
             .unwrap();
