@@ -32,6 +32,7 @@ pub use scatter::MOST_TERMS;
 pub use shadows::{Shadows, shadow_share};
 pub use shares::glow_share;
 pub use stats::{RangeBin, SceneStats};
+pub use style::StyleTraits;
 
 use spec::{Fidelity, Frame, Haze};
 
@@ -165,15 +166,6 @@ pub struct LampLight {
     pub glow_rounding: f64,
     /// The largest glow of a pixel.
     pub glow_peak: f64,
-}
-
-/// What a plan has to know of a style model. The default is that of a frame without one.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct StyleTraits {
-    /// Largest distance of its color table from its network, 8-bit codes; none without a table.
-    pub table_max_255: Option<f64>,
-    /// Whether it looks at the range of each pixel.
-    pub takes_range: bool,
 }
 
 /// What a plan is made from.

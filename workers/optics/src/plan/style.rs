@@ -8,6 +8,15 @@ use super::{Given, Stage, StyleStep};
 /// light at most.
 const STEEPEST: f64 = 2.4 / 1.055;
 
+/// What a plan has to know of a style model. The default is that of a frame without one.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StyleTraits {
+    /// Largest distance of its color table from its network, 8-bit codes; none without a table.
+    pub table_max_255: Option<f64>,
+    /// Whether it looks at the range of each pixel.
+    pub takes_range: bool,
+}
+
 /// The network of a style, or its color table where it is asked for, or within the tolerance of the network.
 pub(super) fn choose(given: &Given<'_>) -> Stage<StyleStep> {
     let Given { frame, style, .. } = *given;
