@@ -16,6 +16,8 @@ pub const LEVELS: usize = 8;
 pub const SHARP_PX: f64 = 0.25;
 /// Largest radius in pixels: more light than that of a disc of 129 pixels is beyond what a gather of this kind is for.
 pub const MOST_PX: f64 = 64.0;
+/// Columns that are summed together.
+const COLUMNS: usize = 32;
 /// Points of a pixel along a side.
 const POINTS: usize = 8;
 
@@ -273,17 +275,33 @@ fn join(pair: &mut [f32], above: &[f32], below: &[f32]) {
 
 #[inline(always)]
 fn weigh(sums: &mut [f32], rows: &[f32], weights: &[f64], margin: usize) {
+    let rest = sums.len() % COLUMNS;
+    let whole = sums.len() - rest;
+    let (blocks, last) = sums.split_at_mut(whole);
+    for (block, sums) in blocks.chunks_exact_mut(COLUMNS).enumerate() {
+        // As many as registers hold: a sum is read and written once for a row of the disc.
+        let mut own = [0.0; COLUMNS];
+        own.copy_from_slice(sums);
+        weigh_block(&mut own, rows, weights, margin + block * COLUMNS);
+        sums.copy_from_slice(&own);
+    }
+    weigh_block(last, rows, weights, margin + whole);
+}
+
+/// Adds the weighted columns on both sides of some, of which the first is at `middle` of the rows.
+#[inline(always)]
+fn weigh_block(sums: &mut [f32], rows: &[f32], weights: &[f64], middle: usize) {
     let length = sums.len();
     for (dx, &weight) in weights.iter().enumerate() {
         let weight = weight as f32;
-        let left = &rows[margin - dx..][..length];
+        let left = &rows[middle - dx..][..length];
         if dx == 0 {
             for (sum, left) in sums.iter_mut().zip(left) {
                 *sum += weight * left;
             }
             continue;
         }
-        let right = &rows[margin + dx..][..length];
+        let right = &rows[middle + dx..][..length];
         for ((sum, left), right) in sums.iter_mut().zip(left).zip(right) {
             *sum += weight * (left + right);
         }
