@@ -26,6 +26,7 @@ mod reference;
 mod shadow;
 mod sight;
 mod surface;
+mod tiles;
 
 pub use airlight::{Airlight, airlight, airlight_with_nodes, shaded_airlight};
 pub use nodes::MOST_NODES;

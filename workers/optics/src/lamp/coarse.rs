@@ -2,6 +2,7 @@
 
 use imaging::Plane;
 
+use super::tiles::{TILE, in_tiles};
 use crate::range::is_hole;
 
 /// Surfaces whose ranges differ by less than this factor are taken to be one.
@@ -39,11 +40,12 @@ impl Grid {
         (row * self.step).min(self.size.1 - 1) * self.size.0 + x
     }
 
-    /// The pixels of the nodes, row by row.
-    fn pixels(&self) -> Vec<usize> {
-        let row = |row| (0..self.columns).map(move |column| (column, row));
-        let places = (0..self.rows).flat_map(row);
-        places.map(|(column, row)| self.pixel(column, row)).collect()
+    /// The nodes tile by tile, each with its pixel.
+    fn nodes(&self) -> (Vec<usize>, Vec<usize>) {
+        let places = in_tiles(self.columns, self.rows);
+        places
+            .map(|(column, row)| (row * self.columns + column, self.pixel(column, row)))
+            .unzip()
     }
 
     fn cell(&self, x: usize, y: usize) -> Cell {
@@ -65,8 +67,9 @@ impl Grid {
     }
 }
 
-/// The values of all pixels: `exact` gives those of a list of pixels, in its order. Between the nodes they are read linearly where
-/// the surface is one and `may_read` agrees, given a pixel and the values around it. Pixels that are not `wanted` are 1.
+/// The values of all pixels: `exact` gives those of a list of pixels, in its order; the lists go tile by tile. Between the nodes they are
+/// read linearly where the surface is one and `may_read` agrees, given a pixel and the values around it. Pixels that are not `wanted`
+/// are 1.
 pub(super) fn fill<const N: usize>(
     range: &Plane<f32>,
     step: usize,
@@ -77,15 +80,19 @@ pub(super) fn fill<const N: usize>(
     let (width, height) = range.size();
     let grid = Grid::new((width, height), step);
     let mut all = vec![[1.0f32; N]; width * height];
-    let mut nodes = Vec::new();
-    exact(&grid.pixels(), &mut nodes);
+    let (numbers, pixels) = grid.nodes();
     let (mut own, mut values) = (Vec::new(), Vec::new());
-    for y in 0..height {
+    exact(&pixels, &mut values);
+    let mut nodes = vec![[1.0f32; N]; numbers.len()];
+    for (&node, value) in numbers.iter().zip(&values) {
+        nodes[node] = *value;
+    }
+    for top in (0..height).step_by(TILE) {
         own.clear();
-        for x in 0..width {
-            let at = y * width + x;
+        in_tiles(width, TILE.min(height - top)).for_each(|(x, y)| {
+            let (y, at) = (top + y, (top + y) * width + x);
             if !wanted(at) {
-                continue;
+                return;
             }
             let cell = grid.cell(x, y);
             let around = cell.nodes.map(|node| nodes[node]);
@@ -99,7 +106,7 @@ pub(super) fn fill<const N: usize>(
             } else {
                 own.push(at);
             }
-        }
+        });
         exact(&own, &mut values);
         for (&at, value) in own.iter().zip(&values) {
             all[at] = *value;

@@ -1,6 +1,7 @@
 //! How much of a lamp is seen from many places at once, in f32.
 
 use imaging::rays::{Rays, Ways};
+use imaging::vectorized;
 
 use super::shadow::on_unit_disc;
 
@@ -14,6 +15,49 @@ pub(super) struct Sight<'a> {
     ways: Ways,
     clear: Vec<bool>,
     undecided: Vec<usize>,
+}
+
+/// Places that are looked from, off the surfaces there: the coordinates of one axis after the other.
+#[derive(Default)]
+pub(super) struct Starts {
+    axes: [Vec<f32>; 3],
+}
+
+impl Starts {
+    pub(super) fn clear(&mut self) {
+        self.axes.iter_mut().for_each(Vec::clear);
+    }
+
+    pub(super) fn push(&mut self, place: [f32; 3]) {
+        self.axes.iter_mut().zip(place).for_each(|(axis, v)| axis.push(v));
+    }
+
+    /// The lanes of so many places, to be written.
+    pub(super) fn sized(&mut self, count: usize) -> [&mut [f32]; 3] {
+        self.axes.each_mut().map(|axis| {
+            axis.resize(count, 0.0);
+            &mut axis[..count]
+        })
+    }
+
+    pub(super) fn truncate(&mut self, count: usize) {
+        self.axes.iter_mut().for_each(|axis| axis.truncate(count));
+    }
+
+    pub(super) fn place(&self, i: usize) -> [f32; 3] {
+        self.axes.each_ref().map(|axis| axis[i])
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.axes[0].len()
+    }
+}
+
+/// The radius of the disc of each start, m.
+#[derive(Clone, Copy)]
+pub(super) enum Radius<'a> {
+    Same(f32),
+    Of(&'a [f32]),
 }
 
 /// A disc about a lamp, across the way to it: its places in units of its radius, outermost first.
@@ -46,17 +90,20 @@ impl<'a> Sight<'a> {
     /// Sets for each start which share of a disc about `middle` is seen from it; `radius_m` is that of the disc for each start.
     pub(super) fn shares(
         &mut self,
-        starts: &[[f32; 3]],
+        starts: &Starts,
         middle: [f32; 3],
-        (disc, radius_m): (&Disc, impl Fn(usize) -> f32),
+        (disc, radius_m): (&Disc, Radius<'_>),
         shares: &mut Vec<f32>,
     ) {
         let first = FIRST.min(disc.places.len());
         let (rim, rest) = disc.places.split_at(first);
-        let all = |start: usize| (start, starts[start]);
         shares.clear();
         shares.resize(starts.len(), 0.0);
-        self.count((0..starts.len()).map(all), middle, rim, &radius_m, shares);
+        self.begin(|axis, from| from.extend_from_slice(&starts.axes[axis]));
+        for &place in rim {
+            self.turn(place, middle, radius_m);
+            vectorized!(count(&self.clear, shares));
+        }
         if rest.is_empty() {
             let unit = 1.0 / first as f32;
             shares.iter_mut().for_each(|share| *share *= unit);
@@ -66,43 +113,51 @@ impl<'a> Sight<'a> {
         let mut undecided = std::mem::take(&mut self.undecided);
         undecided.clear();
         undecided.extend((0..starts.len()).filter(|&i| shares[i] > 0.0 && shares[i] < whole));
-        self.count(
-            undecided.iter().map(|&start| all(start)),
-            middle,
-            rest,
-            &radius_m,
-            shares,
-        );
-        let mut is_open = undecided.iter().copied().peekable();
+        let of = |lane: &[f32]| undecided.iter().map(|&i| lane[i]).collect::<Vec<_>>();
+        let radii = match radius_m {
+            Radius::Of(radii) => of(radii),
+            Radius::Same(_) => Vec::new(),
+        };
+        let radius_m = match radius_m {
+            Radius::Of(_) => Radius::Of(&radii),
+            same => same,
+        };
+        let mut more = vec![0.0f32; undecided.len()];
+        self.begin(|axis, from| from.extend(undecided.iter().map(|&i| starts.axes[axis][i])));
+        for &place in rest {
+            self.turn(place, middle, radius_m);
+            vectorized!(count(&self.clear, &mut more));
+        }
+        let mut is_open = undecided.iter().zip(&more).peekable();
         for (i, share) in shares.iter_mut().enumerate() {
-            *share *= match is_open.next_if_eq(&i) {
-                Some(_) => 1.0 / disc.places.len() as f32,
-                None => 1.0 / whole,
+            *share = match is_open.next_if(|(at, _)| **at == i) {
+                Some((_, more)) => (*share + more) * (1.0 / disc.places.len() as f32),
+                None => *share * (1.0 / whole),
             };
         }
         self.undecided = undecided;
     }
 
-    /// Adds to the share of each start how many of these places are seen from it.
-    fn count(
-        &mut self,
-        starts: impl Iterator<Item = (usize, [f32; 3])> + Clone,
-        middle: [f32; 3],
-        places: &[[f32; 2]],
-        radius_m: &impl Fn(usize) -> f32,
-        shares: &mut [f32],
-    ) {
-        // Ways to the same place of the disc, from neighbors, lie beside each other.
-        for &place in places {
-            self.ways.clear();
-            for (i, start) in starts.clone() {
-                self.ways.push(start, across(start, middle, place, radius_m(i)));
-            }
-            self.look();
-            for ((i, _), clear) in starts.clone().zip(&self.clear) {
-                shares[i] += f32::from(u8::from(*clear));
-            }
+    /// Begins ways to several places each: `fill` gives where they begin, axis by axis.
+    fn begin(&mut self, fill: impl Fn(usize, &mut Vec<f32>)) {
+        self.ways.clear();
+        for (axis, from) in self.ways.from.iter_mut().enumerate() {
+            fill(axis, from);
         }
+        let count = self.ways.len();
+        self.ways.to.iter_mut().for_each(|axis| axis.resize(count, 0.0));
+    }
+
+    /// Ends all ways at this place of the disc of each, and looks along them.
+    fn turn(&mut self, place: [f32; 2], middle: [f32; 3], radius_m: Radius<'_>) {
+        let Ways { from, to } = &mut self.ways;
+        let from = from.each_ref().map(Vec::as_slice);
+        match radius_m {
+            Radius::Same(0.0) => to.iter_mut().zip(middle).for_each(|(axis, v)| axis.fill(v)),
+            Radius::Same(radius_m) => vectorized!(ends(from, to, middle, place, |_| radius_m)),
+            Radius::Of(radii) => vectorized!(ends(from, to, middle, place, |i| radii[i])),
+        }
+        self.look();
     }
 
     /// Sets for each way whether it is clear.
@@ -120,15 +175,40 @@ impl<'a> Sight<'a> {
     }
 }
 
+#[inline(always)]
+fn count(clear: &[bool], shares: &mut [f32]) {
+    for (share, clear) in shares.iter_mut().zip(clear) {
+        *share += f32::from(u8::from(*clear));
+    }
+}
+
+/// [`across`] of many starts.
+#[inline(always)]
+fn ends(
+    [x, y, z]: [&[f32]; 3],
+    to: &mut [Vec<f32>; 3],
+    middle: [f32; 3],
+    place: [f32; 2],
+    radius_m: impl Fn(usize) -> f32,
+) {
+    let count = x.len();
+    let (y, z) = (&y[..count], &z[..count]);
+    let [to_x, to_y, to_z] = to.each_mut().map(|lane| &mut lane[..count]);
+    for i in 0..count {
+        [to_x[i], to_y[i], to_z[i]] = across([x[i], y[i], z[i]], middle, place, radius_m(i));
+    }
+}
+
 /// A place in units of the radius on a disc about `middle`, across the way to it from `start`: as
 /// [`disc_place`](super::shadow::disc_place).
+#[inline(always)]
 pub(super) fn across(start: [f32; 3], middle: [f32; 3], [u, v]: [f32; 2], radius_m: f32) -> [f32; 3] {
     let way = [0, 1, 2].map(|i| middle[i] - start[i]);
-    let meters = way.iter().map(|v| v * v).sum::<f32>().sqrt();
-    if radius_m == 0.0 || meters == 0.0 {
-        return middle;
-    }
-    let [x, y, z] = way.map(|v| v / meters);
+    let meters = (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
+    // At the lamp itself no way leads anywhere: any direction will do.
+    let length = if meters == 0.0 { 1.0 } else { meters };
+    let radius_m = if meters == 0.0 { 0.0 } else { radius_m };
+    let [x, y, z] = way.map(|v| v / length);
     let sign = if z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + z);
     let b = x * y * a;
@@ -164,12 +244,22 @@ mod tests {
             let disc = Disc::new(count);
             let mut sight = Sight::new(&Half);
             let (middle, radius_m) = ([0.0, 0.5, 0.25], if count == 1 { 0.0 } else { 0.5 });
-            let starts: Vec<[f32; 3]> = (0..40)
+            let places: Vec<[f32; 3]> = (0..40)
                 .map(|i| [-0.01 - 0.03 * i as f32, 0.1 * i as f32 - 2.0, 3.0])
                 .collect();
-            let mut shares = Vec::new();
-            sight.shares(&starts, middle, (&disc, |_| radius_m as f32), &mut shares);
-            for (start, share) in starts.iter().zip(&shares) {
+            let mut starts = Starts::default();
+            places.iter().for_each(|place| starts.push(*place));
+            let (mut shares, mut each) = (Vec::new(), Vec::new());
+            let radii = vec![radius_m as f32; starts.len()];
+            sight.shares(
+                &starts,
+                middle,
+                (&disc, Radius::Same(radius_m as f32)),
+                &mut shares,
+            );
+            sight.shares(&starts, middle, (&disc, Radius::Of(&radii)), &mut each);
+            assert_eq!(shares, each);
+            for (start, share) in places.iter().zip(&shares) {
                 let begin = imaging::rays::Start {
                     origin: start.map(f64::from),
                     from: 1e-5,

@@ -3,11 +3,14 @@
 mod joined;
 mod shade;
 
+use std::ops::Range;
+
 use imaging::rays::Rays;
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
 use super::beam::Profile;
+use super::tiles::TILE;
 use super::{Lamp, Lighting};
 use crate::attenuation::masked;
 use crate::elementary::{HALVINGS, fade};
@@ -69,7 +72,6 @@ fn shine_on(
         .map(|lamp| Rounding::new(lamp, lighting, range))
         .collect();
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
-    let mut places = [(); 5].map(|()| vec![0.0f32; width]);
     let mut murk = vec![1.0f32; width];
     let mut shades: Vec<Option<Shade>> = (lighting.lamps.iter())
         .map(|lamp| Shade::new(lamp, lighting, (range, normals), rays?))
@@ -77,46 +79,56 @@ fn shine_on(
     let mut blurs: Vec<Option<Blur>> = (lighting.lamps.iter())
         .map(|lamp| Blur::new(lamp, lighting, width))
         .collect();
+    // Shadows are looked for from a few rows at once.
+    let rows = if shades.iter().all(Option::is_none) {
+        1
+    } else {
+        TILE
+    };
+    let mut places = [(); 5].map(|()| vec![0.0f32; width * rows]);
     let [mut near, mut seen] = [(); 2].map(|()| vec![0.0f32; width]);
     let mut rounding = 0.0f64;
     for y in 0..height {
-        vectorized!(places_of(lens, y as f32, range.row(y), &mut places));
-        let row = Row {
-            places: places.each_ref().map(Vec::as_slice),
-            normals: normals.each_ref().map(|plane| plane.row(y)),
-            attenuation,
-            radius,
-        };
-        let mut lost = 0.0;
-        for (((lamp, limit), shade), blur) in sources.iter().zip(&limits).zip(&mut shades).zip(&mut blurs) {
-            if let Some(shade) = shade {
-                shade.look(row);
+        let row = y % rows;
+        if row == 0 {
+            let count = rows.min(height - y);
+            for row in 0..count {
+                let mut to = places
+                    .each_mut()
+                    .map(|lane| &mut lane[row * width..(row + 1) * width]);
+                vectorized!(places_of(lens, (y + row) as f32, range.row(y + row), &mut to));
             }
+            let all = Row::new(
+                (&places, 0..count * width),
+                (normals, y * width),
+                (attenuation, radius),
+            );
+            shades.iter_mut().flatten().for_each(|shade| shade.look(all));
+        }
+        let (own, at) = (row * width..(row + 1) * width, y * width);
+        let own = Row::new((&places, own), (normals, at), (attenuation, radius));
+        let mut lost = 0.0;
+        for (((lamp, limit), shade), blur) in sources.iter().zip(&limits).zip(&shades).zip(&mut blurs) {
+            let shade = shade.as_ref().map(|shade| shade.of_row(y, row));
             if let Some(patches) = &patches {
-                vectorized!(murk_of(patches, y, range.row(y), (row, lamp.place), &mut murk));
+                vectorized!(murk_of(patches, y, range.row(y), (own, lamp.place), &mut murk));
             }
             if let (Some(blur), Some(water)) = (&mut *blur, joined) {
-                blur.look(row, *lamp, water, &murk);
+                blur.look(own, *lamp, water, &murk);
             }
             let blur = blur.as_ref().map(Blur::lanes);
             let [red, green, blue] = [&mut red, &mut green, &mut blue].map(|plane| plane.row_mut(y));
             let mut to: [&mut [f32]; 5] = [red, green, blue, &mut near, &mut seen];
             match (joined, shade) {
-                (None, None) => vectorized!(shine::<false>(row, *lamp, &murk, &[], reborrow(&mut to))),
+                (None, None) => vectorized!(shine::<false>(own, *lamp, &murk, &[], reborrow(&mut to))),
                 (None, Some(shade)) => {
-                    vectorized!(shine::<true>(row, *lamp, &murk, shade.seen(), reborrow(&mut to)))
+                    vectorized!(shine::<true>(own, *lamp, &murk, shade.direct, reborrow(&mut to)));
                 }
                 (Some(water), None) => {
-                    joined::shine_unshaded(row, *lamp, water, (&murk, blur), reborrow(&mut to));
+                    joined::shine_unshaded(own, *lamp, water, (&murk, blur), reborrow(&mut to));
                 }
                 (Some(water), Some(shade)) => {
-                    joined::shine_shaded(
-                        row,
-                        *lamp,
-                        water,
-                        (&murk, shade.of_row(y), blur),
-                        reborrow(&mut to),
-                    );
+                    joined::shine_shaded(own, *lamp, water, (&murk, shade, blur), reborrow(&mut to));
                 }
             }
             lost += limit.within(greatest(&near), greatest(&seen));
@@ -232,7 +244,7 @@ impl Rounding {
 /// Error of a cosine to the axis of a spot, for a surface as far from the lamp as from the camera.
 const EDGE: f32 = 2e-6;
 
-/// What the lamps meet in a row.
+/// What the lamps meet in a row, or in a few rows one after the other.
 #[derive(Clone, Copy)]
 struct Row<'a> {
     /// Where the surfaces are in camera axes, how far from the camera, and 1, or 0 at a hole.
@@ -241,6 +253,23 @@ struct Row<'a> {
     /// Halvings per meter.
     attenuation: [f32; 3],
     radius: f32,
+}
+
+impl<'a> Row<'a> {
+    /// These of some places, with the normals of the frame from a pixel on.
+    fn new(
+        (places, own): (&'a [Vec<f32>; 5], Range<usize>),
+        (normals, at): (&'a [Plane<f32>; 3], usize),
+        (attenuation, radius): ([f32; 3], f32),
+    ) -> Self {
+        let count = own.len();
+        Self {
+            places: places.each_ref().map(|lane| &lane[own.clone()]),
+            normals: normals.each_ref().map(|plane| &plane.data()[at..at + count]),
+            attenuation,
+            radius,
+        }
+    }
 }
 
 /// A lamp in f32.
@@ -263,7 +292,7 @@ impl Source {
 }
 
 #[inline(always)]
-fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [Vec<f32>; 5]) {
+fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [&mut [f32]; 5]) {
     let width = range.len();
     let [px, py, pz, meters, shown] = to.each_mut().map(|lane| &mut lane[..width]);
     let v = (y - cy) * inverse_focal;

@@ -162,7 +162,13 @@ impl<'a> Lights<'a> {
                 let place = on_unit_disc(shared_place(node, places), places).map(|v| v as f32);
                 for (i, &along) in along.iter().enumerate().take(count) {
                     let from = [rays.right[i], rays.down[i], rays.ahead[i]].map(|v| v * along);
-                    ways.push(from, across(from, middle, place, radius_m as f32));
+                    // A point has no disc to be found the places of.
+                    let to = if radius_m == 0.0 {
+                        middle
+                    } else {
+                        across(from, middle, place, radius_m as f32)
+                    };
+                    ways.push(from, to);
                 }
             }
         });
