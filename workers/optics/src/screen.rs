@@ -3,6 +3,11 @@
 //! It must fail where the picture shows nothing: surfaces beside it or behind others do not exist, undersides are guesses, and a thing is
 //! as thick as 5 cm and 5 % of its range. A hole is never met.
 
+mod extent;
+#[cfg(test)]
+mod tests;
+mod trail;
+
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use imaging::rays::{Hit, Rays};
@@ -10,6 +15,8 @@ use imaging::vector::{DVec3, Vector};
 
 use crate::lamp::normals_of;
 use crate::range::is_hole;
+use extent::{Extent, Square};
+use trail::Trail;
 
 /// Samples of a cell of which one is farther by more than this factor lie on both sides of an edge.
 const EDGE: f64 = 1.25;
@@ -22,6 +29,11 @@ const STEPS: f64 = 2.0;
 const BISECTIONS: usize = 8;
 /// A surface is met where a ray is behind it by more than this share of its depth.
 const ROUNDING: f64 = 1e-6;
+/// As thick as a surface is: so many meters, and this share of its range.
+const THICK_M: f64 = 0.05;
+const THICK: f64 = 0.05;
+/// What is behind all surfaces of a part of the picture is so by this share more: places along a ray are known to 1e-8 of their depth.
+const SURELY: f64 = 1e-6;
 
 /// A range image with its camera.
 pub struct Screen {
@@ -29,24 +41,22 @@ pub struct Screen {
     /// 1/z of each pixel, which is linear over a plane; NaN at holes.
     inverse: Plane<f64>,
     normals: [Plane<f32>; 3],
-}
-
-/// A piece of a ray as it lies in the picture.
-struct Trail {
-    origin: DVec3,
-    direction: DVec3,
-    /// Distances along the ray at which it begins and ends.
-    ends: [f64; 2],
-    /// Columns and rows there.
-    places: [[f64; 2]; 2],
-    /// 1/z there.
-    inverse: [f64; 2],
+    /// By which rays skip what they cannot meet; none in the reference.
+    extent: Option<Extent>,
 }
 
 impl Screen {
-    /// The scene of a range image in meters along the ray.
+    /// The scene of a range image in meters along the ray. It meets what [`Screen::reference`] meets, at the same places.
     #[must_use]
     pub fn new(range: &Plane<f32>, camera: Intrinsics) -> Self {
+        let plain = Self::reference(range, camera);
+        let extent = Some(Extent::new(&plain.inverse));
+        Self { extent, ..plain }
+    }
+
+    /// The same scene, in which every step of every ray is looked at.
+    #[must_use]
+    pub fn reference(range: &Plane<f32>, camera: Intrinsics) -> Self {
         let inverse = Plane::from_fn(range.width(), range.height(), |x, y| {
             let z = range.pixel(x, y);
             let stretch = camera.ray(x as f64, y as f64).length();
@@ -60,6 +70,7 @@ impl Screen {
             camera,
             inverse,
             normals: normals_of(range, &camera),
+            extent: None,
         }
     }
 
@@ -70,8 +81,7 @@ impl Screen {
         if !inside(x, width) || !inside(y, height) {
             return None;
         }
-        let cell = |v: f64, count: usize| (v.max(0.0) as usize).min(count.saturating_sub(2));
-        let (left, top) = (cell(x, width), cell(y, height));
+        let (left, top) = self.cell([x, y]);
         let (right, bottom) = ((left + 1).min(width - 1), (top + 1).min(height - 1));
         let corners = [(left, top), (right, top), (left, bottom), (right, bottom)];
         let corners = corners.map(|(x, y)| self.inverse.pixel(x, y));
@@ -85,6 +95,13 @@ impl Screen {
         let (u, v) = (x - left as f64, y - top as f64);
         let [a, b, c, d] = corners;
         Some((1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d))
+    }
+
+    /// The upper left one of the four samples around a place of the picture.
+    fn cell(&self, [x, y]: [f64; 2]) -> (usize, usize) {
+        let (width, height) = self.inverse.size();
+        let first = |v: f64, count: usize| (v.max(0.0) as usize).min(count.saturating_sub(2));
+        (first(x, width), first(y, height))
     }
 
     fn nearest(&self, [x, y]: [f64; 2]) -> (usize, usize) {
@@ -130,26 +147,65 @@ impl Screen {
         Some(surface / trail.inverse_at(share) - 1.0)
     }
 
-    /// The share of a trail at which it meets a surface.
+    /// The share of a trail at which it meets a surface: within the first of equal steps that ends behind one, by no more than that is
+    /// thick.
     fn meet(&self, trail: &Trail) -> Option<f64> {
-        let [enter, leave] = trail.within(self.inverse.size())?;
-        let [first, last] = trail.places;
-        let pixels = (last[0] - first[0]).hypot(last[1] - first[1]) * (leave - enter);
-        let steps = (STEPS * pixels).ceil().clamp(1.0, 1e6) as usize;
-        let mut before = enter;
-        for step in 0..=steps {
-            let share = enter + (leave - enter) * step as f64 / steps as f64;
-            if let Some(depth) = self.behind(trail, share) {
-                let range = trail.range(share);
-                // As far behind it as it is thick, in range: both grow alike along one line of sight.
-                let beyond = range * depth / (1.0 + depth);
-                if depth > ROUNDING && beyond <= 0.05 + 0.05 * (range - beyond) {
-                    return Some(self.refine(trail, before, share));
+        let march = March::new(trail, self.inverse.size())?;
+        // Levels from 1 on are skipped by; at level 0 the steps themselves are looked at.
+        let lowest = self.extent.as_ref().map_or(0, |extent| extent.top().min(1));
+        let (mut step, mut level) = (0, 0);
+        while step <= march.steps {
+            if let Some(extent) = self.extent.as_ref().filter(|_| level > 0) {
+                let square = Square::around(self.cell(trail.place(march.share(step))), level);
+                if let Some(last) = self.passes(&march, extent.of(square), (square, step)) {
+                    (step, level) = (last + 1, (level + 1).min(extent.top()));
+                } else {
+                    level -= 1;
                 }
+                continue;
             }
-            before = share;
+            let share = march.share(step);
+            if self.is_met(trail, share) {
+                let before = march.share(step.saturating_sub(1));
+                return Some(self.refine(trail, before, share));
+            }
+            step += 1;
+            level = lowest;
         }
         None
+    }
+
+    /// The last step up to which a march, from this step on, stays over a square of the picture, if it surely meets nothing there. Places
+    /// and depths grow or fall from step to step, rounded as they are: what holds of both ends holds of all between.
+    fn passes(
+        &self,
+        march: &March<'_>,
+        [least, most]: [f64; 2],
+        (square, step): (Square, usize),
+    ) -> Option<usize> {
+        let trail = march.trail;
+        let last = march.leaves(square).clamp(step, march.steps);
+        let end = march.share(last);
+        if Square::around(self.cell(trail.place(end)), square.level) != square {
+            return None;
+        }
+        let (a, b) = (trail.inverse_at(march.share(step)), trail.inverse_at(end));
+        let (far, near) = (a.min(b), a.max(b));
+        let is_before = most <= far;
+        // 1/near − (1 + THICK)/least > THICK_M, each side of it rounded against it.
+        let is_behind = least > 0.0
+            && (1.0 - SURELY) * (least - (1.0 + THICK) * near) > (1.0 + SURELY) * THICK_M * near * least;
+        (is_before || is_behind).then_some(last)
+    }
+
+    /// Whether a place of a trail is behind a surface, by no more than that is thick.
+    fn is_met(&self, trail: &Trail, share: f64) -> bool {
+        self.behind(trail, share).is_some_and(|depth| {
+            let range = trail.range(share);
+            // As far behind it as it is thick, in range: both grow alike along one line of sight.
+            let beyond = range * depth / (1.0 + depth);
+            depth > ROUNDING && beyond <= THICK_M + THICK * (range - beyond)
+        })
     }
 
     /// Where between a place before the surface and one behind it the ray meets it.
@@ -181,48 +237,49 @@ impl Screen {
     }
 }
 
-impl Trail {
-    fn place(&self, share: f64) -> [f64; 2] {
-        [0, 1].map(|i| self.places[0][i] + share * (self.places[1][i] - self.places[0][i]))
+/// A trail in equal steps over the picture.
+struct March<'a> {
+    trail: &'a Trail,
+    /// Shares at which it comes into the picture and leaves it.
+    enter: f64,
+    leave: f64,
+    steps: usize,
+    /// Steps for each share, and shares for each column and row.
+    pace: f64,
+    slowness: [f64; 2],
+}
+
+impl<'a> March<'a> {
+    fn new(trail: &'a Trail, size: (usize, usize)) -> Option<Self> {
+        let [enter, leave] = trail.within(size)?;
+        let [first, last] = trail.places;
+        let pixels = (last[0] - first[0]).hypot(last[1] - first[1]) * (leave - enter);
+        let steps = (STEPS * pixels).ceil().clamp(1.0, 1e6) as usize;
+        Some(Self {
+            trail,
+            enter,
+            leave,
+            steps,
+            pace: steps as f64 / (leave - enter),
+            slowness: [0, 1].map(|axis| 1.0 / (last[axis] - first[axis])),
+        })
     }
 
-    fn inverse_at(&self, share: f64) -> f64 {
-        self.inverse[0] + share * (self.inverse[1] - self.inverse[0])
+    fn share(&self, step: usize) -> f64 {
+        self.enter + (self.leave - self.enter) * step as f64 / self.steps as f64
     }
 
-    /// Distance along the ray at a share of its picture.
-    fn distance(&self, share: f64) -> f64 {
-        let part = share * self.inverse[1] / self.inverse_at(share);
-        self.ends[0] + part * (self.ends[1] - self.ends[0])
-    }
-
-    /// The inverse of [`Trail::distance`].
-    fn share(&self, distance: f64) -> f64 {
-        let part = (distance - self.ends[0]) / (self.ends[1] - self.ends[0]);
-        part * self.inverse[0] / (part * self.inverse[0] + (1.0 - part) * self.inverse[1])
-    }
-
-    /// Distance from the camera at a share.
-    fn range(&self, share: f64) -> f64 {
-        (self.origin + self.direction * self.distance(share)).length()
-    }
-
-    /// The shares between which it lies in a frame.
-    fn within(&self, (width, height): (usize, usize)) -> Option<[f64; 2]> {
-        let mut shares = [0.0f64, 1.0];
-        for (i, count) in [width, height].into_iter().enumerate() {
-            let (from, step) = (self.places[0][i], self.places[1][i] - self.places[0][i]);
-            let ends = [-0.5 - from, count as f64 - 0.5 - from];
-            if step == 0.0 {
-                if ends[0] > 0.0 || ends[1] < 0.0 {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = (ends[0] / step, ends[1] / step);
-            shares = [shares[0].max(a.min(b)), shares[1].min(a.max(b))];
-        }
-        (shares[0] <= shares[1]).then_some(shares)
+    /// About the last step over a square; a step too early rather than too late.
+    fn leaves(&self, square: Square) -> usize {
+        let share = (0..2).fold(self.leave, |share, axis| {
+            let slowness = self.slowness[axis];
+            let [low, high] = square.edges(axis);
+            let edge = if slowness > 0.0 { high } else { low };
+            // Along an axis on which nothing moves this is infinite or not a number, and no minimum.
+            share.min((edge - self.trail.places[0][axis]) * slowness)
+        });
+        let steps = (share - self.enter) * self.pace;
+        (steps - 1e-6).max(0.0) as usize
     }
 }
 
@@ -243,57 +300,5 @@ impl Rays for Screen {
     fn occluded(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> bool {
         let trail = self.trail(origin.into(), direction.into(), from, to);
         trail.is_some_and(|trail| self.meet(&trail).is_some())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SIZE: usize = 65;
-
-    /// A slanted wall, and before it a square at 2 m.
-    fn screen() -> (Screen, Intrinsics) {
-        let camera = Intrinsics::centered(60.0, SIZE, SIZE);
-        let range = Plane::from_fn(SIZE, SIZE, |x, y| {
-            let ray = camera.ray(x as f64, y as f64);
-            let square = (24..=40).contains(&x) && (24..=40).contains(&y);
-            let z = if square { 2.0 } else { 4.0 / (1.0 - 0.3 * ray.x) };
-            (z * ray.length()) as f32
-        });
-        (Screen::new(&range, camera), camera)
-    }
-
-    #[test]
-    fn the_camera_meets_what_it_sees() {
-        let (screen, camera) = screen();
-        for (x, y) in [(5.0, 7.5), (50.3, 60.0), (12.2, 30.0)] {
-            let ray = camera.ray(x, y).normalized();
-            let hit = screen.hit([0.0; 3], ray.into(), 0.0, 100.0).unwrap();
-            let expected = 4.0 / (ray.z - 0.3 * ray.x);
-            assert!((hit.distance / expected - 1.0).abs() < 1e-5, "{hit:?}");
-            assert!(DVec3::from(hit.normal).dot(ray) < 0.0);
-        }
-        let middle = screen.hit([0.0; 3], [0.0, 0.0, 1.0], 0.0, 100.0).unwrap();
-        assert!((middle.distance - 2.0).abs() < 1e-6);
-        assert_eq!(screen.hit([0.0; 3], [0.9, 0.0, 0.1], 0.0, 100.0), None);
-    }
-
-    #[test]
-    fn a_lamp_beside_the_camera_sees_the_wall_but_not_behind_the_square() {
-        let (screen, camera) = screen();
-        let lamp = DVec3::from([-1.0, 0.0, 0.1]);
-        let lit = |x: f64, y: f64| {
-            let ray = camera.ray(x, y).normalized();
-            let place = ray * (4.0 / (ray.z - 0.3 * ray.x));
-            let hit = screen.hit([0.0; 3], ray.into(), 0.0, 100.0).unwrap();
-            let start = imaging::rays::leaving(place.into(), hit.normal);
-            let away = lamp + -DVec3::from(start.origin);
-            let toward = away.normalized();
-            !screen.occluded(start.origin, toward.into(), start.from, away.length())
-        };
-        // Beside the square on the lamp's side, above it, and in its shadow on the other side.
-        assert!(lit(10.0, 32.0) && lit(32.0, 4.0) && lit(60.0, 4.0));
-        assert!(!lit(44.0, 32.0));
     }
 }

@@ -19,8 +19,8 @@ const SUNNY_NS: f64 = 9.0;
 const SUN_RAY_NS: f64 = 30.0;
 const AMBIENT_RAY_NS: f64 = 20.0;
 const CAUSTICS_NS: f64 = 40.0;
-/// A ray through a range image, pixel by pixel; of those to the sky there is one for each fifth pixel.
-const SCREEN_RAY_NS: f64 = 12_000.0;
+/// A ray through a range image; of those to the sky there is one for each fifth pixel.
+const SCREEN_RAY_NS: f64 = 1_000.0;
 /// Each channel that is transformed, and each of its kernels.
 const CHANNEL_NS: f64 = 7.8;
 const KERNEL_NS: f64 = 1.87;
@@ -32,8 +32,8 @@ const SURFACE_NS: f64 = 6.6;
 const GLOW_NS: f64 = 12.6;
 const PATCHES_NS: f64 = 6.0;
 /// Each way to a lamp through a scene; ways of a pixel in the glow, and to a soft lamp.
-const WAY_NS: f64 = 60.0;
-const GLOW_WAYS: f64 = 5.0;
+const WAY_NS: f64 = 21.0;
+const GLOW_WAYS: f64 = 14.0;
 const FIRST_PLACES: usize = 5;
 /// Clouds of sediment without a lamp, and what each lamp costs in them: the rays through them, of which half are empty in the mean.
 const SEDIMENT_NS: f64 = 150.0;

@@ -2,6 +2,7 @@
 
 use imaging::rays::Rays;
 use optics::Screen;
+use optics::plan::Form;
 use spec::{Frame, RaySource};
 
 use super::scene::Prepared;
@@ -19,6 +20,9 @@ pub(crate) fn scene_rays<'a>(frame: &Frame, prepared: &'a Prepared) -> Option<Bo
     let range = prepared.scene.range.as_ref()?;
     Some(match (source(frame, prepared), &prepared.world, &prepared.pose) {
         (RaySource::Scene, Some(world), Some(pose)) => Box::new(world.rays(pose)),
+        _ if Form::asked_by(frame.fidelity) == Form::Reference => {
+            Box::new(Screen::reference(range, prepared.view().camera))
+        }
         _ => Box::new(Screen::new(range, prepared.view().camera)),
     })
 }
