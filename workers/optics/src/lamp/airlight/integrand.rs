@@ -5,7 +5,7 @@ use imaging::vectorized;
 use super::intervals::Intervals;
 use super::{Glow, Lanes, MOST_SWELL, RUN};
 use crate::elementary::{HALVINGS, fade, sin_cos};
-use crate::lamp::blurred::blurred;
+use crate::lamp::blurred::{Turned, blurred};
 use crate::lamp::multiple::{GLOW_SCALE, SATURATION};
 
 /// The integrand at the angle β of this sine and cosine.
@@ -66,50 +66,13 @@ fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
     ]
 }
 
-/// What of the light of a spot was spread on its way: as if it shone in all directions, the scale of the kernel of each channel,
-/// and cosine and sine of the angle to its axis.
-pub(super) struct Spread {
-    pub(super) light: [f32; 3],
-    pub(super) scale: [f32; 3],
-    pub(super) turned: [f32; 2],
-}
-
-/// At the angle β of this sine and cosine.
-#[inline(always)]
-pub(super) fn spread_evenly(lamp: &Glow, to: &Intervals, i: usize, (sin, cos): (f32, f32)) -> Spread {
-    let [narrow, growth] = lamp.denominator;
-    let cos = cos.max(1e-7);
-    let ss = sin * sin;
-    let denominator = ss.mul_add(growth, narrow);
-    let light = 1.0 / (denominator * denominator.sqrt());
-    let path = to.distance[i].mul_add(sin / cos, to.nearest[i]).max(0.0);
-    // The angle to the axis: θ = 2 β − π/2.
-    let (sin_ray, cos_ray) = (cos.mul_add(-cos, ss), 2.0 * sin * cos);
-    let (across, along, out) = (to.across[i], to.along[i], to.out[i]);
-    let cos_axis = across.mul_add(cos_ray, along * sin_ray);
-    let aside = across.mul_add(sin_ray, -(along * cos_ray));
-    let sin_axis = aside.mul_add(aside, out * out).sqrt();
-    let all = swollen(lamp, path);
-    let mut spread = Spread {
-        light: [0.0; 3],
-        scale: [0.0; 3],
-        turned: [cos_axis, sin_axis],
-    };
-    for channel in 0..3 {
-        let direct = fade(lamp.attenuation[channel], path) * UNSWOLLEN;
-        spread.scale[channel] = SCALE[1].mul_add(lamp.scattering[channel] * path, SCALE[0]);
-        spread.light[channel] = light * (all[channel] - direct).max(0.0);
-    }
-    spread
-}
-
 /// What of the light of a spot was spread on its way, on a run of rays at one node of each. First as if the lamp shone in all
 /// directions, then with its blurred profile: in one loop that is too much for the registers, and takes several times as long.
 pub(super) struct SpreadNode {
     pub(super) light: [Lanes; 3],
+    /// Scale of the kernel of each channel.
     scale: [Lanes; 3],
-    cos: Lanes,
-    sin: Lanes,
+    turned: Turned,
 }
 
 impl SpreadNode {
@@ -118,8 +81,7 @@ impl SpreadNode {
         Self {
             light: [dark; 3],
             scale: [dark; 3],
-            cos: dark,
-            sin: dark,
+            turned: Turned { cos: dark, sin: dark },
         }
     }
 
@@ -127,42 +89,38 @@ impl SpreadNode {
     pub(super) fn shine(&mut self, lamp: &Glow, to: &Intervals, angles: &Lanes) {
         vectorized!(shine_evenly(lamp, to, angles, self));
         let shape = [lamp.profile.slope, lamp.profile.offset];
-        for channel in 0..3 {
-            vectorized!(shape_light(shape, channel, self));
+        for (light, scale) in self.light.iter_mut().zip(&self.scale) {
+            let blur = blurred(shape, &self.turned, scale);
+            for (light, blur) in light.iter_mut().zip(&blur) {
+                *light *= blur;
+            }
         }
     }
 }
 
 #[inline(always)]
 fn shine_evenly(lamp: &Glow, to: &Intervals, angles: &Lanes, node: &mut SpreadNode) {
+    let [narrow, growth] = lamp.denominator;
     for i in 0..RUN {
-        let spread = spread_evenly(lamp, to, i, sin_cos(angles[i]));
+        let (sin, cos) = sin_cos(angles[i]);
+        let cos = cos.max(1e-7);
+        let ss = sin * sin;
+        let denominator = ss.mul_add(growth, narrow);
+        let light = 1.0 / (denominator * denominator.sqrt());
+        let path = to.distance[i].mul_add(sin / cos, to.nearest[i]).max(0.0);
+        // The angle to the axis: θ = 2 β − π/2.
+        let (sin_ray, cos_ray) = (cos.mul_add(-cos, ss), 2.0 * sin * cos);
+        let (across, along, out) = (to.across[i], to.along[i], to.out[i]);
+        let aside = across.mul_add(sin_ray, -(along * cos_ray));
+        node.turned.cos[i] = across.mul_add(cos_ray, along * sin_ray);
+        node.turned.sin[i] = aside.mul_add(aside, out * out).sqrt();
+        let all = swollen(lamp, path);
         for channel in 0..3 {
-            node.light[channel][i] = spread.light[channel];
-            node.scale[channel][i] = spread.scale[channel];
+            let direct = fade(lamp.attenuation[channel], path) * UNSWOLLEN;
+            node.scale[channel][i] = SCALE[1].mul_add(lamp.scattering[channel] * path, SCALE[0]);
+            node.light[channel][i] = light * (all[channel] - direct).max(0.0);
         }
-        [node.cos[i], node.sin[i]] = spread.turned;
     }
-}
-
-#[inline(always)]
-fn shape_light(shape: [f32; 2], channel: usize, node: &mut SpreadNode) {
-    let (light, scale) = (&mut node.light[channel], &node.scale[channel]);
-    for i in 0..RUN {
-        light[i] *= blurred(shape, [node.cos[i], node.sin[i]], scale[i]);
-    }
-}
-
-/// The integrand of what of the light of a spot was spread on its way, at the angle β of this sine and cosine.
-#[inline(always)]
-pub(super) fn spread_at(lamp: &Glow, to: &Intervals, i: usize, at: (f32, f32)) -> [f32; 3] {
-    let Spread { light, scale, turned } = spread_evenly(lamp, to, i, at);
-    let shape = [lamp.profile.slope, lamp.profile.offset];
-    let mut spread = [0.0f32; 3];
-    for channel in 0..3 {
-        spread[channel] = light[channel] * blurred(shape, turned, scale[channel]);
-    }
-    spread
 }
 
 /// e^−0.48: `gain` holds the most that light swells by.

@@ -5,9 +5,11 @@
 //! edges times half the greatest part of an angle in the sum. Rays of every second pixel are looked along; between them shares are
 //! read where the surface is one and the glow hardly changes by it.
 
+use std::f32::consts::FRAC_PI_2;
+
 use imaging::{Plane, Rgb, vectorized};
 
-use super::integrand::{scattered, spread_at};
+use super::integrand::{SpreadNode, scattered};
 use super::intervals::{Intervals, Murk, Rays, intervals};
 use super::{Airlight, Glow, Lanes, Order, RUN, airlight, shining};
 use crate::attenuation::masked;
@@ -153,7 +155,7 @@ impl<'a> Lights<'a> {
             _ => vectorized!(sum_up::<false, false>(direct, rays, &mut middles)),
         }
         if let Some(spread) = &self.spread {
-            vectorized!(sum_up_spread(spread, rays, &mut middles));
+            sum_up_spread(spread, rays, &mut middles);
         }
         let clear = sight.look_along(|ways| {
             let (radius_m, places) = self.lamp.shadow.disc();
@@ -240,16 +242,19 @@ fn sum_up<const SPOT: bool, const WHOLE: bool>(lamp: &Glow, rays: &Rays, middles
     }
 }
 
-#[inline(always)]
 fn sum_up_spread(lamp: &Glow, rays: &Rays, middles: &mut Middles) {
-    let (to, _) = intervals::<true, true>(lamp, rays, &Murk::default());
-    for node in 0..ANGLES {
-        let [red, green, blue] = &mut middles.light[node];
+    let (to, _) = vectorized!(intervals::<true, true>(lamp, rays, &Murk::default()));
+    let (mut spread, mut angles) = (SpreadNode::dark(), [0.0f32; RUN]);
+    for (node, light) in middles.light.iter_mut().enumerate() {
+        let halves = (2.0 * node as f32 + 1.0) / ANGLES as f32;
         for i in 0..RUN {
-            let [r, g, b] = spread_at(lamp, &to, i, middle_of(&to, node, i));
-            red[i] = lamp.gain[0].mul_add(r, red[i]);
-            green[i] = lamp.gain[1].mul_add(g, green[i]);
-            blue[i] = lamp.gain[2].mul_add(b, blue[i]);
+            angles[i] = halves.mul_add(to.half[i], to.from[i]).min(FRAC_PI_2);
+        }
+        spread.shine(lamp, &to, &angles);
+        for ((light, spread), gain) in light.iter_mut().zip(&spread.light).zip(lamp.gain) {
+            for i in 0..RUN {
+                light[i] = gain.mul_add(spread[i], light[i]);
+            }
         }
     }
 }

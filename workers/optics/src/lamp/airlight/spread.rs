@@ -9,14 +9,15 @@ mod murkiness;
 mod read;
 mod strip;
 
+use std::f32::consts::FRAC_PI_2;
+
 use imaging::{Plane, vectorized};
 
 use super::super::nodes;
 use super::composite::{self, Sum};
-use super::integrand::spread_at;
+use super::integrand::SpreadNode;
 use super::intervals::{Intervals, Murk, Rays, extreme, intervals, murk_of, rays_of};
 use super::{Errors, Glow, Lanes, RUN};
-use crate::elementary::small_sin_cos;
 use crate::lamp::Lighting;
 use crate::turbidity;
 use murkiness::Murkiness;
@@ -82,7 +83,7 @@ pub(super) fn add(
             ends[0].min(ends[1])
         };
         let is_read = |column: usize| {
-            let is_wide = std::f32::consts::FRAC_PI_2 <= frame.spacing() * 2.0 * CELLS as f32;
+            let is_wide = FRAC_PI_2 <= frame.spacing() * 2.0 * CELLS as f32;
             is_wide && worst[column] <= lamp.source.tolerance && frame.turn(nearest(column)) <= SHARE_OF_CONE
         };
         for column in (0..columns).filter(|&column| !is_read(column)) {
@@ -132,8 +133,16 @@ impl Frame<'_> {
     fn at_fixed(&self, intervals: &Intervals, count: usize) -> Sum {
         let lamp = self.lamp;
         let mut light = [[0.0f32; RUN]; 3];
-        for &node in &self.rules[count / 2] {
-            vectorized!(at_nodes(lamp, intervals, node, &mut light));
+        let (mut spread, mut angles) = (SpreadNode::dark(), [0.0f32; RUN]);
+        let both = |&[node, weight]: &[f32; 2]| [[node, weight], [-node, weight]];
+        for [node, weight] in self.rules[count / 2].iter().flat_map(both) {
+            vectorized!(angles_of(intervals, 1.0 + node, &mut angles));
+            spread.shine(lamp, intervals, &angles);
+            for (light, spread) in light.iter_mut().zip(&spread.light) {
+                for i in 0..RUN {
+                    light[i] = weight.mul_add(spread[i], light[i]);
+                }
+            }
         }
         for (light, gain) in light.iter_mut().zip(lamp.gain) {
             for i in 0..RUN {
@@ -208,20 +217,10 @@ fn whole(lamp: &Glow, rays: &Rays, murk: &Murk) -> (Intervals, nodes::Span) {
     intervals::<true, true>(lamp, rays, murk)
 }
 
-/// Adds the two nodes `±node` of every pixel.
+/// So many halves of the intervals from where they begin, in β.
 #[inline(always)]
-fn at_nodes(lamp: &Glow, to: &Intervals, [node, weight]: [f32; 2], light: &mut [Lanes; 3]) {
-    let [red, green, blue] = light;
+fn angles_of(to: &Intervals, halves: f32, angles: &mut Lanes) {
     for i in 0..RUN {
-        let (sin, cos) = (to.sin[i], to.cos[i]);
-        let (sin_step, cos_step) = small_sin_cos(to.half[i] * node);
-        let (ss, cc) = (sin * cos_step, cos * cos_step);
-        let above = (cos.mul_add(sin_step, ss), (-sin).mul_add(sin_step, cc));
-        let below = ((-cos).mul_add(sin_step, ss), sin.mul_add(sin_step, cc));
-        let [r1, g1, b1] = spread_at(lamp, to, i, above);
-        let [r2, g2, b2] = spread_at(lamp, to, i, below);
-        red[i] = weight.mul_add(r1 + r2, red[i]);
-        green[i] = weight.mul_add(g1 + g2, green[i]);
-        blue[i] = weight.mul_add(b1 + b2, blue[i]);
+        angles[i] = halves.mul_add(to.half[i], to.from[i]).min(FRAC_PI_2);
     }
 }

@@ -5,9 +5,10 @@ use imaging::vectorized;
 use super::shade::RowShade;
 use super::{Row, Source, reborrow};
 use crate::elementary::{HALVINGS, fade, power_0_7};
-use crate::lamp::blurred::blurred;
+use crate::lamp::blurred::{Turned, blurred};
 use crate::lamp::multiple::{MOST_LOSS, SURFACE_SCALE, WIDEST, loss_factor};
 use crate::lamp::{Lamp, Lighting};
+use crate::turbidity::RUN;
 
 /// Of each channel: b in 1/m; a, the factor of κ b and the most of it in halvings per meter.
 #[derive(Clone, Copy)]
@@ -43,13 +44,9 @@ const FARTHEST: f32 = WIDEST as f32;
 /// the registers, and takes six times as long.
 pub(super) struct Blur([Vec<f32>; 3]);
 
-/// Pixels that are computed together.
-const RUN: usize = 64;
-
-/// Where the surfaces of a run lie in the beam: the angle to the axis by cosine and sine, and the scale of the kernel of each channel.
+/// Where the surfaces of a run lie in the beam, and the scale of the kernel of each channel.
 struct InBeam {
-    cos: [f32; RUN],
-    sin: [f32; RUN],
+    turned: Turned,
     scale: [[f32; RUN]; 3],
 }
 
@@ -63,17 +60,19 @@ impl Blur {
     /// Computes it for a row.
     pub(super) fn look(&mut self, row: Row<'_>, lamp: Source, water: Joined, murk: &[f32]) {
         let mut run = InBeam {
-            cos: [0.0; RUN],
-            sin: [0.0; RUN],
+            turned: Turned {
+                cos: [0.0; RUN],
+                sin: [0.0; RUN],
+            },
             scale: [[0.0; RUN]; 3],
         };
         let shape = [lamp.profile.slope, lamp.profile.offset];
         for start in (0..murk.len()).step_by(RUN) {
             let count = RUN.min(murk.len() - start);
             vectorized!(in_beam(row, lamp, water, (murk, start, count), &mut run));
-            for (channel, lane) in self.0.iter_mut().enumerate() {
-                let lane = &mut lane[start..start + count];
-                vectorized!(blur(shape, &run, channel, lane));
+            for (lane, scale) in self.0.iter_mut().zip(&run.scale) {
+                let blur = blurred(shape, &run.turned, scale);
+                lane[start..start + count].copy_from_slice(&blur[..count]);
             }
         }
     }
@@ -81,13 +80,6 @@ impl Blur {
     /// Of the row that was computed last.
     pub(super) fn lanes(&self) -> [&[f32]; 3] {
         self.0.each_ref().map(Vec::as_slice)
-    }
-}
-
-#[inline(always)]
-fn blur(shape: [f32; 2], run: &InBeam, channel: usize, lane: &mut [f32]) {
-    for (i, blur) in lane.iter_mut().enumerate().take(RUN) {
-        *blur = blurred(shape, [run.cos[i], run.sin[i]], run.scale[channel][i]);
     }
 }
 
@@ -108,8 +100,8 @@ fn in_beam(
         let inverse = 1.0 / distance;
         // The cross product keeps the sine accurate near the axis.
         let (cx, cy, cz) = (ay * lz - az * ly, az * lx - ax * lz, ax * ly - ay * lx);
-        to.cos[i] = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
-        to.sin[i] = cx.mul_add(cx, cy.mul_add(cy, cz * cz)).sqrt() * inverse;
+        to.turned.cos[i] = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
+        to.turned.sin[i] = cx.mul_add(cx, cy.mul_add(cy, cz * cz)).sqrt() * inverse;
         for channel in 0..3 {
             let x = (water.scattering[channel] * (murk[i] * distance)).min(FARTHEST);
             to.scale[channel][i] = x.mul_add(x.mul_add(SCALE[2], SCALE[1]), SCALE[0]);

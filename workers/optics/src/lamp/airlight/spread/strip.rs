@@ -1,13 +1,11 @@
 //! Sums of spread light along the rays of every eighth pixel.
 
-use std::f32::consts::FRAC_PI_2;
-
 use imaging::vectorized;
 
+use super::super::RUN;
 use super::super::integrand::SpreadNode;
-use super::super::intervals::{Intervals, Murk, Rays, rays_of};
-use super::super::{Lanes, RUN};
-use super::{BETWEEN_CELLS, BETWEEN_DEGREES, BETWEEN_RAYS, CELLS, Frame, STEP, VALUES, whole};
+use super::super::intervals::{Murk, Rays, rays_of};
+use super::{BETWEEN_CELLS, BETWEEN_DEGREES, BETWEEN_RAYS, CELLS, Frame, STEP, VALUES, angles_of, whole};
 
 /// Half the distance of the two Gauss–Legendre nodes in a cell, in cells.
 const NODE: f32 = 0.288_675_13;
@@ -134,12 +132,5 @@ impl Frame<'_> {
             }
         }
         Strip { rays, distance }
-    }
-}
-
-#[inline(always)]
-fn angles_of(to: &Intervals, share: f32, angles: &mut Lanes) {
-    for i in 0..RUN {
-        angles[i] = share.mul_add(to.half[i], to.from[i]).min(FRAC_PI_2);
     }
 }
