@@ -27,6 +27,23 @@ impl Default for Rays {
     }
 }
 
+impl Rays {
+    /// Sets ray `i` to that of a pixel.
+    pub(super) fn aim(
+        &mut self,
+        [inverse_focal, cx, cy]: [f32; 3],
+        i: usize,
+        (x, y): (f32, f32),
+        range: f32,
+    ) {
+        let (u, v) = ((x - cx) * inverse_focal, (y - cy) * inverse_focal);
+        let inverse = 1.0 / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
+        let (valid, z) = masked(range);
+        (self.right[i], self.down[i], self.ahead[i]) = (u * inverse, v * inverse, inverse);
+        self.end[i] = if valid { z.min(FARTHEST_M) } else { f32::INFINITY };
+    }
+}
+
 #[inline(always)]
 pub(super) fn rays_of(
     [inverse_focal, cx, cy]: [f32; 3],
@@ -192,7 +209,6 @@ pub(super) fn intervals<const SPOT: bool, const WHOLE: bool>(
                 let share = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt() / distance;
                 let missing = (1.0 - share * share) * (1.0 - along * along).max(0.0);
                 to.out[i] = out.mul_add(out, missing).sqrt();
-                to.from[i] = from;
             }
             let most = across.mul_add(across, along * along).sqrt();
             let share = (cone / most.max(1e-9)).min(1.0);
@@ -203,6 +219,9 @@ pub(super) fn intervals<const SPOT: bool, const WHOLE: bool>(
                 end = end.min(middle + half);
             }
             (to.across[i], to.along[i]) = (across, along);
+        }
+        if WHOLE {
+            to.from[i] = from;
         }
         let half = (0.5 * (end - from)).max(0.0);
         let (sin, cos) = sin_cos((0.5 * (end + from)).max(0.0).min(std::f32::consts::FRAC_PI_2));

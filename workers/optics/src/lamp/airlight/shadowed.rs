@@ -12,7 +12,6 @@ use imaging::{Plane, Rgb, vectorized};
 use super::integrand::{SpreadNode, scattered};
 use super::intervals::{Intervals, Murk, Rays, intervals};
 use super::{Airlight, Glow, Lanes, Order, RUN, airlight, shining};
-use crate::attenuation::masked;
 use crate::elementary::small_sin_cos;
 use crate::lamp::beam::Beam;
 use crate::lamp::coarse;
@@ -186,21 +185,6 @@ impl<'a> Lights<'a> {
             }
         }
         seen
-    }
-}
-
-impl Rays {
-    /// Sets ray `i` to that of a pixel.
-    fn aim(&mut self, [inverse_focal, cx, cy]: [f32; 3], i: usize, (x, y): (f32, f32), range: f32) {
-        let (u, v) = ((x - cx) * inverse_focal, (y - cy) * inverse_focal);
-        let inverse = 1.0 / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
-        let (valid, z) = masked(range);
-        (self.right[i], self.down[i], self.ahead[i]) = (u * inverse, v * inverse, inverse);
-        self.end[i] = if valid {
-            z.min(super::FARTHEST_M)
-        } else {
-            f32::INFINITY
-        };
     }
 }
 

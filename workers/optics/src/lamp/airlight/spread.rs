@@ -1,13 +1,15 @@
 //! The glow of light from a spot that was spread on its way: S̄ (e^{−c_g L} − e^{−c L}) along the whole ray, in its cone or not.
 //!
-//! It changes little from pixel to pixel but with the range, and S̄ costs more than all else of a node, even from a table.
-//! So its sum from the camera up to each of 32 equal angles is taken along the rays of every eighth pixel only, and read between
-//! them at the angle that a pixel's own range ends at. What that may leave is seen from the second differences between the rays;
-//! where it is too much, pixels are summed up each by itself. In patches the sums are taken at a few degrees of murkiness.
+//! It changes little from pixel to pixel but with the range, and S̄ costs more than all else of a node. So its sum from the camera up
+//! to each of some equal angles is taken along the rays of every 16th pixel only, and read between them at the angle that a pixel's
+//! own range ends at. What that may leave is seen from the second differences between the rays; where it is too much, rays lie
+//! half as far apart, down to every second pixel, and where they still do, pixels are summed up each by itself. In patches the
+//! sums are taken at a few degrees of murkiness.
 
+mod blocks;
+mod line;
 mod murkiness;
 mod read;
-mod strip;
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -16,25 +18,23 @@ use imaging::{Plane, vectorized};
 use super::super::nodes;
 use super::composite::{self, Sum};
 use super::integrand::SpreadNode;
-use super::intervals::{Intervals, Murk, Rays, extreme, intervals, murk_of, rays_of};
+use super::intervals::{Intervals, Murk, Rays, extreme, intervals};
 use super::{Errors, Glow, Lanes, RUN};
 use crate::lamp::Lighting;
 use crate::turbidity;
+use line::Line;
 use murkiness::Murkiness;
-use strip::Strip;
 
-/// Every such column and row has a ray; a block of so many pixels a side is a run.
-const STEP: usize = 8;
-const _: () = assert!(STEP * STEP == RUN);
-/// Equal angles of a ray.
-const CELLS: usize = 32;
-/// Sum up to a cell, in it, and its slope there, of three channels.
-const VALUES: usize = 9;
+/// Every such column and row has a ray at first; the least distance that is tried.
+const STEP: usize = 16;
+const FINEST: usize = 2;
+/// How many equal angles a ray may be cut into.
+const CELLS: [usize; 3] = [32, 64, 128];
 /// By this the second differences between rays, and the changes of slope from cell to cell, exceed the error.
-const BETWEEN_RAYS: f64 = 0.4;
-const BETWEEN_CELLS: f64 = 0.2;
+const BETWEEN_RAYS: f32 = 0.4;
+const BETWEEN_CELLS: f32 = 0.2;
 /// Third differences between degrees of murkiness exceed the error of a parabola, at most 0.064 of them, by this.
-const BETWEEN_DEGREES: f64 = 0.2;
+const BETWEEN_DEGREES: f32 = 0.2;
 /// Between two rays the lamp is seen from directions no farther apart than this share of its cone: a narrow beam might pass between
 /// them and be seen by neither.
 const SHARE_OF_CONE: f32 = 0.125;
@@ -58,50 +58,13 @@ pub(super) fn add(
         lamp,
         rules,
     };
-    let (columns, rows) = (range.width().div_ceil(STEP), range.height().div_ceil(STEP));
-    let mut errors = Errors::default();
-    if lamp.fixed.is_some() {
-        for block in (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))) {
-            errors.include(frame.sum_up(block, glow));
-        }
-        return errors;
-    }
     frame.murkiness = Murkiness::met(&frame);
-    let source = f64::from(frame.murkiness.source());
-    // Rays of one row of blocks and the next, with one beyond each.
-    let mut lines: [Vec<Strip>; 4] = std::array::from_fn(|i| frame.strips(i as i64 - 1, columns));
-    for row in 0..rows {
-        let left = strip::left([&lines[0], &lines[1], &lines[2]]);
-        let next = strip::left([&lines[1], &lines[2], &lines[3]]);
-        let worst = |column: usize| [left[column], left[column + 1], next[column], next[column + 1]];
-        let worst: Vec<f64> = (0..columns)
-            .map(|column| source * worst(column).into_iter().fold(0.0, f64::max))
-            .collect();
-        let nearest = |column: usize| {
-            let [above, below] = [&lines[1][0].distance, &lines[2][0].distance];
-            let ends = [column + 1, column + 2].map(|at| above[at].min(below[at]));
-            ends[0].min(ends[1])
-        };
-        let is_read = |column: usize| {
-            let is_wide = FRAC_PI_2 <= frame.spacing() * 2.0 * CELLS as f32;
-            is_wide && worst[column] <= lamp.source.tolerance && frame.turn(nearest(column)) <= SHARE_OF_CONE
-        };
-        for column in (0..columns).filter(|&column| !is_read(column)) {
-            errors.include(frame.sum_up((column, row), glow));
-        }
-        let read: Vec<bool> = (0..columns).map(is_read).collect();
-        let rounding = frame.read([&lines[1], &lines[2]], row, &read, glow);
-        let left = (0..columns)
-            .filter(|&column| read[column])
-            .map(|column| worst[column]);
-        errors.include(Errors {
-            left: left.fold(0.0, f64::max),
-            rounding,
-        });
-        lines.rotate_left(1);
-        lines[3] = frame.strips(row as i64 + 3, columns);
+    let spacing = frame.spacing();
+    let cells = (CELLS.into_iter()).find(|&cells| FRAC_PI_2 <= spacing * (2 * cells) as f32);
+    match cells.filter(|_| lamp.fixed.is_none()) {
+        Some(cells) => frame.read_all(cells, glow),
+        None => frame.sum_up_all(glow),
     }
-    errors
 }
 
 /// What a spot is added to.
@@ -115,18 +78,82 @@ struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// By which share of its cone the direction to the lamp turns at most from a ray to the next.
-    fn turn(&self, nearest_m: f32) -> f32 {
+    /// Reads all pixels between rays of so many cells, as far as that may be.
+    fn read_all(&self, cells: usize, glow: &mut [Vec<f32>; 3]) -> Errors {
+        let (width, height) = self.range.size();
+        let columns = width.div_ceil(STEP);
+        let line = |row: i64| Line::new(self, (STEP, row), cells, &vec![true; columns + 3]);
+        // Rays of one row of blocks and the next, with one beyond each.
+        let mut lines: [Line; 4] = std::array::from_fn(|i| line(i as i64 - 1));
+        let mut errors = Errors::default();
+        for row in 0..height.div_ceil(STEP) {
+            let mut band = self.band(row * STEP, cells);
+            let left = self.fill(&mut band, &lines, (STEP, row), &vec![true; columns]);
+            let rounding = self.finish(&band, glow);
+            errors.include(Errors { left, rounding });
+            lines.rotate_left(1);
+            lines[3] = line(row as i64 + 3);
+        }
+        errors
+    }
+
+    /// Sums up along the ray of every pixel.
+    fn sum_up_all(&self, glow: &mut [Vec<f32>; 3]) -> Errors {
+        let (width, height) = self.range.size();
+        let mut errors = Errors::default();
+        for first in (0..width * height).step_by(RUN) {
+            let pixels: Vec<usize> = (first..(first + RUN).min(width * height)).collect();
+            let (sum, span) = self.sum_up(&pixels);
+            let mut most = [0.0f32; RUN];
+            for (glow, light) in glow.iter_mut().zip(&sum.light) {
+                for (i, &at) in pixels.iter().enumerate() {
+                    glow[at] += light[i];
+                    most[i] = most[i].max(light[i]);
+                }
+            }
+            if span.to > span.from {
+                errors.include(Errors {
+                    left: sum.left,
+                    rounding: self.lamp.rounding.within(span, extreme(&most, f32::max)),
+                });
+            }
+        }
+        errors
+    }
+
+    /// By which share of its cone the direction to the lamp turns at most between rays so many pixels apart.
+    fn turn(&self, step: usize, nearest_m: f32) -> f32 {
         let [x, y, z] = self.lamp.place;
         let away = x.mul_add(x, y.mul_add(y, z * z)).sqrt();
-        let step = STEP as f32 * self.lens[0] * (away / nearest_m).max(1.0);
-        step / self.lamp.profile.cos_cone.acos()
+        let turned = step as f32 * self.lens[0] * (away / nearest_m).max(1.0);
+        turned / self.lamp.profile.cos_cone.acos()
     }
 
     /// How far apart nodes in β may lie: some in each of the widths that the profile of the lamp changes over.
     fn spacing(&self) -> f32 {
         let of_cone = NODES_OF_CONE * self.lamp.profile.cos_cone.acos();
         of_cone.min(composite::spacing(self.lamp.source.asymmetry))
+    }
+
+    /// Sums up along the rays of some pixels, at most a run.
+    fn sum_up(&self, pixels: &[usize]) -> (Sum, nodes::Span) {
+        let (lamp, width) = (self.lamp, self.range.width());
+        let mut rays = Rays::default();
+        for (i, &at) in pixels.iter().enumerate() {
+            let place = ((at % width) as f32, (at / width) as f32);
+            rays.aim(self.lens, i, place, self.range.data()[at]);
+        }
+        let murk = self.murkiness.of(pixels.iter().copied());
+        let (intervals, span) = vectorized!(whole(lamp, &rays, &murk));
+        let sum = match lamp.fixed {
+            _ if span.to <= span.from => Sum {
+                light: [[0.0; RUN]; 3],
+                left: 0.0,
+            },
+            Some(count) => self.at_fixed(&intervals, count),
+            None => composite::sum_up::<true>(lamp, &intervals, self.spacing()),
+        };
+        (sum, span)
     }
 
     /// The sum over a fixed rule.
@@ -150,65 +177,6 @@ impl Frame<'_> {
             }
         }
         Sum { light, left: 0.0 }
-    }
-
-    /// Adds to the pixels of a block what is summed up along each of their rays.
-    fn sum_up(&self, (column, row): (usize, usize), glow: &mut [Vec<f32>; 3]) -> Errors {
-        let (width, height) = self.range.size();
-        let (lamp, start) = (self.lamp, (column * STEP, row * STEP));
-        let at = |i: usize| (start.0 + i % STEP, start.1 + i / STEP);
-        let mut errors = Errors::default();
-        // Rows of a block one after the other: rays and patches are made for runs of a row.
-        let mut rays = Rays::default();
-        let mut murk = Murk::default();
-        for y in 0..STEP {
-            let mut range_m = [f32::INFINITY; RUN];
-            for (x, range_m) in range_m.iter_mut().enumerate().take(STEP) {
-                let place = (start.0 + x, start.1 + y);
-                if place.0 < width && place.1 < height {
-                    *range_m = self.range.pixel(place.0, place.1);
-                }
-            }
-            let (mut line, mut line_murk) = (Rays::default(), Murk::default());
-            let place = (start.0, start.1 + y);
-            vectorized!(rays_of(self.lens, place, &range_m, &mut line));
-            if let Some(patches) = &self.patches {
-                vectorized!(murk_of(lamp, &line, patches, place, &mut line_murk));
-            }
-            let to = y * STEP..(y + 1) * STEP;
-            for (all, own) in [
-                (&mut rays.right, &line.right),
-                (&mut rays.down, &line.down),
-                (&mut rays.ahead, &line.ahead),
-                (&mut rays.end, &line.end),
-                (&mut murk.source, &line_murk.source),
-                (&mut murk.path, &line_murk.path),
-                (&mut murk.stretch, &line_murk.stretch),
-            ] {
-                all[to.clone()].copy_from_slice(&own[..STEP]);
-            }
-        }
-        let (intervals, span) = vectorized!(whole(lamp, &rays, &murk));
-        if span.to <= span.from {
-            return errors;
-        }
-        let sum = match lamp.fixed {
-            Some(count) => self.at_fixed(&intervals, count),
-            None => composite::sum_up::<true>(lamp, &intervals, self.spacing()),
-        };
-        let mut most = [0.0f32; RUN];
-        for (channel, light) in sum.light.iter().enumerate() {
-            for i in 0..RUN {
-                let (x, y) = at(i);
-                if x < width && y < height {
-                    glow[channel][y * width + x] += light[i];
-                    most[i] = most[i].max(light[i]);
-                }
-            }
-        }
-        errors.left = sum.left;
-        errors.rounding = lamp.rounding.within(span, extreme(&most, f32::max));
-        errors
     }
 }
 

@@ -15,10 +15,12 @@ const APART: f32 = 0.125;
 const FEWEST: usize = 4;
 const MOST: usize = 12;
 
-/// The factors of c and b of each pixel of a frame; none in even water, where both are 1.
+/// The factors of c and b of each pixel of a frame, and how far the latter is from a mean of the ray, see [`Murk`]; none in even
+/// water, where all are 1.
 pub(super) struct Murkiness {
     path: Vec<f32>,
     source: Vec<f32>,
+    stretch: Vec<f32>,
     lowest: f32,
     apart: f32,
     degrees: usize,
@@ -29,6 +31,7 @@ impl Murkiness {
         Self {
             path: Vec::new(),
             source: Vec::new(),
+            stretch: Vec::new(),
             lowest: 1.0,
             apart: 0.0,
             degrees: 1,
@@ -61,6 +64,7 @@ impl Murkiness {
             }
             self.path.extend_from_slice(&murk.path[..run]);
             self.source.extend_from_slice(&murk.source[..run]);
+            self.stretch.extend_from_slice(&murk.stretch[..run]);
         }
         self.degrees = (((most - least) / APART).ceil() as usize + 1).clamp(FEWEST, MOST);
         self.lowest = least;
@@ -73,12 +77,14 @@ impl Murkiness {
         (0..self.degrees).map(move |degree| (degree as f32).mul_add(apart, lowest))
     }
 
-    /// The factors of a run of pixels, the first at this place in the frame.
-    pub(super) fn of_run(&self, first: usize, run: usize) -> Murk {
+    /// The factors of a run of pixels, by their places in the frame.
+    pub(super) fn of(&self, pixels: impl Iterator<Item = usize>) -> Murk {
         let mut murk = Murk::default();
         if !self.path.is_empty() {
-            murk.path[..run].copy_from_slice(&self.path[first..first + run]);
-            murk.source[..run].copy_from_slice(&self.source[first..first + run]);
+            for (i, at) in pixels.enumerate() {
+                (murk.path[i], murk.source[i]) = (self.path[at], self.source[at]);
+                murk.stretch[i] = self.stretch[at];
+            }
         }
         murk
     }
@@ -88,15 +94,15 @@ impl Murkiness {
         self.source.iter().copied().reduce(f32::max).unwrap_or(1.0)
     }
 
-    /// The first of the degrees about a factor of c, and their weights in a parabola through them.
-    pub(super) fn weights(&self, path: f32) -> (usize, [f32; 3]) {
+    /// The factor of b of a pixel, the first of the degrees about its factor of c, and their weights in a parabola through them.
+    pub(super) fn weights(&self, pixel: usize) -> (f32, usize, [f32; 3]) {
         if self.degrees == 1 {
-            return (0, [1.0, 0.0, 0.0]);
+            return (1.0, 0, [1.0, 0.0, 0.0]);
         }
-        let place = (path - self.lowest) / self.apart;
+        let place = (self.path[pixel] - self.lowest) / self.apart;
         let middle = ((place + 0.5) as usize).clamp(1, self.degrees - 2);
         let t = place - middle as f32;
         let weights = [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)];
-        (middle - 1, weights)
+        (self.source[pixel], middle - 1, weights)
     }
 }

@@ -4,108 +4,180 @@ use std::f32::consts::FRAC_PI_2;
 
 use imaging::vectorized;
 
-use super::super::intervals::{Intervals, Rays, rays_of};
-use super::super::{Lanes, RUN};
-use super::strip::Strip;
-use super::{CELLS, Frame, STEP, VALUES, whole};
+use super::super::intervals::{Intervals, Murk, Rays, intervals, rays_of};
+use super::super::{Glow, Lanes, RUN};
+use super::line::{Cell, Line};
+use super::{Frame, STEP, nodes};
 
-/// What f32 may lose of the place in a cell, in cells.
-const PLACE: f64 = 3e-5;
+/// What f32 may lose of the place in a ray, as a share of it.
+const PLACE: f64 = 1e-6;
 
-impl Frame<'_> {
-    /// Adds what is read between the strips of two rows to the pixels of a row of blocks. Returns what f32 may lose.
-    pub(super) fn read(
-        &self,
-        [above, below]: [&[Strip]; 2],
-        row: usize,
-        read: &[bool],
-        glow: &mut [Vec<f32>; 3],
-    ) -> f64 {
-        let (width, height) = self.range.size();
-        let mut rounding = 0.0f64;
-        let mut between: Vec<Vec<_>> = above.iter().map(|strip| strip.rays.clone()).collect();
-        for y in row * STEP..height.min((row + 1) * STEP) {
-            let share = (y - row * STEP) as f32 / STEP as f32;
-            for ((above, below), between) in above.iter().zip(below).zip(&mut between) {
-                vectorized!(mix(
-                    above.rays.as_flattened(),
-                    below.rays.as_flattened(),
-                    share,
-                    between.as_flattened_mut()
-                ));
-            }
-            for x in (0..width).step_by(RUN) {
-                rounding = rounding.max(self.read_run(&between, (x, y), read, glow));
-            }
-        }
-        rounding
+/// The light of a lamp on some rows of pixels.
+pub(super) struct Band {
+    /// The first pixel in the frame.
+    first: usize,
+    cells: usize,
+    /// Where in its cells each pixel's ray ends.
+    places: Vec<f32>,
+    light: [Vec<f32>; 3],
+    /// Of each run of each row.
+    spans: Vec<nodes::Span>,
+    /// The most light in a cell that is read.
+    steepest: f32,
+}
+
+impl Band {
+    /// Equal angles of a ray.
+    pub(super) fn cells(&self) -> usize {
+        self.cells
     }
 
-    fn read_run(
+    /// Sets the light of a pixel of the frame.
+    pub(super) fn set(&mut self, pixel: usize, light: [f32; 3]) {
+        for (plane, light) in self.light.iter_mut().zip(light) {
+            plane[pixel - self.first] = light;
+        }
+    }
+}
+
+/// A block of pixels between four rays, those above first, of each degree of murkiness.
+struct Block<'a> {
+    corners: Vec<[&'a [Cell]; 4]>,
+    /// Its columns, rows and side.
+    xs: std::ops::Range<usize>,
+    ys: std::ops::Range<usize>,
+    step: usize,
+}
+
+impl Frame<'_> {
+    /// The rows of pixels from `top` on that one row of blocks covers, still dark.
+    pub(super) fn band(&self, top: usize, cells: usize) -> Band {
+        let (width, height) = self.range.size();
+        let rows = top..height.min(top + STEP);
+        let count = rows.len() * width;
+        let mut band = Band {
+            first: top * width,
+            cells,
+            places: Vec::with_capacity(count),
+            light: [(); 3].map(|()| vec![0.0; count]),
+            spans: Vec::new(),
+            steepest: 0.0,
+        };
+        for (y, x) in rows.flat_map(|y| (0..width).step_by(RUN).map(move |x| (y, x))) {
+            let run = RUN.min(width - x);
+            let first = y * width + x;
+            let mut range_m = [f32::INFINITY; RUN];
+            range_m[..run].copy_from_slice(&self.range.row(y)[x..x + run]);
+            let mut rays = Rays::default();
+            vectorized!(rays_of(self.lens, (x, y), &range_m, &mut rays));
+            let murk = self.murkiness.of(first..first + run);
+            let mut places = [0.0f32; RUN];
+            let span = vectorized!(places_of(self.lamp, (&rays, &murk), cells as f32, &mut places));
+            band.places.extend_from_slice(&places[..run]);
+            band.spans.push(span);
+        }
+        band
+    }
+
+    /// Reads the light of a block between two lines of rays.
+    pub(super) fn read(
         &self,
-        between: &[Vec<[[f32; VALUES]; CELLS]>],
-        (start, y): (usize, usize),
-        read: &[bool],
-        glow: &mut [Vec<f32>; 3],
-    ) -> f64 {
+        band: &mut Band,
+        [top, bottom]: [&Line; 2],
+        (step, row): (usize, usize),
+        column: usize,
+    ) {
+        let (xs, ys) = self.pixels(step, (column, row));
+        let above = top.ray(column + 1).zip(top.ray(column + 2));
+        let below = bottom.ray(column + 1).zip(bottom.ray(column + 2));
+        let block = Block {
+            corners: above.zip(below).map(|((a, b), (c, d))| [a, b, c, d]).collect(),
+            xs,
+            ys,
+            step,
+        };
+        vectorized!(self.read_block(band, &block));
+    }
+
+    #[inline(always)]
+    fn read_block(&self, band: &mut Band, block: &Block<'_>) {
         let width = self.range.width();
-        let run = RUN.min(width - start);
-        let first = y * width + start;
-        let mut range_m = [f32::INFINITY; RUN];
-        range_m[..run].copy_from_slice(&self.range.row(y)[start..start + run]);
-        let mut rays = Rays::default();
-        vectorized!(rays_of(self.lens, (start, y), &range_m, &mut rays));
-        let murk = self.murkiness.of_run(first, run);
-        let (intervals, span) = vectorized!(whole(self.lamp, &rays, &murk));
-        let mut places = [0.0f32; RUN];
-        vectorized!(places_of(&intervals, &mut places));
-        let (mut most, mut steepest) = (0.0f32, 0.0f32);
-        for i in (0..run).filter(|&i| read[(start + i) / STEP]) {
-            let x = start + i;
-            // The first ray lies before the frame.
-            let block = x / STEP + 1;
-            let share = (x % STEP) as f32 / STEP as f32;
-            let cell = (places[i] as usize).min(CELLS - 1);
-            let u = places[i] - cell as f32;
-            let (degree, weights) = self.murkiness.weights(murk.path[i]);
-            let mut sum = [0.0f32; 3];
-            for (between, weight) in between[degree..].iter().zip(weights) {
-                let (a, b) = (&between[block][cell], &between[block + 1][cell]);
-                for channel in 0..3 {
-                    let at = |values: &[f32; VALUES]| {
-                        values[channel] + u * (values[channel + 3] + values[channel + 6] * (u - 1.0))
-                    };
-                    sum[channel] += weight * (at(a) + share * (at(b) - at(a)));
-                    steepest = steepest.max(murk.source[i] * a[channel + 3].max(b[channel + 3]));
+        let last = band.cells - 1;
+        let inverse = 1.0 / block.step as f32;
+        let (x_0, y_0) = (block.xs.start, block.ys.start);
+        let [red, green, blue] = &mut band.light;
+        let mut steepest = [band.steepest; 4];
+        for y in block.ys.clone() {
+            let down = (y - y_0) as f32 * inverse;
+            for x in block.xs.clone() {
+                let right = (x - x_0) as f32 * inverse;
+                let pixel = y * width + x;
+                let at = pixel - band.first;
+                let place = band.places[at];
+                let cell = (place as usize).min(last);
+                let u = place - cell as f32;
+                let (source, degree, weights) = self.murkiness.weights(pixel);
+                let mut sum = [0.0f32; 4];
+                for (corners, weight) in block.corners[degree..].iter().zip(weights) {
+                    let four = corners.map(|ray| &ray[cell]);
+                    let light = between(four, u, [right, down]);
+                    for i in 0..4 {
+                        sum[i] = weight.mul_add(light[i], sum[i]);
+                        steepest[i] = steepest[i]
+                            .max(source * four[0][1][i])
+                            .max(source * four[3][1][i]);
+                    }
                 }
-            }
-            for channel in 0..3 {
-                let light = murk.source[i] * sum[channel].max(0.0);
-                glow[channel][first + i] += light;
-                most = most.max(light);
+                let light = sum.map(|sum| source * sum.max(0.0));
+                [red[at], green[at], blue[at]] = [light[0], light[1], light[2]];
             }
         }
-        if most > 0.0 {
-            self.lamp.rounding.within(span, most) + PLACE * f64::from(steepest)
-        } else {
-            0.0
+        band.steepest = steepest.into_iter().fold(0.0, f32::max);
+    }
+
+    /// Adds a band to the frame. Returns what f32 may have lost.
+    pub(super) fn finish(&self, band: &Band, glow: &mut [Vec<f32>; 3]) -> f64 {
+        for (glow, light) in glow.iter_mut().zip(&band.light) {
+            let glow = &mut glow[band.first..band.first + light.len()];
+            vectorized!(glow.iter_mut().zip(light).for_each(|(sum, light)| *sum += light));
         }
+        let width = self.range.width();
+        let runs = (0..band.places.len() / width).flat_map(|row| {
+            let starts = (0..width).step_by(RUN);
+            starts.map(move |x| row * width + x..row * width + width.min(x + RUN))
+        });
+        let mut rounding = 0.0f64;
+        for (run, span) in runs.zip(&band.spans) {
+            let brightest = |plane: &Vec<f32>| plane[run.clone()].iter().copied().fold(0.0, f32::max);
+            let most = band.light.iter().map(brightest).fold(0.0, f32::max);
+            if most > 0.0 {
+                rounding = rounding.max(self.lamp.rounding.within(*span, most));
+            }
+        }
+        rounding + PLACE * band.cells as f64 * f64::from(band.steepest)
     }
 }
 
 /// Where in its cells each ray ends.
 #[inline(always)]
-fn places_of(to: &Intervals, places: &mut Lanes) {
+fn places_of(lamp: &Glow, (rays, murk): (&Rays, &Murk), cells: f32, places: &mut Lanes) -> nodes::Span {
+    let (Intervals { half, from, .. }, span) = intervals::<false, true>(lamp, rays, murk);
     for i in 0..RUN {
-        let whole = FRAC_PI_2 - to.from[i];
-        places[i] = (2.0 * CELLS as f32 * to.half[i] / whole).min(CELLS as f32);
+        let whole = FRAC_PI_2 - from[i];
+        places[i] = (2.0 * cells * half[i] / whole).min(cells);
     }
+    span
 }
 
+/// The sum up to a place in a cell, between the cells of four rays.
 #[inline(always)]
-fn mix(a: &[[f32; VALUES]], b: &[[f32; VALUES]], share: f32, to: &mut [[f32; VALUES]]) {
-    let (a, b) = (a.as_flattened(), b.as_flattened());
-    for ((to, a), b) in to.as_flattened_mut().iter_mut().zip(a).zip(b) {
-        *to = share.mul_add(b - a, *a);
-    }
+fn between([a, b, c, d]: [&Cell; 4], u: f32, [right, down]: [f32; 2]) -> [f32; 4] {
+    std::array::from_fn(|i| {
+        let at = |[start, inside, slope]: &Cell| u.mul_add(slope[i].mul_add(u - 1.0, inside[i]), start[i]);
+        let (top, bottom) = (
+            right.mul_add(at(b) - at(a), at(a)),
+            right.mul_add(at(d) - at(c), at(c)),
+        );
+        down.mul_add(bottom - top, top)
+    })
 }
