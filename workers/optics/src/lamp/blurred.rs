@@ -21,30 +21,39 @@ const TURN: [f32; AZIMUTHS / 2] = [0.923_879_5, 0.382_683_43];
 
 type Lanes = [f32; RUN];
 
-/// Angles to the axis of a spot by cosine and sine.
+/// Angles to the axis of a spot with the profile `offset + slope cos`, by `slope` times their cosines and sines.
 pub(super) struct Turned {
-    pub(super) cos: Lanes,
-    pub(super) sin: Lanes,
+    pub(super) along: Lanes,
+    pub(super) across: Lanes,
 }
 
-/// [`multiple::blurred`](super::multiple::blurred) of the profile `offset + slope cos`, at each angle and for the kernel of each scale.
-pub(super) fn blurred(shape: [f32; 2], turned: &Turned, scale: &Lanes) -> Lanes {
+impl Turned {
+    pub(super) fn new() -> Self {
+        Self {
+            along: [0.0; RUN],
+            across: [0.0; RUN],
+        }
+    }
+}
+
+/// [`multiple::blurred`](super::multiple::blurred) of such a profile, at each angle and for the kernel of each scale.
+pub(super) fn blurred(offset: f32, turned: &Turned, scale: &Lanes) -> Lanes {
     let mut sum = [0.0f32; RUN];
     for out in OUT {
-        vectorized!(add_ring(shape, turned, (scale, out), &mut sum));
+        vectorized!(add_ring(offset, turned, (scale, out), &mut sum));
     }
     sum
 }
 
 /// Adds a share of what is met on a ring. Rings are the outer loop: unrolled within a loop over places they keep it scalar.
 #[inline(always)]
-fn add_ring([slope, offset]: [f32; 2], turned: &Turned, (scale, out): (&Lanes, f32), sum: &mut Lanes) {
+fn add_ring(offset: f32, turned: &Turned, (scale, out): (&Lanes, f32), sum: &mut Lanes) {
     for i in 0..RUN {
         // As comparisons: `min` and `max` would care for NaN, which takes three instructions in place of one.
         let ring = smaller(scale[i] * out, PI);
         let (sin_ring, cos_ring) = sin_cos_to_pi(ring);
-        let middle = (slope * turned.cos[i]).mul_add(cos_ring, offset);
-        let reach = (slope * turned.sin[i]) * sin_ring;
+        let middle = turned.along[i].mul_add(cos_ring, offset);
+        let reach = turned.across[i] * sin_ring;
         // Two places in opposite azimuths: max(m + t, 0) + max(m − t, 0) = m + max(|m|, t).
         let size = middle.abs();
         let [first, second] = TURN.map(|turn| middle + larger(size, reach * turn));
@@ -90,10 +99,10 @@ mod tests {
             for scale in [0.015, 0.037, 0.2, 0.7, 3.0, 1e9] {
                 let angles: [f64; RUN] = std::array::from_fn(|i| STRAIGHT * i as f64 / (RUN - 1) as f64);
                 let turned = Turned {
-                    cos: angles.map(|angle| angle.cos() as f32),
-                    sin: angles.map(|angle| angle.sin() as f32),
+                    along: angles.map(|angle| profile.slope * angle.cos() as f32),
+                    across: angles.map(|angle| profile.slope * angle.sin() as f32),
                 };
-                let all = blurred([profile.slope, profile.offset], &turned, &[scale as f32; RUN]);
+                let all = blurred(profile.offset, &turned, &[scale as f32; RUN]);
                 for (angle, fast) in angles.into_iter().zip(all) {
                     let exact = multiple::blurred(beam, scale, |_| angle.cos());
                     let error = (f64::from(fast) - exact).abs();

@@ -16,6 +16,11 @@ const FRAMES: u64 = 400;
 /// Of light that scatters more than once, whose reference takes long.
 const MULTIPLE_FRAMES: u64 = 120;
 
+/// Frames of several blocks of pixels, and how much of them is compared.
+const WIDE: (usize, usize) = (101, 59);
+const WIDE_FRAMES: u64 = 150;
+const WIDE_PIXELS: u64 = 40;
+
 struct Case {
     range: Plane<f32>,
     lighting: Lighting,
@@ -148,6 +153,88 @@ fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
         let closest = closest(frames.collect::<Vec<_>>().into_iter());
         assert!(closest > 0.3, "{closest}");
     }
+}
+
+/// Spots in frames wide enough for what they spread to be read between rays of every distance: narrow cones, lamps in view, thin bars
+/// that no ray meets.
+fn wide_case(seed: u64) -> Case {
+    let stream = Stream::stage(seed, "rays");
+    let unit = |what: u64| stream.unit(0, what);
+    let between = |what: u64, least: f64, most: f64| least + (most - least) * unit(what);
+    let scaled = |what: u64, least: f64, most: f64| least * (most / least).powf(unit(what));
+    let far = scaled(0, 0.5, 20.0);
+    let bar = (between(1, 0.0, 90.0) as usize, 1 + (4.0 * unit(2)) as usize);
+    let range = Plane::from_fn(WIDE.0, WIDE.1, |x, y| {
+        let slope = 1.0 + 0.01 * (x as f64 - 0.7 * y as f64);
+        let is_near = (bar.0..bar.0 + bar.1).contains(&x) || (bar.0 / 2..bar.0 / 2 + bar.1).contains(&y);
+        let hole = unit(3) < 0.3 && (x + y) % 23 == 3;
+        match (hole, is_near) {
+            (true, _) => f32::NAN,
+            (_, true) => (0.3 * far * slope) as f32,
+            _ => (far * slope) as f32,
+        }
+    });
+    let camera = Intrinsics::centered(scaled(4, 10.0, 1500.0), WIDE.0, WIDE.1);
+    let lamps = (0..=u64::from(unit(5) < 0.3)).map(|lamp| {
+        let draw = |what: u64| unit(20 + 20 * lamp + what);
+        let aside = |what: u64| (2.0 * draw(what) - 1.0) * WIDE.0 as f64 / camera.focal_px;
+        // Before the camera, or beside it.
+        let z = if draw(0) < 0.5 { far * draw(1) } else { 0.0 };
+        let place = [aside(2), aside(3), 0.0]
+            .map(|v| v * z.max(0.3 * far))
+            .map(|v| v.clamp(-50.0, 50.0));
+        let place = [place[0], place[1], z];
+        let cone_deg = 0.5 * 120f64.powf(draw(4));
+        let target = [aside(5) * far, aside(6) * far, far];
+        let way = [0, 1, 2].map(|i| target[i] - place[i]);
+        let longest = way.iter().fold(1e-6f64, |most, v| most.max(v.abs()));
+        let intensity = [0.5, 1.0, 0.7].map(|tint| tint * 0.03 * 1e4f64.powf(draw(7)) * far);
+        Lamp::spot(place, intensity, way.map(|v| v / longest), cone_deg).unwrap()
+    });
+    let scattering = scaled(8, 0.1, 3.0) / far;
+    let patches = Turbidity {
+        contrast: between(9, 0.1, 0.95),
+        scale_m: scaled(10, 0.1, 5.0),
+    };
+    Case {
+        lighting: Lighting {
+            lamps: lamps.collect(),
+            radius_m: LAMP_RADIUS_M,
+            camera,
+            attenuation: [1.5, 1.1, 1.2].map(|c| c * scattering),
+            scattering: [1.0, 0.9, 0.95].map(|b| b * scattering),
+            absorption: Some([0.5, 0.2, 0.25].map(|a| a * scattering)),
+            asymmetry: between(11, 0.5, 0.97),
+            patches: (unit(12) < 0.2).then(|| Field::new(&patches, World { seed, index: 0 })),
+        },
+        range,
+    }
+}
+
+/// The reference takes long: some pixels of each frame are compared, each as a frame of its own.
+#[test]
+fn no_spread_light_between_rays_errs_by_more_than_it_says() {
+    let frames = (0..WIDE_FRAMES).map(|seed| {
+        let Case { range, lighting } = wide_case(seed);
+        let fast = lamp::airlight(&range, &lighting, 1e-4);
+        let stream = Stream::stage(seed, "pixels");
+        let errors = (0..WIDE_PIXELS).map(|pixel| {
+            let at = |what: u64, count: usize| (stream.unit(pixel, what) * count as f64) as usize;
+            let (x, y) = (at(0, WIDE.0), at(1, WIDE.1));
+            let mut single = lighting.clone();
+            single.camera.cx -= x as f64;
+            single.camera.cy -= y as f64;
+            let own = Plane::filled(1, 1, f64::from(range.pixel(x, y)));
+            let exact = lamp::airlight_reference(&own, &single, REFERENCE_NODES).pixel(0, 0);
+            let channels = fast.light.pixel(x, y).into_iter().zip(exact);
+            channels
+                .map(|(got, exact)| (f64::from(got) - exact).abs())
+                .fold(0.0, f64::max)
+        });
+        (seed, fast.left + fast.rounding, errors.fold(0.0, f64::max))
+    });
+    let closest = closest(frames);
+    assert!(closest > 0.2, "{closest}");
 }
 
 /// Four lamps beside the camera before a slope: what f32 loses is thousands of times below the light, and the bound follows.

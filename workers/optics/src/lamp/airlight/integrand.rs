@@ -81,16 +81,15 @@ impl SpreadNode {
         Self {
             light: [dark; 3],
             scale: [dark; 3],
-            turned: Turned { cos: dark, sin: dark },
+            turned: Turned::new(),
         }
     }
 
     /// The integrand at each ray's angle β.
     pub(super) fn shine(&mut self, lamp: &Glow, to: &Intervals, angles: &Lanes) {
         vectorized!(shine_evenly(lamp, to, angles, self));
-        let shape = [lamp.profile.slope, lamp.profile.offset];
         for (light, scale) in self.light.iter_mut().zip(&self.scale) {
-            let blur = blurred(shape, &self.turned, scale);
+            let blur = blurred(lamp.profile.offset, &self.turned, scale);
             for (light, blur) in light.iter_mut().zip(&blur) {
                 *light *= blur;
             }
@@ -100,7 +99,7 @@ impl SpreadNode {
 
 #[inline(always)]
 fn shine_evenly(lamp: &Glow, to: &Intervals, angles: &Lanes, node: &mut SpreadNode) {
-    let [narrow, growth] = lamp.denominator;
+    let ([narrow, growth], slope) = (lamp.denominator, lamp.profile.slope);
     for i in 0..RUN {
         let (sin, cos) = sin_cos(angles[i]);
         let cos = cos.max(1e-7);
@@ -112,8 +111,8 @@ fn shine_evenly(lamp: &Glow, to: &Intervals, angles: &Lanes, node: &mut SpreadNo
         let (sin_ray, cos_ray) = (cos.mul_add(-cos, ss), 2.0 * sin * cos);
         let (across, along, out) = (to.across[i], to.along[i], to.out[i]);
         let aside = across.mul_add(sin_ray, -(along * cos_ray));
-        node.turned.cos[i] = across.mul_add(cos_ray, along * sin_ray);
-        node.turned.sin[i] = aside.mul_add(aside, out * out).sqrt();
+        node.turned.along[i] = slope * across.mul_add(cos_ray, along * sin_ray);
+        node.turned.across[i] = slope * aside.mul_add(aside, out * out).sqrt();
         let all = swollen(lamp, path);
         for channel in 0..3 {
             let direct = fade(lamp.attenuation[channel], path) * UNSWOLLEN;

@@ -1,5 +1,7 @@
 //! The rays of a run of pixels, the angles at which they see a lamp, and how murky the water there is.
 
+use imaging::simd::{larger, smaller};
+
 use super::super::nodes::Span;
 use super::super::patches::BESIDE;
 use super::{FARTHEST_M, Glow, Lanes, RUN};
@@ -237,11 +239,11 @@ pub(super) fn intervals<const SPOT: bool, const WHOLE: bool>(
         near[i] = if lit { distance } else { f32::INFINITY };
     }
     let span = Span {
-        from: extreme(&first, f32::min),
-        to: extreme(&last, f32::max),
-        least_to: extreme(&least, f32::min),
-        nearest_m: extreme(&near, f32::min),
-        end_m: extreme(&met, f32::min),
+        from: extreme(&first, smaller),
+        to: extreme(&last, larger),
+        least_to: extreme(&least, smaller),
+        nearest_m: extreme(&near, smaller),
+        end_m: extreme(&met, smaller),
         clearest: extreme(&murk.path, f32::min),
         murkiest: extreme(&murk.path, f32::max),
         source: extreme(&murk.source, f32::max),

@@ -24,10 +24,13 @@ use crate::lamp::Lighting;
 use crate::turbidity;
 use line::Line;
 use murkiness::Murkiness;
+use read::Band;
 
-/// Every such column and row has a ray at first; the least distance that is tried.
+/// Every such column and row has a ray at first; the least distance that is tried, and in patches, where each ray takes the time
+/// of several.
 const STEP: usize = 16;
 const FINEST: usize = 2;
+const FINEST_IN_PATCHES: usize = 4;
 /// How many equal angles a ray may be cut into.
 const CELLS: [usize; 3] = [32, 64, 128];
 /// By this the second differences between rays, and the changes of slope from cell to cell, exceed the error.
@@ -85,9 +88,9 @@ impl Frame<'_> {
         let line = |row: i64| Line::new(self, (STEP, row), cells, &vec![true; columns + 3]);
         // Rays of one row of blocks and the next, with one beyond each.
         let mut lines: [Line; 4] = std::array::from_fn(|i| line(i as i64 - 1));
-        let mut errors = Errors::default();
+        let (mut band, mut errors) = (Band::new(cells), Errors::default());
         for row in 0..height.div_ceil(STEP) {
-            let mut band = self.band(row * STEP, cells);
+            self.start(&mut band, row * STEP);
             let left = self.fill(&mut band, &lines, (STEP, row), &vec![true; columns]);
             let rounding = self.finish(&band, glow);
             errors.include(Errors { left, rounding });

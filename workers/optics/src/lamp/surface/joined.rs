@@ -60,18 +60,14 @@ impl Blur {
     /// Computes it for a row.
     pub(super) fn look(&mut self, row: Row<'_>, lamp: Source, water: Joined, murk: &[f32]) {
         let mut run = InBeam {
-            turned: Turned {
-                cos: [0.0; RUN],
-                sin: [0.0; RUN],
-            },
+            turned: Turned::new(),
             scale: [[0.0; RUN]; 3],
         };
-        let shape = [lamp.profile.slope, lamp.profile.offset];
         for start in (0..murk.len()).step_by(RUN) {
             let count = RUN.min(murk.len() - start);
             vectorized!(in_beam(row, lamp, water, (murk, start, count), &mut run));
             for (lane, scale) in self.0.iter_mut().zip(&run.scale) {
-                let blur = blurred(shape, &run.turned, scale);
+                let blur = blurred(lamp.profile.offset, &run.turned, scale);
                 lane[start..start + count].copy_from_slice(&blur[..count]);
             }
         }
@@ -94,14 +90,15 @@ fn in_beam(
     let [x, y, z, ..] = row.places.map(|lane| &lane[start..start + count]);
     let murk = &murk[start..start + count];
     let ([px, py, pz], [ax, ay, az]) = (lamp.place, lamp.profile.axis);
+    let slope = lamp.profile.slope;
     for i in 0..count.min(RUN) {
         let (lx, ly, lz) = (px - x[i], py - y[i], pz - z[i]);
         let distance = lx.mul_add(lx, ly.mul_add(ly, lz * lz)).sqrt().max(row.radius);
         let inverse = 1.0 / distance;
         // The cross product keeps the sine accurate near the axis.
         let (cx, cy, cz) = (ay * lz - az * ly, az * lx - ax * lz, ax * ly - ay * lx);
-        to.turned.cos[i] = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
-        to.turned.sin[i] = cx.mul_add(cx, cy.mul_add(cy, cz * cz)).sqrt() * inverse;
+        to.turned.along[i] = slope * (-ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse);
+        to.turned.across[i] = slope * (cx.mul_add(cx, cy.mul_add(cy, cz * cz)).sqrt() * inverse);
         for channel in 0..3 {
             let x = (water.scattering[channel] * (murk[i] * distance)).min(FARTHEST);
             to.scale[channel][i] = x.mul_add(x.mul_add(SCALE[2], SCALE[1]), SCALE[0]);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::line::Line;
 use super::read::Band;
-use super::{FINEST, Frame, RUN, SHARE_OF_CONE};
+use super::{FINEST, FINEST_IN_PATCHES, Frame, RUN, SHARE_OF_CONE};
 
 impl Frame<'_> {
     /// Fills those blocks of a row that are `asked` for: `step` pixels a side, between the two inner of four lines of rays. Returns
@@ -20,7 +20,7 @@ impl Frame<'_> {
             unreachable!("a row of blocks has four lines")
         };
         let tolerance = self.lamp.source.tolerance;
-        let source = f64::from(self.murkiness.source());
+        let source = f64::from(self.murkiness.most_source());
         let is_corner = |ray: usize| {
             let block = |column: usize| asked.get(column).copied().unwrap_or(false);
             (ray >= 1 && block(ray - 1)) || (ray >= 2 && block(ray - 2))
@@ -50,9 +50,14 @@ impl Frame<'_> {
                 finer[column] = true;
             }
         }
+        let finest = if self.patches.is_some() {
+            FINEST_IN_PATCHES
+        } else {
+            FINEST
+        };
         if !finer.contains(&true) {
             worst
-        } else if step > FINEST {
+        } else if step > finest {
             worst.max(self.fill_finer(band, (step / 2, row), &finer))
         } else {
             worst.max(self.sum_up_blocks(band, (step, row), &finer))

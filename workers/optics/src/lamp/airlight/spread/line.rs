@@ -38,6 +38,9 @@ impl Line {
         for (slot, &ray) in asked.iter().enumerate() {
             line.slots[ray] = slot;
         }
+        for all in &mut line.degrees {
+            all.reserve_exact(asked.len() * cells);
+        }
         let step = step as f32;
         for run in asked.chunks(RUN) {
             let mut rays = Rays::default();

@@ -21,6 +21,7 @@ pub(super) struct Murkiness {
     path: Vec<f32>,
     source: Vec<f32>,
     stretch: Vec<f32>,
+    most_source: f32,
     lowest: f32,
     apart: f32,
     degrees: usize,
@@ -32,6 +33,7 @@ impl Murkiness {
             path: Vec::new(),
             source: Vec::new(),
             stretch: Vec::new(),
+            most_source: 1.0,
             lowest: 1.0,
             apart: 0.0,
             degrees: 1,
@@ -67,6 +69,7 @@ impl Murkiness {
             self.stretch.extend_from_slice(&murk.stretch[..run]);
         }
         self.degrees = (((most - least) / APART).ceil() as usize + 1).clamp(FEWEST, MOST);
+        self.most_source = self.source.iter().copied().fold(0.0, f32::max);
         self.lowest = least;
         self.apart = ((most - least) / (self.degrees - 1) as f32).max(1e-6);
     }
@@ -90,8 +93,8 @@ impl Murkiness {
     }
 
     /// The greatest factor of b of a frame.
-    pub(super) fn source(&self) -> f32 {
-        self.source.iter().copied().reduce(f32::max).unwrap_or(1.0)
+    pub(super) fn most_source(&self) -> f32 {
+        self.most_source
     }
 
     /// The factor of b of a pixel, the first of the degrees about its factor of c, and their weights in a parabola through them.

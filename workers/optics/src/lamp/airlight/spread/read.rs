@@ -2,6 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
+use imaging::simd::larger;
 use imaging::vectorized;
 
 use super::super::intervals::{Intervals, Murk, Rays, intervals, rays_of};
@@ -12,14 +13,15 @@ use super::{Frame, STEP, nodes};
 /// What f32 may lose of the place in a ray, as a share of it.
 const PLACE: f64 = 1e-6;
 
-/// The light of a lamp on some rows of pixels.
+/// The light of a lamp on the rows of pixels of a row of blocks.
 pub(super) struct Band {
     /// The first pixel in the frame.
     first: usize,
     cells: usize,
     /// Where in its cells each pixel's ray ends.
     places: Vec<f32>,
-    light: [Vec<f32>; 3],
+    /// Three channels; the fourth fills a vector.
+    light: Vec<[f32; 4]>,
     /// Of each run of each row.
     spans: Vec<nodes::Span>,
     /// The most light in a cell that is read.
@@ -27,16 +29,25 @@ pub(super) struct Band {
 }
 
 impl Band {
+    pub(super) fn new(cells: usize) -> Self {
+        Self {
+            first: 0,
+            cells,
+            places: Vec::new(),
+            light: Vec::new(),
+            spans: Vec::new(),
+            steepest: 0.0,
+        }
+    }
+
     /// Equal angles of a ray.
     pub(super) fn cells(&self) -> usize {
         self.cells
     }
 
     /// Sets the light of a pixel of the frame.
-    pub(super) fn set(&mut self, pixel: usize, light: [f32; 3]) {
-        for (plane, light) in self.light.iter_mut().zip(light) {
-            plane[pixel - self.first] = light;
-        }
+    pub(super) fn set(&mut self, pixel: usize, [red, green, blue]: [f32; 3]) {
+        self.light[pixel - self.first] = [red, green, blue, 0.0];
     }
 }
 
@@ -50,19 +61,15 @@ struct Block<'a> {
 }
 
 impl Frame<'_> {
-    /// The rows of pixels from `top` on that one row of blocks covers, still dark.
-    pub(super) fn band(&self, top: usize, cells: usize) -> Band {
+    /// Turns to the rows of pixels from `top` on.
+    pub(super) fn start(&self, band: &mut Band, top: usize) {
         let (width, height) = self.range.size();
         let rows = top..height.min(top + STEP);
-        let count = rows.len() * width;
-        let mut band = Band {
-            first: top * width,
-            cells,
-            places: Vec::with_capacity(count),
-            light: [(); 3].map(|()| vec![0.0; count]),
-            spans: Vec::new(),
-            steepest: 0.0,
-        };
+        band.first = top * width;
+        band.places.clear();
+        band.spans.clear();
+        band.light.resize(rows.len() * width, [0.0; 4]);
+        band.steepest = 0.0;
         for (y, x) in rows.flat_map(|y| (0..width).step_by(RUN).map(move |x| (y, x))) {
             let run = RUN.min(width - x);
             let first = y * width + x;
@@ -72,11 +79,11 @@ impl Frame<'_> {
             vectorized!(rays_of(self.lens, (x, y), &range_m, &mut rays));
             let murk = self.murkiness.of(first..first + run);
             let mut places = [0.0f32; RUN];
-            let span = vectorized!(places_of(self.lamp, (&rays, &murk), cells as f32, &mut places));
+            let cells = band.cells as f32;
+            let span = vectorized!(places_of(self.lamp, (&rays, &murk), cells, &mut places));
             band.places.extend_from_slice(&places[..run]);
             band.spans.push(span);
         }
-        band
     }
 
     /// Reads the light of a block between two lines of rays.
@@ -105,31 +112,30 @@ impl Frame<'_> {
         let last = band.cells - 1;
         let inverse = 1.0 / block.step as f32;
         let (x_0, y_0) = (block.xs.start, block.ys.start);
-        let [red, green, blue] = &mut band.light;
         let mut steepest = [band.steepest; 4];
         for y in block.ys.clone() {
             let down = (y - y_0) as f32 * inverse;
-            for x in block.xs.clone() {
-                let right = (x - x_0) as f32 * inverse;
-                let pixel = y * width + x;
-                let at = pixel - band.first;
-                let place = band.places[at];
+            let first = y * width + x_0;
+            let own = first - band.first..first - band.first + block.xs.len();
+            let pixels = band.light[own.clone()].iter_mut().zip(&band.places[own]);
+            for (x, (light, &place)) in pixels.enumerate() {
+                let right = x as f32 * inverse;
                 let cell = (place as usize).min(last);
                 let u = place - cell as f32;
-                let (source, degree, weights) = self.murkiness.weights(pixel);
+                let (source, degree, weights) = self.murkiness.weights(first + x);
                 let mut sum = [0.0f32; 4];
                 for (corners, weight) in block.corners[degree..].iter().zip(weights) {
                     let four = corners.map(|ray| &ray[cell]);
                     let light = between(four, u, [right, down]);
                     for i in 0..4 {
                         sum[i] = weight.mul_add(light[i], sum[i]);
-                        steepest[i] = steepest[i]
-                            .max(source * four[0][1][i])
-                            .max(source * four[3][1][i]);
+                        let inside = source * larger(four[0][1][i], four[3][1][i]);
+                        steepest[i] = larger(inside, steepest[i]);
                     }
                 }
-                let light = sum.map(|sum| source * sum.max(0.0));
-                [red[at], green[at], blue[at]] = [light[0], light[1], light[2]];
+                for i in 0..4 {
+                    light[i] = source * larger(sum[i], 0.0);
+                }
             }
         }
         band.steepest = steepest.into_iter().fold(0.0, f32::max);
@@ -137,25 +143,40 @@ impl Frame<'_> {
 
     /// Adds a band to the frame. Returns what f32 may have lost.
     pub(super) fn finish(&self, band: &Band, glow: &mut [Vec<f32>; 3]) -> f64 {
-        for (glow, light) in glow.iter_mut().zip(&band.light) {
-            let glow = &mut glow[band.first..band.first + light.len()];
-            vectorized!(glow.iter_mut().zip(light).for_each(|(sum, light)| *sum += light));
-        }
         let width = self.range.width();
         let runs = (0..band.places.len() / width).flat_map(|row| {
             let starts = (0..width).step_by(RUN);
             starts.map(move |x| row * width + x..row * width + width.min(x + RUN))
         });
+        let [red, green, blue] = glow.each_mut().map(|plane| &mut plane[band.first..]);
         let mut rounding = 0.0f64;
         for (run, span) in runs.zip(&band.spans) {
-            let brightest = |plane: &Vec<f32>| plane[run.clone()].iter().copied().fold(0.0, f32::max);
-            let most = band.light.iter().map(brightest).fold(0.0, f32::max);
+            let mut to = [&mut *red, green, blue].map(|plane| &mut plane[run.clone()]);
+            let most = vectorized!(add(&band.light[run.clone()], &mut to));
             if most > 0.0 {
                 rounding = rounding.max(self.lamp.rounding.within(*span, most));
             }
         }
         rounding + PLACE * band.cells as f64 * f64::from(band.steepest)
     }
+}
+
+/// Adds the light of a run to the frame. Returns the most of a channel.
+#[inline(always)]
+fn add(light: &[[f32; 4]], [red, green, blue]: &mut [&mut [f32]; 3]) -> f32 {
+    let mut most = [0.0f32; 4];
+    for (((light, red), green), blue) in light
+        .iter()
+        .zip(red.iter_mut())
+        .zip(green.iter_mut())
+        .zip(blue.iter_mut())
+    {
+        for i in 0..4 {
+            most[i] = larger(light[i], most[i]);
+        }
+        (*red, *green, *blue) = (*red + light[0], *green + light[1], *blue + light[2]);
+    }
+    most.into_iter().fold(0.0, f32::max)
 }
 
 /// Where in its cells each ray ends.
@@ -171,13 +192,18 @@ fn places_of(lamp: &Glow, (rays, murk): (&Rays, &Murk), cells: f32, places: &mut
 
 /// The sum up to a place in a cell, between the cells of four rays.
 #[inline(always)]
-fn between([a, b, c, d]: [&Cell; 4], u: f32, [right, down]: [f32; 2]) -> [f32; 4] {
-    std::array::from_fn(|i| {
-        let at = |[start, inside, slope]: &Cell| u.mul_add(slope[i].mul_add(u - 1.0, inside[i]), start[i]);
-        let (top, bottom) = (
-            right.mul_add(at(b) - at(a), at(a)),
-            right.mul_add(at(d) - at(c), at(c)),
-        );
-        down.mul_add(bottom - top, top)
-    })
+fn between(four: [&Cell; 4], u: f32, [right, down]: [f32; 2]) -> [f32; 4] {
+    let [a, b, c, d] = four.map(|[start, inside, slope]| {
+        let mut at = [0.0f32; 4];
+        for i in 0..4 {
+            at[i] = u.mul_add(slope[i].mul_add(u - 1.0, inside[i]), start[i]);
+        }
+        at
+    });
+    let mut light = [0.0f32; 4];
+    for i in 0..4 {
+        let (top, bottom) = (right.mul_add(b[i] - a[i], a[i]), right.mul_add(d[i] - c[i], c[i]));
+        light[i] = down.mul_add(bottom - top, top);
+    }
+    light
 }
