@@ -1,9 +1,8 @@
 //! The light of lamps on surfaces.
 
 mod joined;
+mod row;
 mod shade;
-
-use std::ops::Range;
 
 use imaging::rays::Rays;
 use imaging::vectorized;
@@ -18,6 +17,7 @@ use crate::extremes::{brightest, greatest};
 use crate::range::{self, SHORTEST_M};
 use crate::turbidity::{self, RUN};
 use joined::{Blur, Joined};
+use row::{Row, places_of};
 use shade::Shade;
 
 /// A Lambertian surface sends back J/π of what falls on it.
@@ -244,34 +244,6 @@ impl Rounding {
 /// Error of a cosine to the axis of a spot, for a surface as far from the lamp as from the camera.
 const EDGE: f32 = 2e-6;
 
-/// What the lamps meet in a row, or in a few rows one after the other.
-#[derive(Clone, Copy)]
-struct Row<'a> {
-    /// Where the surfaces are in camera axes, how far from the camera, and 1, or 0 at a hole.
-    places: [&'a [f32]; 5],
-    normals: [&'a [f32]; 3],
-    /// Halvings per meter.
-    attenuation: [f32; 3],
-    radius: f32,
-}
-
-impl<'a> Row<'a> {
-    /// These of some places, with the normals of the frame from a pixel on.
-    fn new(
-        (places, own): (&'a [Vec<f32>; 5], Range<usize>),
-        (normals, at): (&'a [Plane<f32>; 3], usize),
-        (attenuation, radius): ([f32; 3], f32),
-    ) -> Self {
-        let count = own.len();
-        Self {
-            places: places.each_ref().map(|lane| &lane[own.clone()]),
-            normals: normals.each_ref().map(|plane| &plane.data()[at..at + count]),
-            attenuation,
-            radius,
-        }
-    }
-}
-
 /// A lamp in f32.
 #[derive(Clone, Copy)]
 struct Source {
@@ -288,22 +260,6 @@ impl Source {
             profile: lamp.beam.single(),
             intensity: single(lamp.intensity),
         }
-    }
-}
-
-#[inline(always)]
-fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [&mut [f32]; 5]) {
-    let width = range.len();
-    let [px, py, pz, meters, shown] = to.each_mut().map(|lane| &mut lane[..width]);
-    let v = (y - cy) * inverse_focal;
-    for i in 0..width {
-        let u = (i as f32 - cx) * inverse_focal;
-        let (valid, z) = masked(range[i]);
-        // So far away that nothing arrives, and its square is still finite.
-        let z = z.min(1e6);
-        let planar = z / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
-        (px[i], py[i], pz[i], meters[i]) = (u * planar, v * planar, planar, z);
-        shown[i] = if valid { 1.0 } else { 0.0 };
     }
 }
 
