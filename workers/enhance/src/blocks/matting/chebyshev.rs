@@ -1,6 +1,6 @@
 //! Large pictures: the iteration of Chebyshev (Golub and Varga 1961; Saad 2003, algorithm 12.1) in f32, several steps in one pass.
 //!
-//! Each window adds to L a matrix whose eigenvalues are 0 and 1, and a pixel is in nine windows at most, so those of `A = L + λ E` lie in
+//! Each window adds to L a matrix whose eigenvalues lie in 0..=1, and a pixel is in nine windows at most, so those of `A = L + λ E` lie in
 //! λ..=λ + 9, whatever the picture. So the steps
 //!
 //! ```text
@@ -79,7 +79,7 @@ impl System {
         let mut planes = [(); 2].map(|()| vec![0.0f32; b.len()]);
         for steps in steps.chunks(PASS) {
             self.pass(&b, &mut planes, steps);
-            // The last step of a pass wrote the second plane where it was the second, fourth, …
+            // Steps write the planes in turn, the first one `planes[0]`: the newest is to be `planes[1]`.
             if steps.len() % 2 == 1 {
                 planes.swap(0, 1);
             }

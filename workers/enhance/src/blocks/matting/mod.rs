@@ -29,8 +29,7 @@ const LARGE: usize = 180_000;
 const CLOSENESS: [f64; 2] = [1e-5, 1e-2];
 /// Residual at which the iteration of the reference ends, as a share of the right-hand side.
 const REFERENCE_RESIDUAL: f64 = 1e-9;
-/// The same of large pictures. The root mean square of the error of `x` is at most that share of that of `p`; on pictures of water it was a
-/// fiftieth of it.
+/// The same of large pictures: the root mean square of the error of `x` is at most that share of that of `p`.
 const LARGE_RESIDUAL: f64 = 1e-3;
 
 /// The system of a picture, prepared for several planes.
