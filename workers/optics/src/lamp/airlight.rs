@@ -90,11 +90,37 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
     let (width, height) = range.size();
     let mut glow = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0f32; width * height]);
     let rules = &*RULES;
+    let mut errors = Errors::default();
+    if lighting.absorption.is_some() {
+        let mut room = Vec::new();
+        for lamp in &lighting.lamps {
+            let own = spread::add(range, (lamp, lighting), (rules, order), (&mut glow, &mut room));
+            errors.left += own.left;
+            errors.rounding += own.rounding;
+        }
+    } else {
+        errors = once(range, lighting, (rules, order), &mut glow);
+    }
+    let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
+    Airlight {
+        light: Rgb::new(glow.map(plane)).expect("planes of one frame"),
+        left: errors.left,
+        rounding: errors.rounding,
+    }
+}
+
+/// Sets the light that is scattered once.
+fn once(
+    range: &Plane<f32>,
+    lighting: &Lighting,
+    (rules, order): (&[Vec<[f32; 2]>], Order),
+    glow: &mut [Vec<f32>; 3],
+) -> Errors {
+    let (width, height) = range.size();
     let lamps = shining(lighting, |lamp| Some(Glow::new(lamp, lighting, order)));
     let camera = &lighting.camera;
     let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
-    let [red, green, blue] = &mut glow;
     let mut worst = Errors::default();
     for start in (0..height).flat_map(|y| (0..width).step_by(RUN).map(move |x| (x, y))) {
         let (x, y) = start;
@@ -120,15 +146,6 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
                     &mut sum,
                     &mut errors
                 ));
-            } else if lighting.absorption.is_some() {
-                vectorized!(add::<false, true>(
-                    lamp,
-                    &rays,
-                    &murk,
-                    rules,
-                    &mut sum,
-                    &mut errors
-                ));
             } else {
                 vectorized!(add::<false, false>(
                     lamp,
@@ -141,25 +158,11 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
             }
         }
         worst.include(errors);
-        for (plane, sum) in [&mut *red, &mut *green, &mut *blue].into_iter().zip(&sum) {
+        for (plane, sum) in glow.iter_mut().zip(&sum) {
             plane[at..at + run].copy_from_slice(&sum[..run]);
         }
     }
-    let spots = shining(lighting, |lamp| Glow::spread(lamp, lighting, order));
-    let mut spread = Errors::default();
-    for lamp in &spots {
-        let errors = spread::add(range, lighting, lamp, rules, &mut glow);
-        spread.left += errors.left;
-        spread.rounding += errors.rounding;
-    }
-    worst.left += spread.left;
-    worst.rounding += spread.rounding;
-    let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
-    Airlight {
-        light: Rgb::new(glow.map(plane)).expect("planes of one frame"),
-        left: worst.left,
-        rounding: worst.rounding,
-    }
+    worst
 }
 
 /// What the lamps together may have wrong on a run of pixels.

@@ -85,6 +85,28 @@ impl Rays {
             let planar = meters[i].min(FARTHEST_M) / (u * u + v * v + 1.0).sqrt();
             (lanes.right[i], lanes.down[i], lanes.ahead[i]) = (u * planar, v * planar, planar);
         }
+        self.sum(lanes)
+    }
+
+    /// The same of any rays, by the coordinates of their unit vectors.
+    #[inline(always)]
+    pub(crate) fn excess_along(
+        &self,
+        [right, down, ahead]: [&[f32; RUN]; 3],
+        meters: &[f32; RUN],
+    ) -> [f32; RUN] {
+        let mut lanes = Lanes::default();
+        for i in 0..RUN {
+            let length = meters[i].min(FARTHEST_M);
+            lanes.right[i] = right[i] * length;
+            lanes.down[i] = down[i] * length;
+            lanes.ahead[i] = ahead[i] * length;
+        }
+        self.sum(lanes)
+    }
+
+    #[inline(always)]
+    fn sum(&self, mut lanes: Lanes) -> [f32; RUN] {
         // One wave after the other over all lanes: a loop over waves within each pixel would stay scalar.
         for wave in &self.waves {
             add(*wave, &mut lanes);

@@ -46,7 +46,7 @@ pub(super) fn scattered<const SPOT: bool, const SPREAD: bool>(
 /// e^{−c_g L} over a path in meters of mean water, divided by the most that light swells:
 /// `a L − 0.06 x/(1 + x/8) + 0.48 = a L + 3.84/(8 + x)`.
 #[inline(always)]
-fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
+pub(super) fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
     const LATE: f32 = (MOST_SWELL * SATURATION) as f32 * HALVINGS;
     let ([ar, ag, ab], [br, bg, bb]) = (lamp.absorption, lamp.scattering);
     let scale = SATURATION as f32;
@@ -88,9 +88,9 @@ impl SpreadNode {
     /// The integrand at each ray's angle β.
     pub(super) fn shine(&mut self, lamp: &Glow, to: &Intervals, angles: &Lanes) {
         vectorized!(shine_evenly(lamp, to, angles, self));
-        for (light, scale) in self.light.iter_mut().zip(&self.scale) {
-            let blur = blurred(lamp.profile.offset, &self.turned, scale);
-            for (light, blur) in light.iter_mut().zip(&blur) {
+        let blurs = blurred(&lamp.profile, &self.turned, &self.scale);
+        for (light, blur) in self.light.iter_mut().zip(&blurs) {
+            for (light, blur) in light.iter_mut().zip(blur) {
                 *light *= blur;
             }
         }
@@ -123,5 +123,5 @@ fn shine_evenly(lamp: &Glow, to: &Intervals, angles: &Lanes, node: &mut SpreadNo
 }
 
 /// e^−0.48: `gain` holds the most that light swells by.
-const UNSWOLLEN: f32 = 0.618_783_4;
-const SCALE: [f32; 2] = [GLOW_SCALE[0] as f32, GLOW_SCALE[1] as f32];
+pub(super) const UNSWOLLEN: f32 = 0.618_783_4;
+pub(super) const SCALE: [f32; 2] = [GLOW_SCALE[0] as f32, GLOW_SCALE[1] as f32];

@@ -65,17 +65,17 @@ pub(super) fn rays_of(
 }
 
 /// Where a lamp P stands beside a ray d.
-struct Beside {
+pub(super) struct Beside {
     /// P × d, whose length is the distance from the ray.
-    moment: [f32; 3],
+    pub(super) moment: [f32; 3],
     /// t₀ = P·d.
-    nearest: f32,
+    pub(super) nearest: f32,
     /// D, at least the lamp's radius.
-    distance: f32,
+    pub(super) distance: f32,
 }
 
 #[inline(always)]
-fn beside(lamp: &Glow, rays: &Rays, i: usize) -> Beside {
+pub(super) fn beside(lamp: &Glow, rays: &Rays, i: usize) -> Beside {
     let [px, py, pz] = lamp.place;
     let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
     let [mx, my, mz] = [py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx];
@@ -133,6 +133,30 @@ pub(super) fn murk_of(
     start: (usize, usize),
     to: &mut Murk,
 ) {
+    let (begin, end) = stretch_of(lamp, rays);
+    let to_end = patches.excess(start, &end);
+    let is_long = extreme(&begin, f32::max) > 0.0;
+    let to_begin = if is_long {
+        patches.excess(start, &begin)
+    } else {
+        [0.0; RUN]
+    };
+    factors_of((&begin, &end), (&to_begin, &to_end), is_long, to);
+}
+
+/// The same of rays that are no pixels of one row.
+#[inline(always)]
+pub(super) fn murk_along(lamp: &Glow, rays: &Rays, patches: &turbidity::Rays, to: &mut Murk) {
+    let (begin, end) = stretch_of(lamp, rays);
+    let directions = [&rays.right, &rays.down, &rays.ahead];
+    let to_end = patches.excess_along(directions, &end);
+    let to_begin = patches.excess_along(directions, &begin);
+    factors_of((&begin, &end), (&to_begin, &to_end), true, to);
+}
+
+/// Where the stretches begin and end that the factor of b is a mean of.
+#[inline(always)]
+fn stretch_of(lamp: &Glow, rays: &Rays) -> (Lanes, Lanes) {
     let [mut begin, mut end] = [[0.0f32; RUN]; 2];
     for i in 0..RUN {
         let Beside {
@@ -141,13 +165,21 @@ pub(super) fn murk_of(
         begin[i] = (rays.end[i].min(nearest) - lamp.before * distance).max(0.0);
         end[i] = rays.end[i].min(nearest.max(BESIDE as f32 * distance));
     }
-    let to_end = patches.excess(start, &end);
+    (begin, end)
+}
+
+#[inline(always)]
+fn factors_of(
+    (begin, end): (&Lanes, &Lanes),
+    (to_begin, to_end): (&Lanes, &Lanes),
+    is_long: bool,
+    to: &mut Murk,
+) {
     for i in 0..RUN {
         to.path[i] = (1.0 + to_end[i]).max(0.0);
     }
     to.source = to.path;
-    if extreme(&begin, f32::max) > 0.0 {
-        let to_begin = patches.excess(start, &begin);
+    if is_long {
         for i in 0..RUN {
             let excess = (end[i] * to_end[i] - begin[i] * to_begin[i]) / (end[i] - begin[i]);
             to.source[i] = (1.0 + excess).max(0.0);

@@ -1,12 +1,13 @@
-//! The glow of light from a spot that was spread on its way: S̄ (e^{−c_g L} − e^{−c L}) along the whole ray, in its cone or not.
+//! The glow of lamps with light that was scattered on its way: S e^{−c L} + S̄ (e^{−c_g L} − e^{−c L}) along the whole ray.
 //!
 //! It changes little from pixel to pixel but with the range, and S̄ costs more than all else of a node. So its sum from the camera up
-//! to each of some equal angles is taken along the rays of every 16th pixel only, and read between them at the angle that a pixel's
-//! own range ends at. What that may leave is seen from the second differences between the rays; where it is too much, rays lie
-//! half as far apart, down to every second pixel, and where they still do, pixels are summed up each by itself. In patches the
-//! sums are taken at a few degrees of murkiness.
+//! to the end of each of some cells is taken along the rays of every 16th pixel only, and read between them at the place that a pixel's
+//! own range ends at. What that may leave is seen from the second differences between the rays in the cells that pixels end in; where it
+//! is too much, rays lie half as far apart, down to every second pixel, and where they still do, pixels are summed up each by itself.
 
+mod beside;
 mod blocks;
+mod ends;
 mod line;
 mod murkiness;
 mod read;
@@ -19,109 +20,200 @@ use super::super::nodes;
 use super::composite::{self, Sum};
 use super::integrand::SpreadNode;
 use super::intervals::{Intervals, Murk, Rays, extreme, intervals};
-use super::{Errors, Glow, Lanes, RUN};
-use crate::lamp::Lighting;
+use super::{Errors, Glow, Lanes, Order, RUN};
+use crate::lamp::{Lamp, Lighting};
 use crate::turbidity;
+use ends::Ends;
 use line::Line;
 use murkiness::Murkiness;
 use read::Band;
 
-/// Every such column and row has a ray at first; the least distance that is tried, and in patches, where each ray takes the time
-/// of several.
+/// Every such column and row has a ray at first; the least distance that is tried, and where each ray is summed up in several degrees
+/// of murkiness.
 const STEP: usize = 16;
 const FINEST: usize = 2;
-const FINEST_IN_PATCHES: usize = 4;
-/// How many equal angles a ray may be cut into.
-const CELLS: [usize; 3] = [32, 64, 128];
-/// By this the second differences between rays, and the changes of slope from cell to cell, exceed the error.
+const FINEST_IN_DEGREES: usize = 4;
+/// So many rows of rays are summed up together.
+const LINES: i64 = 5;
+/// How many equal cells a ray may be cut into.
+const CELLS: [usize; 4] = [16, 32, 64, 128];
+/// So many are enough if what they leave of the rays of two rows is within this share of the tolerance: on others it may be more.
+const LEFT_BY_CELLS: f64 = 0.5;
+/// By this the second differences between rays, the bumps of the slope along a ray, and its changes about the cell that is read exceed
+/// the error.
 const BETWEEN_RAYS: f32 = 0.4;
 const BETWEEN_CELLS: f32 = 0.2;
+const WITHIN_CELL: f32 = 0.2;
 /// Third differences between degrees of murkiness exceed the error of a parabola, at most 0.064 of them, by this.
 const BETWEEN_DEGREES: f32 = 0.2;
 /// Between two rays the lamp is seen from directions no farther apart than this share of its cone: a narrow beam might pass between
 /// them and be seen by neither.
 const SHARE_OF_CONE: f32 = 0.125;
+/// The cone of a point lamp in radians.
+const OPEN: f32 = 1.0;
 /// Along a ray, nodes lie at most this share of the cone apart, in β.
 const NODES_OF_CONE: f32 = 0.35;
 
-/// Adds the light of a spot that was spread on its way.
+/// Adds the light of a lamp of which some was scattered on its way. What `room` holds does not matter.
 pub(super) fn add(
     range: &Plane<f32>,
-    lighting: &Lighting,
-    lamp: &Glow,
-    rules: &[Vec<[f32; 2]>],
-    glow: &mut [Vec<f32>; 3],
+    (lamp, lighting): (&Lamp, &Lighting),
+    (rules, order): (&[Vec<[f32; 2]>], Order),
+    (glow, room): (&mut [Vec<f32>; 3], &mut Vec<f32>),
 ) -> Errors {
     let camera = &lighting.camera;
+    // A pixel that is summed up by itself takes two sums of a spot.
+    let each = match order {
+        Order::Within(tolerance) if lamp.is_spot() => Order::Within(0.5 * tolerance),
+        order => order,
+    };
+    let spread = Glow::spread(lamp, lighting, each);
+    let direct = Glow::new(lamp, lighting, each);
+    let is_dark = direct.source.strength <= 0.0;
     let mut frame = Frame {
         range,
         lens: [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32),
         patches: (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera)),
-        murkiness: Murkiness::even(),
-        lamp,
+        murkiness: Murkiness::Even,
+        lamp: spread.as_ref().unwrap_or(&direct),
+        direct: &direct,
+        tolerance: match order {
+            Order::Within(tolerance) => tolerance,
+            Order::Fixed(_) => 0.0,
+        },
+        cut: Cut { cells: 0, used: 0 },
         rules,
     };
-    frame.murkiness = Murkiness::met(&frame);
-    let spacing = frame.spacing();
-    let cells = (CELLS.into_iter()).find(|&cells| FRAC_PI_2 <= spacing * (2 * cells) as f32);
-    match cells.filter(|_| lamp.fixed.is_none()) {
-        Some(cells) => frame.read_all(cells, glow),
-        None => frame.sum_up_all(glow),
+    if is_dark {
+        return Errors::default();
     }
+    let Some(ends) = frame.cut(room) else {
+        return frame.sum_up_all(glow);
+    };
+    frame.read_all(&ends, glow)
 }
 
-/// What a spot is added to.
+/// Equal cells of a ray, and how many from the camera on some pixel needs.
+#[derive(Clone, Copy)]
+struct Cut {
+    cells: usize,
+    used: usize,
+}
+
+/// What a lamp is added to.
 struct Frame<'a> {
     range: &'a Plane<f32>,
     lens: [f32; 3],
     patches: Option<turbidity::Rays>,
     murkiness: Murkiness,
+    /// What is read between rays.
     lamp: &'a Glow,
+    /// What arrives as it left; of a point lamp all of its light.
+    direct: &'a Glow,
+    /// Of what is read.
+    tolerance: f64,
+    cut: Cut,
     rules: &'a [Vec<[f32; 2]>],
 }
 
 impl Frame<'_> {
-    /// Reads all pixels between rays of so many cells, as far as that may be.
-    fn read_all(&self, cells: usize, glow: &mut [Vec<f32>; 3]) -> Errors {
+    /// Chooses the cells of rays; none where they may not be as narrow as the light asks for.
+    fn cut<'e>(&mut self, room: &'e mut Vec<f32>) -> Option<Ends<'e>> {
+        // In β, a cell is at most twice as wide as in w.
+        let spacing = self.spacing();
+        let wide = CELLS
+            .iter()
+            .filter(|&&cells| 1.0 > spacing * cells as f32)
+            .count();
+        if wide == CELLS.len() || self.lamp.fixed.is_some() {
+            return None;
+        }
+        self.murkiness = Murkiness::met(self);
+        let ends = Ends::new(self, matches!(self.murkiness, Murkiness::Own), room);
+        let (width, height) = self.range.size();
+        let rays = vec![true; width.div_ceil(STEP) + 3];
+        let rows = height.div_ceil(STEP) as i64;
+        for &cells in &CELLS[wide..] {
+            let read = ends.cells(cells);
+            // With the one behind, into which slopes change.
+            let used = (read.1 + 2).min(cells);
+            self.cut = Cut { cells, used };
+            let is_enough = [rows / 4, rows * 3 / 4].into_iter().all(|row| {
+                let lines = Line::of_rows(self, (STEP, row..row + 1), self.cut, &rays);
+                lines[0].left_by_cells(read) <= LEFT_BY_CELLS * self.tolerance
+            });
+            if is_enough {
+                break;
+            }
+        }
+        Some(ends)
+    }
+
+    /// Reads all pixels between rays, as far as that may be.
+    fn read_all(&self, ends: &Ends<'_>, glow: &mut [Vec<f32>; 3]) -> Errors {
         let (width, height) = self.range.size();
         let columns = width.div_ceil(STEP);
-        let line = |row: i64| Line::new(self, (STEP, row), cells, &vec![true; columns + 3]);
         // Rays of one row of blocks and the next, with one beyond each.
-        let mut lines: [Line; 4] = std::array::from_fn(|i| line(i as i64 - 1));
-        let (mut band, mut errors) = (Band::new(cells), Errors::default());
-        for row in 0..height.div_ceil(STEP) {
-            self.start(&mut band, row * STEP);
-            let left = self.fill(&mut band, &lines, (STEP, row), &vec![true; columns]);
-            let rounding = self.finish(&band, glow);
-            errors.include(Errors { left, rounding });
-            lines.rotate_left(1);
-            lines[3] = line(row as i64 + 3);
+        let rows = height.div_ceil(STEP);
+        let (mut lines, mut next) = (Vec::new(), -1);
+        let (mut band, mut worst) = (Band::new(ends, glow, width), Errors::default());
+        for row in 0..rows {
+            if lines.len() < 4 {
+                let end = (next + LINES).min(rows as i64 + 2);
+                lines.extend(Line::of_rows(
+                    self,
+                    (STEP, next..end),
+                    self.cut,
+                    &vec![true; columns + 3],
+                ));
+                next = end;
+            }
+            band.start();
+            worst.include(self.fill(&mut band, &lines[..4], (STEP, row), &vec![true; columns]));
+            if let Murkiness::Own = self.murkiness {
+                let pixels = row * STEP * width..height.min((row + 1) * STEP) * width;
+                let alone: Vec<usize> = pixels.filter(|&pixel| ends.places[pixel] < 0.0).collect();
+                worst.include(self.sum_up_each(&mut band, &alone));
+            }
+            worst.include(Errors {
+                left: composite::LEAST,
+                rounding: self.rounding(&band, row, &lines[..4]),
+            });
+            lines.remove(0);
         }
-        errors
+        worst
+    }
+
+    /// What f32 may lose of the light that is read in a band of rows between these lines of rays.
+    fn rounding(&self, band: &Band<'_>, row: usize, lines: &[Line]) -> f64 {
+        let murk = self.murkiness.span().unwrap_or_else(|| {
+            let mut all = nodes::Span::dark();
+            lines.iter().for_each(|line| all.join(&line.murk));
+            all
+        });
+        let runs = band.most.len();
+        let within = band.most.iter().enumerate().map(|(run, &most)| {
+            let span = band.ends.span(row * runs + run, &murk);
+            self.lamp.rounding.within(span, most)
+        });
+        within.fold(0.0, f64::max) + band.rounding(self.cut.cells)
     }
 
     /// Sums up along the ray of every pixel.
     fn sum_up_all(&self, glow: &mut [Vec<f32>; 3]) -> Errors {
         let (width, height) = self.range.size();
-        let mut errors = Errors::default();
+        let mut worst = Errors::default();
         for first in (0..width * height).step_by(RUN) {
             let pixels: Vec<usize> = (first..(first + RUN).min(width * height)).collect();
-            let (sum, span) = self.sum_up(&pixels);
-            let mut most = [0.0f32; RUN];
-            for (glow, light) in glow.iter_mut().zip(&sum.light) {
+            let (light, errors) = self.sum_up(&pixels);
+            worst.include(errors);
+            for (glow, light) in glow.iter_mut().zip(&light) {
                 for (i, &at) in pixels.iter().enumerate() {
                     glow[at] += light[i];
-                    most[i] = most[i].max(light[i]);
                 }
             }
-            if span.to > span.from {
-                errors.include(Errors {
-                    left: sum.left,
-                    rounding: self.lamp.rounding.within(span, extreme(&most, f32::max)),
-                });
-            }
         }
-        errors
+        worst
     }
 
     /// By which share of its cone the direction to the lamp turns at most between rays so many pixels apart.
@@ -129,34 +221,69 @@ impl Frame<'_> {
         let [x, y, z] = self.lamp.place;
         let away = x.mul_add(x, y.mul_add(y, z * z)).sqrt();
         let turned = step as f32 * self.lens[0] * (away / nearest_m).max(1.0);
-        turned / self.lamp.profile.cos_cone.acos()
+        turned / self.cone().unwrap_or(OPEN)
     }
 
     /// How far apart nodes in β may lie: some in each of the widths that the profile of the lamp changes over.
     fn spacing(&self) -> f32 {
-        let of_cone = NODES_OF_CONE * self.lamp.profile.cos_cone.acos();
+        let of_cone = NODES_OF_CONE * self.cone().unwrap_or(f32::INFINITY);
         of_cone.min(composite::spacing(self.lamp.source.asymmetry))
     }
 
+    /// The cone of a spot in radians.
+    fn cone(&self) -> Option<f32> {
+        let profile = &self.lamp.profile;
+        (profile.slope > 0.0).then(|| profile.cos_cone.acos())
+    }
+
     /// Sums up along the rays of some pixels, at most a run.
-    fn sum_up(&self, pixels: &[usize]) -> (Sum, nodes::Span) {
+    fn sum_up(&self, pixels: &[usize]) -> ([Lanes; 3], Errors) {
         let (lamp, width) = (self.lamp, self.range.width());
         let mut rays = Rays::default();
         for (i, &at) in pixels.iter().enumerate() {
             let place = ((at % width) as f32, (at / width) as f32);
             rays.aim(self.lens, i, place, self.range.data()[at]);
         }
-        let murk = self.murkiness.of(pixels.iter().copied());
+        let murk = self.murk_along(&rays);
+        let (direct, rules) = (self.direct, self.rules);
+        let (mut light, mut errors) = ([[0.0f32; RUN]; 3], Errors::default());
+        if lamp.profile.slope == 0.0 {
+            vectorized!(super::add::<false, true>(
+                direct,
+                &rays,
+                &murk,
+                rules,
+                &mut light,
+                &mut errors
+            ));
+            return (light, errors);
+        }
+        vectorized!(super::add::<true, false>(
+            direct,
+            &rays,
+            &murk,
+            rules,
+            &mut light,
+            &mut errors
+        ));
         let (intervals, span) = vectorized!(whole(lamp, &rays, &murk));
+        if span.to <= span.from {
+            return (light, errors);
+        }
         let sum = match lamp.fixed {
-            _ if span.to <= span.from => Sum {
-                light: [[0.0; RUN]; 3],
-                left: 0.0,
-            },
             Some(count) => self.at_fixed(&intervals, count),
             None => composite::sum_up::<true>(lamp, &intervals, self.spacing()),
         };
-        (sum, span)
+        let mut most = [0.0f32; RUN];
+        for (light, spread) in light.iter_mut().zip(&sum.light) {
+            for i in 0..RUN {
+                light[i] += spread[i];
+                most[i] = most[i].max(spread[i]);
+            }
+        }
+        errors.left += sum.left;
+        errors.rounding += lamp.rounding.within(span, extreme(&most, f32::max));
+        (light, errors)
     }
 
     /// The sum over a fixed rule.

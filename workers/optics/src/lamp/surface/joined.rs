@@ -66,8 +66,8 @@ impl Blur {
         for start in (0..murk.len()).step_by(RUN) {
             let count = RUN.min(murk.len() - start);
             vectorized!(in_beam(row, lamp, water, (murk, start, count), &mut run));
-            for (lane, scale) in self.0.iter_mut().zip(&run.scale) {
-                let blur = blurred(lamp.profile.offset, &run.turned, scale);
+            let blurs = blurred(&lamp.profile, &run.turned, &run.scale);
+            for (lane, blur) in self.0.iter_mut().zip(&blurs) {
                 lane[start..start + count].copy_from_slice(&blur[..count]);
             }
         }

@@ -2,70 +2,93 @@
 
 use std::ops::Range;
 
+use imaging::simd::{larger, smaller};
+use imaging::vectorized;
+
+use super::super::Errors;
 use super::line::Line;
-use super::read::Band;
-use super::{FINEST, FINEST_IN_PATCHES, Frame, RUN, SHARE_OF_CONE};
+use super::murkiness::Murkiness;
+use super::read::{Band, Block};
+use super::{FINEST, FINEST_IN_DEGREES, Frame, RUN, SHARE_OF_CONE, STEP};
 
 impl Frame<'_> {
     /// Fills those blocks of a row that are `asked` for: `step` pixels a side, between the two inner of four lines of rays. Returns
     /// what may be left.
     pub(super) fn fill(
         &self,
-        band: &mut Band,
+        band: &mut Band<'_>,
         lines: &[Line],
         (step, row): (usize, usize),
         asked: &[bool],
-    ) -> f64 {
-        let [above, top, bottom, below] = lines else {
-            unreachable!("a row of blocks has four lines")
-        };
-        let tolerance = self.lamp.source.tolerance;
-        let source = f64::from(self.murkiness.most_source());
-        let is_corner = |ray: usize| {
-            let block = |column: usize| asked.get(column).copied().unwrap_or(false);
-            (ray >= 1 && block(ray - 1)) || (ray >= 2 && block(ray - 2))
-        };
-        let left: Vec<f64> = (0..asked.len() + 3)
-            .map(|ray| {
-                if !is_corner(ray) {
-                    return 0.0;
-                }
-                source * f64::max(top.left(ray, above, bottom), bottom.left(ray, top, below))
-            })
-            .collect();
+    ) -> Errors {
         let mut finer = vec![false; asked.len()];
-        let mut worst = 0.0f64;
+        let (mut worst, mut blocks) = (Errors::default(), Vec::new());
         for column in (0..asked.len()).filter(|&column| asked[column]) {
-            // The first ray lies before the frame.
-            let corners = [column + 1, column + 2];
-            let block_left = corners.map(|ray| left[ray]).into_iter().fold(0.0, f64::max);
-            let nearest_m = corners
-                .map(|ray| top.distance_m(ray).min(bottom.distance_m(ray)))
-                .into_iter()
-                .fold(f32::INFINITY, f32::min);
-            if block_left <= tolerance && self.turn(step, nearest_m) <= SHARE_OF_CONE {
-                self.read(band, [top, bottom], (step, row), column);
-                worst = worst.max(block_left);
-            } else {
-                finer[column] = true;
+            let Some(cells) = self.cells_of(band, (step, row), column) else {
+                continue;
+            };
+            match self.left(lines, step, column, cells) {
+                Some(left) => {
+                    let (xs, _) = self.pixels(step, (column, row));
+                    blocks.push(Block::new([&lines[1], &lines[2]], column, xs));
+                    worst.left = worst.left.max(left);
+                }
+                None => finer[column] = true,
             }
         }
-        let finest = if self.patches.is_some() {
-            FINEST_IN_PATCHES
+        let (_, ys) = self.pixels(step, (0, row));
+        self.read(band, &mut blocks, (step, ys));
+        let finest = if let Murkiness::Degrees(_) = self.murkiness {
+            FINEST_IN_DEGREES
         } else {
             FINEST
         };
-        if !finer.contains(&true) {
-            worst
-        } else if step > finest {
-            worst.max(self.fill_finer(band, (step / 2, row), &finer))
-        } else {
-            worst.max(self.sum_up_blocks(band, (step, row), &finer))
+        if finer.contains(&true) {
+            worst.include(if step > finest {
+                self.fill_finer(band, (step / 2, row), &finer)
+            } else {
+                self.sum_up_blocks(band, (step, row), &finer)
+            });
         }
+        worst
+    }
+
+    /// What may be left of a block whose rays end in some cells, if that may be.
+    fn left(&self, lines: &[Line], step: usize, column: usize, cells: (usize, usize)) -> Option<f64> {
+        let [above, top, bottom, below] = lines else {
+            unreachable!("a row of blocks has four lines")
+        };
+        // The first ray lies before the frame.
+        let corners = [column + 1, column + 2];
+        let nearest_m = corners
+            .map(|ray| top.distance_m(ray).min(bottom.distance_m(ray)))
+            .into_iter()
+            .fold(f32::INFINITY, f32::min);
+        if self.turn(step, nearest_m) > SHARE_OF_CONE {
+            return None;
+        }
+        let left = corners.map(|ray| {
+            let upper = top.left(ray, (above, bottom), cells);
+            f64::max(upper, bottom.left(ray, (top, below), cells))
+        });
+        let left = f64::max(left[0], left[1]) * f64::from(self.murkiness.most_source());
+        (left <= self.tolerance).then_some(left)
+    }
+
+    /// The first and the last cell that rays of a block end in; none where all are summed up by themselves.
+    fn cells_of(&self, band: &Band<'_>, place: (usize, usize), column: usize) -> Option<(usize, usize)> {
+        let (xs, ys) = self.pixels(place.0, (column, place.1));
+        let width = self.range.width();
+        let rows = &band.ends.places[ys.start * width..ys.end * width];
+        let mut ends = (f32::INFINITY, -1.0f32);
+        vectorized!(ends_of(rows, width, &xs, &mut ends));
+        let cells = self.cut.cells;
+        let cell = |place: f32| ((place * cells as f32) as usize).min(cells - 1);
+        (ends.1 >= 0.0).then(|| (cell(ends.0), cell(ends.1)))
     }
 
     /// Fills blocks of `2 · step` pixels a side by rays that lie `step` apart.
-    fn fill_finer(&self, band: &mut Band, (step, row): (usize, usize), blocks: &[bool]) -> f64 {
+    fn fill_finer(&self, band: &mut Band<'_>, (step, row): (usize, usize), blocks: &[bool]) -> Errors {
         let (width, height) = self.range.size();
         let asked: Vec<bool> = (0..width.div_ceil(step))
             .map(|column| blocks[column / 2])
@@ -74,37 +97,44 @@ impl Frame<'_> {
         let needed: Vec<bool> = (0..asked.len() + 3)
             .map(|ray| asked[ray.saturating_sub(3)..asked.len().min(ray + 1)].contains(&true))
             .collect();
-        let rows = (-1..=3).map(|i| 2 * row as i64 + i);
-        let lines: Vec<Line> = rows
-            .map(|row| Line::new(self, (step, row), band.cells(), &needed))
-            .collect();
-        let mut worst = 0.0f64;
+        let first = 2 * row as i64 - 1;
+        let lines = Line::of_rows(self, (step, first..first + 5), self.cut, &needed);
+        let mut worst = Errors::default();
         for half in 0..2 {
             if (2 * row + half) * step < height {
-                let left = self.fill(band, &lines[half..half + 4], (step, 2 * row + half), &asked);
-                worst = worst.max(left);
+                worst.include(self.fill(band, &lines[half..half + 4], (step, 2 * row + half), &asked));
             }
         }
         worst
     }
 
     /// Sums up along the ray of each pixel of some blocks.
-    fn sum_up_blocks(&self, band: &mut Band, (step, row): (usize, usize), blocks: &[bool]) -> f64 {
+    fn sum_up_blocks(&self, band: &mut Band<'_>, (step, row): (usize, usize), blocks: &[bool]) -> Errors {
         let width = self.range.width();
         let mut pixels = Vec::new();
         for column in (0..blocks.len()).filter(|&column| blocks[column]) {
             let (xs, ys) = self.pixels(step, (column, row));
             pixels.extend(ys.flat_map(|y| xs.clone().map(move |x| y * width + x)));
         }
-        let mut left = 0.0f64;
+        pixels.retain(|&pixel| band.ends.places[pixel] >= 0.0);
+        self.sum_up_each(band, &pixels)
+    }
+
+    /// Sums up along the ray of each of some pixels.
+    pub(super) fn sum_up_each(&self, band: &mut Band<'_>, pixels: &[usize]) -> Errors {
+        let mut worst = Errors::default();
         for pixels in pixels.chunks(RUN) {
-            let (sum, _) = self.sum_up(pixels);
-            left = left.max(sum.left);
-            for (i, &at) in pixels.iter().enumerate() {
-                band.set(at, [0, 1, 2].map(|channel| sum.light[channel][i]));
+            let (light, errors) = self.sum_up(pixels);
+            worst.include(errors);
+            for (i, &pixel) in pixels.iter().enumerate() {
+                band.add(
+                    pixel,
+                    self.range.width(),
+                    [0, 1, 2].map(|channel| light[channel][i]),
+                );
             }
         }
-        left
+        worst
     }
 
     /// The columns and rows of a block, as far as they lie in the frame.
@@ -114,5 +144,39 @@ impl Frame<'_> {
             column * step..width.min((column + 1) * step),
             row * step..height.min((row + 1) * step),
         )
+    }
+}
+
+/// The least place of some columns that is not below 0, and the greatest.
+#[inline(always)]
+fn ends_of(rows: &[f32], width: usize, xs: &Range<usize>, ends: &mut (f32, f32)) {
+    let (mut first, mut last) = ([f32::INFINITY; STEP], [-1.0f32; STEP]);
+    for row in rows.chunks_exact(width) {
+        let own = &row[xs.clone()];
+        if own.len() == STEP {
+            for x in 0..STEP {
+                let place = own[x];
+                first[x] = if place >= 0.0 && place < first[x] {
+                    place
+                } else {
+                    first[x]
+                };
+                last[x] = larger(place, last[x]);
+            }
+        } else {
+            for x in 0..own.len() {
+                let place = own[x];
+                first[x] = if place >= 0.0 && place < first[x] {
+                    place
+                } else {
+                    first[x]
+                };
+                last[x] = larger(place, last[x]);
+            }
+        }
+    }
+    for x in 0..STEP {
+        ends.0 = smaller(first[x], ends.0);
+        ends.1 = larger(last[x], ends.1);
     }
 }

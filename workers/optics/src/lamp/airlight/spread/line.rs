@@ -1,19 +1,52 @@
-//! Sums of spread light along rays that lie some pixels apart in a row.
+//! Sums of light along rays that lie some pixels apart in a row.
 
+use std::ops::Range;
+
+use imaging::simd::larger;
 use imaging::vectorized;
 
-use super::super::integrand::SpreadNode;
-use super::super::intervals::{Intervals, Murk, Rays};
-use super::super::{Glow, RUN};
-use super::{BETWEEN_CELLS, BETWEEN_DEGREES, BETWEEN_RAYS, Frame, angles_of, whole};
+use super::super::intervals::Rays;
+use super::super::{Glow, Lanes, RUN};
+use super::beside::{Bundle, Direct, Node};
+use super::{BETWEEN_CELLS, BETWEEN_DEGREES, BETWEEN_RAYS, Cut, Frame, WITHIN_CELL, nodes};
 
-/// Half the distance of the two Gauss–Legendre nodes in a cell, in cells.
-const NODE: f32 = 0.288_675_13;
+/// Where the two Gauss–Legendre nodes of a cell are.
+const NODES: [f32; 2] = [0.211_324_87, 0.788_675_1];
 /// The slope of a line by what it rises between them.
-const SLOPE: f32 = 1.732_050_8;
+const RISE: f32 = 1.732_050_8;
 
-/// Of an angle of a ray: the sum up to it, in it, and its slope there, of three channels; the fourth fills a vector.
-pub(super) type Cell = [[f32; 4]; 3];
+/// A cell of a ray: of three channels each, in every four lanes, the sum up to it, in it, its slope there, and the sum up to its end. In
+/// the last lane stands the most by which the slope of what is spread bends up to it: by how much its change from one cell to the next
+/// differs from the one before.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Cell(pub(super) [f32; 16]);
+
+/// Where in a cell these begin.
+pub(super) const INSIDE: usize = 4;
+pub(super) const SLOPE: usize = 8;
+const END: usize = 12;
+const BUMPS: usize = 15;
+
+/// The cells of one ray.
+#[derive(Clone, Copy)]
+pub(super) struct Ray<'a> {
+    cells: &'a [Cell],
+    stride: usize,
+}
+
+impl Ray<'_> {
+    #[inline(always)]
+    pub(super) fn at(&self, cell: usize) -> &[f32; 16] {
+        &self.cells[cell * self.stride].0
+    }
+
+    /// The sum up to the end of a cell; the fourth is none.
+    fn end(&self, cell: usize) -> [f32; 4] {
+        let at = self.at(cell);
+        [at[END], at[END + 1], at[END + 2], at[BUMPS]]
+    }
+}
 
 /// The rays of a row, from one before the frame to one behind it, in water of each degree of murkiness.
 pub(super) struct Line {
@@ -21,145 +54,251 @@ pub(super) struct Line {
     slots: Vec<usize>,
     /// How far the lamp is from each of these, m.
     distance: Vec<f32>,
+    /// Cell by cell those of its rays, of each degree.
     degrees: Vec<Vec<Cell>>,
-    cells: usize,
+    used: usize,
+    /// Of the murkiness of its rays.
+    pub(super) murk: nodes::Span,
 }
 
 impl Line {
-    /// The rays of every `step`-th pixel of row `row · step` that are `needed`, the first of them `step` pixels before the frame.
-    pub(super) fn new(frame: &Frame<'_>, (step, row): (usize, i64), cells: usize, needed: &[bool]) -> Self {
-        let mut line = Self {
-            slots: vec![usize::MAX; needed.len()],
-            distance: Vec::new(),
-            degrees: vec![Vec::new(); frame.murkiness.degrees().len()],
-            cells,
-        };
+    /// The rays of every `step`-th pixel of rows `row · step` that are `needed`, the first of them `step` pixels before the frame. Those
+    /// of all rows are summed up together: what is computed at once would hardly be filled by one.
+    pub(super) fn of_rows(
+        frame: &Frame<'_>,
+        (step, rows): (usize, Range<i64>),
+        cut: Cut,
+        needed: &[bool],
+    ) -> Vec<Self> {
         let asked: Vec<usize> = (0..needed.len()).filter(|&ray| needed[ray]).collect();
+        let mut slots = vec![usize::MAX; needed.len()];
         for (slot, &ray) in asked.iter().enumerate() {
-            line.slots[ray] = slot;
+            slots[ray] = slot;
         }
-        for all in &mut line.degrees {
-            all.reserve_exact(asked.len() * cells);
-        }
-        let step = step as f32;
-        for run in asked.chunks(RUN) {
+        let dark = vec![Cell([0.0; 16]); asked.len() * cut.used];
+        let line = |_| Self {
+            slots: slots.clone(),
+            distance: vec![0.0; asked.len()],
+            degrees: vec![dark.clone(); frame.murkiness.degrees()],
+            used: cut.used,
+            murk: nodes::Span::dark(),
+        };
+        let mut lines: Vec<Self> = rows.clone().map(line).collect();
+        let all = (0..lines.len()).flat_map(|line| (0..asked.len()).map(move |slot| (line, slot)));
+        let all: Vec<(usize, usize)> = all.collect();
+        let (mut bundle, step) = (Bundle::new(), step as f32);
+        for run in all.chunks(RUN) {
             let mut rays = Rays::default();
-            for (i, &ray) in run.iter().enumerate() {
-                let place = ((ray as f32 - 1.0) * step, row as f32 * step);
+            for (i, &(line, slot)) in run.iter().enumerate() {
+                let row = (rows.start + line as i64) as f32;
+                let place = ((asked[slot] as f32 - 1.0) * step, row * step);
                 rays.aim(frame.lens, i, place, f32::INFINITY);
             }
-            for (degree, path) in frame.murkiness.degrees().enumerate() {
-                let murk = Murk {
-                    path: [path; RUN],
-                    ..Murk::default()
-                };
-                let (intervals, _) = vectorized!(whole(frame.lamp, &rays, &murk));
-                if degree == 0 {
-                    // In meters of water, not of mean water.
-                    let meters = intervals.distance[..run.len()].iter();
-                    line.distance.extend(meters.map(|meters| meters / path.max(1e-6)));
+            for degree in 0..frame.murkiness.degrees() {
+                let murk = frame.murk_of(degree, &rays);
+                vectorized!(bundle.aim(frame.lamp, &rays, &murk));
+                for line in &mut lines[run[0].0..=run[run.len() - 1].0] {
+                    line.murk.include(&murk, run.len());
                 }
-                sum_up(
-                    frame.lamp,
-                    &intervals,
-                    cells,
-                    run.len(),
-                    &mut line.degrees[degree],
-                );
+                let store = |i: usize, cell: usize, value: Cell| {
+                    let (line, slot) = run[i];
+                    lines[line].degrees[degree][cell * asked.len() + slot] = value;
+                };
+                sum_up(frame.lamp, (&bundle, &murk.source), cut, run.len(), store);
+            }
+            for (i, &(line, slot)) in run.iter().enumerate() {
+                lines[line].distance[slot] = bundle.meters[i];
             }
         }
-        line
+        lines
     }
 
-    /// The cells of a ray in water of each degree.
-    pub(super) fn ray(&self, ray: usize) -> impl Iterator<Item = &[Cell]> {
-        let first = self.slots[ray] * self.cells;
-        self.degrees
-            .iter()
-            .map(move |all| &all[first..first + self.cells])
+    /// A ray in water of each degree.
+    pub(super) fn ray(&self, ray: usize) -> impl Iterator<Item = Ray<'_>> {
+        let first = self.slots[ray];
+        self.degrees.iter().map(move |cells| Ray {
+            cells: &cells[first..],
+            stride: self.distance.len(),
+        })
     }
 
     pub(super) fn distance_m(&self, ray: usize) -> f32 {
         self.distance[self.slots[ray]]
     }
 
-    /// What may be left between a ray and its neighbors, those in the rows above and below among them, and between degrees of
-    /// murkiness.
-    pub(super) fn left(&self, ray: usize, above: &Self, below: &Self) -> f64 {
+    /// What these cells of all rays, and those before, may leave.
+    pub(super) fn left_by_cells(&self, cells: (usize, usize)) -> f64 {
+        let next = (cells.0, (cells.1 + 1).min(self.used - 1));
+        let asked = (0..self.slots.len()).filter(|&ray| self.slots[ray] != usize::MAX);
+        let left = asked
+            .flat_map(|ray| self.ray(ray))
+            .map(|ray| BETWEEN_CELLS * ray.at(next.1)[BUMPS] + WITHIN_CELL * turns(ray, next));
+        f64::from(left.fold(0.0, f32::max))
+    }
+
+    /// What may be left in some cells between a ray and its neighbors, those in the rows above and below among them, and between
+    /// degrees of murkiness.
+    pub(super) fn left(&self, ray: usize, (above, below): (&Self, &Self), cells: (usize, usize)) -> f64 {
         let mut worst = 0.0f32;
         let beside = self.ray(ray - 1).zip(self.ray(ray + 1));
         for ((own, beside), across) in self.ray(ray).zip(beside).zip(above.ray(ray).zip(below.ray(ray))) {
-            worst = worst.max(vectorized!(between_rays(own, beside, across)));
+            worst = worst.max(between_rays(own, beside, across, cells));
         }
-        let degrees: Vec<&[Cell]> = self.ray(ray).collect();
+        let next = (cells.1 + 1).min(self.used - 1);
+        let bumps = self
+            .ray(ray)
+            .fold(0.0, |most: f32, own| most.max(own.at(next)[BUMPS]));
+        let turns = self
+            .ray(ray)
+            .fold(0.0, |most: f32, own| most.max(turns(own, (cells.0, next))));
+        let degrees: Vec<Ray<'_>> = self.ray(ray).collect();
         let mut bent = 0.0f32;
         for four in degrees.windows(4) {
-            bent = bent.max(vectorized!(between_degrees(four)));
+            bent = bent.max(between_degrees(four, cells));
         }
-        f64::from(worst + BETWEEN_DEGREES * bent)
+        f64::from(BETWEEN_RAYS * worst + BETWEEN_CELLS * bumps + WITHIN_CELL * turns + BETWEEN_DEGREES * bent)
     }
 }
 
-/// Appends the cells of the first `count` rays of a run.
-fn sum_up(lamp: &Glow, to: &Intervals, cells: usize, count: usize, all: &mut Vec<Cell>) {
-    let first = all.len();
-    all.resize(first + count * cells, Cell::default());
-    let (mut node, mut angles) = (SpreadNode::dark(), [0.0f32; RUN]);
-    let mut sums = [[0.0f32; RUN]; 3];
-    for cell in 0..cells {
-        let pair = [-NODE, NODE].map(|side| {
-            let halves = (cell as f32 + 0.5 + side) * (2.0 / cells as f32);
-            vectorized!(angles_of(to, halves, &mut angles));
-            node.shine(lamp, to, &angles);
-            node.light
-        });
-        for (i, ray) in all[first..].chunks_mut(cells).enumerate() {
-            let [start, inside, slope] = &mut ray[cell];
-            for channel in 0..3 {
-                let gain = lamp.gain[channel] * (to.scale[i] * (1.0 / cells as f32));
-                let [one, other] = [gain * pair[0][channel][i], gain * pair[1][channel][i]];
-                start[channel] = sums[channel][i];
-                inside[channel] = one + other;
+/// A cell of a run of rays.
+struct Across {
+    sums: [Lanes; 3],
+    inside: [Lanes; 3],
+    slope: [Lanes; 3],
+    /// Of what is spread.
+    spread: [Lanes; 3],
+    turn: [Lanes; 3],
+    bumps: Lanes,
+}
+
+impl Across {
+    fn dark() -> Self {
+        let dark = [[0.0; RUN]; 3];
+        Self {
+            sums: dark,
+            inside: dark,
+            slope: dark,
+            spread: dark,
+            turn: dark,
+            bumps: [0.0; RUN],
+        }
+    }
+
+    /// Goes on to the next cell, whose nodes have this light.
+    #[inline(always)]
+    fn go_on(
+        &mut self,
+        gain: [f32; 3],
+        scale: &Lanes,
+        [one, other]: [&Node; 2],
+        direct: &Direct,
+        cell: usize,
+    ) {
+        let [shown_turn, shown_bump] = [1, 2].map(|least| if cell >= least { 1.0 } else { 0.0 });
+        for channel in 0..3 {
+            let (sums, inside) = (&mut self.sums[channel], &mut self.inside[channel]);
+            let (slope, spread) = (&mut self.slope[channel], &mut self.spread[channel]);
+            let turn = &mut self.turn[channel];
+            let [one, other] = [&one.light[channel], &other.light[channel]];
+            let [direct_one, direct_other] = [&direct.0[0][channel], &direct.0[1][channel]];
+            for i in 0..RUN {
+                let gain = gain[channel] * scale[i];
                 // Of a line through both nodes.
-                slope[channel] = (other - one) * SLOPE;
-                sums[channel][i] += one + other;
+                let next = gain * (other[i] - one[i]) * RISE;
+                let next_turn = shown_turn * (next - spread[i]);
+                let bump = shown_bump * (next_turn - turn[i]).abs();
+                self.bumps[i] = if bump > self.bumps[i] { bump } else { self.bumps[i] };
+                (spread[i], turn[i]) = (next, next_turn);
+                sums[i] += inside[i];
+                inside[i] = gain * ((one[i] + other[i]) + (direct_one[i] + direct_other[i]));
+                slope[i] = next + gain * (direct_other[i] - direct_one[i]) * RISE;
             }
         }
     }
 }
 
-/// The sum up to the end of a cell.
-#[inline(always)]
-fn at_end([start, inside, _]: &Cell) -> [f32; 4] {
-    std::array::from_fn(|i| start[i] + inside[i])
+/// Sums up the first `count` rays of a run, and stores their cells.
+fn sum_up(
+    lamp: &Glow,
+    (rays, source): (&Bundle, &Lanes),
+    cut: Cut,
+    count: usize,
+    mut store: impl FnMut(usize, usize, Cell),
+) {
+    let ([mut one, mut other], mut direct) = ([Node::dark(), Node::dark()], Direct::dark());
+    let mut scale = [0.0f32; RUN];
+    for i in 0..RUN {
+        scale[i] = source[i] * rays.start[i] / (2.0 * cut.cells as f32 * rays.meters[i]);
+    }
+    let mut across = Across::dark();
+    for cell in 0..cut.used {
+        let share = |place: f32| 1.0 - (cell as f32 + place) / cut.cells as f32;
+        one.shine(lamp, rays, share(NODES[0]));
+        other.shine(lamp, rays, share(NODES[1]));
+        if lamp.profile.slope > 0.0 {
+            let ends = [share(0.0), share(1.0)];
+            vectorized!(direct.shine(lamp, rays, ends, NODES));
+        }
+        vectorized!(across.go_on(lamp.gain, &scale, [&one, &other], &direct, cell));
+        let Across {
+            sums: [sr, sg, sb],
+            inside: [ir, ig, ib],
+            slope: [lr, lg, lb],
+            bumps,
+            ..
+        } = &across;
+        for i in 0..count {
+            let [r, g, b] = [sr[i] + ir[i], sg[i] + ig[i], sb[i] + ib[i]];
+            store(
+                i,
+                cell,
+                Cell([
+                    sr[i], sg[i], sb[i], 0.0, ir[i], ig[i], ib[i], 0.0, lr[i], lg[i], lb[i], 0.0, r, g, b,
+                    bumps[i],
+                ]),
+            );
+        }
+    }
 }
 
-#[inline(always)]
-fn between_rays(own: &[Cell], (left, right): (&[Cell], &[Cell]), (up, down): (&[Cell], &[Cell])) -> f32 {
+/// The greatest second differences at the ends of some cells.
+fn between_rays(
+    own: Ray<'_>,
+    (left, right): (Ray<'_>, Ray<'_>),
+    (up, down): (Ray<'_>, Ray<'_>),
+    (first, last): (usize, usize),
+) -> f32 {
     let mut worst = [0.0f32; 4];
-    let mut before = own[0][2];
-    for ((((own, left), right), up), down) in own.iter().zip(left).zip(right).zip(up).zip(down) {
-        let [middle, left, right, up, down] = [own, left, right, up, down].map(at_end);
+    for cell in first.saturating_sub(1)..=last {
+        let [middle, left, right, up, down] = [own, left, right, up, down].map(|ray| ray.end(cell));
         for i in 0..4 {
             let bends =
                 (left[i] - 2.0 * middle[i] + right[i]).abs() + (up[i] - 2.0 * middle[i] + down[i]).abs();
-            let turns = (own[2][i] - before[i]).abs();
-            worst[i] = worst[i].max(BETWEEN_RAYS * bends + BETWEEN_CELLS * turns);
+            worst[i] = larger(bends, worst[i]);
         }
-        before = own[2];
     }
-    worst.into_iter().fold(0.0, f32::max)
+    larger(larger(worst[0], worst[1]), worst[2])
+}
+
+/// The most by which the slope changes beside or between some cells.
+fn turns(own: Ray<'_>, (first, last): (usize, usize)) -> f32 {
+    let mut worst = 0.0f32;
+    for cell in first.max(1)..=last {
+        for i in SLOPE..SLOPE + 3 {
+            worst = larger((own.at(cell)[i] - own.at(cell - 1)[i]).abs(), worst);
+        }
+    }
+    worst
 }
 
 /// The greatest third difference.
-#[inline(always)]
-fn between_degrees(four: &[&[Cell]]) -> f32 {
+fn between_degrees(four: &[Ray<'_>], (first, last): (usize, usize)) -> f32 {
     let mut worst = [0.0f32; 4];
-    for (((a, b), c), d) in four[0].iter().zip(four[1]).zip(four[2]).zip(four[3]) {
-        let [a, b, c, d] = [a, b, c, d].map(at_end);
+    for cell in first.saturating_sub(1)..=last {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|degree| four[degree].end(cell));
         for i in 0..4 {
-            worst[i] = worst[i].max((d[i] - a[i] + 3.0 * (b[i] - c[i])).abs());
+            worst[i] = larger((d[i] - a[i] + 3.0 * (b[i] - c[i])).abs(), worst[i]);
         }
     }
-    worst.into_iter().fold(0.0, f32::max)
+    larger(larger(worst[0], worst[1]), worst[2])
 }

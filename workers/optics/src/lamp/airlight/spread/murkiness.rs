@@ -1,111 +1,183 @@
-//! How murky the water is that the rays of pixels meet, and the few degrees of it that sums are taken at.
+//! How murky the water is that the rays of pixels meet.
 //!
-//! In patches the factor of c changes all paths of a ray, and with them its light, smoothly: a parabola through three degrees stands
-//! for what is between. The factor of b multiplies the light alone.
+//! In patches the factors of b and c change all paths of a ray, and with them its light. Most of the glow comes from a stretch near the
+//! lamp: where all surfaces lie behind it, the factors change from ray to ray alone, and each ray is summed up in its own water. Where
+//! things are nearer, a parabola through the sums of three degrees of murkiness stands for what is between; the factor of b multiplies
+//! the light alone.
 
 use imaging::vectorized;
 
-use super::super::intervals::{Murk, Rays, murk_of, rays_of};
-use super::super::{Glow, RUN};
-use super::Frame;
+use super::super::intervals::{Murk, Rays, murk_along, murk_of, rays_of};
+use super::super::{Glow, Lanes, RUN};
+use super::{Frame, nodes};
+use crate::lamp::patches::BESIDE;
 use crate::turbidity;
 
 /// Degrees lie at most this far apart, and how many there are: four show what a parabola leaves.
 const APART: f32 = 0.125;
 const FEWEST: usize = 4;
 const MOST: usize = 12;
+/// Where no more than one of so many pixels is near the lamp, these are summed up each by itself.
+const FEW: usize = 64;
 
-/// The factors of c and b of each pixel of a frame, and how far the latter is from a mean of the ray, see [`Murk`]; none in even
-/// water, where all are 1.
-pub(super) struct Murkiness {
+/// The water of the rays to a lamp.
+pub(super) enum Murkiness {
+    Even,
+    /// Of each ray its own, as if it had no end.
+    Own,
+    Degrees(Degrees),
+}
+
+/// The factors of c and b of each pixel of a frame, and how far the latter is from a mean of the ray, see [`Murk`].
+pub(super) struct Degrees {
     path: Vec<f32>,
     source: Vec<f32>,
-    stretch: Vec<f32>,
-    most_source: f32,
     lowest: f32,
     apart: f32,
-    degrees: usize,
+    count: usize,
+    span: nodes::Span,
 }
 
 impl Murkiness {
-    pub(super) fn even() -> Self {
-        Self {
-            path: Vec::new(),
-            source: Vec::new(),
-            stretch: Vec::new(),
-            most_source: 1.0,
-            lowest: 1.0,
-            apart: 0.0,
-            degrees: 1,
-        }
-    }
-
     /// Of the rays of a frame to a lamp.
     pub(super) fn met(frame: &Frame<'_>) -> Self {
-        let mut all = Self::even();
-        if let Some(patches) = &frame.patches {
-            all.look(frame, patches);
+        let Some(patches) = &frame.patches else {
+            return Self::Even;
+        };
+        let [x, y, z] = frame.lamp.place;
+        let away = (x * x + y * y + z * z).sqrt().max(frame.lamp.radius);
+        let reach = BESIDE as f32 * away;
+        let pixels = frame.range.data();
+        let near = pixels.iter().filter(|&&z| z > 0.0 && z < reach).count();
+        if near * FEW <= pixels.len() {
+            Self::Own
+        } else {
+            Self::Degrees(Degrees::look(frame, patches))
         }
-        all
     }
 
-    fn look(&mut self, frame: &Frame<'_>, patches: &turbidity::Rays) {
+    /// In how many degrees of murkiness each ray is summed up.
+    pub(super) fn degrees(&self) -> usize {
+        match self {
+            Self::Even | Self::Own => 1,
+            Self::Degrees(degrees) => degrees.count,
+        }
+    }
+
+    /// The greatest factor of b by which sums are multiplied.
+    pub(super) fn most_source(&self) -> f32 {
+        match self {
+            Self::Even | Self::Own => 1.0,
+            Self::Degrees(degrees) => degrees.span.source,
+        }
+    }
+
+    /// Of all pixels, where it is known.
+    pub(super) fn span(&self) -> Option<nodes::Span> {
+        match self {
+            Self::Even | Self::Own => None,
+            Self::Degrees(degrees) => Some(degrees.span),
+        }
+    }
+}
+
+impl Frame<'_> {
+    /// The water in which rays without end are summed up for a degree of murkiness.
+    pub(super) fn murk_of(&self, degree: usize, rays: &Rays) -> Murk {
+        match &self.murkiness {
+            Murkiness::Even => Murk::default(),
+            Murkiness::Own => self.murk_along(rays),
+            Murkiness::Degrees(degrees) => Murk {
+                path: [(degree as f32).mul_add(degrees.apart, degrees.lowest); RUN],
+                ..Murk::default()
+            },
+        }
+    }
+
+    /// The water along rays as far as they go.
+    pub(super) fn murk_along(&self, rays: &Rays) -> Murk {
+        let (mut murk, lamp) = (Murk::default(), self.lamp);
+        if let Some(patches) = &self.patches {
+            vectorized!(murk_along(lamp, rays, patches, &mut murk));
+        }
+        murk
+    }
+}
+
+impl Degrees {
+    fn look(frame: &Frame<'_>, patches: &turbidity::Rays) -> Self {
         let (width, height) = frame.range.size();
-        let (mut least, mut most) = (f32::INFINITY, 0.0f32);
+        let mut all = Self {
+            path: Vec::with_capacity(width * height),
+            source: Vec::with_capacity(width * height),
+            lowest: 1.0,
+            apart: 0.0,
+            count: 1,
+            span: nodes::Span::dark(),
+        };
         for (x, y) in (0..height).flat_map(|y| (0..width).step_by(RUN).map(move |x| (x, y))) {
             let run = RUN.min(width - x);
             let mut range_m = [f32::INFINITY; RUN];
             range_m[..run].copy_from_slice(&frame.range.row(y)[x..x + run]);
             let mut rays = Rays::default();
-            vectorized!(rays_of(frame.lens, (x, y), &range_m, &mut rays));
             let mut murk = Murk::default();
             let lamp: &Glow = frame.lamp;
-            vectorized!(murk_of(lamp, &rays, patches, (x, y), &mut murk));
-            for &path in &murk.path[..run] {
-                (least, most) = (least.min(path), most.max(path));
-            }
-            self.path.extend_from_slice(&murk.path[..run]);
-            self.source.extend_from_slice(&murk.source[..run]);
-            self.stretch.extend_from_slice(&murk.stretch[..run]);
+            vectorized!({
+                rays_of(frame.lens, (x, y), &range_m, &mut rays);
+                murk_of(lamp, &rays, patches, (x, y), &mut murk);
+            });
+            all.span.include(&murk, run);
+            all.path.extend_from_slice(&murk.path[..run]);
+            all.source.extend_from_slice(&murk.source[..run]);
         }
-        self.degrees = (((most - least) / APART).ceil() as usize + 1).clamp(FEWEST, MOST);
-        self.most_source = self.source.iter().copied().fold(0.0, f32::max);
-        self.lowest = least;
-        self.apart = ((most - least) / (self.degrees - 1) as f32).max(1e-6);
-    }
-
-    /// The factors of c that sums are taken at.
-    pub(super) fn degrees(&self) -> impl ExactSizeIterator<Item = f32> {
-        let (lowest, apart) = (self.lowest, self.apart);
-        (0..self.degrees).map(move |degree| (degree as f32).mul_add(apart, lowest))
-    }
-
-    /// The factors of a run of pixels, by their places in the frame.
-    pub(super) fn of(&self, pixels: impl Iterator<Item = usize>) -> Murk {
-        let mut murk = Murk::default();
-        if !self.path.is_empty() {
-            for (i, at) in pixels.enumerate() {
-                (murk.path[i], murk.source[i]) = (self.path[at], self.source[at]);
-                murk.stretch[i] = self.stretch[at];
-            }
-        }
-        murk
-    }
-
-    /// The greatest factor of b of a frame.
-    pub(super) fn most_source(&self) -> f32 {
-        self.most_source
+        let (least, most) = (all.span.clearest, all.span.murkiest);
+        all.count = (((most - least) / APART).ceil() as usize + 1).clamp(FEWEST, MOST);
+        all.lowest = least;
+        all.apart = ((most - least) / (all.count - 1) as f32).max(1e-6);
+        all
     }
 
     /// The factor of b of a pixel, the first of the degrees about its factor of c, and their weights in a parabola through them.
     pub(super) fn weights(&self, pixel: usize) -> (f32, usize, [f32; 3]) {
-        if self.degrees == 1 {
-            return (1.0, 0, [1.0, 0.0, 0.0]);
-        }
         let place = (self.path[pixel] - self.lowest) / self.apart;
-        let middle = ((place + 0.5) as usize).clamp(1, self.degrees - 2);
+        let middle = ((place + 0.5) as usize).clamp(1, self.count - 2);
         let t = place - middle as f32;
         let weights = [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)];
         (self.source[pixel], middle - 1, weights)
+    }
+}
+
+impl nodes::Span {
+    /// Of no ray.
+    pub(super) fn dark() -> Self {
+        Self {
+            from: 0.0,
+            to: 0.0,
+            least_to: 0.0,
+            nearest_m: f32::INFINITY,
+            end_m: f32::INFINITY,
+            clearest: f32::INFINITY,
+            murkiest: 0.0,
+            source: 0.0,
+            stretch: 0.0,
+        }
+    }
+
+    /// Takes the water of the first `count` rays of a run in.
+    pub(super) fn include(&mut self, murk: &Murk, count: usize) {
+        let least = |lanes: &Lanes, from: f32| lanes[..count].iter().copied().fold(from, f32::min);
+        let most = |lanes: &Lanes, from: f32| lanes[..count].iter().copied().fold(from, f32::max);
+        self.clearest = least(&murk.path, self.clearest);
+        self.murkiest = most(&murk.path, self.murkiest);
+        self.source = most(&murk.source, self.source);
+        self.stretch = most(&murk.stretch, self.stretch);
+    }
+
+    /// Takes the water of others in.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.clearest = self.clearest.min(other.clearest);
+        self.murkiest = self.murkiest.max(other.murkiest);
+        self.source = self.source.max(other.source);
+        self.stretch = self.stretch.max(other.stretch);
     }
 }

@@ -1,202 +1,264 @@
-//! Spread light of pixels, read between the rays about them.
+//! Light of pixels, read between the rays about them.
 
-use std::f32::consts::FRAC_PI_2;
+use std::ops::Range;
 
 use imaging::simd::larger;
 use imaging::vectorized;
 
-use super::super::intervals::{Intervals, Murk, Rays, intervals, rays_of};
-use super::super::{Glow, Lanes, RUN};
-use super::line::{Cell, Line};
-use super::{Frame, STEP, nodes};
+use super::ends::{BY_ITSELF, Ends};
+use super::line::{INSIDE, Line, Ray, SLOPE};
+use super::murkiness::{Degrees, Murkiness};
+use super::{Frame, RUN, STEP};
 
 /// What f32 may lose of the place in a ray, as a share of it.
 const PLACE: f64 = 1e-6;
 
-/// The light of a lamp on the rows of pixels of a row of blocks.
-pub(super) struct Band {
-    /// The first pixel in the frame.
-    first: usize,
-    cells: usize,
-    /// Where in its cells each pixel's ray ends.
-    places: Vec<f32>,
-    /// Three channels; the fourth fills a vector.
-    light: Vec<[f32; 4]>,
-    /// Of each run of each row.
-    spans: Vec<nodes::Span>,
+type Block16 = [f32; STEP];
+
+/// The light of a lamp on the pixels of a band of rows.
+pub(super) struct Band<'a> {
+    pub(super) ends: &'a Ends<'a>,
+    glow: [&'a mut [f32]; 3],
+    /// The most light of each run of columns.
+    pub(super) most: Vec<f32>,
     /// The most light in a cell that is read.
     steepest: f32,
 }
 
-impl Band {
-    pub(super) fn new(cells: usize) -> Self {
+impl<'a> Band<'a> {
+    /// Of a frame of this width.
+    pub(super) fn new(ends: &'a Ends<'a>, glow: &'a mut [Vec<f32>; 3], width: usize) -> Self {
         Self {
-            first: 0,
-            cells,
-            places: Vec::new(),
-            light: Vec::new(),
-            spans: Vec::new(),
+            ends,
+            glow: glow.each_mut().map(Vec::as_mut_slice),
+            most: vec![0.0; width.div_ceil(RUN)],
             steepest: 0.0,
         }
     }
 
-    /// Equal angles of a ray.
-    pub(super) fn cells(&self) -> usize {
-        self.cells
+    /// Turns to the next band.
+    pub(super) fn start(&mut self) {
+        self.most.fill(0.0);
+        self.steepest = 0.0;
     }
 
-    /// Sets the light of a pixel of the frame.
-    pub(super) fn set(&mut self, pixel: usize, [red, green, blue]: [f32; 3]) {
-        self.light[pixel - self.first] = [red, green, blue, 0.0];
+    /// Adds to the light of a pixel of the frame.
+    pub(super) fn add(&mut self, pixel: usize, width: usize, light: [f32; 3]) {
+        let most = &mut self.most[pixel % width / RUN];
+        for (glow, light) in self.glow.iter_mut().zip(light) {
+            glow[pixel] += light;
+            *most = most.max(light);
+        }
+    }
+
+    /// What f32 may lose between rays of so many cells.
+    pub(super) fn rounding(&self, cells: usize) -> f64 {
+        PLACE * cells as f64 * f64::from(self.steepest)
     }
 }
 
 /// A block of pixels between four rays, those above first, of each degree of murkiness.
-struct Block<'a> {
-    corners: Vec<[&'a [Cell]; 4]>,
-    /// Its columns, rows and side.
-    xs: std::ops::Range<usize>,
-    ys: std::ops::Range<usize>,
-    step: usize,
+pub(super) struct Block<'a> {
+    corners: Vec<[Ray<'a>; 4]>,
+    /// Its columns.
+    xs: Range<usize>,
+    most: Block16,
+}
+
+impl<'a> Block<'a> {
+    /// In this column of blocks between two lines of rays.
+    pub(super) fn new([top, bottom]: [&'a Line; 2], column: usize, xs: Range<usize>) -> Self {
+        let above = top.ray(column + 1).zip(top.ray(column + 2));
+        let below = bottom.ray(column + 1).zip(bottom.ray(column + 2));
+        Self {
+            corners: above.zip(below).map(|((a, b), (c, d))| [a, b, c, d]).collect(),
+            xs,
+            most: [0.0; STEP],
+        }
+    }
 }
 
 impl Frame<'_> {
-    /// Turns to the rows of pixels from `top` on.
-    pub(super) fn start(&self, band: &mut Band, top: usize) {
-        let (width, height) = self.range.size();
-        let rows = top..height.min(top + STEP);
-        band.first = top * width;
-        band.places.clear();
-        band.spans.clear();
-        band.light.resize(rows.len() * width, [0.0; 4]);
-        band.steepest = 0.0;
-        for (y, x) in rows.flat_map(|y| (0..width).step_by(RUN).map(move |x| (y, x))) {
-            let run = RUN.min(width - x);
-            let first = y * width + x;
-            let mut range_m = [f32::INFINITY; RUN];
-            range_m[..run].copy_from_slice(&self.range.row(y)[x..x + run]);
-            let mut rays = Rays::default();
-            vectorized!(rays_of(self.lens, (x, y), &range_m, &mut rays));
-            let murk = self.murkiness.of(first..first + run);
-            let mut places = [0.0f32; RUN];
-            let cells = band.cells as f32;
-            let span = vectorized!(places_of(self.lamp, (&rays, &murk), cells, &mut places));
-            band.places.extend_from_slice(&places[..run]);
-            band.spans.push(span);
-        }
-    }
-
-    /// Reads the light of a block between two lines of rays.
+    /// Reads the light of some blocks of a row, row by row of pixels: these lie one after the other in memory.
     pub(super) fn read(
         &self,
-        band: &mut Band,
-        [top, bottom]: [&Line; 2],
-        (step, row): (usize, usize),
-        column: usize,
+        band: &mut Band<'_>,
+        blocks: &mut [Block<'_>],
+        (step, ys): (usize, Range<usize>),
     ) {
-        let (xs, ys) = self.pixels(step, (column, row));
-        let above = top.ray(column + 1).zip(top.ray(column + 2));
-        let below = bottom.ray(column + 1).zip(bottom.ray(column + 2));
-        let block = Block {
-            corners: above.zip(below).map(|((a, b), (c, d))| [a, b, c, d]).collect(),
-            xs,
-            ys,
-            step,
-        };
-        vectorized!(self.read_block(band, &block));
-    }
-
-    #[inline(always)]
-    fn read_block(&self, band: &mut Band, block: &Block<'_>) {
-        let width = self.range.width();
-        let last = band.cells - 1;
-        let inverse = 1.0 / block.step as f32;
-        let (x_0, y_0) = (block.xs.start, block.ys.start);
-        let mut steepest = [band.steepest; 4];
-        for y in block.ys.clone() {
-            let down = (y - y_0) as f32 * inverse;
-            let first = y * width + x_0;
-            let own = first - band.first..first - band.first + block.xs.len();
-            let pixels = band.light[own.clone()].iter_mut().zip(&band.places[own]);
-            for (x, (light, &place)) in pixels.enumerate() {
-                let right = x as f32 * inverse;
-                let cell = (place as usize).min(last);
-                let u = place - cell as f32;
-                let (source, degree, weights) = self.murkiness.weights(first + x);
-                let mut sum = [0.0f32; 4];
-                for (corners, weight) in block.corners[degree..].iter().zip(weights) {
-                    let four = corners.map(|ray| &ray[cell]);
-                    let light = between(four, u, [right, down]);
-                    for i in 0..4 {
-                        sum[i] = weight.mul_add(light[i], sum[i]);
-                        let inside = source * larger(four[0][1][i], four[3][1][i]);
-                        steepest[i] = larger(inside, steepest[i]);
-                    }
+        let to = (self.range.width(), self.cut.cells);
+        let first = ys.start;
+        for y in ys {
+            let (down, step) = ((y - first) as f32 / step as f32, step as f32);
+            match &self.murkiness {
+                Murkiness::Even | Murkiness::Own => {
+                    vectorized!(read_rows(band, blocks, (y, down, step), to));
                 }
+                Murkiness::Degrees(degrees) => {
+                    vectorized!(read_degrees(band, blocks, (y, down, step), to, degrees));
+                }
+            }
+        }
+        for block in blocks {
+            let of_run = &mut band.most[block.xs.start / RUN];
+            *of_run = block.most.iter().copied().fold(*of_run, f32::max);
+        }
+    }
+}
+
+#[inline(always)]
+fn read_rows(
+    band: &mut Band<'_>,
+    blocks: &mut [Block<'_>],
+    (y, down, step): (usize, f32, f32),
+    (width, cells): (usize, usize),
+) {
+    let mut right = [0.0f32; STEP];
+    for x in 0..STEP {
+        right[x] = x as f32 / step;
+    }
+    let mut steepest = [band.steepest; 16];
+    for block in blocks {
+        let own = y * width + block.xs.start..y * width + block.xs.end;
+        let mut places = lanes(&band.ends.places[own.clone()], BY_ITSELF);
+        for place in &mut places {
+            *place *= cells as f32;
+        }
+        let light = read_row(
+            &block.corners[0],
+            (&places, &right, down),
+            cells - 1,
+            &mut steepest,
+        );
+        for (plane, light) in band.glow.iter_mut().zip(&light) {
+            let glow = &mut plane[own.clone()];
+            let mut sum = lanes(glow, 0.0);
+            for x in 0..STEP {
+                block.most[x] = larger(light[x], block.most[x]);
+                sum[x] += light[x];
+            }
+            match <&mut Block16>::try_from(&mut *glow) {
+                Ok(glow) => *glow = sum,
+                Err(_) => glow.copy_from_slice(&sum[..own.len()]),
+            }
+        }
+    }
+    for i in INSIDE..INSIDE + 3 {
+        band.steepest = larger(steepest[i], band.steepest);
+    }
+}
+
+/// A row of a block, filled up.
+#[inline(always)]
+fn lanes(row: &[f32], rest: f32) -> Block16 {
+    if let Ok(whole) = <&Block16>::try_from(row) {
+        return *whole;
+    }
+    let mut lanes = [rest; STEP];
+    lanes[..row.len()].copy_from_slice(row);
+    lanes
+}
+
+/// The light of a row of pixels; none of those below 0. All lanes are computed in every cell that a pixel ends in.
+#[inline(always)]
+fn read_row(
+    corners: &[Ray<'_>; 4],
+    (places, right, down): (&Block16, &Block16, f32),
+    last: usize,
+    steepest: &mut [f32; 16],
+) -> [Block16; 3] {
+    let mut light = [[0.0f32; STEP]; 3];
+    let mut cells = [0.0f32; STEP];
+    for x in 0..STEP {
+        let cell = places[x].floor();
+        cells[x] = if cell > last as f32 { last as f32 } else { cell };
+    }
+    let mut cell = next(&cells, -1.0);
+    while cell <= last as f32 {
+        let four = corners.each_ref().map(|ray| ray.at(cell as usize));
+        let (mut left, mut turn) = ([0.0f32; 16], [0.0f32; 16]);
+        for i in 0..16 {
+            let (a, b) = (four[0][i], four[1][i]);
+            left[i] = down.mul_add(four[2][i] - a, a);
+            turn[i] = down.mul_add(four[3][i] - b, b) - left[i];
+            steepest[i] = larger(larger(a, four[3][i]), steepest[i]);
+        }
+        for channel in 0..3 {
+            let [start, inside, slope] =
+                [0, INSIDE, SLOPE].map(|part| [left[part + channel], turn[part + channel]]);
+            for x in 0..STEP {
+                let u = places[x] - cell;
+                let slope = right[x].mul_add(slope[1], slope[0]);
+                let inside = right[x].mul_add(inside[1], inside[0]);
+                let sum = right[x].mul_add(start[1], start[0]);
+                let sum = larger(u.mul_add(slope.mul_add(u - 1.0, inside), sum), 0.0);
+                light[channel][x] = if cells[x] == cell { sum } else { light[channel][x] };
+            }
+        }
+        cell = next(&cells, cell);
+    }
+    light
+}
+
+/// The least of some cells above another.
+#[inline(always)]
+fn next(cells: &Block16, than: f32) -> f32 {
+    let mut best = [f32::INFINITY; STEP];
+    for x in 0..STEP {
+        best[x] = if cells[x] > than { cells[x] } else { f32::INFINITY };
+    }
+    let mut half = STEP / 2;
+    while half > 0 {
+        for x in 0..half {
+            best[x] = if best[x + half] < best[x] {
+                best[x + half]
+            } else {
+                best[x]
+            };
+        }
+        half /= 2;
+    }
+    best[0]
+}
+
+#[inline(always)]
+fn read_degrees(
+    band: &mut Band<'_>,
+    blocks: &[Block<'_>],
+    (y, down, step): (usize, f32, f32),
+    (width, cells): (usize, usize),
+    degrees: &Degrees,
+) {
+    for block in blocks {
+        for x in block.xs.clone() {
+            let pixel = y * width + x;
+            let right = (x - block.xs.start) as f32 / step;
+            let place = cells as f32 * band.ends.places[pixel];
+            let cell = (place as usize).min(cells - 1);
+            let u = place - cell as f32;
+            let (source, degree, weights) = degrees.weights(pixel);
+            let mut sum = [0.0f32; 4];
+            for (corners, weight) in block.corners[degree..].iter().zip(weights) {
+                let four = corners.map(|ray| *ray.at(cell));
+                let light = between(four, u, [right, down]);
                 for i in 0..4 {
-                    light[i] = source * larger(sum[i], 0.0);
+                    sum[i] = weight.mul_add(light[i], sum[i]);
+                    let inside = source * larger(four[0][INSIDE + i], four[3][INSIDE + i]);
+                    band.steepest = larger(inside, band.steepest);
                 }
             }
+            band.add(pixel, width, [0, 1, 2].map(|i| source * larger(sum[i], 0.0)));
         }
-        band.steepest = steepest.into_iter().fold(0.0, f32::max);
     }
-
-    /// Adds a band to the frame. Returns what f32 may have lost.
-    pub(super) fn finish(&self, band: &Band, glow: &mut [Vec<f32>; 3]) -> f64 {
-        let width = self.range.width();
-        let runs = (0..band.places.len() / width).flat_map(|row| {
-            let starts = (0..width).step_by(RUN);
-            starts.map(move |x| row * width + x..row * width + width.min(x + RUN))
-        });
-        let [red, green, blue] = glow.each_mut().map(|plane| &mut plane[band.first..]);
-        let mut rounding = 0.0f64;
-        for (run, span) in runs.zip(&band.spans) {
-            let mut to = [&mut *red, green, blue].map(|plane| &mut plane[run.clone()]);
-            let most = vectorized!(add(&band.light[run.clone()], &mut to));
-            if most > 0.0 {
-                rounding = rounding.max(self.lamp.rounding.within(*span, most));
-            }
-        }
-        rounding + PLACE * band.cells as f64 * f64::from(band.steepest)
-    }
-}
-
-/// Adds the light of a run to the frame. Returns the most of a channel.
-#[inline(always)]
-fn add(light: &[[f32; 4]], [red, green, blue]: &mut [&mut [f32]; 3]) -> f32 {
-    let mut most = [0.0f32; 4];
-    for (((light, red), green), blue) in light
-        .iter()
-        .zip(red.iter_mut())
-        .zip(green.iter_mut())
-        .zip(blue.iter_mut())
-    {
-        for i in 0..4 {
-            most[i] = larger(light[i], most[i]);
-        }
-        (*red, *green, *blue) = (*red + light[0], *green + light[1], *blue + light[2]);
-    }
-    most.into_iter().fold(0.0, f32::max)
-}
-
-/// Where in its cells each ray ends.
-#[inline(always)]
-fn places_of(lamp: &Glow, (rays, murk): (&Rays, &Murk), cells: f32, places: &mut Lanes) -> nodes::Span {
-    let (Intervals { half, from, .. }, span) = intervals::<false, true>(lamp, rays, murk);
-    for i in 0..RUN {
-        let whole = FRAC_PI_2 - from[i];
-        places[i] = (2.0 * cells * half[i] / whole).min(cells);
-    }
-    span
 }
 
 /// The sum up to a place in a cell, between the cells of four rays.
 #[inline(always)]
-fn between(four: [&Cell; 4], u: f32, [right, down]: [f32; 2]) -> [f32; 4] {
-    let [a, b, c, d] = four.map(|[start, inside, slope]| {
+fn between(four: [[f32; 16]; 4], u: f32, [right, down]: [f32; 2]) -> [f32; 4] {
+    let [a, b, c, d] = four.map(|cell| {
         let mut at = [0.0f32; 4];
         for i in 0..4 {
-            at[i] = u.mul_add(slope[i].mul_add(u - 1.0, inside[i]), start[i]);
+            at[i] = u.mul_add(cell[SLOPE + i].mul_add(u - 1.0, cell[INSIDE + i]), cell[i]);
         }
         at
     });
