@@ -96,13 +96,6 @@ impl Turned {
             across: [0.0; RUN],
         }
     }
-
-    /// The least and the greatest angle.
-    fn ends(&self, slope: f32) -> [f32; 2] {
-        let [mut least, mut most] = [0.0f32; 2];
-        vectorized!((least, most) = extremes(&self.along));
-        [most, least].map(|along| (along / slope).clamp(-1.0, 1.0).acos())
-    }
 }
 
 /// [`multiple::blurred`](super::multiple::blurred) of such a profile, at each angle and for the kernel of each scale.
@@ -111,11 +104,18 @@ impl Turned {
 /// nothing.
 pub(super) fn blurred<const N: usize>(profile: &Profile, turned: &Turned, scales: &[Lanes; N]) -> [Lanes; N] {
     let cone = profile.cos_cone.acos();
-    let [nearest, farthest] = turned.ends(profile.slope);
-    scales.each_ref().map(|scale| {
+    let (mut cosines, mut ends) = ((0.0f32, 0.0f32), [(0.0f32, 0.0f32); N]);
+    vectorized!({
+        cosines = extremes(&turned.along);
+        for (ends, scale) in ends.iter_mut().zip(scales) {
+            *ends = extremes(scale);
+        }
+    });
+    let [nearest, farthest] =
+        [cosines.1, cosines.0].map(|along| (along / profile.slope).clamp(-1.0, 1.0).acos());
+    std::array::from_fn(|i| {
+        let (scale, (least, most)) = (&scales[i], ends[i]);
         let mut sum = [0.0f32; RUN];
-        let (mut least, mut most) = (0.0, 0.0);
-        vectorized!((least, most) = extremes(scale));
         let is_inside = |out: &&f32| farthest + most * **out <= cone - CLEAR;
         let inside = OUT.iter().take_while(is_inside).count();
         if inside > 0 {
