@@ -96,8 +96,22 @@ fn codes(bench: &mut Criterion) {
         b.iter(|| Pattern::new(black_box(&sensor), 1, WIDTH * HEIGHT));
     });
     let pattern = Pattern::new(&sensor, 1, WIDTH * HEIGHT);
-    for (name, level) in [("well lit", 1.0), ("few electrons", 0.001)] {
-        let scene = picture(WIDTH, HEIGHT, level);
+    let lit = |level| picture(WIDTH, HEIGHT, level);
+    let even = |electrons: f64| {
+        let light = (electrons / sensor.white_e()) as f32;
+        Rgb::from_fn(WIDTH, HEIGHT, |_, _| [light; 3])
+    };
+    // Each pixel below or above the switch between Poisson's forms, as if by chance.
+    let mixed = Rgb::from_fn(WIDTH, HEIGHT, |x, y| {
+        let electrons = 60.0 * ((x * 7919 + y * 104_729) % 1013) as f64 / 1013.0;
+        [(electrons / sensor.white_e()) as f32; 3]
+    });
+    for (name, scene) in [
+        ("well lit", lit(1.0)),
+        ("few electrons", lit(0.001)),
+        ("28 electrons", even(28.0)),
+        ("few and many electrons", mixed),
+    ] {
         bench.bench_function(&format!("sensor, {name}"), |b| {
             b.iter(|| sensor::read(black_box(&scene), &sensor, chance, &pattern));
         });

@@ -2,6 +2,15 @@
 
 use std::f64::consts::{LN_2, LOG2_E};
 
+/// 2^52: in a number below it that is added to it the low bits hold the whole part.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
+/// A whole number in 0..2^52 as an integer, without the cases of a cast.
+#[inline(always)]
+pub(crate) fn whole(x: f64) -> u64 {
+    (x + WHOLE).to_bits() & ((1 << 52) - 1)
+}
+
 /// `ln x` of a normal number above 0: absolute error below 1e-11 for x in 2^-53..=1.
 ///
 /// `x = 2^e m` with m in √½..√2; `ln m = 2 (s + s³/3 + s⁵/5 + …)`, `s = (m-1)/(m+1)`, |s| < 0.172.
@@ -9,11 +18,8 @@ use std::f64::consts::{LN_2, LOG2_E};
 pub(crate) fn logarithm(x: f64) -> f64 {
     /// The bits of √½: what lies below them belongs to the exponent before.
     const HALF_BITS: u64 = 0x3fe6_a09e_667f_3bcd;
-    /// 2^52, whose low bits hold a whole number.
-    const WHOLE_BITS: u64 = 0x4330_0000_0000_0000;
-    const WHOLE: f64 = 4_503_599_627_370_496.0;
     let shifted = x.to_bits().wrapping_sub(HALF_BITS).wrapping_add(1023 << 52);
-    let exponent = f64::from_bits(WHOLE_BITS | shifted >> 52) - (WHOLE + 1023.0);
+    let exponent = f64::from_bits(WHOLE.to_bits() | shifted >> 52) - (WHOLE + 1023.0);
     let mantissa = f64::from_bits((shifted & ((1 << 52) - 1)).wrapping_add(HALF_BITS));
     let s = (mantissa - 1.0) / (mantissa + 1.0);
     let z = s * s;

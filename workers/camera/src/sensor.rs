@@ -11,6 +11,8 @@
 //! The sensor computes in f64 in both forms. The fast one takes its logarithms and cosines from short series and keeps the
 //! fixed pattern in f32: at most one pixel in ten thousand differs, by one electron.
 
+mod arrival;
+mod counting;
 mod noise;
 mod pattern;
 mod read;

@@ -89,30 +89,48 @@ impl Stream {
     pub fn fill_units(&self, index: u64, first: u64, step: u64, units: &mut [f64]) {
         vectorized!(fill(self.key, index, first, step, &mut *units));
     }
+
+    /// [`Stream::unit`] of the elements `first + step · position`: the same values, several at a time. Only the shorter of
+    /// both slices counts.
+    pub fn fill_units_at(&self, index: u64, (first, step): (u64, u64), positions: &[u8], units: &mut [f64]) {
+        vectorized!(fill_at(self.key, index, (first, step), positions, &mut *units));
+    }
 }
 
-/// Philox with each word in the lower half of a register of 64 bits, as vector instructions multiply them.
 #[inline(always)]
 fn fill(key: [u32; 2], index: u64, first: u64, step: u64, units: &mut [f64]) {
-    const LOW: u64 = u32::MAX as u64;
     for (position, unit) in units.iter_mut().enumerate() {
-        let element = first.wrapping_add(step.wrapping_mul(position as u64));
-        let mut state = [index & LOW, index >> 32, element & LOW, element >> 32];
-        let mut key = key;
-        for _ in 0..ROUNDS {
-            let left = u64::from(MULTIPLIERS[0]) * (state[0] & LOW);
-            let right = u64::from(MULTIPLIERS[1]) * (state[2] & LOW);
-            state = [
-                right >> 32 ^ state[1] ^ u64::from(key[0]),
-                right & LOW,
-                left >> 32 ^ state[3] ^ u64::from(key[1]),
-                left & LOW,
-            ];
-            key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
-        }
-        let bits = state[0] | state[1] << 32;
-        *unit = (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64);
+        *unit = wide_unit(key, index, first.wrapping_add(step.wrapping_mul(position as u64)));
     }
+}
+
+#[inline(always)]
+fn fill_at(key: [u32; 2], index: u64, (first, step): (u64, u64), positions: &[u8], units: &mut [f64]) {
+    for (unit, &position) in units.iter_mut().zip(positions) {
+        let element = first.wrapping_add(step.wrapping_mul(u64::from(position)));
+        *unit = wide_unit(key, index, element);
+    }
+}
+
+/// Philox with each word in the lower half of a register of 64 bits, as vector instructions multiply them. What gathers in the
+/// upper halves is left out by the next multiplication, which costs nothing there.
+#[inline(always)]
+fn wide_unit(mut key: [u32; 2], index: u64, element: u64) -> f64 {
+    const LOW: u64 = u32::MAX as u64;
+    let mut state = [index & LOW, index >> 32, element & LOW, element >> 32];
+    for _ in 0..ROUNDS {
+        let left = u64::from(MULTIPLIERS[0]) * (state[0] & LOW);
+        let right = u64::from(MULTIPLIERS[1]) * (state[2] & LOW);
+        state = [
+            right >> 32 ^ state[1] ^ u64::from(key[0]),
+            right,
+            left >> 32 ^ state[3] ^ u64::from(key[1]),
+            left,
+        ];
+        key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+    }
+    let bits = state[0] & LOW | state[1] << 32;
+    (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
 #[cfg(test)]
@@ -168,6 +186,12 @@ mod tests {
             stream.fill_units(index, first, step, &mut units);
             for (position, unit) in units.into_iter().enumerate() {
                 assert_eq!(unit, stream.unit(index, first + step * position as u64));
+            }
+            let positions: Vec<u8> = (0..length as u8).rev().map(|place| 2 * place).collect();
+            let mut units = vec![0.0; length];
+            stream.fill_units_at(index, (first, step), &positions, &mut units);
+            for (position, unit) in positions.into_iter().zip(units) {
+                assert_eq!(unit, stream.unit(index, first + step * u64::from(position)));
             }
         }
     }

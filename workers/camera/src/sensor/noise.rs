@@ -67,6 +67,25 @@ pub(super) fn fill_normals(stream: &Stream, index: u64, elements: Elements, norm
     vectorized!(to_normal(&mut *normals, turns));
 }
 
+/// The same for some of the elements, by their places.
+///
+/// # Panics
+/// For more than [`BLOCK`].
+pub(super) fn fill_normals_at(
+    stream: &Stream,
+    index: u64,
+    elements: Elements,
+    places: &[u8],
+    normals: &mut [f64],
+) {
+    let Elements { first, step } = elements;
+    let mut turns = [0.0; BLOCK];
+    let turns = &mut turns[..normals.len()];
+    stream.fill_units_at(index, (2 * first, 2 * step), places, normals);
+    stream.fill_units_at(index, (2 * first + 1, 2 * step), places, turns);
+    vectorized!(to_normal(&mut *normals, turns));
+}
+
 #[inline(always)]
 fn to_normal(units: &mut [f64], turns: &[f64]) {
     for (unit, &turn) in units.iter_mut().zip(turns) {

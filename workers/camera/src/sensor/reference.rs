@@ -1,6 +1,5 @@
 //! The sensor pixel by pixel, as it is defined.
 
-use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 
 use super::noise::{Streams, normal};
@@ -53,7 +52,7 @@ fn collected(light: f64, sensor: &Sensor, streams: &Streams, frame: u64, element
 
 fn poisson(mean: f64, streams: &Streams, frame: u64, element: u64) -> f64 {
     if mean < POISSON_SWITCH {
-        return counted(mean, &streams.shot, frame, element);
+        return counted(mean, streams.shot.unit(frame, 2 * element));
     }
     let n = normal(&streams.shot_normal, frame, element);
     (mean + mean.sqrt() * n + (n * n - 1.0) / 6.0 + 0.5)
@@ -61,9 +60,8 @@ fn poisson(mean: f64, streams: &Streams, frame: u64, element: u64) -> f64 {
         .max(0.0)
 }
 
-/// The smallest k whose cumulative probability exceeds an even number.
-fn counted(mean: f64, stream: &Stream, frame: u64, element: u64) -> f64 {
-    let u = stream.unit(frame, 2 * element);
+/// The smallest k whose cumulative probability exceeds an even number u.
+pub(super) fn counted(mean: f64, u: f64) -> f64 {
     let (mut probability, mut sum, mut k) = (libm::exp(-mean), 0.0, 0);
     loop {
         sum += probability;

@@ -1,0 +1,67 @@
+//! Where Poisson's sums stand: F at the middle of every row of means, and a guide to the least k.
+
+use std::sync::LazyLock;
+
+use super::super::POISSON_SWITCH;
+
+/// Rows of the table for an electron.
+pub(super) const ROWS_PER_E: usize = 4;
+pub(super) const ROWS: usize = POISSON_SWITCH as usize * ROWS_PER_E;
+/// Parts of 0..1 in which u is looked up.
+pub(super) const PARTS: usize = 128;
+/// Values of F in a row. Where k is larger, u is in the last part, which is summed.
+pub(super) const COUNTS: usize = 64;
+/// Values of F that decide between three k.
+pub(super) const WINDOW: usize = 4;
+/// What f32 loses of u, the table and three products, each at most 1: some 1e-6. It covers the rounding of sums in f64, too.
+pub(super) const ROUNDING: f32 = 4e-6;
+pub(super) struct Table {
+    /// Where in `sums` the window of a row and a part of u begins.
+    pub(super) starts: Vec<u16>,
+    /// 0, 0, F(0), F(1), … of each row; then a window of no number, from which nothing is decided.
+    pub(super) sums: Vec<f32>,
+}
+
+pub(super) static TABLE: LazyLock<Table> = LazyLock::new(table);
+
+fn table() -> Table {
+    let mut table = Table {
+        starts: Vec::with_capacity(ROWS * PARTS),
+        sums: Vec::with_capacity(ROWS * COUNTS + WINDOW),
+    };
+    for row in 0..ROWS {
+        let [low, middle, high] =
+            [0.0, 0.5, 1.0].map(|part| cumulative((row as f64 + part) / ROWS_PER_E as f64));
+        for part in 0..PARTS {
+            let least = least([&low, &high], part);
+            let start = least.map_or(ROWS * COUNTS, |least| row * COUNTS + least);
+            table.starts.push(start as u16);
+        }
+        table.sums.extend([0.0; 2]);
+        table
+            .sums
+            .extend(middle[..COUNTS - 2].iter().map(|&sum| sum as f32));
+    }
+    table.sums.extend([f32::NAN; WINDOW]);
+    table
+}
+
+/// The least k of a part of u, from F at the edges of a row; none where k may lie beyond a window.
+fn least([at_low, at_high]: [&[f64; COUNTS]; 2], part: usize) -> Option<usize> {
+    let [from, to] = [part, part + 1].map(|edge| edge as f64 / PARTS as f64);
+    let first = |sums: &[f64; COUNTS], u: f64| sums.iter().position(|&sum| sum > u);
+    // F falls with the mean, so that k is least at the lower edge.
+    let least = first(at_low, from - f64::from(ROUNDING))?;
+    let most = first(at_high, to + f64::from(ROUNDING))?;
+    (most <= least + 2 && least + WINDOW <= COUNTS).then_some(least)
+}
+
+/// F of 0, 1, ….
+fn cumulative(mean: f64) -> [f64; COUNTS] {
+    let (mut probability, mut sum) = (libm::exp(-mean), 0.0);
+    std::array::from_fn(|k| {
+        sum += probability;
+        probability *= mean / (k + 1) as f64;
+        sum
+    })
+}
