@@ -21,6 +21,9 @@ pub(crate) struct Arguments {
     /// Frames of each job [default: all]
     #[arg(long)]
     frames: Option<u64>,
+    /// Name the frames that are outside of a range, with their values
+    #[arg(long)]
+    outside: bool,
     /// Where to write a sheet, a row for each job
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -107,13 +110,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         println!("{}, {frames} frames", path.display());
         for (row, all) in ROWS.iter().zip(&mut all).filter(|(row, _)| (row.applies)(&job)) {
             let values: Vec<f64> = looks.iter().filter_map(row.of).collect();
-            print(row, &values);
+            let outside = arguments.outside.then(|| outside(row, &looks)).flatten();
+            line(row, &values)
+                .into_iter()
+                .chain(outside)
+                .for_each(|line| println!("{line}"));
             all.extend(values);
         }
     }
     println!("all");
     for (row, values) in ROWS.iter().zip(&all) {
-        print(row, values);
+        line(row, values).iter().for_each(|line| println!("{line}"));
     }
     match &arguments.out {
         Some(path) => files::write_picture(path, &sheet(&tiles).into()),
@@ -121,27 +128,39 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Median, 10th and 90th percentile, and how many are as in photographs.
-fn print(row: &Row, values: &[f64]) {
+/// Median, 10th and 90th percentile, how many are as in photographs, and how many are on which side of that; none without values.
+fn line(row: &Row, values: &[f64]) -> Option<String> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let last = sorted.len().saturating_sub(1) as f64;
-        sorted
-            .get((share * last).round() as usize)
-            .copied()
-            .unwrap_or(f64::NAN)
-    };
+    let last = sorted.len().checked_sub(1)?;
+    let at = |share: f64| sorted[(share * last as f64).round() as usize];
     let [low, high] = row.range;
-    let within = sorted.iter().filter(|v| (low..=high).contains(v)).count();
-    println!(
-        "  {:<44} {:>7.2} ({:.2} to {:.2}), wanted {low} to {high}: {within} of {}",
+    let below = sorted.iter().filter(|&&v| v < low).count();
+    let above = sorted.iter().filter(|&&v| v > high).count();
+    let outside = match below + above {
+        0 => String::new(),
+        _ => format!(", {below} below, {above} above"),
+    };
+    Some(format!(
+        "  {:<44} {:>7.2} ({:.2} to {:.2}), wanted {low} to {high}: {} of {}{outside}",
         row.name,
         at(0.5),
         at(0.1),
         at(0.9),
+        sorted.len() - below - above,
         sorted.len()
-    );
+    ))
+}
+
+/// Frames outside the range of photographs, for each statistic.
+fn outside(row: &Row, looks: &[Look]) -> Option<String> {
+    let frames = looks.iter().enumerate().filter_map(|(frame, look)| {
+        let value = (row.of)(look)?;
+        let is_within = (row.range[0]..=row.range[1]).contains(&value);
+        (!is_within).then(|| format!("{frame} ({value:.2})"))
+    });
+    let frames: Vec<String> = frames.collect();
+    (!frames.is_empty()).then(|| format!("    frames {}", frames.join(", ")))
 }
 
 fn sheet(tiles: &[Rgb8]) -> Rgb8 {
@@ -155,4 +174,21 @@ fn sheet(tiles: &[Rgb8]) -> Rgb8 {
             _ => [255; 3],
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_on_which_side_frames_are_outside() {
+        let entropy = &ROWS[3];
+        let seen = line(entropy, &[7.5, 6.0, 5.0, 5.6, 7.0]).unwrap_or_default();
+        assert!(
+            seen.ends_with("6.00 (5.00 to 7.50), wanted 5.6 to 6.9: 2 of 5, 1 below, 2 above"),
+            "{seen}"
+        );
+        assert!(line(entropy, &[6.0]).is_some_and(|line| line.ends_with("1 of 1")));
+        assert_eq!(line(entropy, &[]), None);
+    }
 }
