@@ -1,5 +1,6 @@
 //! What each effect of the chain brings it nearer to the truth, and what it costs: one small scene for each.
 
+mod figure;
 mod jobs;
 
 use std::fmt::Write as _;
@@ -7,8 +8,7 @@ use std::fmt::Write as _;
 use imaging::Rgb;
 use truth::{Comparison, Difference, Estimate, Measured, Part};
 
-use crate::plot::{Bar, Bars};
-
+pub use figure::bars;
 pub use jobs::{Effect, effects};
 
 /// Pixels on a side of the blocks that are compared.
@@ -153,28 +153,14 @@ pub fn markdown(rows: &[Row]) -> String {
     text
 }
 
-/// The means over the truth as bars, one panel for each effect.
+/// The rows of an effect without it and with it, where a table has both with at least so many paths.
 #[must_use]
-pub fn bars(rows: &[Row]) -> Bars {
-    let bar = |row: &Row, channel: usize, name: &str| Bar {
-        name: name.to_owned(),
-        mean: row.ratio[channel],
-        sd: row.confidence[channel],
+pub fn kept(rows: &[Row], effect: &str, paths: u64) -> Option<[Row; 2]> {
+    let row = |with| {
+        let is_meant = |row: &&Row| row.effect == effect && row.with == with && row.paths >= paths;
+        rows.iter().find(is_meant).cloned()
     };
-    let panel = |pair: &[Row]| {
-        let (without, with) = (&pair[0], &pair[1]);
-        let bars = vec![
-            bar(without, 0, "R off"),
-            bar(with, 0, "R on"),
-            bar(without, 1, "G off"),
-            bar(with, 1, "G on"),
-        ];
-        (with.effect.clone(), bars)
-    };
-    Bars {
-        title: "mean light of the chain over the truth, 1 = right; bars of 95 %".to_owned(),
-        panels: rows.chunks_exact(2).map(panel).collect(),
-    }
+    Some([row(false)?, row(true)?])
 }
 
 #[cfg(test)]
@@ -199,6 +185,18 @@ mod tests {
         assert_eq!(read(&csv(&rows)), Some(rows.clone()));
         assert_eq!(read(&csv(&rows).replace("64", "many")), None);
         assert!(markdown(&rows).contains("| hard shadows | 1.00 ± 0.25 | 1.00 ± 0.25 | 0.50 | 0.50 |"));
+    }
+
+    #[test]
+    fn rows_are_kept_where_both_have_enough_paths() {
+        let rows = vec![row(false, None), row(true, None)];
+        assert_eq!(
+            kept(&rows, "hard shadows", 64).as_ref().map(<[Row; 2]>::as_slice),
+            Some(&*rows)
+        );
+        assert_eq!(kept(&rows, "hard shadows", 65), None);
+        assert_eq!(kept(&rows, "soft shadows", 64), None);
+        assert_eq!(kept(&rows[1..], "hard shadows", 64), None);
     }
 
     #[test]

@@ -8,8 +8,9 @@ pub(crate) fn describe() -> String {
         .find_map(|line| line.strip_prefix("model name")?.split_once(':'))
         .map_or("unknown processor", |(_, name)| name.trim());
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let s = if cores == 1 { "" } else { "s" };
     format!(
-        "{model}, {cores} cores, {}, fathom {}",
+        "{model}, {cores} core{s}, {}, fathom {}",
         renderer::cpu_features(),
         env!("CARGO_PKG_VERSION")
     )

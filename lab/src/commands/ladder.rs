@@ -13,6 +13,7 @@ use lab::chart::{difference, time};
 use lab::effects;
 use serde_json::{Value, json};
 
+use super::truth_effects;
 use crate::machine;
 use crate::studio::{Studio, raster};
 
@@ -145,12 +146,7 @@ fn measured(path: Option<&Path>) -> Result<Vec<effects::Row>, Failure> {
     let Some(path) = path else {
         return Ok(effects::read(effects::SHIPPED).context("the table of effects")?);
     };
-    let bytes = files::read(path)?;
-    let rows = std::str::from_utf8(&bytes).ok().and_then(effects::read);
-    rows.ok_or_else(|| {
-        let name = path.display();
-        Failure::BadInput(format!("{name} is no table of `fathom-lab truth-effects`"))
-    })
+    truth_effects::read(path)
 }
 
 /// Name, differences to the rung before and to the last (largest codes, mean ΔE), fastest run.

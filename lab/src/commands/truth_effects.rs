@@ -1,13 +1,13 @@
 //! `fathom-lab truth-effects`: what each effect brings the chain nearer to the truth, and what it costs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cli::exit::Failure;
 use cli::files;
 use cli::progress::Progress;
 use imaging::Rgb;
-use lab::effects::{BLOCK, Effect, Row, bars, csv, effects, markdown};
+use lab::effects::{self, BLOCK, Effect, Row, bars, csv, kept, markdown};
 use lab::frame_truth::round;
 use renderer::{Traced, Tracing};
 use spec::Frame;
@@ -25,6 +25,9 @@ pub(crate) struct Arguments {
     /// Only this effect
     #[arg(long)]
     effect: Option<String>,
+    /// A table that this command made: effects that it has with at least as many paths keep their rows
+    #[arg(long, value_name = "FILE")]
+    keep: Option<PathBuf>,
     /// Folder for effects.md, effects.csv and the drawing
     #[arg(long, value_name = "DIR", default_value = "docs/truth")]
     out: PathBuf,
@@ -35,16 +38,24 @@ const TRACED: (usize, usize) = (48, 32);
 const TIMED: (usize, usize) = (768, 492);
 /// Frames that are timed of each pair, one without and one with by turns.
 const RUNS: usize = 5;
+
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut studio = Studio::with_shipped_styles()?;
     let wanted = |effect: &Effect| arguments.effect.as_ref().is_none_or(|name| *name == effect.name);
-    let all: Vec<Effect> = effects().into_iter().filter(wanted).collect();
+    let all: Vec<Effect> = effects::effects().into_iter().filter(wanted).collect();
+    let old = match &arguments.keep {
+        Some(path) => read(path)?,
+        None => Vec::new(),
+    };
     let mut progress = Progress::new("truth-effects", "effects", all.len() as u64);
     let mut rows = Vec::new();
     for (number, effect) in all.iter().enumerate() {
         progress.set_with(number as u64, effect.name.to_owned());
-        rows.extend(measure(&mut studio, effect, arguments.paths)?);
+        match kept(&old, effect.name, arguments.paths) {
+            Some(kept) => rows.extend(kept),
+            None => rows.extend(measure(&mut studio, effect, arguments.paths)?),
+        }
     }
     progress.finish();
     let text = format!(
@@ -58,6 +69,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     drawing::write(&arguments.out, "effects", &bars(&rows))?;
     println!("{text}");
     Ok(())
+}
+
+/// The rows of a table that this command made.
+pub(crate) fn read(path: &Path) -> Result<Vec<Row>, Failure> {
+    let bytes = files::read(path)?;
+    let rows = std::str::from_utf8(&bytes).ok().and_then(effects::read);
+    rows.ok_or_else(|| {
+        let name = path.display();
+        Failure::BadInput(format!("{name} is no table of `fathom-lab truth-effects`"))
+    })
 }
 
 /// The rows of an effect: without it and with it.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{METRICS, Row, Table, mean_sd};
-use crate::plot::{Bar, Bars};
+use crate::plot::{Bar, Bars, PALETTE};
 
 /// The published means (standard deviation where it was given): seconds, entropy, UICM, UISM, UIConM, UIQM.
 const PUBLISHED: [(&str, [f64; 6]); 6] = [
@@ -90,6 +90,8 @@ pub fn figure(table: &Table) -> Bars {
             "Enhancement methods on {} pictures, mean and standard deviation, profile table1",
             table.pictures()
         ),
+        colors: PALETTE.to_vec(),
+        level: None,
         panels: vec![
             (
                 "time, ms on one thread".to_owned(),
