@@ -13,7 +13,10 @@ mod cholesky;
 mod front;
 mod gradients;
 mod laplacian;
+mod tile;
 mod windows;
+
+use std::iter::zip;
 
 use imaging::Plane;
 
@@ -38,6 +41,9 @@ pub struct Matting<'g> {
     closeness: f64,
     solver: Solver,
 }
+
+/// A plane that was guessed, and refined; none where nothing is won by that.
+pub struct Ahead(Option<[Plane<f64>; 2]>);
 
 enum Solver {
     /// A side below 3: no window lies inside.
@@ -77,21 +83,73 @@ impl<'g> Matting<'g> {
     /// When the sizes differ.
     #[must_use]
     pub fn refined(&self, plane: &Plane<f64>) -> Plane<f64> {
-        assert_eq!(
-            self.guide.channels()[0].size(),
-            plane.size(),
-            "the picture has the plane's size"
+        let [refined] = self.solved([plane], LARGE_RESIDUAL);
+        refined
+    }
+
+    /// Refines a plane, and where steps are taken together with it one that is known but nearly: [`Self::refined_near`] goes on from
+    /// there.
+    ///
+    /// # Panics
+    /// When the sizes differ.
+    #[must_use]
+    pub fn refined_beside(
+        &self,
+        plane: &Plane<f64>,
+        guess: impl FnOnce() -> Plane<f64>,
+    ) -> (Plane<f64>, Ahead) {
+        if !matches!(self.solver, Solver::Chebyshev(_)) {
+            return (self.refined(plane), Ahead(None));
+        }
+        let guess = guess();
+        let [refined, start] = self.solved([plane, &guess], LARGE_RESIDUAL);
+        (refined, Ahead(Some([guess, start])))
+    }
+
+    /// Refines the plane that was guessed. Only its difference from the guess is solved for, so far that the residual is at most twice
+    /// that of [`Self::refined`].
+    ///
+    /// # Panics
+    /// When the sizes differ.
+    #[must_use]
+    pub fn refined_near(&self, plane: &Plane<f64>, ahead: Ahead) -> Plane<f64> {
+        let Some([mut change, mut refined]) = ahead.0 else {
+            return self.refined(plane);
+        };
+        zip(change.data_mut(), plane.data()).for_each(|(guess, value)| *guess = value - *guess);
+        let residual = LARGE_RESIDUAL * deviation(plane) / deviation(&change);
+        if residual < 1.0 {
+            let [change] = self.solved([&change], residual);
+            zip(refined.data_mut(), change.data()).for_each(|(value, change)| *value += change);
+        }
+        refined
+    }
+
+    fn solved<const N: usize>(&self, planes: [&Plane<f64>; N], residual: f64) -> [Plane<f64>; N] {
+        let size = self.guide.channels()[0].size();
+        assert!(
+            planes.iter().all(|plane| plane.size() == size),
+            "the planes have the picture's size"
         );
         match &self.solver {
-            Solver::Nothing => plane.clone(),
-            Solver::Gradients(laplacian) => {
+            Solver::Nothing => planes.map(Plane::clone),
+            Solver::Gradients(laplacian) => planes.map(|plane| {
                 let start = guided(self.guide, plane, Variant::Reference);
                 gradients::solved(laplacian, self.closeness, plane, &start, REFERENCE_RESIDUAL)
+            }),
+            Solver::Chebyshev(system) => system.solved(planes, residual),
+            Solver::Factored(factor) => {
+                planes.map(|plane| factor.solved(plane.map(|value| self.closeness * value)))
             }
-            Solver::Chebyshev(system) => system.solved(plane, LARGE_RESIDUAL),
-            Solver::Factored(factor) => factor.solved(plane.map(|value| self.closeness * value)),
         }
     }
+}
+
+/// The root of the sum of squared distances from the mean.
+fn deviation(plane: &Plane<f64>) -> f64 {
+    let mean = plane.data().iter().sum::<f64>() / plane.data().len() as f64;
+    let squares = plane.data().iter().map(|value| (value - mean) * (value - mean));
+    squares.sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
@@ -190,6 +248,32 @@ mod tests {
                 rms < LARGE_RESIDUAL && most < LARGE_AGREEMENT,
                 "{name}: {rms:e}, {most:e}"
             );
+        }
+    }
+
+    #[test]
+    fn a_guess_however_wrong_leads_to_the_plane() {
+        let (width, height) = (533, 347);
+        let guide = Guide::new(&textured(width, height));
+        let matting = Matting::new(&guide, Variant::Fast);
+        let (first, second) = (
+            plane(width, height),
+            plane(width, height).map(|value| value * value),
+        );
+        let expected = [&first, &second].map(|plane| matting.refined(plane));
+        for wrong in [0.0, 1e-4, 0.03, 1.0] {
+            let guess = || {
+                Plane::from_fn(width, height, |x, y| {
+                    second.pixel(x, y) + wrong * first.pixel(y, x / 2)
+                })
+            };
+            let (beside, ahead) = matting.refined_beside(&first, guess);
+            let near = matting.refined_near(&second, ahead);
+            for (got, expected) in [beside, near].iter().zip(&expected) {
+                let errors = zip(got.data(), expected.data()).map(|(a, b)| (a - b).abs());
+                let most = errors.fold(0.0, f64::max);
+                assert!(most < LARGE_AGREEMENT, "{wrong}: {most:e}");
+            }
         }
     }
 

@@ -85,14 +85,15 @@ fn whiten(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes; 3]; PIX
         let c22 = (covariance(1, 1) - c21 * c21).sqrt();
         let c32 = (covariance(2, 1) - c31 * c21) / c22;
         let c33 = (covariance(2, 2) - c31 * c31 - c32 * c32).sqrt();
+        let inverse = [1.0 / c11, 1.0 / c22, 1.0 / c33];
         for pixel in 0..PIXELS {
             // Nine times the distance from the mean is exact.
             let away = [0, 1, 2].map(|c| f64::from(9 * code(c, pixel, n) - sums[c]) / 9.0);
-            let r = away[0] / c11;
-            let g = (away[1] - c21 * r) / c22;
+            let r = away[0] * inverse[0];
+            let g = (away[1] - c21 * r) * inverse[1];
             white[pixel][0][n] = r;
             white[pixel][1][n] = g;
-            white[pixel][2][n] = (away[2] - c31 * r - c32 * g) / c33;
+            white[pixel][2][n] = (away[2] - c31 * r - c32 * g) * inverse[2];
         }
     }
 }

@@ -51,32 +51,49 @@ const TRANSMITTANCE: (f64, f64) = (0.1, f64::INFINITY);
 /// A light above this that blackens the picture is a bright object.
 const BRIGHT_LIGHT: f64 = 0.8;
 
+/// What refines a plane.
+enum Refinement<'g> {
+    Matting(Matting<'g>),
+    Guided(&'g Guide, Variant),
+}
+
 /// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let guide = Guide::new(&picture.to_rgb8());
-    let matting = Matting::new(&guide, variant);
-    restored(picture, &guide, variant, |plane| matting.refined(plane))
+    let refinement = Refinement::Matting(Matting::new(&guide, variant));
+    restored(picture, &guide, variant, &refinement)
 }
 
 /// The same, refined by the guided filter.
 #[must_use]
 pub(crate) fn enhance_guided(picture: &Raster, variant: Variant) -> Enhanced {
     let guide = Guide::new(&picture.to_rgb8());
-    restored(picture, &guide, variant, |plane| guided(&guide, plane, variant))
+    restored(picture, &guide, variant, &Refinement::Guided(&guide, variant))
 }
 
-fn restored(
-    picture: &Raster,
-    guide: &Guide,
-    variant: Variant,
-    refine: impl Fn(&Plane<f64>) -> Plane<f64>,
-) -> Enhanced {
+fn restored(picture: &Raster, guide: &Guide, variant: Variant, refinement: &Refinement) -> Enhanced {
     let colors = picture.to_rgb8();
     let blurriness = blurriness(&colors, variant);
-    let light = Light::new(&colors, &refine(&blurriness), variant);
-    let mix = Mix::new(guide, light.color);
-    let closeness = refine(&mix.closeness(guide, blurriness, variant));
+    let measures = Measures::new(guide, &blurriness, variant);
+    let (light, mix, closeness) = match refinement {
+        Refinement::Matting(matting) => {
+            // Closeness depends on the light by one factor that is known but nearly: it is refined together with blurriness.
+            let guess =
+                || Mix::new(guide, Light::new(&colors, &blurriness, variant).color).closeness(&measures);
+            let (refined, ahead) = matting.refined_beside(&blurriness, guess);
+            let light = Light::new(&colors, &refined, variant);
+            let mix = Mix::new(guide, light.color);
+            let closeness = matting.refined_near(&mix.closeness(&measures), ahead);
+            (light, mix, closeness)
+        }
+        Refinement::Guided(guide, variant) => {
+            let light = Light::new(&colors, &guided(guide, &blurriness, *variant), *variant);
+            let mix = Mix::new(guide, light.color);
+            let closeness = guided(guide, &mix.closeness(&measures), *variant);
+            (light, mix, closeness)
+        }
+    };
     let nearest = nearest(&colors, light.color);
     let distance = closeness.map(|e| DEPTH * (1.0 - e + nearest));
     let veil = Veil {
@@ -118,7 +135,35 @@ fn sigmoid(a: f64, b: f64) -> f64 {
     1.0 / (1.0 + (-32.0 * (a - b)).exp())
 }
 
-/// How much each of the three measures of closeness counts.
+/// The measures of closeness, each 0..=1.
+struct Measures {
+    /// `e_R`.
+    by_red: Plane<f64>,
+    /// `e_D`.
+    by_loss: Plane<f64>,
+    /// `e_B`.
+    by_blur: Plane<f64>,
+}
+
+impl Measures {
+    fn new(guide: &Guide, blurriness: &Plane<f64>, variant: Variant) -> Self {
+        let red = &guide.channels()[0];
+        let (width, height) = red.size();
+        let red_max = window_max(red, MAXIMUM_PX, variant);
+        let brighter_max = window_max(&guide.brighter(), MAXIMUM_PX, variant);
+        let codes = red_max.data().iter().zip(brighter_max.data());
+        let lost = codes
+            .map(|(&r, &other)| (f64::from(r) - f64::from(other)) / 255.0)
+            .collect();
+        Self {
+            by_red: normalized(red_max.map(|&code| f64::from(code) / 255.0)),
+            by_loss: normalized(Plane::new(width, height, lost).expect("a value for each pixel")),
+            by_blur: normalized(blurriness.clone()),
+        }
+    }
+}
+
+/// How much each of the measures of closeness counts.
 struct Mix {
     /// `ta`: share of the loss of red against that of red alone.
     by_loss: f64,
@@ -137,26 +182,16 @@ impl Mix {
     }
 
     /// `e` of step 3 before it is refined.
-    fn closeness(&self, guide: &Guide, blurriness: Plane<f64>, variant: Variant) -> Plane<f64> {
-        let red = &guide.channels()[0];
-        let (width, height) = red.size();
-        let red_max = window_max(red, MAXIMUM_PX, variant);
-        let brighter_max = window_max(&guide.brighter(), MAXIMUM_PX, variant);
-        let mut by_red = normalized(red_max.map(|&code| f64::from(code) / 255.0));
-        let codes = red_max.data().iter().zip(brighter_max.data());
-        let lost = codes
-            .map(|(&r, &other)| (f64::from(r) - f64::from(other)) / 255.0)
-            .collect();
-        let by_loss = normalized(Plane::new(width, height, lost).expect("a value for each pixel"));
-        let by_blur = normalized(blurriness);
+    fn closeness(&self, measures: &Measures) -> Plane<f64> {
+        let mut closeness = measures.by_red.clone();
         vectorized!(mix(
-            by_red.data_mut(),
-            by_loss.data(),
-            by_blur.data(),
+            closeness.data_mut(),
+            measures.by_loss.data(),
+            measures.by_blur.data(),
             self.by_loss,
             self.by_color
         ));
-        by_red
+        closeness
     }
 }
 

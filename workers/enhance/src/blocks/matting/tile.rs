@@ -1,0 +1,101 @@
+//! What a step of the iteration does to two rows of a few columns.
+
+use super::windows::{RIM, STEPS};
+
+/// A tile is two rows of so many columns: its sums stay in registers.
+pub(super) const BLOCK: usize = 32;
+/// Columns whose coefficients and values a tile reads.
+pub(super) const SPAN: usize = BLOCK + 2 * RIM;
+/// Rows and columns of the neighborhood that coefficients reach.
+const SIDE: usize = 2 * RIM + 1;
+
+/// What a row of a tile reads of each of [`STEPS`], side by side: one stream of memory instead of many.
+pub(super) type Coefficients = [[f32; SPAN]; STEPS.len()];
+
+/// `x_{k+1} = x_k + momentum (x_k - x_{k-1}) + length (b - A x_k)`.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    pub(super) momentum: f32,
+    pub(super) length: f32,
+}
+
+/// Writes a tile of `x_{k+1}` over `x_{k-1}`, of one plane or of two. `records` are of the two rows before the tile and of its own;
+/// `start` is its first pixel in planes of `stride` columns.
+#[inline(always)]
+pub(super) fn take_tile<const N: usize>(
+    step: Step,
+    records: [&Coefficients; 4],
+    (start, stride): (usize, usize),
+    b: &[Vec<f32>; N],
+    now: &[Vec<f32>; N],
+    to: &mut [Vec<f32>; N],
+) {
+    const { assert!(N == 1 || N == 2, "one plane or two") };
+    let [first, last] = [0, N - 1];
+    let second = start + stride;
+    // Each by its name: indexed, they would not stay in registers.
+    let (mut upper, mut lower) = (block(&b[first], start), block(&b[first], second));
+    let (mut upper_last, mut lower_last) = (block(&b[last], start), block(&b[last], second));
+    for row in 0..=SIDE {
+        let from = start + row * stride - RIM * stride - RIM;
+        let (values, values_last) = (&now[first][from..][..SPAN], &now[last][from..][..SPAN]);
+        for column in 0..SIDE {
+            if row < SIDE {
+                let reach = coefficient([records[0], records[1], records[2]], column, row);
+                subtract(&mut upper, reach, values, column);
+                if N == 2 {
+                    subtract(&mut upper_last, reach, values_last, column);
+                }
+            }
+            if row > 0 {
+                let reach = coefficient([records[1], records[2], records[3]], column, row - 1);
+                subtract(&mut lower, reach, values, column);
+                if N == 2 {
+                    subtract(&mut lower_last, reach, values_last, column);
+                }
+            }
+        }
+    }
+    finish(step, &upper, &now[first][start..], &mut to[first][start..]);
+    finish(step, &lower, &now[first][second..], &mut to[first][second..]);
+    if N == 2 {
+        finish(step, &upper_last, &now[last][start..], &mut to[last][start..]);
+        finish(step, &lower_last, &now[last][second..], &mut to[last][second..]);
+    }
+}
+
+#[inline(always)]
+fn block(plane: &[f32], start: usize) -> [f32; BLOCK] {
+    let mut block = [0.0; BLOCK];
+    block.copy_from_slice(&plane[start..start + BLOCK]);
+    block
+}
+
+/// Those of a row to the pixels at a column and row of the neighborhood, each counted from the first; `records` are of the two rows
+/// before and of the row.
+#[inline(always)]
+fn coefficient(records: [&Coefficients; 3], column: usize, row: usize) -> &[f32] {
+    let number = (SIDE * row + column).abs_diff(SIDE * RIM + RIM);
+    let [record, at] = if (row, column) >= (RIM, RIM) {
+        [RIM, RIM]
+    } else {
+        [row, column]
+    };
+    &records[record][number][at..at + BLOCK]
+}
+
+#[inline(always)]
+fn subtract(rest: &mut [f32; BLOCK], coefficients: &[f32], values: &[f32], column: usize) {
+    let (coefficients, values) = (&coefficients[..BLOCK], &values[column..column + BLOCK]);
+    for i in 0..BLOCK {
+        rest[i] = (-coefficients[i]).mul_add(values[i], rest[i]);
+    }
+}
+
+#[inline(always)]
+fn finish(Step { momentum, length }: Step, rest: &[f32; BLOCK], now: &[f32], to: &mut [f32]) {
+    let (now, to) = (&now[..BLOCK], &mut to[..BLOCK]);
+    for i in 0..BLOCK {
+        to[i] = length.mul_add(rest[i], momentum.mul_add(now[i] - to[i], now[i]));
+    }
+}
