@@ -5,6 +5,7 @@ mod difference;
 mod draw;
 mod forward_scatter;
 mod frame;
+mod ibla;
 mod lamps;
 mod overlay;
 mod scenes;
@@ -20,6 +21,7 @@ pub use difference::{Difference, difference};
 pub use draw::{Measure, cost_chart, csv, error_chart, error_sheet};
 pub use forward_scatter::forward_scatter;
 pub use frame::whole_frame;
+pub use ibla::ibla;
 pub use lamps::glow;
 pub use overlay::{haze, homomorphic};
 pub use scenes::{ChartScene, standard_scenes};
@@ -27,7 +29,7 @@ pub use stopwatch::{Times, time, time_once};
 pub use summary::summary;
 
 /// The stages that have a chart.
-pub const STAGES: [&str; 5] = ["forward_scatter", "haze", "homomorphic", "lamps", "frame"];
+pub const STAGES: [&str; 6] = ["forward_scatter", "haze", "homomorphic", "ibla", "lamps", "frame"];
 
 /// What one variant costs and how wrong it is on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -157,6 +159,7 @@ mod tests {
         let mut points = forward_scatter(scene, 1);
         points.extend(haze(scene, 1));
         points.extend(homomorphic(scene, 1));
+        points.extend(ibla(scene, 1));
         points.extend(glow(scene, 1));
         points.extend(whole_frame(scene, 1));
         mark_pareto(&mut points);

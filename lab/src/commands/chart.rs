@@ -70,6 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 "forward_scatter" => chart::forward_scatter(scene, runs),
                 "haze" => chart::haze(scene, runs),
                 "homomorphic" => chart::homomorphic(scene, runs),
+                "ibla" => chart::ibla(scene, runs),
                 "lamps" => chart::glow(scene, runs),
                 style::STAGE => style::tiers(scene, &library, runs),
                 _ => chart::whole_frame(scene, runs),
