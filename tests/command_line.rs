@@ -101,6 +101,9 @@ fn a_picture_is_enhanced_and_measured() {
     let better = output_path.to_str().expect("text");
     let output = run(&["enhance", "hscm", input, better, "--no-mask"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("hscm: not measured against its authors' results"));
+    let help = run(&["enhance", "--help"]);
+    assert!(text(&help.stdout).contains("45 of the 45 results published"));
     let output = run(&["measure", input, better, "--json"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let rows: Vec<Value> = text(&output.stdout)

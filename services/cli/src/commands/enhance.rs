@@ -8,6 +8,7 @@ use enhance::Method;
 
 /// Options of `fathom enhance`.
 #[derive(clap::Args)]
+#[command(after_long_help = methods())]
 pub(crate) struct Arguments {
     /// Enhancement method
     #[arg(value_parser = method)]
@@ -24,6 +25,19 @@ pub(crate) struct Arguments {
     mask_out: Option<PathBuf>,
 }
 
+/// Every method, what it does, and how far it is from its authors' results.
+fn methods() -> String {
+    let all = enhance::METHODS.iter().filter_map(|name| Method::parse(name));
+    let lines = all.map(|method| {
+        let (name, about, published) = (method.name(), method.about(), method.against_published());
+        format!("\n  {name}: {about}\n    {published}")
+    });
+    format!(
+        "Methods, with their distance from published results:{}",
+        lines.collect::<String>()
+    )
+}
+
 fn method(name: &str) -> Result<Method, String> {
     Method::parse(name).ok_or_else(|| {
         format!(
@@ -38,6 +52,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let picture = files::read_picture(&arguments.input)?;
     let enhanced = enhance::run(&arguments.method, &picture)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", arguments.input.display())))?;
+    eprintln!(
+        "{}: {}",
+        arguments.method.name(),
+        arguments.method.against_published()
+    );
     for warning in &enhanced.warnings {
         eprintln!("warning: {warning}");
     }
