@@ -17,6 +17,43 @@ pub struct Hit {
     pub object: u32,
 }
 
+/// A box along the axes, between its lowest and its highest corner, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cuboid {
+    /// The least coordinates.
+    pub low: [f64; 3],
+    /// The greatest ones.
+    pub high: [f64; 3],
+}
+
+impl Cuboid {
+    /// The box about a place that is so many meters from it on every side.
+    #[must_use]
+    pub fn about(place: [f64; 3], meters: f64) -> Self {
+        Self {
+            low: place.map(|v| v - meters),
+            high: place.map(|v| v + meters),
+        }
+    }
+
+    /// Its eight corners.
+    #[must_use]
+    pub fn corners(&self) -> [[f64; 3]; 8] {
+        std::array::from_fn(|corner| [0, 1, 2].map(|axis| [self.low, self.high][corner >> axis & 1][axis]))
+    }
+
+    /// The distances from a place to its nearest and to its farthest point.
+    #[must_use]
+    pub fn distances(&self, place: [f64; 3]) -> [f64; 2] {
+        let sides = [0, 1, 2].map(|i| [self.low[i] - place[i], place[i] - self.high[i]]);
+        let length = |way: [f64; 3]| dot(way, way).sqrt();
+        [
+            length(sides.map(|[before, behind]| before.max(behind).max(0.0))),
+            length(sides.map(|[before, behind]| before.abs().max(behind.abs()))),
+        ]
+    }
+}
+
 /// A scene that rays can ask. `direction` is a unit vector; what lies nearer than `from` or farther than `to` meters is not met.
 pub trait Rays {
     /// The nearest surface on the way.
@@ -25,6 +62,17 @@ pub trait Rays {
     /// Whether anything is on the way.
     fn occluded(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> bool {
         self.hit(origin, direction, from, to).is_some()
+    }
+
+    /// Whether anything may lie between a place of one box and a place of the other. It may say so of what is clear, too; where it
+    /// does not, all ways are clear.
+    fn may_hide(&self, _from: &Cuboid, _to: &Cuboid) -> bool {
+        true
+    }
+
+    /// No surface is nearer to a place than this, m.
+    fn clearance(&self, _place: [f64; 3]) -> f64 {
+        0.0
     }
 
     /// Sets for each way whether nothing lies between its ends; `clear` is as long as the list. What lies within [`offset`] of the
@@ -135,6 +183,24 @@ mod tests {
                 assert!(Ground.occluded(origin, [0.0, 0.0, 1.0], 0.0, 1.0));
             }
         }
+    }
+
+    #[test]
+    fn the_distances_of_a_box_are_those_of_its_nearest_and_farthest_points() {
+        let cuboid = Cuboid {
+            low: [1.0, -1.0, 2.0],
+            high: [2.0, 1.0, 4.0],
+        };
+        for place in [[0.0; 3], [1.5, 0.5, 3.0], [3.0, 5.0, -1.0]] {
+            let away = |at: [f64; 3]| {
+                let way = [0, 1, 2].map(|i| at[i] - place[i]);
+                dot(way, way).sqrt()
+            };
+            let clamped = [0, 1, 2].map(|i| f64::clamp(place[i], cuboid.low[i], cuboid.high[i]));
+            let farthest = cuboid.corners().map(away).into_iter().fold(0.0, f64::max);
+            assert_eq!(cuboid.distances(place), [away(clamped), farthest]);
+        }
+        assert_eq!(Cuboid::about([1.0; 3], 1.0).distances([1.0; 3])[0], 0.0);
     }
 
     #[test]

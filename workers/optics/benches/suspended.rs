@@ -43,7 +43,7 @@ fn suspended(bench: &mut Criterion) {
             eye: &eye,
             attenuation: [0.5, 0.2, 0.2],
             path: &|_, meters| meters,
-            light: &|_| [1.0; 3],
+            light: &|places| vec![[1.0; 3]; places.len()],
         };
         let count = flakes(&eye, &law, WORLD, SIZE, &Seeing::STILL).len();
         bench.bench_function(

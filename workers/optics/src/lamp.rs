@@ -33,12 +33,13 @@ pub use nodes::MOST_NODES;
 pub use normals::normals_of;
 pub use patches::glow_within;
 pub use phase::{AVERAGE_BACKSCATTER_FRACTION, asymmetry_of, backscatter_fraction, henyey_greenstein};
-pub use point::{most_white, white_at};
+pub use point::{most_white, white_at, white_at_each};
 pub use reference::{
     REFERENCE_NODES, airlight_reference, irradiance_reference, shaded_airlight_reference,
     shaded_irradiance_reference,
 };
 pub use shadow::Shadow;
+pub(crate) use shadow::places_within;
 pub use surface::{Irradiance, irradiance, irradiance_of, lit, lit_rounding, shaded_irradiance};
 
 pub use crate::legendre::gauss_legendre;
@@ -191,6 +192,28 @@ impl Lamp {
     #[must_use]
     pub fn casts_into_water(&self) -> bool {
         self.glow_shadow
+    }
+
+    /// The radius of the disc about it that light comes from to places at a distance: its own, and of the light that was scattered on
+    /// its way.
+    pub(crate) fn disc_m(&self, lighting: &Lighting, distance_m: f64) -> f64 {
+        let (own, _) = self.shadow.disc();
+        if lighting.absorption.is_none() {
+            return own;
+        }
+        let murkiest = lighting.patches.as_ref().map_or(1.0, |field| field.extremes().1);
+        let scattering = lighting.scattering.into_iter().fold(0.0, f64::max);
+        own.max(distance_m * multiple::surface_scale(scattering * murkiest * distance_m))
+    }
+
+    /// No surface at this distance or farther is lit more: `I₀ e^{−c r}/r²`, with a in place of c where light that was scattered
+    /// is followed.
+    pub(crate) fn most_light(&self, lighting: &Lighting, distance_m: f64) -> f64 {
+        let distance = distance_m.max(lighting.radius_m);
+        let clearest = lighting.patches.as_ref().map_or(1.0, |field| field.extremes().0);
+        let lost = lighting.absorption.unwrap_or(lighting.attenuation);
+        let of = |i: usize| self.intensity[i] * (-lost[i] * clearest * distance).exp();
+        [0, 1, 2].map(of).into_iter().fold(0.0, f64::max) / (distance * distance)
     }
 
     /// Whether it shines about an axis.

@@ -8,12 +8,14 @@
 
 mod above;
 mod bins;
+mod casting;
 mod cost;
 mod gates;
 mod layered;
 mod levels;
 mod line;
 mod model;
+mod outlook;
 mod scatter;
 mod sediment;
 mod shadows;
@@ -25,12 +27,13 @@ mod veil;
 mod water;
 
 pub use above::Above;
+pub use casting::Casting;
 pub use gates::GateStep;
 pub use levels::display_tolerance;
 pub use line::Line;
 pub use scatter::MOST_TERMS;
 pub use shadows::{Shadows, shadow_share};
-pub use shares::glow_share;
+pub use shares::{before_water, glow_share};
 pub use stats::{RangeBin, SceneStats};
 pub use style::StyleTraits;
 
@@ -181,6 +184,8 @@ pub struct Given<'a> {
     pub above: Option<&'a Above>,
     /// The light of its lamps.
     pub lamps: LampLight,
+    /// How they cast shadows; none where they do so as they are described.
+    pub casting: Option<&'a Casting>,
     /// The most that clouds of sediment may hide of a pixel; 0 where none is in view.
     pub cloud_opacity: f64,
     /// The most light that a particle of snow adds to a pixel; 0 without snow.

@@ -297,6 +297,19 @@ impl Rays for Screen {
         Some(self.hit_at(&trail, distance))
     }
 
+    fn clearance(&self, place: [f64; 3]) -> f64 {
+        let place = Vector::from(place);
+        let (width, height) = self.inverse.size();
+        let clear = |x: usize, y: usize| {
+            let ray = DVec3::from(<[f64; 3]>::from(self.camera.ray(x as f64, y as f64)));
+            let surface = ray * (1.0 / self.inverse.pixel(x, y));
+            (surface - place).length() - THICK_M - (THICK + EDGE - 1.0) * surface.length()
+        };
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let nearest = pixels.map(|(x, y)| clear(x, y)).fold(f64::INFINITY, f64::min);
+        nearest.max(0.0)
+    }
+
     fn occluded(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> bool {
         let trail = self.trail(origin.into(), direction.into(), from, to);
         trail.is_some_and(|trail| self.meet(&trail).is_some())

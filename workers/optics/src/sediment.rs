@@ -10,6 +10,7 @@
 //! water before it as particles of [`crate::snow`] are: `I ← I (1 − α) + C α`, `α = (1 − e^{−ε ρ dt}) e^{−c t}`. Light is that of
 //! lamps and from above at its place; light that one part of a cloud takes from another is left out.
 
+mod drift;
 mod fast;
 mod noise;
 mod reference;
@@ -25,6 +26,7 @@ use spec::{Sediment, normal_quantile};
 use crate::eye::Eye;
 use crate::range::is_hole;
 use crate::snow::World;
+use drift::Drift;
 use noise::Noise;
 
 /// Standard deviation of the noise.
@@ -66,8 +68,8 @@ pub struct Murk<'a> {
     pub attenuation: [f64; 3],
     /// Meters of water of this attenuation on the way to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
-    /// Radiance of a white particle at a point in camera axes.
-    pub light: &'a dyn Fn([f64; 3]) -> [f64; 3],
+    /// Radiance of a white particle at each of some points in camera axes.
+    pub light: &'a dyn Fn(&[[f64; 3]]) -> Vec<[f64; 3]>,
 }
 
 impl Clouds {
@@ -131,6 +133,15 @@ impl Clouds {
         smooth((noise + lift).max(jet + 1.5 * noise) / self.law.edge)
     }
 
+    /// The light of white clouds at some places times their albedo.
+    fn colors(&self, murk: &Murk<'_>, places: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
+        let mut colors = (murk.light)(&places.collect::<Vec<_>>());
+        for color in &mut colors {
+            *color = [0, 1, 2].map(|i| self.law.albedo[i] * color[i]);
+        }
+        colors
+    }
+
     /// The share of the light that a cloud sends back.
     pub(crate) fn albedo(&self) -> [f64; 3] {
         self.law.albedo
@@ -174,12 +185,6 @@ impl Clouds {
         let aside = (dot(away, away) - along * along).max(0.0);
         let wide = NOZZLE_M + WIDENING * along;
         1.0 - aside / (wide * wide) - (along / self.law.plume_m).powi(2)
-    }
-
-    /// The light of a white cloud times its albedo.
-    fn color(&self, murk: &Murk<'_>, place: [f64; 3]) -> [f64; 3] {
-        let light = (murk.light)(place);
-        [0, 1, 2].map(|i| self.law.albedo[i] * light[i])
     }
 }
 

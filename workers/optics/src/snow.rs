@@ -191,8 +191,8 @@ pub struct Surround<'a> {
     pub attenuation: [f64; 3],
     /// Meters of water of this attenuation on the way to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
-    /// Radiance of a white particle at a point in camera axes.
-    pub light: &'a dyn Fn([f64; 3]) -> [f64; 3],
+    /// Radiance of a white particle at each of some points in camera axes.
+    pub light: &'a dyn Fn(&[[f64; 3]]) -> Vec<[f64; 3]>,
 }
 
 /// Cross-section of a view at a depth of 1 m, m²: `W H / f²`.

@@ -100,7 +100,12 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
                     attenuation,
                     path: &|_, range| 1.2 * range,
                     // A lamp beside the camera.
-                    light: &|[x, y, z]| [0.4 + 0.05 / ((x - 0.2).powi(2) + y * y + z * z).max(0.02); 3],
+                    light: &|places| {
+                        let light = |[x, y, z]: [f64; 3]| {
+                            [0.4 + 0.05 / ((x - 0.2).powi(2) + y * y + z * z).max(0.02); 3]
+                        };
+                        places.iter().map(|&place| light(place)).collect()
+                    },
                 };
                 let image = Rgb::from_fn(size.0, size.1, |x, y| [0.02 * x as f32, 0.3, 0.01 * y as f32]);
                 let (exact, exact_mask) =

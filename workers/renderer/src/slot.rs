@@ -314,6 +314,7 @@ impl Slot {
                 stats: &lit.measure(&setting),
                 above: lit.above.as_ref(),
                 lamps: lit.lamps,
+                casting: lit.casting.as_ref(),
                 cloud_opacity: lit.clouds.as_ref().map_or(0.0, Clouds::most_opacity),
                 snow_peak: peak(&lit.flakes),
                 style,

@@ -16,6 +16,7 @@ pub(crate) mod sediment;
 pub(crate) mod seen;
 pub(crate) mod snow;
 pub(crate) mod style;
+mod surroundings;
 pub(crate) mod truth;
 pub(crate) mod water;
 

@@ -4,7 +4,7 @@
 //! meets what the pixel shows, at its range. A ray that begins inside a solid leaves it unhindered. The ground ends 60 m from the
 //! camera, as in pictures.
 
-use imaging::rays::{Hit, OFFSET, Rays, Ways};
+use imaging::rays::{Cuboid, Hit, OFFSET, Rays, Ways};
 use imaging::vector::{DVec3, Vec3};
 use imaging::vectorized;
 
@@ -66,6 +66,29 @@ impl Rays for WorldRays<'_> {
         })
     }
 
+    fn may_hide(&self, from: &Cuboid, to: &Cuboid) -> bool {
+        let bundle = Bundle {
+            from: self.bounds_in_world(from),
+            to: self.bounds_in_world(to),
+        };
+        // What is dug out of the ground has walls that no box says anything of.
+        if bundle.to.low.z <= 0.0 || !self.site.pits.is_empty() {
+            return true;
+        }
+        let mut is_met = false;
+        self.tree.search(&bundle, |_| {
+            is_met = true;
+            -1.0
+        });
+        is_met
+    }
+
+    fn clearance(&self, place: [f64; 3]) -> f64 {
+        let place = self.place_in_world(place.into()).as_f32();
+        let solids = self.site.solids.iter().map(|solid| solid.distance(place));
+        f64::from(solids.fold(place.z, f32::min).max(0.0))
+    }
+
     fn look(&self, ways: &Ways, clear: &mut [bool]) {
         let frame = Frame {
             eye: self.pose.position_m.as_f32(),
@@ -117,6 +140,22 @@ impl WorldRays<'_> {
                 0.0
             };
         }
+    }
+
+    /// The box of the world around one in the axes of the camera, as much larger as single precision may lose.
+    fn bounds_in_world(&self, cuboid: &Cuboid) -> Bounds {
+        let point = |corner: [f64; 3]| {
+            let place = self.place_in_world(corner.into());
+            let lost = (OFFSET * place.length().max(1.0)) as f32;
+            let place = place.as_f32();
+            Bounds {
+                low: place,
+                high: place,
+            }
+            .grown(lost)
+        };
+        let corners = cuboid.corners().map(point);
+        corners.iter().fold(corners[0], |all, corner| all.with(corner))
     }
 
     fn place_in_world(&self, place: DVec3) -> DVec3 {

@@ -3,7 +3,7 @@
 
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
-use imaging::rays::{Rays, Ways, leaving, offset};
+use imaging::rays::{Cuboid, Rays, Ways, leaving, offset};
 use imaging::vector::DVec3;
 use scenes::{FAMILIES, Labels, Scene, World};
 
@@ -163,4 +163,56 @@ fn what_lies_out_of_reach_is_not_met() {
     assert!(occluded(0.0, range + 1e-3) && !occluded(0.0, range - 1e-3));
     let behind = rays.hit([0.0; 3], ray.into(), range + 1e-3, f64::INFINITY);
     assert!(behind.is_none_or(|hit| hit.distance > range + 1e-3));
+}
+
+#[test]
+fn what_may_not_be_hidden_is_clear_and_nothing_is_nearer_than_its_clearance() {
+    let (mut clear_boxes, mut met) = (0, 0);
+    for family in FAMILIES {
+        for seed in SEEDS {
+            let world = World::new(family, seed).unwrap();
+            let rays = world.rays(&world.pose());
+            let dice = Stream::stage(seed, family);
+            for number in 0..60u64 {
+                let draw = |k: u64| dice.unit(number, k);
+                let place = |k: u64| [0, 1, 2].map(|i| 6.0 * draw(k + i) - if i == 2 { 0.5 } else { 3.0 });
+                let (from, to) = (place(0), place(3));
+                let boxes = [
+                    Cuboid::about(from, 0.4 * draw(6)),
+                    Cuboid::about(to, 0.1 * draw(7)),
+                ];
+                let within = |cuboid: &Cuboid, k: u64| {
+                    [0, 1, 2].map(|i| {
+                        let share = draw(k + i as u64).powi(if k % 2 == 0 { 1 } else { 4 });
+                        cuboid.low[i] + share * (cuboid.high[i] - cuboid.low[i])
+                    })
+                };
+                let mut ways = Ways::default();
+                for k in 0..24 {
+                    let ends = [within(&boxes[0], 10 + 8 * k), within(&boxes[1], 13 + 8 * k)];
+                    ways.push(ends[0].map(|v| v as f32), ends[1].map(|v| v as f32));
+                }
+                if !rays.may_hide(&boxes[0], &boxes[1]) {
+                    let mut clear = [false; 24];
+                    rays.look(&ways, &mut clear);
+                    assert!(clear.iter().all(|&clear| clear), "{family} {seed} {number}");
+                    clear_boxes += 1;
+                }
+                let clearance = rays.clearance(from);
+                for k in 0..24 {
+                    let toward =
+                        DVec3::from([0, 1, 2].map(|i| 2.0 * draw(300 + 3 * k + i) - 1.0)).normalized();
+                    if let Some(hit) = rays.hit(from, toward.into(), 0.0, 1e3) {
+                        met += 1;
+                        assert!(
+                            hit.distance >= clearance - 1e-3,
+                            "{family} {seed}: {} {clearance}",
+                            hit.distance
+                        );
+                    }
+                }
+            }
+        }
+    }
+    assert!(clear_boxes > 500 && met > 10_000, "{clear_boxes} {met}");
 }

@@ -1,42 +1,169 @@
-//! The light of lamps at a point in the water.
+//! The light of lamps at places in the water, where particles hang.
+//!
+//! A particle is lit as a white surface that faces the lamp: by what of the lamp is seen, and by what of the disc is seen that light
+//! scattered on its way comes from.
 
+use std::f64::consts::PI;
+
+use imaging::rays::{Rays, Start, offset};
 use imaging::vector::dot;
 
-use super::Lighting;
 use super::multiple::{blurred, surface_depth, surface_scale};
 use super::patches::{last, mean};
+use super::shadow::{SPREAD_PLACES, Shadow, share_seen};
+use super::sight::{Disc, Radius, Sight, Starts};
+use super::{Lamp, Lighting};
 
-/// Radiance of a white particle that lamps light at a point in camera axes: `I₀ S e^{−c r}/(π r²)`, as a white surface that faces
-/// the lamp, with what was scattered on the way where that is followed.
-#[must_use]
-pub fn white_at(place: [f64; 3], lighting: &Lighting) -> [f64; 3] {
-    let range = dot(place, place).sqrt().max(lighting.radius_m);
-    let mut sum = [0.0; 3];
-    for lamp in &lighting.lamps {
+/// Light of one lamp at a place, of each channel.
+struct Arriving {
+    /// That was not scattered.
+    direct: [f64; 3],
+    /// That was scattered on its way, and the radius of the disc at the lamp that it comes from, m.
+    spread: [f64; 3],
+    spread_m: [f64; 3],
+}
+
+impl Arriving {
+    fn new(place: [f64; 3], lamp: &Lamp, lighting: &Lighting) -> Self {
+        let range = dot(place, place).sqrt().max(lighting.radius_m);
         let away = [0, 1, 2].map(|i| place[i] - lamp.position_m[i]);
         let distance = dot(away, away).sqrt().max(lighting.radius_m);
         let ray = place.map(|v| v / range);
         let murk = mean(lighting.patches.as_ref(), ray, last(range, distance));
         let cosine = |axis: [f64; 3]| dot(axis, away) / distance;
         let profile = lamp.beam.profile(cosine);
-        for (i, sum) in sum.iter_mut().enumerate() {
+        let sphere = PI * distance * distance;
+        let mut arriving = Self {
+            direct: [0.0; 3],
+            spread: [0.0; 3],
+            spread_m: [0.0; 3],
+        };
+        for i in 0..3 {
             let direct = (-lighting.attenuation[i] * murk * distance).exp();
-            let sphere = std::f64::consts::PI * distance * distance;
-            *sum += lamp.intensity[i] * profile * direct / sphere;
+            arriving.direct[i] = lamp.intensity[i] * profile * direct / sphere;
             if let Some(a) = lighting.absorption {
                 let (b, meters) = (lighting.scattering[i], murk * distance);
-                let spread = blurred(lamp.beam, surface_scale(b * meters), cosine);
+                let scale = surface_scale(b * meters);
+                let spread = blurred(lamp.beam, scale, cosine);
                 let all = (-surface_depth(a[i], b, meters)).exp();
-                *sum += lamp.intensity[i] * spread * (all - direct).max(0.0) / sphere;
+                arriving.spread[i] = lamp.intensity[i] * spread * (all - direct).max(0.0) / sphere;
+                arriving.spread_m[i] = distance * scale;
+            }
+        }
+        arriving
+    }
+}
+
+/// Radiance of a white particle that lamps light at a point in camera axes: `I₀ S V e^{−c r}/(π r²)`, as a white surface that faces
+/// the lamp, with what was scattered on the way where that is followed. V is the share of a lamp that casts shadows which is seen by
+/// `rays`, 1 without; of scattered light, of the disc that it comes from.
+#[must_use]
+pub fn white_at(place: [f64; 3], lighting: &Lighting, rays: Option<&dyn Rays>) -> [f64; 3] {
+    let start = Start {
+        origin: place,
+        from: offset(place),
+    };
+    let mut sum = [0.0; 3];
+    for lamp in &lighting.lamps {
+        let Arriving {
+            direct,
+            spread,
+            spread_m,
+        } = Arriving::new(place, lamp, lighting);
+        let rays = rays.filter(|_| lamp.shadow != Shadow::None);
+        let seen = |light: f64, disc| match rays.filter(|_| light > 0.0) {
+            Some(rays) => share_seen(rays, start, lamp.position_m, disc),
+            None => 1.0,
+        };
+        let seen_lamp = seen(direct.into_iter().fold(0.0, f64::max), lamp.shadow.disc());
+        for i in 0..3 {
+            sum[i] += direct[i] * seen_lamp;
+            if lighting.absorption.is_some() {
+                sum[i] += spread[i] * seen(spread[i], (spread_m[i], SPREAD_PLACES));
             }
         }
     }
     sum
 }
 
+/// [`white_at`] of many places, with shadows looked for in f32 as by [`shaded_irradiance`](super::shaded_irradiance): light of a
+/// lamp of no more than `unseen` arrives whatever is in the way.
+#[must_use]
+pub fn white_at_each(
+    places: &[[f64; 3]],
+    lighting: &Lighting,
+    (rays, unseen): (&dyn Rays, f64),
+) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; places.len()];
+    let mut sight = Sight::new(rays);
+    for lamp in &lighting.lamps {
+        let arriving = places.iter().map(|&place| Arriving::new(place, lamp, lighting));
+        let mut arriving: Vec<Arriving> = arriving.collect();
+        if lamp.shadow != Shadow::None {
+            cut_off(&mut arriving, (places, lamp), &mut sight, unseen);
+        }
+        for (sum, Arriving { direct, spread, .. }) in sums.iter_mut().zip(&arriving) {
+            for i in 0..3 {
+                sum[i] += direct[i];
+                sum[i] += spread[i];
+            }
+        }
+    }
+    sums
+}
+
+/// Places that a lamp is looked for from.
+#[derive(Default)]
+struct Asked {
+    starts: Starts,
+    /// Which of all places they are.
+    at: Vec<usize>,
+}
+
+impl Asked {
+    fn list(&mut self, places: &[[f64; 3]], is_lit: impl Fn(usize) -> bool) {
+        self.at.clear();
+        self.at.extend((0..places.len()).filter(|&at| is_lit(at)));
+        self.starts.clear();
+        for &at in &self.at {
+            self.starts.push(places[at].map(|v| v as f32));
+        }
+    }
+}
+
+/// Takes from the light of a lamp at places what things cut off.
+fn cut_off(
+    arriving: &mut [Arriving],
+    (places, lamp): (&[[f64; 3]], &Lamp),
+    sight: &mut Sight<'_>,
+    unseen: f64,
+) {
+    let middle = lamp.position_m.map(|v| v as f32);
+    let (mut asked, mut shares) = (Asked::default(), Vec::new());
+    asked.list(places, |at| {
+        arriving[at].direct.iter().any(|&light| light > unseen)
+    });
+    let (radius_m, count) = lamp.shadow.disc();
+    let disc = (&Disc::new(count), Radius::Same(radius_m as f32));
+    sight.shares(&asked.starts, middle, disc, &mut shares);
+    for (&at, &share) in asked.at.iter().zip(&shares) {
+        arriving[at].direct = arriving[at].direct.map(|light| light * f64::from(share));
+    }
+    let disc = Disc::new(SPREAD_PLACES);
+    for channel in 0..3 {
+        asked.list(places, |at| arriving[at].spread[channel] > unseen);
+        let radii = asked.at.iter().map(|&at| arriving[at].spread_m[channel] as f32);
+        let radii: Vec<f32> = radii.collect();
+        sight.shares(&asked.starts, middle, (&disc, Radius::Of(&radii)), &mut shares);
+        for (&at, &share) in asked.at.iter().zip(&shares) {
+            arriving[at].spread[channel] *= f64::from(share);
+        }
+    }
+}
+
 /// No [`white_at`] is greater: every lamp at its own surface.
 #[must_use]
 pub fn most_white(lighting: &Lighting) -> [f64; 3] {
-    let nearest = std::f64::consts::PI * lighting.radius_m * lighting.radius_m;
+    let nearest = PI * lighting.radius_m * lighting.radius_m;
     [0, 1, 2].map(|i| lighting.lamps.iter().map(|lamp| lamp.intensity[i]).sum::<f64>() / nearest)
 }

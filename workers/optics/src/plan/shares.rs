@@ -94,8 +94,9 @@ pub(super) fn sediment_share(frame: &Frame) -> f64 {
     SEDIMENT * before_water(frame)
 }
 
-/// The tolerance of stages that are decided on before the water is known.
-fn before_water(frame: &Frame) -> f64 {
+/// The error in linear light that a frame asks for, as far as stages need to know it that are decided on before the water is.
+#[must_use]
+pub fn before_water(frame: &Frame) -> f64 {
     match frame.fidelity {
         Fidelity::Tolerance(tolerance) => tolerance,
         Fidelity::DISPLAY => DARK,

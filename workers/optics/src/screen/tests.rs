@@ -118,3 +118,29 @@ fn rays_that_skip_meet_what_those_meet_that_do_not() {
     }
     assert!(met * 20 > all && met * 20 < 19 * all, "{met} of {all}");
 }
+
+#[test]
+fn nothing_is_nearer_than_the_clearance() {
+    let dice = Stream::stage(3, "clearance");
+    let mut met = 0;
+    for kind in 0..12 {
+        let size = (41, 29);
+        let camera = Intrinsics::centered(35.0, size.0, size.1);
+        let screen = Screen::new(&adversarial(kind, size), camera);
+        for number in 0..40 {
+            let draw = |k: u64| dice.unit(100 * kind + number, k);
+            let place = [draw(0) - 0.5, draw(1) - 0.5, 2.0 * draw(2)];
+            let clearance = screen.clearance(place);
+            for k in 0..16 {
+                let toward = DVec3::from([0, 1, 2].map(|i| 2.0 * draw(8 + 3 * k + i) - 1.0)).normalized();
+                if let Some(hit) = screen.hit(place, toward.into(), 0.0, 100.0) {
+                    met += 1;
+                    assert!(hit.distance >= clearance, "{kind} {number}: {hit:?} {clearance}");
+                }
+            }
+        }
+    }
+    assert!(met > 1000, "{met}");
+    let (screen, _) = screen();
+    assert!(screen.clearance([0.0; 3]) > 1.0);
+}

@@ -2,7 +2,7 @@
 
 use imaging::{Plane, Rgb, cancel};
 
-use super::{Clouds, Murk, end};
+use super::{Clouds, Drift, Murk, end};
 
 /// Pixels between rays.
 const CELL_PX: usize = 6;
@@ -38,23 +38,27 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
     let (columns, rows) = (width.div_ceil(CELL_PX) + 1, height.div_ceil(CELL_PX) + 1);
     let mut nodes = Vec::with_capacity(columns * rows * (SLICES + 1));
     let mut is_clear = true;
+    let mut drifts = Vec::new();
     for row in 0..rows {
         cancel::check();
+        let at = |cell: usize, side: usize| (cell * CELL_PX).min(side - 1) as f64;
+        let ray = |column: usize| clouds.eye.ray(at(column, width), at(row, height));
+        drifts.clear();
         for column in 0..columns {
-            let at = |cell: usize, side: usize| (cell * CELL_PX).min(side - 1) as f64;
-            let ray = clouds.eye.ray(at(column, width), at(row, height));
+            drifts.extend(Drift::along(clouds, ray(column), SLICES, step).map(|drift| (column, drift)));
+        }
+        let colors = clouds.colors(murk, drifts.iter().map(|(_, drift)| drift.place));
+        is_clear &= drifts.is_empty();
+        let mut met = drifts.iter().zip(colors).peekable();
+        for column in 0..columns {
             let mut node = NOTHING;
             nodes.push(node);
             for slice in 0..SLICES {
-                let t = (slice as f64 + 0.5) * step;
-                let place = ray.map(|v| v * t);
-                let density = clouds.density(place);
-                if density > 0.0 {
-                    is_clear = false;
-                    let stopped = -(-clouds.law.extinction_per_m * density * step).exp_m1();
-                    let (color, path) = (clouds.color(murk, place), (murk.path)(place, t));
+                let here = met.next_if(|((ray, drift), _)| (*ray, drift.slice) == (column, slice));
+                if let Some(((_, drift), color)) = here {
+                    let through = drift.through(murk);
                     for i in 0..3 {
-                        let share = (stopped * (-murk.attenuation[i] * path).exp()) as f32;
+                        let share = (drift.stopped * through[i]) as f32;
                         node[3 + i] += node[i] * share * color[i] as f32;
                         node[i] *= 1.0 - share;
                     }

@@ -2,7 +2,7 @@
 
 use imaging::{Plane, Rgb};
 
-use super::{Clouds, FAR_M, Murk, end};
+use super::{Clouds, Drift, FAR_M, Murk, end};
 
 /// Steps of the longest ray.
 const STEPS: f64 = 600.0;
@@ -22,18 +22,14 @@ pub fn veil_reference(
         let count = (STEPS * end / FAR_M).ceil().max(1.0);
         let step = end / count;
         let (mut added, mut clear) = ([0.0; 3], [1.0; 3]);
-        for k in 0..count as usize {
-            let t = (k as f64 + 0.5) * step;
-            let place = ray.map(|v| v * t);
-            let density = clouds.density(place);
-            if density > 0.0 {
-                let stopped = -(-clouds.law.extinction_per_m * density * step).exp_m1();
-                let (color, path) = (clouds.color(murk, place), (murk.path)(place, t));
-                for i in 0..3 {
-                    let share = stopped * (-murk.attenuation[i] * path).exp();
-                    added[i] += clear[i] * share * color[i];
-                    clear[i] *= 1.0 - share;
-                }
+        let drifts: Vec<Drift> = Drift::along(clouds, ray, count as usize, step).collect();
+        let colors = clouds.colors(murk, drifts.iter().map(|drift| drift.place));
+        for (drift, color) in drifts.iter().zip(colors) {
+            let through = drift.through(murk);
+            for i in 0..3 {
+                let share = drift.stopped * through[i];
+                added[i] += clear[i] * share * color[i];
+                clear[i] *= 1.0 - share;
             }
         }
         let behind = image.pixel(x, y);

@@ -31,7 +31,10 @@ fn murk() -> Murk<'static> {
     Murk {
         attenuation: [0.5, 0.2, 0.25],
         path: &|_, range| range,
-        light: &|[x, y, z]| [0.3 + 0.2 / (0.2 + x * x + y * y + z * z); 3],
+        light: &|places| {
+            let light = |[x, y, z]: [f64; 3]| [0.3 + 0.2 / (0.2 + x * x + y * y + z * z); 3];
+            places.iter().map(|&place| light(place)).collect()
+        },
     }
 }
 

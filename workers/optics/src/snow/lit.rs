@@ -16,16 +16,17 @@ pub struct LitFlake {
 /// What particles look like in their surroundings, in their order.
 #[must_use]
 pub fn lit(flakes: &[Flake], albedo: [f64; 3], surround: &Surround<'_>) -> Vec<LitFlake> {
-    let lit = |flake: &Flake| {
+    let places: Vec<[f64; 3]> = flakes.iter().map(|flake| flake.place).collect();
+    let light = (surround.light)(&places);
+    let lit = |(flake, light): (&Flake, [f64; 3])| {
         let path = (surround.path)(flake.place, flake.range_m);
-        let light = (surround.light)(flake.place);
         LitFlake {
             flake: *flake,
             opacity: surround.attenuation.map(|c| flake.opacity * (-c * path).exp()),
             color: [0, 1, 2].map(|i| albedo[i] * light[i]),
         }
     };
-    flakes.iter().map(lit).collect()
+    flakes.iter().zip(light).map(lit).collect()
 }
 
 /// The most light that one of them adds to a pixel.

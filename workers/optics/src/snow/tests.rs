@@ -27,7 +27,7 @@ fn fall(eye: &Eye, snow: &Snow, world: World, range: f32, attenuation: f64) -> (
         eye,
         attenuation: [attenuation; 3],
         path: &|_, range| range,
-        light: &|_| [1.0; 3],
+        light: &|places| vec![[1.0; 3]; places.len()],
     };
     let found = flakes(eye, snow, world, SIZE, &Seeing::STILL);
     let found = lit(&found, snow.albedo, &surround);

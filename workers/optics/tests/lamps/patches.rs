@@ -219,7 +219,7 @@ fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64
             // Surfaces that face every lamp: only the way to them is compared.
             let white = models
                 .each_ref()
-                .map(|model| lamp::white_at(ray.map(|v| z * v), model)[1] * std::f64::consts::PI);
+                .map(|model| lamp::white_at(ray.map(|v| z * v), model, None)[1] * std::f64::consts::PI);
             for model in 0..2 {
                 errors[0][model] += (glows[model].pixel(x, y)[1] - exact[0]).abs();
                 errors[1][model] += (white[model] - exact[1]).abs();

@@ -1,8 +1,10 @@
 //! Shadows: the fast forms against the reference, before balls and a wall.
 
-use imaging::rays::{Hit, Rays};
+use imaging::random::Stream;
+use imaging::rays::{Cuboid, Hit, Rays};
 use imaging::{Plane, Rgb};
 use optics::lamp::{self, Lamp, Lighting, REFERENCE_NODES, Shadow};
+use optics::plan::Casting;
 
 use crate::errors::peak;
 use crate::{ABSORPTION, lighting};
@@ -35,6 +37,29 @@ impl Rays for Balls {
             normal: direction.map(|v| -v),
             object: 0,
         })
+    }
+
+    /// By balls about the balls and about the ways.
+    fn may_hide(&self, from: &Cuboid, to: &Cuboid) -> bool {
+        let about = |cuboid: &Cuboid| {
+            let middle = [0, 1, 2].map(|i| 0.5 * (cuboid.low[i] + cuboid.high[i]));
+            (middle, cuboid.distances(middle)[1])
+        };
+        let ((from, wide), (to, width)) = (about(from), about(to));
+        let way = [0, 1, 2].map(|i| to[i] - from[i]);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        self.0.iter().any(|(center, radius)| {
+            let away = [0, 1, 2].map(|i| center[i] - from[i]);
+            let share = (dot(away, way) / dot(way, way)).clamp(0.0, 1.0);
+            let aside = [0, 1, 2].map(|i| away[i] - share * way[i]);
+            dot(aside, aside).sqrt() <= radius + wide.max(width)
+        })
+    }
+
+    fn clearance(&self, place: [f64; 3]) -> f64 {
+        let far = |center: &[f64; 3]| (0..3).map(|i| (center[i] - place[i]).powi(2)).sum::<f64>().sqrt();
+        let balls = self.0.iter().map(|(center, radius)| far(center) - radius);
+        balls.fold(WALL_M - place[2], f64::min).max(0.0)
     }
 }
 
@@ -164,4 +189,135 @@ fn what_lights_less_than_is_seen_casts_no_shadow() {
     }
     let none = lamp::shaded_irradiance(&range, &normals, &lighting, (&scene, 1e3));
     assert_eq!(none.light, open.light);
+}
+
+#[test]
+fn particles_behind_things_are_as_dark_as_in_the_reference() {
+    let scene = balls();
+    let soft = Shadow::Soft {
+        radius_m: 0.08,
+        samples: 16,
+    };
+    let dice = Stream::stage(11, "particles");
+    let places: Vec<[f64; 3]> = (0..4000)
+        .map(|number| {
+            let depth = 0.2 + 3.6 * dice.unit(number, 0);
+            let [x, y] = [1, 2].map(|k| (dice.unit(number, k) - 0.5) * 1.2 * depth);
+            [x, y, depth]
+        })
+        .collect();
+    for (lamp, shadow, multiple) in [
+        (lamps()[0], Shadow::Hard, false),
+        (lamps()[1], Shadow::Hard, true),
+        (lamps()[0], soft, true),
+        (lamps()[1], Shadow::None, true),
+    ] {
+        let lighting = lit_by(lamp.with_shadow(shadow, false), (64, 48), multiple);
+        let fast = lamp::white_at_each(&places, &lighting, (&scene, 0.0));
+        let (mut wrong, mut darker, mut sums) = (0, 0, [0.0; 3]);
+        for (place, fast) in places.iter().zip(&fast) {
+            let exact = lamp::white_at(*place, &lighting, Some(&scene));
+            let open = lamp::white_at(*place, &lighting, None);
+            let differs = (0..3).any(|i| (fast[i] - exact[i]).abs() > 1e-4 * open[i]);
+            wrong += usize::from(differs);
+            darker += usize::from(exact[1] < 0.9 * open[1]);
+            for (sum, light) in sums.iter_mut().zip([fast, &exact, &open]) {
+                *sum += light[1];
+            }
+        }
+        let [fast, exact, open] = sums;
+        assert!(
+            (fast / exact - 1.0).abs() < SUMS,
+            "{shadow:?} {multiple}: {sums:?}"
+        );
+        if shadow == Shadow::None {
+            assert_eq!((wrong, darker), (0, 0));
+            continue;
+        }
+        // Rims of discs decide for the whole of them.
+        let most = if multiple || shadow == soft { 0.15 } else { GRAZING };
+        assert!(
+            (wrong as f64) < most * places.len() as f64,
+            "{shadow:?} {multiple}: {wrong}"
+        );
+        assert!(
+            darker > places.len() / 100 && exact < open,
+            "{shadow:?} {multiple}: {darker} {sums:?}"
+        );
+    }
+}
+
+/// Light in air that makes every sample as bright as the light that falls on it.
+fn white((width, height): (usize, usize)) -> Rgb<f32> {
+    Rgb::from_fn(width, height, |_, _| [1.0f32; 3])
+}
+
+#[test]
+fn lamps_cast_no_more_shadows_than_can_be_seen() {
+    let size = (96, 64);
+    let asked = |radius_m: f64| Shadow::Soft {
+        radius_m,
+        samples: 16,
+    };
+    let needed = |scene: &Balls, lamp: Lamp, shadow: Shadow, tolerance: f64, multiple: bool| {
+        let lighting = lit_by(lamp.with_shadow(shadow, true), size, multiple);
+        let range = range_of(scene, size);
+        let all = Casting::needed(tolerance, &lighting, (&range, &white(size)), scene);
+        [all.on_surfaces, all.in_glow].map(|lighting| lighting.lamps[0].shadow())
+    };
+    let (many, wall) = (balls(), Balls(Vec::new()));
+    let beside = Balls(vec![([9.0, 0.0, 2.0], 0.4), ([0.0, 0.0, -3.0], 1.0)]);
+    let lamp = lamps()[0];
+    for multiple in [false, true] {
+        assert_eq!(needed(&wall, lamp, asked(0.1), 3e-4, multiple), [Shadow::None; 2]);
+        assert_eq!(
+            needed(&many, lamp, Shadow::Hard, 3e-4, multiple),
+            [Shadow::Hard; 2]
+        );
+        assert_eq!(needed(&many, lamp, asked(0.1), 3e-4, multiple), [asked(0.1); 2]);
+    }
+    assert_eq!(
+        needed(&beside, lamp, Shadow::Hard, 3e-4, false),
+        [Shadow::None; 2]
+    );
+    // Penumbras of a lamp of a fifth of a millimeter are narrower than a pixel.
+    assert_eq!(
+        needed(&many, lamp, asked(2e-4), 3e-4, true),
+        [Shadow::Hard, asked(2e-4)]
+    );
+    // Few places do for much less than the light of a lamp.
+    let [on_surfaces, _] = needed(&many, lamp, asked(0.1), 0.5, false);
+    let Shadow::Soft { samples, .. } = on_surfaces else {
+        panic!("{on_surfaces:?}")
+    };
+    assert!((1..16).contains(&samples), "{samples}");
+}
+
+#[test]
+fn shadows_as_needed_differ_within_the_tolerance_from_those_that_were_asked_for() {
+    let size = (120, 80);
+    let scene = Balls(vec![([0.3, 0.1, 2.0], 0.35), ([-0.8, -0.3, 2.5], 0.25)]);
+    let range = range_of(&scene, size);
+    let normals = lamp::normals_of(&range, &lit_by(lamps()[0], size, false).camera);
+    let wide = range.map(|&z| f64::from(z));
+    let mut fewer = 0;
+    for lamp in lamps() {
+        for (radius_m, tolerance) in [(0.1, 0.3), (0.1, 0.1), (0.05, 0.03), (3e-4, 0.01)] {
+            let shadow = Shadow::Soft {
+                radius_m,
+                samples: 64,
+            };
+            let lighting = lit_by(lamp.with_shadow(shadow, false), size, false);
+            let casting = Casting::needed(tolerance, &lighting, (&range, &white(size)), &scene);
+            fewer += usize::from(casting.on_surfaces.lamps[0].shadow() != shadow);
+            let [asked, needed] = [&lighting, &casting.on_surfaces]
+                .map(|lighting| lamp::shaded_irradiance_reference(&wide, &normals, lighting, &scene));
+            // White surfaces send back E/π. A penumbra within a pixel may fall on its other side.
+            let limit = tolerance * std::f64::consts::PI;
+            let (wrong, _) = differences(&needed.map(|&v| v as f32), &asked, limit);
+            let most = if radius_m < 1e-3 { GRAZING } else { 0.0 };
+            assert!(wrong <= most, "{radius_m} {tolerance}: {wrong}");
+        }
+    }
+    assert!(fewer >= 4, "{fewer}");
 }

@@ -6,7 +6,7 @@ use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
 use optics::daylight;
 use optics::lamp::{self, Airlight, Irradiance, Lamp, Lighting, REFERENCE_NODES, Shadow};
-use optics::plan::{Above, Form, LampLight, SceneStats, glow_share, shadow_share};
+use optics::plan::{Above, Casting, Form, LampLight, SceneStats, before_water, glow_share, shadow_share};
 use optics::range::is_hole;
 use optics::sediment::Layers as Clouds;
 use optics::setting::Setting;
@@ -17,6 +17,7 @@ use spec::Frame;
 use super::above::{LastTiles, Pattern};
 use super::scene::Prepared;
 use super::snow::{self, Shutter};
+use super::surroundings::{Shading, Surroundings};
 use super::{above, rays, sediment};
 use crate::stopwatch::Stopwatch;
 
@@ -35,6 +36,8 @@ pub(crate) struct Lit {
     pub(crate) glow: Option<Rgb<f32>>,
     /// What the plan has to know of the light of the lamps.
     pub(crate) lamps: LampLight,
+    /// How they cast shadows; none where they do so as they are described.
+    pub(crate) casting: Option<Casting>,
     /// Clouds of sediment in their light; none without clouds, and where the reference follows its own.
     pub(crate) clouds: Option<Clouds>,
     /// Particles of snow in their light; none without snow, and where the reference draws its own.
@@ -65,6 +68,7 @@ impl Lit {
             patchy: watch.time("turbidity", || path(form, frame, range?, setting)),
             glow: None,
             lamps: LampLight::default(),
+            casting: None,
             clouds: None,
             flakes: Vec::new(),
             shutter,
@@ -77,11 +81,13 @@ impl Lit {
             });
             (lit.lit, lit.above) = above.unzip();
         }
+        let rays = casting_rays(frame, prepared, setting);
+        let rays = rays.as_deref().map(|rays| rays as &dyn Rays);
         if let (Some(lighting), Some(range)) = (&setting.lighting, range) {
             watch.time("lamps", || {
-                let casts = lighting.lamps.iter().any(|lamp| lamp.shadow() != Shadow::None);
-                let rays = casts.then(|| rays::scene_rays(frame, prepared)).flatten();
-                let rays = rays.as_deref().map(|rays| rays as &dyn Rays);
+                let scene = (range, &prepared.scene.radiance);
+                lit.casting = (rays.filter(|_| form == Form::Fast))
+                    .map(|rays| Casting::needed(before_water(frame), lighting, scene, rays));
                 lit.add(frame, (lighting, setting.gain()), range, rays);
                 if lighting.scattering != [0.0; 3] {
                     lit.add_glow(frame, lighting, range, rays);
@@ -89,16 +95,25 @@ impl Lit {
             });
         }
         if let (Form::Fast, Some(range)) = (form, range) {
-            watch.time("snow", || lit.suspend(setting, range));
+            watch.time("snow", || lit.suspend(frame, setting, range, rays));
         }
         lit
     }
 
     /// Adds clouds and snow.
-    fn suspend(&mut self, setting: &Setting, range: &Plane<f32>) {
-        self.clouds = sediment::layers(setting, range);
+    fn suspend(&mut self, frame: &Frame, setting: &Setting, range: &Plane<f32>, rays: Option<&dyn Rays>) {
+        let shading = rays.map_or(Shading::None, |rays| Shading::Fast {
+            rays,
+            unseen: shadow_share(frame),
+        });
+        let surroundings = Surroundings {
+            setting,
+            range,
+            shading,
+        };
+        self.clouds = sediment::layers(&surroundings);
         if let Some(law) = &setting.snow {
-            self.flakes = snow::lit(setting, law, range, &self.shutter, self.clouds.as_ref());
+            self.flakes = snow::lit(&surroundings, law, &self.shutter, self.clouds.as_ref());
         }
     }
 
@@ -121,7 +136,9 @@ impl Lit {
         rays: Option<&dyn Rays>,
     ) {
         let normals = lamp::normals_of(range, &lighting.camera);
-        let irradiance = match (Form::asked_by(frame.fidelity), rays) {
+        let needed = (self.casting.as_ref()).map_or(lighting, |casting| &casting.on_surfaces);
+        let casts = needed.lamps.iter().any(|lamp| lamp.shadow() != Shadow::None);
+        let irradiance = match (Form::asked_by(frame.fidelity), rays.filter(|_| casts)) {
             (Form::Reference, rays) => {
                 let range = range.map(|&z| f64::from(z));
                 let light = match rays {
@@ -138,7 +155,7 @@ impl Lit {
                 self.lamps.shadows_left = shadow_share(frame);
                 let each = self.lamps.shadows_left / lighting.lamps.len() as f64;
                 let unseen = lamp::irradiance_of(&self.prepared.scene.radiance, each);
-                lamp::shaded_irradiance(range, &normals, lighting, (rays, unseen))
+                lamp::shaded_irradiance(range, &normals, needed, (rays, unseen))
             }
         };
         let reflectance = &self.prepared.scene.radiance;
@@ -153,6 +170,7 @@ impl Lit {
 
     /// Adds the glow of the water before the lamps.
     fn add_glow(&mut self, frame: &Frame, lighting: &Lighting, range: &Plane<f32>, rays: Option<&dyn Rays>) {
+        let lighting = (self.casting.as_ref()).map_or(lighting, |casting| &casting.in_glow);
         let rays = rays.filter(|_| lighting.lamps.iter().any(Lamp::casts_into_water));
         let glow = match (Form::asked_by(frame.fidelity), rays) {
             (Form::Reference, rays) => {
@@ -200,6 +218,17 @@ impl Lit {
         }
         (count > 0.0).then(|| [sum / count, least, most])
     }
+}
+
+/// What the shadows of lamps ask; none where no lamp is to cast one.
+pub(crate) fn casting_rays<'a>(
+    frame: &Frame,
+    prepared: &'a Prepared,
+    setting: &Setting,
+) -> Option<Box<dyn Rays + Sync + 'a>> {
+    let lighting = setting.lighting.as_ref()?;
+    let casts = lighting.lamps.iter().any(|lamp| lamp.shadow() != Shadow::None);
+    casts.then(|| rays::scene_rays(frame, prepared)).flatten()
 }
 
 /// Whether any sample is positive.

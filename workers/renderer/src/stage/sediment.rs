@@ -3,20 +3,19 @@
 use imaging::{Plane, Rgb};
 use optics::plan::Form;
 use optics::sediment::{self, Clouds, Layers, Murk};
-use optics::setting::Setting;
 use optics::snow::Surround;
 use serde_json::json;
 use spec::FrameRecord;
 
 use super::Shot;
-use super::snow::surrounded;
+use super::light::casting_rays;
+use super::surroundings::Surroundings;
 
 /// What the clouds of a setting do on some rays; none without clouds.
-pub(crate) fn layers(setting: &Setting, range: &Plane<f32>) -> Option<Layers> {
-    let clouds = setting.sediment.as_ref()?;
-    Some(surrounded(setting, range, |surround| {
-        sediment::layers(range, clouds, &murk(surround))
-    }))
+pub(super) fn layers(surroundings: &Surroundings<'_>) -> Option<Layers> {
+    let clouds = surroundings.setting.sediment.as_ref()?;
+    let range = surroundings.range;
+    Some(surroundings.show(|surround| sediment::layers(range, clouds, &murk(surround))))
 }
 
 /// Draws the clouds over the picture and returns their opacity; none without clouds or range, or where the plan
@@ -48,9 +47,9 @@ fn veil_reference(
     picture: &mut Rgb<f32>,
 ) -> Plane<f32> {
     let wide = picture.map(|&v| f64::from(v));
-    let (exact, mask) = surrounded(&shot.setting, range, |surround| {
-        sediment::veil_reference(&wide, range, clouds, &murk(surround))
-    });
+    let rays = casting_rays(shot.frame, &shot.prepared, &shot.setting);
+    let (exact, mask) = Surroundings::reference(&shot.setting, range, rays.as_deref())
+        .show(|surround| sediment::veil_reference(&wide, range, clouds, &murk(surround)));
     *picture = exact.map(|&v| v as f32);
     mask.map(|&v| v as f32)
 }

@@ -4,15 +4,16 @@ use ::camera::Parts;
 use ::camera::defocus::Focus;
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
-use optics::lamp;
 use optics::plan::Form;
 use optics::sediment::Layers as Clouds;
 use optics::setting::Setting;
-use optics::snow::{self, Flake, LitFlake, Seeing, Surround};
+use optics::snow::{self, Flake, LitFlake, Seeing};
 use serde_json::json;
 use spec::{Frame, FrameRecord, Snow};
 
 use super::camera::FRAMES_PER_S;
+use super::light::casting_rays;
+use super::surroundings::Surroundings;
 use super::{Shot, sediment};
 
 /// How long the shutter is open where the description does not say, s.
@@ -71,17 +72,15 @@ fn fall(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Optio
 }
 
 /// The particles in view as they are lit, the farthest first.
-pub(crate) fn lit(
-    setting: &Setting,
+pub(super) fn lit(
+    surroundings: &Surroundings<'_>,
     law: &Snow,
-    range: &Plane<f32>,
     shutter: &Shutter,
     clouds: Option<&Clouds>,
 ) -> Vec<LitFlake> {
-    let flakes = shutter.flakes(setting, law, range.size());
-    let mut lit = surrounded(setting, range, |surround| {
-        snow::lit(&flakes, law.albedo, surround)
-    });
+    let range = surroundings.range;
+    let flakes = shutter.flakes(surroundings.setting, law, range.size());
+    let mut lit = surroundings.show(|surround| snow::lit(&flakes, law.albedo, surround));
     // What is behind a cloud is as faint as the cloud is thick.
     if let Some(layers) = clouds {
         for LitFlake { flake, opacity, .. } in &mut lit {
@@ -142,46 +141,14 @@ fn fall_reference(shot: &Shot<'_>, law: &Snow, range: &Plane<f32>, picture: &mut
     let setting = &shot.setting;
     let flakes = shot.lit.shutter.flakes(setting, law, range.size());
     let wide = picture.map(|&v| f64::from(v));
-    let (exact, mask) = surrounded(setting, range, |surround| {
-        snow::snow_reference(&wide, &flakes, law.albedo, surround)
-    });
+    let rays = casting_rays(shot.frame, &shot.prepared, setting);
+    let (exact, mask) = Surroundings::reference(setting, range, rays.as_deref())
+        .show(|surround| snow::snow_reference(&wide, &flakes, law.albedo, surround));
     *picture = exact.map(|&v| v as f32);
     Fallen {
         particles: flakes.len(),
         mask: mask.map(|&v| v as f32),
     }
-}
-
-/// Hands out what the particles of a setting hang in.
-pub(super) fn surrounded<T>(
-    setting: &Setting,
-    range: &Plane<f32>,
-    see: impl FnOnce(&Surround<'_>) -> T,
-) -> T {
-    let (eye, gain) = (&setting.eye, setting.gain());
-    let patches = setting.patches.map(|field| field.seen_from(eye));
-    let path = |place: [f64; 3], meters: f64| match &patches {
-        Some(field) => field.path_m(place.map(|v| v / meters), meters),
-        None => meters,
-    };
-    let light = |place: [f64; 3]| {
-        let above = setting.daylight_at(place);
-        let gain = [0, 1, 2].map(|i| gain[i] * above[i]);
-        match &setting.lighting {
-            Some(lighting) => {
-                let lamps = lamp::white_at(place, lighting);
-                [0, 1, 2].map(|i| gain[i] + lamps[i])
-            }
-            None => gain,
-        }
-    };
-    see(&Surround {
-        range,
-        eye,
-        attenuation: setting.attenuation(),
-        path: &path,
-        light: &light,
-    })
 }
 
 /// The mask as 8-bit codes, 255 = opaque; all 0 where nothing was drawn.

@@ -89,3 +89,59 @@ fn the_reference_has_the_same_shadows_but_at_their_edges() {
         assert_eq!(line(&lines, "lamp_shadows").unwrap()["variant"], "reference");
     }
 }
+
+#[test]
+fn snow_and_mud_behind_things_are_dark_and_snow_is_so_in_the_reference_too() {
+    let of = |name: &str, hung: &Value, shadow: &str, fidelity: Value| {
+        let mut water = job(&json!({}), &json!({}))["water"].clone();
+        water[name] = hung.clone();
+        picture(
+            json!({"shadow": shadow}),
+            json!({"water": water, "fidelity": fidelity}),
+        )
+        .0
+    };
+    let fine = json!({"tolerance": 3e-4});
+    let bare = |shadow: &str| picture(json!({"shadow": shadow}), json!({})).0;
+    let (_, lost) = compare(&bare("hard"), &bare("none"));
+    let mud = json!({"cover": 1, "height_m": 4, "extinction_per_m": 3});
+    let snow = json!({"density_per_m3": 500, "radius_m": 0.004, "near_m": 0.3, "far_m": 3});
+    // Mud hides all surfaces, and most of it hangs before what casts shadows.
+    for (name, hung, least) in [("sediment", &mud, 0.1), ("snow", &snow, 0.5)] {
+        let [open, hard] = ["none", "hard"].map(|shadow| of(name, hung, shadow, fine.clone()));
+        let (_, darker) = compare(&hard, &open);
+        assert!(darker > least * lost, "{name}: {darker} of {lost}");
+    }
+    let exact = of("snow", &snow, "hard", json!({"variant": "reference"}));
+    let (changed, darker) = compare(&of("snow", &snow, "hard", fine), &exact);
+    assert!(changed < 0.03 && darker.abs() < 0.1, "{changed} {darker}");
+}
+
+#[test]
+fn a_lamp_that_nothing_stands_before_needs_no_rays() {
+    // Straight up into open water.
+    let lamp =
+        json!({"shadow": "hard", "glow_shadow": true, "position_m": [0.3, 0, 0.3], "direction": [0, 0, 1]});
+    let at = |height: f64| json!({"position_m": [0, -30, height], "target_m": [0.1, -30, height + 20.0]});
+    let path = json!({"frames": 2, "frame": 0, "start": at(20.0), "end": at(21.0)});
+    let up = json!({"camera": {"width": 96, "height": 64, "path": path}});
+    let (open, _) = picture(
+        json!({"position_m": [0.3, 0, 0.3], "direction": [0, 0, 1]}),
+        up.clone(),
+    );
+    let (cast, lines) = picture(lamp, up);
+    let found = line(&lines, "glow_shadows").unwrap();
+    assert_eq!(
+        (&found["variant"], &found["terms"]),
+        (&json!("skip"), &json!(0)),
+        "{found}"
+    );
+    assert!(
+        found["note"]
+            .as_str()
+            .unwrap()
+            .contains("nothing can be in the way")
+    );
+    assert_eq!(found["cost_ms"], json!(0.0));
+    assert_eq!(cast, open);
+}

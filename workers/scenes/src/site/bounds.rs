@@ -80,7 +80,7 @@ impl Bounds {
     }
 
     /// The box that is larger by so many meters on every side.
-    pub(super) fn grown(&self, margin: f32) -> Self {
+    pub(crate) fn grown(&self, margin: f32) -> Self {
         let margin = vec3(margin, margin, margin);
         Self {
             low: self.low - margin,
@@ -89,7 +89,7 @@ impl Bounds {
     }
 
     /// The box around both.
-    pub(super) fn with(&self, other: &Self) -> Self {
+    pub(crate) fn with(&self, other: &Self) -> Self {
         Self {
             low: self.low.zip(other.low, smaller),
             high: self.high.zip(other.high, larger),

@@ -1,0 +1,118 @@
+//! How lamps have to cast shadows in a frame: no more than what is seen can show.
+//!
+//! A lamp casts none where nothing can be in the way: no box of a solid meets the hull of the lamp and what is lit. A soft lamp casts hard
+//! ones on surfaces where its widest penumbra, `2 R (r − d)/d` at the distance r from the lamp with the nearest thing at d, spans
+//! less than a pixel. And of its places as many are looked for as make the steps of a penumbra fit the tolerance.
+
+use imaging::rays::{Cuboid, Rays};
+use imaging::{Plane, Rgb};
+
+use super::outlook::{Outlook, View};
+use crate::lamp::{Lamp, Lighting, Shadow, irradiance_of, places_within};
+
+/// Lamps as a frame needs them to cast shadows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Casting {
+    /// For their light on surfaces.
+    pub on_surfaces: Lighting,
+    /// For their glow.
+    pub in_glow: Lighting,
+}
+
+impl Casting {
+    /// What a frame of this tolerance in linear light needs of the shadows that its lamps are to cast on a scene of these ranges,
+    /// radiance in air and rays.
+    #[must_use]
+    pub fn needed(
+        tolerance: f64,
+        lighting: &Lighting,
+        (range, radiance): (&Plane<f32>, &Rgb<f32>),
+        rays: &dyn Rays,
+    ) -> Self {
+        let outlook = Outlook::new(range, &lighting.camera);
+        let visible = irradiance_of(radiance, tolerance);
+        let of = |choose: &dyn Fn(&Caster<'_>) -> Shadow| Lighting {
+            lamps: (lighting.lamps.iter())
+                .map(|lamp| {
+                    let caster = Caster {
+                        lamp,
+                        lighting,
+                        outlook: &outlook,
+                        rays,
+                    };
+                    lamp.with_shadow(choose(&caster), lamp.casts_into_water())
+                })
+                .collect(),
+            ..lighting.clone()
+        };
+        Self {
+            on_surfaces: of(&|caster| caster.on_surfaces(visible)),
+            in_glow: of(&|caster| caster.in_glow()),
+        }
+    }
+}
+
+/// A lamp before what is seen.
+struct Caster<'a> {
+    lamp: &'a Lamp,
+    lighting: &'a Lighting,
+    outlook: &'a Outlook,
+    rays: &'a dyn Rays,
+}
+
+impl Caster<'_> {
+    /// `visible` is the light on surfaces that the tolerance is.
+    fn on_surfaces(&self, visible: f64) -> Shadow {
+        let asked = self.lamp.shadow();
+        let disc_m = |distance_m: f64| self.lamp.disc_m(self.lighting, distance_m);
+        if asked == Shadow::None || !self.may_be_hidden(self.outlook.surfaces(), disc_m) {
+            return Shadow::None;
+        }
+        match asked {
+            Shadow::Soft { radius_m, .. } if self.penumbra_px(radius_m) < 1.0 => Shadow::Hard,
+            Shadow::Soft { radius_m, samples } => Shadow::Soft {
+                radius_m,
+                samples: samples.min(places_within(visible / self.brightest())),
+            },
+            hard => hard,
+        }
+    }
+
+    fn in_glow(&self) -> Shadow {
+        let asked = self.lamp.shadow();
+        let (radius_m, _) = asked.disc();
+        if asked == Shadow::None || !self.may_be_hidden(self.outlook.water(), |_| radius_m) {
+            return Shadow::None;
+        }
+        asked
+    }
+
+    /// Whether anything may be in the way of its light, which comes to places at a distance from a disc of this radius.
+    fn may_be_hidden(&self, mut views: impl Iterator<Item = View>, disc_m: impl Fn(f64) -> f64) -> bool {
+        views.any(|view| {
+            let [_, farthest] = view.places.distances(self.lamp.position_m());
+            let lamp = Cuboid::about(self.lamp.position_m(), disc_m(farthest));
+            self.rays.may_hide(&view.places, &lamp)
+        })
+    }
+
+    /// The widest penumbra across its light, in pixels.
+    fn penumbra_px(&self, radius_m: f64) -> f64 {
+        let place = self.lamp.position_m();
+        let clear = self.rays.clearance(place);
+        let of = |view: View| {
+            let [_, farthest] = view.places.distances(place);
+            2.0 * radius_m * (farthest - clear).max(0.0) / clear * view.px_per_m
+        };
+        self.outlook.surfaces().map(of).fold(0.0, f64::max)
+    }
+
+    /// No surface is lit more.
+    fn brightest(&self) -> f64 {
+        let of = |view: View| {
+            let [nearest, _] = view.places.distances(self.lamp.position_m());
+            self.lamp.most_light(self.lighting, nearest)
+        };
+        self.outlook.surfaces().map(of).fold(0.0, f64::max)
+    }
+}
