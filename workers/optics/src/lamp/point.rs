@@ -95,12 +95,12 @@ pub fn white_at_each(
     (rays, unseen): (&dyn Rays, f64),
 ) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; places.len()];
-    let mut sight = Sight::new(rays);
+    let (mut sight, mut asked) = (Sight::new(rays), Asked::new(places));
     for lamp in &lighting.lamps {
         let arriving = places.iter().map(|&place| Arriving::new(place, lamp, lighting));
         let mut arriving: Vec<Arriving> = arriving.collect();
         if lamp.shadow != Shadow::None {
-            cut_off(&mut arriving, (places, lamp), &mut sight, unseen);
+            cut_off(&mut arriving, (lamp, &mut asked), &mut sight, unseen);
         }
         for (sum, Arriving { direct, spread, .. }) in sums.iter_mut().zip(&arriving) {
             for i in 0..3 {
@@ -113,36 +113,60 @@ pub fn white_at_each(
 }
 
 /// Places that a lamp is looked for from.
-#[derive(Default)]
-struct Asked {
-    starts: Starts,
-    /// Which of all places they are.
+struct Asked<'a> {
+    places: &'a [[f64; 3]],
+    /// All of them, so that neighbors in space mostly stand beside each other: their ways are looked along together.
+    order: Vec<usize>,
+    /// Those that are looked from.
     at: Vec<usize>,
+    starts: Starts,
 }
 
-impl Asked {
-    fn list(&mut self, places: &[[f64; 3]], is_lit: impl Fn(usize) -> bool) {
-        self.at.clear();
-        self.at.extend((0..places.len()).filter(|&at| is_lit(at)));
-        self.starts.clear();
-        for &at in &self.at {
-            self.starts.push(places[at].map(|v| v as f32));
+impl<'a> Asked<'a> {
+    fn new(places: &'a [[f64; 3]]) -> Self {
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        order.sort_by_cached_key(|&at| curve(places[at]));
+        Self {
+            places,
+            order,
+            at: Vec::new(),
+            starts: Starts::default(),
         }
     }
+
+    fn list(&mut self, is_lit: impl Fn(usize) -> bool) {
+        self.at.clear();
+        self.at
+            .extend(self.order.iter().copied().filter(|&at| is_lit(at)));
+        self.starts.clear();
+        for &at in &self.at {
+            self.starts.push(self.places[at].map(|v| v as f32));
+        }
+    }
+}
+
+/// Where a place stands on a curve through all cubes about the camera: the bits of its coordinates in turn (Morton 1966).
+fn curve(place: [f64; 3]) -> u64 {
+    const CUBE_M: f64 = 0.05;
+    const BITS: u32 = 14;
+    let cubes = place
+        .map(|v| (v / CUBE_M + f64::from(1 << (BITS - 1))).clamp(0.0, f64::from((1 << BITS) - 1)) as u64);
+    let bits = (0..BITS).flat_map(|bit| [0, 1, 2].map(|axis| (bit, axis)));
+    bits.fold(0, |code, (bit, axis)| {
+        code | (cubes[axis] >> bit & 1) << (3 * bit + axis as u32)
+    })
 }
 
 /// Takes from the light of a lamp at places what things cut off.
 fn cut_off(
     arriving: &mut [Arriving],
-    (places, lamp): (&[[f64; 3]], &Lamp),
+    (lamp, asked): (&Lamp, &mut Asked<'_>),
     sight: &mut Sight<'_>,
     unseen: f64,
 ) {
     let middle = lamp.position_m.map(|v| v as f32);
-    let (mut asked, mut shares) = (Asked::default(), Vec::new());
-    asked.list(places, |at| {
-        arriving[at].direct.iter().any(|&light| light > unseen)
-    });
+    let mut shares = Vec::new();
+    asked.list(|at| arriving[at].direct.iter().any(|&light| light > unseen));
     let (radius_m, count) = lamp.shadow.disc();
     let disc = (&Disc::new(count), Radius::Same(radius_m as f32));
     sight.shares(&asked.starts, middle, disc, &mut shares);
@@ -151,7 +175,7 @@ fn cut_off(
     }
     let disc = Disc::new(SPREAD_PLACES);
     for channel in 0..3 {
-        asked.list(places, |at| arriving[at].spread[channel] > unseen);
+        asked.list(|at| arriving[at].spread[channel] > unseen);
         let radii = asked.at.iter().map(|&at| arriving[at].spread_m[channel] as f32);
         let radii: Vec<f32> = radii.collect();
         sight.shares(&asked.starts, middle, (&disc, Radius::Of(&radii)), &mut shares);
