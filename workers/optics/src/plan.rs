@@ -11,6 +11,7 @@ mod bins;
 mod casting;
 mod cost;
 mod gates;
+mod lamps;
 mod layered;
 mod levels;
 mod line;
@@ -29,6 +30,7 @@ mod water;
 pub use above::Above;
 pub use casting::Casting;
 pub use gates::GateStep;
+pub use lamps::LampLight;
 pub use levels::display_tolerance;
 pub use line::Line;
 pub use scatter::MOST_TERMS;
@@ -156,21 +158,6 @@ pub struct Plan {
     amounts: cost::Amounts,
 }
 
-/// The light of lamps, which is computed before the plan, as far as the plan depends on it. All 0 without lamps.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct LampLight {
-    /// What f32 may have lost of the light on surfaces.
-    pub surface_rounding: f64,
-    /// What of the light on surfaces may be there that things would have cut off.
-    pub shadows_left: f64,
-    /// What the quadrature may have left of the glow.
-    pub glow_left: f64,
-    /// What f32 may have lost of the glow.
-    pub glow_rounding: f64,
-    /// The largest glow of a pixel.
-    pub glow_peak: f64,
-}
-
 /// What a plan is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a> {
@@ -254,7 +241,7 @@ impl Plan {
             veil: water.veil,
             gates: water.gates,
             scatter: water.scatter,
-            glow: glow(given),
+            glow: lamps::glow(given),
             glow_shadows: shadows::in_water(given),
             sediment: sediment::drift(given),
             snow: snow::fall(given, &shares),
@@ -382,18 +369,6 @@ impl Plan {
             lacks_nodes.then(|| format!("{} nodes are the most on a ray to a lamp", lamp::MOST_NODES)),
         );
         Some(reasons.join(", "))
-    }
-}
-
-/// The glow of the water before the lamps; none where the water scatters nothing.
-fn glow(given: &Given<'_>) -> Stage {
-    let lighting = given.setting.lighting.as_ref();
-    let glows = lighting.is_some_and(|lighting| lighting.scattering != [0.0; 3]);
-    let form = Form::asked_by(given.frame.fidelity).when(glows);
-    Stage {
-        form,
-        share: glows.then_some(glow_share(given.frame)),
-        bound: (form == Form::Fast).then_some(given.lamps.glow_left + given.lamps.glow_rounding),
     }
 }
 

@@ -155,8 +155,8 @@ fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
     }
 }
 
-/// Spots in frames wide enough for what they spread to be read between rays of every distance: narrow cones, lamps in view, thin bars
-/// that no ray meets.
+/// Lamps in frames wide enough for their light to be read between rays of every distance: narrow cones, lamps in view, thin bars that
+/// no ray meets.
 fn wide_case(seed: u64) -> Case {
     let stream = Stream::stage(seed, "rays");
     let unit = |what: u64| stream.unit(0, what);
@@ -189,7 +189,11 @@ fn wide_case(seed: u64) -> Case {
         let way = [0, 1, 2].map(|i| target[i] - place[i]);
         let longest = way.iter().fold(1e-6f64, |most, v| most.max(v.abs()));
         let intensity = [0.5, 1.0, 0.7].map(|tint| tint * 0.03 * 1e4f64.powf(draw(7)) * far);
-        Lamp::spot(place, intensity, way.map(|v| v / longest), cone_deg).unwrap()
+        if draw(8) < 0.25 {
+            Lamp::point(place, intensity).unwrap()
+        } else {
+            Lamp::spot(place, intensity, way.map(|v| v / longest), cone_deg).unwrap()
+        }
     });
     let scattering = scaled(8, 0.1, 3.0) / far;
     let patches = Turbidity {

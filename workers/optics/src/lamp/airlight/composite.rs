@@ -1,9 +1,9 @@
 //! A quadrature for light that is scattered more than once, whose integrand has kinks: cells of two Gauss nodes each, finer toward the
 //! ends of the ray, twice as many until the sums agree.
 //!
-//! A sum of n cells is taken to err by no more than half of what it differs from that of half as many, on the worst pixel of a run: with
-//! kinks the error falls as 1/n² at least, so that the difference is three times what is left. Two sums may agree by chance, but not
-//! three: a share of the difference before is taken where that is more.
+//! A sum of n cells is taken to err by no more than it differs from that of half as many, on the worst pixel of a run: with kinks the error
+//! falls as 1/n² at least, so that the difference is three times what is left. Two sums may agree by chance, but not three: a share of the
+//! difference before is taken where that is more, and all of it where no sums agree within the tolerance.
 
 use std::f32::consts::FRAC_PI_2;
 use std::f64::consts::PI;
@@ -22,8 +22,7 @@ const HALVINGS: usize = 5;
 /// Half the distance of the two Gauss–Legendre nodes of a cell, in cells.
 const NODE: f64 = 0.288_675_134_594_812_9;
 
-/// Of the last difference, and of the one before.
-const DIFFERS: f64 = 0.5;
+/// Of the difference before the last one.
 const AGREED: f64 = 0.3;
 /// Nodes lie at most this many widths of the peak, (1 − g)/√g, apart.
 const NODES_OF_PEAK: f64 = 1.0;
@@ -78,12 +77,15 @@ pub(super) fn sum_up<const SPOT: bool>(lamp: &Glow, to: &Intervals, spacing: f32
         let differs = f64::from(extreme(&most, f32::max));
         sum = Sum {
             light: finer,
-            left: (DIFFERS * differs).max(AGREED * before).max(LEAST),
+            left: differs.max(AGREED * before).max(LEAST),
         };
-        before = differs;
         if sum.left <= lamp.source.tolerance {
             break;
         }
+        if next == HALVINGS {
+            sum.left = sum.left.max(before);
+        }
+        before = differs;
     }
     sum
 }
