@@ -68,13 +68,13 @@ impl Region {
 }
 
 /// Starting from the whole picture, keeps the quarter with the lowest score, the first of equals, until it spans no more than
-/// 1/1024 of the picture's pixels or cannot be divided. Each pixel is scored a third more than once on the whole, whatever the depth.
-fn search((width, height): (usize, usize), score: impl Fn(&Region) -> f64) -> Region {
+/// one of so many parts of the picture's pixels or cannot be divided. Each pixel is scored a third more than once on the whole, whatever the depth.
+fn search((width, height): (usize, usize), parts: usize, score: impl Fn(&Region) -> f64) -> Region {
     let mut region = Region {
         columns: 0..width,
         rows: 0..height,
     };
-    let end = width * height / PARTS;
+    let end = width * height / parts;
     while region.span() > end {
         let quarters = region.quarters();
         if quarters.len() < 2 {
@@ -95,7 +95,7 @@ fn search((width, height): (usize, usize), score: impl Fn(&Region) -> f64) -> Re
 /// The region with the lowest variance of luma. Sums are whole numbers, so that equal variances are equal.
 #[must_use]
 pub fn calmest(picture: &Rgb8) -> Region {
-    search((picture.width(), picture.height()), |region| {
+    search((picture.width(), picture.height()), PARTS, |region| {
         let (mut sum, mut squares) = (0u64, 0u128);
         for row in region.slices(picture.data(), picture.width(), 3) {
             let mut row_squares = 0u64;
@@ -115,7 +115,12 @@ pub fn calmest(picture: &Rgb8) -> Region {
 /// The region with the smallest mean of a plane.
 #[must_use]
 pub fn lowest(plane: &Plane<f64>) -> Region {
-    search(plane.size(), |region| {
+    lowest_part(plane, PARTS)
+}
+
+/// The region that the search for it comes through at one of so many parts of the plane.
+pub(crate) fn lowest_part(plane: &Plane<f64>, parts: usize) -> Region {
+    search(plane.size(), parts, |region| {
         let rows = region.slices(plane.data(), plane.width(), 1);
         rows.map(|row| row.iter().sum::<f64>()).sum::<f64>() / region.area() as f64
     })

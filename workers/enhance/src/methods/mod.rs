@@ -28,7 +28,7 @@ pub struct Method {
     enhance: fn(&Raster, Variant) -> Enhanced,
 }
 
-const TABLE: [Method; 9] = [
+const TABLE: [Method; 10] = [
     Method::new(
         "hscm",
         "homomorphic filter, spatial median, CLAHE and circular mask",
@@ -73,6 +73,12 @@ const TABLE: [Method; 9] = [
     )
     .guided()
     .published("median 34.5 dB to the results published with the 45 photos of U45, 5 of them below 17 dB"),
+    Method::new(
+        "ibla_hybrid",
+        "IBLA with the light of the matting Laplacian, the rest refined by the guided filter",
+        ibla::enhance_hybrid,
+    )
+    .guided(),
     Method::new(
         "rd",
         "two pictures integrated by the Rayleigh distribution (Abdul Ghani and Mat Isa 2014)",

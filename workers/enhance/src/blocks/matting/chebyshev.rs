@@ -18,6 +18,7 @@ use std::ops::Range;
 
 use imaging::{Plane, vectorized};
 
+use super::cells::{Cells, ROWS};
 use super::tile::{BLOCK, Coefficients, SPAN, Step, take_tile};
 use super::windows::{RIM, STEPS, each_row};
 
@@ -25,8 +26,6 @@ use super::windows::{RIM, STEPS, each_row};
 const WINDOWS: f64 = 9.0;
 /// Steps of a pass. More would read more rows than the caches nearby hold.
 const PASS: usize = 12;
-/// Rows that one step takes before the next one follows, an even number.
-const ROWS: usize = 8;
 /// `A`. Columns and rows are whole tiles, with a rim of zeros: where there is no picture, zeros stay zeros.
 pub(super) struct System {
     width: usize,
@@ -34,6 +33,7 @@ pub(super) struct System {
     closeness: f64,
     /// Tiles of a row.
     tiles: usize,
+    cells: Cells,
     /// Of each row, the rim included, its tiles; λ is on the diagonal.
     coefficients: Vec<Coefficients>,
 }
@@ -42,16 +42,27 @@ impl System {
     /// Of a picture of at least 3 × 3 pixels.
     pub(super) fn new(channels: &[Plane<u8>; 3], closeness: f64) -> Self {
         let (width, height) = channels[0].size();
+        Self::within(channels, closeness, Cells::whole(width, height))
+    }
+
+    /// Of the pixels in `cells`: the values of the others are those that the steps begin with.
+    pub(super) fn within(channels: &[Plane<u8>; 3], closeness: f64, cells: Cells) -> Self {
+        let (width, height) = channels[0].size();
+        // Windows of the pixels of a cell begin in the cells next to it at most.
+        let around = cells.grown(1, 1);
         let tiles = width.div_ceil(BLOCK);
         let rows = height.next_multiple_of(2) + 2 * RIM;
         let mut coefficients = vec![[[0.0; SPAN]; STEPS.len()]; tiles * rows];
-        each_row(channels, |y, row| {
+        each_row::<f32>(channels, &around, |y, row| {
             let records = &mut coefficients[(y + RIM) * tiles..][..tiles];
             for (tile, record) in records.iter_mut().enumerate() {
+                if !around.has(tile, y) {
+                    continue;
+                }
                 for (number, (to, values)) in zip(record, row).enumerate() {
-                    let own = if number == 0 { closeness } else { 0.0 };
+                    let own = if number == 0 { closeness as f32 } else { 0.0 };
                     let values = &values[tile * BLOCK..];
-                    zip(to, values).for_each(|(to, value)| *to = (value + own) as f32);
+                    zip(to, values).for_each(|(to, value)| *to = value + own);
                 }
             }
         });
@@ -60,24 +71,36 @@ impl System {
             height,
             closeness,
             tiles,
+            cells,
             coefficients,
         }
     }
 
     /// `x` of `A x = λ p` for planes that are solved together: the residual is `residual` of `λ p` at most, but for rounding.
     pub(super) fn solved<const N: usize>(&self, planes: [&Plane<f64>; N], residual: f64) -> [Plane<f64>; N] {
+        self.taken(planes, None, residual)
+    }
+
+    /// The same for a plane of which something near is known: what is left of the residual is that share of that of `start`.
+    pub(super) fn continued(&self, plane: &Plane<f64>, start: &Plane<f64>, residual: f64) -> Plane<f64> {
+        let [x] = self.taken([plane], Some([start]), residual);
+        x
+    }
+
+    fn taken<const N: usize>(
+        &self,
+        planes: [&Plane<f64>; N],
+        starts: Option<[&Plane<f64>; N]>,
+        residual: f64,
+    ) -> [Plane<f64>; N] {
         // A constant comes back, so that only what differs from the mean needs digits.
         let means = planes.map(|plane| plane.data().iter().sum::<f64>() / plane.data().len() as f64);
-        let samples = self.stride() * (self.height.next_multiple_of(2) + 2 * RIM);
-        let empty = || std::array::from_fn(|_| vec![0.0f32; samples]);
-        let mut b: [Vec<f32>; N] = empty();
-        for (b, (plane, mean)) in zip(&mut b, zip(planes, means)) {
-            for (y, values) in plane.data().chunks_exact(self.width).enumerate() {
-                let row = zip(&mut b[self.start_of(y)..], values);
-                row.for_each(|(to, value)| *to = (self.closeness * (value - mean)) as f32);
-            }
-        }
-        let mut x: [[Vec<f32>; N]; 2] = [empty(), empty()];
+        let b = std::array::from_fn(|n| self.loaded(planes[n], means[n], self.closeness));
+        let x: [Vec<f32>; N] = std::array::from_fn(|n| match starts {
+            Some(starts) => self.loaded(starts[n], means[n], 1.0),
+            None => vec![0.0; b[n].len()],
+        });
+        let mut x = [x.clone(), x];
         for steps in steps(self.closeness, residual).chunks(PASS) {
             self.pass(&b, &mut x, steps);
             // Steps write the planes in turn, the first one `x[0]`: the newest is to be `x[1]`.
@@ -90,6 +113,16 @@ impl System {
                 means[n] + f64::from(x[1][n][self.start_of(y) + column])
             })
         })
+    }
+
+    /// `factor (p - mean)`, with the rim.
+    fn loaded(&self, plane: &Plane<f64>, mean: f64, factor: f64) -> Vec<f32> {
+        let mut loaded = vec![0.0; self.stride() * (self.height.next_multiple_of(2) + 2 * RIM)];
+        for (y, values) in plane.data().chunks_exact(self.width).enumerate() {
+            let row = zip(&mut loaded[self.start_of(y)..], values);
+            row.for_each(|(to, value)| *to = (factor * (value - mean)) as f32);
+        }
+        loaded
     }
 
     /// Takes steps that follow each other, in rows from the first to the last. `planes` are `x_{k-1}` and `x_k`; an odd number of
@@ -123,6 +156,9 @@ impl System {
     ) {
         for y in rows.step_by(2) {
             for tile in 0..self.tiles {
+                if !self.cells.has(tile, y) {
+                    continue;
+                }
                 // From two rows before to the second row of the tile.
                 let records: [&Coefficients; 4] =
                     std::array::from_fn(|row| &self.coefficients[(y + row) * self.tiles + tile]);
@@ -149,7 +185,7 @@ impl System {
     }
 }
 
-/// The steps from `x_0 = x_{-1} = 0` that leave a share of the residual.
+/// The steps from `x_0 = x_{-1}` that leave a share of the residual.
 fn steps(closeness: f64, residual: f64) -> Vec<Step> {
     let half = WINDOWS / 2.0;
     let sigma = (closeness + half) / half;

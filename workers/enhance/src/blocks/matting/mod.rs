@@ -8,11 +8,14 @@
 //! The least eigenvalue of the system is λ: where the residual is a share s of `λ p`, the root mean square of the error of `x` is at
 //! most s times that of `p`.
 
+mod cells;
 mod chebyshev;
 mod cholesky;
 mod front;
 mod gradients;
+mod halves;
 mod laplacian;
+mod lowest;
 mod tile;
 mod windows;
 
@@ -25,6 +28,7 @@ use crate::variant::Variant;
 use chebyshev::System;
 use cholesky::Factor;
 use laplacian::Laplacian;
+pub use lowest::lowest_refined;
 
 /// From this many pixels on a picture is held less close to `p`.
 const LARGE: usize = 180_000;

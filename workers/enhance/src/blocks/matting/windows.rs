@@ -1,6 +1,10 @@
 //! The coefficients of the matting Laplacian, row by row.
 
+use std::ops::{Add, AddAssign, Mul};
+
 use imaging::{Plane, vectorized};
+
+use super::cells::Cells;
 
 /// Pixels around the picture that hold zeros: the reach of a coefficient.
 pub(super) const RIM: usize = 2;
@@ -29,22 +33,51 @@ const BLOCK: usize = 64;
 const PIXELS: usize = 9;
 const SIDE: usize = 3;
 
-type Lanes = [f64; BLOCK];
+type Lanes<T> = [T; BLOCK];
 
 /// A row of each of [`STEPS`], with its rim.
-pub(super) type Row = [Vec<f64>; STEPS.len()];
+pub(super) type Row<T> = [Vec<T>; STEPS.len()];
 
-/// Hands the rows of a picture of at least 3 × 3 pixels to `take`, from the first to the last.
-pub(super) fn each_row(channels: &[Plane<u8>; 3], mut take: impl FnMut(usize, &Row)) {
+/// What coefficients are summed in. Of a window's colors that are whitened products are 9 at most: f32 is enough for a system in f32.
+pub(super) trait Real: Copy + Add<Output = Self> + AddAssign + Mul<Output = Self> {
+    /// The nearest value.
+    fn of(value: f64) -> Self;
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+/// Hands the rows of a picture of at least 3 × 3 pixels to `take`, from the first to the last. They are those of the windows that begin
+/// in `cells`.
+pub(super) fn each_row<T: Real>(
+    channels: &[Plane<u8>; 3],
+    cells: &Cells,
+    mut take: impl FnMut(usize, &Row<T>),
+) {
     let (width, height) = channels[0].size();
-    let empty = || -> Row { std::array::from_fn(|_| vec![0.0; width + 2 * RIM]) };
+    let zero = T::of(0.0);
+    let empty = || -> Row<T> { std::array::from_fn(|_| vec![zero; width + 2 * RIM]) };
     // Windows reach three rows: a row is complete when the windows that end in it are added.
-    let mut rows: [Row; SIDE] = std::array::from_fn(|_| empty());
-    let mut white = Box::new([[[0.0; BLOCK]; 3]; PIXELS]);
+    let mut rows: [Row<T>; SIDE] = std::array::from_fn(|_| empty());
+    let mut white = Box::new([[[zero; BLOCK]; 3]; PIXELS]);
     for y in 0..height {
         if y + SIDE <= height {
             for x in (0..width + 1 - SIDE).step_by(BLOCK) {
                 let count = BLOCK.min(width + 1 - SIDE - x);
+                if !cells.has_columns(x, x + count - 1, y) {
+                    continue;
+                }
                 let lines = channels
                     .each_ref()
                     .map(|plane| std::array::from_fn(|row| &plane.row(y + row)[x..x + count + SIDE - 1]));
@@ -54,14 +87,14 @@ pub(super) fn each_row(channels: &[Plane<u8>; 3], mut take: impl FnMut(usize, &R
         }
         take(y, &rows[0]);
         rows.rotate_left(1);
-        rows[SIDE - 1].iter_mut().for_each(|row| row.fill(0.0));
+        rows[SIDE - 1].iter_mut().for_each(|row| row.fill(zero));
     }
 }
 
 /// The colors of each window less their mean, multiplied by `C⁻¹`, `C Cᵀ` their covariance: their products are those with its inverse.
 /// Of colors along a line the adjugate would lose the ridge to rounding, and the matrix would not stay positive.
 #[inline(always)]
-fn whiten(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes; 3]; PIXELS]) {
+fn whiten<T: Real>(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes<T>; 3]; PIXELS]) {
     let lines = lines.map(|rows| rows.map(|row| &row[..count + SIDE - 1]));
     let code =
         |channel: usize, pixel: usize, n: usize| i32::from(lines[channel][pixel / SIDE][n + pixel % SIDE]);
@@ -91,26 +124,27 @@ fn whiten(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes; 3]; PIX
             let away = [0, 1, 2].map(|c| f64::from(9 * code(c, pixel, n) - sums[c]) / 9.0);
             let r = away[0] * inverse[0];
             let g = (away[1] - c21 * r) * inverse[1];
-            white[pixel][0][n] = r;
-            white[pixel][1][n] = g;
-            white[pixel][2][n] = (away[2] - c31 * r - c32 * g) * inverse[2];
+            white[pixel][0][n] = T::of(r);
+            white[pixel][1][n] = T::of(g);
+            white[pixel][2][n] = T::of((away[2] - c31 * r - c32 * g) * inverse[2]);
         }
     }
 }
 
 /// Adds the windows from column `x` on. Each coefficient adds its windows from left to right, whatever the block.
 #[inline(always)]
-fn add(white: &[[Lanes; 3]; PIXELS], (x, count): (usize, usize), rows: &mut [Row; SIDE]) {
+fn add<T: Real>(white: &[[Lanes<T>; 3]; PIXELS], (x, count): (usize, usize), rows: &mut [Row<T>; SIDE]) {
+    let share = T::of(-1.0 / 9.0);
     for row in 0..SIDE {
         for column in (0..SIDE).rev() {
             let i = SIDE * row + column;
             for j in i..PIXELS {
                 let step = step_of((j % SIDE) as isize - column as isize, j / SIDE - row);
                 let to = &mut rows[row][step][x + column + RIM..][..count];
-                let own = if i == j { 1.0 } else { 0.0 };
+                let own = T::of(if i == j { 8.0 / 9.0 } else { -1.0 / 9.0 });
                 let ([a, b, c], [d, e, f]) = (&white[i], &white[j]);
                 for n in 0..count {
-                    to[n] += own - (1.0 + (a[n] * d[n] + b[n] * e[n] + c[n] * f[n])) / 9.0;
+                    to[n] += own + share * (a[n] * d[n] + b[n] * e[n] + c[n] * f[n]);
                 }
             }
         }

@@ -21,7 +21,7 @@ pub(super) struct Light {
     /// The color, 0..=1.
     pub(super) color: [f64; 3],
     /// Colors of the most blurred pixels, of the calmest region and of the most blurred region.
-    candidates: [[f64; 3]; 3],
+    pub(super) candidates: [[f64; 3]; 3],
     /// Shares of the brightest candidate in the light.
     shares: [f64; 3],
 }

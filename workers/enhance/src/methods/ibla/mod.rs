@@ -15,8 +15,8 @@
 //!    `t_c = max(exp(-b_c D), 0.1)`; `J_c = (c - BL_c) / t_c + BL_c`.
 //!
 //! `sig(a, b) = 1 / (1 + exp(-32 (a - b)))`; channels lie in 0..=1. What is refined follows the picture by its matting Laplacian, as
-//! in the authors' program; the guided filter, which the paper allows as well, is much faster and sometimes finds
-//! another light.
+//! in the authors' program; the guided filter, which the paper allows as well, is much faster and often finds
+//! another light. Between the two, `P_b` is refined by matting, around its smallest values, and `e` by the guided filter.
 //!
 //! Where it fails: a large plain object has no texture, passes for water and becomes the light, and if it is bright the rest turns
 //! dark; with a lamp the light is the black water behind, and what is lit turns white; a light that one of the sigmoids leaves undecided
@@ -29,7 +29,7 @@ mod tests;
 use imaging::{Plane, Raster, Rgb8, luma1000, vectorized};
 
 use crate::blocks::{Guide, Matting, Veil, extremes, filled, gaussian, guided, normalized};
-use crate::blocks::{restore, window_max};
+use crate::blocks::{lowest_refined, restore, window_max};
 use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
 use crate::variant::Variant;
@@ -54,7 +54,8 @@ const BRIGHT_LIGHT: f64 = 0.8;
 /// What refines a plane.
 enum Refinement<'g> {
     Matting(Matting<'g>),
-    Guided(&'g Guide, Variant),
+    /// Closeness by the guided filter, and what gives the light by this.
+    Guided(fn(&Guide, &Plane<f64>, Variant) -> Plane<f64>),
 }
 
 /// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
@@ -69,7 +70,14 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
 #[must_use]
 pub(crate) fn enhance_guided(picture: &Raster, variant: Variant) -> Enhanced {
     let guide = Guide::new(&picture.to_rgb8());
-    restored(picture, &guide, variant, &Refinement::Guided(&guide, variant))
+    restored(picture, &guide, variant, &Refinement::Guided(guided))
+}
+
+/// The same with a light that is found by matting: what differs from [`enhance`] is the transmittance.
+#[must_use]
+pub(crate) fn enhance_hybrid(picture: &Raster, variant: Variant) -> Enhanced {
+    let guide = Guide::new(&picture.to_rgb8());
+    restored(picture, &guide, variant, &Refinement::Guided(lowest_refined))
 }
 
 fn restored(picture: &Raster, guide: &Guide, variant: Variant, refinement: &Refinement) -> Enhanced {
@@ -87,10 +95,10 @@ fn restored(picture: &Raster, guide: &Guide, variant: Variant, refinement: &Refi
             let closeness = matting.refined_near(&mix.closeness(&measures), ahead);
             (light, mix, closeness)
         }
-        Refinement::Guided(guide, variant) => {
-            let light = Light::new(&colors, &guided(guide, &blurriness, *variant), *variant);
+        Refinement::Guided(refined) => {
+            let light = Light::new(&colors, &refined(guide, &blurriness, variant), variant);
             let mix = Mix::new(guide, light.color);
-            let closeness = guided(guide, &mix.closeness(&measures), *variant);
+            let closeness = guided(guide, &mix.closeness(&measures), variant);
             (light, mix, closeness)
         }
     };

@@ -1,0 +1,70 @@
+//! A picture and its planes at half their size, and back.
+
+use imaging::Plane;
+
+/// Means of 2 × 2 values; an odd last column or row counts twice.
+pub(super) fn halved<T: Copy>(plane: &Plane<T>, mean: impl Fn([T; 4]) -> T) -> Plane<T> {
+    let (width, height) = plane.size();
+    Plane::from_fn(width.div_ceil(2), height.div_ceil(2), |x, y| {
+        let (right, below) = ((2 * x + 1).min(width - 1), (2 * y + 1).min(height - 1));
+        let (upper, lower) = (plane.row(2 * y), plane.row(below));
+        mean([upper[2 * x], upper[right], lower[2 * x], lower[right]])
+    })
+}
+
+/// Four codes become one.
+pub(super) fn mean_code(codes: [u8; 4]) -> u8 {
+    ((codes.into_iter().map(u32::from).sum::<u32>() + 2) / 4) as u8
+}
+
+/// Four values become one.
+pub(super) fn mean_value(values: [f64; 4]) -> f64 {
+    values.into_iter().sum::<f64>() / 4.0
+}
+
+/// What [`halved`] made of a plane of this size, interpolated along columns and rows.
+pub(super) fn doubled(plane: &Plane<f64>, (width, height): (usize, usize)) -> Plane<f64> {
+    let mut doubled = Plane::filled(width, height, 0.0);
+    let mut between = vec![0.0; plane.width()];
+    for y in 0..height {
+        let (near, far) = sources(y, plane.height());
+        for (value, (near, far)) in between.iter_mut().zip(plane.row(near).iter().zip(plane.row(far))) {
+            *value = 0.75 * near + 0.25 * far;
+        }
+        for (x, value) in doubled.row_mut(y).iter_mut().enumerate() {
+            let (near, far) = sources(x, between.len());
+            *value = 0.75 * between[near] + 0.25 * between[far];
+        }
+    }
+    doubled
+}
+
+/// The places of half the size on both sides of a place, the one that holds it first.
+fn sources(place: usize, count: usize) -> (usize, usize) {
+    let near = place / 2;
+    let far = if place.is_multiple_of(2) {
+        near.saturating_sub(1)
+    } else {
+        (near + 1).min(count - 1)
+    };
+    (near, far)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_comes_back_inside() {
+        let ramp = Plane::from_fn(9, 7, |x, y| 2.0 * x as f64 + y as f64);
+        let half = halved(&ramp, mean_value);
+        assert_eq!((half.size(), half.pixel(1, 1)), ((5, 4), 7.5));
+        let back = doubled(&half, ramp.size());
+        for (x, y) in [(1, 1), (2, 3), (6, 4)] {
+            assert_eq!(back.pixel(x, y), ramp.pixel(x, y));
+        }
+        // Of the last column and row half the step is left.
+        assert_eq!(half.pixel(4, 3), 22.0);
+        assert_eq!(mean_code([1, 2, 2, 1]), 2);
+    }
+}
