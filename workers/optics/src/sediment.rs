@@ -25,7 +25,7 @@ use spec::{Sediment, normal_quantile};
 
 use crate::eye::Eye;
 use crate::range::is_hole;
-use crate::snow::World;
+use crate::snow::{WhiteLight, World};
 use drift::Drift;
 use noise::Noise;
 
@@ -69,7 +69,7 @@ pub struct Murk<'a> {
     /// Meters of water of this attenuation on the way to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
     /// Radiance of a white particle at each of some points in camera axes.
-    pub light: &'a dyn Fn(&[[f64; 3]]) -> Vec<[f64; 3]>,
+    pub light: WhiteLight<'a>,
 }
 
 impl Clouds {

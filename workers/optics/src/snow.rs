@@ -180,6 +180,9 @@ impl Seeing<'_> {
     }
 }
 
+/// Radiance of white particles at some points in camera axes, of each R, G and B.
+pub type WhiteLight<'a> = &'a dyn Fn(&[[f64; 3]]) -> Vec<[f64; 3]>;
+
 /// What the particles hang in.
 #[derive(Clone, Copy)]
 pub struct Surround<'a> {
@@ -192,7 +195,7 @@ pub struct Surround<'a> {
     /// Meters of water of this attenuation on the way to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
     /// Radiance of a white particle at each of some points in camera axes.
-    pub light: &'a dyn Fn(&[[f64; 3]]) -> Vec<[f64; 3]>,
+    pub light: WhiteLight<'a>,
 }
 
 /// Cross-section of a view at a depth of 1 m, m²: `W H / f²`.

@@ -183,7 +183,7 @@ fn what_may_not_be_hidden_is_clear_and_nothing_is_nearer_than_its_clearance() {
                 ];
                 let within = |cuboid: &Cuboid, k: u64| {
                     [0, 1, 2].map(|i| {
-                        let share = draw(k + i as u64).powi(if k % 2 == 0 { 1 } else { 4 });
+                        let share = draw(k + i as u64).powi(if k.is_multiple_of(2) { 1 } else { 4 });
                         cuboid.low[i] + share * (cuboid.high[i] - cuboid.low[i])
                     })
                 };
