@@ -1,4 +1,4 @@
-//! IBLA: refined by matting, by the guided filter, and by matting in f64.
+//! IBLA: refined by matting, by matting for the light alone, by the guided filter, and by matting in f64.
 
 use enhance::{Method, Variant, run_variant};
 use imaging::{Raster, Rgb8, transfer};
@@ -15,6 +15,7 @@ pub fn ibla(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let forms = [
         ("matting in f64", "ibla", Variant::Reference),
         ("matting", "ibla", Variant::Fast),
+        ("hybrid", "ibla_hybrid", Variant::Fast),
         ("guided", "ibla_guided", Variant::Fast),
     ];
     let measured = forms.map(|(variant, name, form)| {
