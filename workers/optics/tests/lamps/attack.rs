@@ -151,7 +151,9 @@ fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
             (seed, fast.left + fast.rounding, error)
         });
         let closest = closest(frames.collect::<Vec<_>>().into_iter());
-        assert!(closest > 0.3, "{closest}");
+        // Sums of more than one kind of light are taken to err by three times what is left of them.
+        let least = if multiple { 0.2 } else { 0.3 };
+        assert!(closest > least, "{closest}");
     }
 }
 
