@@ -80,7 +80,7 @@ pub struct PointLamp {
     /// linear radiance times m², per steradian
     #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
-    /// what its light is cut off by on surfaces; absent: `none`
+    /// what its light is cut off by on surfaces, snow and sediment; absent: `none`
     pub shadow: Option<ShadowForm>,
     /// radius of the sphere that shines, for soft shadows
     #[field(within(0.0, 0.5), unit = "m")]
@@ -107,7 +107,7 @@ pub struct SpotLamp {
     /// angle from the axis at which no light is left
     #[field(within(0.5, 90.0), default = 30, unit = "degree")]
     pub cone_deg: f64,
-    /// what its light is cut off by on surfaces; absent: `none`
+    /// what its light is cut off by on surfaces, snow and sediment; absent: `none`
     pub shadow: Option<ShadowForm>,
     /// radius of the sphere that shines, for soft shadows
     #[field(within(0.0, 0.5), unit = "m")]

@@ -73,7 +73,7 @@ impl Shadows {
         if self.hardened > 0 {
             note += &format!("; penumbras of {} are narrower than a pixel", self.hardened);
         }
-        if self.places > 1 && self.places < self.most_places {
+        if self.places < self.most_places && self.hardened < self.lamps {
             note += &format!(
                 "; {} of {} places do for the tolerance",
                 self.places, self.most_places

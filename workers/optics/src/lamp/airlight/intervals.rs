@@ -86,6 +86,41 @@ pub(super) fn beside(lamp: &Glow, rays: &Rays, i: usize) -> Beside {
     }
 }
 
+/// How a spot beside a ray is aimed: its axis in the plane of ray and lamp, and where in that plane its cone lies.
+pub(super) struct Aim {
+    /// cos of the angle to the axis: `across · cos θ + along · sin θ`.
+    pub(super) across: f32,
+    pub(super) along: f32,
+    /// Length of the part of the axis that is at right angles to the plane.
+    pub(super) out: f32,
+    /// Middle and half width of the cone in β.
+    pub(super) middle: f32,
+    pub(super) half: f32,
+}
+
+#[inline(always)]
+pub(super) fn aim(lamp: &Glow, [dx, dy, dz]: [f32; 3], place: &Beside) -> Aim {
+    let ([ax, ay, az], cone) = (lamp.profile.axis, lamp.profile.cos_cone);
+    let ([mx, my, mz], distance) = (place.moment, place.distance);
+    // (a × d)·(d × P) / D and a·d.
+    let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
+    let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) / distance;
+    let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
+    let out = ax.mul_add(mx, ay.mul_add(my, az * mz)) / distance;
+    // A ray through the lamp passes it at its radius: what is missing to a unit axis then.
+    let share = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt() / distance;
+    let missing = (1.0 - share * share) * (1.0 - along * along).max(0.0);
+    let most = across.mul_add(across, along * along).sqrt();
+    let share = (cone / most.max(1e-9)).min(1.0);
+    Aim {
+        across,
+        along,
+        out: out.mul_add(out, missing).sqrt(),
+        middle: 0.5 * (full_angle(along, across) + std::f32::consts::FRAC_PI_2),
+        half: 0.5 * angle((1.0 - share * share).max(0.0).sqrt(), share.max(1e-9)),
+    }
+}
+
 /// The intervals of a run: t₀ and D as meters of mean water, middle and half length in β, what the sum over the nodes is
 /// multiplied by, and what a spot needs.
 pub(super) struct Intervals {
@@ -209,14 +244,11 @@ pub(super) fn intervals<const SPOT: bool, const WHOLE: bool>(
         from: empty,
     };
     let (mut first, mut last, mut least, mut near, mut met) = (empty, empty, empty, empty, empty);
-    let ([ax, ay, az], cone) = (lamp.profile.axis, lamp.profile.cos_cone);
     for i in 0..RUN {
-        let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
+        let place = beside(lamp, rays, i);
         let Beside {
-            moment: [mx, my, mz],
-            nearest,
-            distance,
-        } = beside(lamp, rays, i);
+            nearest, distance, ..
+        } = place;
         let square = distance * distance;
         let to_eye = nearest.mul_add(nearest, square).sqrt();
         let ahead = nearest > 0.0;
@@ -233,26 +265,14 @@ pub(super) fn intervals<const SPOT: bool, const WHOLE: bool>(
         );
         let (mut from, mut end) = (from, end);
         if SPOT {
-            // (a × d)·(d × P) / D and a·d.
-            let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
-            let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) / distance;
-            let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
+            let aim = aim(lamp, [rays.right[i], rays.down[i], rays.ahead[i]], &place);
             if WHOLE {
-                let out = ax.mul_add(mx, ay.mul_add(my, az * mz)) / distance;
-                // A ray through the lamp passes it at its radius: what is missing to a unit axis then.
-                let share = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt() / distance;
-                let missing = (1.0 - share * share) * (1.0 - along * along).max(0.0);
-                to.out[i] = out.mul_add(out, missing).sqrt();
+                to.out[i] = aim.out;
+            } else {
+                from = from.max(aim.middle - aim.half);
+                end = end.min(aim.middle + aim.half);
             }
-            let most = across.mul_add(across, along * along).sqrt();
-            let share = (cone / most.max(1e-9)).min(1.0);
-            let half = 0.5 * angle((1.0 - share * share).max(0.0).sqrt(), share.max(1e-9));
-            let middle = 0.5 * (full_angle(along, across) + std::f32::consts::FRAC_PI_2);
-            if !WHOLE {
-                from = from.max(middle - half);
-                end = end.min(middle + half);
-            }
-            (to.across[i], to.along[i]) = (across, along);
+            (to.across[i], to.along[i]) = (aim.across, aim.along);
         }
         if WHOLE {
             to.from[i] = from;

@@ -8,9 +8,9 @@ use std::f32::consts::FRAC_PI_2;
 use imaging::vectorized;
 
 use super::super::integrand::{SCALE, UNSWOLLEN, swollen};
-use super::super::intervals::{Beside, Murk, Rays, beside};
+use super::super::intervals::{Beside, Murk, Rays, aim, beside};
 use super::super::{Glow, Lanes, RUN};
-use crate::elementary::{angle, fade, full_angle, sin_cos};
+use crate::elementary::{fade, sin_cos};
 use crate::lamp::blurred::{Turned, blurred};
 
 /// w of a place so many meters behind the one nearest to a lamp.
@@ -61,29 +61,14 @@ impl Bundle {
     /// Turns to other rays.
     #[inline(always)]
     pub(super) fn aim(&mut self, lamp: &Glow, rays: &Rays, murk: &Murk) {
-        let ([ax, ay, az], cone) = (lamp.profile.axis, lamp.profile.cos_cone);
         for i in 0..RUN {
-            let (dx, dy, dz) = (rays.right[i], rays.down[i], rays.ahead[i]);
+            let place = beside(lamp, rays, i);
             let Beside {
-                moment: [mx, my, mz],
-                nearest,
-                distance,
-            } = beside(lamp, rays, i);
-            // As in `intervals`.
-            let (nx, ny, nz) = (ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx);
-            let inverse = 1.0 / distance;
-            let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
-            let out = ax.mul_add(mx, ay.mul_add(my, az * mz)) * inverse;
-            let share = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt() * inverse;
-            let missing = (1.0 - share * share) * (1.0 - along * along).max(0.0);
-            let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) * inverse;
-            let most = across.mul_add(across, along * along).sqrt();
-            let within = (cone / most.max(1e-9)).min(1.0);
-            let half = 0.5 * angle((1.0 - within * within).max(0.0).sqrt(), within.max(1e-9));
-            let middle = 0.5 * (full_angle(along, across) + FRAC_PI_2);
-            let [enter, leave] = [at_angle(middle - half), at_angle(middle + half)];
-            (self.across[i], self.along[i]) = (across, along);
-            self.out[i] = out.mul_add(out, missing).sqrt();
+                nearest, distance, ..
+            } = place;
+            let aim = aim(lamp, [rays.right[i], rays.down[i], rays.ahead[i]], &place);
+            let [enter, leave] = [aim.middle - aim.half, aim.middle + aim.half].map(at_angle);
+            (self.across[i], self.along[i], self.out[i]) = (aim.across, aim.along, aim.out);
             let start = opening(distance, -nearest);
             (self.enter[i], self.leave[i]) = (enter / start, leave / start);
             self.start[i] = start;

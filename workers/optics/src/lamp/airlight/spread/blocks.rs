@@ -6,9 +6,10 @@ use imaging::simd::{larger, smaller};
 use imaging::vectorized;
 
 use super::super::Errors;
+use super::ends::BY_ITSELF;
 use super::line::Line;
 use super::murkiness::Murkiness;
-use super::read::{Band, Block};
+use super::read::{Band, Block, lanes};
 use super::{FINEST, FINEST_IN_DEGREES, Frame, RUN, SHARE_OF_CONE, STEP};
 
 impl Frame<'_> {
@@ -150,29 +151,13 @@ impl Frame<'_> {
 /// The least place of some columns that is not below 0, and the greatest.
 #[inline(always)]
 fn ends_of(rows: &[f32], width: usize, xs: &Range<usize>, ends: &mut (f32, f32)) {
-    let (mut first, mut last) = ([f32::INFINITY; STEP], [-1.0f32; STEP]);
+    let (mut first, mut last) = ([f32::INFINITY; STEP], [BY_ITSELF; STEP]);
     for row in rows.chunks_exact(width) {
-        let own = &row[xs.clone()];
-        if own.len() == STEP {
-            for x in 0..STEP {
-                let place = own[x];
-                first[x] = if place >= 0.0 && place < first[x] {
-                    place
-                } else {
-                    first[x]
-                };
-                last[x] = larger(place, last[x]);
-            }
-        } else {
-            for x in 0..own.len() {
-                let place = own[x];
-                first[x] = if place >= 0.0 && place < first[x] {
-                    place
-                } else {
-                    first[x]
-                };
-                last[x] = larger(place, last[x]);
-            }
+        let own = lanes(&row[xs.clone()], BY_ITSELF);
+        for x in 0..STEP {
+            let read = if own[x] >= 0.0 { own[x] } else { f32::INFINITY };
+            first[x] = smaller(read, first[x]);
+            last[x] = larger(own[x], last[x]);
         }
     }
     for x in 0..STEP {

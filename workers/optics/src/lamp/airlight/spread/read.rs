@@ -150,7 +150,7 @@ fn read_rows(
 
 /// A row of a block, filled up.
 #[inline(always)]
-fn lanes(row: &[f32], rest: f32) -> Block16 {
+pub(super) fn lanes(row: &[f32], rest: f32) -> Block16 {
     if let Ok(whole) = <&Block16>::try_from(row) {
         return *whole;
     }
