@@ -2,9 +2,10 @@
 //!
 //! It changes little from pixel to pixel but with the range, and S̄ costs more than all else of a node. So its sum from the camera up
 //! to the end of each of some cells is taken along the rays of every 16th pixel only, and read between them at the place that a pixel's
-//! own range ends at. What that may leave is seen from the second differences between the rays in the cells that pixels end in; where it
+//! own range ends at. What that may leave is seen from the differences between the rays in the cells that pixels end in; where it
 //! is too much, rays lie half as far apart, down to every second pixel, and where they still do, pixels are summed up each by itself.
 
+mod bends;
 mod beside;
 mod blocks;
 mod ends;
@@ -23,6 +24,7 @@ use super::intervals::{Intervals, Murk, Rays, extreme, intervals};
 use super::{Errors, Glow, Lanes, Order, RUN};
 use crate::lamp::{Lamp, Lighting};
 use crate::turbidity;
+use bends::ACROSS;
 use ends::Ends;
 use line::Line;
 use murkiness::Murkiness;
@@ -39,9 +41,10 @@ const LINES: i64 = 5;
 const CELLS: [usize; 4] = [16, 32, 64, 128];
 /// So many are enough if what they leave of the rays of two rows is within this share of the tolerance: on others it may be more.
 const LEFT_BY_CELLS: f64 = 0.5;
-/// By this the second differences between rays, the bumps of the slope along a ray, and its changes about the cell that is read exceed
-/// the error.
+/// By this the second differences between rays or their changes exceed the error, whichever is less, and the bumps of the slope along a
+/// ray, and its changes about the cell that is read. A kink errs by half of such a change, light without one by a sixteenth.
 const BETWEEN_RAYS: f32 = 0.4;
+const BETWEEN_RAYS_BENT: f32 = 0.6;
 const BETWEEN_CELLS: f32 = 0.2;
 const WITHIN_CELL: f32 = 0.2;
 /// Third differences between degrees of murkiness exceed the error of a parabola, at most 0.064 of them, by this.
@@ -100,6 +103,11 @@ struct Cut {
     used: usize,
 }
 
+/// How many rays lie across so many blocks, in pairs, with one before and one behind.
+fn rays_across(blocks: usize) -> usize {
+    blocks.next_multiple_of(2) + ACROSS - 2
+}
+
 /// What a lamp is added to.
 struct Frame<'a> {
     range: &'a Plane<f32>,
@@ -131,7 +139,7 @@ impl Frame<'_> {
         self.murkiness = Murkiness::met(self);
         let ends = Ends::new(self, matches!(self.murkiness, Murkiness::Own), room);
         let (width, height) = self.range.size();
-        let rays = vec![true; width.div_ceil(STEP) + 3];
+        let rays = vec![true; rays_across(width.div_ceil(STEP))];
         let rows = height.div_ceil(STEP) as i64;
         for &cells in &CELLS[wide..] {
             let read = ends.cells(cells);
@@ -153,23 +161,22 @@ impl Frame<'_> {
     fn read_all(&self, ends: &Ends<'_>, glow: &mut [Vec<f32>; 3]) -> Errors {
         let (width, height) = self.range.size();
         let columns = width.div_ceil(STEP);
-        // Rays of one row of blocks and the next, with one beyond each.
+        let (rays, blocks) = (vec![true; rays_across(columns)], vec![true; columns]);
+        // Rays of one pair of rows of blocks and the next, with one beyond each.
         let rows = height.div_ceil(STEP);
         let (mut lines, mut next) = (Vec::new(), -1);
         let (mut band, mut worst) = (Band::new(ends, glow, width), Errors::default());
         for row in 0..rows {
-            if lines.len() < 4 {
-                let end = (next + LINES).min(rows as i64 + 2);
-                lines.extend(Line::of_rows(
-                    self,
-                    (STEP, next..end),
-                    self.cut,
-                    &vec![true; columns + 3],
-                ));
+            if row > 0 && row % 2 == 0 {
+                lines.drain(..2);
+            }
+            if lines.len() < ACROSS {
+                let end = (next + LINES).min(rays_across(rows) as i64 - 1);
+                lines.extend(Line::of_rows(self, (STEP, next..end), self.cut, &rays));
                 next = end;
             }
             band.start();
-            worst.include(self.fill(&mut band, &lines[..4], (STEP, row), &vec![true; columns]));
+            worst.include(self.fill(&mut band, &lines[..ACROSS], (STEP, row), &blocks));
             if let Murkiness::Own = self.murkiness {
                 let pixels = row * STEP * width..height.min((row + 1) * STEP) * width;
                 let alone: Vec<usize> = pixels.filter(|&pixel| ends.places[pixel] < 0.0).collect();
@@ -177,9 +184,8 @@ impl Frame<'_> {
             }
             worst.include(Errors {
                 left: composite::LEAST,
-                rounding: self.rounding(&band, row, &lines[..4]),
+                rounding: self.rounding(&band, row, &lines[..ACROSS]),
             });
-            lines.remove(0);
         }
         worst
     }

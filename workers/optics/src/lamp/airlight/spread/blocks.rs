@@ -6,6 +6,7 @@ use imaging::simd::{larger, smaller};
 use imaging::vectorized;
 
 use super::super::Errors;
+use super::bends::{ACROSS, Place};
 use super::ends::BY_ITSELF;
 use super::line::Line;
 use super::murkiness::Murkiness;
@@ -13,7 +14,7 @@ use super::read::{Band, Block, lanes};
 use super::{FINEST, FINEST_IN_DEGREES, Frame, RUN, SHARE_OF_CONE, STEP};
 
 impl Frame<'_> {
-    /// Fills those blocks of a row that are `asked` for: `step` pixels a side, between the two inner of four lines of rays. Returns
+    /// Fills those blocks of a row that are `asked` for, `step` pixels a side, among the lines of rays of its pair of rows. Returns
     /// what may be left.
     pub(super) fn fill(
         &self,
@@ -28,10 +29,16 @@ impl Frame<'_> {
             let Some(cells) = self.cells_of(band, (step, row), column) else {
                 continue;
             };
-            match self.left(lines, step, column, cells) {
+            let place = Place::new(lines, (column, row));
+            match self.left(place, step, cells) {
                 Some(left) => {
                     let (xs, _) = self.pixels(step, (column, row));
-                    blocks.push(Block::new([&lines[1], &lines[2]], column, xs));
+                    let bends = if self.is_bent() {
+                        place.bends(cells)
+                    } else {
+                        Vec::new()
+                    };
+                    blocks.push(Block::new(place, (cells.0, bends), xs));
                     worst.left = worst.left.max(left);
                 }
                 None => finer[column] = true,
@@ -54,25 +61,23 @@ impl Frame<'_> {
         worst
     }
 
+    /// Whether light is read from parabolas between rays, in place of lines: of degrees there are too many.
+    fn is_bent(&self) -> bool {
+        !matches!(self.murkiness, Murkiness::Degrees(_))
+    }
+
     /// What may be left of a block whose rays end in some cells, if that may be.
-    fn left(&self, lines: &[Line], step: usize, column: usize, cells: (usize, usize)) -> Option<f64> {
-        let [above, top, bottom, below] = lines else {
-            unreachable!("a row of blocks has four lines")
-        };
-        // The first ray lies before the frame.
-        let corners = [column + 1, column + 2];
-        let nearest_m = corners
+    fn left(&self, place: Place<'_>, step: usize, cells: (usize, usize)) -> Option<f64> {
+        let [top, bottom] = place.beside();
+        let nearest_m = place
+            .rays()
             .map(|ray| top.distance_m(ray).min(bottom.distance_m(ray)))
             .into_iter()
             .fold(f32::INFINITY, f32::min);
         if self.turn(step, nearest_m) > SHARE_OF_CONE {
             return None;
         }
-        let left = corners.map(|ray| {
-            let upper = top.left(ray, (above, bottom), cells);
-            f64::max(upper, bottom.left(ray, (top, below), cells))
-        });
-        let left = f64::max(left[0], left[1]) * f64::from(self.murkiness.most_source());
+        let left = place.left(cells, self.is_bent()) * f64::from(self.murkiness.most_source());
         (left <= self.tolerance).then_some(left)
     }
 
@@ -94,16 +99,19 @@ impl Frame<'_> {
         let asked: Vec<bool> = (0..width.div_ceil(step))
             .map(|column| blocks[column / 2])
             .collect();
-        // Of each block the corners and what is beside them.
-        let needed: Vec<bool> = (0..asked.len() + 3)
-            .map(|ray| asked[ray.saturating_sub(3)..asked.len().min(ray + 1)].contains(&true))
+        // Of each block those across the pair that it is cut into.
+        let needed: Vec<bool> = (0..2 * blocks.len() + ACROSS - 2)
+            .map(|ray| {
+                let first = (ray + 1).saturating_sub(ACROSS).div_ceil(2);
+                blocks[first..blocks.len().min(ray / 2 + 1)].contains(&true)
+            })
             .collect();
         let first = 2 * row as i64 - 1;
-        let lines = Line::of_rows(self, (step, first..first + 5), self.cut, &needed);
+        let lines = Line::of_rows(self, (step, first..first + ACROSS as i64), self.cut, &needed);
         let mut worst = Errors::default();
         for half in 0..2 {
             if (2 * row + half) * step < height {
-                worst.include(self.fill(band, &lines[half..half + 4], (step, 2 * row + half), &asked));
+                worst.include(self.fill(band, &lines, (step, 2 * row + half), &asked));
             }
         }
         worst

@@ -8,7 +8,7 @@ use imaging::vectorized;
 use super::super::intervals::Rays;
 use super::super::{Glow, Lanes, RUN};
 use super::beside::{Bundle, Direct, Node};
-use super::{BETWEEN_CELLS, BETWEEN_DEGREES, BETWEEN_RAYS, Cut, Frame, WITHIN_CELL, nodes};
+use super::{BETWEEN_CELLS, Cut, Frame, WITHIN_CELL, nodes};
 
 /// Where the two Gauss–Legendre nodes of a cell are.
 const NODES: [f32; 2] = [0.211_324_87, 0.788_675_1];
@@ -35,16 +35,22 @@ pub(super) struct Ray<'a> {
     stride: usize,
 }
 
-impl Ray<'_> {
+impl<'a> Ray<'a> {
     #[inline(always)]
-    pub(super) fn at(&self, cell: usize) -> &[f32; 16] {
+    pub(super) fn at(&self, cell: usize) -> &'a [f32; 16] {
         &self.cells[cell * self.stride].0
     }
 
     /// The sum up to the end of a cell; the fourth is none.
-    fn end(&self, cell: usize) -> [f32; 4] {
+    #[inline(always)]
+    pub(super) fn end(&self, cell: usize) -> [f32; 4] {
         let at = self.at(cell);
         [at[END], at[END + 1], at[END + 2], at[BUMPS]]
+    }
+
+    /// The most by which its slope bends up to a cell.
+    pub(super) fn bumps(&self, cell: usize) -> f32 {
+        self.at(cell)[BUMPS]
     }
 }
 
@@ -122,41 +128,36 @@ impl Line {
         })
     }
 
+    /// A ray in water of one degree.
+    pub(super) fn in_degree(&self, ray: usize, degree: usize) -> Ray<'_> {
+        Ray {
+            cells: &self.degrees[degree][self.slots[ray]..],
+            stride: self.distance.len(),
+        }
+    }
+
+    /// In how many degrees its rays are summed up.
+    pub(super) fn count(&self) -> usize {
+        self.degrees.len()
+    }
+
+    /// The cell behind another, as far as there is one.
+    pub(super) fn next(&self, cell: usize) -> usize {
+        (cell + 1).min(self.used - 1)
+    }
+
     pub(super) fn distance_m(&self, ray: usize) -> f32 {
         self.distance[self.slots[ray]]
     }
 
     /// What these cells of all rays, and those before, may leave.
     pub(super) fn left_by_cells(&self, cells: (usize, usize)) -> f64 {
-        let next = (cells.0, (cells.1 + 1).min(self.used - 1));
+        let next = (cells.0, self.next(cells.1));
         let asked = (0..self.slots.len()).filter(|&ray| self.slots[ray] != usize::MAX);
         let left = asked
             .flat_map(|ray| self.ray(ray))
-            .map(|ray| BETWEEN_CELLS * ray.at(next.1)[BUMPS] + WITHIN_CELL * turns(ray, next));
+            .map(|ray| BETWEEN_CELLS * ray.bumps(next.1) + WITHIN_CELL * turns(ray, next));
         f64::from(left.fold(0.0, f32::max))
-    }
-
-    /// What may be left in some cells between a ray and its neighbors, those in the rows above and below among them, and between
-    /// degrees of murkiness.
-    pub(super) fn left(&self, ray: usize, (above, below): (&Self, &Self), cells: (usize, usize)) -> f64 {
-        let mut worst = 0.0f32;
-        let beside = self.ray(ray - 1).zip(self.ray(ray + 1));
-        for ((own, beside), across) in self.ray(ray).zip(beside).zip(above.ray(ray).zip(below.ray(ray))) {
-            worst = worst.max(between_rays(own, beside, across, cells));
-        }
-        let next = (cells.1 + 1).min(self.used - 1);
-        let bumps = self
-            .ray(ray)
-            .fold(0.0, |most: f32, own| most.max(own.at(next)[BUMPS]));
-        let turns = self
-            .ray(ray)
-            .fold(0.0, |most: f32, own| most.max(turns(own, (cells.0, next))));
-        let degrees: Vec<Ray<'_>> = self.ray(ray).collect();
-        let mut bent = 0.0f32;
-        for four in degrees.windows(4) {
-            bent = bent.max(between_degrees(four, cells));
-        }
-        f64::from(BETWEEN_RAYS * worst + BETWEEN_CELLS * bumps + WITHIN_CELL * turns + BETWEEN_DEGREES * bent)
     }
 }
 
@@ -261,27 +262,8 @@ fn sum_up(
     }
 }
 
-/// The greatest second differences at the ends of some cells.
-fn between_rays(
-    own: Ray<'_>,
-    (left, right): (Ray<'_>, Ray<'_>),
-    (up, down): (Ray<'_>, Ray<'_>),
-    (first, last): (usize, usize),
-) -> f32 {
-    let mut worst = [0.0f32; 4];
-    for cell in first.saturating_sub(1)..=last {
-        let [middle, left, right, up, down] = [own, left, right, up, down].map(|ray| ray.end(cell));
-        for i in 0..4 {
-            let bends =
-                (left[i] - 2.0 * middle[i] + right[i]).abs() + (up[i] - 2.0 * middle[i] + down[i]).abs();
-            worst[i] = larger(bends, worst[i]);
-        }
-    }
-    larger(larger(worst[0], worst[1]), worst[2])
-}
-
 /// The most by which the slope changes beside or between some cells.
-fn turns(own: Ray<'_>, (first, last): (usize, usize)) -> f32 {
+pub(super) fn turns(own: Ray<'_>, (first, last): (usize, usize)) -> f32 {
     let mut worst = 0.0f32;
     for cell in first.max(1)..=last {
         for i in SLOPE..SLOPE + 3 {
@@ -292,7 +274,7 @@ fn turns(own: Ray<'_>, (first, last): (usize, usize)) -> f32 {
 }
 
 /// The greatest third difference.
-fn between_degrees(four: &[Ray<'_>], (first, last): (usize, usize)) -> f32 {
+pub(super) fn between_degrees(four: &[Ray<'_>], (first, last): (usize, usize)) -> f32 {
     let mut worst = [0.0f32; 4];
     for cell in first.saturating_sub(1)..=last {
         let [a, b, c, d] = [0, 1, 2, 3].map(|degree| four[degree].end(cell));

@@ -5,8 +5,9 @@ use std::ops::Range;
 use imaging::simd::larger;
 use imaging::vectorized;
 
+use super::bends::{Bend, Place};
 use super::ends::{BY_ITSELF, Ends};
-use super::line::{INSIDE, Line, Ray, SLOPE};
+use super::line::{INSIDE, Ray, SLOPE};
 use super::murkiness::{Degrees, Murkiness};
 use super::{Frame, RUN, STEP};
 
@@ -60,18 +61,23 @@ impl<'a> Band<'a> {
 /// A block of pixels between four rays, those above first, of each degree of murkiness.
 pub(super) struct Block<'a> {
     corners: Vec<[Ray<'a>; 4]>,
+    /// How light bends from a cell on; none where it is read from lines.
+    first: usize,
+    bends: Vec<Bend>,
     /// Its columns.
     xs: Range<usize>,
     most: Block16,
 }
 
 impl<'a> Block<'a> {
-    /// In this column of blocks between two lines of rays.
-    pub(super) fn new([top, bottom]: [&'a Line; 2], column: usize, xs: Range<usize>) -> Self {
-        let above = top.ray(column + 1).zip(top.ray(column + 2));
-        let below = bottom.ray(column + 1).zip(bottom.ray(column + 2));
+    pub(super) fn new(place: Place<'a>, (first, bends): (usize, Vec<Bend>), xs: Range<usize>) -> Self {
+        let ([top, bottom], [left, right]) = (place.beside(), place.rays());
+        let above = top.ray(left).zip(top.ray(right));
+        let below = bottom.ray(left).zip(bottom.ray(right));
         Self {
             corners: above.zip(below).map(|((a, b), (c, d))| [a, b, c, d]).collect(),
+            first,
+            bends,
             xs,
             most: [0.0; STEP],
         }
@@ -124,12 +130,7 @@ fn read_rows(
         for place in &mut places {
             *place *= cells as f32;
         }
-        let light = read_row(
-            &block.corners[0],
-            (&places, &right, down),
-            cells - 1,
-            &mut steepest,
-        );
+        let light = read_row(block, (&places, &right, down), cells - 1, &mut steepest);
         for (plane, light) in band.glow.iter_mut().zip(&light) {
             let glow = &mut plane[own.clone()];
             let mut sum = lanes(glow, 0.0);
@@ -162,7 +163,7 @@ pub(super) fn lanes(row: &[f32], rest: f32) -> Block16 {
 /// The light of a row of pixels; none of those below 0. All lanes are computed in every cell that a pixel ends in.
 #[inline(always)]
 fn read_row(
-    corners: &[Ray<'_>; 4],
+    block: &Block<'_>,
     (places, right, down): (&Block16, &Block16, f32),
     last: usize,
     steepest: &mut [f32; 16],
@@ -173,24 +174,34 @@ fn read_row(
         let cell = places[x].floor();
         cells[x] = if cell > last as f32 { last as f32 } else { cell };
     }
+    let bent_down = 0.5 * down * (down - 1.0);
+    let mut bent = [0.0f32; STEP];
+    for x in 0..STEP {
+        bent[x] = 0.5 * right[x] * (right[x] - 1.0);
+    }
     let mut cell = next(&cells, -1.0);
     while cell <= last as f32 {
-        let four = corners.each_ref().map(|ray| ray.at(cell as usize));
-        let (mut left, mut turn) = ([0.0f32; 16], [0.0f32; 16]);
+        let four = block.corners[0].each_ref().map(|ray| ray.at(cell as usize));
+        let Bend {
+            across: [above, below],
+            down: [to_left, to_right],
+        } = &block.bends[cell as usize - block.first];
+        let [mut left, mut turn, mut bend] = [[0.0f32; 16]; 3];
         for i in 0..16 {
             let (a, b) = (four[0][i], four[1][i]);
-            left[i] = down.mul_add(four[2][i] - a, a);
-            turn[i] = down.mul_add(four[3][i] - b, b) - left[i];
+            left[i] = bent_down.mul_add(to_left[i], down.mul_add(four[2][i] - a, a));
+            turn[i] = bent_down.mul_add(to_right[i], down.mul_add(four[3][i] - b, b)) - left[i];
+            bend[i] = down.mul_add(below[i] - above[i], above[i]);
             steepest[i] = larger(larger(a, four[3][i]), steepest[i]);
         }
         for channel in 0..3 {
             let [start, inside, slope] =
-                [0, INSIDE, SLOPE].map(|part| [left[part + channel], turn[part + channel]]);
+                [0, INSIDE, SLOPE].map(|part| [left, turn, bend].map(|lanes| lanes[part + channel]));
             for x in 0..STEP {
                 let u = places[x] - cell;
-                let slope = right[x].mul_add(slope[1], slope[0]);
-                let inside = right[x].mul_add(inside[1], inside[0]);
-                let sum = right[x].mul_add(start[1], start[0]);
+                let slope = bent[x].mul_add(slope[2], right[x].mul_add(slope[1], slope[0]));
+                let inside = bent[x].mul_add(inside[2], right[x].mul_add(inside[1], inside[0]));
+                let sum = bent[x].mul_add(start[2], right[x].mul_add(start[1], start[0]));
                 let sum = larger(u.mul_add(slope.mul_add(u - 1.0, inside), sum), 0.0);
                 light[channel][x] = if cells[x] == cell { sum } else { light[channel][x] };
             }
