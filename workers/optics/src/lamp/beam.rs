@@ -34,6 +34,7 @@ impl Beam {
         };
         Profile {
             axis: axis.map(|v| v as f32),
+            cone: cos_cone.acos() as f32,
             cos_cone: cos_cone as f32,
             offset: offset as f32,
             slope: self.slope() as f32,
@@ -45,6 +46,8 @@ impl Beam {
 #[derive(Clone, Copy)]
 pub(super) struct Profile {
     pub(super) axis: [f32; 3],
+    /// The angle of the cone in radians, and its cosine.
+    pub(super) cone: f32,
     pub(super) cos_cone: f32,
     pub(super) offset: f32,
     pub(super) slope: f32,

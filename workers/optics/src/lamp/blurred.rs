@@ -102,9 +102,9 @@ impl Turned {
 ///
 /// Rings that lie in the cone at all angles have the mean of the profile at their middle, and of those that lie outside of it there is
 /// nothing.
-pub(super) fn blurred<const N: usize>(profile: &Profile, turned: &Turned, scales: &[Lanes; N]) -> [Lanes; N] {
-    let cone = profile.cos_cone.acos();
-    let (mut cosines, mut ends) = ((0.0f32, 0.0f32), [(0.0f32, 0.0f32); N]);
+pub(super) fn blurred(profile: &Profile, turned: &Turned, scales: &[Lanes; 3], to: &mut [Lanes; 3]) {
+    let cone = profile.cone;
+    let (mut cosines, mut ends) = ((0.0f32, 0.0f32), [(0.0f32, 0.0f32); 3]);
     vectorized!({
         cosines = extremes(&turned.along);
         for (ends, scale) in ends.iter_mut().zip(scales) {
@@ -113,23 +113,21 @@ pub(super) fn blurred<const N: usize>(profile: &Profile, turned: &Turned, scales
     });
     let [nearest, farthest] =
         [cosines.1, cosines.0].map(|along| (along / profile.slope).clamp(-1.0, 1.0).acos());
-    std::array::from_fn(|i| {
-        let (scale, (least, most)) = (&scales[i], ends[i]);
-        let mut sum = [0.0f32; RUN];
+    for ((scale, (least, most)), sum) in scales.iter().zip(ends).zip(to) {
+        sum.fill(0.0);
         let is_inside = |out: &&f32| farthest + most * **out <= cone - CLEAR;
         let inside = OUT.iter().take_while(is_inside).count();
         if inside > 0 {
-            vectorized!(add_inside(profile.offset, turned, scale, inside, &mut sum));
+            vectorized!(add_inside(profile.offset, turned, scale, inside, sum));
         }
         for &out in &OUT[inside..] {
             let [least, most] = [least, most].map(|scale| smaller(scale * out, PI));
             let is_outside = nearest - most >= cone + CLEAR || least - farthest >= cone + CLEAR;
             if !is_outside {
-                vectorized!(add_ring(profile.offset, turned, (scale, out), &mut sum));
+                vectorized!(add_ring(profile.offset, turned, (scale, out), sum));
             }
         }
-        sum
-    })
+    }
 }
 
 /// The least and the greatest of some lanes.
@@ -216,8 +214,9 @@ mod tests {
                     along: angles.map(|angle| profile.slope * angle.cos() as f32),
                     across: angles.map(|angle| profile.slope * angle.sin() as f32),
                 };
-                let [all] = blurred(&profile, &turned, &[[scale as f32; RUN]]);
-                for (angle, fast) in angles.into_iter().zip(all) {
+                let mut all = [[0.0; RUN]; 3];
+                blurred(&profile, &turned, &[[scale as f32; RUN]; 3], &mut all);
+                for (angle, fast) in angles.into_iter().zip(all[0]) {
                     let exact = multiple::blurred(beam, scale, |_| angle.cos());
                     let error = (f64::from(fast) - exact).abs();
                     assert!(

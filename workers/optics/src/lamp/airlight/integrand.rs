@@ -73,6 +73,7 @@ pub(super) struct SpreadNode {
     /// Scale of the kernel of each channel.
     scale: [Lanes; 3],
     turned: Turned,
+    blurs: [Lanes; 3],
 }
 
 impl SpreadNode {
@@ -82,14 +83,15 @@ impl SpreadNode {
             light: [dark; 3],
             scale: [dark; 3],
             turned: Turned::new(),
+            blurs: [dark; 3],
         }
     }
 
     /// The integrand at each ray's angle β.
     pub(super) fn shine(&mut self, lamp: &Glow, to: &Intervals, angles: &Lanes) {
         vectorized!(shine_evenly(lamp, to, angles, self));
-        let blurs = blurred(&lamp.profile, &self.turned, &self.scale);
-        for (light, blur) in self.light.iter_mut().zip(&blurs) {
+        blurred(&lamp.profile, &self.turned, &self.scale, &mut self.blurs);
+        for (light, blur) in self.light.iter_mut().zip(&self.blurs) {
             for (light, blur) in light.iter_mut().zip(blur) {
                 *light *= blur;
             }

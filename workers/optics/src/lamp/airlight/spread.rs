@@ -42,9 +42,10 @@ const CELLS: [usize; 4] = [16, 32, 64, 128];
 /// So many are enough if what they leave of the rays of two rows is within this share of the tolerance: on others it may be more.
 const LEFT_BY_CELLS: f64 = 0.5;
 /// By this the second differences between rays or their changes exceed the error, whichever is less, and the bumps of the slope along a
-/// ray, and its changes about the cell that is read. A kink errs by half of such a change, light without one by a sixteenth.
+/// ray, and its changes about the cell that is read. Beside a cone light rises as d^1.5 and errs by 0.24 of such changes, smooth light by
+/// 0.07.
 const BETWEEN_RAYS: f32 = 0.4;
-const BETWEEN_RAYS_BENT: f32 = 0.6;
+const BETWEEN_RAYS_BENT: f32 = 0.3;
 const BETWEEN_CELLS: f32 = 0.2;
 const WITHIN_CELL: f32 = 0.2;
 /// Third differences between degrees of murkiness exceed the error of a parabola, at most 0.064 of them, by this.
@@ -84,7 +85,11 @@ pub(super) fn add(
             Order::Within(tolerance) => tolerance,
             Order::Fixed(_) => 0.0,
         },
-        cut: Cut { cells: 0, used: 0 },
+        cut: Cut {
+            cells: 0,
+            first: 0,
+            used: 0,
+        },
         rules,
     };
     if is_dark {
@@ -96,10 +101,11 @@ pub(super) fn add(
     frame.read_all(&ends, glow)
 }
 
-/// Equal cells of a ray, and how many from the camera on some pixel needs.
+/// Equal cells of a ray, and which of them some pixel needs: those before are summed up, but not kept.
 #[derive(Clone, Copy)]
 struct Cut {
     cells: usize,
+    first: usize,
     used: usize,
 }
 
@@ -143,9 +149,9 @@ impl Frame<'_> {
         let rows = height.div_ceil(STEP) as i64;
         for &cells in &CELLS[wide..] {
             let read = ends.cells(cells);
-            // With the one behind, into which slopes change.
-            let used = (read.1 + 2).min(cells);
-            self.cut = Cut { cells, used };
+            // With one on either side, into which slopes change.
+            let (first, used) = (read.0.saturating_sub(1), (read.1 + 2).min(cells));
+            self.cut = Cut { cells, first, used };
             let is_enough = [rows / 4, rows * 3 / 4].into_iter().all(|row| {
                 let lines = Line::of_rows(self, (STEP, row..row + 1), self.cut, &rays);
                 lines[0].left_by_cells(read) <= LEFT_BY_CELLS * self.tolerance
@@ -239,7 +245,7 @@ impl Frame<'_> {
     /// The cone of a spot in radians.
     fn cone(&self) -> Option<f32> {
         let profile = &self.lamp.profile;
-        (profile.slope > 0.0).then(|| profile.cos_cone.acos())
+        (profile.slope > 0.0).then_some(profile.cone)
     }
 
     /// Sums up along the rays of some pixels, at most a run.

@@ -44,10 +44,11 @@ const FARTHEST: f32 = WIDEST as f32;
 /// the registers, and takes six times as long.
 pub(super) struct Blur([Vec<f32>; 3]);
 
-/// Where the surfaces of a run lie in the beam, and the scale of the kernel of each channel.
+/// Where the surfaces of a run lie in the beam, the scale of the kernel of each channel, and the profile that it leaves.
 struct InBeam {
     turned: Turned,
     scale: [[f32; RUN]; 3],
+    blurs: [[f32; RUN]; 3],
 }
 
 impl Blur {
@@ -62,12 +63,13 @@ impl Blur {
         let mut run = InBeam {
             turned: Turned::new(),
             scale: [[0.0; RUN]; 3],
+            blurs: [[0.0; RUN]; 3],
         };
         for start in (0..murk.len()).step_by(RUN) {
             let count = RUN.min(murk.len() - start);
             vectorized!(in_beam(row, lamp, water, (murk, start, count), &mut run));
-            let blurs = blurred(&lamp.profile, &run.turned, &run.scale);
-            for (lane, blur) in self.0.iter_mut().zip(&blurs) {
+            blurred(&lamp.profile, &run.turned, &run.scale, &mut run.blurs);
+            for (lane, blur) in self.0.iter_mut().zip(&run.blurs) {
                 lane[start..start + count].copy_from_slice(&blur[..count]);
             }
         }

@@ -84,6 +84,7 @@ pub(super) struct Node {
     /// Scale of the kernel of each channel.
     scale: [Lanes; 3],
     turned: Turned,
+    blurs: [Lanes; 3],
 }
 
 impl Node {
@@ -93,6 +94,7 @@ impl Node {
             light: dark,
             scale: dark,
             turned: Turned::new(),
+            blurs: dark,
         }
     }
 
@@ -103,8 +105,8 @@ impl Node {
             return;
         }
         vectorized!(self.shine_evenly::<true>(lamp, rays, share));
-        let blurs = blurred(&lamp.profile, &self.turned, &self.scale);
-        for (light, blur) in self.light.iter_mut().zip(&blurs) {
+        blurred(&lamp.profile, &self.turned, &self.scale, &mut self.blurs);
+        for (light, blur) in self.light.iter_mut().zip(&self.blurs) {
             for i in 0..RUN {
                 light[i] *= blur[i];
             }

@@ -33,12 +33,14 @@ const BUMPS: usize = 15;
 pub(super) struct Ray<'a> {
     cells: &'a [Cell],
     stride: usize,
+    /// The first cell that was kept.
+    start: usize,
 }
 
 impl<'a> Ray<'a> {
     #[inline(always)]
     pub(super) fn at(&self, cell: usize) -> &'a [f32; 16] {
-        &self.cells[cell * self.stride].0
+        &self.cells[(cell - self.start) * self.stride].0
     }
 
     /// The sum up to the end of a cell; the fourth is none.
@@ -62,7 +64,7 @@ pub(super) struct Line {
     distance: Vec<f32>,
     /// Cell by cell those of its rays, of each degree.
     degrees: Vec<Vec<Cell>>,
-    used: usize,
+    cut: Cut,
     /// Of the murkiness of its rays.
     pub(super) murk: nodes::Span,
 }
@@ -81,12 +83,12 @@ impl Line {
         for (slot, &ray) in asked.iter().enumerate() {
             slots[ray] = slot;
         }
-        let dark = vec![Cell([0.0; 16]); asked.len() * cut.used];
+        let dark = || vec![Cell([0.0; 16]); asked.len() * (cut.used - cut.first)];
         let line = |_| Self {
             slots: slots.clone(),
             distance: vec![0.0; asked.len()],
-            degrees: vec![dark.clone(); frame.murkiness.degrees()],
-            used: cut.used,
+            degrees: (0..frame.murkiness.degrees()).map(|_| dark()).collect(),
+            cut,
             murk: nodes::Span::dark(),
         };
         let mut lines: Vec<Self> = rows.clone().map(line).collect();
@@ -108,7 +110,7 @@ impl Line {
                 }
                 let store = |i: usize, cell: usize, value: Cell| {
                     let (line, slot) = run[i];
-                    lines[line].degrees[degree][cell * asked.len() + slot] = value;
+                    lines[line].degrees[degree][(cell - cut.first) * asked.len() + slot] = value;
                 };
                 sum_up(frame.lamp, (&bundle, &murk.source), cut, run.len(), store);
             }
@@ -125,6 +127,7 @@ impl Line {
         self.degrees.iter().map(move |cells| Ray {
             cells: &cells[first..],
             stride: self.distance.len(),
+            start: self.cut.first,
         })
     }
 
@@ -133,6 +136,7 @@ impl Line {
         Ray {
             cells: &self.degrees[degree][self.slots[ray]..],
             stride: self.distance.len(),
+            start: self.cut.first,
         }
     }
 
@@ -143,7 +147,7 @@ impl Line {
 
     /// The cell behind another, as far as there is one.
     pub(super) fn next(&self, cell: usize) -> usize {
-        (cell + 1).min(self.used - 1)
+        (cell + 1).min(self.cut.used - 1)
     }
 
     pub(super) fn distance_m(&self, ray: usize) -> f32 {
@@ -241,6 +245,9 @@ fn sum_up(
             vectorized!(direct.shine(lamp, rays, ends, NODES));
         }
         vectorized!(across.go_on(lamp.gain, &scale, [&one, &other], &direct, cell));
+        if cell < cut.first {
+            continue;
+        }
         let Across {
             sums: [sr, sg, sb],
             inside: [ir, ig, ib],

@@ -179,7 +179,12 @@ fn read_row(
     for x in 0..STEP {
         bent[x] = 0.5 * right[x] * (right[x] - 1.0);
     }
-    let mut cell = next(&cells, -1.0);
+    let is_one = block.bends.len() == 1;
+    let mut cell = if is_one {
+        block.first as f32
+    } else {
+        next(&cells, -1.0)
+    };
     while cell <= last as f32 {
         let four = block.corners[0].each_ref().map(|ray| ray.at(cell as usize));
         let Bend {
@@ -206,7 +211,7 @@ fn read_row(
                 light[channel][x] = if cells[x] == cell { sum } else { light[channel][x] };
             }
         }
-        cell = next(&cells, cell);
+        cell = if is_one { f32::INFINITY } else { next(&cells, cell) };
     }
     light
 }
