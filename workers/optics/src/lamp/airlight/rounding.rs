@@ -14,6 +14,8 @@ const WAY: f64 = 2.0;
 /// Roundings of an angle, of the sine and cosine of one, and of the exponential and all factors of the light.
 const ANGLE: f64 = 6.0;
 const FACTORS: f64 = 12.0;
+/// Parts of the whole way of a ray: light that is scattered on its way comes from all of it.
+const PARTS: usize = 16;
 
 /// What f32 may lose of the light of one lamp.
 ///
@@ -37,6 +39,8 @@ pub(super) struct Rounding {
     distance_m: f64,
     way_m: f64,
     slope: f64,
+    /// Into so many parts the integral of the phase function is cut, each as great as at its greater end.
+    parts: usize,
     scale_m: Option<f64>,
 }
 
@@ -57,6 +61,7 @@ impl Rounding {
             distance_m,
             way_m: (STEP * WAY + lens) * distance_m,
             slope: lamp.beam.slope(),
+            parts: if lighting.absorption.is_some() { PARTS } else { 1 },
             scale_m: lighting.patches.as_ref().map(turbidity::Field::scale_m),
         }
     }
@@ -84,7 +89,11 @@ impl Rounding {
             _ => near,
         };
         let profile = self.slope * (4.0 * STEP + self.way_m / lit);
-        let turned = 2.0 * f64::from(span.to - span.from) * from.max(to);
+        let turned = if self.parts == 1 {
+            2.0 * f64::from(span.to - span.from) * from.max(to)
+        } else {
+            self.integral(span)
+        };
         let meters = most * murkiest * self.distance_m;
         // Of the means up to the lamp, and of one over a stretch of that.
         let murk = self.scale_m.map_or(0.0, |scale| {
@@ -98,5 +107,14 @@ impl Rounding {
         };
         let shares = STEP * (FACTORS + 4.0 * meters) + moved * self.way_m + murk;
         unit * (ends + profile * turned) + f64::from(brightest) * shares
+    }
+
+    /// No less than the integral of the phase function over all angles of a run.
+    fn integral(&self, span: Span) -> f64 {
+        let (from, length) = (f64::from(span.from), f64::from(span.to - span.from));
+        let part = length / self.parts as f64;
+        let phase = |end: usize| henyey_greenstein(self.asymmetry, (2.0 * (from + end as f64 * part)).cos());
+        let parts = (0..self.parts).map(|at| 2.0 * part * phase(at).max(phase(at + 1)));
+        parts.sum()
     }
 }
