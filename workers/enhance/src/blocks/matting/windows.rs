@@ -1,5 +1,6 @@
 //! The coefficients of the matting Laplacian, row by row.
 
+use std::iter::zip;
 use std::ops::{Add, AddAssign, Mul};
 
 use imaging::{Plane, vectorized};
@@ -29,6 +30,8 @@ pub(super) const STEPS: [(isize, usize); 13] = [
 const RIDGE: f64 = 1e-7 / 9.0 * 255.0 * 255.0;
 /// Windows that are worked on together: what is known of them stays in the first-level cache.
 const BLOCK: usize = 64;
+/// Windows whose sums stay in registers; a block is several groups.
+const GROUP: usize = 16;
 /// Pixels of a window, and its side.
 const PIXELS: usize = 9;
 const SIDE: usize = 3;
@@ -95,38 +98,65 @@ pub(super) fn each_row<T: Real>(
 /// Of colors along a line the adjugate would lose the ridge to rounding, and the matrix would not stay positive.
 #[inline(always)]
 fn whiten<T: Real>(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes<T>; 3]; PIXELS]) {
-    let lines = lines.map(|rows| rows.map(|row| &row[..count + SIDE - 1]));
-    let code =
-        |channel: usize, pixel: usize, n: usize| i32::from(lines[channel][pixel / SIDE][n + pixel % SIDE]);
-    for n in 0..count {
-        let (mut sums, mut products) = ([0i32; 3], [[0i32; 3]; 3]);
-        for pixel in 0..PIXELS {
-            let color = [0, 1, 2].map(|channel| code(channel, pixel, n));
-            for a in 0..3 {
-                sums[a] += color[a];
-                for b in 0..=a {
-                    products[a][b] += color[a] * color[b];
+    for start in (0..count).step_by(GROUP) {
+        let group = start..(start + GROUP).min(count);
+        let mut codes = [[[0i32; GROUP]; PIXELS]; 3];
+        for (channel, codes) in codes.iter_mut().enumerate() {
+            for (pixel, codes) in codes.iter_mut().enumerate() {
+                let line = &lines[channel][pixel / SIDE][pixel % SIDE..][group.clone()];
+                zip(codes, line).for_each(|(to, &code)| *to = i32::from(code));
+            }
+        }
+        whiten_group(&codes, start, white);
+    }
+}
+
+/// Writes those of a group from a place on.
+#[inline(always)]
+fn whiten_group<T: Real>(
+    codes: &[[[i32; GROUP]; PIXELS]; 3],
+    start: usize,
+    white: &mut [[Lanes<T>; 3]; PIXELS],
+) {
+    let (mut sums, mut products) = ([[0i32; GROUP]; 3], [[[0i32; GROUP]; 3]; 3]);
+    for pixel in 0..PIXELS {
+        for a in 0..3 {
+            for n in 0..GROUP {
+                sums[a][n] += codes[a][pixel][n];
+            }
+            for b in 0..=a {
+                for n in 0..GROUP {
+                    products[a][b][n] += codes[a][pixel][n] * codes[b][pixel][n];
                 }
             }
         }
+    }
+    let mut factors = [[0.0f64; GROUP]; 6];
+    for n in 0..GROUP {
         let covariance = |a: usize, b: usize| {
             let ridge = if a == b { RIDGE } else { 0.0 };
-            f64::from(9 * products[a][b] - sums[a] * sums[b]) / 81.0 + ridge
+            f64::from(9 * products[a][b][n] - sums[a][n] * sums[b][n]) / 81.0 + ridge
         };
         let c11 = covariance(0, 0).sqrt();
         let (c21, c31) = (covariance(1, 0) / c11, covariance(2, 0) / c11);
         let c22 = (covariance(1, 1) - c21 * c21).sqrt();
         let c32 = (covariance(2, 1) - c31 * c21) / c22;
         let c33 = (covariance(2, 2) - c31 * c31 - c32 * c32).sqrt();
-        let inverse = [1.0 / c11, 1.0 / c22, 1.0 / c33];
-        for pixel in 0..PIXELS {
+        for (factor, value) in zip(&mut factors, [1.0 / c11, c21, 1.0 / c22, c31, c32, 1.0 / c33]) {
+            factor[n] = value;
+        }
+    }
+    let [i11, c21, i22, c31, c32, i33] = &factors;
+    for (pixel, white) in white.iter_mut().enumerate() {
+        let [red, green, blue] = white.each_mut().map(|lanes| &mut lanes[start..start + GROUP]);
+        for n in 0..GROUP {
             // Nine times the distance from the mean is exact.
-            let away = [0, 1, 2].map(|c| f64::from(9 * code(c, pixel, n) - sums[c]) / 9.0);
-            let r = away[0] * inverse[0];
-            let g = (away[1] - c21 * r) * inverse[1];
-            white[pixel][0][n] = T::of(r);
-            white[pixel][1][n] = T::of(g);
-            white[pixel][2][n] = T::of((away[2] - c31 * r - c32 * g) * inverse[2]);
+            let away = |c: usize| f64::from(9 * codes[c][pixel][n] - sums[c][n]) / 9.0;
+            let r = away(0) * i11[n];
+            let g = (away(1) - c21[n] * r) * i22[n];
+            red[n] = T::of(r);
+            green[n] = T::of(g);
+            blue[n] = T::of((away(2) - c31[n] * r - c32[n] * g) * i33[n]);
         }
     }
 }
