@@ -9,6 +9,7 @@ pub mod chain_stability;
 pub mod chart;
 pub mod effects;
 pub mod frame_truth;
+pub mod ibla;
 mod johnson;
 pub mod lamp_truth;
 pub mod plot;

@@ -7,6 +7,7 @@ mod campaign;
 mod chart;
 mod effect_sheets;
 mod figure;
+mod ibla;
 mod ladder;
 mod look;
 mod scene_sheets;
@@ -34,6 +35,8 @@ pub(crate) enum Command {
     Stability(stability::Arguments),
     /// Compare the enhancement methods over a folder of pictures or a dataset
     Table1(table1::Arguments),
+    /// Measure how often the faster forms of IBLA find the light of the exact one, and how far their results are from its
+    Ibla(ibla::Arguments),
     /// Draw the steps of the chain and the style waters for one scene
     Figure(figure::Arguments),
     /// Draw the waters: transmittance, grey cards, one wall and every scene family in several waters
@@ -70,6 +73,7 @@ impl Command {
             Self::Ladder(arguments) => ladder::run(&arguments),
             Self::Stability(arguments) => stability::run(&arguments),
             Self::Table1(arguments) => table1::run(&arguments),
+            Self::Ibla(arguments) => ibla::run(&arguments),
             Self::Figure(arguments) => figure::run(&arguments),
             Self::Waters(arguments) => waters::run(&arguments),
             Self::Airlight(arguments) => airlight::run(&arguments),

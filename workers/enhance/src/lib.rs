@@ -17,7 +17,7 @@ mod signs;
 mod variant;
 mod warning;
 
-pub use methods::{METHODS, Method, hscm, run, run_variant};
+pub use methods::{METHODS, Method, hscm, ibla, run, run_variant};
 pub use result::{EnhanceError, Enhanced};
 pub use variant::Variant;
 pub use warning::Warning;

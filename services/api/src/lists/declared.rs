@@ -227,8 +227,9 @@ fn profiles(_: &Library) -> Vec<Entry> {
 
 fn enhancements(_: &Library) -> Vec<Entry> {
     let methods = enhance::METHODS.iter().filter_map(|name| Method::parse(name));
+    let about = |method: &Method| format!("{}; {}", method.about(), method.against_published());
     methods
-        .map(|method| entry(method.name(), method.about()))
+        .map(|method| entry(method.name(), about(&method)))
         .collect()
 }
 

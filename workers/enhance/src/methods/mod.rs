@@ -3,7 +3,7 @@
 mod clahe;
 mod gray_world;
 pub mod hscm;
-mod ibla;
+pub mod ibla;
 mod rd;
 mod rghs;
 mod suir;

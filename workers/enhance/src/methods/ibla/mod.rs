@@ -22,6 +22,7 @@
 //! dark; with a lamp the light is the black water behind, and what is lit turns white; a light that one of the sigmoids leaves undecided
 //! changes from one frame of a film to the next. A picture of one color is unchanged.
 
+mod form;
 mod light;
 #[cfg(test)]
 mod tests;
@@ -29,11 +30,12 @@ mod tests;
 use imaging::{Plane, Raster, Rgb8, luma1000, vectorized};
 
 use crate::blocks::{Guide, Matting, Veil, extremes, filled, gaussian, guided, normalized};
-use crate::blocks::{lowest_refined, restore, window_max};
+use crate::blocks::{restore, window_max};
 use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
 use crate::variant::Variant;
 use crate::warning::Warning;
+pub use form::{Form, candidates};
 use light::Light;
 
 /// Radius of the windows of local maxima, pixels.
@@ -51,59 +53,52 @@ const TRANSMITTANCE: (f64, f64) = (0.1, f64::INFINITY);
 /// A light above this that blackens the picture is a bright object.
 const BRIGHT_LIGHT: f64 = 0.8;
 
-/// What refines a plane.
-enum Refinement<'g> {
-    Matting(Matting<'g>),
-    /// Closeness by the guided filter, and what gives the light by this.
-    Guided(fn(&Guide, &Plane<f64>, Variant) -> Plane<f64>),
-}
-
 /// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    let guide = Guide::new(&picture.to_rgb8());
-    let refinement = Refinement::Matting(Matting::new(&guide, variant));
-    restored(picture, &guide, variant, &refinement)
+    restored(picture, variant, Form::Matting)
 }
 
 /// The same, refined by the guided filter.
 #[must_use]
 pub(crate) fn enhance_guided(picture: &Raster, variant: Variant) -> Enhanced {
-    let guide = Guide::new(&picture.to_rgb8());
-    restored(picture, &guide, variant, &Refinement::Guided(guided))
+    restored(picture, variant, Form::Guided)
 }
 
 /// The same with a light that is found by matting: what differs from [`enhance`] is the transmittance.
 #[must_use]
 pub(crate) fn enhance_hybrid(picture: &Raster, variant: Variant) -> Enhanced {
-    let guide = Guide::new(&picture.to_rgb8());
-    restored(picture, &guide, variant, &Refinement::Guided(lowest_refined))
+    restored(picture, variant, Form::Hybrid)
 }
 
-fn restored(picture: &Raster, guide: &Guide, variant: Variant, refinement: &Refinement) -> Enhanced {
+fn restored(picture: &Raster, variant: Variant, form: Form) -> Enhanced {
     let colors = picture.to_rgb8();
+    let guide = &Guide::new(&colors);
     let blurriness = blurriness(&colors, variant);
     let measures = Measures::new(guide, &blurriness, variant);
-    let (light, mix, closeness) = match refinement {
-        Refinement::Matting(matting) => {
+    let (light, mix, closeness) = match form {
+        Form::Matting => {
             // Closeness depends on the light by one factor that is known but nearly: it is refined together with blurriness.
             let guess =
                 || Mix::new(guide, Light::new(&colors, &blurriness, variant).color).closeness(&measures);
+            let matting = Matting::new(guide, variant);
             let (refined, ahead) = matting.refined_beside(&blurriness, guess);
             let light = Light::new(&colors, &refined, variant);
             let mix = Mix::new(guide, light.color);
             let closeness = matting.refined_near(&mix.closeness(&measures), ahead);
             (light, mix, closeness)
         }
-        Refinement::Guided(refined) => {
-            let light = Light::new(&colors, &refined(guide, &blurriness, variant), variant);
+        Form::Hybrid | Form::Guided => {
+            let light = Light::new(&colors, &form.refined(guide, &blurriness, variant), variant);
             let mix = Mix::new(guide, light.color);
             let closeness = guided(guide, &mix.closeness(&measures), variant);
             (light, mix, closeness)
         }
     };
     let nearest = nearest(&colors, light.color);
-    let distance = closeness.map(|e| DEPTH * (1.0 - e + nearest));
+    let mut distance = closeness;
+    let values = distance.data_mut().iter_mut();
+    values.for_each(|e| *e = DEPTH * (1.0 - *e + nearest));
     let veil = Veil {
         light: light.color,
         attenuation: attenuation(light.color),

@@ -10,7 +10,7 @@ const LIGHT_TOLERANCE: f64 = 0.01;
 const PLANE_TOLERANCE: f64 = 1e-3;
 
 /// A form of the method: its name, how it refines a plane, and the whole of it.
-type Form<'a> = (
+type Refined<'a> = (
     &'static str,
     &'a dyn Fn(&Plane<f64>) -> Plane<f64>,
     fn(&Raster, Variant) -> Enhanced,
@@ -27,7 +27,7 @@ fn golden_stages_and_pictures() {
             let matting = Matting::new(&guide, variant);
             let by_guide = |plane: &Plane<f64>| guided(&guide, plane, variant);
             let by_matting = |plane: &Plane<f64>| matting.refined(plane);
-            let forms: [Form; 2] = [
+            let forms: [Refined; 2] = [
                 ("ibla", &by_matting, enhance),
                 ("ibla_guided", &by_guide, enhance_guided),
             ];
@@ -148,11 +148,8 @@ fn scene(seed: usize) -> Rgb8 {
 fn the_hybrid_stays_near_the_candidates_of_matting() {
     for seed in 0..20 {
         let picture = scene(seed);
-        let guide = Guide::new(&picture);
-        let raw = blurriness(&picture, Variant::Fast);
-        let whole = Matting::new(&guide, Variant::Fast).refined(&raw);
-        let [got, expected] = [lowest_refined(&guide, &raw, Variant::Fast), whole]
-            .map(|plane| Light::new(&picture, &plane, Variant::Fast).candidates);
+        let [got, expected] =
+            [Form::Hybrid, Form::Matting].map(|form| candidates(&picture, form, Variant::Fast));
         for (got, expected) in got.as_flattened().iter().zip(expected.as_flattened()) {
             assert!(
                 (got - expected).abs() < NOISY_LIGHT_TOLERANCE,

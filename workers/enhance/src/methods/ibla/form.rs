@@ -1,0 +1,87 @@
+//! The forms of the method, which refine planes by the matting Laplacian or by the guided filter.
+
+use imaging::{Plane, Rgb8};
+
+use super::blurriness;
+use super::light::Light;
+use crate::blocks::{Guide, Matting, guided, lowest_refined};
+use crate::variant::Variant;
+
+/// A form of the method: what refines blurriness, from which the light follows, and closeness, from which the transmittance does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Both by matting: the method `ibla`.
+    Matting,
+    /// Blurriness by matting around its smallest values, closeness by the guided filter: `ibla_hybrid`.
+    Hybrid,
+    /// Both by the guided filter: `ibla_guided`.
+    Guided,
+}
+
+impl Form {
+    /// All, the exact one first.
+    pub const ALL: [Self; 3] = [Self::Matting, Self::Hybrid, Self::Guided];
+
+    /// The name of its method.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Matting => "ibla",
+            Self::Hybrid => "ibla_hybrid",
+            Self::Guided => "ibla_guided",
+        }
+    }
+
+    /// Blurriness refined: `P_b`.
+    pub(super) fn refined(self, guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Plane<f64> {
+        match self {
+            Self::Matting => Matting::new(guide, variant).refined(plane),
+            Self::Hybrid => lowest_refined(guide, plane, variant),
+            Self::Guided => guided(guide, plane, variant),
+        }
+    }
+}
+
+/// The three colors that the background light of a picture of at least one pixel lies between. With refined blurriness `P_b`, small
+/// where the picture is blurred, they are in this order
+///
+/// - the mean color of the thousandth of the pixels with the smallest `P_b`, of one pixel at least,
+/// - that of the quadtree region with the lowest variance of luma, which no form changes,
+/// - that of the quadtree region with the smallest mean `P_b`,
+///
+/// each red, green and blue in 0..=1 of the codes.
+#[must_use]
+pub fn candidates(picture: &Rgb8, form: Form, variant: Variant) -> [[f64; 3]; 3] {
+    let refined = form.refined(&Guide::new(picture), &blurriness(picture, variant), variant);
+    Light::new(picture, &refined, variant).candidates
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Method, run_variant};
+
+    #[test]
+    fn forms_are_the_methods_of_their_names() {
+        let picture = Rgb8::from_fn(60, 40, |x, y| {
+            [(x * 3) as u8, (y * 5) as u8, ((x * y) % 97) as u8]
+        });
+        let raster = picture.clone().into();
+        let results = Form::ALL.map(|form| {
+            let method = Method::parse(form.name()).unwrap();
+            let result = run_variant(&method, &raster, Variant::Fast).unwrap();
+            assert_eq!(result, super::super::restored(&raster, Variant::Fast, form));
+            result
+        });
+        assert_ne!(results[0], results[2]);
+        let [matting, hybrid, guided] = Form::ALL.map(|form| candidates(&picture, form, Variant::Fast));
+        assert_eq!(matting, hybrid, "small pictures are solved as a whole");
+        assert_eq!(matting[1], guided[1]);
+        assert!(
+            guided
+                .as_flattened()
+                .iter()
+                .all(|value| (0.0..=1.0).contains(value))
+        );
+    }
+}
