@@ -6,7 +6,7 @@ use super::tiles::{TILE, in_tiles};
 use crate::range::is_hole;
 
 /// Surfaces whose ranges differ by less than this factor are taken to be one.
-const ALIKE: f32 = 1.05;
+pub(super) const ALIKE: f32 = 1.05;
 
 /// The nodes of a grid over a picture: every `step`-th column and row, and the last ones.
 struct Grid {

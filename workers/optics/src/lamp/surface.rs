@@ -1,5 +1,6 @@
 //! The light of lamps on surfaces.
 
+mod discs;
 mod joined;
 mod row;
 mod shade;
@@ -9,7 +10,6 @@ use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
 use super::beam::Profile;
-use super::tiles::TILE;
 use super::{Lamp, Lighting};
 use crate::attenuation::masked;
 use crate::elementary::{HALVINGS, fade};
@@ -61,7 +61,7 @@ fn shine_on(
     let (width, height) = range.size();
     let [mut red, mut green, mut blue] = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
     let camera = &lighting.camera;
-    let lens = [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32);
+    let lens = row::lens(camera);
     let attenuation = lighting.attenuation.map(|c| c as f32 * HALVINGS);
     let radius = lighting.radius_m as f32;
     let joined = Joined::new(lighting);
@@ -73,43 +73,22 @@ fn shine_on(
         .collect();
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
     let mut murk = vec![1.0f32; width];
-    let mut shades: Vec<Option<Shade>> = (lighting.lamps.iter())
+    let shades: Vec<Option<Shade>> = (lighting.lamps.iter())
         .map(|lamp| Shade::new(lamp, lighting, (range, normals), rays?))
         .collect();
     let mut blurs: Vec<Option<Blur>> = (lighting.lamps.iter())
         .map(|lamp| Blur::new(lamp, lighting, width))
         .collect();
-    // Shadows are looked for from a few rows at once.
-    let rows = if shades.iter().all(Option::is_none) {
-        1
-    } else {
-        TILE
-    };
-    let mut places = [(); 5].map(|()| vec![0.0f32; width * rows]);
+    let mut places = [(); 5].map(|()| vec![0.0f32; width]);
     let [mut near, mut seen] = [(); 2].map(|()| vec![0.0f32; width]);
     let mut rounding = 0.0f64;
     for y in 0..height {
-        let row = y % rows;
-        if row == 0 {
-            let count = rows.min(height - y);
-            for row in 0..count {
-                let mut to = places
-                    .each_mut()
-                    .map(|lane| &mut lane[row * width..(row + 1) * width]);
-                vectorized!(places_of(lens, (y + row) as f32, range.row(y + row), &mut to));
-            }
-            let all = Row::new(
-                (&places, 0..count * width),
-                (normals, y * width),
-                (attenuation, radius),
-            );
-            shades.iter_mut().flatten().for_each(|shade| shade.look(all));
-        }
-        let (own, at) = (row * width..(row + 1) * width, y * width);
-        let own = Row::new((&places, own), (normals, at), (attenuation, radius));
+        let mut to = places.each_mut().map(Vec::as_mut_slice);
+        vectorized!(places_of(lens, y as f32, range.row(y), &mut to));
+        let own = Row::new((&places, 0..width), (normals, y * width), (attenuation, radius));
         let mut lost = 0.0;
         for (((lamp, limit), shade), blur) in sources.iter().zip(&limits).zip(&shades).zip(&mut blurs) {
-            let shade = shade.as_ref().map(|shade| shade.of_row(y, row));
+            let shade = shade.as_ref().map(|shade| shade.of_row(y));
             if let Some(patches) = &patches {
                 vectorized!(murk_of(patches, y, range.row(y), (own, lamp.place), &mut murk));
             }

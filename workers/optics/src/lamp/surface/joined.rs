@@ -156,10 +156,11 @@ fn shine<const SPOT: bool, const SHADED: bool>(
     let [x, y, z, range, shown] = row.places.map(|lane| &lane[..width]);
     let [nx, ny, nz] = row.normals.map(|lane| &lane[..width]);
     let murk = &murk[..width];
-    let cut = |lane: &'_ [f32]| -> usize { if SHADED { lane.len().min(width) } else { 0 } };
     let blur = blur.map(|lane| if SPOT { &lane[..width] } else { lane });
-    let lit = &shade.direct[..cut(shade.direct)];
-    let spread = shade.spread.map(|lane| &lane[..cut(lane)]);
+    let lit = if SHADED { &shade.direct[..width] } else { &[] };
+    let spread = shade
+        .spread
+        .map(|lane| if SHADED { &lane[..width] } else { lane });
     let (near, seen) = (&mut near[..width], &mut seen[..width]);
     let (green, blue) = (&mut green[..width], &mut blue[..width]);
     let ([px, py, pz], [ir, ig, ib]) = (lamp.place, lamp.intensity);
@@ -177,19 +178,21 @@ fn shine<const SPOT: bool, const SHADED: bool>(
             let cos = -ax.mul_add(lx, ay.mul_add(ly, az * lz)) * inverse;
             profile = slope.mul_add(cos, offset).max(0.0).min(1.0);
         }
-        let arriving = |channel: usize| {
+        let mut arriving = [0.0; 3];
+        for channel in 0..3 {
             let direct = fade(row.attenuation[channel], meters);
             let lost = (water.loss[channel] * power).min(water.most_loss[channel]);
             let joined = (fade(water.absorption[channel] + lost, meters) - direct).max(0.0);
             let blur = if SPOT { blur[channel][i] } else { 1.0 };
-            if SHADED {
-                return blur.mul_add(joined * spread[channel][i], profile * direct * lit[i]);
-            }
-            blur.mul_add(joined, profile * direct)
-        };
+            arriving[channel] = if SHADED {
+                blur.mul_add(joined * spread[channel][i], profile * direct * lit[i])
+            } else {
+                blur.mul_add(joined, profile * direct)
+            };
+        }
         (near[i], seen[i]) = (shown[i] * inverse, shown[i] * range[i] * inverse);
-        red[i] = (ir * fall).mul_add(arriving(0), red[i]);
-        green[i] = (ig * fall).mul_add(arriving(1), green[i]);
-        blue[i] = (ib * fall).mul_add(arriving(2), blue[i]);
+        red[i] = (ir * fall).mul_add(arriving[0], red[i]);
+        green[i] = (ig * fall).mul_add(arriving[1], green[i]);
+        blue[i] = (ib * fall).mul_add(arriving[2], blue[i]);
     }
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use imaging::Plane;
+use imaging::geometry::Intrinsics;
 
 use crate::attenuation::masked;
 
@@ -32,6 +33,11 @@ impl<'a> Row<'a> {
             radius,
         }
     }
+}
+
+/// What [`places_of`] needs to know of a camera: 1/f and the principal point, px.
+pub(super) fn lens(camera: &Intrinsics) -> [f32; 3] {
+    [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32)
 }
 
 /// Sets where the surfaces of row `y` are: the lanes of [`Row::places`].

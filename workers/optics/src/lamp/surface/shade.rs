@@ -5,37 +5,28 @@ use imaging::rays::{OFFSET, Rays};
 use imaging::{Plane, vectorized};
 
 use super::Row;
+use super::discs::{Discs, Surfaces};
+use super::row::{lens, places_of};
 use crate::elementary::{HALVINGS, fade};
 use crate::lamp::beam::Profile;
-use crate::lamp::coarse;
-use crate::lamp::multiple::surface_scale;
-use crate::lamp::shadow::{SPREAD_PLACES, Shadow};
+use crate::lamp::shadow::Shadow;
 use crate::lamp::sight::{Disc, Radius, Sight, Starts};
-use crate::lamp::tiles::in_tiles;
+use crate::lamp::tiles::{TILE, in_tiles};
 use crate::lamp::{Lamp, Lighting};
-use crate::range::is_hole;
 
-/// The discs are looked for from every so many columns and rows.
-const STEP: usize = 4;
-/// Between places that see shares of a disc which differ by no more, they are read.
-const READ_UP_TO: f32 = 0.125;
+/// How a surface stands to a lamp: turned away, or no surface; lit by no more than is not seen; lit from outside the beam, in which
+/// only scattered light arrives; in the beam.
+pub(super) const AWAY: f32 = 0.0;
+const DIM: f32 = 1.0;
+pub(super) const LIT: f32 = 2.0;
+pub(super) const IN_BEAM: f32 = 3.0;
 
 /// The shadows of one lamp.
-pub(super) struct Shade<'a> {
-    sight: Sight<'a>,
-    reach: Reach,
-    disc: Disc,
-    radius_m: f32,
-    /// Of the pixels of the rows: how much of the lamp is seen.
+pub(super) struct Shade {
+    /// Of the pixels of the frame, how much of the lamp is seen.
     seen: Vec<f32>,
-    /// Of the pixels of the rows: where ways to the lamp begin, and 1 where one is looked along.
-    lanes: [Vec<f32>; 4],
-    starts: Starts,
-    pixels: Vec<usize>,
-    shares: Vec<f32>,
-    /// Of the pixels of the frame and each channel: how much of the disc is seen that spread light comes from. Empty where such
-    /// light is not followed.
-    spread: [Vec<f32>; 3],
+    /// None where scattered light is not followed.
+    discs: Option<Discs>,
     width: usize,
 }
 
@@ -56,67 +47,127 @@ pub(super) struct RowShade<'a> {
     pub(super) spread: [&'a [f32]; 3],
 }
 
-impl<'a> Shade<'a> {
+impl Shade {
     /// None of a lamp whose light nothing cuts off.
     pub(super) fn new(
         lamp: &Lamp,
         lighting: &Lighting,
         (range, normals): (&Plane<f32>, &[Plane<f32>; 3]),
-        (rays, unseen): (&'a dyn Rays, f64),
+        (rays, unseen): (&dyn Rays, f64),
     ) -> Option<Self> {
         if lamp.shadow == Shadow::None {
             return None;
         }
+        let reach = Reach {
+            place: lamp.position_m.map(|v| v as f32),
+            profile: lamp.beam.single(),
+            strength: (lamp.intensity.into_iter().fold(0.0, f64::max) / unseen.max(1e-30)) as f32,
+            fading: fading(lighting) * HALVINGS,
+        };
+        let mut look = Look::new(lamp, (rays, reach), range.size());
+        for top in (0..range.height()).step_by(TILE) {
+            look.from_rows(lighting, range, normals, top);
+        }
+        let Look { seen, facing, .. } = look;
+        let surfaces = Surfaces {
+            range,
+            normals,
+            facing: &facing,
+            seen: &seen,
+        };
+        let is_joined = lighting.absorption.is_some();
+        let discs = is_joined.then(|| Discs::new(lighting, reach.place, rays, surfaces));
+        Some(Self {
+            seen,
+            discs,
+            width: range.width(),
+        })
+    }
+
+    /// What is left in row `y`.
+    pub(super) fn of_row(&self, y: usize) -> RowShade<'_> {
+        RowShade {
+            direct: &self.seen[y * self.width..(y + 1) * self.width],
+            spread: self
+                .discs
+                .as_ref()
+                .map(|discs| discs.of_row(y))
+                .unwrap_or_default(),
+        }
+    }
+}
+
+/// Looks for the lamp itself, a few rows at once.
+struct Look<'a> {
+    sight: Sight<'a>,
+    reach: Reach,
+    disc: Disc,
+    radius_m: f32,
+    /// Of the pixels of the frame, as far as it was looked from: how much of the lamp is seen, and how they stand to it.
+    seen: Vec<f32>,
+    facing: Vec<f32>,
+    /// Of the rows: where their surfaces are, where ways to the lamp begin, and how they stand to it.
+    places: [Vec<f32>; 5],
+    lanes: [Vec<f32>; 4],
+    starts: Starts,
+    pixels: Vec<usize>,
+    shares: Vec<f32>,
+    width: usize,
+}
+
+impl<'a> Look<'a> {
+    fn new(lamp: &Lamp, (rays, reach): (&'a dyn Rays, Reach), (width, height): (usize, usize)) -> Self {
         let (radius_m, count) = lamp.shadow.disc();
-        let mut shade = Self {
+        Self {
             sight: Sight::new(rays),
-            reach: Reach {
-                place: lamp.position_m.map(|v| v as f32),
-                profile: lamp.beam.single(),
-                strength: (lamp.intensity.into_iter().fold(0.0, f64::max) / unseen.max(1e-30)) as f32,
-                fading: fading(lighting) * HALVINGS,
-            },
+            reach,
             disc: Disc::new(count),
             radius_m: radius_m as f32,
-            seen: Vec::new(),
+            // Where the lamp is not looked for, it does not matter.
+            seen: vec![1.0; width * height],
+            facing: Vec::with_capacity(width * height),
+            places: [const { Vec::new() }; 5],
             lanes: [const { Vec::new() }; 4],
             starts: Starts::default(),
             pixels: Vec::new(),
             shares: Vec::new(),
-            spread: [const { Vec::new() }; 3],
-            width: range.width(),
-        };
-        if lighting.absorption.is_some() {
-            shade.spread = shade.look_for_discs(lighting, range, normals);
+            width,
         }
-        Some(shade)
     }
 
-    /// Looks for the lamp from the surfaces of a few rows that it may light.
-    pub(super) fn look(&mut self, rows: Row<'_>) {
-        let (count, reach) = (rows.places[0].len(), self.reach);
+    fn from_rows(&mut self, lighting: &Lighting, range: &Plane<f32>, normals: &[Plane<f32>; 3], top: usize) {
+        let (width, reach) = (self.width, self.reach);
+        let rows = TILE.min(range.height() - top);
+        let (count, first) = (rows * width, top * width);
+        self.places.iter_mut().for_each(|lane| lane.resize(count, 0.0));
         self.lanes.iter_mut().for_each(|lane| lane.resize(count, 0.0));
+        for row in 0..rows {
+            let own = row * width..(row + 1) * width;
+            let mut to = self.places.each_mut().map(|lane| &mut lane[own.clone()]);
+            let y = top + row;
+            vectorized!(places_of(lens(&lighting.camera), y as f32, range.row(y), &mut to));
+        }
+        // Nothing is attenuated here.
+        let all = Row::new((&self.places, 0..count), (normals, first), ([0.0; 3], 0.0));
         vectorized!(starts_in(
-            rows,
+            all,
             reach,
             self.lanes.each_mut().map(Vec::as_mut_slice)
         ));
+        self.facing.extend_from_slice(&self.lanes[3]);
         self.gather(count);
         let disc = (&self.disc, Radius::Same(self.radius_m));
         self.sight
             .shares(&self.starts, reach.place, disc, &mut self.shares);
-        // Elsewhere it does not matter.
-        self.seen.clear();
-        self.seen.resize(count, 1.0);
         for (&i, &share) in self.pixels.iter().zip(&self.shares) {
-            self.seen[i] = share;
+            self.seen[first + i] = share;
         }
     }
 
     /// Lists the pixels of the rows that are looked from, tile by tile. Each is written where the next one of the list stands, which
     /// moves on only behind those that are looked from: without a branch that cannot be foreseen.
     fn gather(&mut self, count: usize) {
-        let [x_m, y_m, z_m, lit] = self.lanes.each_ref().map(|lane| &lane[..count]);
+        let [x_m, y_m, z_m, facing] = self.lanes.each_ref().map(|lane| &lane[..count]);
         self.pixels.resize(count, 0);
         let [to_x, to_y, to_z] = self.starts.sized(count);
         let pixels = &mut self.pixels[..count];
@@ -124,82 +175,14 @@ impl<'a> Shade<'a> {
         in_tiles(self.width, count / self.width).for_each(|(x, y)| {
             let i = y * self.width + x;
             (to_x[next], to_y[next], to_z[next], pixels[next]) = (x_m[i], y_m[i], z_m[i], i);
-            next += usize::from(lit[i] != 0.0);
+            next += usize::from(facing[i] == IN_BEAM);
         });
         self.starts.truncate(next);
         self.pixels.truncate(next);
     }
-
-    /// What is left in row `y` of the frame, which is number `row` of those that were looked from last.
-    pub(super) fn of_row(&self, y: usize, row: usize) -> RowShade<'_> {
-        let of_frame = y * self.width..(y + 1) * self.width;
-        RowShade {
-            direct: &self.seen[row * self.width..(row + 1) * self.width],
-            spread: self
-                .spread
-                .each_ref()
-                .map(|lane| lane.get(of_frame.clone()).unwrap_or_default()),
-        }
-    }
-
-    fn look_for_discs(
-        &mut self,
-        lighting: &Lighting,
-        range: &Plane<f32>,
-        normals: &[Plane<f32>; 3],
-    ) -> [Vec<f32>; 3] {
-        let camera = &lighting.camera;
-        let width = self.width;
-        let start_of = |at: usize| {
-            let (x, y) = (at % width, at / width);
-            let ray = camera.ray(x as f64, y as f64);
-            let meters = f64::from(range.data()[at]) / ray.length();
-            let place = <[f64; 3]>::from(ray).map(|v| (v * meters) as f32);
-            (place, [0, 1, 2].map(|axis| normals[axis].data()[at]))
-        };
-        let lamp = self.reach.place;
-        let faces = |at: usize| {
-            let (place, normal) = start_of(at);
-            let facing: f32 = (0..3).map(|i| normal[i] * (lamp[i] - place[i])).sum();
-            !is_hole(range.data()[at]) && facing > 0.0
-        };
-        let disc = Disc::new(SPREAD_PLACES);
-        let sight = &mut self.sight;
-        let (mut starts, mut radii, mut shares) = (Starts::default(), Vec::new(), Vec::new());
-        let all = coarse::fill(
-            range,
-            STEP,
-            faces,
-            |_, around| (0..3).all(|c| difference(around.map(|values| values[c])) <= READ_UP_TO),
-            |pixels, values| {
-                starts.clear();
-                for &at in pixels {
-                    let (place, normal) = start_of(at);
-                    // The sight of a hole is never read.
-                    let is_hole = is_hole(range.data()[at]);
-                    starts.push(if is_hole { lamp } else { off(place, normal) });
-                }
-                values.clear();
-                values.resize(pixels.len(), [1.0; 3]);
-                for channel in 0..3 {
-                    let b = lighting.scattering[channel];
-                    radii.clear();
-                    radii.extend((0..starts.len()).map(|i| {
-                        let meters = distance(starts.place(i), lamp);
-                        meters * surface_scale(b * f64::from(meters)) as f32
-                    }));
-                    sight.shares(&starts, lamp, (&disc, Radius::Of(&radii)), &mut shares);
-                    for (value, &share) in values.iter_mut().zip(&shares) {
-                        value[channel] = share;
-                    }
-                }
-            },
-        );
-        [0, 1, 2].map(|channel| all.iter().map(|values| values[channel]).collect())
-    }
 }
 
-/// Where ways to a lamp begin, and 1 on surfaces that face it, stand in its beam and are lit by more than what is not seen.
+/// Where ways to a lamp begin, and how surfaces stand to it.
 #[inline(always)]
 fn starts_in(
     Row {
@@ -208,13 +191,13 @@ fn starts_in(
         ..
     }: Row<'_>,
     reach: Reach,
-    [to_x, to_y, to_z, lit]: [&mut [f32]; 4],
+    [to_x, to_y, to_z, stand]: [&mut [f32]; 4],
 ) {
     let count = x.len();
     let (y, z, shown) = (&y[..count], &z[..count], &shown[..count]);
     let (nx, ny, nz) = (&nx[..count], &ny[..count], &nz[..count]);
     let (to_x, to_y, to_z) = (&mut to_x[..count], &mut to_y[..count], &mut to_z[..count]);
-    let lit = &mut lit[..count];
+    let stand = &mut stand[..count];
     let (
         [px, py, pz],
         Profile {
@@ -227,9 +210,11 @@ fn starts_in(
         let facing = nx[i] * wx + ny[i] * wy + nz[i] * wz;
         let along = axis[0] * wx + axis[1] * wy + axis[2] * wz;
         let light = reach.strength * facing / (meters * meters * meters) * fade(reach.fading, meters);
-        let is_lit =
-            (shown[i] != 0.0) & (facing > 0.0) & (light > 1.0) & (offset * meters - slope * along > 0.0);
-        lit[i] = if is_lit { 1.0 } else { 0.0 };
+        let in_beam = offset * meters - slope * along > 0.0;
+        let lit = if in_beam { IN_BEAM } else { LIT };
+        let lit = if light > 1.0 { lit } else { DIM };
+        let faces = (shown[i] != 0.0) & (facing > 0.0);
+        stand[i] = if faces { lit } else { AWAY };
         [to_x[i], to_y[i], to_z[i]] = off([x[i], y[i], z[i]], [nx[i], ny[i], nz[i]]);
     }
 }
@@ -243,25 +228,11 @@ fn fading(lighting: &Lighting) -> f32 {
 
 /// As [`imaging::rays::leaving`].
 #[inline(always)]
-fn off([x, y, z]: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
+pub(super) fn off([x, y, z]: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
     let meters = (x * x + y * y + z * z).sqrt().max(1.0) * OFFSET as f32;
     [
         x + meters * normal[0],
         y + meters * normal[1],
         z + meters * normal[2],
     ]
-}
-
-fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f32>().sqrt()
-}
-
-/// By how much values differ at most.
-fn difference(values: [f32; 4]) -> f32 {
-    let (least, most) = values
-        .into_iter()
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), v| {
-            (least.min(v), most.max(v))
-        });
-    most - least
 }
