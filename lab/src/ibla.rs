@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use enhance::ibla::{Form, candidates};
-use enhance::{EnhanceError, Method, Variant, run};
+use enhance::{EnhanceError, Variant, run};
 use imaging::{Raster, Rgb8, transfer};
 
 use crate::chart::{difference, time_once};
@@ -41,7 +41,7 @@ pub fn compare(picture: &Rgb8) -> Result<[Outcome; 3], EnhanceError> {
     let raster = Raster::from(picture.clone());
     let mut results = Vec::new();
     for form in Form::ALL {
-        let method = Method::parse(form.name()).expect("each form is a method");
+        let method = form.method();
         let mut enhanced = None;
         let ms = time_once(|| enhanced = Some(run(&method, &raster)));
         let codes = enhanced.expect("it was run")?.picture.to_rgb8();

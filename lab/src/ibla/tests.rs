@@ -66,6 +66,20 @@ fn a_form_that_finds_another_light_is_told_from_the_exact_one() {
 }
 
 #[test]
+fn the_page_has_the_distances_that_methods_are_chosen_by() {
+    let page = include_str!("../../../docs/agreement.md");
+    for form in [Form::Hybrid, Form::Guided] {
+        let row = format!("| {} |", form.name());
+        let of_form = page.lines().filter(|line| line.starts_with(&row));
+        let distance = format!("| {:.1e} |", form.method().distance());
+        assert!(
+            of_form.clone().any(|line| line.contains(&distance)),
+            "{distance} of {row}"
+        );
+    }
+}
+
+#[test]
 fn the_share_counts_candidates_that_differ_by_a_hundredth_at_most() {
     let outcome = |form, apart| Outcome {
         form,

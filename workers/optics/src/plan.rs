@@ -11,6 +11,7 @@ mod bins;
 mod casting;
 mod cost;
 mod gates;
+mod ibla;
 mod lamps;
 mod layered;
 mod levels;
@@ -30,6 +31,7 @@ mod water;
 pub use above::Above;
 pub use casting::Casting;
 pub use gates::GateStep;
+pub use ibla::{IblaForm, IblaStep};
 pub use lamps::LampLight;
 pub use levels::display_tolerance;
 pub use line::Line;
@@ -150,6 +152,8 @@ pub struct Plan {
     pub haze: Stage,
     /// Enhancement of the 8-bit result.
     pub enhance: Stage,
+    /// The form of the enhancement `ibla`; none where the frame does not ask for it.
+    pub ibla: Option<Stage<IblaStep>>,
     /// Why the bounds add up to more than the tolerance; none where they do not.
     pub exceeds: Option<String>,
     /// How far the models of the stages are from the truth.
@@ -179,6 +183,9 @@ pub struct Given<'a> {
     pub snow_peak: f64,
     /// The frame's style.
     pub style: StyleTraits,
+    /// The forms of the enhancement `ibla`, the exact one first, each faster than the one before it; empty where the frame does not ask
+    /// for it.
+    pub ibla: &'a [IblaForm],
 }
 
 impl Form {
@@ -248,6 +255,7 @@ impl Plan {
             style: style::choose(given),
             haze: Stage::exact(Form::Fast.when(frame.haze().iter().any(Haze::shines))),
             enhance: Stage::exact(Form::Fast.when(!frame.enhance.is_empty())),
+            ibla: ibla::choose(given.ibla, frame.fidelity),
             exceeds: None,
             model: setting
                 .around
@@ -318,6 +326,7 @@ impl Plan {
             style: Stage::exact(StyleStep::Skip),
             haze: skip(),
             enhance: skip(),
+            ibla: None,
             exceeds: None,
             model: ModelErrors::default(),
             amounts: cost::Amounts::of_pixels(pixels),

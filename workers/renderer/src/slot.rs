@@ -307,6 +307,7 @@ impl Slot {
         let shutter = Shutter::new(frame, parts.as_ref(), later);
         let lit = Lit::new(frame, &prepared, &setting, shutter, &mut self.tiles, watch);
         let style = style::traits(frame, &self.networks.engine)?;
+        let ibla = enhance::forms(frame);
         let plan = watch.time("plan", || {
             Plan::new(&Given {
                 frame,
@@ -318,6 +319,7 @@ impl Slot {
                 cloud_opacity: lit.clouds.as_ref().map_or(0.0, Clouds::most_opacity),
                 snow_peak: peak(&lit.flakes),
                 style,
+                ibla: &ibla,
             })
         });
         let taking = camera::taking(frame, &prepared, parts, &mut self.cameras)?;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Form, GateStep, Plan, ScatterStep, Shadows, Stage, StyleStep};
+use super::{Form, GateStep, Plan, ScatterStep, Shadows, Stage, StyleStep, ibla};
 use crate::layering::Layering;
 
 /// One line of a plan. What is not known of a stage is left out.
@@ -97,6 +97,7 @@ impl Plan {
             });
             lines.splice(1..1, own);
         }
+        lines.extend(self.ibla.as_ref().map(ibla::line));
         self.explain(&mut lines);
         lines
     }

@@ -2,15 +2,20 @@
 
 use std::collections::BTreeMap;
 
+use enhance::ibla::Form;
 use enhance::{Enhanced, Method};
 use imaging::{Raster, Rgb8};
-use spec::FrameRecord;
+use optics::plan::IblaForm;
+use spec::{Frame, FrameRecord};
 
 use super::Shot;
 use crate::error::RenderError;
 
 /// Results by method name.
 pub(crate) type Enhancements = BTreeMap<String, Enhanced>;
+
+/// The method that has faster forms, which is the exact one of them.
+const IBLA: &str = Form::ALL[0].name();
 
 /// Runs every method of the frame on the result, independently of each other. Warnings of a method go into the record, such
 /// as `ibla: lamp_as_background: …`.
@@ -25,7 +30,7 @@ pub(crate) fn run(
     }
     let picture = Raster::from(rgb.clone());
     for name in &shot.frame.enhance {
-        let method = Method::parse(name).ok_or_else(|| RenderError::Unknown {
+        let method = Method::parse(planned(shot, name)).ok_or_else(|| RenderError::Unknown {
             kind: "enhancement",
             name: name.clone(),
         })?;
@@ -37,4 +42,24 @@ pub(crate) fn run(
         enhancements.insert(name.clone(), enhanced);
     }
     Ok(enhancements)
+}
+
+/// What the plan has to know of the forms of `ibla`, where the frame asks for that.
+pub(crate) fn forms(frame: &Frame) -> Vec<IblaForm> {
+    if !frame.enhance.iter().any(|name| name == IBLA) {
+        return Vec::new();
+    }
+    let forms = Form::ALL.into_iter().map(|form| IblaForm {
+        method: form.name(),
+        distance: form.method().distance(),
+    });
+    forms.collect()
+}
+
+/// The method that runs under a name: of `ibla` the form of the plan.
+fn planned<'a>(shot: &'a Shot<'_>, name: &'a str) -> &'a str {
+    match &shot.plan.ibla {
+        Some(stage) if name == IBLA => stage.form.method,
+        _ => name,
+    }
 }

@@ -6,6 +6,7 @@ mod artifacts;
 mod camera;
 mod common;
 mod daylight;
+mod enhance;
 mod folders;
 mod labels;
 mod lamps;

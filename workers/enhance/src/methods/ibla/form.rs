@@ -5,6 +5,7 @@ use imaging::{Plane, Rgb8};
 use super::blurriness;
 use super::light::Light;
 use crate::blocks::{Guide, Matting, guided, lowest_refined};
+use crate::methods::Method;
 use crate::variant::Variant;
 
 /// A form of the method: what refines blurriness, from which the light follows, and closeness, from which the transmittance does.
@@ -19,17 +20,23 @@ pub enum Form {
 }
 
 impl Form {
-    /// All, the exact one first.
+    /// All, the exact one first, each faster than the one before it.
     pub const ALL: [Self; 3] = [Self::Matting, Self::Hybrid, Self::Guided];
 
     /// The name of its method.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Matting => "ibla",
             Self::Hybrid => "ibla_hybrid",
             Self::Guided => "ibla_guided",
         }
+    }
+
+    /// Its method.
+    #[must_use]
+    pub fn method(self) -> Method {
+        Method::parse(self.name()).expect("each form is a method")
     }
 
     /// Blurriness refined: `P_b`.
@@ -59,7 +66,14 @@ pub fn candidates(picture: &Rgb8, form: Form, variant: Variant) -> [[f64; 3]; 3]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Method, run_variant};
+    use crate::run_variant;
+
+    #[test]
+    fn a_faster_form_is_farther_from_the_exact_one() {
+        let distances = Form::ALL.map(|form| form.method().distance());
+        assert_eq!(distances[0], 0.0);
+        assert!(distances.is_sorted_by(|one, next| one < next), "{distances:?}");
+    }
 
     #[test]
     fn forms_are_the_methods_of_their_names() {
@@ -68,8 +82,7 @@ mod tests {
         });
         let raster = picture.clone().into();
         let results = Form::ALL.map(|form| {
-            let method = Method::parse(form.name()).unwrap();
-            let result = run_variant(&method, &raster, Variant::Fast).unwrap();
+            let result = run_variant(&form.method(), &raster, Variant::Fast).unwrap();
             assert_eq!(result, super::super::restored(&raster, Variant::Fast, form));
             result
         });
