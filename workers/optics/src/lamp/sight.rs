@@ -44,10 +44,6 @@ impl Starts {
         self.axes.iter_mut().for_each(|axis| axis.truncate(count));
     }
 
-    pub(super) fn place(&self, i: usize) -> [f32; 3] {
-        self.axes.each_ref().map(|axis| axis[i])
-    }
-
     pub(super) fn len(&self) -> usize {
         self.axes[0].len()
     }

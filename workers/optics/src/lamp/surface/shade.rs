@@ -66,7 +66,7 @@ impl Shade {
         };
         let mut look = Look::new(lamp, (rays, reach), range.size());
         for top in (0..range.height()).step_by(TILE) {
-            look.from_rows(lighting, range, normals, top);
+            look.at_rows(lighting, range, normals, top);
         }
         let Look { seen, facing, .. } = look;
         let surfaces = Surfaces {
@@ -135,7 +135,7 @@ impl<'a> Look<'a> {
         }
     }
 
-    fn from_rows(&mut self, lighting: &Lighting, range: &Plane<f32>, normals: &[Plane<f32>; 3], top: usize) {
+    fn at_rows(&mut self, lighting: &Lighting, range: &Plane<f32>, normals: &[Plane<f32>; 3], top: usize) {
         let (width, reach) = (self.width, self.reach);
         let rows = TILE.min(range.height() - top);
         let (count, first) = (rows * width, top * width);
