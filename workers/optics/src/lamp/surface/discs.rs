@@ -15,7 +15,7 @@ use crate::lamp::tiles::in_tiles;
 
 /// The most columns and rows of the cells whose corners are looked from first, and the angle that they may span, rad.
 const STEP: usize = 8;
-const ANGLE: f64 = 1.0 / 40.0;
+const ANGLE: f64 = 1.0 / 48.0;
 /// Where the corners of a cell see shares of the disc that differ by no more, the others are read between them.
 const READ_UP_TO: f32 = 0.25;
 /// Where corners see more of the disc, but pixels between them less than half of the lamp itself, something small is in the way.
