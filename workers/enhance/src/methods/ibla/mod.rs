@@ -75,9 +75,9 @@ fn restored(picture: &Raster, variant: Variant, form: Form) -> Enhanced {
     let colors = picture.to_rgb8();
     let guide = &Guide::new(&colors);
     let blurriness = blurriness(&colors, variant);
-    let measures = Measures::new(guide, &blurriness, variant);
     let (light, mix, closeness) = match form {
         Form::Matting => {
+            let measures = Measures::new(guide, blurriness.clone(), variant);
             // Closeness depends on the light by one factor that is known but nearly: it is refined together with blurriness.
             let guess =
                 || Mix::new(guide, Light::new(&colors, &blurriness, variant).color).closeness(&measures);
@@ -91,7 +91,12 @@ fn restored(picture: &Raster, variant: Variant, form: Form) -> Enhanced {
         Form::Hybrid | Form::Guided => {
             let light = Light::new(&colors, &form.refined(guide, &blurriness, variant), variant);
             let mix = Mix::new(guide, light.color);
-            let closeness = guided(guide, &mix.closeness(&measures), variant);
+            let Measures {
+                by_red,
+                by_loss,
+                by_blur,
+            } = Measures::new(guide, blurriness, variant);
+            let closeness = guided(guide, &mix.joined(by_red, &by_loss, &by_blur), variant);
             (light, mix, closeness)
         }
     };
@@ -149,7 +154,7 @@ struct Measures {
 }
 
 impl Measures {
-    fn new(guide: &Guide, blurriness: &Plane<f64>, variant: Variant) -> Self {
+    fn new(guide: &Guide, blurriness: Plane<f64>, variant: Variant) -> Self {
         let red = &guide.channels()[0];
         let (width, height) = red.size();
         let red_max = window_max(red, MAXIMUM_PX, variant);
@@ -161,7 +166,7 @@ impl Measures {
         Self {
             by_red: normalized(red_max.map(|&code| f64::from(code) / 255.0)),
             by_loss: normalized(Plane::new(width, height, lost).expect("a value for each pixel")),
-            by_blur: normalized(blurriness.clone()),
+            by_blur: normalized(blurriness),
         }
     }
 }
@@ -186,11 +191,15 @@ impl Mix {
 
     /// `e` of step 3 before it is refined.
     fn closeness(&self, measures: &Measures) -> Plane<f64> {
-        let mut closeness = measures.by_red.clone();
+        self.joined(measures.by_red.clone(), &measures.by_loss, &measures.by_blur)
+    }
+
+    fn joined(&self, by_red: Plane<f64>, by_loss: &Plane<f64>, by_blur: &Plane<f64>) -> Plane<f64> {
+        let mut closeness = by_red;
         vectorized!(mix(
             closeness.data_mut(),
-            measures.by_loss.data(),
-            measures.by_blur.data(),
+            by_loss.data(),
+            by_blur.data(),
             self.by_loss,
             self.by_color
         ));
