@@ -52,7 +52,7 @@ fn golden_stages_and_pictures() {
                 let mix = Mix::new(&guide, light.color);
                 if form == "ibla" {
                     assert_plane(name, "ibla_blur.npy", &refined, PLANE_TOLERANCE);
-                    let closeness = refine(&mix.closeness(&Measures::new(&guide, &raw, variant)));
+                    let closeness = refine(&mix.closeness(&Measures::new(&guide, raw.clone(), variant)));
                     assert_plane(name, "ibla_closeness.npy", &closeness, PLANE_TOLERANCE);
                 }
                 let got = [mix.by_loss, mix.by_color, nearest(&colors, light.color)];
