@@ -47,13 +47,13 @@ pub fn compare(picture: &Rgb8) -> Result<[Outcome; 3], EnhanceError> {
         let codes = enhanced.expect("it was run")?.picture.to_rgb8();
         results.push((ms, transfer::decode_rgb8(&codes)));
     }
-    let exact = candidates(picture, Form::ALL[0], Variant::Fast);
+    let found = Form::ALL.map(|form| candidates(picture, form, Variant::Fast));
     Ok(std::array::from_fn(|n| {
         let form = Form::ALL[n];
         let (ms, result) = &results[n];
         Outcome {
             form,
-            apart: apart(&candidates(picture, form, Variant::Fast), &exact),
+            apart: apart(&found[n], &found[0]),
             distance: difference(result, &results[0].1).rmse,
             ms: *ms,
         }

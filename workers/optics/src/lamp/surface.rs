@@ -40,7 +40,7 @@ pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Ligh
 
 /// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. A ray that grazes an edge may pass on its other
 /// side; what of a soft lamp is hidden from none of the outermost places of its disc, or from all, is taken to be all of it; and the
-/// discs that light scattered on its way comes from are looked for from every fourth pixel where they change little; `rounding` does
+/// discs that light scattered on its way comes from are looked for from a few pixels where they change little; `rounding` does
 /// not count this. A lamp that lights a surface by no more than `unseen` lights it whatever is in the way.
 #[must_use]
 pub fn shaded_irradiance(

@@ -11,7 +11,7 @@ use crate::case::Case;
 /// Largest differences as a share of the peak: light on surfaces and the glow in f64.
 const SURFACES: f64 = 1e-10;
 const GLOW: f64 = 1e-7;
-/// The same in f32: rounding; what discs that are read between every fourth pixel may lose; and an edge of a shadow in one of 32
+/// The same in f32: rounding; what discs that are read between pixels may lose; and an edge of a shadow in one of 32
 /// angles.
 const SURFACES_F32: f64 = 1e-5;
 const READ_F32: f64 = 2e-3;
