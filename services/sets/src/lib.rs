@@ -13,6 +13,7 @@ mod crew;
 mod digests;
 mod draft;
 mod error;
+mod failure;
 #[cfg(test)]
 mod faulty;
 mod group;

@@ -15,9 +15,10 @@ use object_store::{
 use tokio::runtime::{Builder, Runtime};
 
 use crate::error::SetError;
+use crate::failure;
 use crate::layout;
 use crate::location::Location;
-use crate::transport::{Connector, io_error};
+use crate::transport::Connector;
 
 /// How long a request is repeated before the store counts as unreachable.
 const RETRY_LIMIT: Duration = Duration::from_secs(30);
@@ -231,8 +232,7 @@ impl Store {
     ) -> Result<Option<T>, SetError> {
         match self.runtime.block_on(call) {
             Ok(value) => Ok(Some(value)),
-            // A missing bucket is no missing object.
-            Err(Error::NotFound { source, .. }) if !source.to_string().contains("NoSuchBucket") => Ok(None),
+            Err(error @ Error::NotFound { .. }) if !failure::is_missing_bucket(&error) => Ok(None),
             Err(error) => Err(self.explain(&error)),
         }
     }
@@ -251,29 +251,7 @@ impl Store {
         }
     }
 
-    /// What a failure means for the caller. Errors of the S3 client hold no credentials: these travel in headers.
     pub(crate) fn explain(&self, error: &Error) -> SetError {
-        let (location, text) = (&self.location, error.to_string());
-        let has = |words: &[&str]| words.iter().any(|word| text.contains(word));
-        let kind = io_error(error).map(std::io::Error::kind);
-        if kind == Some(std::io::ErrorKind::StorageFull)
-            || kind == Some(std::io::ErrorKind::QuotaExceeded)
-            || has(&["StorageFull", "QuotaExceeded", "InsufficientStorage", "507 "])
-        {
-            return SetError::Later(format!("{location} is full; make room and run again: {text}"));
-        }
-        if has(&["NoSuchBucket"]) {
-            return SetError::Refused(format!("{location}: the bucket does not exist"));
-        }
-        match error {
-            Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => SetError::Refused(format!(
-                "{location} refuses access; check AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and the rights on it: {text}"
-            )),
-            Error::NotImplemented { .. } | Error::NotSupported { .. } => {
-                SetError::Refused(format!("{location} cannot hold a set: {text}"))
-            }
-            Error::NotFound { path, .. } => SetError::Damaged(format!("{location}: {path} is gone")),
-            _ => SetError::Later(format!("{location} does not respond: {text}")),
-        }
+        failure::explain(&self.location, error)
     }
 }
