@@ -1,13 +1,15 @@
 //! How much is seen from surfaces of the disc that scattered light of a lamp comes from. Such shadows are wide: the disc is looked
 //! for from places a degree or two apart first, from more of them where what is seen changes, and from each at the edges of things.
 
+mod cell;
+
 use imaging::Plane;
 use imaging::rays::Rays;
-use imaging::simd::{larger, smaller};
+use imaging::vectorized;
 
-use super::shade::{AWAY, IN_BEAM, LIT, off};
+use self::cell::{Cell, Corners, Lanes, Pixels, take};
+use super::shade::{AWAY, off};
 use crate::lamp::Lighting;
-use crate::lamp::coarse::ALIKE;
 use crate::lamp::multiple::surface_scale;
 use crate::lamp::shadow::SPREAD_PLACES;
 use crate::lamp::sight::{Disc, Radius, Sight, Starts};
@@ -16,10 +18,6 @@ use crate::lamp::tiles::in_tiles;
 /// The most columns and rows of the cells whose corners are looked from first, and the angle that they may span, rad.
 const STEP: usize = 8;
 const ANGLE: f64 = 1.0 / 48.0;
-/// Where the corners of a cell see shares of the disc that differ by no more, the others are read between them.
-const READ_UP_TO: f32 = 0.25;
-/// Where corners see more of the disc, but pixels between them less than half of the lamp itself, something small is in the way.
-const OPEN: f32 = 0.9;
 /// Channels that scatter no more than this many times as much as another share a disc. Its radius is within 12 % of theirs then, and
 /// what is seen of it past a straight edge within 0.04: it changes by dR/(π R) at most.
 const SHARED_UP_TO: f64 = 1.2;
@@ -77,14 +75,6 @@ impl Discs {
     }
 }
 
-/// Pixels whose corners are looked from: `step` columns and rows, fewer at the end of the frame.
-#[derive(Clone, Copy)]
-struct Cell {
-    x: usize,
-    y: usize,
-    step: usize,
-}
-
 /// Looks for one disc.
 struct Search<'a> {
     lighting: &'a Lighting,
@@ -132,11 +122,14 @@ impl<'a> Search<'a> {
         while !cells.is_empty() {
             self.look_from_corners(&cells);
             let mut parts = Vec::new();
-            for cell in cells.into_iter().filter(|cell| cell.step > 1) {
-                if self.is_one(cell) {
-                    self.read(cell);
-                } else {
-                    self.read_beside_edges(cell);
+            for cell in cells {
+                let is_divided = match cell.step {
+                    8 => self.settle::<8>(cell),
+                    4 => self.settle::<4>(cell),
+                    2 => self.settle::<2>(cell),
+                    _ => false,
+                };
+                if is_divided {
                     parts.extend(cell.quarters().filter(|part| self.is_open(*part)));
                 }
             }
@@ -145,21 +138,54 @@ impl<'a> Search<'a> {
         self.shares
     }
 
-    /// The pixels of a cell, row by row.
-    fn rows(&self, cell: Cell) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
-        let (width, height) = self.surfaces.range.size();
-        let columns = cell.x.min(width)..(cell.x + cell.step).min(width);
-        let rows = cell.y..(cell.y + cell.step).min(height);
-        rows.map(move |y| y * width + columns.start..y * width + columns.end)
-    }
-
     /// Whether it is still to be found what is seen from a lit surface of a cell.
     fn is_open(&self, cell: Cell) -> bool {
-        self.rows(cell).any(|row| {
-            let facing = &self.surfaces.facing[row.clone()];
-            let shares = &self.shares[row];
-            (facing.iter().zip(shares)).any(|(facing, share)| *facing >= LIT && *share == UNKNOWN)
-        })
+        match cell.step {
+            8 => self.is_open_of::<8>(cell),
+            4 => self.is_open_of::<4>(cell),
+            2 => self.is_open_of::<2>(cell),
+            _ => self.is_open_of::<1>(cell),
+        }
+    }
+
+    fn is_open_of<const STEP: usize>(&self, cell: Cell) -> bool {
+        let size = self.surfaces.range.size();
+        let (mut facing, mut shares): (Lanes<STEP>, Lanes<STEP>) =
+            ([[AWAY; STEP]; STEP], [[0.0; STEP]; STEP]);
+        take(&mut facing, (self.surfaces.facing, AWAY), size, cell);
+        take(&mut shares, (&self.shares, 0.0), size, cell);
+        vectorized!(cell::is_open(&facing, &shares))
+    }
+
+    /// Reads those pixels of a cell between its corners for which these speak; whether it has to be divided for the others.
+    fn settle<const STEP: usize>(&mut self, cell: Cell) -> bool {
+        let Surfaces {
+            range, facing, seen, ..
+        } = self.surfaces;
+        let size = range.size();
+        let at = self.corners(cell);
+        let corners = Corners {
+            meters: at.map(|at| range.data()[at]),
+            shares: at.map(|at| self.shares[at]),
+            faces: at.map(|at| facing[at] != AWAY),
+        };
+        let mut pixels = Pixels::<STEP>::default();
+        take(&mut pixels.meters, (range.data(), 0.0), size, cell);
+        take(&mut pixels.facing, (facing, AWAY), size, cell);
+        take(&mut pixels.seen, (seen, 1.0), size, cell);
+        let mut shares: Lanes<STEP> = [[0.0; STEP]; STEP];
+        let is_divided = !vectorized!(corners.show(&pixels));
+        if !is_divided {
+            let apart = [at[1] - at[0], (at[2] - at[0]) / size.0];
+            vectorized!(corners.read_between(apart, &mut shares));
+        } else if !corners.differ() {
+            take(&mut shares, (&self.shares, 0.0), size, cell);
+            vectorized!(corners.read_alike(&pixels, &mut shares));
+        } else {
+            return true;
+        }
+        cell.write(&mut self.shares, size, &shares);
+        is_divided
     }
 
     /// The pixels at the corners of a cell; a single pixel has but one.
@@ -202,111 +228,6 @@ impl<'a> Search<'a> {
         let place = <[f64; 3]>::from(ray).map(|v| (v * meters) as f32);
         off(place, [0, 1, 2].map(|axis| normals[axis].data()[at]))
     }
-
-    /// Whether a cell shows one surface, from whose corners much the same is seen of the disc, and the lamp itself where it is.
-    fn is_one(&self, cell: Cell) -> bool {
-        let Surfaces {
-            range, facing, seen, ..
-        } = self.surfaces;
-        let corners = self.corners(cell);
-        if corners.iter().any(|&at| facing[at] == AWAY) {
-            return false;
-        }
-        let (least, most) = ends(corners.map(|at| self.shares[at]));
-        if most - least > READ_UP_TO {
-            return false;
-        }
-        let (mut nearest, mut farthest) = ends(corners.map(|at| range.data()[at]));
-        let mut is_hidden = false;
-        for row in self.rows(cell) {
-            let (meters, facing, seen) = (&range.data()[row.clone()], &facing[row.clone()], &seen[row]);
-            for ((&meters, &facing), &seen) in meters.iter().zip(facing).zip(seen) {
-                // Without branches, so that several pixels are compared at once.
-                let [near, far] = if facing >= LIT {
-                    [meters; 2]
-                } else {
-                    [nearest, farthest]
-                };
-                (nearest, farthest) = (smaller(near, nearest), larger(far, farthest));
-                is_hidden |= (facing == IN_BEAM) & (seen < 0.5);
-            }
-        }
-        farthest <= ALIKE * nearest && !(is_hidden && least > OPEN)
-    }
-
-    /// Reads those pixels of a cell whose surface its corners show for the most part.
-    fn read_beside_edges(&mut self, cell: Cell) {
-        let corners = self.corners(cell);
-        let Surfaces {
-            range, facing, seen, ..
-        } = self.surfaces;
-        let (least, most) = ends(corners.map(|at| self.shares[at]));
-        let (near, far) = ends(corners.map(|at| range.data()[at]));
-        if corners.iter().all(|&at| facing[at] != AWAY) && far <= ALIKE * near && most - least > READ_UP_TO {
-            return;
-        }
-        let unit = 1.0 / cell.step as f32;
-        for (y, row) in self.rows(cell).enumerate() {
-            let v = y as f32 * unit;
-            for (x, at) in row.enumerate() {
-                if facing[at] < LIT || self.shares[at] != UNKNOWN {
-                    continue;
-                }
-                let u = x as f32 * unit;
-                let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
-                let (mut sum, mut whole) = (0.0, 0.0);
-                let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
-                for (corner, weight) in corners.into_iter().zip(weights) {
-                    let [one, other] = [range.data()[at], range.data()[corner]];
-                    let is_alike = one.max(other) <= ALIKE * one.min(other);
-                    if weight > 0.0 && facing[corner] != AWAY && is_alike {
-                        let share = self.shares[corner];
-                        (sum, whole) = (sum + weight * share, whole + weight);
-                        (least, most) = (least.min(share), most.max(share));
-                    }
-                }
-                let is_small = facing[at] == IN_BEAM && seen[at] < 0.5 && least > OPEN;
-                if whole >= 0.5 && most - least <= READ_UP_TO && !is_small {
-                    self.shares[at] = sum / whole;
-                }
-            }
-        }
-    }
-
-    /// Reads the pixels of a cell between its corners.
-    fn read(&mut self, cell: Cell) {
-        let corners = self.corners(cell);
-        let [a, b, c, d] = corners.map(|at| self.shares[at]);
-        let width = self.surfaces.range.width();
-        let (columns, rows) = (corners[1] - corners[0], (corners[2] - corners[0]) / width);
-        let unit = [columns, rows].map(|count| 1.0 / count.max(1) as f32);
-        for (y, row) in self.rows(cell).enumerate() {
-            let v = y as f32 * unit[1];
-            let (left, right) = (a + v * (c - a), b + v * (d - b));
-            for (x, share) in self.shares[row].iter_mut().enumerate() {
-                *share = left + x as f32 * unit[0] * (right - left);
-            }
-        }
-    }
-}
-
-impl Cell {
-    fn quarters(self) -> impl Iterator<Item = Self> {
-        let Self { x, y, step } = self;
-        let step = step / 2;
-        [(x, y), (x + step, y), (x, y + step), (x + step, y + step)]
-            .into_iter()
-            .map(move |(x, y)| Self { x, y, step })
-    }
-}
-
-/// The least and the greatest of some values.
-fn ends(values: [f32; 4]) -> (f32, f32) {
-    values
-        .into_iter()
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), v| {
-            (least.min(v), most.max(v))
-        })
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::rays::Hit;
 
+use super::super::shade::LIT;
 use super::*;
 use crate::lamp::normals_of;
 

@@ -1,0 +1,203 @@
+//! Cells of pixels, and which of them are read between the four corners that were looked from.
+
+use imaging::simd::{larger, smaller};
+
+use super::UNKNOWN;
+use crate::lamp::coarse::ALIKE;
+use crate::lamp::surface::shade::{IN_BEAM, LIT};
+
+/// Where the corners of a cell see shares of the disc that differ by no more, the others are read between them.
+const READ_UP_TO: f32 = 0.25;
+/// Where corners see more of the disc, but pixels between them less than half of the lamp itself, something small is in the way.
+const OPEN: f32 = 0.9;
+
+/// Pixels whose corners are looked from: `step` columns and rows, fewer at the end of the frame.
+#[derive(Clone, Copy)]
+pub(super) struct Cell {
+    pub(super) x: usize,
+    pub(super) y: usize,
+    pub(super) step: usize,
+}
+
+/// A quantity of the pixels of a cell, row by row.
+pub(super) type Lanes<const STEP: usize> = [[f32; STEP]; STEP];
+
+/// What is known of the pixels of a cell.
+pub(super) struct Pixels<const STEP: usize> {
+    pub(super) meters: Lanes<STEP>,
+    /// How they stand to the lamp.
+    pub(super) facing: Lanes<STEP>,
+    /// How much of the lamp itself is seen from them.
+    pub(super) seen: Lanes<STEP>,
+}
+
+/// What is known of the corners of a cell: of the pixels left and right in its first row, and in the first row below it.
+pub(super) struct Corners {
+    pub(super) meters: [f32; 4],
+    /// How much of the disc is seen from each.
+    pub(super) shares: [f32; 4],
+    /// Whether each stands so that it was looked from.
+    pub(super) faces: [bool; 4],
+}
+
+impl<const STEP: usize> Default for Pixels<STEP> {
+    fn default() -> Self {
+        let zeros = [[0.0; STEP]; STEP];
+        Self {
+            meters: zeros,
+            facing: zeros,
+            seen: zeros,
+        }
+    }
+}
+
+impl Cell {
+    pub(super) fn quarters(self) -> impl Iterator<Item = Self> {
+        let Self { x, y, step } = self;
+        let step = step / 2;
+        [(x, y), (x + step, y), (x, y + step), (x + step, y + step)]
+            .into_iter()
+            .map(move |(x, y)| Self { x, y, step })
+    }
+
+    /// Writes what was found of its pixels into those of the frame.
+    pub(super) fn write<const STEP: usize>(
+        self,
+        frame: &mut [f32],
+        (width, height): (usize, usize),
+        lanes: &Lanes<STEP>,
+    ) {
+        let columns = self.x.min(width)..(self.x + STEP).min(width);
+        for (lane, y) in lanes.iter().zip(self.y..height) {
+            let row = &mut frame[y * width..][columns.clone()];
+            row.iter_mut()
+                .zip(lane)
+                .for_each(|(share, found)| *share = *found);
+        }
+    }
+}
+
+/// Takes the pixels of a cell from a quantity of the frame, and `beyond` for those that the frame has not.
+#[inline(always)]
+pub(super) fn take<const STEP: usize>(
+    lanes: &mut Lanes<STEP>,
+    (frame, beyond): (&[f32], f32),
+    (width, height): (usize, usize),
+    cell: Cell,
+) {
+    if cell.x + STEP <= width && cell.y + STEP <= height {
+        for (y, lane) in lanes.iter_mut().enumerate() {
+            let begin = (cell.y + y) * width + cell.x;
+            let (row, _) = frame[begin..]
+                .split_first_chunk()
+                .expect("the cell is in the frame");
+            *lane = *row;
+        }
+        return;
+    }
+    lanes.as_flattened_mut().fill(beyond);
+    let columns = cell.x.min(width)..(cell.x + STEP).min(width);
+    for (lane, y) in lanes.iter_mut().zip(cell.y..height) {
+        let row = &frame[y * width..][columns.clone()];
+        lane[..row.len()].copy_from_slice(row);
+    }
+}
+
+/// Whether a pixel is lit of which it is not known what is seen from it.
+#[inline(always)]
+pub(super) fn is_open<const STEP: usize>(facing: &Lanes<STEP>, shares: &Lanes<STEP>) -> bool {
+    let mut is_open = false;
+    for y in 0..STEP {
+        for x in 0..STEP {
+            is_open |= (facing[y][x] >= LIT) & (shares[y][x] == UNKNOWN);
+        }
+    }
+    is_open
+}
+
+impl Corners {
+    /// Whether a cell shows one surface, from whose corners much the same is seen of the disc, and the lamp itself where it is.
+    #[inline(always)]
+    pub(super) fn show<const STEP: usize>(&self, pixels: &Pixels<STEP>) -> bool {
+        let (least, most) = ends(self.shares);
+        if !self.faces.into_iter().all(|faces| faces) || most - least > READ_UP_TO {
+            return false;
+        }
+        let (near, far) = ends(self.meters);
+        let (mut nearest, mut farthest, mut hidden) = ([near; STEP], [far; STEP], [false; STEP]);
+        for y in 0..STEP {
+            for x in 0..STEP {
+                let (meters, facing) = (pixels.meters[y][x], pixels.facing[y][x]);
+                let is_lit = facing >= LIT;
+                nearest[x] = smaller(if is_lit { meters } else { nearest[x] }, nearest[x]);
+                farthest[x] = larger(if is_lit { meters } else { farthest[x] }, farthest[x]);
+                hidden[x] |= (facing == IN_BEAM) & (pixels.seen[y][x] < 0.5);
+            }
+        }
+        let nearest = nearest.into_iter().fold(f32::INFINITY, smaller);
+        let farthest = farthest.into_iter().fold(f32::NEG_INFINITY, larger);
+        let is_hidden = hidden.into_iter().any(|hidden| hidden);
+        farthest <= ALIKE * nearest && !(is_hidden && least > OPEN)
+    }
+
+    /// Sets the shares of the pixels of a cell between corners that are `apart` columns and rows from each other.
+    #[inline(always)]
+    pub(super) fn read_between<const STEP: usize>(&self, apart: [usize; 2], shares: &mut Lanes<STEP>) {
+        let [a, b, c, d] = self.shares;
+        let unit = apart.map(|count| 1.0 / count.max(1) as f32);
+        for (y, row) in shares.iter_mut().enumerate() {
+            let v = y as f32 * unit[1];
+            let (left, right) = (a + v * (c - a), b + v * (d - b));
+            for (x, share) in row.iter_mut().enumerate() {
+                *share = left + x as f32 * unit[0] * (right - left);
+            }
+        }
+    }
+
+    /// Whether different shares of the disc are seen from the corners of one surface.
+    pub(super) fn differ(&self) -> bool {
+        let ((least, most), (near, far)) = (ends(self.shares), ends(self.meters));
+        self.faces.into_iter().all(|faces| faces) && far <= ALIKE * near && most - least > READ_UP_TO
+    }
+
+    /// Sets the shares of those pixels whose surface the corners show for the most part.
+    #[inline(always)]
+    pub(super) fn read_alike<const STEP: usize>(&self, pixels: &Pixels<STEP>, shares: &mut Lanes<STEP>) {
+        let unit = 1.0 / STEP as f32;
+        for y in 0..STEP {
+            let v = y as f32 * unit;
+            for x in 0..STEP {
+                let u = x as f32 * unit;
+                let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+                let (meters, facing, known) = (pixels.meters[y][x], pixels.facing[y][x], shares[y][x]);
+                let (mut sum, mut whole) = (0.0, 0.0);
+                let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+                for corner in 0..4 {
+                    let (other, share) = (self.meters[corner], self.shares[corner]);
+                    let is_alike = larger(meters, other) <= ALIKE * smaller(meters, other);
+                    let counts = is_alike & self.faces[corner] & (weights[corner] > 0.0);
+                    let weight = if counts { weights[corner] } else { 0.0 };
+                    (sum, whole) = (sum + weight * share, whole + weight);
+                    least = smaller(if counts { share } else { least }, least);
+                    most = larger(if counts { share } else { most }, most);
+                }
+                let is_small = (facing == IN_BEAM) & (pixels.seen[y][x] < 0.5) & (least > OPEN);
+                let is_read = (facing >= LIT)
+                    & (known == UNKNOWN)
+                    & (whole >= 0.5)
+                    & (most - least <= READ_UP_TO)
+                    & !is_small;
+                shares[y][x] = if is_read { sum / whole } else { known };
+            }
+        }
+    }
+}
+
+/// The least and the greatest of some values.
+fn ends(values: [f32; 4]) -> (f32, f32) {
+    values
+        .into_iter()
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), v| {
+            (least.min(v), most.max(v))
+        })
+}
