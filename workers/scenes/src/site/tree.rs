@@ -38,23 +38,27 @@ pub(crate) struct Bundle {
 impl Bundle {
     /// The share of the way before which no way of the bundle reaches a box; none where none ever does.
     pub(crate) fn reaches(&self, other: &Bounds) -> Option<f32> {
+        let ends = |bounds: &Bounds| -> [[f32; 3]; 2] { [bounds.low.into(), bounds.high.into()] };
+        let ([from_low, from_high], [to_low, to_high]) = (ends(&self.from), ends(&self.to));
+        let [low, high] = ends(other);
+        // Most boxes are beside all of the bundle.
+        let is_beside = |axis: usize| {
+            (from_low[axis] > high[axis]) & (to_low[axis] >= high[axis])
+                | (from_high[axis] < low[axis]) & (to_high[axis] <= low[axis])
+        };
+        if is_beside(0) | is_beside(1) | is_beside(2) {
+            return None;
+        }
         let (mut enter, mut leave) = (0.0f32, 1.0f32);
         // Where a quantity that changes evenly from one end to the other is at most 0.
         let mut below_zero = |start: f32, end: f32| {
             let cross = start / (start - end);
             if start > 0.0 {
-                enter = if end < 0.0 {
-                    enter.max(cross)
-                } else {
-                    f32::INFINITY
-                };
+                enter = enter.max(cross);
             } else if end > 0.0 {
                 leave = leave.min(cross);
             }
         };
-        let ends = |bounds: &Bounds| -> [[f32; 3]; 2] { [bounds.low.into(), bounds.high.into()] };
-        let ([from_low, from_high], [to_low, to_high]) = (ends(&self.from), ends(&self.to));
-        let [low, high] = ends(other);
         for axis in 0..3 {
             below_zero(from_low[axis] - high[axis], to_low[axis] - high[axis]);
             below_zero(low[axis] - from_high[axis], low[axis] - to_high[axis]);
