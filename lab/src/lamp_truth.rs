@@ -5,8 +5,9 @@ mod report;
 
 use std::ops::Range;
 
+use optics::lamp::FournierForand;
 use truth::lantern::{Bench, Shone};
-use truth::{Coefficients, FournierForand, Phase};
+use truth::{Coefficients, Phase};
 
 use model::Model;
 
@@ -104,6 +105,17 @@ impl Place {
     }
 }
 
+/// A form of the chain's light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Scattered once, as Henyey and Greenstein say.
+    Single,
+    /// With that which scatters more than once.
+    Multiple,
+    /// The same, rising toward the back as Fournier and Forand say.
+    Rising,
+}
+
 /// One measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
@@ -121,16 +133,16 @@ pub struct Cell {
     pub place: Place,
     /// The light, all orders, and its standard error.
     pub truth: truth::Level,
-    /// The chain's light by single scattering, and with that which scatters more than once.
-    pub chain: [f64; 2],
+    /// The chain's light in each [`Form`].
+    pub chain: [f64; 3],
 }
 
 impl Cell {
     /// Chain over truth; none where the truth is not known well enough.
     #[must_use]
-    pub fn ratios(&self) -> Option<[f64; 2]> {
+    pub fn ratio(&self, form: Form) -> Option<f64> {
         let is_known = self.truth.mean > 0.0 && self.truth.error <= KNOWN_TO * self.truth.mean;
-        is_known.then(|| self.chain.map(|light| light / self.truth.mean))
+        is_known.then(|| self.chain[form as usize] / self.truth.mean)
     }
 }
 
@@ -188,7 +200,7 @@ fn on_wall<'a>(
     shone: &'a Shone,
     model: &'a Model,
     wall: usize,
-) -> impl Iterator<Item = (Place, truth::Level, [f64; 2])> + 'a {
+) -> impl Iterator<Item = (Place, truth::Level, [f64; 3])> + 'a {
     RINGS_DEG.iter().enumerate().map(move |(ring, &outer)| {
         let inner = if ring == 0 { 0.0 } else { RINGS_DEG[ring - 1] };
         let scattered = shone.scattered[wall][ring];

@@ -2,9 +2,7 @@
 
 use imaging::Rgb;
 use imaging::geometry::Intrinsics;
-use optics::lamp::{
-    LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight, airlight_reference, asymmetry_of,
-};
+use optics::lamp::{LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight, airlight_reference};
 use spec::ScatterModel;
 
 use super::difference::difference;
@@ -36,7 +34,7 @@ pub(super) fn lighting(width: usize, height: usize, count: usize) -> Option<Ligh
         attenuation: water.direct_attenuation(),
         scattering: water.scattering()?,
         absorption: None,
-        asymmetry: asymmetry_of(water.backscatter_fraction()),
+        phase: water.glow_phase(),
         patches: None,
     })
 }

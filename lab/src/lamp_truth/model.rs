@@ -3,7 +3,8 @@
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use optics::lamp::{
-    LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight_reference, asymmetry_of, irradiance_reference,
+    LAMP_RADIUS_M, Lamp, Lighting, Phase, REFERENCE_NODES, airlight_reference, asymmetry_of,
+    irradiance_reference,
 };
 use truth::lantern::Bench;
 
@@ -14,7 +15,7 @@ const CIRCLES: usize = 16;
 pub(super) struct Model {
     absorption: f64,
     scattering: f64,
-    asymmetry: f64,
+    backscatter: f64,
     cone_deg: Option<f64>,
 }
 
@@ -23,13 +24,13 @@ impl Model {
         Self {
             absorption: bench.water.absorption,
             scattering: bench.water.scattering,
-            asymmetry: asymmetry_of(backscatter),
+            backscatter,
             cone_deg: bench.cone_deg,
         }
     }
 
-    /// By single scattering, and with that which scatters more than once.
-    fn each(&self, lamp_x: f64, ray_slope: f64, light: impl Fn(&Lighting) -> f64) -> [f64; 2] {
+    /// Each form of the light, in the order of [`Form`](super::Form).
+    fn each(&self, lamp_x: f64, ray_slope: f64, light: impl Fn(&Lighting) -> f64) -> [f64; 3] {
         let place = [lamp_x, 0.0, 0.0];
         let lamp = match self.cone_deg {
             None => Lamp::point(place, [1.0; 3]),
@@ -45,7 +46,7 @@ impl Model {
             },
             attenuation: [self.absorption + self.scattering; 3],
             scattering: [self.scattering; 3],
-            asymmetry: self.asymmetry,
+            phase: Phase::henyey_greenstein(asymmetry_of(self.backscatter)),
             absorption: None,
             patches: None,
         };
@@ -53,11 +54,15 @@ impl Model {
             absorption: Some([self.absorption; 3]),
             ..lighting.clone()
         };
-        [light(&lighting), light(&followed)]
+        let rising = Lighting {
+            phase: Phase::fournier_forand(self.backscatter),
+            ..followed.clone()
+        };
+        [light(&lighting), light(&followed), light(&rising)]
     }
 
     /// The glow that a camera beside the lamp sees.
-    pub(super) fn glow(&self, camera_m: f64, look_deg: f64, wall_m: f64) -> [f64; 2] {
+    pub(super) fn glow(&self, camera_m: f64, look_deg: f64, wall_m: f64) -> [f64; 3] {
         let look = look_deg.to_radians();
         let range = Plane::filled(1, 1, wall_m / look.cos());
         self.each(-camera_m, look.tan(), |lighting| {
@@ -66,8 +71,8 @@ impl Model {
     }
 
     /// The mean light on a ring of a wall.
-    pub(super) fn surface(&self, [inner, outer]: [f64; 2], wall_m: f64) -> [f64; 2] {
-        let mut sum = [0.0; 2];
+    pub(super) fn surface(&self, [inner, outer]: [f64; 2], wall_m: f64) -> [f64; 3] {
+        let mut sum = [0.0; 3];
         let normal = [0.0f32, 0.0, -1.0].map(|v| Plane::filled(1, 1, v));
         for circle in 0..CIRCLES {
             // Circles with as much of the ring on either side.
@@ -77,7 +82,7 @@ impl Model {
             let light = self.each(0.0, radius / wall_m, |lighting| {
                 irradiance_reference(&range, &normal, lighting).planes()[0].pixel(0, 0)
             });
-            sum = [0, 1].map(|i| sum[i] + light[i] / CIRCLES as f64);
+            sum = [0, 1, 2].map(|i| sum[i] + light[i] / CIRCLES as f64);
         }
         sum
     }

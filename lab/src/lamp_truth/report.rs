@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use super::{CAMERAS_M, CONES_DEG, Cell, LAWS, Law, Place, WALLS_M, WATERS};
+use super::{CAMERAS_M, CONES_DEG, Cell, Form, LAWS, Law, Place, WALLS_M, WATERS};
 
 /// Every cell, one line each.
 #[must_use]
 pub fn csv(cells: &[Cell]) -> String {
     let mut text = String::from(
-        "phase,water,absorption_per_m,scattering_per_m,lamp,wall_m,what,ring_deg,camera_m,look_deg,truth,standard_error,single,multiple\n",
+        "phase,water,absorption_per_m,scattering_per_m,lamp,wall_m,what,ring_deg,camera_m,look_deg,truth,standard_error,single,multiple,rising\n",
     );
     for cell in cells {
         let (what, place) = match cell.place {
@@ -17,10 +17,10 @@ pub fn csv(cells: &[Cell]) -> String {
             } => ("wall", format!("{inner}-{outer},,")),
             Place::Water { camera_m, look_deg } => ("water", format!(",{camera_m},{look_deg}")),
         };
-        let [single, multiple] = cell.chain;
+        let [single, multiple, rising] = cell.chain;
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{what},{place},{:.4e},{:.1e},{single:.4e},{multiple:.4e}",
+            "{},{},{},{},{},{},{what},{place},{:.4e},{:.1e},{single:.4e},{multiple:.4e},{rising:.4e}",
             cell.law.name(),
             cell.water,
             cell.coefficients.absorption,
@@ -55,7 +55,7 @@ pub fn markdown(cells: &[Cell]) -> String {
         }
     }
     text.push_str(
-        "## All cells\n\n| cells | known | single within 20 % | multiple within 20 % | multiple, least to greatest |\n|---|---|---|---|---|\n",
+        "## All cells\n\n| cells | known | single within 20 % | multiple within 20 % | multiple, least to greatest | rising within 20 % | rising, least to greatest |\n|---|---|---|---|---|---|---|\n",
     );
     for law in LAWS {
         for is_spot in [false, true] {
@@ -77,7 +77,9 @@ pub fn markdown(cells: &[Cell]) -> String {
 
 const INTRODUCTION: &str = "Each entry is the truth over the chain with single scattering, and in brackets the chain with multiple scattering \
                             over the truth, least and greatest of several places. The chain scatters as Henyey and Greenstein say; \
-                            where the truth does, too, only the chain's orders are wrong.\n\n";
+                            where the truth does, too, only the chain's orders are wrong. Where the truth scatters as Fournier and \
+                            Forand say, a second pair in the brackets is the chain with `glow_phase` `ff`, which rises toward the back \
+                            (`rising` below).\n\n";
 
 fn tables(text: &mut String, cells: &[Cell], law: Law, is_spot: bool) {
     let of = |water: &str, belongs: &dyn Fn(&Cell) -> bool| -> Vec<Cell> {
@@ -87,7 +89,7 @@ fn tables(text: &mut String, cells: &[Cell], law: Law, is_spot: bool) {
     };
     table(
         text,
-        "On a wall within 20 degrees of the axis, at",
+        ("On a wall within 20 degrees of the axis, at", &[Form::Multiple]),
         &WALLS_M,
         |water, wall| {
             of(water, &|cell| {
@@ -97,7 +99,11 @@ fn tables(text: &mut String, cells: &[Cell], law: Law, is_spot: bool) {
         },
     );
     let title = "In the water before a wall at 4 m, camera beside the lamp at";
-    table(text, title, &CAMERAS_M, |water, camera| {
+    let forms: &[Form] = match law {
+        Law::FournierForand => &[Form::Multiple, Form::Rising],
+        Law::HenyeyGreenstein => &[Form::Multiple],
+    };
+    table(text, (title, forms), &CAMERAS_M, |water, camera| {
         of(water, &|cell| {
             let looks = matches!(cell.place, Place::Water { camera_m, .. } if camera_m == camera);
             looks && cell.wall_m == 4.0
@@ -105,7 +111,12 @@ fn tables(text: &mut String, cells: &[Cell], law: Law, is_spot: bool) {
     });
 }
 
-fn table(text: &mut String, title: &str, columns: &[f64], cells: impl Fn(&str, f64) -> Vec<Cell>) {
+fn table(
+    text: &mut String,
+    (title, forms): (&str, &[Form]),
+    columns: &[f64],
+    cells: impl Fn(&str, f64) -> Vec<Cell>,
+) {
     let heads: Vec<String> = columns.iter().map(|column| format!("{column} m")).collect();
     let rule = "---|".repeat(columns.len());
     let _ = write!(
@@ -116,7 +127,7 @@ fn table(text: &mut String, title: &str, columns: &[f64], cells: impl Fn(&str, f
     for (name, water) in WATERS {
         let row: Vec<String> = columns
             .iter()
-            .map(|&column| entry(&cells(name, column)))
+            .map(|&column| entry(&cells(name, column), forms))
             .collect();
         let _ = writeln!(
             text,
@@ -129,18 +140,26 @@ fn table(text: &mut String, title: &str, columns: &[f64], cells: impl Fn(&str, f
     text.push('\n');
 }
 
-/// Least and greatest of both ratios.
-fn entry(cells: &[Cell]) -> String {
-    let ratios: Vec<[f64; 2]> = cells.iter().filter_map(Cell::ratios).collect();
-    if ratios.is_empty() {
+/// Least and greatest of the ratios of each form.
+fn entry(cells: &[Cell], forms: &[Form]) -> String {
+    if ratios(cells.iter(), Form::Single).next().is_none() {
         return "not measured".to_owned();
     }
-    let ends = |values: &dyn Fn(&[f64; 2]) -> f64| {
-        let all = || ratios.iter().map(values);
-        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
-        format!("{}-{}", short(low), short(high))
-    };
-    format!("{} ({})", ends(&|ratio| 1.0 / ratio[0]), ends(&|ratio| ratio[1]))
+    let span = |form: Form| ends(ratios(cells.iter(), form));
+    let chain: Vec<String> = forms.iter().map(|&form| span(form)).collect();
+    let truth = ends(ratios(cells.iter(), Form::Single).map(|ratio| 1.0 / ratio));
+    format!("{truth} ({})", chain.join("; "))
+}
+
+fn ratios<'a>(cells: impl Iterator<Item = &'a Cell>, form: Form) -> impl Iterator<Item = f64> {
+    cells.filter_map(move |cell| cell.ratio(form))
+}
+
+fn ends(values: impl Iterator<Item = f64>) -> String {
+    let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    format!("{}-{}", short(low), short(high))
 }
 
 fn short(value: f64) -> String {
@@ -153,24 +172,20 @@ fn short(value: f64) -> String {
 
 fn summary(text: &mut String, name: &str, cells: &[Cell], belongs: impl Fn(&Cell) -> bool) {
     let chosen: Vec<&Cell> = cells.iter().filter(|cell| belongs(cell)).collect();
-    let ratios: Vec<[f64; 2]> = chosen.iter().filter_map(|cell| cell.ratios()).collect();
-    let share = |form: usize| {
-        let near = ratios
-            .iter()
-            .filter(|ratio| (ratio[form] - 1.0).abs() <= 0.2)
-            .count();
-        100.0 * near as f64 / ratios.len().max(1) as f64
+    let of = |form: Form| ratios(chosen.iter().copied(), form);
+    let known = of(Form::Single).count();
+    let near = |form: Form| {
+        let near = of(form).filter(|ratio| (ratio - 1.0).abs() <= 0.2).count();
+        100.0 * near as f64 / known.max(1) as f64
     };
-    let all = || ratios.iter().map(|ratio| ratio[1]);
-    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
-    let _ = writeln!(
+    let _ = write!(
         text,
-        "| {name}: {} | {} | {:.0} % | {:.0} % | {}-{} |",
+        "| {name}: {} | {known} | {:.0} % |",
         chosen.len(),
-        ratios.len(),
-        share(0),
-        share(1),
-        short(low),
-        short(high)
+        near(Form::Single)
     );
+    for form in [Form::Multiple, Form::Rising] {
+        let _ = write!(text, " {:.0} % | {} |", near(form), ends(of(form)));
+    }
+    text.push('\n');
 }

@@ -38,6 +38,8 @@ pub struct Water {
     pub style_tier: Option<StyleTier>,
     /// what becomes of light of lamps that is scattered more than once; absent: `quasi_single`
     pub multiple: Option<Multiple>,
+    /// how the glow of lamps is scattered by the angle; absent: `hg`
+    pub glow_phase: Option<PhaseFunction>,
     /// how the water scatters in the artifact `truth`, and nowhere else; absent: `ff`
     pub phase: Option<Phase>,
     /// light from above by direction and depth; absent: as `ambient` and the veiling light have it
@@ -58,6 +60,7 @@ impl Default for Water {
             sediment: None,
             style_tier: None,
             multiple: None,
+            glow_phase: None,
             phase: None,
             from_above: None,
         }
@@ -211,14 +214,14 @@ pub enum ScatterSpread {
     Two,
 }
 
-/// The phase function that two kernels are fitted to.
+/// How water scatters by the angle.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum PhaseFunction {
-    /// Fournier–Forand with b_b/b = 0.018.
+    /// Fournier–Forand, as sea water does; two kernels are fitted to b_b/b = 0.018, and the glow rises toward the back as it does.
     #[default]
     Ff,
-    /// Henyey–Greenstein with g = 0.924.
+    /// Henyey–Greenstein; two kernels are fitted to g = 0.924.
     Hg,
 }
 

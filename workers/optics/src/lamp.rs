@@ -19,6 +19,7 @@ mod coarse;
 mod multiple;
 mod nodes;
 mod normals;
+mod particles;
 mod patches;
 mod phase;
 mod point;
@@ -31,8 +32,9 @@ mod tiles;
 pub use airlight::{Airlight, airlight, airlight_with_nodes, shaded_airlight};
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;
+pub use particles::FournierForand;
 pub use patches::glow_within;
-pub use phase::{AVERAGE_BACKSCATTER_FRACTION, asymmetry_of, backscatter_fraction, henyey_greenstein};
+pub use phase::{AVERAGE_BACKSCATTER_FRACTION, Phase, asymmetry_of, backscatter_fraction, henyey_greenstein};
 pub use point::{most_white, white_at, white_at_each};
 pub use reference::{
     REFERENCE_NODES, airlight_reference, irradiance_reference, shaded_airlight_reference,
@@ -242,8 +244,8 @@ pub struct Lighting {
     pub scattering: [f64; 3],
     /// Absorption a where light that scatters more than once is followed; none: it is lost.
     pub absorption: Option<[f64; 3]>,
-    /// Asymmetry g of the phase function, −1 < g < 1.
-    pub asymmetry: f64,
+    /// How the water scatters, by the angle.
+    pub phase: Phase,
     /// Patches of murkier water, in the axes of the camera; none in even water.
     pub patches: Option<Field>,
 }

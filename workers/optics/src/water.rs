@@ -10,9 +10,10 @@ pub use error::WaterError;
 pub use properties::{Properties, properties};
 pub use rules::RULES;
 
-use spec::{HoleRule, Multiple, Optics, ScatterSource, SurfaceLight};
+use spec::{HoleRule, Multiple, Optics, PhaseFunction, ScatterSource, SurfaceLight};
 
 use crate::daylight::{Daylight, Field, Gaze, VeilOf};
+use crate::lamp::{Phase, asymmetry_of};
 use derive::Request;
 
 /// Width of the forward-scatter kernel: `γ(Z) = offset + per_meter · Z` in pixels, for each channel.
@@ -127,6 +128,7 @@ pub struct Water {
     pub(crate) scatter: Scatter,
     pub(crate) backscatter_fraction: f64,
     pub(crate) multiple: Option<Multiple>,
+    pub(crate) glow_phase: PhaseFunction,
     pub(crate) daylight: Option<Daylight>,
     pub(crate) holes: HoleRule,
     pub(crate) derived: Vec<&'static str>,
@@ -236,6 +238,15 @@ impl Water {
             .filter(|_| self.multiple == Some(Multiple::QuasiSingle))?;
         let rest = [0, 1, 2].map(|i| (self.direct_attenuation[i] - b[i]).max(0.0));
         Some(self.absorption.unwrap_or(rest))
+    }
+
+    /// How the glow of lamps is scattered by the angle.
+    #[must_use]
+    pub fn glow_phase(&self) -> Phase {
+        match self.glow_phase {
+            PhaseFunction::Hg => Phase::henyey_greenstein(asymmetry_of(self.backscatter_fraction)),
+            PhaseFunction::Ff => Phase::fournier_forand(self.backscatter_fraction),
+        }
     }
 
     /// b_b/b, the share of the scattered light that goes backwards.

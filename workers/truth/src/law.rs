@@ -1,10 +1,10 @@
 //! The phase function that a frame asks its truth to have.
 
-use optics::lamp::{AVERAGE_BACKSCATTER_FRACTION, asymmetry_of};
+use optics::lamp::{AVERAGE_BACKSCATTER_FRACTION, FournierForand, asymmetry_of};
 use optics::water::Water;
 use serde::Serialize;
 
-use crate::phase::{FournierForand, Phase};
+use crate::phase::Phase;
 
 /// How the water of a frame scatters in its truth, every number known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

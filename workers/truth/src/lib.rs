@@ -34,7 +34,7 @@ pub use frame::{NoTruth, Shutter, Subject};
 pub use lamp::Lamp;
 pub use law::Law;
 pub use optics::Screen;
-pub use phase::{FournierForand, Phase};
+pub use phase::Phase;
 pub use report::{Asked, ChainLight, Parts, Report};
 pub use scene::{Along, Scene};
 pub use sea::{REFRACTIVE_INDEX, Sea, Sun, fresnel};

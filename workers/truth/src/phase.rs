@@ -1,12 +1,9 @@
 //! The phase function as a table of bins, so that drawing and evaluating agree exactly.
 
-mod particles;
-
 use std::f64::consts::PI;
 
 use imaging::vector::{DVec3, vec3};
-
-pub use particles::FournierForand;
+use optics::lamp::FournierForand;
 
 /// Bins in the scattering angle, spaced evenly in its logarithm.
 const BINS: usize = 1024;
@@ -206,6 +203,19 @@ mod tests {
             .map(|k| phase.densities[k] * 2.0 * PI * (phase.edges[k + 1] - phase.edges[k]))
             .sum();
         assert!((sphere - 1.0).abs() < 1e-9, "{sphere}");
+    }
+
+    #[test]
+    fn the_table_of_fournier_and_forand_keeps_its_backscatter_and_mean_cosine() {
+        for fraction in [0.005, 0.01, 0.0183, 0.03] {
+            let table = Phase::fournier_forand(FournierForand::of_backscatter(fraction));
+            assert!(
+                (table.backscatter_fraction() - fraction).abs() < 2e-4,
+                "{fraction}"
+            );
+        }
+        let average = Phase::fournier_forand(FournierForand::of_backscatter(0.0183));
+        assert!((average.mean_cosine() - 0.930).abs() < 1e-3);
     }
 
     #[test]

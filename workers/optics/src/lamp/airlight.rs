@@ -23,7 +23,7 @@ use super::beam::Profile;
 use super::multiple::{SATURATION, SWELL};
 use super::nodes::{self, MOST_NODES, Source};
 use super::patches;
-use super::{Lamp, Lighting};
+use super::{Lamp, Lighting, Phase};
 use crate::elementary::{HALVINGS, small_sin_cos};
 use crate::extremes::brightest;
 use crate::legendre::gauss_legendre;
@@ -201,6 +201,8 @@ struct Glow {
     profile: Profile,
     /// (1 − g)² and 4 g, what it grows by with sin² β.
     denominator: [f32; 2],
+    /// 4π K/(1 − g²).
+    rise: f32,
     /// c in halvings per meter; where light that scatters more than once goes along, a.
     attenuation: [f32; 3],
     /// For light that scatters more than once: b, and a in halvings per meter.
@@ -235,10 +237,16 @@ impl Glow {
         Some(glow)
     }
 
+    /// What the phase function has beside Henyey and Greenstein where sin² β is `ss`: 4π K/(1 − g²) (3 cos² 2β − 1).
+    #[inline(always)]
+    fn rise_at(&self, ss: f32) -> f32 {
+        ss.mul_add(ss, -ss).mul_add(12.0 * self.rise, 2.0 * self.rise)
+    }
+
     /// A lamp whose light fades by `least` per meter after it has swollen by the exponential of `swell` at most.
     fn made(lamp: &Lamp, lighting: &Lighting, (order, least, swell): (Order, [f64; 3], f64)) -> Self {
         let single = |values: [f64; 3]| values.map(|v| v as f32);
-        let g = lighting.asymmetry;
+        let Phase { asymmetry: g, rise } = lighting.phase;
         let strength = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i] * swell.exp());
         let constant = 2.0 * (1.0 - g * g) / (4.0 * std::f64::consts::PI);
         let halvings = single(least.map(|c| c * f64::from(HALVINGS)));
@@ -249,6 +257,7 @@ impl Glow {
             before: patches::before(g) as f32,
             profile: lamp.beam.single(),
             denominator: [((1.0 - g) * (1.0 - g)) as f32, (4.0 * g) as f32],
+            rise: (rise / (constant / 2.0)) as f32,
             attenuation: halvings,
             scattering: single(lighting.scattering),
             absorption: halvings,
@@ -262,7 +271,7 @@ impl Glow {
                 } else {
                     0.0
                 },
-                asymmetry: g,
+                phase: lighting.phase,
                 tolerance: match order {
                     Order::Within(tolerance) => tolerance,
                     Order::Fixed(_) => 0.0,
@@ -300,7 +309,8 @@ fn add<const SPOT: bool, const SPREAD: bool>(
     };
     if SPREAD && left > lamp.source.tolerance && lamp.fixed.is_none() {
         // The bound of the rule is far above what it leaves where light swells late.
-        let own = composite::sum_up::<false>(lamp, &intervals, composite::spacing(lamp.source.asymmetry));
+        let own =
+            composite::sum_up::<false>(lamp, &intervals, composite::spacing(lamp.source.phase.asymmetry));
         let mut most = [0.0f32; RUN];
         for (sum, light) in sum.iter_mut().zip(&own.light) {
             for i in 0..RUN {

@@ -7,6 +7,8 @@
 
 use std::f32::consts::FRAC_PI_2;
 
+use super::phase::Phase;
+
 /// Node counts that are tried, all even.
 const COUNTS: [usize; 13] = [4, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 64];
 /// The most nodes that are taken.
@@ -44,7 +46,7 @@ pub(super) struct Source {
     pub(super) edge: f64,
     /// How fast light that scatters more than once comes to its most, 1/m; 0 without.
     pub(super) swelling: f64,
-    pub(super) asymmetry: f64,
+    pub(super) phase: Phase,
     /// The error in linear light that the lamp may have.
     pub(super) tolerance: f64,
 }
@@ -68,11 +70,10 @@ impl Left {
         let (clear, murky) = (f64::from(span.clearest), f64::from(span.murkiest));
         let scale = source.strength * f64::from(span.source) / distance * 4.0 * half;
         // At β the scattering angle has the cosine cos 2β.
-        let phase =
-            |(sin, cos): (f64, f64)| super::henyey_greenstein(source.asymmetry, cos * cos - sin * sin);
+        let phase = |(sin, cos): (f64, f64)| source.phase.most(cos * cos - sin * sin);
         let ends = [from.sin_cos(), to.sin_cos()];
         let [at_start, at_end] = ends.map(|end| scale * phase(end));
-        let growth = 2.0 * ellipse(source.asymmetry, from, half).ln();
+        let growth = 2.0 * ellipse(source.phase.asymmetry, from, half).ln();
         let fade = source.attenuation * clear * distance;
         let shown = |rate: f64| (rate * murky * distance * ends[1].0 / ends[1].1).powi(2).min(1.0);
         let swelling = SWELLING * at_end * shown(source.swelling);

@@ -11,7 +11,7 @@ use super::beam::Beam;
 use super::multiple::{self, glow_scale, surface_scale};
 use super::patches::{glow_within, last, mean};
 use super::shadow::{SPREAD_PLACES, Shadow, disc_place, sees, share_seen};
-use super::{Lamp, Lighting, henyey_greenstein};
+use super::{Lamp, Lighting};
 use crate::legendre::gauss_legendre;
 use crate::range::is_hole;
 
@@ -108,7 +108,7 @@ impl<'a> Glow<'a> {
             };
         }
         let patches = lighting.patches.as_ref();
-        let (begin, end) = glow_within(z, nearest, distance, lighting.asymmetry);
+        let (begin, end) = glow_within(z, nearest, distance, lighting.phase.asymmetry);
         Self {
             lamp,
             lighting,
@@ -196,7 +196,7 @@ impl<'a> Glow<'a> {
             };
             let profile = lamp.beam.profile(cosine);
             let path = self.nearest + self.distance * (theta.tan() + 1.0 / theta.cos());
-            let phase = henyey_greenstein(lighting.asymmetry, -theta.sin());
+            let phase = lighting.phase.density(-theta.sin());
             let scattered = weight * profile * phase;
             for (i, sum) in sum.iter_mut().enumerate() {
                 let direct = (-lighting.attenuation[i] * self.murk * path).exp();

@@ -6,7 +6,9 @@
 
 mod above;
 
-use spec::{Ambient, ForwardScatter, Multiple, Occlusion, Optics, ScatterModel, ScatterSpread};
+use spec::{
+    Ambient, ForwardScatter, Multiple, Occlusion, Optics, PhaseFunction, ScatterModel, ScatterSpread,
+};
 
 use super::{Scatter, Spread, Tail, Water, WaterError, two_kernels};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
@@ -121,6 +123,7 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         scatter: scaled_scatter(scatter, scale),
         backscatter_fraction: backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
         multiple,
+        glow_phase: request.water.glow_phase.unwrap_or(PhaseFunction::Hg),
         daylight,
         holes: water.holes,
         derived: checks.derived,

@@ -4,7 +4,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
+use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, Phase, REFERENCE_NODES, backscatter_fraction};
 use optics::snow::World;
 use optics::turbidity::Field;
 use spec::Turbidity;
@@ -99,10 +99,19 @@ fn case(seed: u64, multiple: bool) -> Case {
             attenuation: [1.5, 1.1, 1.2].map(|c| c * scattering),
             scattering: [scattering; 3],
             absorption: multiple.then(|| [0.5, 0.1, 0.2].map(|a| a * scattering)),
-            asymmetry: between(11, -0.3, 0.98),
+            phase: phase(between(11, -0.3, 0.98), unit(13)),
             patches: (unit(12) < 0.3).then(|| Field::new(&patches, world)),
         },
         range,
+    }
+}
+
+/// Of some frames one that rises toward the back.
+fn phase(asymmetry: f64, unit: f64) -> Phase {
+    if unit < 0.4 {
+        Phase::fournier_forand(backscatter_fraction(asymmetry))
+    } else {
+        Phase::henyey_greenstein(asymmetry)
     }
 }
 
@@ -210,7 +219,7 @@ fn wide_case(seed: u64) -> Case {
             attenuation: [1.5, 1.1, 1.2].map(|c| c * scattering),
             scattering: [1.0, 0.9, 0.95].map(|b| b * scattering),
             absorption: Some([0.5, 0.2, 0.25].map(|a| a * scattering)),
-            asymmetry: between(11, 0.5, 0.97),
+            phase: phase(between(11, 0.5, 0.97), unit(13)),
             patches: (unit(12) < 0.2).then(|| Field::new(&patches, World { seed, index: 0 })),
         },
         range,
@@ -257,7 +266,7 @@ fn the_rounding_of_an_ordinary_frame_is_a_millionth_of_its_light() {
         attenuation: [0.5, 0.3, 0.3],
         scattering: [0.2; 3],
         absorption: None,
-        asymmetry: 0.9,
+        phase: Phase::henyey_greenstein(0.9),
         patches: None,
     };
     let normals = lamp::normals_of(&range, &lighting.camera);

@@ -9,12 +9,10 @@ mod shadows;
 use errors::{peak, worst};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, REFERENCE_NODES};
+use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, Phase, REFERENCE_NODES};
 
 /// f32 arithmetic in angles and paths, as a share of the frame's peak: some hundred roundings of 6e-8.
 const ROUNDING: f64 = 1e-5;
-/// Asymmetries with which light is also followed that scatters more than once.
-const MULTIPLE: [f64; 2] = [-0.3, 0.98];
 const SIZES: [(usize, usize); 5] = [(1, 1), (3, 2), (17, 13), (64, 5), (131, 37)];
 
 /// Beside the camera, behind it, in view, beyond a wall, in the camera, and spots of both kinds.
@@ -39,9 +37,13 @@ fn lamps() -> Vec<(&'static str, Lamp)> {
     ]
 }
 
+const FORWARD: Phase = Phase {
+    asymmetry: 0.919,
+    rise: 0.0,
+};
 const ABSORPTION: [f64; 3] = [0.35, 0.08, 0.06];
 
-fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), asymmetry: f64) -> Lighting {
+fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), phase: Phase) -> Lighting {
     let scattering = [0.2, 0.22, 0.25];
     Lighting {
         lamps,
@@ -50,7 +52,7 @@ fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), asymmetry: f64) -
         attenuation: [0, 1, 2].map(|i| ABSORPTION[i] + scattering[i]),
         scattering,
         absorption: None,
-        asymmetry,
+        phase,
         patches: None,
     }
 }
@@ -65,24 +67,39 @@ fn range(width: usize, height: usize) -> Plane<f32> {
     })
 }
 
+/// How the water scatters, and whether light is also followed that scatters more than once.
+fn phases() -> Vec<(Phase, bool)> {
+    let even = [
+        (-0.3, true),
+        (0.0, false),
+        (0.7, false),
+        (0.919, false),
+        (0.98, true),
+    ];
+    let rising = [(0.0183, true), (0.2, false)];
+    let even = even.map(|(g, multiple)| (Phase::henyey_greenstein(g), multiple));
+    let rising = rising.map(|(fraction, multiple)| (Phase::fournier_forand(fraction), multiple));
+    even.into_iter().chain(rising).collect()
+}
+
 #[test]
 fn airlight_stays_within_its_tolerance_of_the_reference() {
     for size in SIZES {
         let range = range(size.0, size.1);
         let exact_range = range.map(|&z| f64::from(z));
-        for asymmetry in [-0.3, 0.0, 0.7, 0.919, 0.98] {
+        for (phase, multiple) in phases() {
             let all = lamps();
             let mut cases: Vec<(&str, Vec<Lamp>)> =
                 all.iter().map(|&(name, lamp)| (name, vec![lamp])).collect();
             cases.push(("all", all.into_iter().map(|(_, lamp)| lamp).collect()));
             // The reference of light that scatters more than once takes long.
-            let also_multiple = MULTIPLE.contains(&asymmetry) && size.0 < 100;
+            let also_multiple = multiple && size.0 < 100;
             let both = cases.into_iter().flat_map(|case| {
                 let multiple = also_multiple.then(|| (case.clone(), true));
                 [(case, false)].into_iter().chain(multiple)
             });
             for ((name, lamps), multiple) in both {
-                let mut lighting = lighting(lamps, size, asymmetry);
+                let mut lighting = lighting(lamps, size, phase);
                 lighting.absorption = multiple.then_some(ABSORPTION);
                 let exact = lamp::airlight_reference(&exact_range, &lighting, REFERENCE_NODES);
                 for tolerance in [1e-2, 3e-4, 1e-5] {
@@ -91,7 +108,7 @@ fn airlight_stays_within_its_tolerance_of_the_reference() {
                     let allowed = tolerance.max(fast.left) + fast.rounding.min(ROUNDING * peak(&exact));
                     assert!(
                         error <= allowed,
-                        "{name}, {multiple}, g = {asymmetry}, {size:?}, tolerance {tolerance:e}: {error:e}"
+                        "{name}, {multiple}, {phase:?}, {size:?}, tolerance {tolerance:e}: {error:e}"
                     );
                 }
             }
@@ -103,7 +120,7 @@ fn airlight_stays_within_its_tolerance_of_the_reference() {
 fn light_on_surfaces_agrees_with_the_reference() {
     for size in SIZES {
         let range = range(size.0, size.1);
-        let mut lighting = lighting(lamps().into_iter().map(|(_, lamp)| lamp).collect(), size, 0.9);
+        let mut lighting = lighting(lamps().into_iter().map(|(_, lamp)| lamp).collect(), size, FORWARD);
         let normals = lamp::normals_of(&range, &lighting.camera);
         for absorption in [None, Some(ABSORPTION)] {
             lighting.absorption = absorption;
@@ -122,7 +139,11 @@ fn light_on_surfaces_agrees_with_the_reference() {
 /// A wall at 2 m, a lamp beside the camera: 1/r² and the way there and back, by hand.
 #[test]
 fn a_wall_is_lit_by_the_square_of_the_distance_and_both_ways_through_the_water() {
-    let mut lighting = lighting(vec![Lamp::point([0.0; 3], [4.0, 4.0, 4.0]).unwrap()], (5, 5), 0.9);
+    let mut lighting = lighting(
+        vec![Lamp::point([0.0; 3], [4.0, 4.0, 4.0]).unwrap()],
+        (5, 5),
+        FORWARD,
+    );
     lighting.camera.focal_px = 1e6;
     let range = Plane::filled(5, 5, 2.0f32);
     let normals = lamp::normals_of(&range, &lighting.camera);
@@ -142,7 +163,7 @@ fn a_lamp_in_the_camera_or_behind_a_wall_gives_finite_light() {
     for (name, lamp) in lamps() {
         for meters in [0.001, 0.02, 1.0, 1e4, 1e30] {
             let size = (9, 7);
-            let lighting = lighting(vec![lamp], size, 0.919);
+            let lighting = lighting(vec![lamp], size, FORWARD);
             let range = Plane::filled(9, 7, meters);
             let glow = lamp::airlight(&range, &lighting, 3e-4).light;
             let normals = lamp::normals_of(&range, &lighting.camera);
@@ -160,7 +181,7 @@ fn a_lamp_in_the_camera_or_behind_a_wall_gives_finite_light() {
 #[test]
 fn a_spot_that_is_aimed_away_gives_no_light_in_view() {
     let away = Lamp::spot([0.0, 0.0, -0.5], [1.0; 3], [0.0, 0.0, -1.0], 40.0).unwrap();
-    let lighting = lighting(vec![away], (16, 9), 0.9);
+    let lighting = lighting(vec![away], (16, 9), FORWARD);
     let range = range(16, 9);
     let normals = lamp::normals_of(&range, &lighting.camera);
     let light = [
@@ -176,7 +197,11 @@ fn a_spot_that_is_aimed_away_gives_no_light_in_view() {
 #[test]
 fn more_range_shows_more_glow_and_more_attenuation_less() {
     let size = (33, 21);
-    let near = lighting(vec![Lamp::point([0.4, 0.1, 0.0], [1.0; 3]).unwrap()], size, 0.919);
+    let near = lighting(
+        vec![Lamp::point([0.4, 0.1, 0.0], [1.0; 3]).unwrap()],
+        size,
+        FORWARD,
+    );
     let murky = Lighting {
         attenuation: near.attenuation.map(|c| 2.0 * c),
         ..near.clone()
@@ -195,7 +220,7 @@ fn more_nodes_come_nearer_to_the_reference() {
     let size = (33, 21);
     let range = range(size.0, size.1);
     for (name, lamp) in lamps() {
-        let lighting = lighting(vec![lamp], size, 0.9);
+        let lighting = lighting(vec![lamp], size, FORWARD);
         let exact = lamp::airlight_reference(&range.map(|&z| f64::from(z)), &lighting, REFERENCE_NODES);
         let error = |nodes| worst(&lamp::airlight_with_nodes(&range, &lighting, nodes), &exact);
         let (few, most) = (error(4), error(MOST_NODES));

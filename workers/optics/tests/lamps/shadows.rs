@@ -7,7 +7,7 @@ use optics::lamp::{self, Lamp, Lighting, REFERENCE_NODES, Shadow};
 use optics::plan::Casting;
 
 use crate::errors::peak;
-use crate::{ABSORPTION, lighting};
+use crate::{ABSORPTION, FORWARD, lighting};
 
 /// Share of samples whose rays may graze an edge, and by how much the sums of light may differ as a share.
 const GRAZING: f64 = 0.03;
@@ -72,7 +72,7 @@ fn balls() -> Balls {
 }
 
 fn range_of(scene: &Balls, (width, height): (usize, usize)) -> Plane<f32> {
-    let camera = lighting(Vec::new(), (width, height), 0.9).camera;
+    let camera = lighting(Vec::new(), (width, height), FORWARD).camera;
     Plane::from_fn(width, height, |x, y| {
         let ray = camera.ray(x as f64, y as f64);
         let length = ray.length();
@@ -91,7 +91,7 @@ fn lamps() -> [Lamp; 2] {
 fn lit_by(lamp: Lamp, size: (usize, usize), multiple: bool) -> Lighting {
     Lighting {
         absorption: multiple.then_some(ABSORPTION),
-        ..lighting(vec![lamp], size, 0.9)
+        ..lighting(vec![lamp], size, FORWARD)
     }
 }
 

@@ -52,6 +52,36 @@ fn at_a_depth_without_daylight_only_the_lamps_are_seen() {
     assert!(lit.record.warnings.is_empty(), "{:?}", lit.record.warnings);
 }
 
+/// A spot beside the camera sends back what its light meets at more than a right angle: more of it in sea water.
+#[test]
+fn the_glow_is_brighter_where_it_rises_toward_the_back() {
+    let files = Files::new();
+    let frame = |phase: Value| {
+        let mut water = dark_water();
+        if !phase.is_null() {
+            water["glow_phase"] = phase;
+        }
+        let fields =
+            json!({"water": water, "artifacts": ["backscatter"], "lights": [spot(json!([0, 0, 1]))]});
+        render(&files.job(&fields))
+    };
+    let [absent, hg, ff] = [json!(null), json!("hg"), json!("ff")].map(frame);
+    assert_eq!(file(&absent, "backscatter"), file(&hg, "backscatter"));
+    let sum = |bytes: &[u8]| samples(bytes).into_iter().sum::<f32>();
+    let more = sum(file(&ff, "backscatter")) / sum(file(&hg, "backscatter"));
+    assert!((1.1..1.7).contains(&more), "{more}");
+    let says = |rendered: &renderer::Rendered| {
+        let plan = rendered.record.plan.as_array().unwrap();
+        let glow = plan.iter().find(|line| line["stage"] == "glow").unwrap();
+        glow["model_error"].as_str().unwrap().to_owned()
+    };
+    assert_ne!(says(&ff), says(&hg));
+    let wrong = json!({"water": {"optics": "jerlov-1C", "glow_phase": "petzold"}});
+    let errors = parse_errors(&files.description(&wrong));
+    assert_eq!(errors[0].pointer, "/water/glow_phase");
+    assert_eq!(errors[0].allowed, ["ff", "hg"]);
+}
+
 #[test]
 fn a_lamp_aimed_away_and_a_scene_without_range_are_said_in_the_record() {
     let files = Files::new();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::phase::FournierForand;
+use optics::lamp::FournierForand;
 
 fn bench(scattering: f64, cone_deg: Option<f64>) -> Bench {
     Bench {

@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use crate::support::{Mean, Solid, Solids, along, radiance, scene, water};
 use imaging::vector::{DVec3, vec3};
-use truth::{Address, Along, FournierForand, Lamp, Layers, Material, Murk, Phase, Sea, Sun};
+use optics::lamp::FournierForand;
+use truth::{Address, Along, Lamp, Layers, Material, Murk, Phase, Sea, Sun};
 
 const UP: DVec3 = vec3(0.0, -1.0, 0.0);
 

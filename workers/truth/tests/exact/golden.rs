@@ -7,8 +7,9 @@ use crate::support::{Mean, Solid, Solids, along, radiance, scene, water};
 use imaging::codec::{self, NpyValues};
 use imaging::geometry::Intrinsics;
 use imaging::vector::vec3;
+use optics::lamp::FournierForand;
 use serde_json::Value;
-use truth::{Along, FournierForand, Lamp, Material, Phase, Sea};
+use truth::{Along, Lamp, Material, Phase, Sea};
 
 pub(crate) struct Case {
     folder: PathBuf,

@@ -22,7 +22,7 @@ pub(super) fn scattered<const SPOT: bool, const SPREAD: bool>(
     let cubed = denominator * denominator.sqrt();
     // One division serves the phase function and the tangent.
     let inverse = 1.0 / (cubed * cos);
-    let mut light = inverse * cos;
+    let mut light = inverse * cos + lamp.rise_at(ss);
     if SPOT {
         let to_axis = across.mul_add(2.0 * sin * cos, along * cos.mul_add(-cos, ss));
         light *= lamp
@@ -107,7 +107,7 @@ fn shine_evenly(lamp: &Glow, to: &Intervals, angles: &Lanes, node: &mut SpreadNo
         let cos = cos.max(1e-7);
         let ss = sin * sin;
         let denominator = ss.mul_add(growth, narrow);
-        let light = 1.0 / (denominator * denominator.sqrt());
+        let light = 1.0 / (denominator * denominator.sqrt()) + lamp.rise_at(ss);
         let path = to.distance[i].mul_add(sin / cos, to.nearest[i]).max(0.0);
         // The angle to the axis: θ = 2 β − π/2.
         let (sin_ray, cos_ray) = (cos.mul_add(-cos, ss), 2.0 * sin * cos);

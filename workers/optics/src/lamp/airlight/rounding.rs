@@ -2,9 +2,8 @@
 
 use std::f32::consts::FRAC_PI_4;
 
-use super::super::henyey_greenstein;
 use super::super::nodes::Span;
-use super::super::{Lamp, Lighting};
+use super::super::{Lamp, Lighting, Phase};
 use crate::turbidity;
 
 /// One rounding of f32.
@@ -35,7 +34,7 @@ const PARTS: usize = 16;
 pub(super) struct Rounding {
     strength: f64,
     attenuation: [f64; 2],
-    asymmetry: f64,
+    phase: Phase,
     distance_m: f64,
     way_m: f64,
     slope: f64,
@@ -57,7 +56,7 @@ impl Rounding {
                 least.into_iter().fold(f64::INFINITY, f64::min),
                 lighting.attenuation.into_iter().fold(0.0, f64::max),
             ],
-            asymmetry: lighting.asymmetry,
+            phase: lighting.phase,
             distance_m,
             way_m: (STEP * WAY + lens) * distance_m,
             slope: lamp.beam.slope(),
@@ -74,7 +73,7 @@ impl Rounding {
         let arriving = (-least * clearest * self.distance_m).exp();
         let unit = self.strength * f64::from(span.source) * arriving / near;
         // At β the scattering angle has the cosine cos 2β; the phase function is monotonic.
-        let phase = |angle: f32| henyey_greenstein(self.asymmetry, (2.0 * f64::from(angle)).cos());
+        let phase = |angle: f32| self.phase.most((2.0 * f64::from(angle)).cos());
         let from = phase(span.from);
         let to = phase(span.least_to).max(phase(span.to));
         let end = self.way_m / f64::from(span.end_m);
@@ -113,7 +112,7 @@ impl Rounding {
     fn integral(&self, span: Span) -> f64 {
         let (from, length) = (f64::from(span.from), f64::from(span.to - span.from));
         let part = length / self.parts as f64;
-        let phase = |end: usize| henyey_greenstein(self.asymmetry, (2.0 * (from + end as f64 * part)).cos());
+        let phase = |end: usize| self.phase.most((2.0 * (from + end as f64 * part)).cos());
         let parts = (0..self.parts).map(|at| 2.0 * part * phase(at).max(phase(at + 1)));
         parts.sum()
     }

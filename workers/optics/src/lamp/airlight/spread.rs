@@ -242,7 +242,7 @@ impl Frame<'_> {
     /// How far apart nodes in β may lie: some in each of the widths that the profile of the lamp changes over.
     fn spacing(&self) -> f32 {
         let of_cone = NODES_OF_CONE * self.cone().unwrap_or(f32::INFINITY);
-        of_cone.min(composite::spacing(self.lamp.source.asymmetry))
+        of_cone.min(composite::spacing(self.lamp.source.phase.asymmetry))
     }
 
     /// The cone of a spot in radians.

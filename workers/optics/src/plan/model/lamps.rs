@@ -1,5 +1,5 @@
 //! What the chain has wrong of the light of lamps: measured in six waters, with the phase function of Fournier and Forand and
-//! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/truth/lamps.md). Much of what is left of the glow is the phase function.
+//! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/truth/lamps.md).
 
 use super::Conditions;
 use crate::lamp::{Lamp, Lighting};
@@ -21,8 +21,8 @@ struct Measured {
     surface: [[f64; 3]; 2],
     /// In the water, looking up to 40 degrees toward and away from a point lamp, by distance of the camera.
     point_glow: [[f64; 2]; 3],
-    /// In the water, looking along the axis of a spot; none where the noise hid it.
-    spot_glow: [Option<f64>; 3],
+    /// In the water, looking along the axis of a spot.
+    spot_glow: [f64; 3],
 }
 
 const fn measured(
@@ -30,7 +30,7 @@ const fn measured(
     scattering: f64,
     surface: [[f64; 3]; 2],
     point_glow: [[f64; 2]; 3],
-    spot_glow: [Option<f64>; 3],
+    spot_glow: [f64; 3],
 ) -> Measured {
     Measured {
         absorption,
@@ -46,43 +46,43 @@ const MEASURED: [Measured; 6] = [
         0.114,
         0.037,
         [[0.96, 0.93, 0.86], [0.97, 0.93, 0.87]],
-        [[0.68, 1.07], [0.69, 1.07], [0.63, 1.05]],
-        [Some(0.59), Some(0.58), Some(0.57)],
+        [[0.69, 1.07], [0.70, 0.93], [0.65, 1.05]],
+        [0.59, 0.58, 0.55],
     ),
     measured(
         0.179,
         0.219,
-        [[0.80, 0.64, 0.41], [0.81, 0.66, 0.44]],
-        [[0.59, 1.02], [0.58, 0.88], [0.49, 0.86]],
-        [Some(0.40), Some(0.35), Some(0.23)],
+        [[0.80, 0.64, 0.41], [0.82, 0.66, 0.44]],
+        [[0.59, 0.99], [0.58, 0.91], [0.50, 0.83]],
+        [0.41, 0.34, 0.23],
     ),
     measured(
         0.099,
         0.447,
         [[0.63, 0.40, 0.16], [0.66, 0.43, 0.19]],
-        [[0.63, 0.91], [0.43, 0.71], [0.27, 0.60]],
-        [None, Some(0.16), Some(0.07)],
+        [[0.55, 0.86], [0.39, 0.70], [0.29, 0.58]],
+        [0.24, 0.17, 0.07],
     ),
     measured(
         0.118,
         0.675,
-        [[0.50, 0.25, 0.065], [0.53, 0.28, 0.08]],
-        [[0.47, 0.80], [0.34, 0.63], [0.22, 0.44]],
-        [Some(0.18), Some(0.10), Some(0.03)],
+        [[0.50, 0.25, 0.064], [0.53, 0.28, 0.08]],
+        [[0.41, 0.81], [0.34, 0.66], [0.21, 0.44]],
+        [0.19, 0.10, 0.03],
     ),
     measured(
         0.157,
         1.267,
         [[0.27, 0.075, 0.006], [0.31, 0.094, 0.009]],
-        [[0.29, 0.59], [0.19, 0.45], [0.07, 0.20]],
-        [Some(0.07), Some(0.03), Some(0.002)],
+        [[0.28, 0.62], [0.18, 0.46], [0.07, 0.21]],
+        [0.07, 0.03, 0.002],
     ),
     measured(
         0.366,
         1.824,
         [[0.16, 0.025, 0.0007], [0.18, 0.033, 0.001]],
-        [[0.24, 0.53], [0.19, 0.35], [0.05, 0.12]],
-        [Some(0.04), Some(0.009), Some(0.0003)],
+        [[0.24, 0.54], [0.14, 0.35], [0.05, 0.11]],
+        [0.04, 0.008, 0.0003],
     ),
 ];
 
@@ -102,13 +102,16 @@ pub(super) fn surfaces(conditions: &Conditions<'_>) -> Option<String> {
 /// Light of lamps in the water.
 pub(super) fn glow(conditions: &Conditions<'_>) -> Option<String> {
     let (lighting, measured) = single(conditions)?;
+    if lighting.phase.rise > 0.0 {
+        return None;
+    }
     let found = |lamp: &Lamp| {
         let camera = nearest(&CAMERAS_M, lamp.distance_m())?;
-        if lamp.is_spot() {
-            measured.spot_glow[camera].map(|share| [share; 2])
+        Some(if lamp.is_spot() {
+            [measured.spot_glow[camera]; 2]
         } else {
-            Some(measured.point_glow[camera])
-        }
+            measured.point_glow[camera]
+        })
     };
     let found: Option<Vec<[f64; 2]>> = lighting.lamps.iter().map(found).collect();
     let at = "a lamp beside the camera";
@@ -121,7 +124,7 @@ pub(super) fn followed_surfaces(conditions: &Conditions<'_>) -> Option<String> {
     let (_, farthest) = conditions.stats.range_m?;
     nearest(&WALLS_M, farthest)?;
     let has_spots = lighting.lamps.iter().any(Lamp::is_spot);
-    let share = if has_spots { "0.89-1.31" } else { "0.98-1.05" };
+    let share = if has_spots { "0.89-1.31" } else { "0.98-1.04" };
     Some(format!(
         "light on surfaces {share} of the truth, measured in six waters at 1 to 4 m"
     ))
@@ -132,7 +135,12 @@ pub(super) fn followed_glow(conditions: &Conditions<'_>) -> Option<String> {
     let lighting = followed(conditions)?;
     let is_near = |lamp: &Lamp| nearest(&CAMERAS_M, lamp.distance_m()).is_some();
     let has_spots = lighting.lamps.iter().any(Lamp::is_spot);
-    let share = if has_spots { "0.64-1.57" } else { "0.68-1.22" };
+    let share = match (lighting.phase.rise > 0.0, has_spots) {
+        (false, false) => "0.71-1.23",
+        (false, true) => "0.62-1.60",
+        (true, false) => "0.84-1.22",
+        (true, true) => "0.84-1.57",
+    };
     let says = || {
         format!(
             "light in the water {share} of the truth, measured in six waters for a lamp beside the camera"

@@ -181,9 +181,10 @@ impl At {
         let [narrow, growth] = lamp.denominator;
         let v = 1.0 - w;
         let inverse = 1.0 / v.mul_add(v, w * w);
-        let denominator = (v * v * inverse).mul_add(growth, narrow);
+        let ss = v * v * inverse;
+        let denominator = ss.mul_add(growth, narrow);
         Self {
-            light: inverse / (denominator * denominator.sqrt()),
+            light: inverse * lamp.rise_at(ss) + inverse / (denominator * denominator.sqrt()),
             path: rays.distance[i]
                 .mul_add(v / w.max(1e-7), rays.nearest[i])
                 .max(0.0),
