@@ -137,25 +137,7 @@ fn once(
             if let Some(patches) = &patches {
                 vectorized!(murk_of(lamp, &rays, patches, start, &mut murk));
             }
-            if lamp.profile.slope > 0.0 {
-                vectorized!(add::<true, false>(
-                    lamp,
-                    &rays,
-                    &murk,
-                    rules,
-                    &mut sum,
-                    &mut errors
-                ));
-            } else {
-                vectorized!(add::<false, false>(
-                    lamp,
-                    &rays,
-                    &murk,
-                    rules,
-                    &mut sum,
-                    &mut errors
-                ));
-            }
+            add_once(lamp, &rays, &murk, (rules, &mut sum, &mut errors));
         }
         worst.include(errors);
         for (plane, sum) in glow.iter_mut().zip(&sum) {
@@ -290,14 +272,25 @@ fn greatest(values: [f64; 3]) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }
 
+/// Rules of the quadrature, and the light and the errors of a run of pixels that are added to.
+type Light<'a> = (&'a [Vec<[f32; 2]>], &'a mut [Lanes; 3], &'a mut Errors);
+
+/// [`add`] for light that is scattered once.
+fn add_once(lamp: &Glow, rays: &Rays, murk: &Murk, (rules, sum, errors): Light<'_>) {
+    match (lamp.profile.slope > 0.0, lamp.rise > 0.0) {
+        (true, true) => vectorized!(add::<true, false, true>(lamp, rays, murk, (rules, sum, errors))),
+        (true, false) => vectorized!(add::<true, false, false>(lamp, rays, murk, (rules, sum, errors))),
+        (false, true) => vectorized!(add::<false, false, true>(lamp, rays, murk, (rules, sum, errors))),
+        (false, false) => vectorized!(add::<false, false, false>(lamp, rays, murk, (rules, sum, errors))),
+    }
+}
+
 #[inline(always)]
-fn add<const SPOT: bool, const SPREAD: bool>(
+fn add<const SPOT: bool, const SPREAD: bool, const RISES: bool>(
     lamp: &Glow,
     rays: &Rays,
     murk: &Murk,
-    rules: &[Vec<[f32; 2]>],
-    sum: &mut [Lanes; 3],
-    errors: &mut Errors,
+    (rules, sum, errors): Light<'_>,
 ) {
     let (intervals, span) = intervals::<SPOT, false>(lamp, rays, murk);
     if span.to <= span.from {
@@ -325,7 +318,7 @@ fn add<const SPOT: bool, const SPREAD: bool>(
     let rule = &rules[count / 2];
     let mut light = [[0.0f32; RUN]; 3];
     for &node in rule {
-        quadrature::<SPOT, SPREAD>(lamp, &intervals, node, &mut light);
+        quadrature::<SPOT, SPREAD, RISES>(lamp, &intervals, node, &mut light);
     }
     let mut most = [0.0f32; RUN];
     for ((sum, light), gain) in sum.iter_mut().zip(&light).zip(lamp.gain) {
@@ -341,7 +334,7 @@ fn add<const SPOT: bool, const SPREAD: bool>(
 
 /// Adds the two nodes `±node` of every pixel.
 #[inline(always)]
-fn quadrature<const SPOT: bool, const SPREAD: bool>(
+fn quadrature<const SPOT: bool, const SPREAD: bool, const RISES: bool>(
     lamp: &Glow,
     to: &Intervals,
     [node, weight]: [f32; 2],
@@ -355,8 +348,8 @@ fn quadrature<const SPOT: bool, const SPREAD: bool>(
         let at = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
         let above = (cos.mul_add(sin_step, ss), (-sin).mul_add(sin_step, cc));
         let below = ((-cos).mul_add(sin_step, ss), sin.mul_add(sin_step, cc));
-        let [r1, g1, b1] = scattered::<SPOT, SPREAD>(lamp, at, above);
-        let [r2, g2, b2] = scattered::<SPOT, SPREAD>(lamp, at, below);
+        let [r1, g1, b1] = scattered::<SPOT, SPREAD, RISES>(lamp, at, above);
+        let [r2, g2, b2] = scattered::<SPOT, SPREAD, RISES>(lamp, at, below);
         red[i] = weight.mul_add(r1 + r2, red[i]);
         green[i] = weight.mul_add(g1 + g2, green[i]);
         blue[i] = weight.mul_add(b1 + b2, blue[i]);

@@ -144,7 +144,7 @@ fn at_nodes(lamp: &Glow, to: &Intervals, nodes: &[[f32; 2]], light: &mut [Lanes;
         angles_of(to, (place, &from), &mut angles);
         for i in 0..RUN {
             let ray = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
-            let [r, g, b] = scattered::<false, true>(lamp, ray, sin_cos(angles[i]));
+            let [r, g, b] = scattered::<false, true, true>(lamp, ray, sin_cos(angles[i]));
             red[i] = weight.mul_add(r, red[i]);
             green[i] = weight.mul_add(g, green[i]);
             blue[i] = weight.mul_add(b, blue[i]);

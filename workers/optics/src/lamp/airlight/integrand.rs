@@ -8,9 +8,10 @@ use crate::elementary::{HALVINGS, fade, sin_cos};
 use crate::lamp::blurred::{Turned, blurred};
 use crate::lamp::multiple::{GLOW_SCALE, SATURATION};
 
-/// The integrand at the angle β of this sine and cosine.
+/// The integrand at the angle β of this sine and cosine. Where the phase function does not rise toward the back, either value of
+/// `RISES` gives the same bits.
 #[inline(always)]
-pub(super) fn scattered<const SPOT: bool, const SPREAD: bool>(
+pub(super) fn scattered<const SPOT: bool, const SPREAD: bool, const RISES: bool>(
     lamp: &Glow,
     [nearest, distance, across, along]: [f32; 4],
     (sin, cos): (f32, f32),
@@ -22,7 +23,10 @@ pub(super) fn scattered<const SPOT: bool, const SPREAD: bool>(
     let cubed = denominator * denominator.sqrt();
     // One division serves the phase function and the tangent.
     let inverse = 1.0 / (cubed * cos);
-    let mut light = inverse * cos + lamp.rise_at(ss);
+    let mut light = inverse * cos;
+    if RISES {
+        light += lamp.rise_at(ss);
+    }
     if SPOT {
         let to_axis = across.mul_add(2.0 * sin * cos, along * cos.mul_add(-cos, ss));
         light *= lamp

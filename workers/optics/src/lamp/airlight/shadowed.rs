@@ -211,9 +211,9 @@ fn sum_up<const SPOT: bool, const WHOLE: bool>(lamp: &Glow, rays: &Rays, middles
             let (sin, cos) = middle_of(&to, node, i);
             let at = [to.nearest[i], to.distance[i], to.across[i], to.along[i]];
             let [r, g, b] = if swells {
-                scattered::<SPOT, true>(lamp, at, (sin, cos))
+                scattered::<SPOT, true, true>(lamp, at, (sin, cos))
             } else {
-                scattered::<SPOT, false>(lamp, at, (sin, cos))
+                scattered::<SPOT, false, true>(lamp, at, (sin, cos))
             };
             (red[i], green[i], blue[i]) = (lamp.gain[0] * r, lamp.gain[1] * g, lamp.gain[2] * b);
             // tan θ with θ = 2 β − π/2; a ray without end is not asked farther than surfaces lie.

@@ -263,23 +263,19 @@ impl Frame<'_> {
         let (direct, rules) = (self.direct, self.rules);
         let (mut light, mut errors) = ([[0.0f32; RUN]; 3], Errors::default());
         if lamp.profile.slope == 0.0 {
-            vectorized!(super::add::<false, true>(
+            vectorized!(super::add::<false, true, true>(
                 direct,
                 &rays,
                 &murk,
-                rules,
-                &mut light,
-                &mut errors
+                (rules, &mut light, &mut errors)
             ));
             return (light, errors);
         }
-        vectorized!(super::add::<true, false>(
+        vectorized!(super::add::<true, false, true>(
             direct,
             &rays,
             &murk,
-            rules,
-            &mut light,
-            &mut errors
+            (rules, &mut light, &mut errors)
         ));
         let (intervals, span) = vectorized!(whole(lamp, &rays, &murk));
         if span.to <= span.from {

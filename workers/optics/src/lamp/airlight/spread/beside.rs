@@ -184,7 +184,7 @@ impl At {
         let ss = v * v * inverse;
         let denominator = ss.mul_add(growth, narrow);
         Self {
-            light: inverse * lamp.rise_at(ss) + inverse / (denominator * denominator.sqrt()),
+            light: inverse.mul_add(lamp.rise_at(ss), inverse / (denominator * denominator.sqrt())),
             path: rays.distance[i]
                 .mul_add(v / w.max(1e-7), rays.nearest[i])
                 .max(0.0),
