@@ -37,7 +37,7 @@ pub(super) fn tiers(scene: &ChartScene, library: &Library, runs: usize) -> Vec<P
         };
         for (tier, session) in [
             ("network", Session::native(model)),
-            ("colour table", Session::table(model)),
+            ("color table", Session::table(model)),
         ] {
             let Some(mut session) = session else { continue };
             let (times, styled) = time(runs, || session.apply(&encoded, style::Beside::default()));
