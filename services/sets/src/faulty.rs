@@ -65,7 +65,11 @@ fn generic(text: &str) -> Error {
 impl ObjectStore for Faulty {
     async fn put_opts(&self, path: &Path, payload: PutPayload, mut options: PutOptions) -> Result<PutResult> {
         match self.fault {
-            Fault::IsFull => return Err(generic("507 Insufficient Storage")),
+            Fault::IsFull => {
+                return Err(generic(
+                    "Server returned non-2xx status code: 507 Insufficient Storage: ",
+                ));
+            }
             Fault::RefusesAccess => {
                 return Err(Error::PermissionDenied {
                     path: path.to_string(),
