@@ -31,10 +31,13 @@ const PATH_NS: f64 = 5.3;
 const SURFACE_NS: f64 = 6.6;
 const GLOW_NS: f64 = 12.6;
 const PATCHES_NS: f64 = 6.0;
-/// Each way to a lamp through a scene; ways of a pixel in the glow, and to a soft lamp.
-const WAY_NS: f64 = 21.0;
-const GLOW_WAYS: f64 = 14.0;
-const FIRST_PLACES: usize = 5;
+/// Each way to a lamp through a scene; ways of a pixel in the glow, and to a soft lamp; and what those to the disc of light that is
+/// scattered more than once add to each, where it is followed.
+const WAY_NS: f64 = 17.5;
+const GLOW_WAYS: f64 = 10.0;
+const FIRST_PLACES: usize = 3;
+const DISC_WAYS: f64 = 0.6;
+const DISC_GLOW_WAYS: f64 = 7.0;
 /// Clouds of sediment without a lamp, and what each lamp costs in them: the rays through them, of which half are empty in the mean.
 const SEDIMENT_NS: f64 = 150.0;
 const LIT_SEDIMENT_NS: f64 = 5.0;
@@ -58,6 +61,8 @@ pub(super) struct Amounts {
     particles: f64,
     lights: f64,
     is_patchy: bool,
+    /// Whether light is followed that is scattered more than once.
+    is_followed: bool,
 }
 
 impl Amounts {
@@ -68,6 +73,7 @@ impl Amounts {
             particles: 0.0,
             lights: 0.0,
             is_patchy: false,
+            is_followed: false,
         }
     }
 
@@ -84,6 +90,7 @@ impl Amounts {
                 .map_or(0.0, |law| snow::expected(law, solid)),
             lights: frame.haze().len() as f64,
             is_patchy: setting.patches.is_some(),
+            is_followed: (setting.lighting.as_ref()).is_some_and(|lighting| lighting.absorption.is_some()),
             ..Self::of_pixels(setting.size.0 * setting.size.1)
         }
     }
@@ -92,10 +99,15 @@ impl Amounts {
 impl Plan {
     /// Expected milliseconds of shadows.
     pub(super) fn shadows_cost_ms(&self, stage: &str, shadows: Shadows) -> f64 {
-        let ways = if stage == "glow_shadows" {
-            GLOW_WAYS
+        let (direct, of_discs) = if stage == "glow_shadows" {
+            (GLOW_WAYS, DISC_GLOW_WAYS)
         } else {
-            shadows.places.min(FIRST_PLACES) as f64
+            (shadows.places.min(FIRST_PLACES) as f64, DISC_WAYS)
+        };
+        let ways = if self.amounts.is_followed {
+            direct + of_discs
+        } else {
+            direct
         };
         let ns = shadows.lamps as f64 * ways * WAY_NS * self.amounts.pixels;
         (ns / 1e4).round() / 100.0
@@ -145,6 +157,7 @@ impl Plan {
             particles,
             lights,
             is_patchy,
+            is_followed: _,
         } = self.amounts;
         let patches = if is_patchy { PATCHES_NS } else { 0.0 };
         let of = |form: Form, ns: f64| match form {
