@@ -9,7 +9,8 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use lab::plot::{Axis, Form, Lines, Mark, Series};
 use optics::lamp::{
-    LAMP_RADIUS_M, Lamp, Lighting, Phase, REFERENCE_NODES, airlight, airlight_reference, airlight_with_nodes,
+    GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight, airlight_reference,
+    airlight_with_nodes,
 };
 
 use crate::drawing;
@@ -122,7 +123,7 @@ fn lighting(lamps: &[Lamp], (width, height): (usize, usize)) -> Lighting {
         attenuation: [0.778, 0.546, 0.594],
         scattering: [0.412, 0.447, 0.435],
         absorption: None,
-        phase: Phase::henyey_greenstein(0.919),
+        phase: GlowPhase::henyey_greenstein(0.919),
         patches: None,
     }
 }

@@ -3,7 +3,7 @@
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use optics::lamp::{
-    LAMP_RADIUS_M, Lamp, Lighting, Phase, REFERENCE_NODES, airlight_reference, asymmetry_of,
+    GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight_reference, asymmetry_of,
     irradiance_reference,
 };
 use truth::lantern::Bench;
@@ -46,7 +46,7 @@ impl Model {
             },
             attenuation: [self.absorption + self.scattering; 3],
             scattering: [self.scattering; 3],
-            phase: Phase::henyey_greenstein(asymmetry_of(self.backscatter)),
+            phase: GlowPhase::henyey_greenstein(asymmetry_of(self.backscatter)),
             absorption: None,
             patches: None,
         };
@@ -55,7 +55,7 @@ impl Model {
             ..lighting.clone()
         };
         let rising = Lighting {
-            phase: Phase::fournier_forand(self.backscatter),
+            phase: GlowPhase::fournier_forand(self.backscatter),
             ..followed.clone()
         };
         [light(&lighting), light(&followed), light(&rising)]

@@ -38,7 +38,7 @@ pub struct Water {
     pub style_tier: Option<StyleTier>,
     /// what becomes of light of lamps that is scattered more than once; absent: `quasi_single`
     pub multiple: Option<Multiple>,
-    /// how the glow of lamps is scattered by the angle; absent: `hg`
+    /// phase function of the glow of lamps; absent: `hg`
     pub glow_phase: Option<PhaseFunction>,
     /// how the water scatters in the artifact `truth`, and nowhere else; absent: `ff`
     pub phase: Option<Phase>,
@@ -214,14 +214,14 @@ pub enum ScatterSpread {
     Two,
 }
 
-/// How water scatters by the angle.
+/// A phase function.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum PhaseFunction {
-    /// Fournier–Forand, as sea water does; two kernels are fitted to b_b/b = 0.018, and the glow rises toward the back as it does.
+    /// Fournier–Forand: two kernels are fitted to it with b_b/b = 0.018; the glow rises toward the back as it does.
     #[default]
     Ff,
-    /// Henyey–Greenstein; two kernels are fitted to g = 0.924.
+    /// Henyey–Greenstein: two kernels are fitted to it with g = 0.924.
     Hg,
 }
 

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, Phase};
+use optics::lamp::{self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting};
 use optics::snow::World;
 use optics::turbidity::Field;
 use spec::Turbidity;
@@ -21,7 +21,7 @@ fn lighting(lamps: Vec<Lamp>) -> Lighting {
         attenuation: [0.778, 0.546, 0.594],
         scattering: [0.412, 0.447, 0.435],
         absorption: None,
-        phase: Phase::henyey_greenstein(0.919),
+        phase: GlowPhase::henyey_greenstein(0.919),
         patches: None,
     }
 }

@@ -34,7 +34,9 @@ pub use nodes::MOST_NODES;
 pub use normals::normals_of;
 pub use particles::FournierForand;
 pub use patches::glow_within;
-pub use phase::{AVERAGE_BACKSCATTER_FRACTION, Phase, asymmetry_of, backscatter_fraction, henyey_greenstein};
+pub use phase::{
+    AVERAGE_BACKSCATTER_FRACTION, GlowPhase, asymmetry_of, backscatter_fraction, henyey_greenstein,
+};
 pub use point::{most_white, white_at, white_at_each};
 pub use reference::{
     REFERENCE_NODES, airlight_reference, irradiance_reference, shaded_airlight_reference,
@@ -244,8 +246,8 @@ pub struct Lighting {
     pub scattering: [f64; 3],
     /// Absorption a where light that scatters more than once is followed; none: it is lost.
     pub absorption: Option<[f64; 3]>,
-    /// How the water scatters, by the angle.
-    pub phase: Phase,
+    /// The phase function of the glow.
+    pub phase: GlowPhase,
     /// Patches of murkier water, in the axes of the camera; none in even water.
     pub patches: Option<Field>,
 }

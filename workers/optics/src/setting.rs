@@ -6,7 +6,7 @@ use spec::{Beyond, Frame, Scene, SceneLight, Snow, SnowDaylight, SurfaceLight};
 
 use crate::daylight::Gaze;
 use crate::eye::Eye;
-use crate::lamp::{LAMP_RADIUS_M, Lamp, Lighting, Phase};
+use crate::lamp::{GlowPhase, LAMP_RADIUS_M, Lamp, Lighting};
 use crate::sediment::Clouds;
 use crate::snow::{self, World};
 use crate::turbidity::Field;
@@ -205,7 +205,7 @@ fn lighting(lamps: Vec<Lamp>, eye: &Eye, water: Option<&Water>, patches: Option<
         attenuation: water.map_or([0.0; 3], Water::direct_attenuation),
         scattering: water.and_then(Water::scattering).unwrap_or([0.0; 3]),
         absorption: water.and_then(Water::followed_absorption),
-        phase: water.map_or(Phase::henyey_greenstein(0.0), Water::glow_phase),
+        phase: water.map_or(GlowPhase::henyey_greenstein(0.0), Water::glow_phase),
         patches: patches.map(|field| field.seen_from(eye)),
     }
 }

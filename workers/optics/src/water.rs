@@ -13,7 +13,7 @@ pub use rules::RULES;
 use spec::{HoleRule, Multiple, Optics, PhaseFunction, ScatterSource, SurfaceLight};
 
 use crate::daylight::{Daylight, Field, Gaze, VeilOf};
-use crate::lamp::{Phase, asymmetry_of};
+use crate::lamp::{GlowPhase, asymmetry_of};
 use derive::Request;
 
 /// Width of the forward-scatter kernel: `γ(Z) = offset + per_meter · Z` in pixels, for each channel.
@@ -240,12 +240,12 @@ impl Water {
         Some(self.absorption.unwrap_or(rest))
     }
 
-    /// How the glow of lamps is scattered by the angle.
+    /// The phase function of the glow of lamps.
     #[must_use]
-    pub fn glow_phase(&self) -> Phase {
+    pub fn glow_phase(&self) -> GlowPhase {
         match self.glow_phase {
-            PhaseFunction::Hg => Phase::henyey_greenstein(asymmetry_of(self.backscatter_fraction)),
-            PhaseFunction::Ff => Phase::fournier_forand(self.backscatter_fraction),
+            PhaseFunction::Hg => GlowPhase::henyey_greenstein(asymmetry_of(self.backscatter_fraction)),
+            PhaseFunction::Ff => GlowPhase::fournier_forand(self.backscatter_fraction),
         }
     }
 

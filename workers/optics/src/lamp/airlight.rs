@@ -23,7 +23,7 @@ use super::beam::Profile;
 use super::multiple::{SATURATION, SWELL};
 use super::nodes::{self, MOST_NODES, Source};
 use super::patches;
-use super::{Lamp, Lighting, Phase};
+use super::{GlowPhase, Lamp, Lighting};
 use crate::elementary::{HALVINGS, small_sin_cos};
 use crate::extremes::brightest;
 use crate::legendre::gauss_legendre;
@@ -228,7 +228,7 @@ impl Glow {
     /// A lamp whose light fades by `least` per meter after it has swollen by the exponential of `swell` at most.
     fn made(lamp: &Lamp, lighting: &Lighting, (order, least, swell): (Order, [f64; 3], f64)) -> Self {
         let single = |values: [f64; 3]| values.map(|v| v as f32);
-        let Phase { asymmetry: g, rise } = lighting.phase;
+        let GlowPhase { asymmetry: g, rise } = lighting.phase;
         let strength = [0, 1, 2].map(|i| lighting.scattering[i] * lamp.intensity[i] * swell.exp());
         let constant = 2.0 * (1.0 - g * g) / (4.0 * std::f64::consts::PI);
         let halvings = single(least.map(|c| c * f64::from(HALVINGS)));

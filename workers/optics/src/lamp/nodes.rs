@@ -7,7 +7,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use super::phase::Phase;
+use super::phase::GlowPhase;
 
 /// Node counts that are tried, all even.
 const COUNTS: [usize; 13] = [4, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 64];
@@ -46,7 +46,7 @@ pub(super) struct Source {
     pub(super) edge: f64,
     /// How fast light that scatters more than once comes to its most, 1/m; 0 without.
     pub(super) swelling: f64,
-    pub(super) phase: Phase,
+    pub(super) phase: GlowPhase,
     /// The error in linear light that the lamp may have.
     pub(super) tolerance: f64,
 }

@@ -46,14 +46,14 @@ pub fn asymmetry_of(fraction: f64) -> f64 {
 /// With K = 0 it is that of Henyey and Greenstein, which falls up to 180°. Sea water rises from 120° on; the term of K is the one that
 /// Fournier and Forand have for that ([`FournierForand::rise`]). It moves light within the backward half, so that b_b/b stays.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Phase {
+pub struct GlowPhase {
     /// g, −1 < g < 1.
     pub asymmetry: f64,
     /// K, 0 or more, 1/sr.
     pub rise: f64,
 }
 
-impl Phase {
+impl GlowPhase {
     /// Henyey and Greenstein with this asymmetry.
     #[must_use]
     pub fn henyey_greenstein(asymmetry: f64) -> Self {
@@ -62,7 +62,7 @@ impl Phase {
 
     /// Nearly that of Fournier and Forand with a backscatter fraction b_b/b within 0.002..=0.5: g and K are those of the fraction. From
     /// 90° to 180° it is within 12 % of theirs for fractions of 0.005 to 0.03, where that of Henyey and Greenstein is 0.60 to 1.23 times
-    /// as much; at smaller angles it is as theirs.
+    /// as much. At smaller angles it is nearly that of Henyey and Greenstein.
     #[must_use]
     pub fn fournier_forand(fraction: f64) -> Self {
         Self {
@@ -118,7 +118,7 @@ mod tests {
     fn with_a_rise_the_phase_function_is_positive_sums_to_one_and_keeps_the_fraction() {
         let rule = gauss_legendre(128);
         for fraction in (1..=250).map(|step| 0.002 * f64::from(step)) {
-            let phase = Phase::fournier_forand(fraction);
+            let phase = GlowPhase::fournier_forand(fraction);
             let cosines = (0..=2000).map(|step| f64::from(step) / 1000.0 - 1.0);
             let least = cosines
                 .map(|cos| phase.density(cos))
@@ -132,14 +132,14 @@ mod tests {
         }
         let whole: f64 = rule
             .iter()
-            .map(|(x, w)| 2.0 * PI * w * Phase::fournier_forand(0.0183).density(*x))
+            .map(|(x, w)| 2.0 * PI * w * GlowPhase::fournier_forand(0.0183).density(*x))
             .sum();
         assert!((whole - 1.0).abs() < 1e-6, "{whole}");
     }
 
     #[test]
     fn with_a_rise_it_goes_backward_nearly_as_that_of_fournier_and_forand() {
-        let ratios = |fraction: f64, phase: Phase| {
+        let ratios = |fraction: f64, phase: GlowPhase| {
             let law = FournierForand::of_backscatter(fraction);
             let density = move |cos: f64| {
                 let (near, far) = (1.0 - cos - 1e-4, (1.0 - cos + 1e-4).min(2.0));
@@ -153,10 +153,10 @@ mod tests {
                 })
         };
         for fraction in [0.005, 0.01, 0.0183, 0.03] {
-            let (least, most) = ratios(fraction, Phase::fournier_forand(fraction));
+            let (least, most) = ratios(fraction, GlowPhase::fournier_forand(fraction));
             assert!(least > 0.92 && most < 1.12, "{fraction}: {least} {most}");
         }
-        let (least, most) = ratios(0.03, Phase::henyey_greenstein(asymmetry_of(0.03)));
+        let (least, most) = ratios(0.03, GlowPhase::henyey_greenstein(asymmetry_of(0.03)));
         assert!(least < 0.61 && most > 1.22, "{least} {most}");
     }
 }

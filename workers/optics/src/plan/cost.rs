@@ -31,11 +31,11 @@ const PATH_NS: f64 = 5.3;
 const SURFACE_NS: f64 = 6.6;
 const GLOW_NS: f64 = 12.6;
 const PATCHES_NS: f64 = 6.0;
-/// Each way to a lamp through a scene; ways of a pixel in the glow, and to a soft lamp; and what those to the disc of light that is
-/// scattered more than once add to each, where it is followed.
+/// Each way to a lamp through a scene; ways of a pixel in the glow, and the most to a soft lamp; and what those to the
+/// disc of light that is scattered more than once add to each, where it is followed.
 const WAY_NS: f64 = 17.5;
 const GLOW_WAYS: f64 = 10.0;
-const FIRST_PLACES: usize = 3;
+const SOFT_WAYS: usize = 3;
 const DISC_WAYS: f64 = 0.6;
 const DISC_GLOW_WAYS: f64 = 7.0;
 /// Clouds of sediment without a lamp, and what each lamp costs in them: the rays through them, of which half are empty in the mean.
@@ -102,7 +102,7 @@ impl Plan {
         let (direct, of_discs) = if stage == "glow_shadows" {
             (GLOW_WAYS, DISC_GLOW_WAYS)
         } else {
-            (shadows.places.min(FIRST_PLACES) as f64, DISC_WAYS)
+            (shadows.places.min(SOFT_WAYS) as f64, DISC_WAYS)
         };
         let ways = if self.amounts.is_followed {
             direct + of_discs

@@ -3,7 +3,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::rays::{Hit, Rays};
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, Lamp, Lighting, Phase, REFERENCE_NODES, Shadow};
+use optics::lamp::{self, GlowPhase, Lamp, Lighting, REFERENCE_NODES, Shadow};
 use serde_json::Value;
 
 use crate::case::Case;
@@ -127,7 +127,7 @@ impl Scene {
                 attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
                 scattering,
                 absorption: Some(absorption),
-                phase: Phase::henyey_greenstein(number("hg_g")),
+                phase: GlowPhase::henyey_greenstein(number("hg_g")),
                 patches: None,
             },
             range,

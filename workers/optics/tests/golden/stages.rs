@@ -5,7 +5,7 @@ use imaging::geometry::Intrinsics;
 use optics::chain::{self, ChainError, Layers};
 use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
 use optics::kernel::{Transfer, pixel};
-use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, Phase, REFERENCE_NODES};
+use optics::lamp::{self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
 use optics::plan::{Plan, SceneStats};
 use optics::water::Water;
 use optics::{haze as lay_haze, style_blend};
@@ -372,7 +372,7 @@ pub(crate) fn airlight(case: &Case) {
         attenuation: [0, 1, 2].map(|i| absorption[i] + scattering[i]),
         scattering,
         absorption: None,
-        phase: Phase::henyey_greenstein(case.number("hg_g").expect("an asymmetry")),
+        phase: GlowPhase::henyey_greenstein(case.number("hg_g").expect("an asymmetry")),
         patches: None,
     };
     let exact = lamp::airlight_reference(&range, &lighting, REFERENCE_NODES);

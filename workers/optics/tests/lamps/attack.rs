@@ -4,7 +4,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, Phase, REFERENCE_NODES, backscatter_fraction};
+use optics::lamp::{self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, backscatter_fraction};
 use optics::snow::World;
 use optics::turbidity::Field;
 use spec::Turbidity;
@@ -107,11 +107,11 @@ fn case(seed: u64, multiple: bool) -> Case {
 }
 
 /// Of some frames one that rises toward the back.
-fn phase(asymmetry: f64, unit: f64) -> Phase {
+fn phase(asymmetry: f64, unit: f64) -> GlowPhase {
     if unit < 0.4 {
-        Phase::fournier_forand(backscatter_fraction(asymmetry))
+        GlowPhase::fournier_forand(backscatter_fraction(asymmetry))
     } else {
-        Phase::henyey_greenstein(asymmetry)
+        GlowPhase::henyey_greenstein(asymmetry)
     }
 }
 
@@ -266,7 +266,7 @@ fn the_rounding_of_an_ordinary_frame_is_a_millionth_of_its_light() {
         attenuation: [0.5, 0.3, 0.3],
         scattering: [0.2; 3],
         absorption: None,
-        phase: Phase::henyey_greenstein(0.9),
+        phase: GlowPhase::henyey_greenstein(0.9),
         patches: None,
     };
     let normals = lamp::normals_of(&range, &lighting.camera);

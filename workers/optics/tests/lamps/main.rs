@@ -9,7 +9,7 @@ mod shadows;
 use errors::{peak, worst};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, Phase, REFERENCE_NODES};
+use optics::lamp::{self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, REFERENCE_NODES};
 
 /// f32 arithmetic in angles and paths, as a share of the frame's peak: some hundred roundings of 6e-8.
 const ROUNDING: f64 = 1e-5;
@@ -37,13 +37,13 @@ fn lamps() -> Vec<(&'static str, Lamp)> {
     ]
 }
 
-const FORWARD: Phase = Phase {
+const FORWARD: GlowPhase = GlowPhase {
     asymmetry: 0.919,
     rise: 0.0,
 };
 const ABSORPTION: [f64; 3] = [0.35, 0.08, 0.06];
 
-fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), phase: Phase) -> Lighting {
+fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), phase: GlowPhase) -> Lighting {
     let scattering = [0.2, 0.22, 0.25];
     Lighting {
         lamps,
@@ -68,7 +68,7 @@ fn range(width: usize, height: usize) -> Plane<f32> {
 }
 
 /// How the water scatters, and whether light is also followed that scatters more than once.
-fn phases() -> Vec<(Phase, bool)> {
+fn phases() -> Vec<(GlowPhase, bool)> {
     let even = [
         (-0.3, true),
         (0.0, false),
@@ -77,8 +77,8 @@ fn phases() -> Vec<(Phase, bool)> {
         (0.98, true),
     ];
     let rising = [(0.0183, true), (0.2, false)];
-    let even = even.map(|(g, multiple)| (Phase::henyey_greenstein(g), multiple));
-    let rising = rising.map(|(fraction, multiple)| (Phase::fournier_forand(fraction), multiple));
+    let even = even.map(|(g, multiple)| (GlowPhase::henyey_greenstein(g), multiple));
+    let rising = rising.map(|(fraction, multiple)| (GlowPhase::fournier_forand(fraction), multiple));
     even.into_iter().chain(rising).collect()
 }
 

@@ -3,7 +3,7 @@
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use optics::lamp::{
-    self, LAMP_RADIUS_M, Lamp, Lighting, Phase, REFERENCE_NODES, gauss_legendre, henyey_greenstein,
+    self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, gauss_legendre, henyey_greenstein,
 };
 use optics::snow::World;
 use optics::turbidity::Field;
@@ -48,7 +48,7 @@ fn lighting(lamps: Vec<Lamp>, (width, height): (usize, usize), patches: Option<F
         attenuation: ATTENUATION,
         scattering: SCATTERING,
         absorption: None,
-        phase: Phase::henyey_greenstein(ASYMMETRY),
+        phase: GlowPhase::henyey_greenstein(ASYMMETRY),
         patches,
     }
 }

@@ -8,7 +8,7 @@ use imaging::rays::Rays;
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
 use optics::lamp::{
-    self, LAMP_RADIUS_M, Lamp, Lighting, Phase, REFERENCE_NODES, Shadow, airlight_reference, asymmetry_of,
+    self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, Shadow, airlight_reference, asymmetry_of,
 };
 
 use crate::golden::Case;
@@ -74,7 +74,7 @@ impl Frame {
             attenuation: [a + b; 3],
             scattering: [b; 3],
             absorption: follows.then_some([a; 3]),
-            phase: Phase::henyey_greenstein(asymmetry_of(BACKSCATTER)),
+            phase: GlowPhase::henyey_greenstein(asymmetry_of(BACKSCATTER)),
             patches: None,
         }
     }

@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_PI_4;
 
 use super::super::nodes::Span;
-use super::super::{Lamp, Lighting, Phase};
+use super::super::{GlowPhase, Lamp, Lighting};
 use crate::turbidity;
 
 /// One rounding of f32.
@@ -34,7 +34,7 @@ const PARTS: usize = 16;
 pub(super) struct Rounding {
     strength: f64,
     attenuation: [f64; 2],
-    phase: Phase,
+    phase: GlowPhase,
     distance_m: f64,
     way_m: f64,
     slope: f64,

@@ -17,6 +17,8 @@ use crate::lamp::tiles::in_tiles;
 
 /// The most columns and rows of the cells whose corners are looked from first, and the angle that they may span, rad.
 const STEP: usize = 8;
+/// `settle` and `is_open` know cells of this side and its halves.
+const _: () = assert!(STEP == 8);
 const ANGLE: f64 = 1.0 / 48.0;
 /// Channels that scatter no more than this many times as much as another share a disc. Its radius is within 12 % of theirs then, and
 /// what is seen of it past a straight edge within 0.04: it changes by dR/(π R) at most.
@@ -148,17 +150,17 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn is_open_of<const STEP: usize>(&self, cell: Cell) -> bool {
+    fn is_open_of<const SIDE: usize>(&self, cell: Cell) -> bool {
         let size = self.surfaces.range.size();
-        let (mut facing, mut shares): (Lanes<STEP>, Lanes<STEP>) =
-            ([[AWAY; STEP]; STEP], [[0.0; STEP]; STEP]);
+        let (mut facing, mut shares): (Lanes<SIDE>, Lanes<SIDE>) =
+            ([[AWAY; SIDE]; SIDE], [[0.0; SIDE]; SIDE]);
         take(&mut facing, (self.surfaces.facing, AWAY), size, cell);
         take(&mut shares, (&self.shares, 0.0), size, cell);
         vectorized!(cell::is_open(&facing, &shares))
     }
 
-    /// Reads those pixels of a cell between its corners for which these speak; whether it has to be divided for the others.
-    fn settle<const STEP: usize>(&mut self, cell: Cell) -> bool {
+    /// Reads the pixels of a cell that its corners tell enough of. Returns whether it has to be divided for the others.
+    fn settle<const SIDE: usize>(&mut self, cell: Cell) -> bool {
         let Surfaces {
             range, facing, seen, ..
         } = self.surfaces;
@@ -169,11 +171,11 @@ impl<'a> Search<'a> {
             shares: at.map(|at| self.shares[at]),
             faces: at.map(|at| facing[at] != AWAY),
         };
-        let mut pixels = Pixels::<STEP>::default();
+        let mut pixels = Pixels::<SIDE>::default();
         take(&mut pixels.meters, (range.data(), 0.0), size, cell);
         take(&mut pixels.facing, (facing, AWAY), size, cell);
         take(&mut pixels.seen, (seen, 1.0), size, cell);
-        let mut shares: Lanes<STEP> = [[0.0; STEP]; STEP];
+        let mut shares: Lanes<SIDE> = [[0.0; SIDE]; SIDE];
         let is_divided = !vectorized!(corners.show(&pixels));
         if !is_divided {
             let apart = [at[1] - at[0], (at[2] - at[0]) / size.0];

@@ -20,15 +20,15 @@ pub(super) struct Cell {
 }
 
 /// A quantity of the pixels of a cell, row by row.
-pub(super) type Lanes<const STEP: usize> = [[f32; STEP]; STEP];
+pub(super) type Lanes<const SIDE: usize> = [[f32; SIDE]; SIDE];
 
 /// What is known of the pixels of a cell.
-pub(super) struct Pixels<const STEP: usize> {
-    pub(super) meters: Lanes<STEP>,
+pub(super) struct Pixels<const SIDE: usize> {
+    pub(super) meters: Lanes<SIDE>,
     /// How they stand to the lamp.
-    pub(super) facing: Lanes<STEP>,
+    pub(super) facing: Lanes<SIDE>,
     /// How much of the lamp itself is seen from them.
-    pub(super) seen: Lanes<STEP>,
+    pub(super) seen: Lanes<SIDE>,
 }
 
 /// What is known of the corners of a cell: of the pixels left and right in its first row, and in the first row below it.
@@ -40,9 +40,9 @@ pub(super) struct Corners {
     pub(super) faces: [bool; 4],
 }
 
-impl<const STEP: usize> Default for Pixels<STEP> {
+impl<const SIDE: usize> Default for Pixels<SIDE> {
     fn default() -> Self {
-        let zeros = [[0.0; STEP]; STEP];
+        let zeros = [[0.0; SIDE]; SIDE];
         Self {
             meters: zeros,
             facing: zeros,
@@ -61,13 +61,13 @@ impl Cell {
     }
 
     /// Writes what was found of its pixels into those of the frame.
-    pub(super) fn write<const STEP: usize>(
+    pub(super) fn write<const SIDE: usize>(
         self,
         frame: &mut [f32],
         (width, height): (usize, usize),
-        lanes: &Lanes<STEP>,
+        lanes: &Lanes<SIDE>,
     ) {
-        let columns = self.x.min(width)..(self.x + STEP).min(width);
+        let columns = self.x.min(width)..(self.x + SIDE).min(width);
         for (lane, y) in lanes.iter().zip(self.y..height) {
             let row = &mut frame[y * width..][columns.clone()];
             row.iter_mut()
@@ -79,13 +79,13 @@ impl Cell {
 
 /// Takes the pixels of a cell from a quantity of the frame, and `beyond` for those that the frame has not.
 #[inline(always)]
-pub(super) fn take<const STEP: usize>(
-    lanes: &mut Lanes<STEP>,
+pub(super) fn take<const SIDE: usize>(
+    lanes: &mut Lanes<SIDE>,
     (frame, beyond): (&[f32], f32),
     (width, height): (usize, usize),
     cell: Cell,
 ) {
-    if cell.x + STEP <= width && cell.y + STEP <= height {
+    if cell.x + SIDE <= width && cell.y + SIDE <= height {
         for (y, lane) in lanes.iter_mut().enumerate() {
             let begin = (cell.y + y) * width + cell.x;
             let (row, _) = frame[begin..]
@@ -96,7 +96,7 @@ pub(super) fn take<const STEP: usize>(
         return;
     }
     lanes.as_flattened_mut().fill(beyond);
-    let columns = cell.x.min(width)..(cell.x + STEP).min(width);
+    let columns = cell.x.min(width)..(cell.x + SIDE).min(width);
     for (lane, y) in lanes.iter_mut().zip(cell.y..height) {
         let row = &frame[y * width..][columns.clone()];
         lane[..row.len()].copy_from_slice(row);
@@ -105,10 +105,10 @@ pub(super) fn take<const STEP: usize>(
 
 /// Whether a pixel is lit of which it is not known what is seen from it.
 #[inline(always)]
-pub(super) fn is_open<const STEP: usize>(facing: &Lanes<STEP>, shares: &Lanes<STEP>) -> bool {
+pub(super) fn is_open<const SIDE: usize>(facing: &Lanes<SIDE>, shares: &Lanes<SIDE>) -> bool {
     let mut is_open = false;
-    for y in 0..STEP {
-        for x in 0..STEP {
+    for y in 0..SIDE {
+        for x in 0..SIDE {
             is_open |= (facing[y][x] >= LIT) & (shares[y][x] == UNKNOWN);
         }
     }
@@ -118,15 +118,15 @@ pub(super) fn is_open<const STEP: usize>(facing: &Lanes<STEP>, shares: &Lanes<ST
 impl Corners {
     /// Whether a cell shows one surface, from whose corners much the same is seen of the disc, and the lamp itself where it is.
     #[inline(always)]
-    pub(super) fn show<const STEP: usize>(&self, pixels: &Pixels<STEP>) -> bool {
+    pub(super) fn show<const SIDE: usize>(&self, pixels: &Pixels<SIDE>) -> bool {
         let (least, most) = ends(self.shares);
         if !self.faces.into_iter().all(|faces| faces) || most - least > READ_UP_TO {
             return false;
         }
         let (near, far) = ends(self.meters);
-        let (mut nearest, mut farthest, mut hidden) = ([near; STEP], [far; STEP], [false; STEP]);
-        for y in 0..STEP {
-            for x in 0..STEP {
+        let (mut nearest, mut farthest, mut hidden) = ([near; SIDE], [far; SIDE], [false; SIDE]);
+        for y in 0..SIDE {
+            for x in 0..SIDE {
                 let (meters, facing) = (pixels.meters[y][x], pixels.facing[y][x]);
                 let is_lit = facing >= LIT;
                 nearest[x] = smaller(if is_lit { meters } else { nearest[x] }, nearest[x]);
@@ -142,7 +142,7 @@ impl Corners {
 
     /// Sets the shares of the pixels of a cell between corners that are `apart` columns and rows from each other.
     #[inline(always)]
-    pub(super) fn read_between<const STEP: usize>(&self, apart: [usize; 2], shares: &mut Lanes<STEP>) {
+    pub(super) fn read_between<const SIDE: usize>(&self, apart: [usize; 2], shares: &mut Lanes<SIDE>) {
         let [a, b, c, d] = self.shares;
         let unit = apart.map(|count| 1.0 / count.max(1) as f32);
         for (y, row) in shares.iter_mut().enumerate() {
@@ -162,11 +162,11 @@ impl Corners {
 
     /// Sets the shares of those pixels whose surface the corners show for the most part.
     #[inline(always)]
-    pub(super) fn read_alike<const STEP: usize>(&self, pixels: &Pixels<STEP>, shares: &mut Lanes<STEP>) {
-        let unit = 1.0 / STEP as f32;
-        for y in 0..STEP {
+    pub(super) fn read_alike<const SIDE: usize>(&self, pixels: &Pixels<SIDE>, shares: &mut Lanes<SIDE>) {
+        let unit = 1.0 / SIDE as f32;
+        for y in 0..SIDE {
             let v = y as f32 * unit;
-            for x in 0..STEP {
+            for x in 0..SIDE {
                 let u = x as f32 * unit;
                 let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
                 let (meters, facing, known) = (pixels.meters[y][x], pixels.facing[y][x], shares[y][x]);

@@ -54,7 +54,7 @@ fn found_and_exact((width, height): (usize, usize), scattering: [f64; 3]) -> [Ve
         attenuation: [0.4; 3],
         absorption: Some([0.1; 3]),
         scattering,
-        phase: crate::lamp::Phase::henyey_greenstein(0.9),
+        phase: crate::lamp::GlowPhase::henyey_greenstein(0.9),
         radius_m: 0.02,
         camera,
         patches: None,
