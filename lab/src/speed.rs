@@ -8,7 +8,7 @@ use imaging::random::Stream;
 use optics::chain;
 use optics::forward_scatter::KernelCache;
 use optics::kernel::Transfer;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::preset::presets;
 use optics::water::Water;
 use spec::{Fidelity, Optics};
@@ -116,7 +116,7 @@ pub fn cache_use((width, height): (usize, usize), frames: usize) -> Vec<CacheUse
                 continue;
             };
             let range = &scene.range;
-            let stats = SceneStats::measure(&scene.radiance, range, &water);
+            let stats = SceneBounds::measure(&scene.radiance, range, &water);
             let plan = Plan::for_water(&stats, &water, Fidelity::Tolerance(3e-4));
             times.push(time_once(|| {
                 render(&scene.radiance, range, &water, &plan, &mut cache)

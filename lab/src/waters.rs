@@ -3,7 +3,7 @@
 use imaging::{Plane, Rgb, transfer};
 use optics::chain;
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::preset::{Channels, Preset, all_known, find, presets};
 use optics::visibility;
 use optics::water::{Water, properties};
@@ -207,7 +207,7 @@ fn score(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
         [if numbers.pixel(x, y) == 1 { 0.6f32 } else { 0.2 }; 3]
     });
     let range = Plane::filled(SIZE.0, SIZE.1, range_m as f32);
-    let stats = SceneStats::measure(&before, &range, &water);
+    let stats = SceneBounds::measure(&before, &range, &water);
     let plan = Plan::for_water(&stats, &water, Fidelity::Tolerance(1e-4));
     let layers = chain::water(&before, &range, &water, &plan, &mut KernelCache::default()).ok()?;
     visibility(&before, &layers.scattered, &numbers, 1, CARD)?.score()

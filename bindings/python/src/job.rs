@@ -71,7 +71,7 @@ impl Job {
         });
         self.studio.keep(slot);
         let plan = plan.map_err(|error| render_error(py, index, error))?;
-        Ok(json!(plan).to_string())
+        Ok(json!({"plan": plan, "promise": plan.promise()}).to_string())
     }
 
     /// The arrays of a frame by kind, and its record as JSON. Without `kinds` those of the description; what only metrics

@@ -111,6 +111,13 @@ def test_every_name_is_listed(job: fathom.Job) -> None:
 
 
 def test_a_plan_names_every_stage(job: fathom.Job) -> None:
-    stages = {line["stage"]: line for line in fathom.plan(job, 3)}
+    planned = fathom.plan(job, 3)
+    stages = {line["stage"]: line for line in planned["plan"]}
     assert {"forward_scatter.r", "style"} <= set(stages)
     assert stages["forward_scatter.r"]["cost_ms"] > 0
+
+
+def test_a_plan_promises_what_its_record_promises(job: fathom.Job) -> None:
+    promise = fathom.plan(job, 3)["promise"]
+    assert 0 < promise["bound"] <= promise["tolerance"]
+    assert fathom.render(job, 3, metrics=False).record["promise"] == promise

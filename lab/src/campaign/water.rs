@@ -2,7 +2,7 @@
 
 use optics::chain;
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Form, Plan, ScatterStep, SceneStats};
+use optics::plan::{Form, Plan, ScatterStep, SceneBounds};
 use spec::Fidelity;
 
 use super::cases::Case;
@@ -20,7 +20,7 @@ pub(super) fn run(case: &Case) -> Vec<Outcome> {
         water,
         ..
     } = case;
-    let stats = SceneStats::measure(radiance, range, water);
+    let stats = SceneBounds::measure(radiance, range, water);
     let planned_for = |fidelity| Plan::for_water(&stats, water, fidelity);
     let plan = planned_for(Fidelity::Tolerance(case.tolerance));
     let doubled = (radiance.map(|&j| f64::from(j)), range.map(|&z| f64::from(z)));

@@ -4,7 +4,7 @@ use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
 
@@ -60,7 +60,7 @@ pub(super) fn slope((width, height): (usize, usize), nearest: f32, farthest: f32
 
 impl Trial {
     pub(super) fn plan(&self, fidelity: Fidelity) -> Plan {
-        let stats = SceneStats::measure(&self.radiance, &self.range, &self.water);
+        let stats = SceneBounds::measure(&self.radiance, &self.range, &self.water);
         Plan::for_water(&stats, &self.water, fidelity)
     }
 

@@ -4,7 +4,7 @@ use optics::chain;
 use optics::forward_scatter::KernelCache;
 use optics::haze;
 use optics::lamp::airlight;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use spec::{Fidelity, ScatterModel};
 
 use super::forward_scatter::{DEFAULT_TOLERANCE, coastal};
@@ -82,7 +82,7 @@ fn water(name: &str, scene: &ChartScene, model: ScatterModel, terms: usize, runs
     let size = scene.range.size();
     let (times, _) = time(runs, || {
         let water = coastal(size.0, model)?;
-        let stats = SceneStats::measure(&scene.radiance, &scene.range, &water);
+        let stats = SceneBounds::measure(&scene.radiance, &scene.range, &water);
         let plan = Plan::for_water(&stats, &water, Fidelity::Terms(terms));
         let layers = chain::water(&scene.radiance, &scene.range, &water, &plan, &mut cache).ok()?;
         cache.recycle(layers);

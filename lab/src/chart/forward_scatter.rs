@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb};
 use optics::attenuation::scattered_share;
 use optics::chain;
 use optics::forward_scatter::{KernelCache, Nodes, scatter, scatter_reference, widest_px};
-use optics::plan::{Form, Plan, ScatterStep, SceneStats};
+use optics::plan::{Form, Plan, ScatterStep, SceneBounds};
 use optics::range::is_hole;
 use optics::water::{Scatter, Water};
 use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
@@ -76,7 +76,7 @@ impl Input {
             &mut KernelCache::new(),
         )
         .ok()?;
-        let stats = SceneStats::measure(&scene.radiance, &scene.range, &water);
+        let stats = SceneBounds::measure(&scene.radiance, &scene.range, &water);
         let planned = Plan::for_water(&stats, &water, Fidelity::Tolerance(DEFAULT_TOLERANCE));
         Some(Self {
             light: [0, 1, 2].map(light),

@@ -3,7 +3,7 @@
 use imaging::{Rgb, transfer};
 use optics::chain;
 use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use spec::{Fidelity, ScatterModel};
 
@@ -73,7 +73,7 @@ pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
 }
 
 fn planned(scene: &ChartScene, water: &Water, fidelity: Fidelity) -> Plan {
-    let stats = SceneStats::measure(&scene.radiance, &scene.range, water);
+    let stats = SceneBounds::measure(&scene.radiance, &scene.range, water);
     Plan::for_water(&stats, water, fidelity)
 }
 

@@ -1,7 +1,7 @@
 use imaging::geometry::Intrinsics;
 use optics::chain;
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use spec::Fidelity;
 use spec::Optics;
@@ -26,7 +26,7 @@ fn frame(seed: u64) -> Rgb8 {
     });
     let water = Water::resolve(&request, focal_px).unwrap();
     let range = scene.range.unwrap();
-    let stats = SceneStats::measure(&scene.radiance, &range, &water);
+    let stats = SceneBounds::measure(&scene.radiance, &range, &water);
     let plan = Plan::for_water(&stats, &water, Fidelity::Tolerance(3e-4));
     let layers = chain::water(&scene.radiance, &range, &water, &plan, &mut KernelCache::new());
     transfer::encode_rgb8(&layers.unwrap().scattered).0

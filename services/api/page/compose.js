@@ -137,7 +137,7 @@ class Compose {
     if (!(error instanceof ProblemError && error.problem.errors)) this.speed.textContent = error.message;
   }
 
-  // What the plan of the frame states: the bound of the water and the time of each stage.
+  // The plan of the frame: its promise and the time of each stage.
   async showPlan(signal) {
     await pause(400, signal);
     const frame = this.current();
@@ -147,8 +147,8 @@ class Compose {
     const record = await response.json();
     const { planTable } = await import("./record.js");
     const isOpen = this.plan.querySelector("details")?.open ?? false;
-    const bound = Math.max(0, ...record.plan.map((stage) => stage.bound ?? 0));
-    put(this.plan, h("details.panel", { open: isOpen }, h("summary", {}, `Plan of this frame: error at most ${number(bound, 2)}, `
+    const bound = record.promise ? `error at most ${number(record.promise.bound, 2)}, ` : "";
+    put(this.plan, h("details.panel", { open: isOpen }, h("summary", {}, `Plan of this frame: ${bound}`
       + `${number(record.timings_ms?.total ?? 0, 3)} ms`), planTable(record)));
   }
 

@@ -67,7 +67,7 @@ pub use merkle::MerkleTree;
 pub use normal::normal_quantile;
 pub use own_water::{JERLOV_TYPES, OwnWater};
 pub use recent::RecentJobs;
-pub use record::{ArtifactEntry, Counts, FrameRecord, Provenance, RecordOf, job_digest};
+pub use record::{ArtifactEntry, Counts, FrameRecord, Promise, Provenance, RecordOf, job_digest};
 pub use record_text::{BriefRecord, RecordText, Sound};
 pub use rules::{CameraRules, Fault, Sight, WaterRules};
 pub use scene_files::{RangeFile, RangeKind, SceneFiles};

@@ -24,8 +24,11 @@ pub struct RecordOf<V, M> {
     /// The numbers the water stage ran with: per-channel coefficients after preset, derivation and range scale, and
     /// which of them were derived; how long the paths through patches were, and how much snow fell. Empty without any of these.
     pub optics: M,
-    /// The plan: per stage whether it was skipped, its variant, terms and bound.
+    /// The plan: per stage its variant, terms, bound, gain and expected cost.
     pub plan: V,
+    /// The error that the plan promises not to exceed; `None` if the frame asked for no tolerance, and in records of older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promise: Option<Promise>,
     /// Metric values by subject (`rgb`, `hscm`, …) and metric (`uiqm`, `uiqm@table1`, …).
     pub measurements: BTreeMap<String, BTreeMap<String, f64>>,
     /// The stored files.
@@ -44,6 +47,23 @@ pub struct RecordOf<V, M> {
     pub truth: Option<TruthRecord>,
     /// With what it was made.
     pub provenance: Provenance,
+}
+
+/// The error that the plan of a frame promises not to exceed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Promise {
+    /// The largest error of any sample of the exposed light, from black to white, against the exact chain in f64.
+    pub bound: f64,
+    /// The largest error that the frame asks for.
+    pub tolerance: f64,
+    /// Stages that run without a bound: the promise does not count them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unbounded: Vec<String>,
+    /// Why the bound exceeds the tolerance, and what to change; `None` if it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exceeds: Option<String>,
+    /// All of it in one sentence.
+    pub text: String,
 }
 
 /// One stored file.

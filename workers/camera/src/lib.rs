@@ -12,7 +12,6 @@ pub mod geometry;
 pub mod jpeg;
 pub mod mosaic;
 mod parts;
-mod plan;
 pub mod preset;
 pub mod rules;
 pub mod sensor;
@@ -20,4 +19,3 @@ pub mod tone;
 pub mod vignette;
 
 pub use parts::{Parts, PartsError, Scenery};
-pub use plan::{Given, Plan, Step};

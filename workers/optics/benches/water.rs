@@ -8,7 +8,7 @@ use imaging::fft::Complex;
 use imaging::{Plane, Rgb};
 use optics::forward_scatter::KernelCache;
 use optics::kernel::Transfer;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use optics::{chain, haze};
 use spec::{
@@ -54,7 +54,7 @@ fn water(bench: &mut Criterion) {
     let (radiance, coastal) = (radiance(), range(1.0, 15.0));
     let mut cache = KernelCache::new();
     let mut stage = |name: &str, water: Water, range: &Plane<f32>, fidelity: Fidelity| {
-        let stats = SceneStats::measure(&radiance, range, &water);
+        let stats = SceneBounds::measure(&radiance, range, &water);
         let plan = Plan::for_water(&stats, &water, fidelity);
         bench.bench_function(name, |b| {
             b.iter(|| {
@@ -110,7 +110,7 @@ fn water(bench: &mut Criterion) {
     );
     let water = of(ScatterModel::Jaffe);
     bench.bench_function("scene stats", |b| {
-        b.iter(|| SceneStats::measure(black_box(&radiance), &coastal, &water))
+        b.iter(|| SceneBounds::measure(black_box(&radiance), &coastal, &water))
     });
 }
 

@@ -14,7 +14,7 @@ use imaging::{Plane, Rgb};
 
 use crate::attenuation::exp_negative;
 use crate::forward_scatter::KernelCache;
-use crate::plan::{Form, GateStep, Plan, ScatterStep};
+use crate::plan::{BY_DIRECTION, Plan, StageId, Variant};
 use crate::range::{bounds, filled, is_hole};
 use crate::water::Water;
 
@@ -48,7 +48,8 @@ pub fn water(
     plan: &Plan,
     cache: &mut KernelCache,
 ) -> Result<Layers, ChainError> {
-    if plan.attenuation.form == Form::Reference {
+    let attenuation = plan.variant(StageId::Attenuation);
+    if *attenuation == Variant::Reference {
         let layers = water_reference(
             &radiance.map(|&j| f64::from(j)),
             &range.map(|&z| f64::from(z)),
@@ -66,24 +67,22 @@ pub fn water(
     check::sizes(radiance.size(), range.size())?;
     let holes = check::holes(range, water.holes)?;
     let range = &*filled(range, water.holes);
-    // Only a kernel asks for it.
-    let steps = plan.scatter.each_ref().map(|stage| &stage.form);
-    let spreads = steps
-        .iter()
-        .any(|step| matches!(step, ScatterStep::Interpolated(_) | ScatterStep::Layered(_)));
+    let steps = [0, 1, 2].map(|channel| plan.variant(StageId::ForwardScatter(channel)));
+    // Only kernels need it.
+    let spreads = steps.iter().any(|step| step.kernels().is_some());
     let bounds = spreads.then(|| bounds(range.data(), range.data(), f32::MAX));
     let farthest = bounds.flatten().map(|(_, farthest)| farthest);
+    let is_clear = attenuation.is_skipped();
     let frame = fast::Frame {
         range,
         farthest,
         water,
-        clear: plan.attenuation.form == Form::Skip,
-        veil: plan.attenuation.form != Form::Skip
-            && plan.veil.as_ref().is_some_and(|veil| veil.form != Form::Skip),
-        gates: plan.gates.as_ref().and_then(|gates| match &gates.form {
-            GateStep::Gated(layering) => Some(layering),
-            GateStep::Skip | GateStep::Reference => None,
-        }),
+        clear: is_clear,
+        veil: !is_clear && *plan.variant(StageId::Veil) == Variant::Fast(BY_DIRECTION),
+        gates: match plan.variant(StageId::Occlusion) {
+            Variant::Gated(layering) => Some(layering),
+            _ => None,
+        },
     };
     let bands = fast::bands(&frame, radiance, steps, cache);
     cache.trim();

@@ -27,6 +27,7 @@
 mod caustics;
 mod field;
 mod gaze;
+mod limits;
 mod seen;
 mod slope;
 mod sun;
@@ -42,7 +43,7 @@ pub use gaze::Gaze;
 pub use seen::{Surfaces, access, access_reference, sunlit, sunlit_reference};
 pub use slope::{SLOPES, share_by_slope};
 pub use sun::SunLight;
-pub use surface::{Reaching, surfaces, surfaces_reference, surfaces_rounding, with_lamps};
+pub use surface::{Reaching, surfaces, surfaces_reference, with_lamps};
 pub use veil::{VeilOf, veil, veil_reference};
 
 use spec::{Caustics, SurfaceLight, VeilForm};

@@ -15,6 +15,7 @@
 mod airlight;
 mod beam;
 mod blurred;
+mod bounds;
 mod coarse;
 mod multiple;
 mod nodes;
@@ -30,6 +31,7 @@ mod surface;
 mod tiles;
 
 pub use airlight::{Airlight, airlight, airlight_with_nodes, shaded_airlight};
+pub use bounds::{AirlightBounds, SurfaceBounds, bound_airlight, bound_irradiance};
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;
 pub use particles::FournierForand;
@@ -44,7 +46,9 @@ pub use reference::{
 };
 pub use shadow::Shadow;
 pub(crate) use shadow::places_within;
-pub use surface::{Irradiance, irradiance, irradiance_of, lit, lit_rounding, shaded_irradiance};
+pub use surface::{
+    Irradiance, LIT_ROUNDING, irradiance, irradiance_of, lit, lit_rounding, shaded_irradiance,
+};
 
 pub use crate::legendre::gauss_legendre;
 

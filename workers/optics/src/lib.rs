@@ -8,6 +8,7 @@ mod blend;
 pub mod chain;
 pub mod daylight;
 mod elementary;
+mod error_bound;
 mod extremes;
 pub mod eye;
 pub mod forward_scatter;
@@ -26,6 +27,7 @@ pub mod setting;
 pub mod snow;
 pub mod turbidity;
 mod visibility;
+pub mod visible_bounds;
 pub mod water;
 
 pub use blend::style_blend;

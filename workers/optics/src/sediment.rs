@@ -38,7 +38,7 @@ const WIDENING: f64 = 0.2;
 /// Radius of a thruster, m.
 const NOZZLE_M: f64 = 0.05;
 /// Beyond this no cloud is followed, m.
-pub(crate) const FAR_M: f64 = 15.0;
+pub const FAR_M: f64 = 15.0;
 /// Height of a picture's camera above the bottom where nothing says it, m.
 const ABOVE_M: f64 = 1.5;
 
@@ -143,7 +143,8 @@ impl Clouds {
     }
 
     /// The share of the light that a cloud sends back.
-    pub(crate) fn albedo(&self) -> [f64; 3] {
+    #[must_use]
+    pub fn albedo(&self) -> [f64; 3] {
         self.law.albedo
     }
 

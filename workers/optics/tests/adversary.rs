@@ -7,7 +7,7 @@ mod frames;
 use frames::{Attack, Frame};
 use optics::chain;
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use spec::{Fidelity, ScatterModel};
 
 /// Side of the frames, pixels.
@@ -52,7 +52,7 @@ fn bound_and_error(frame: &Frame, tolerance: f64) -> (f64, f64) {
         range,
         water,
     } = frame;
-    let stats = SceneStats::measure(radiance, range, water);
+    let stats = SceneBounds::measure(radiance, range, water);
     let plan = Plan::for_water(&stats, water, Fidelity::Tolerance(tolerance));
     let fast = chain::water(radiance, range, water, &plan, &mut KernelCache::new()).unwrap();
     let (exact_radiance, exact_range) = (radiance.map(|&j| f64::from(j)), range.map(|&z| f64::from(z)));
@@ -65,7 +65,8 @@ fn bound_and_error(frame: &Frame, tolerance: f64) -> (f64, f64) {
     let error = pairs
         .map(|(fast, exact)| (fast - exact).abs())
         .fold(0.0, f64::max);
-    (plan.bounds().unwrap()[1], error)
+    let brightest = exact.data().iter().copied().fold(0.0, f64::max);
+    (plan.errors()[1].bound_sample(brightest), error)
 }
 
 /// With the bound `min(1.2 worst, 2.6 even)` of old these frames erred by up to 1.29 times as much.

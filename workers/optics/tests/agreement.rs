@@ -10,7 +10,7 @@ mod scenes;
 use imaging::{Plane, Rgb};
 use optics::chain::{Layers, water, water_reference};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 
 use scenes::{SCENES, Scene};
@@ -102,7 +102,7 @@ fn fast(
     fidelity: Fidelity,
     cache: &mut KernelCache,
 ) -> Layers {
-    let plan = Plan::for_water(&SceneStats::measure(radiance, range, optics), optics, fidelity);
+    let plan = Plan::for_water(&SceneBounds::measure(radiance, range, optics), optics, fidelity);
     water(radiance, range, optics, &plan, cache).expect("a good frame")
 }
 

@@ -8,7 +8,7 @@ use imaging::{Plane, Rgb};
 use optics::chain::{Layers, water};
 use optics::forward_scatter::{KernelCache, Nodes, gather, scatter};
 use optics::kernel::Transfer;
-use optics::plan::{Plan, ScatterStep, SceneStats};
+use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::water::Water;
 use spec::{Fidelity, ForwardScatter, HoleRule, Optics, ScatterModel};
 
@@ -65,7 +65,11 @@ fn with_g(g: [f64; 3]) -> spec::Water {
 fn render(request: &spec::Water, range: &Plane<f32>, fidelity: Fidelity) -> (Layers, Plan, Rgb<f32>) {
     let radiance = Rgb::new([noise(0), noise(1), noise(2)]).expect("planes of one size");
     let optics = Water::resolve(request, 500.0).expect("a consistent water");
-    let plan = Plan::for_water(&SceneStats::measure(&radiance, range, &optics), &optics, fidelity);
+    let plan = Plan::for_water(
+        &SceneBounds::measure(&radiance, range, &optics),
+        &optics,
+        fidelity,
+    );
     let layers = water(&radiance, range, &optics, &plan, &mut KernelCache::new()).expect("a good frame");
     (layers, plan, radiance)
 }
@@ -106,7 +110,7 @@ fn scatter_and_gather_are_adjoint() {
 fn a_flat_wall_is_one_transform() {
     let range = Plane::filled(WIDTH, HEIGHT, 3.0);
     let (layers, plan, radiance) = render(&request(), &range, Fidelity::Tolerance(1e-6));
-    let ScatterStep::Interpolated(nodes) = &plan.scatter[1].form else {
+    let Variant::Interpolated(nodes) = plan.variant(StageId::ForwardScatter(1)) else {
         panic!("nothing is spread")
     };
     assert_eq!(nodes.terms(), 1);
@@ -171,7 +175,7 @@ fn where_all_scattered_light_is_lost_none_is_spread() {
         &noise(3).map(|r| 1.0 + 9.0 * r),
         Fidelity::Terms(5),
     );
-    assert_eq!(plan.scatter[0].form, ScatterStep::Skip);
+    assert_eq!(plan.variant(StageId::ForwardScatter(0)), &Variant::Skip);
     assert!(
         layers.forward_scatter.planes()[0]
             .data()
@@ -235,7 +239,7 @@ fn holes_follow_their_rule() {
     let (flat, ..) = render(&request(), &Plane::filled(WIDTH, HEIGHT, 4.0), Fidelity::Terms(5));
     assert_eq!((replaced.holes, &replaced.scattered), (29, &flat.scattered));
     let optics = Water::resolve(&rule(HoleRule::Reject), 500.0).unwrap();
-    let plan = Plan::in_air(1);
+    let plan = Plan::default();
     let radiance = Rgb::new([noise(0), noise(1), noise(2)]).unwrap();
     let error = water(&radiance, &range, &optics, &plan, &mut KernelCache::new()).unwrap_err();
     assert_eq!(
@@ -247,7 +251,7 @@ fn holes_follow_their_rule() {
 #[test]
 fn frames_that_do_not_fit_are_refused() {
     let optics = Water::resolve(&request(), 500.0).unwrap();
-    let plan = Plan::in_air(1);
+    let plan = Plan::default();
     let radiance = |w, h| Rgb::from_fn(w, h, |_, _| [0.5f32; 3]);
     let refused = |radiance: Rgb<f32>, range: Plane<f32>| {
         water(&radiance, &range, &optics, &plan, &mut KernelCache::new())

@@ -6,7 +6,7 @@ use imaging::{Plane, Rgb};
 use optics::chain::{water, water_reference};
 use optics::eye::Eye;
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::range::is_hole;
 use optics::snow::World;
 use optics::turbidity::{Field, optical_path, optical_path_reference, path_rounding};
@@ -123,12 +123,18 @@ fn the_plan_bounds_the_chain_in_patchy_water() {
         let exact = water_reference(&radiance.map(|&j| j.into()), &exact_path, &optics).unwrap();
         let path = optical_path(&range, &field, &eye, HoleRule::Background);
         for tolerance in [1e-2, 3e-4, 3e-5] {
-            let stats = SceneStats::measure(&radiance, &path, &optics);
+            let stats = SceneBounds::measure(&radiance, &path, &optics);
             let plan = Plan::for_water(&stats, &optics, Fidelity::Tolerance(tolerance));
             let fast = water(&radiance, &path, &optics, &plan, &mut KernelCache::new()).unwrap();
             let farthest = stats.range_m.unwrap().1;
             let rounding = 2.0 * path_rounding(farthest, scale_m) / std::f64::consts::E;
-            for (channel, bound) in plan.bounds().unwrap().into_iter().enumerate() {
+            for (channel, error) in plan.errors().into_iter().enumerate() {
+                let brightest = exact.scattered.planes()[channel]
+                    .data()
+                    .iter()
+                    .copied()
+                    .fold(0.0, f64::max);
+                let bound = error.bound_sample(brightest);
                 let pairs = fast.scattered.planes()[channel].data().iter();
                 let worst = pairs
                     .zip(exact.scattered.planes()[channel].data())

@@ -5,12 +5,14 @@
 
 mod attempt;
 mod content;
+mod context;
 mod engine;
 mod error;
 mod file;
-mod frame_plan;
 pub mod http;
 pub mod local;
+mod pipeline;
+mod planning;
 mod provenance;
 mod record;
 mod slot;
@@ -24,7 +26,6 @@ pub use content::{Content, Contents};
 pub use engine::Engine;
 pub use error::RenderError;
 pub use file::{EXTENSIONS, File, extension};
-pub use frame_plan::FramePlan;
 pub use provenance::{CODE_VERSION, cpu_features};
 pub use slot::{LinearPicture, Rendered, Slot, WaterLight};
 pub use source::{SceneBytes, SceneSource};

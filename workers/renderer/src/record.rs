@@ -1,26 +1,26 @@
 //! The record of a frame as known before rendering; the stages add their results.
 
+use optics::plan::{Plan, StageId};
 use optics::water::{RULES, Water};
 use serde_json::{Map, Value, json};
 use spec::{Camera, Counts, FrameRecord, Provenance};
 
+use crate::context::FrameContext;
 use crate::provenance::{CODE_VERSION, cpu_features};
-use crate::stage::Shot;
 
 /// Starts the record of a frame.
-pub(crate) fn begin(shot: &Shot<'_>) -> FrameRecord {
-    let Shot { frame, prepared, .. } = shot;
+pub(crate) fn begin(context: &FrameContext<'_>) -> FrameRecord {
+    let FrameContext { frame, prepared, .. } = context;
     FrameRecord {
         frame: frame.index,
-        parameters: parameters(shot),
-        optics: numbers(shot),
-        plan: json!(shot.frame_plan()),
+        parameters: parameters(context),
+        optics: numbers(context),
         counts: Counts {
             holes: prepared.holes,
             negative_radiance: prepared.negative_radiance,
             ..Counts::default()
         },
-        warnings: warnings(shot),
+        warnings: warnings(context),
         provenance: Provenance {
             code_version: CODE_VERSION.to_owned(),
             onnx_runtime: None,
@@ -32,11 +32,11 @@ pub(crate) fn begin(shot: &Shot<'_>) -> FrameRecord {
 }
 
 /// The frame's resolved parameters, with the actual camera.
-fn parameters(shot: &Shot<'_>) -> Value {
-    let mut parameters = shot.frame.parameters.clone();
-    if !matches!(shot.frame.scene, spec::Scene::Procedural { .. }) {
-        let (width, height) = shot.setting.size;
-        let actual = json!(Camera::of_picture(width, height, shot.prepared.focal_px));
+fn parameters(context: &FrameContext<'_>) -> Value {
+    let mut parameters = context.frame.parameters.clone();
+    if !matches!(context.frame.scene, spec::Scene::Procedural { .. }) {
+        let (width, height) = context.setting.size;
+        let actual = json!(Camera::of_picture(width, height, context.prepared.focal_px));
         for (name, value) in actual.as_object().into_iter().flatten() {
             parameters["camera"][name] = value.clone();
         }
@@ -45,23 +45,23 @@ fn parameters(shot: &Shot<'_>) -> Value {
 }
 
 /// The coefficients of the water by name, which of them were derived, its preset and its patches; empty without water.
-fn numbers(shot: &Shot<'_>) -> Map<String, Value> {
-    let mut numbers = shot
+fn numbers(context: &FrameContext<'_>) -> Map<String, Value> {
+    let mut numbers = context
         .setting
         .water
         .as_ref()
         .map_or_else(Map::new, numbers_of_water);
-    if let Some([mean, least, most]) = shot.lit.factors() {
+    if let Some([mean, least, most]) = context.path_factors() {
         let factors = json!({"mean": mean, "least": least, "most": most});
         numbers.insert("turbidity".to_owned(), factors);
     }
-    let daylight = shot.setting.water.as_ref().and_then(Water::daylight);
-    if let (Some(daylight), Some(range)) = (daylight, &shot.prepared.scene.range)
-        && shot.lit.above.is_some()
+    let daylight = context.setting.water.as_ref().and_then(Water::daylight);
+    if let (Some(daylight), Some(range)) = (daylight, &context.prepared.scene.range)
+        && context.plan.stage(StageId::Surfaces).is_some()
         && let Some((shallowest, deepest)) = daylight.depths_m(range)
     {
         let mut own = json!({"shallowest_m": shallowest, "deepest_m": deepest});
-        if let Some(pattern) = &shot.lit.pattern {
+        if let Some(pattern) = &context.pattern {
             own["caustics_peak"] = json!(pattern.peak());
         }
         numbers.insert("daylight".to_owned(), own);
@@ -81,14 +81,30 @@ fn numbers_of_water(water: &Water) -> Map<String, Value> {
     numbers.map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// Warnings about the scene, its water and its plan.
-fn warnings(shot: &Shot<'_>) -> Vec<String> {
-    let Shot {
-        frame,
-        prepared,
-        plan,
-        ..
-    } = shot;
+/// Adds the plan, its promise and a warning if that exceeds the tolerance.
+pub(crate) fn finish_plan(record: &mut FrameRecord, plan: &Plan) {
+    record.plan = json!(plan);
+    record.promise = plan.promise();
+    let exceeds = record
+        .promise
+        .as_ref()
+        .and_then(|promise| promise.exceeds.as_ref());
+    let warning = exceeds.map(|reason| format!("the plan exceeds the tolerance: {reason}"));
+    record.warnings.extend(warning);
+}
+
+/// Adds those warnings of another moment of the frame that are not there yet.
+pub(crate) fn merge_warnings(record: &mut FrameRecord, moment: FrameRecord) {
+    for warning in moment.warnings {
+        if !record.warnings.contains(&warning) {
+            record.warnings.push(warning);
+        }
+    }
+}
+
+/// Warnings about the scene and its water.
+fn warnings(context: &FrameContext<'_>) -> Vec<String> {
+    let FrameContext { frame, prepared, .. } = context;
     let Some(range) = &prepared.scene.range else {
         let skipped = [
             (frame.water.optics.is_some(), "water's optics are"),
@@ -97,13 +113,11 @@ fn warnings(shot: &Shot<'_>) -> Vec<String> {
         ];
         let skipped = skipped.into_iter().filter(|(asked, _)| *asked);
         return skipped
-            .map(|(_, what)| format!("the scene has no range: the {what} skipped"))
+            .map(|(_, part)| format!("the scene has no range: the {part} skipped"))
             .collect();
     };
     let is_empty = prepared.holes == range.data().len() as u64;
     let empty = is_empty.then(|| "no pixel has a valid range".to_owned());
     let diffuse = frame.water.optics.as_ref().and_then(RULES.warning);
-    let exceeds = plan.exceeds.as_ref();
-    let exceeds = exceeds.map(|reason| format!("the plan exceeds the tolerance: {reason}"));
-    empty.into_iter().chain(diffuse).chain(exceeds).collect()
+    empty.into_iter().chain(diffuse).collect()
 }

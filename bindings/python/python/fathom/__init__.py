@@ -67,8 +67,12 @@ def render(
     return _job(job).read(index, kinds, metrics=metrics)
 
 
-def plan(job: Job | Mapping[str, Any] | str | os.PathLike[str], index: int = 0) -> list[dict[str, Any]]:
-    """Return what a frame would be rendered with: each stage with its form, error bound and expected cost in ms."""
+def plan(job: Job | Mapping[str, Any] | str | os.PathLike[str], index: int = 0) -> dict[str, Any]:
+    """Return the plan of a frame, with the keys of its record.
+
+    `plan` lists every stage with its variant, error bound, gain and expected cost in ms. `promise` holds the `bound` on the
+    error of the exposed light, the `tolerance`, and both in a sentence, `text`; `None` if the job asks for no tolerance.
+    """
     return _job(job).plan(index)
 
 

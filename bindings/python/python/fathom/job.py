@@ -94,9 +94,9 @@ class Job:
         result: dict[str, Any] = json.loads(self._native.resolve(self._position(index)))
         return result
 
-    def plan(self, index: int) -> list[dict[str, Any]]:
-        """Return what a frame would be rendered with: each stage with its form, error bound and expected cost in ms."""
-        result: list[dict[str, Any]] = json.loads(self._native.plan(self._position(index)))
+    def plan(self, index: int) -> dict[str, Any]:
+        """Return the plan of a frame: `plan`, a list of stages, and `promise`, the error it promises; see `fathom.plan`."""
+        result: dict[str, Any] = json.loads(self._native.plan(self._position(index)))
         return result
 
     def read(self, index: int, kinds: Sequence[str] | None = None, *, metrics: bool = False) -> Frame:

@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     /// Index of the frame
     #[arg(long, default_value_t = 0)]
     frame: u64,
-    /// Print the plan as JSON, as stored with the image
+    /// Print the plan and its promise as JSON, as stored with the image
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -47,21 +47,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let plan = Slot::new(&engine)
         .plan(&frame, &SceneSource::Local)
         .map_err(Failure::input)?;
+    let promise = plan.promise();
     if arguments.json {
-        println!("{}", json!(plan));
+        println!("{}", json!({"plan": plan, "promise": promise}));
         return Ok(());
     }
-    let columns = ["stage", "variant", "terms", "share", "bound", "cost_ms", "note"];
-    let lines: Vec<Value> = plan.lines().iter().map(|line| json!(line)).collect();
+    let columns = [
+        "stage", "variant", "terms", "share", "bound", "gain", "cost_ms", "note",
+    ];
+    let lines: Vec<Value> = plan.stages.iter().map(|stage| json!(stage)).collect();
     println!("{}", table_of(&columns, &lines));
-    for line in plan.lines() {
-        if let Some(error) = &line.model_error {
-            println!("Model error of {}: {error}", line.stage);
+    for stage in &plan.stages {
+        if let Some(error) = stage.printed_model_error() {
+            println!("Model error of {}: {error}", stage.id.name());
         }
     }
-    if let Some(bounds) = plan.water.bounds() {
-        let largest = bounds.into_iter().fold(0.0, f64::max);
-        println!("Every sample before the style is within {largest:.2e} in linear light of the exact chain.");
+    if let Some(promise) = promise {
+        println!("{}", promise.text);
+        if let Some(reason) = promise.exceeds {
+            eprintln!("warning: the plan exceeds the tolerance: {reason}");
+        }
     }
     Ok(())
 }

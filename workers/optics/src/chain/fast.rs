@@ -11,7 +11,7 @@ use crate::forward_scatter::{
     self, KernelCache, Kernels, Source, gated_channels, gather_channels, scatter_channels, widest_px,
 };
 use crate::layering::Layering;
-use crate::plan::ScatterStep;
+use crate::plan::Variant;
 use crate::water::{Scatter, Spread, Tail, Water};
 
 /// What all channels of a frame share.
@@ -32,7 +32,7 @@ pub(super) struct Frame<'a> {
 pub(super) fn bands(
     frame: &Frame<'_>,
     radiance: &Rgb<f32>,
-    steps: [&ScatterStep; 3],
+    steps: [&Variant; 3],
     cache: &mut KernelCache,
 ) -> [Band<f32>; 3] {
     let mut bands = [0, 1, 2].map(|c| attenuated(frame, &radiance.planes()[c], c, steps[c], cache));
@@ -53,7 +53,7 @@ pub(super) fn bands(
                 }
             }
             for (band, step) in bands.iter_mut().zip(&steps) {
-                if **step != ScatterStep::Skip {
+                if **step != Variant::Skip {
                     accumulate(band.image.data_mut(), band.forward.data());
                 }
             }
@@ -77,12 +77,12 @@ fn gated(
     frame: &Frame<'_>,
     layering: &Layering,
     radiance: &Rgb<f32>,
-    steps: [&ScatterStep; 3],
+    steps: [&Variant; 3],
     bands: &mut [Band<f32>; 3],
     cache: &mut KernelCache,
 ) {
     let sources = (0..3).filter_map(|channel| match steps[channel] {
-        ScatterStep::Layered(kernels) => Some(Source {
+        Variant::Layered(kernels) => Some(Source {
             channel,
             radiance: &radiance.planes()[channel],
             kernels,
@@ -110,7 +110,7 @@ fn attenuated(
     frame: &Frame<'_>,
     radiance: &Plane<f32>,
     channel: usize,
-    step: &ScatterStep,
+    step: &Variant,
     cache: &mut KernelCache,
 ) -> Band<f32> {
     let Frame { range, water, .. } = frame;
@@ -142,7 +142,7 @@ fn attenuated(
     match (&water.scatter, step) {
         (
             Scatter::Jaffe { g, source, .. },
-            ScatterStep::Pointwise | ScatterStep::Interpolated(_) | ScatterStep::Layered(_),
+            Variant::Pointwise | Variant::Interpolated(_) | Variant::Layered(_),
         ) => {
             // G may exceed c by the rounding of a derived sum; then nothing is scattered forward.
             let excess = (water.direct_attenuation[channel] - g[channel]).max(0.0) as f32;
@@ -173,12 +173,12 @@ fn channels<'a>(
     frame: &Frame<'_>,
     spread: &Spread,
     light: [&Plane<f32>; 3],
-    steps: [&'a ScatterStep; 3],
+    steps: [&'a Variant; 3],
     cache: &mut KernelCache,
 ) -> (Vec<usize>, Vec<forward_scatter::Channel<'a>>) {
     let (mut places, mut channels) = (Vec::new(), Vec::new());
     for (c, light) in light.into_iter().enumerate() {
-        let (ScatterStep::Interpolated(nodes), Some(farthest)) = (steps[c], frame.farthest) else {
+        let (Variant::Interpolated(nodes), Some(farthest)) = (steps[c], frame.farthest) else {
             continue;
         };
         let mut gamma = empty(frame.range, cache);
@@ -195,12 +195,12 @@ fn channels_of_two<'a>(
     frame: &Frame<'_>,
     (narrow, tail): (&Spread, &Tail),
     light: [&Plane<f32>; 3],
-    steps: [&'a ScatterStep; 3],
+    steps: [&'a Variant; 3],
     cache: &mut KernelCache,
 ) -> (Vec<usize>, Vec<forward_scatter::Channel<'a>>) {
     let (mut places, mut channels) = (Vec::new(), Vec::new());
     for (c, light) in light.into_iter().enumerate() {
-        let ScatterStep::Layered(layers) = steps[c] else {
+        let Variant::Layered(layers) = steps[c] else {
             continue;
         };
         let Some(Kernels { narrow: near, wide }) = layers.first() else {

@@ -20,11 +20,7 @@ use super::slope::{SLOPES, between, share_by_slope};
 use super::veil::{Row, rises_of};
 use super::{Daylight, SunLight};
 use crate::attenuation::{exp_negative, masked};
-use crate::extremes::brightest;
 use crate::range::is_hole;
-
-/// One rounding of f32.
-const STEP: f64 = 6e-8;
 
 /// What reaches each pixel's surface of the light from above; all of it where there is none.
 #[derive(Debug, Clone, Copy, Default)]
@@ -141,25 +137,6 @@ pub fn surfaces(
         }
     }
     Rgb::new(bands).expect("planes of one frame")
-}
-
-/// What f32 may lose of [`surfaces`]: roundings of the place and of the normals count by how fast light changes with depth and
-/// slope.
-#[must_use]
-pub fn surfaces_rounding(daylight: &Daylight, lit: &Rgb<f32>, farthest: f64) -> f64 {
-    let peak = f64::from(brightest(lit).into_iter().fold(0.0, f32::max));
-    let rate = |c: usize| {
-        let field = &daylight.fields[c];
-        let fading = daylight.sun.map_or(0.0, |sun| sun.fading(field).abs());
-        field.decay + fading
-    };
-    let steepest = (0..3).map(rate).fold(0.0, f64::max);
-    let lens = {
-        let camera = &daylight.gaze.camera;
-        (camera.cx.abs() + camera.cy.abs()) / camera.focal_px
-    };
-    // Slopes of the table and the sun's cosine over that of a level surface are below 4.
-    peak * STEP * (40.0 + (8.0 + lens) * (4.0 + steepest * farthest))
 }
 
 /// Adds the light of lamps: `J + ρ E/π`.

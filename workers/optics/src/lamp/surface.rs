@@ -135,12 +135,15 @@ pub fn lit(radiance: &Rgb<f32>, gain: [f64; 3], irradiance: &Rgb<f32>) -> Rgb<f3
     Rgb::new([band(0), band(1), band(2)]).expect("planes of one frame")
 }
 
-/// The irradiance by which surfaces of this radiance in air get `light` brighter at most.
+/// The irradiance by which surfaces of at most this radiance in air get `light` brighter at most.
 #[must_use]
-pub fn irradiance_of(radiance: &Rgb<f32>, light: f64) -> f64 {
-    let most = f64::from(brightest(radiance).into_iter().fold(0.0, f32::max));
+pub fn irradiance_of(brightest: [f32; 3], light: f64) -> f64 {
+    let most = f64::from(brightest.into_iter().fold(0.0, f32::max));
     light * std::f64::consts::PI / most.max(1e-30)
 }
+
+/// Rounding of [`lit`] as a share of the light.
+pub const LIT_ROUNDING: f64 = 4.0 * STEP;
 
 /// What [`lit`] may differ by from the same in f64, where the light of the lamps may differ by `rounding`.
 #[must_use]

@@ -3,7 +3,7 @@
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
-use super::stats::RangeBin;
+use super::bounds::{RangeBin, TileGains};
 use crate::range::{SHORTEST_M, is_hole};
 
 /// Bits of a float below its exponent and three more: eight bins for each factor of two.
@@ -14,11 +14,26 @@ const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
 const RUN: usize = 16;
 
 /// The lit bins, nearest first.
-pub(super) fn binned(radiance: &Rgb<f32>, range: &Plane<f32>) -> Vec<RangeBin> {
+pub(super) fn binned(radiance: &Rgb<f32>, gains: Option<&TileGains>, range: &Plane<f32>) -> Vec<RangeBin> {
     // None of these is lit; a pixel of no light is none that spreads any.
     let mut brightest = vec![[0.0f32; 3]; BINS];
-    let light = radiance.planes().each_ref().map(Plane::data);
-    vectorized!(fill(light, range.data(), &mut brightest));
+    let planes = radiance.planes();
+    match gains {
+        None => {
+            let light = planes.each_ref().map(Plane::data);
+            vectorized!(fill(light, range.data(), [1.0; 3], &mut brightest));
+        }
+        Some(gains) => {
+            for y in 0..range.height() {
+                let rows = planes.each_ref().map(|plane| plane.row(y));
+                for (tile, meters) in range.row(y).chunks(gains.side_px).enumerate() {
+                    let x = tile * gains.side_px;
+                    let light = rows.map(|row| &row[x..x + meters.len()]);
+                    vectorized!(fill(light, meters, gains.at(x, y), &mut brightest));
+                }
+            }
+        }
+    }
     let edge = |bin: usize| f64::from(f32::from_bits((bin as u32) << BIN_SHIFT));
     let lit = brightest
         .into_iter()
@@ -32,20 +47,24 @@ pub(super) fn binned(radiance: &Rgb<f32>, range: &Plane<f32>) -> Vec<RangeBin> {
 }
 
 #[inline(always)]
-fn fill(light: [&[f32]; 3], range: &[f32], brightest: &mut [[f32; 3]]) {
+fn fill(light: [&[f32]; 3], range: &[f32], gain: [f32; 3], brightest: &mut [[f32; 3]]) {
     let [r, g, b] = light;
     for (start, run) in range.chunks(RUN).enumerate().map(|(i, run)| (i * RUN, run)) {
         let [r, g, b] = [r, g, b].map(|plane| &plane[start..start + run.len()]);
         if let Some(bin) = common_bin(run) {
             let bin = &mut brightest[bin];
-            for (most, plane) in bin.iter_mut().zip([r, g, b]) {
-                *most = most.max(largest(plane));
+            for ((most, plane), gain) in bin.iter_mut().zip([r, g, b]).zip(gain) {
+                *most = most.max(gain * largest(plane));
             }
             continue;
         }
         for (i, &z) in run.iter().enumerate().filter(|(_, z)| !is_hole(**z)) {
             let bin = &mut brightest[bin_of(z)];
-            *bin = [bin[0].max(r[i]), bin[1].max(g[i]), bin[2].max(b[i])];
+            *bin = [
+                bin[0].max(gain[0] * r[i]),
+                bin[1].max(gain[1] * g[i]),
+                bin[2].max(gain[2] * b[i]),
+            ];
         }
     }
 }
@@ -101,7 +120,7 @@ mod tests {
             }
         }
         expected.retain(|bin| bin.iter().any(|&light| light > 0.0));
-        let bins = binned(&radiance, &range);
+        let bins = binned(&radiance, None, &range);
         assert_eq!(bins.iter().map(|bin| bin.brightest).collect::<Vec<_>>(), expected);
     }
 }

@@ -4,9 +4,9 @@
 
 use spec::Fidelity;
 
-use super::ScatterStep;
+use super::Variant;
 use super::gates;
-use super::scatter::{Asked, Chosen, WORST_MARGIN, fewest, largest_share, samples, widened};
+use super::scatter::{Chosen, ScatterNeed, WORST_MARGIN, fewest, largest_share, samples, widened};
 use crate::forward_scatter::{Bound, Kernels, Nodes, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
@@ -29,34 +29,34 @@ impl Part {
     }
 }
 
-pub(super) fn choose(asked: &Asked<'_>, fidelity: Fidelity, share: f64) -> Chosen {
-    let layers = parts_of_layers(asked);
+pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> Chosen {
+    let layers = parts_of_layers(need);
     let parts = || layers.iter().flatten().flatten();
     let most = parts().map(|part| part.span.1).fold(0.0, f64::max);
     let brightest = parts().map(Part::brightest).fold(0.0, f64::max);
     if parts().next().is_none() || brightest == 0.0 {
-        return (ScatterStep::Skip, None);
+        return (Variant::Skip, None);
     }
-    if most == 0.0 || asked.stats.widest_px <= widest_px(1, 1) {
-        return (ScatterStep::Pointwise, None);
+    if most == 0.0 || need.bounds.widest_px <= widest_px(1, 1) {
+        return (Variant::Pointwise, None);
     }
     if let Fidelity::Terms(terms) = fidelity {
         let nodes = |part: &Part| Nodes::chebyshev(part.span.0, part.span.1, terms);
-        return (ScatterStep::Layered(kernels(&layers, nodes)), None);
+        return (Variant::Layered(kernels(&layers, nodes)), None);
     }
     // Both kernels of all layers may move light onto one pixel.
     let moved = 2.0 * layers.len() as f64 * (1.0 - kernel::center(most)) * brightest;
     if moved <= share && most < 0.5 {
-        return (ScatterStep::Pointwise, Some(moved));
+        return (Variant::Pointwise, Some(moved));
     }
     let bound = |part: &Part| Bound::new(samples(&part.bins, widened(part.span.0, part.span.1)));
     let arriving = WORST_MARGIN * parts().map(|part| bound(part).arriving()).sum::<f64>();
     if arriving <= share {
-        return (ScatterStep::Skip, Some(arriving));
+        return (Variant::Skip, Some(arriving));
     }
-    let amplified = asked.layering.map_or(1.0, |layering| {
-        amplification(asked.water, asked.channel, layering)
-    });
+    let amplified = need
+        .layering
+        .map_or(1.0, |layering| amplification(need.water, need.channel, layering));
     let each = share / (amplified * parts().count() as f64);
     let mut left = 0.0;
     let nodes = |part: &Part| {
@@ -65,7 +65,7 @@ pub(super) fn choose(asked: &Asked<'_>, fidelity: Fidelity, share: f64) -> Chose
         nodes
     };
     let kernels = kernels(&layers, nodes);
-    (ScatterStep::Layered(kernels), Some(left * amplified))
+    (Variant::Layered(kernels), Some(left * amplified))
 }
 
 fn kernels(layers: &[[Option<Part>; 2]], mut nodes: impl FnMut(&Part) -> Nodes) -> Vec<Kernels> {
@@ -91,13 +91,13 @@ fn amplification(water: &Water, channel: usize, layering: &Layering) -> f64 {
 }
 
 /// The narrow and the wide part of each layer; of one layer without gates.
-fn parts_of_layers(asked: &Asked<'_>) -> Vec<[Option<Part>; 2]> {
-    let Asked {
-        stats,
+fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
+    let ScatterNeed {
+        bounds,
         water,
         channel,
         layering,
-    } = *asked;
+    } = *need;
     let Scatter::Jaffe { g, spread, tail, .. } = water.scatter else {
         return Vec::new();
     };
@@ -106,15 +106,15 @@ fn parts_of_layers(asked: &Asked<'_>) -> Vec<[Option<Part>; 2]> {
         channel,
         spread,
         tail,
-        widest_px: stats.widest_px,
+        widest_px: bounds.widest_px,
     };
     let spread_by =
         |light: f64, (near, far): (f64, f64)| light * largest_share(g[channel].min(c), c, near, far);
     let Some(layering) = layering else {
-        let Some((nearest, farthest)) = stats.lit_m[channel] else {
+        let Some((nearest, farthest)) = bounds.lit_m[channel] else {
             return Vec::new();
         };
-        let bins = stats.bins.iter().filter_map(|bin| {
+        let bins = bounds.bins.iter().filter_map(|bin| {
             let radiance = f64::from(bin.brightest[channel]) * water.radiance_gain[channel];
             let (near, far) = (bin.meters.0.max(nearest), bin.meters.1.min(farthest));
             let light = spread_by(radiance, (near, far.max(near)));
@@ -127,7 +127,7 @@ fn parts_of_layers(asked: &Asked<'_>) -> Vec<[Option<Part>; 2]> {
             return [None, None];
         };
         // What is hidden takes ranges and light of its layer, in any combination.
-        let light = gates::brightest(stats, water, channel, (near, far));
+        let light = gates::brightest(bounds, water, channel, (near, far));
         let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));
         let lit = steps.filter(|(_, light)| *light > 0.0);
         kernels.parts((near, far), &lit.collect::<Vec<_>>())

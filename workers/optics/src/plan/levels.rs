@@ -1,56 +1,115 @@
 //! How bright and how dark a frame may be in the water, and what that allows.
 
-use spec::Fidelity;
+use spec::{Fidelity, Frame};
 
-use super::{Given, SceneStats};
-use crate::water::Water;
+use super::scatter::largest_share;
+use super::{ErrorBound, PILED_UP, SceneBounds};
+use crate::water::{Scatter, Water};
 
-/// Rounding of f32 in attenuation and transforms, for light up to 1: the largest of some ten thousand frames is half of it.
-const ROUNDING: f64 = 2e-6;
-/// Scattered light may pile up: what goes into the water with an error comes out with up to twice as much.
-pub(super) const PILED_UP: f64 = 2.0;
+/// Relative rounding of f32 in attenuation and transforms: the largest of some ten thousand frames is half of it.
+pub(super) const ROUNDING: f64 = 2e-6;
+/// Rounding of a transform is noise over the whole frame, in proportion to the root mean square of its light; its largest sample is this
+/// many times that.
+const NOISE_PEAK: f64 = 5.0;
+/// The tolerance of plans for frames that ask for kernels.
+pub(super) const DEFAULT_TOLERANCE: f64 = 3e-4;
+/// No 8-bit code changes by more than one for any error up to this, however dark the picture is.
+const DARK: f64 = 1.0 / 255.0 / 12.92;
+
+/// The largest error of the exposed light that a frame asks for; `None` if it asks for kernels or for the reference.
+#[must_use]
+pub fn frame_tolerance(frame: &Frame, bounds: &SceneBounds, around: Option<&Water>) -> Option<f64> {
+    // Snow may be darker than anything in the water, airlight lifts darkness to another slope of the curve, and an exposure
+    // may do either.
+    let is_covered = frame.has_lamps() || frame.water.snow.is_some() || frame.camera.exposure.is_some();
+    match around {
+        Some(_) if is_covered && frame.fidelity == Fidelity::DISPLAY => Some(DARK),
+        Some(water) => tolerance(bounds, water, frame.fidelity),
+        None => match frame.fidelity {
+            Fidelity::Tolerance(tolerance) => Some(tolerance),
+            _ => None,
+        },
+    }
+}
 
 /// The largest error in linear light that is asked for.
-pub(super) fn tolerance(stats: &SceneStats, water: &Water, fidelity: Fidelity) -> Option<f64> {
+pub(super) fn tolerance(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) -> Option<f64> {
     match fidelity {
         Fidelity::Tolerance(tolerance) => Some(tolerance),
-        Fidelity::DISPLAY => Some(display_tolerance(stats, water)),
+        Fidelity::DISPLAY => Some(display_tolerance(bounds, water)),
         Fidelity::Terms(_) | Fidelity::REFERENCE => None,
         // The frame has its tolerance by now; one without a sensor has none.
         Fidelity::NOISE => None,
     }
 }
 
-/// What f32 may lose of the light of a channel.
-pub(super) fn rounding(stats: &SceneStats, water: &Water, channel: usize) -> f64 {
-    let radiance = f64::from(stats.brightest[channel]) * water.radiance_gain[channel];
-    ROUNDING * radiance.max(water.brightest_veil(channel, stats.holes))
+/// What f32 may lose in the water: a share of all light, and the noise of transforms.
+pub(super) fn rounding(bounds: &SceneBounds, water: &Water) -> ErrorBound {
+    let noise = (0..3).map(|channel| {
+        let peak = brightest_spread(bounds, water, channel);
+        let brightest = f64::from(bounds.brightest[channel]).max(f64::MIN_POSITIVE);
+        peak * (NOISE_PEAK * bounds.mean_square[channel].sqrt() / brightest).min(1.0)
+    });
+    ErrorBound {
+        absolute: ROUNDING * noise.fold(0.0, f64::max),
+        relative: ROUNDING,
+    }
 }
 
-/// No light that snow may cover is brighter: that of the scene as it may pile up, the veil, and the glow.
-pub(super) fn brightest_behind(given: &Given<'_>) -> f64 {
-    let around = given.setting.around.as_ref();
-    let gain = around.map_or([1.0; 3], Water::radiance_gain);
-    let veil = around.map_or([0.0; 3], |water| {
-        [0, 1, 2].map(|i| water.brightest_veil(i, given.stats.holes))
+/// The brightest light of a channel that forward scatter transforms.
+fn brightest_spread(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 {
+    match water.scatter {
+        Scatter::None => 0.0,
+        Scatter::Simplified { .. } => levels(bounds, water, channel).1.max(0.0),
+        Scatter::Jaffe { g, .. } => {
+            let c = water.direct_attenuation[channel];
+            let spread = bounds.bins.iter().map(|bin| {
+                let light = f64::from(bin.brightest[channel]) * water.radiance_gain[channel];
+                light * largest_share(g[channel].min(c), c, bin.meters.0, bin.meters.1)
+            });
+            spread.fold(0.0, f64::max)
+        }
+    }
+}
+
+/// No light behind particles is brighter: direct light, spread light as it may pile up, the veil and the airlight.
+#[must_use]
+pub fn brightest_behind(bounds: &SceneBounds, around: Option<&Water>, airlight: f64) -> f64 {
+    let Some(water) = around else {
+        return f64::from(bounds.brightest.into_iter().fold(0.0, f32::max)) + airlight;
+    };
+    let behind = [0, 1, 2].map(|channel| {
+        let spread = PILED_UP * brightest_spread(bounds, water, channel);
+        brightest_direct(bounds, water, channel) + spread + water.brightest_veil(channel, bounds.holes)
     });
-    let behind = [0, 1, 2].map(|i| PILED_UP * f64::from(given.stats.brightest[i]) * gain[i] + veil[i]);
-    behind.into_iter().fold(0.0, f64::max) + given.lamps.glow_peak
+    behind.into_iter().fold(0.0, f64::max) + airlight
+}
+
+/// The brightest direct light of a channel behind the water.
+fn brightest_direct(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 {
+    if bounds.holes {
+        return f64::from(bounds.brightest[channel]) * water.radiance_gain[channel];
+    }
+    let direct = bounds.bins.iter().map(|bin| {
+        let light = f64::from(bin.brightest[channel]) * water.radiance_gain[channel];
+        light * (-water.direct_attenuation[channel] * bin.meters.0).exp()
+    });
+    direct.fold(0.0, f64::max)
 }
 
 /// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` where no light is
 /// below L > 0.0031, else what the steep foot of the curve allows (12.92).
 #[must_use]
-pub fn display_tolerance(stats: &SceneStats, water: &Water) -> f64 {
+pub fn display_tolerance(bounds: &SceneBounds, water: &Water) -> f64 {
     const FOOT: f64 = 0.003_130_8;
     let darkest = (0..3)
-        .map(|channel| levels(stats, water, channel).0)
+        .map(|channel| levels(bounds, water, channel).0)
         .fold(f64::INFINITY, f64::min);
     if darkest <= FOOT {
-        return 1.0 / 255.0 / 12.92;
+        return DARK;
     }
     // The slope falls with the light; it is taken where the error may have led.
-    let darkest = (darkest - 1.0 / 255.0 / 12.92).max(FOOT).min(1.0);
+    let darkest = (darkest - DARK).max(FOOT).min(1.0);
     1.0 / 255.0 / (0.4396 * darkest.powf(-0.5833))
 }
 
@@ -70,21 +129,21 @@ struct Channel {
 }
 
 impl Channel {
-    fn of_scene(stats: &SceneStats, water: &Water, channel: usize) -> Self {
+    fn of_scene(bounds: &SceneBounds, water: &Water, channel: usize) -> Self {
         let gain = water.radiance_gain[channel];
         Self {
-            dark: f64::from(stats.darkest[channel]) * gain,
-            bright: f64::from(stats.brightest[channel]) * gain,
+            dark: f64::from(bounds.darkest[channel]) * gain,
+            bright: f64::from(bounds.brightest[channel]) * gain,
             direct: water.direct_attenuation[channel],
             back: water.backscatter_attenuation[channel],
-            veil: water.brightest_veil(channel, stats.holes),
+            veil: water.brightest_veil(channel, bounds.holes),
             is_varied: water.varied_veil(channel).is_some(),
         }
     }
 }
 
 /// Limits of the attenuated image in one channel: `I − B∞ = (J − B∞) T` where one coefficient serves both parts.
-pub(super) fn levels(stats: &SceneStats, water: &Water, channel: usize) -> (f64, f64) {
+pub(super) fn levels(bounds: &SceneBounds, water: &Water, channel: usize) -> (f64, f64) {
     let Channel {
         dark,
         bright,
@@ -92,12 +151,12 @@ pub(super) fn levels(stats: &SceneStats, water: &Water, channel: usize) -> (f64,
         back,
         veil,
         is_varied,
-    } = Channel::of_scene(stats, water, channel);
-    let (nearest, farthest) = stats.range_m.unwrap_or((0.0, f64::INFINITY));
+    } = Channel::of_scene(bounds, water, channel);
+    let (nearest, farthest) = bounds.range_m.unwrap_or((0.0, f64::INFINITY));
     if direct == back && direct > 0.0 && !is_varied {
         // The veil is between the two where a hole shows it alone.
         let arriving = |contrast: f64, towards: bool| {
-            let farther = if stats.holes { f64::INFINITY } else { farthest };
+            let farther = if bounds.holes { f64::INFINITY } else { farthest };
             contrast * (-direct * if towards { nearest } else { farther }).exp()
         };
         let (low, high) = (dark - veil, bright - veil);
@@ -105,12 +164,12 @@ pub(super) fn levels(stats: &SceneStats, water: &Water, channel: usize) -> (f64,
     }
     // A hole shows the scene itself where the water attenuates nothing, and the veil where it does.
     let darkest = dark * (-direct * farthest).exp();
-    (if stats.holes { 0.0 } else { darkest }, bright.max(0.0) + veil)
+    (if bounds.holes { 0.0 } else { darkest }, bright.max(0.0) + veil)
 }
 
 /// What is lost if the water's attenuation is left out; none where that cannot be bounded.
-pub(super) fn attenuation_effect(stats: &SceneStats, water: &Water, channel: usize) -> f64 {
-    let Some((_, farthest)) = stats.range_m.filter(|_| !stats.holes) else {
+pub(super) fn attenuation_effect(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 {
+    let Some((_, farthest)) = bounds.range_m.filter(|_| !bounds.holes) else {
         return f64::INFINITY;
     };
     let Channel {
@@ -120,7 +179,7 @@ pub(super) fn attenuation_effect(stats: &SceneStats, water: &Water, channel: usi
         back,
         veil,
         is_varied,
-    } = Channel::of_scene(stats, water, channel);
+    } = Channel::of_scene(bounds, water, channel);
     if is_varied {
         // Light from below decays by c + K at most.
         return bright * -(-direct * farthest).exp_m1() + veil * -(-2.0 * back * farthest).exp_m1();

@@ -1,128 +1,106 @@
-//! What is known of the physics itself: how far the model of each stage was measured to be from radiative transfer, and in what
-//! water. The bounds of a plan say how near its numbers are to the model; this says how near the model is to the truth.
-//!
-//! [`MEASURED`] is the one table. A stage takes the first of its rows that holds; where none does, its error is not measured.
+//! Distance of the models themselves from radiative transfer, and in what water it was measured. The bounds of a plan are the
+//! distance of its numbers from the model; this is the distance of the model from the truth.
 
 mod lamps;
 
 use spec::VeilForm;
 
-use super::SceneStats;
+use super::{SceneBounds, StageId};
 use crate::daylight::Daylight;
 use crate::lamp::Lighting;
 use crate::turbidity::Field;
 use crate::water::{Scatter, Water};
 
-/// What is said of a stage where nothing was measured.
-const NOT_MEASURED: &str = "not measured";
 /// b Z up to which the light beside and over edges was measured.
 const EDGES_UP_TO: f64 = 4.0;
 /// K z and b/a between which radiance by direction was measured, with a little more on both sides.
 const SKY_DEPTHS: std::ops::RangeInclusive<f64> = 0.3..=4.0;
 const SKY_RATIOS: std::ops::RangeInclusive<f64> = 0.25..=6.0;
 
-/// What measurements depend on.
-pub(super) struct Conditions<'a> {
-    pub(super) water: &'a Water,
-    pub(super) lighting: Option<&'a Lighting>,
-    pub(super) patches: Option<&'a Field>,
-    pub(super) stats: &'a SceneStats,
-}
-
-/// A measurement: the stage, and what was found, where it holds.
-struct Row {
-    stage: &'static str,
-    found: fn(&Conditions<'_>) -> Option<String>,
-}
-
-/// Every measurement. Ratios are model over truth; docs/truth.md says how they were made.
-const MEASURED: &[Row] = &[
-    Row {
-        stage: "attenuation",
-        found: unscattered,
-    },
-    Row {
-        stage: "veil",
-        found: veil_by_direction,
-    },
-    Row {
-        stage: "forward_scatter",
-        found: two_kernels,
-    },
-    Row {
-        stage: "forward_scatter",
-        found: one_kernel,
-    },
-    Row {
-        stage: "lamps",
-        found: lamps::surfaces,
-    },
-    Row {
-        stage: "lamps",
-        found: lamps::followed_surfaces,
-    },
-    Row {
-        stage: "glow",
-        found: lamps::glow,
-    },
-    Row {
-        stage: "glow",
-        found: lamps::followed_glow,
-    },
-];
-
-/// The stages whose light is physics. Style, haze and enhancement have no truth.
-const PHYSICAL: &[&str] = &[
-    "scene_light",
-    "surfaces",
-    "sun_shadow",
-    "ambient_access",
-    "caustics",
-    "turbidity",
-    "lamps",
-    "attenuation",
-    "veil",
-    "forward_scatter",
-    "glow",
-    "sediment",
-    "snow",
-];
-
-/// The model error of each stage of a frame, by the stage's name.
+/// Distance of the model of a stage from radiative transfer.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct ModelErrors(Vec<(&'static str, String)>);
+pub enum ModelError {
+    /// The stage has no truth: style, haze, enhancement, or nothing that is physics.
+    #[default]
+    NoModel,
+    /// Measured against Monte Carlo: model over truth, least and greatest.
+    Measured {
+        /// Least and greatest ratio of model to truth.
+        ratio: [f64; 2],
+        /// Of which light, and where it was measured.
+        about: String,
+    },
+    /// Nothing was measured under conditions like these.
+    NotMeasured,
+}
 
-impl ModelErrors {
-    pub(super) fn measured(conditions: &Conditions<'_>) -> Self {
-        let found = |stage: &'static str| {
-            let mut rows = MEASURED.iter().filter(|row| row.stage == stage);
-            let found = rows.find_map(|row| (row.found)(conditions));
-            (stage, found.unwrap_or_else(|| NOT_MEASURED.to_owned()))
+impl ModelError {
+    fn found(ratio: [f64; 2], about: impl Into<String>) -> Self {
+        Self::Measured {
+            ratio,
+            about: about.into(),
+        }
+    }
+
+    /// The error of a stage under these conditions.
+    #[must_use]
+    pub fn measured(stage: StageId, conditions: &Conditions<'_>) -> Self {
+        let found = match stage {
+            StageId::Attenuation => unscattered(conditions),
+            StageId::Veil => veil_by_direction(conditions),
+            StageId::ForwardScatter(_) => two_kernels(conditions).or_else(|| one_kernel(conditions)),
+            StageId::Lamps => lamps::surfaces(conditions).or_else(|| lamps::followed_surfaces(conditions)),
+            StageId::Glow => lamps::glow(conditions).or_else(|| lamps::followed_glow(conditions)),
+            StageId::SceneLight
+            | StageId::Surfaces
+            | StageId::SunShadow
+            | StageId::AmbientAccess
+            | StageId::Caustics
+            | StageId::Turbidity
+            | StageId::Sediment
+            | StageId::Snow => None,
+            _ => return Self::NoModel,
         };
-        Self(PHYSICAL.iter().map(|stage| found(stage)).collect())
+        found.unwrap_or(Self::NotMeasured)
     }
+}
 
-    /// What to say of a line of a plan; nothing of a stage without a truth.
-    pub(super) fn of(&self, line: &str) -> Option<String> {
-        let stage = line.split('.').next();
-        let found = self.0.iter().find(|(name, _)| stage == Some(*name));
-        found.map(|(_, error)| error.clone())
+impl std::fmt::Display for ModelError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NoModel => f.write_str("none"),
+            Self::Measured { about, .. } => f.write_str(about),
+            Self::NotMeasured => f.write_str("not measured"),
+        }
     }
+}
+
+/// What measurements depend on.
+#[derive(Debug, Clone, Copy)]
+pub struct Conditions<'a> {
+    /// The water.
+    pub water: &'a Water,
+    /// The lamps; `None` without.
+    pub lighting: Option<&'a Lighting>,
+    /// Patches of murkier water; `None` in even water.
+    pub patches: Option<&'a Field>,
+    /// The scene.
+    pub bounds: &'a SceneBounds,
 }
 
 /// Light that arrives unscattered falls as e^{−cZ} in the truth, too; daylight's veil was compared with nothing.
-fn unscattered(conditions: &Conditions<'_>) -> Option<String> {
+fn unscattered(conditions: &Conditions<'_>) -> Option<ModelError> {
     let is_constant = !conditions.water.daylight().is_some_and(Daylight::varies);
     let veil = is_constant && conditions.water.veiling_light() != [0.0; 3];
     let veil = if veil { "; veil: not measured" } else { "" };
     conditions
         .patches
         .is_none()
-        .then(|| format!("unscattered light: none{veil}"))
+        .then(|| ModelError::found([1.0; 2], format!("unscattered light: none{veil}")))
 }
 
 /// Radiance by direction was held against Monte Carlo at some depths of some waters under an even sky.
-fn veil_by_direction(conditions: &Conditions<'_>) -> Option<String> {
+fn veil_by_direction(conditions: &Conditions<'_>) -> Option<ModelError> {
     let daylight = conditions.water.daylight().filter(|daylight| daylight.varies())?;
     let (a, b) = conditions.water.absorption.zip(conditions.water.scattering)?;
     let is_derived = |field| conditions.water.derived().contains(&field);
@@ -136,14 +114,15 @@ fn veil_by_direction(conditions: &Conditions<'_>) -> Option<String> {
         VeilForm::Constant | VeilForm::Field => "; brightness of the horizon: a convention",
     };
     (known && conditions.patches.is_none()).then(|| {
-        format!(
+        let about = format!(
             "radiance of open water by direction 0.89-1.20 of the truth, measured in two waters under an even sky{brightness}"
-        )
+        );
+        ModelError::found([0.89, 1.20], about)
     })
 }
 
 /// One kernel for each range: too narrow in its tail, and blind to what stands before it.
-fn one_kernel(conditions: &Conditions<'_>) -> Option<String> {
+fn one_kernel(conditions: &Conditions<'_>) -> Option<ModelError> {
     let Scatter::Jaffe {
         source: spec::ScatterSource::Radiance,
         tail: None,
@@ -154,13 +133,14 @@ fn one_kernel(conditions: &Conditions<'_>) -> Option<String> {
         return None;
     };
     edges_were_measured(conditions).then(|| {
-        "light beside an edge 0.27-1.5 of the truth, light over a nearer object 1.6-5.1 times the truth"
-            .to_owned()
+        let about =
+            "light beside an edge 0.27-1.5 of the truth, light over a nearer object 1.6-5.1 times the truth";
+        ModelError::found([0.27, 5.1], about)
     })
 }
 
 /// Two kernels for each range, blind to what stands before it or stopped by it.
-fn two_kernels(conditions: &Conditions<'_>) -> Option<String> {
+fn two_kernels(conditions: &Conditions<'_>) -> Option<ModelError> {
     let Scatter::Jaffe {
         source: spec::ScatterSource::Radiance,
         tail: Some(_),
@@ -172,25 +152,17 @@ fn two_kernels(conditions: &Conditions<'_>) -> Option<String> {
     };
     // How much leaks over near objects without gates was measured of one kernel alone.
     let over = layers.map_or("", |_| ", light over a nearer object 0.92-1.27 of the truth");
-    edges_were_measured(conditions).then(|| format!("light beside an edge 0.80-1.18 of the truth{over}"))
+    edges_were_measured(conditions).then(|| {
+        let about = format!("light beside an edge 0.80-1.18 of the truth{over}");
+        ModelError::found([0.80, 1.27], about)
+    })
 }
 
 /// Whether the farthest surface is no farther than light at edges was measured, in even water.
 fn edges_were_measured(conditions: &Conditions<'_>) -> bool {
-    let known = conditions.water.scattering().zip(conditions.stats.range_m);
+    let known = conditions.water.scattering().zip(conditions.bounds.range_m);
     known.is_some_and(|(b, (_, farthest))| {
         let thickest = b.into_iter().fold(0.0, f64::max) * farthest;
         thickest <= EDGES_UP_TO && conditions.patches.is_none()
     })
-}
-
-impl<'a> Conditions<'a> {
-    pub(super) fn of_water(water: &'a Water, stats: &'a SceneStats) -> Self {
-        Self {
-            water,
-            lighting: None,
-            patches: None,
-            stats,
-        }
-    }
 }

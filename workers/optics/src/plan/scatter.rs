@@ -2,14 +2,14 @@
 
 use spec::ScatterSource;
 
-use super::{Fidelity, ScatterStep, SceneStats, layered};
+use super::{Fidelity, SceneBounds, Variant, layered};
 use crate::forward_scatter::{Bound, Nodes, ScaleLight, place, scale_at, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
 use crate::water::{Scatter, Spread, Water};
 
 /// A form and the error that it may make, where it was chosen by one.
-pub(super) type Chosen = (ScatterStep, Option<f64>);
+pub(super) type Chosen = (Variant, Option<f64>);
 
 /// The worst case is summed at sampled scales and on rings: room for what lies between the samples. Frames that give every offset
 /// its worst scale, all errors of one sign, come within 7 % of the sum.
@@ -25,60 +25,58 @@ const SPAN_STEP: f64 = 1.0 / 16.0;
 
 /// One channel of a frame whose form is to be chosen.
 #[derive(Clone, Copy)]
-pub(super) struct Asked<'a> {
-    pub(super) stats: &'a SceneStats,
+pub(super) struct ScatterNeed<'a> {
+    pub(super) bounds: &'a SceneBounds,
     pub(super) water: &'a Water,
     pub(super) channel: usize,
     /// Layers behind gates, where the frame has some.
     pub(super) layering: Option<&'a Layering>,
 }
 
-pub(super) fn choose(asked: &Asked<'_>, fidelity: Fidelity, share: f64) -> Chosen {
-    let Asked {
-        stats,
+pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> Chosen {
+    let ScatterNeed {
+        bounds,
         water,
         channel,
         layering,
-    } = *asked;
+    } = *need;
     if fidelity == Fidelity::REFERENCE && water.scatter != Scatter::None {
-        return (ScatterStep::Reference, None);
+        return (Variant::Reference, None);
     }
     if layering.is_some() || matches!(water.scatter, Scatter::Jaffe { tail: Some(_), .. }) {
-        return layered::choose(asked, fidelity, share);
+        return layered::choose(need, fidelity, share);
     }
-    let Some(light) = SpreadLight::measure(stats, water, channel) else {
-        return (ScatterStep::Skip, None);
+    let Some(light) = SpreadLight::measure(bounds, water, channel) else {
+        return (Variant::Skip, None);
     };
     let (least, most) = light.span;
-    let one_pixel = stats.widest_px <= widest_px(1, 1);
+    let one_pixel = bounds.widest_px <= widest_px(1, 1);
     if most == 0.0 || one_pixel {
         // The kernel is a delta, or the frame a single pixel in which all light stays.
         let step = if light.gathers {
-            ScatterStep::Skip
+            Variant::Skip
         } else {
-            ScatterStep::Pointwise
+            Variant::Pointwise
         };
         return (step, None);
     }
     let few = |terms: usize| {
-        let distinct = stats
+        let distinct = bounds
             .distinct_m
             .as_ref()
             .filter(|distinct| distinct.len() <= terms)?;
-        let scale = |&meters: &f32| light.spread.gamma(channel, f64::from(meters), stats.widest_px);
-        Some(ScatterStep::Interpolated(Nodes::exact(
-            distinct.iter().map(scale),
-        )))
+        let scale = |&meters: &f32| light.spread.gamma(channel, f64::from(meters), bounds.widest_px);
+        Some(Variant::Interpolated(Nodes::exact(distinct.iter().map(scale))))
     };
     match fidelity {
         Fidelity::Terms(terms) => {
-            let nodes = || ScatterStep::Interpolated(Nodes::chebyshev(least, most, terms));
+            let nodes = || Variant::Interpolated(Nodes::chebyshev(least, most, terms));
             (few(terms).unwrap_or_else(nodes), None)
         }
         _ => {
             let (step, bound) = within(&light, share);
             let terms = match &step {
-                ScatterStep::Interpolated(nodes) => nodes.terms(),
+                Variant::Interpolated(nodes) => nodes.terms(),
                 _ => return (step, Some(bound)),
             };
             few(terms).map_or((step, Some(bound)), |exact| (exact, Some(0.0)))
@@ -87,32 +85,32 @@ pub(super) fn choose(asked: &Asked<'_>, fidelity: Fidelity, share: f64) -> Chose
 }
 
 /// The cheapest form with an error of at most `share`, and its bound.
-fn within(light: &SpreadLight, share: f64) -> (ScatterStep, f64) {
+fn within(light: &SpreadLight, share: f64) -> (Variant, f64) {
     let (least, most) = light.span;
     // Light that leaves its own pixel.
     let leaving = 1.0 - kernel::center(most);
     let moved = leaving * light.brightest;
     if moved <= share && light.gathers {
-        return (ScatterStep::Skip, moved);
+        return (Variant::Skip, moved);
     }
     if moved <= share && most < 0.5 {
-        return (ScatterStep::Pointwise, moved);
+        return (Variant::Pointwise, moved);
     }
     // One kernel for all leaves even light as it is.
     let uneven = leaving * light.unevenness;
     if uneven <= share && is_point(least, most) && !light.gathers {
-        return (ScatterStep::Pointwise, uneven);
+        return (Variant::Pointwise, uneven);
     }
     let wide = widened(least, most);
     let bound = Bound::new(samples(&light.bins, wide));
     if !light.gathers {
         let arriving = bound.arriving() * WORST_MARGIN;
         if arriving <= share {
-            return (ScatterStep::Skip, arriving);
+            return (Variant::Skip, arriving);
         }
     }
     let (nodes, error) = fewest(&bound, wide, share, light.gathers);
-    (ScatterStep::Interpolated(nodes), error)
+    (Variant::Interpolated(nodes), error)
 }
 
 /// The fewest nodes over a span of scales whose error is at most `share`, and that error.
@@ -168,13 +166,13 @@ struct SpreadLight {
 
 impl SpreadLight {
     /// None where there is nothing to spread.
-    fn measure(stats: &SceneStats, water: &Water, channel: usize) -> Option<Self> {
+    fn measure(bounds: &SceneBounds, water: &Water, channel: usize) -> Option<Self> {
         match water.scatter {
             Scatter::None => None,
             Scatter::Simplified { spread } => {
-                let gamma = |meters: f64| spread.gamma(channel, meters, stats.widest_px);
-                let (nearest, farthest) = stats.range_m?;
-                let (low, high) = super::levels::levels(stats, water, channel);
+                let gamma = |meters: f64| spread.gamma(channel, meters, bounds.widest_px);
+                let (nearest, farthest) = bounds.range_m?;
+                let (low, high) = super::levels::levels(bounds, water, channel);
                 Some(Self {
                     brightest: high - low,
                     unevenness: high - low,
@@ -187,10 +185,10 @@ impl SpreadLight {
             Scatter::Jaffe {
                 g, source, spread, ..
             } => {
-                let gamma = |meters: f64| spread.gamma(channel, meters, stats.widest_px);
-                let (nearest, farthest) = stats.lit_m[channel]?;
+                let gamma = |meters: f64| spread.gamma(channel, meters, bounds.widest_px);
+                let (nearest, farthest) = bounds.lit_m[channel]?;
                 let c = water.direct_attenuation[channel];
-                let bins = stats.bins.iter().filter_map(|bin| {
+                let bins = bounds.bins.iter().filter_map(|bin| {
                     let radiance = f64::from(bin.brightest[channel]) * water.radiance_gain[channel];
                     let (near, far) = (bin.meters.0.max(nearest), bin.meters.1.min(farthest));
                     let arriving = if source == ScatterSource::Direct {
@@ -204,9 +202,10 @@ impl SpreadLight {
                 });
                 let bins: Vec<_> = bins.collect();
                 let brightest = bins.iter().map(|(_, light)| *light).reduce(f64::max)?;
-                let one_range = !stats.holes && stats.range_m.is_some_and(|(near, far)| is_point(near, far));
-                let dark = f64::from(stats.darkest[channel])
-                    / f64::from(stats.brightest[channel]).max(f64::MIN_POSITIVE);
+                let one_range =
+                    !bounds.holes && bounds.range_m.is_some_and(|(near, far)| is_point(near, far));
+                let dark = f64::from(bounds.darkest[channel])
+                    / f64::from(bounds.brightest[channel]).max(f64::MIN_POSITIVE);
                 Some(Self {
                     brightest,
                     unevenness: if one_range {

@@ -1,132 +1,117 @@
 //! How the stages of a frame share its tolerance, so that their errors together stay within it.
 
-use spec::{Fidelity, Frame};
+use super::levels::{DEFAULT_TOLERANCE, ROUNDING};
+use super::{ErrorBound, Gain, PILED_UP, Stage, StageId, compose, compose_gain};
 
-use super::levels::{self, PILED_UP};
-use super::{Above, Given, SceneStats, sediment};
-use crate::setting::Setting;
-use crate::turbidity::path_rounding;
-use crate::water::Water;
-
-/// The tolerance of a frame that gives none.
-const TOLERANCE: f64 = 3e-4;
-/// What changes no code of the 8-bit picture by more than one, however dark it is.
-const DARK: f64 = 1.0 / 255.0 / 12.92;
-/// Share of the tolerance that the glow of lamps may use up: more nodes cost little beside more kernels.
-const GLOW: f64 = 0.25;
-/// Share of clouds of sediment, taken only where it leaves them out.
+/// Share of the quadrature of airlight: more nodes cost little compared with more kernels.
+const AIRLIGHT: f64 = 0.25;
+/// Share of clouds of sediment, used only if it leaves them out.
 const SEDIMENT: f64 = 0.125;
 /// Share of the snow: wider discs cost next to nothing.
 const SNOW: f64 = 0.125;
-/// What f32 may lose where particles lie over one another, for light up to 1: half of it was seen, with thousands on one pixel.
-const SNOW_ROUNDING: f64 = 4e-6;
-/// What is left for the water where rounding alone uses up its share.
+/// Share of light for which no shadow is traced.
+const UNSHADOWED: f64 = 1.0 / 16.0;
+/// Minimum share of the tolerance for the light before the camera and for the water, however much the others use up.
 const LEAST: f64 = 0.125;
 
-/// The error in linear light that each stage may have.
+/// The error that the stages before the camera may make, from the tolerance of the exposed light backwards through the gains
+/// of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shares {
-    /// What the frame asks for.
-    pub(super) tolerance: Option<f64>,
-    /// Marine snow.
-    pub(super) snow: f64,
-    /// Rounding of the snow.
-    pub(super) snow_rounding: f64,
-    /// Rounding of paths through patchy water, as it arrives in the picture.
-    pub(super) path: f64,
-    /// Rounding of surfaces that lamps light, as it arrives in the picture.
-    pub(super) surfaces: f64,
-    /// Light from above on surfaces, as it arrives in the picture.
-    pub(super) above: f64,
-    /// Attenuation and forward scatter; none where the frame does not ask for a tolerance.
-    water: Option<f64>,
+pub struct Budget {
+    /// The largest error of the exposed light; `None` if the frame asks for no tolerance.
+    pub tolerance: Option<f64>,
+    /// From the light before the camera to the exposed light.
+    gain: Gain,
+    /// The largest absolute error of the light before the camera.
+    whole: f64,
 }
 
-impl Shares {
-    pub(super) fn new(given: &Given<'_>) -> Self {
-        let Given {
-            frame,
-            setting,
-            stats,
-            lamps,
-            ..
-        } = *given;
-        let around = setting.around.as_ref();
-        let tolerance = tolerance(frame, stats, around);
-        let snow = if frame.water.snow.is_some() { SNOW } else { 0.0 };
-        let path = around.map_or(0.0, |water| PILED_UP * path(stats, water, setting));
-        let surfaces = PILED_UP * lamps.surface_rounding;
-        let above = given.above.map_or(0.0, Above::bound);
-        let snow_rounding = if frame.water.snow.is_some() {
-            SNOW_ROUNDING * levels::brightest_behind(given).max(given.snow_peak)
-        } else {
-            0.0
-        };
-        let light = lamps.glow_left + lamps.glow_rounding + lamps.shadows_left + surfaces + above;
-        let clouds = sediment::drift(given).and_then(|stage| stage.bound);
-        let others = light + path + snow_rounding + clouds.unwrap_or(0.0);
-        let left = |whole: f64| ((1.0 - snow) * whole - others).max(LEAST * whole);
+impl Budget {
+    /// The budget before these stages of the camera.
+    #[must_use]
+    pub fn new(tolerance: Option<f64>, camera: &[Stage]) -> Self {
+        let exposed = || camera.iter().filter(|stage| stage.id.is_promised());
+        let gain = compose_gain(exposed());
+        let own = compose(exposed()).map(ErrorBound::up_to_white);
+        let own = own.into_iter().fold(0.0, f64::max);
+        let asked = tolerance.unwrap_or(DEFAULT_TOLERANCE);
         Self {
             tolerance,
-            snow: snow * tolerance.unwrap_or(TOLERANCE),
-            snow_rounding,
-            path,
-            surfaces,
-            above,
-            water: tolerance.map(left),
+            gain,
+            whole: (asked - own).max(LEAST * asked) / gain.absolute,
         }
     }
 
-    /// What the plan of the water is made for.
-    pub(super) fn fidelity(&self, frame: &Frame) -> Fidelity {
-        self.water.map_or(frame.fidelity, Fidelity::Tolerance)
+    /// The largest absolute error of the light before the camera; with a default for frames that ask for no tolerance.
+    #[must_use]
+    pub fn whole(&self) -> f64 {
+        self.whole
+    }
+
+    /// The part of the quadrature of airlight.
+    #[must_use]
+    pub fn airlight(&self) -> f64 {
+        AIRLIGHT * self.whole
+    }
+
+    /// What clouds of sediment may change at most if they are left out.
+    #[must_use]
+    pub fn sediment(&self) -> f64 {
+        SEDIMENT * self.whole
+    }
+
+    /// The part of the snow.
+    #[must_use]
+    pub fn snow(&self) -> f64 {
+        SNOW * self.whole
+    }
+
+    /// Light of lamps up to this needs no shadow.
+    #[must_use]
+    pub fn unshadowed(&self) -> f64 {
+        UNSHADOWED * self.whole
+    }
+
+    /// What is left for attenuation, veil and scatter beside these stages; `None` if the frame asks for no tolerance.
+    #[must_use]
+    pub fn water<'a>(&self, others: impl Iterator<Item = &'a Stage>) -> Option<f64> {
+        self.tolerance?;
+        let mut used = ErrorBound::relative(ROUNDING);
+        for stage in others.filter(|stage| stage.id.is_promised()) {
+            let enters_water = stage.id < StageId::Attenuation;
+            let gain = Gain::factor(if enters_water { PILED_UP } else { 1.0 });
+            used = used.plus(stage.bound.unwrap_or_default().behind(gain));
+        }
+        let relative = used.relative * self.gain.relative / self.gain.absolute;
+        Some((self.whole - used.absolute - relative).max(LEAST * self.whole))
     }
 }
 
-/// The error in linear light that the quadrature of the glow of lamps may leave in this frame.
-#[must_use]
-pub fn glow_share(frame: &Frame) -> f64 {
-    GLOW * before_water(frame)
-}
+#[cfg(test)]
+mod tests {
+    use super::super::Variant;
+    use super::*;
 
-/// What clouds of sediment may change at most where they are left out of this frame.
-pub(super) fn sediment_share(frame: &Frame) -> f64 {
-    SEDIMENT * before_water(frame)
-}
-
-/// The error in linear light that a frame asks for, as far as stages need to know it that are decided on before the water is.
-#[must_use]
-pub fn before_water(frame: &Frame) -> f64 {
-    match frame.fidelity {
-        Fidelity::Tolerance(tolerance) => tolerance,
-        Fidelity::DISPLAY => DARK,
-        _ => TOLERANCE,
+    #[test]
+    fn a_bright_exposure_leaves_less_for_the_light_before_it() {
+        let exposure = Stage {
+            gain: Gain::factor(20.0),
+            ..Stage::new(StageId::Exposure, Variant::Fast("fixed"))
+        };
+        let bright = Budget::new(Some(3e-4), std::slice::from_ref(&exposure));
+        assert!((bright.whole() - 1.5e-5).abs() < 1e-12);
+        let plain = Budget::new(Some(3e-4), &[]);
+        assert_eq!(plain.whole(), 3e-4);
+        let left = plain.water(std::iter::empty()).unwrap();
+        assert!((left - (3e-4 - ROUNDING)).abs() < 1e-15);
     }
-}
 
-/// The error in linear light that a frame asks for.
-fn tolerance(frame: &Frame, stats: &SceneStats, around: Option<&Water>) -> Option<f64> {
-    // Snow may be darker than anything in the water, and a glow takes darkness where the slope of the curve is another.
-    let is_covered = frame.has_lamps() || frame.water.snow.is_some();
-    match around {
-        Some(_) if is_covered && frame.fidelity == Fidelity::DISPLAY => Some(DARK),
-        Some(water) => levels::tolerance(stats, water, frame.fidelity),
-        None => match frame.fidelity {
-            Fidelity::Tolerance(tolerance) => Some(tolerance),
-            _ => None,
-        },
+    #[test]
+    fn stages_after_the_exposure_use_up_nothing() {
+        let style = Stage {
+            bound: Some(ErrorBound::absolute(1.0)),
+            ..Stage::new(StageId::Style, Variant::Fast("table"))
+        };
+        assert_eq!(Budget::new(Some(3e-4), &[style]).whole(), 3e-4);
     }
-}
-
-/// Rounding of paths: light errs by at most 1/e of their share.
-fn path(stats: &SceneStats, water: &Water, setting: &Setting) -> f64 {
-    let (Some(patches), Some((_, farthest))) = (&setting.patches, stats.range_m) else {
-        return 0.0;
-    };
-    let gain = water.radiance_gain();
-    let brightest = [0, 1, 2].map(|i| f64::from(stats.brightest[i]) * gain[i]);
-    let brightest = brightest.into_iter().fold(0.0, f64::max);
-    let veil = [0, 1, 2].map(|i| water.brightest_veil(i, stats.holes));
-    let veil = veil.into_iter().fold(0.0, f64::max);
-    path_rounding(farthest, patches.scale_m()) * brightest.max(veil) / std::f64::consts::E
 }

@@ -3,7 +3,7 @@
 
 use imaging::{Plane, Rgb};
 use optics::forward_scatter::{Nodes, gather_reference};
-use optics::plan::{Plan, ScatterStep, SceneStats};
+use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::water::{Scatter, Water};
 use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
 
@@ -122,10 +122,10 @@ impl Attack {
 
     /// What the plan for such ranges interpolates between.
     fn nodes(&self, radiance: &Rgb<f32>, range: &Plane<f32>, water: &Water) -> Option<Nodes> {
-        let stats = SceneStats::measure(radiance, range, water);
+        let stats = SceneBounds::measure(radiance, range, water);
         let plan = Plan::for_water(&stats, water, Fidelity::Tolerance(self.tolerance));
-        match plan.scatter[1].form.clone() {
-            ScatterStep::Interpolated(nodes @ Nodes::Chebyshev { .. }) => Some(nodes),
+        match plan.variant(StageId::ForwardScatter(1)).clone() {
+            Variant::Interpolated(nodes @ Nodes::Chebyshev { .. }) => Some(nodes),
             _ => None,
         }
     }

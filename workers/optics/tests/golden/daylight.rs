@@ -9,7 +9,7 @@ use optics::daylight::{
     tile_reference,
 };
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use serde_json::Value;
 use spec::{Caustics, Fidelity, FromAbove, Optics, ScatterModel, Sun, SurfaceLight, VeilForm};
@@ -84,7 +84,7 @@ pub(crate) fn from_above(case: &Case) {
     surfaces(case, &range);
     let (black, range) = (black.map(|&j| j as f32), range.map(|&z| z as f32));
     let plan = Plan::for_water(
-        &SceneStats::measure(&black, &range, &of),
+        &SceneBounds::measure(&black, &range, &of),
         &of,
         Fidelity::Tolerance(1e-4),
     );

@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb};
 use optics::chain::{Layers, water, water_reference};
 use optics::forward_scatter::KernelCache;
 use optics::layering::Layering;
-use optics::plan::{GateStep, Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::water::Water;
 use spec::{Fidelity, ForwardScatter, Occlusion, Optics, PhaseFunction, ScatterModel, ScatterSpread};
 
@@ -67,7 +67,7 @@ fn gates() -> ForwardScatter {
 
 fn fast(radiance: &Rgb<f64>, range: &Plane<f64>, of: &Water, fidelity: Fidelity) -> (Layers, Plan) {
     let (radiance, range) = (radiance.map(|&j| j as f32), range.map(|&z| z as f32));
-    let plan = Plan::for_water(&SceneStats::measure(&radiance, &range, of), of, fidelity);
+    let plan = Plan::for_water(&SceneBounds::measure(&radiance, &range, of), of, fidelity);
     let layers = water(&radiance, &range, of, &plan, &mut KernelCache::new()).expect("a good frame");
     (layers, plan)
 }
@@ -107,8 +107,7 @@ pub(crate) fn gated(case: &Case) {
         case.compare(name, &exact.forward_scatter, REFERENCE + cut, "the reference");
         for tolerance in [3e-4, 1e-5] {
             let (layers, plan) = fast(&radiance, &range, &water, Fidelity::Tolerance(tolerance));
-            let is_gated =
-                |plan: &Plan| matches!(&plan.gates, Some(gates) if matches!(gates.form, GateStep::Gated(_)));
+            let is_gated = |plan: &Plan| matches!(plan.variant(StageId::Occlusion), Variant::Gated(_));
             assert_eq!(is_gated(&plan), name == "forward_gated");
             case.compare(
                 name,

@@ -6,7 +6,7 @@ use optics::chain::{self, ChainError, Layers};
 use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
 use optics::kernel::{Transfer, pixel};
 use optics::lamp::{self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
-use optics::plan::{Plan, SceneStats};
+use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use optics::{haze as lay_haze, style_blend};
 use serde_json::Value;
@@ -116,7 +116,7 @@ fn layers(case: &Case, fidelity: Fidelity) -> Layers {
         case.range().map(|&z| z as f32),
         water(case),
     );
-    let stats = SceneStats::measure(&radiance, &range, &water);
+    let stats = SceneBounds::measure(&radiance, &range, &water);
     let plan = Plan::for_water(&stats, &water, fidelity);
     chain::water(&radiance, &range, &water, &plan, &mut KernelCache::new())
         .unwrap_or_else(|error| panic!("{error}"))

@@ -5,6 +5,7 @@ use imaging::rays::{Cuboid, Hit, Rays};
 use imaging::{Plane, Rgb};
 use optics::lamp::{self, Lamp, Lighting, REFERENCE_NODES, Shadow};
 use optics::plan::Casting;
+use optics::visible_bounds::VisibleBounds;
 
 use crate::errors::peak;
 use crate::{ABSORPTION, FORWARD, lighting};
@@ -262,7 +263,12 @@ fn lamps_cast_no_more_shadows_than_can_be_seen() {
     let needed = |scene: &Balls, lamp: Lamp, shadow: Shadow, tolerance: f64, multiple: bool| {
         let lighting = lit_by(lamp.with_shadow(shadow, true), size, multiple);
         let range = range_of(scene, size);
-        let all = Casting::needed(tolerance, &lighting, (&range, &white(size)), scene);
+        let all = Casting::needed(
+            tolerance,
+            &lighting,
+            &VisibleBounds::measure(&white(size), &range, &lighting.camera),
+            scene,
+        );
         [all.on_surfaces, all.in_glow].map(|lighting| lighting.lamps[0].shadow())
     };
     let (many, wall) = (balls(), Balls(Vec::new()));
@@ -308,7 +314,12 @@ fn shadows_as_needed_differ_within_the_tolerance_from_those_that_were_asked_for(
                 samples: 64,
             };
             let lighting = lit_by(lamp.with_shadow(shadow, false), size, false);
-            let casting = Casting::needed(tolerance, &lighting, (&range, &white(size)), &scene);
+            let casting = Casting::needed(
+                tolerance,
+                &lighting,
+                &VisibleBounds::measure(&white(size), &range, &lighting.camera),
+                &scene,
+            );
             fewer += usize::from(casting.on_surfaces.lamps[0].shadow() != shadow);
             let [asked, needed] = [&lighting, &casting.on_surfaces]
                 .map(|lighting| lamp::shaded_irradiance_reference(&wide, &normals, lighting, &scene));

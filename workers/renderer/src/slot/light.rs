@@ -1,16 +1,19 @@
-//! The light of a frame in its water, to be held against another model.
+//! The light of a frame in its water, for comparison with another model.
+
+use std::sync::Arc;
 
 use imaging::Rgb;
-use optics::chain::Layers;
 use optics::setting::Setting;
 use spec::{Frame, FrameRecord};
 use truth::Law;
 
 use super::Slot;
+use crate::context::FrameContext;
 use crate::error::RenderError;
+use crate::pipeline::{self, Light};
+use crate::planning::plan_frame;
 use crate::source::SceneSource;
 use crate::stage::truth::{self as traced, Round, Traced, Tracing};
-use crate::stage::{Shot, glow, water};
 use crate::stopwatch::Stopwatch;
 
 /// The light of a frame in the water before snow, style and haze.
@@ -22,12 +25,12 @@ pub struct WaterLight {
     pub law: Law,
     /// Light of surfaces that arrives unscattered.
     pub direct: Rgb<f32>,
-    /// Light that arrives scattered: of surfaces and of lamps, and the veil where the truth has daylight.
+    /// Light that arrives scattered: of surfaces and of lamps, and the veil if the truth has daylight.
     pub scattered: Rgb<f32>,
 }
 
 impl Slot {
-    /// The light of a frame in its water, as far as a truth has it: with the veil of daylight where `has_daylight`.
+    /// The light of a frame in its water, as far as a truth has it: with the veil of daylight if `has_daylight`.
     ///
     /// # Errors
     /// As [`Slot::render`].
@@ -37,16 +40,17 @@ impl Slot {
         source: &SceneSource,
         has_daylight: bool,
     ) -> Result<WaterLight, RenderError> {
-        let (shot, layers) = self.lit(frame, source)?;
-        Ok(WaterLight {
-            scattered: traced::scattered(&shot, &layers, has_daylight),
-            law: traced::law(&shot),
-            direct: layers.direct,
-            setting: shot.setting,
+        self.light(frame, source, |context, light| {
+            Ok(WaterLight {
+                scattered: traced::scattered(&light, has_daylight),
+                law: traced::law(context),
+                direct: light.layers.direct,
+                setting: context.setting.clone(),
+            })
         })
     }
 
-    /// Traces a frame, whatever its artifacts, round by round; none of a scene without a range, and where the first round is not
+    /// Traces a frame, whatever its artifacts, round by round; `None` of a scene without a range, and if the first round is not
     /// traced.
     ///
     /// # Errors
@@ -58,14 +62,24 @@ impl Slot {
         tracing: &Tracing,
         round: Round<'_>,
     ) -> Result<Option<Traced>, RenderError> {
-        let (shot, layers) = self.lit(frame, source)?;
-        traced::trace(&shot, &layers, tracing, round)
+        self.light(frame, source, |context, light| {
+            traced::trace(context, &light, tracing, round)
+        })
     }
 
-    fn lit<'a>(&mut self, frame: &'a Frame, source: &SceneSource) -> Result<(Shot<'a>, Layers), RenderError> {
-        let shot = self.resolve(frame, source, &mut Stopwatch::start())?;
-        let mut layers = water::run(&shot, &mut self.kernels)?;
-        glow::run(&shot, &mut layers, &mut FrameRecord::default());
-        Ok((shot, layers))
+    /// Renders the light of a frame before its camera, then calls `finish`.
+    fn light<T>(
+        &mut self,
+        frame: &Frame,
+        source: &SceneSource,
+        finish: impl FnOnce(&FrameContext<'_>, Light) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let prepared = Arc::clone(&self.scene(frame, source)?);
+        let watch = &mut Stopwatch::start();
+        let mut context = FrameContext::new(frame, &prepared, 0.0, &mut self.resources, watch)?;
+        let expected = self.expect_exposure(&context)?;
+        context.plan = plan_frame(&context, expected, None, &self.networks.engine)?;
+        let light = pipeline::render(&context, &mut self.kernels, &mut FrameRecord::default(), watch)?;
+        finish(&context, light)
     }
 }

@@ -1,13 +1,17 @@
 //! The camera: before the style what port, lens and exposure make of the light, behind it what the sensor makes of that.
 
+mod assess;
 mod develop;
 mod lag;
+mod metering;
 mod movement;
 mod reference;
 mod shutter;
 
+pub(crate) use assess::{assess_electronics, assess_optics};
 pub(crate) use develop::develop;
-pub(crate) use lag::{followed, metered_frames};
+pub(crate) use lag::{follow, metered_frames};
+pub(crate) use metering::{Expected, expect_factor, thin_frame, thin_scene};
 pub(crate) use movement::{FRAMES_PER_S, Moment, moments};
 pub(crate) use shutter::{expose, gather};
 
@@ -15,7 +19,7 @@ use std::sync::Arc;
 
 use ::camera::geometry::{Lens, Sampling, Source, coordinates};
 use ::camera::sensor::{Pattern, Sensor};
-use ::camera::{Given, Parts, Plan, Scenery};
+use ::camera::{Parts, Scenery};
 use imaging::Rgb;
 use spec::{Fidelity, Frame, Haze, HazeSpace};
 
@@ -59,21 +63,23 @@ impl Cameras {
     }
 }
 
-/// The camera of a frame, resolved and planned.
+/// The camera of a frame, resolved for its scene.
 pub(crate) struct Taking {
     pub(crate) parts: Parts,
-    pub(crate) plan: Plan,
-    /// The map into the picture of the scene; none where no pixel moves.
+    /// The map into the picture of the scene; `None` if no pixel moves.
     pub(crate) sampling: Option<Arc<Sampling>>,
-    /// The labels of the picture; none where they are those of the scene.
+    /// The labels of the picture; `None` if they are those of the scene.
     pub(crate) seen: Option<Seen>,
     /// When its rows are taken; one moment without movement.
     pub(crate) moments: Vec<Moment>,
-    /// Path length of an uploaded picture's movement in px; none without.
+    /// Path length of an uploaded picture's movement in px; `None` without.
     pub(crate) shift_px: Option<[f64; 2]>,
+    /// The largest circle of confusion, px.
+    pub(crate) most_blur_px: f64,
 }
 
-/// The parts of a frame's camera before its scene is there; none of a pinhole, and of one that looks at an uploaded picture.
+/// The parts of a frame's camera that a rendered scene is rendered for; `None` of a pinhole, and of one that looks at an uploaded
+/// picture.
 pub(crate) fn rendered_parts(frame: &Frame) -> Result<Option<Parts>, RenderError> {
     let is_rendered = matches!(frame.scene, spec::Scene::Procedural { .. });
     if frame.camera.is_pinhole() || !is_rendered {
@@ -82,31 +88,30 @@ pub(crate) fn rendered_parts(frame: &Frame) -> Result<Option<Parts>, RenderError
     Ok(Some(Parts::resolve(&frame.camera, Scenery::Rendered)?))
 }
 
-/// The parts of a frame's camera before its scene; none of a pinhole. Those of a rendered scene are known already.
-pub(crate) fn seen_parts(
-    frame: &Frame,
-    prepared: &Prepared,
-    rendered: Option<Parts>,
-) -> Result<Option<Parts>, RenderError> {
-    if frame.camera.is_pinhole() || rendered.is_some() {
-        return Ok(rendered);
+/// The parts of a frame's camera before its scene; `None` of a pinhole.
+fn parts(frame: &Frame, prepared: &Prepared) -> Result<Option<Parts>, RenderError> {
+    if frame.camera.is_pinhole() {
+        return Ok(None);
+    }
+    if let Some(parts) = rendered_parts(frame)? {
+        return Ok(Some(parts));
     }
     let view = prepared.view();
     let scenery = Scenery::Picture(view.camera, view.size);
     Ok(Some(Parts::resolve(&frame.camera, scenery)?))
 }
 
-/// A camera before its scene.
+/// A camera before its scene; `None` of a pinhole.
 pub(crate) fn taking(
     frame: &Frame,
     prepared: &Prepared,
-    parts: Option<Parts>,
     cameras: &mut Cameras,
 ) -> Result<Option<Taking>, RenderError> {
-    let Some(parts) = parts else { return Ok(None) };
+    let Some(parts) = parts(frame, prepared)? else {
+        return Ok(None);
+    };
     let source = parts.source.as_ref();
     let sampling = source.map(|source| cameras.sampling(&parts.lens, source, parts.size));
-    let moments = moments(frame, parts.size.1);
     let shift_px = match (&frame.scene, frame.camera.motion) {
         (spec::Scene::Procedural { .. }, _) | (_, None) => None,
         (_, Some(motion)) => Some([motion.x_px, motion.y_px]),
@@ -114,42 +119,22 @@ pub(crate) fn taking(
     let seen = sampling
         .as_ref()
         .map(|sampling| Seen::new(prepared, Some(sampling)));
-    let range = prepared.scene.range.as_ref();
-    let blur = parts.focus.zip(range).map_or(0.0, |(focus, range)| {
-        range
-            .data()
-            .iter()
-            .map(|&z| focus.radius_px(f64::from(z)))
-            .fold(0.0, f64::max)
-    });
-    let tolerance = match frame.fidelity {
-        Fidelity::Tolerance(tolerance) => Some(tolerance),
-        _ => None,
-    };
-    let peaks = prepared
-        .scene
-        .radiance
-        .planes()
-        .iter()
-        .flat_map(|plane| plane.data());
-    let plan = Plan::new(
-        &parts,
-        &Given {
-            tolerance,
-            is_reference: frame.fidelity == Fidelity::REFERENCE,
-            peak: peaks.fold(0.0f32, |peak, &v| peak.max(v)).into(),
-            blur_px: blur,
-            exposures: moments.len(),
-        },
-    );
     Ok(Some(Taking {
+        moments: moments(frame, parts.size.1),
+        most_blur_px: find_most_blur(&parts, prepared),
         parts,
-        plan,
         sampling,
         seen,
-        moments,
         shift_px,
     }))
+}
+
+fn find_most_blur(parts: &Parts, prepared: &Prepared) -> f64 {
+    let (Some(focus), Some(range)) = (parts.focus, &prepared.scene.range) else {
+        return 0.0;
+    };
+    let radii = range.data().iter().map(|&z| focus.radius_px(f64::from(z)));
+    radii.fold(0.0, f64::max)
 }
 
 /// The haze that is laid before a camera; without one, and in the space of codes, haze comes behind the style.
@@ -164,19 +149,15 @@ pub(crate) fn haze_behind(frame: &Frame, has_camera: bool) -> Vec<Haze> {
     frame.haze().into_iter().filter(comes).collect()
 }
 
-/// The frame with the tolerance that the noise of its sensor hides, where it asks for that.
+/// The frame with the tolerance that the noise of its sensor hides, if it asks for that.
 pub(crate) fn with_tolerance(frame: &Frame) -> Option<Frame> {
     if frame.fidelity != Fidelity::NOISE {
         return None;
     }
     let camera = ::camera::preset::complete(&frame.camera);
     let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor)?;
-    let gain = match camera.exposure {
-        Some(spec::Exposure::Fixed(gain)) => gain.max(1.0),
-        _ => 1.0,
-    };
     Some(Frame {
-        fidelity: Fidelity::Tolerance((sensor.tolerance() / gain).clamp(1e-7, 1.0)),
+        fidelity: Fidelity::Tolerance(sensor.tolerance().clamp(1e-7, 1.0)),
         ..frame.clone()
     })
 }

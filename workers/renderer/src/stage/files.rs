@@ -11,10 +11,11 @@ use spec::{ArtifactKind, Counts, Encode, FrameRecord, ScenePart};
 
 use super::enhance::Enhancements;
 use super::range_file::millimeters;
+use super::snow;
 use super::truth::Traced;
 use super::water::transmittance;
-use super::{Shot, snow};
 use crate::content::Content;
+use crate::context::FrameContext;
 use crate::error::RenderError;
 use crate::file::File;
 
@@ -40,16 +41,16 @@ pub(crate) struct Pictures<'a> {
 
 /// Encodes the requested artifacts in the order of the frame; each one that does not exist becomes a warning.
 pub(crate) fn encode(
-    shot: &Shot<'_>,
+    context: &FrameContext<'_>,
     pictures: &Pictures<'_>,
     record: &mut FrameRecord,
 ) -> Result<Vec<File>, RenderError> {
     let mut files = Vec::new();
-    for kind in &shot.frame.artifacts {
+    for kind in &context.frame.artifacts {
         cancel::check();
-        if let Some(content) = content_or_warn(shot, pictures, kind, record) {
-            let encode = shot.frame.encode;
-            let texts = match shot.frame.png_text {
+        if let Some(content) = content_or_warn(context, pictures, kind, record) {
+            let encode = context.frame.encode;
+            let texts = match context.frame.png_text {
                 Some(true) => texts(kind),
                 _ => Vec::new(),
             };
@@ -68,13 +69,13 @@ pub(crate) fn encode(
 
 /// What those files hold, as [`encode`] would encode it.
 pub(crate) fn contents(
-    shot: &Shot<'_>,
+    context: &FrameContext<'_>,
     pictures: &Pictures<'_>,
     record: &mut FrameRecord,
 ) -> Result<Vec<(ArtifactKind, Content<'static>)>, RenderError> {
     let mut contents = Vec::new();
-    for kind in &shot.frame.artifacts {
-        if let Some(content) = content_or_warn(shot, pictures, kind, record) {
+    for kind in &context.frame.artifacts {
+        if let Some(content) = content_or_warn(context, pictures, kind, record) {
             contents.push((kind.clone(), content.into_owned()));
         }
     }
@@ -82,12 +83,12 @@ pub(crate) fn contents(
 }
 
 fn content_or_warn<'a>(
-    shot: &'a Shot<'_>,
+    context: &'a FrameContext<'_>,
     pictures: &Pictures<'a>,
     kind: &ArtifactKind,
     record: &mut FrameRecord,
 ) -> Option<Content<'a>> {
-    let content = content(shot, pictures, kind, record);
+    let content = content(context, pictures, kind, record);
     if content.is_none() {
         let warning = format!("there is no artifact `{kind}`: {}", why_missing(kind));
         record.warnings.push(warning);
@@ -97,31 +98,31 @@ fn content_or_warn<'a>(
 
 /// `None`: the frame has nothing of this kind.
 fn content<'a>(
-    shot: &'a Shot<'_>,
+    context: &'a FrameContext<'_>,
     pictures: &Pictures<'a>,
     kind: &ArtifactKind,
     record: &FrameRecord,
 ) -> Option<Content<'a>> {
     let Pictures { layers, rgb, .. } = *pictures;
-    let (scene, labels) = (&shot.prepared.scene, shot.labels());
+    let (scene, labels) = (&context.prepared.scene, context.labels());
     let surfaces = labels.and_then(|labels| labels.surfaces.as_ref());
     let display = |layer: &Rgb<f32>| Content::Picture(Cow::Owned(transfer::encode_rgb8(layer).0));
-    let linear = |layer: &'a Rgb<f32>| Content::Linear(shot.view(layer));
+    let linear = |layer: &'a Rgb<f32>| Content::Linear(context.view(layer));
     match kind {
         ArtifactKind::Rgb | ArtifactKind::Hazed => Some(match pictures.deep {
             Some(deep) => Content::Codes(deep.clone()),
             None => Content::Picture(Cow::Borrowed(rgb)),
         }),
-        ArtifactKind::Clean => Some(display(&shot.view(&scene.radiance))),
-        ArtifactKind::Scattered => Some(display(&shot.view(&layers.scattered))),
+        ArtifactKind::Clean => Some(display(&context.view(&scene.radiance))),
+        ArtifactKind::Scattered => Some(display(&context.view(&layers.scattered))),
         ArtifactKind::Styled => Some(display(pictures.styled)),
         ArtifactKind::Direct => Some(linear(&layers.direct)),
         ArtifactKind::ForwardScatter => Some(linear(&layers.forward_scatter)),
         ArtifactKind::Backscatter => Some(linear(&layers.backscatter)),
         ArtifactKind::Transmittance => {
-            let transmittance = transmittance(shot);
+            let transmittance = transmittance(context);
             let planes = transmittance.planes().each_ref();
-            let planes = planes.map(|plane| shot.view_labels(plane).into_owned());
+            let planes = planes.map(|plane| context.view_labels(plane).into_owned());
             Some(Content::Linear(Cow::Owned(Rgb::new(planes).ok()?)))
         }
         ArtifactKind::Preview => Some(Content::Picture(Cow::Owned(codec::downscale(rgb, PREVIEW_PX)))),
@@ -131,10 +132,10 @@ fn content<'a>(
         }
         ArtifactKind::HscmMask => codes(pictures.enhancements.get("hscm")?.mask.as_ref()),
         ArtifactKind::SnowMask => {
-            let codes_of = snow::codes(pictures.snow, shot.setting.size);
-            codes(Some(&*shot.view_labels(&codes_of)))
+            let codes_of = snow::codes(pictures.snow, context.setting.size);
+            codes(Some(&*context.view_labels(&codes_of)))
         }
-        ArtifactKind::Instances => codes(shot.instances()),
+        ArtifactKind::Instances => codes(context.instances()),
         ArtifactKind::Semantics => codes(labels.map(|labels| &labels.semantics)),
         ArtifactKind::Findings => codes(surfaces.map(|surfaces| &surfaces.findings)),
         ArtifactKind::Normals => {
@@ -146,7 +147,7 @@ fn content<'a>(
             Raw::Planes(planes) => interleaved(planes)?,
         })),
         ArtifactKind::Valid => {
-            let taking = shot.taking.as_ref();
+            let taking = context.taking.as_ref();
             let valid = taking.and_then(|taking| taking.sampling.as_ref()?.valid());
             let inside = |&inside: &u8| if inside == 0 { 0 } else { u8::MAX };
             Some(Content::Codes(match valid {
@@ -163,7 +164,7 @@ fn content<'a>(
             Some(Content::Pair(pictures.map(Cow::Owned)))
         }
         ArtifactKind::TruthReport => Some(Content::Json(json!(pictures.traced?.report))),
-        ArtifactKind::Range => Some(Content::Range(Cow::Borrowed(shot.range()?))),
+        ArtifactKind::Range => Some(Content::Range(Cow::Borrowed(context.range()?))),
     }
 }
 

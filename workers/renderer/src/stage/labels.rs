@@ -9,30 +9,30 @@ use scenes::classes::UNLABELED;
 use scenes::labels::Instance;
 use spec::{InstanceRecord, SceneCategory, SceneRecord};
 
-use super::Shot;
+use crate::context::FrameContext;
 
 /// The record of the scene; none without a camera pose and without labels.
-pub(crate) fn describe(shot: &Shot<'_>, layers: &Layers) -> Option<SceneRecord> {
-    let (pose, labels) = (shot.prepared.pose, shot.labels());
+pub(crate) fn describe(context: &FrameContext<'_>, layers: &Layers) -> Option<SceneRecord> {
+    let (pose, labels) = (context.prepared.pose, context.labels());
     if pose.is_none() && labels.is_none() {
         return None;
     }
     let instances = labels.map(|labels| {
         let most = labels.instances.iter().map(|instance| instance.number).max();
-        let ranges = medians(shot, shot.range(), most);
-        let paths = match (&shot.setting.patches, shot.lit.path()) {
-            (Some(_), Some(path)) => medians(shot, Some(&*shot.view_labels(path)), most),
+        let ranges = medians(context, context.range(), most);
+        let paths = match (&context.setting.patches, context.path()) {
+            (Some(_), Some(path)) => medians(context, Some(&*context.view_labels(path)), most),
             _ => ranges.clone(),
         };
         let (clean, scattered) = (
-            shot.view(&shot.prepared.scene.radiance),
-            shot.view(&layers.scattered),
+            context.view(&context.prepared.scene.radiance),
+            context.view(&layers.scattered),
         );
         let record = |instance: &Instance| {
             let number = usize::from(instance.number);
             let median = |medians: &[Option<f64>]| medians.get(number).copied().flatten();
             describe_instance(
-                shot,
+                context,
                 [&*clean, &*scattered],
                 instance,
                 median(&ranges),
@@ -47,9 +47,9 @@ pub(crate) fn describe(shot: &Shot<'_>, layers: &Layers) -> Option<SceneRecord> 
     let visible = all().filter(|instance| instance.visible).count() as u64;
     Some(SceneRecord {
         world_from_camera: pose.map(|pose| pose.world_from_camera()),
-        intrinsics: shot.intrinsics(),
-        lens: shot.lens(),
-        categories: categories(shot, labels),
+        intrinsics: context.intrinsics(),
+        lens: context.lens(),
+        categories: categories(context, labels),
         visible: instances.is_some().then_some(visible),
         least_visibility: scores.iter().copied().reduce(f64::min),
         mean_visibility: (!scores.is_empty()).then_some(mean),
@@ -58,8 +58,8 @@ pub(crate) fn describe(shot: &Shot<'_>, layers: &Layers) -> Option<SceneRecord> 
 }
 
 /// The classes of an uploaded scene, and that of objects without one where there are such objects.
-fn categories(shot: &Shot<'_>, labels: Option<&Labels>) -> Option<Vec<SceneCategory>> {
-    let (classes, labels) = (shot.prepared.classes.as_ref()?, labels?);
+fn categories(context: &FrameContext<'_>, labels: Option<&Labels>) -> Option<Vec<SceneCategory>> {
+    let (classes, labels) = (context.prepared.classes.as_ref()?, labels?);
     let (id, name) = UNLABELED;
     let unlabeled = labels.instances.iter().any(|instance| instance.class == id);
     let unlabeled = unlabeled.then(|| SceneCategory {
@@ -70,8 +70,8 @@ fn categories(shot: &Shot<'_>, labels: Option<&Labels>) -> Option<Vec<SceneCateg
 }
 
 /// Name of a class by its code.
-fn class_name<'a>(shot: &'a Shot<'_>, class: u8) -> &'a str {
-    match &shot.prepared.classes {
+fn class_name<'a>(context: &'a FrameContext<'_>, class: u8) -> &'a str {
+    match &context.prepared.classes {
         Some(classes) => classes.name(class).unwrap_or(UNLABELED.1),
         None => CATEGORIES
             .get(usize::from(class))
@@ -80,7 +80,7 @@ fn class_name<'a>(shot: &'a Shot<'_>, class: u8) -> &'a str {
 }
 
 fn describe_instance(
-    shot: &Shot<'_>,
+    context: &FrameContext<'_>,
     [clean, scattered]: [&Rgb<f32>; 2],
     instance: &Instance,
     range_m: Option<f64>,
@@ -92,13 +92,13 @@ fn describe_instance(
         bounds,
         pixels,
     } = *instance;
-    let seen = shot
+    let seen = context
         .instances()
         .and_then(|numbers| visibility(clean, scattered, numbers, number, bounds));
-    let attenuation = shot.setting.attenuation();
+    let attenuation = context.setting.attenuation();
     InstanceRecord {
         number,
-        category: class_name(shot, class).to_owned(),
+        category: class_name(context, class).to_owned(),
         bounds,
         pixels: pixels as u64,
         range_m,
@@ -110,8 +110,8 @@ fn describe_instance(
 }
 
 /// Median of `meters` over the pixels of each instance, indexed by its number.
-fn medians(shot: &Shot<'_>, meters: Option<&Plane<f32>>, most: Option<u16>) -> Vec<Option<f64>> {
-    let (Some(meters), Some(numbers), Some(most)) = (meters, shot.instances(), most) else {
+fn medians(context: &FrameContext<'_>, meters: Option<&Plane<f32>>, most: Option<u16>) -> Vec<Option<f64>> {
+    let (Some(meters), Some(numbers), Some(most)) = (meters, context.instances(), most) else {
         return Vec::new();
     };
     let mut found = vec![Vec::new(); usize::from(most) + 1];

@@ -4,13 +4,13 @@ use imaging::{Rgb8, transfer};
 use quality::MetricId;
 use spec::FrameRecord;
 
-use super::Shot;
 use super::enhance::Enhancements;
+use crate::context::FrameContext;
 use crate::error::RenderError;
 
 /// Measures `rgb` and every enhancement.
 pub(crate) fn run(
-    shot: &Shot<'_>,
+    context: &FrameContext<'_>,
     rgb: &Rgb8,
     enhancements: &Enhancements,
     record: &mut FrameRecord,
@@ -21,14 +21,14 @@ pub(crate) fn run(
             name: name.clone(),
         })
     };
-    let metrics = shot.frame.metrics.iter().map(metric);
+    let metrics = context.frame.metrics.iter().map(metric);
     let metrics = metrics.collect::<Result<Vec<_>, _>>()?;
     if metrics.is_empty() {
         return Ok(());
     }
     // Some metrics compare with the picture in air.
     let compares = metrics.iter().any(|metric| metric.info().needs_reference);
-    let clean = compares.then(|| transfer::encode_rgb8(&shot.view(&shot.prepared.scene.radiance)).0);
+    let clean = compares.then(|| transfer::encode_rgb8(&context.view(&context.prepared.scene.radiance)).0);
     let mut measure = |subject: &str, picture: &Rgb8| {
         let values = quality::measure(picture, clean.as_ref(), &metrics)?;
         let values = values

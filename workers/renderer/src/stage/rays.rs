@@ -1,13 +1,15 @@
-//! What shadows ask whether something is in the way.
+//! What occludes light.
 
 use imaging::rays::Rays;
 use optics::Screen;
-use optics::plan::Form;
-use spec::{Frame, RaySource};
+use optics::lamp::Shadow;
+use optics::setting::Setting;
+use optics::water::Water;
+use spec::{Fidelity, Frame, RaySource};
 
 use super::scene::Prepared;
 
-/// Where the surfaces come from that rays meet: never [`RaySource::Auto`].
+/// The origin of the surfaces that rays meet: never [`RaySource::Auto`].
 pub(crate) fn source(frame: &Frame, prepared: &Prepared) -> RaySource {
     match (frame.ray_source(), &prepared.world, &prepared.pose) {
         (RaySource::Scene, Some(_), Some(_)) => RaySource::Scene,
@@ -15,14 +17,27 @@ pub(crate) fn source(frame: &Frame, prepared: &Prepared) -> RaySource {
     }
 }
 
-/// The solids of a procedural scene, or the range image of any; none without range. In the axes of the camera of the scene.
+/// The solids of a procedural scene, or the range image of any; `None` without range. In the axes of the camera of the scene.
 pub(crate) fn scene_rays<'a>(frame: &Frame, prepared: &'a Prepared) -> Option<Box<dyn Rays + Sync + 'a>> {
     let range = prepared.scene.range.as_ref()?;
     Some(match (source(frame, prepared), &prepared.world, &prepared.pose) {
         (RaySource::Scene, Some(world), Some(pose)) => Box::new(world.rays(pose)),
-        _ if Form::asked_by(frame.fidelity) == Form::Reference => {
+        _ if frame.fidelity == Fidelity::REFERENCE => {
             Box::new(Screen::reference(range, prepared.view().camera))
         }
         _ => Box::new(Screen::new(range, prepared.view().camera)),
     })
+}
+
+/// The same, if the sun or a lamp casts shadows or ambient occlusion is traced.
+pub(crate) fn occluders<'a>(
+    frame: &Frame,
+    prepared: &'a Prepared,
+    setting: &Setting,
+) -> Option<Box<dyn Rays + Sync + 'a>> {
+    let lamps = setting.lighting.iter().flat_map(|lighting| &lighting.lamps);
+    let daylight = setting.water.as_ref().and_then(Water::daylight);
+    let is_needed = lamps.into_iter().any(|lamp| lamp.shadow() != Shadow::None)
+        || daylight.is_some_and(|light| light.traces_rays());
+    is_needed.then(|| scene_rays(frame, prepared)).flatten()
 }

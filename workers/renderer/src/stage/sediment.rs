@@ -1,57 +1,117 @@
 //! Clouds of sediment over the picture after the water.
 
 use imaging::{Plane, Rgb};
-use optics::plan::Form;
-use optics::sediment::{self, Clouds, Layers, Murk};
+use optics::lamp;
+use optics::plan::{ErrorBound, Stage, StageId, Variant};
+use optics::sediment::{self, Clouds, FAR_M, Layers, Murk};
 use optics::snow::Surround;
 use serde_json::json;
 use spec::FrameRecord;
 
-use super::Shot;
-use super::light::casting_rays;
 use super::surroundings::Surroundings;
+use crate::context::FrameContext;
+use crate::planning::Assessment;
 
-/// What the clouds of a setting do on some rays; none without clouds.
-pub(super) fn layers(surroundings: &Surroundings<'_>) -> Option<Layers> {
-    let clouds = surroundings.setting.sediment.as_ref()?;
-    let range = surroundings.range;
-    Some(surroundings.show(|surround| sediment::layers(range, clouds, &murk(surround))))
+/// Nanoseconds per pixel of the rays through clouds without a lamp, of which half are empty in the mean, and of each lamp in them.
+const SEDIMENT_NS: f64 = 150.0;
+const LIT_SEDIMENT_NS: f64 = 5.0;
+
+/// The clouds; left out if they change no pixel by more than their share: if none is in view, or all are too thin. Drawn, they
+/// have no bound: the edge of a cloud may be anywhere between the rays that are followed.
+pub(crate) fn assess(assessment: &Assessment<'_>) -> Option<Stage> {
+    let context = assessment.context;
+    let clouds = context.setting.sediment.as_ref()?;
+    let share = assessment.budget.sediment();
+    let effect = bound_effect(assessment, clouds);
+    if !assessment.is_reference() && effect <= share {
+        return Some(Stage {
+            share: Some(share),
+            bound: Some(ErrorBound::absolute(effect)),
+            note: Some("no cloud is in view that hides more than its share".to_owned()),
+            ..Stage::skipped(StageId::Sediment)
+        });
+    }
+    let lamps = context
+        .setting
+        .lighting
+        .as_ref()
+        .map_or(0, |lighting| lighting.lamps.len());
+    let stage = Stage {
+        share: Some(share),
+        bound: None,
+        note: (!assessment.is_reference())
+            .then(|| "edges between the rays that are followed are not bounded".to_owned()),
+        ..Stage::new(StageId::Sediment, assessment.variant("rays"))
+    };
+    Some(stage.costing(SEDIMENT_NS + LIT_SEDIMENT_NS * lamps as f64, assessment.pixels()))
 }
 
-/// Draws the clouds over the picture and returns their opacity; none without clouds or range, or where the plan
-/// skips them.
-pub(super) fn run(shot: &Shot<'_>, picture: &mut Rgb<f32>, record: &mut FrameRecord) -> Option<Plane<f32>> {
-    let (clouds, range) = (
-        shot.setting.sediment.as_ref()?,
-        shot.prepared.scene.range.as_ref()?,
-    );
-    let mask = match shot.plan.sediment.as_ref().map_or(Form::Skip, |stage| stage.form) {
-        Form::Skip => None,
-        Form::Fast => shot.lit.clouds.as_ref().map(|layers| layers.veil(picture, range)),
-        Form::Reference => Some(veil_reference(shot, clouds, range, picture)),
+/// The most that clouds change of a pixel: its light, or what a cloud sends back of all light that there may be.
+fn bound_effect(assessment: &Assessment<'_>, clouds: &Clouds) -> f64 {
+    let setting = &assessment.context.setting;
+    let opacity = match &assessment.context.prepared.scene.range {
+        Some(range) => clouds.most_opacity(range),
+        None => 0.0,
     };
-    let cover = mask.as_ref().map_or(0.0, |mask| {
-        let sum: f64 = mask.data().iter().map(|&v| f64::from(v)).sum();
-        sum / mask.data().len() as f64
-    });
+    let (gain, above) = (setting.gain(), setting.daylight_at(setting.up.map(|v| FAR_M * v)));
+    let lamps = setting.lighting.as_ref().map_or([0.0; 3], lamp::most_white);
+    let color = clouds.albedo();
+    let colors = [0, 1, 2].map(|i| color[i] * (gain[i] * above[i] + lamps[i]));
+    let behind = assessment.brightest_behind(assessment.airlight_peak());
+    opacity * colors.into_iter().fold(behind, f64::max)
+}
+
+/// Clouds over a picture.
+pub(crate) struct Clouded {
+    /// Opacity of each pixel.
+    pub(crate) mask: Plane<f32>,
+    /// The clouds on the rays that were followed; `None` of the reference.
+    pub(crate) layers: Option<Layers>,
+}
+
+/// Draws the clouds over the picture; `None` without clouds or range, or if the plan skips them.
+pub(crate) fn run(
+    context: &FrameContext<'_>,
+    picture: &mut Rgb<f32>,
+    record: &mut FrameRecord,
+) -> Option<Clouded> {
+    let clouds = context.setting.sediment.as_ref()?;
+    let surroundings = Surroundings::new(context)?;
+    let clouded = match context.plan.variant(StageId::Sediment) {
+        Variant::Skip => None,
+        Variant::Reference => Some(veil_reference(&surroundings, clouds, picture)),
+        _ => {
+            let range = surroundings.range;
+            let layers = surroundings.show(|surround| sediment::layers(range, clouds, &murk(surround)));
+            Some(Clouded {
+                mask: layers.veil(picture, range),
+                layers: Some(layers),
+            })
+        }
+    };
+    let cover = clouded.as_ref().map_or(0.0, |clouded| mean(&clouded.mask));
     record
         .optics
         .insert("sediment".to_owned(), json!({"cover": cover}));
-    mask
+    clouded
 }
 
-fn veil_reference(
-    shot: &Shot<'_>,
-    clouds: &Clouds,
-    range: &Plane<f32>,
-    picture: &mut Rgb<f32>,
-) -> Plane<f32> {
+/// The mean of a mask.
+pub(super) fn mean(mask: &Plane<f32>) -> f64 {
+    let sum: f64 = mask.data().iter().map(|&v| f64::from(v)).sum();
+    sum / mask.data().len() as f64
+}
+
+fn veil_reference(surroundings: &Surroundings<'_>, clouds: &Clouds, picture: &mut Rgb<f32>) -> Clouded {
     let wide = picture.map(|&v| f64::from(v));
-    let rays = casting_rays(shot.frame, &shot.prepared, &shot.setting);
-    let (exact, mask) = Surroundings::reference(&shot.setting, range, rays.as_deref())
-        .show(|surround| sediment::veil_reference(&wide, range, clouds, &murk(surround)));
+    let range = surroundings.range;
+    let (exact, mask) =
+        surroundings.show(|surround| sediment::veil_reference(&wide, range, clouds, &murk(surround)));
     *picture = exact.map(|&v| v as f32);
-    mask.map(|&v| v as f32)
+    Clouded {
+        mask: mask.map(|&v| v as f32),
+        layers: None,
+    }
 }
 
 fn murk<'a>(surround: &Surround<'a>) -> Murk<'a> {

@@ -1,23 +1,72 @@
-//! Clouds of sediment and marine snow over the picture after the water.
+//! Marine snow over the picture after the water and its clouds.
 
 use ::camera::Parts;
 use ::camera::defocus::Focus;
 use imaging::{Plane, Rgb};
-use optics::chain::Layers;
-use optics::plan::Form;
-use optics::sediment::Layers as Clouds;
+use optics::lamp;
+use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use optics::setting::Setting;
 use optics::snow::{self, Flake, LitFlake, Seeing};
 use serde_json::json;
 use spec::{Frame, FrameRecord, Snow};
 
 use super::camera::FRAMES_PER_S;
-use super::light::casting_rays;
+use super::sediment::{Clouded, mean};
 use super::surroundings::Surroundings;
-use super::{Shot, sediment};
+use crate::context::FrameContext;
+use crate::planning::Assessment;
 
-/// How long the shutter is open where the description does not say, s.
+/// Seconds that the shutter is open if the description does not say it.
 const EXPOSURE_S: f64 = 0.01;
+/// Nanoseconds per pixel, and of each particle in view.
+const SNOW_NS: f64 = 19.6;
+const PARTICLE_NS: f64 = 700.0;
+/// What f32 may lose of a pixel with particles over one another: half of it was seen with thousands in one pixel.
+const ROUNDING: f64 = 4e-6;
+/// The same of the light behind an opaque particle: a few roundings.
+const BEHIND: f64 = 3e-7;
+
+/// The snow; left out if it is expected to change less than its share.
+pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
+    let context = assessment.context;
+    let Some(law) = &context.setting.snow else {
+        return Stage::skipped(StageId::Snow);
+    };
+    let share = assessment.budget.snow();
+    let behind = assessment.brightest_behind(assessment.airlight_peak());
+    if !assessment.is_reference() && is_needless(context, law, behind, share) {
+        return Stage {
+            share: Some(share),
+            bound: Some(ErrorBound::absolute(share)),
+            note: Some("expected pixels times contrast are within its share".to_owned()),
+            ..Stage::skipped(StageId::Snow)
+        };
+    }
+    let solid = snow::solid(&context.setting.eye.camera, context.setting.size);
+    let particles = snow::expected(law, solid);
+    let pixels = assessment.pixels();
+    let stage = Stage {
+        share: Some(share),
+        bound: Some(ErrorBound {
+            absolute: share + BEHIND * behind,
+            relative: ROUNDING,
+        }),
+        ..Stage::new(StageId::Snow, assessment.variant("discs"))
+    };
+    stage.costing(SNOW_NS + PARTICLE_NS * particles / pixels as f64, pixels)
+}
+
+fn is_needless(context: &FrameContext<'_>, law: &Snow, behind: f64, share: f64) -> bool {
+    let FrameContext { frame, setting, .. } = context;
+    // The clearest patch lets the most through.
+    let clearest = 1.0 - frame.water.turbidity.map_or(0.0, |patches| patches.contrast);
+    let least = setting.attenuation().into_iter().fold(f64::INFINITY, f64::min) * clearest;
+    let lamps = setting.lighting.as_ref().map_or([0.0; 3], lamp::most_white);
+    let gain = setting.gain();
+    let colors = [0, 1, 2].map(|i| law.albedo[i] * (gain[i] + lamps[i]));
+    let contrast = colors.into_iter().fold(behind, f64::max);
+    snow::is_needless(law, setting.size.0 * setting.size.1, least, contrast, share)
+}
 
 /// The drawn snow.
 struct Fallen {
@@ -27,62 +76,69 @@ struct Fallen {
     mask: Plane<f32>,
 }
 
-/// Draws clouds and snow over the picture and returns their opacity; none where nothing was drawn.
-pub(crate) fn run(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Option<Plane<f32>> {
-    let clouds = sediment::run(shot, &mut layers.scattered, record);
-    let snow = fall(shot, layers, record);
-    let joined = |clouds: Plane<f32>, snow: Plane<f32>| {
-        let pairs = clouds.data().iter().zip(snow.data());
-        let both = pairs
-            .map(|(cloud, flake)| cloud + flake - cloud * flake)
-            .collect();
-        Plane::new(clouds.width(), clouds.height(), both).expect("two masks of one picture")
-    };
-    match (clouds, snow) {
-        (Some(clouds), Some(snow)) => Some(joined(clouds, snow)),
-        (clouds, snow) => clouds.or(snow),
+/// Draws the snow over the picture and returns its opacity, that of clouds included; `None` if neither was drawn.
+pub(crate) fn run(
+    context: &FrameContext<'_>,
+    clouded: Option<Clouded>,
+    picture: &mut Rgb<f32>,
+    record: &mut FrameRecord,
+) -> Option<Plane<f32>> {
+    let snow = fall(context, clouded.as_ref(), picture, record);
+    match (clouded, snow) {
+        (Some(clouded), Some(snow)) => Some(join(&clouded.mask, &snow)),
+        (clouded, snow) => clouded.map(|clouded| clouded.mask).or(snow),
     }
 }
 
-/// Draws the snow over the picture and returns its opacity; none without snow or range, or where the plan skips it.
-fn fall(shot: &Shot<'_>, layers: &mut Layers, record: &mut FrameRecord) -> Option<Plane<f32>> {
-    let (law, range) = (shot.setting.snow.as_ref()?, shot.prepared.scene.range.as_ref()?);
-    let picture = &mut layers.scattered;
-    let fallen = match shot.plan.snow.form {
-        Form::Skip => None,
-        Form::Fast => Some(Fallen {
-            particles: shot.lit.flakes.len(),
-            mask: snow::snow(
-                picture,
-                &shot.lit.flakes,
-                range,
-                shot.plan.snow.share.unwrap_or_default(),
-            ),
-        }),
-        Form::Reference => Some(fall_reference(shot, law, range, picture)),
+fn join(clouds: &Plane<f32>, snow: &Plane<f32>) -> Plane<f32> {
+    let pairs = clouds.data().iter().zip(snow.data());
+    let both = pairs
+        .map(|(cloud, flake)| cloud + flake - cloud * flake)
+        .collect();
+    Plane::new(clouds.width(), clouds.height(), both).expect("two masks of one picture")
+}
+
+/// Draws the snow over the picture and returns its opacity; `None` without snow or range, or if the plan skips it.
+fn fall(
+    context: &FrameContext<'_>,
+    clouded: Option<&Clouded>,
+    picture: &mut Rgb<f32>,
+    record: &mut FrameRecord,
+) -> Option<Plane<f32>> {
+    let law = context.setting.snow.as_ref()?;
+    let surroundings = Surroundings::new(context)?;
+    let stage = context.plan.stage(StageId::Snow)?;
+    let fallen = match stage.variant {
+        Variant::Skip => None,
+        Variant::Reference => Some(fall_reference(context, law, &surroundings, picture)),
+        _ => {
+            let flakes = light_flakes(&surroundings, law, &context.shutter, clouded);
+            let share = stage.share.unwrap_or_default();
+            Some(Fallen {
+                particles: flakes.len(),
+                mask: snow::snow(picture, &flakes, surroundings.range, share),
+            })
+        }
     };
     let particles = fallen.as_ref().map_or(0, |fallen| fallen.particles);
-    let cover = fallen.as_ref().map_or(0.0, |fallen| {
-        let sum: f64 = fallen.mask.data().iter().map(|&v| f64::from(v)).sum();
-        sum / fallen.mask.data().len() as f64
-    });
+    let cover = fallen.as_ref().map_or(0.0, |fallen| mean(&fallen.mask));
     let numbers = json!({"particles": particles, "cover": cover});
     record.optics.insert("snow".to_owned(), numbers);
     fallen.map(|fallen| fallen.mask)
 }
 
 /// The particles in view as they are lit, the farthest first.
-pub(super) fn lit(
+fn light_flakes(
     surroundings: &Surroundings<'_>,
     law: &Snow,
     shutter: &Shutter,
-    clouds: Option<&Clouds>,
+    clouded: Option<&Clouded>,
 ) -> Vec<LitFlake> {
     let range = surroundings.range;
     let flakes = shutter.flakes(surroundings.setting, law, range.size());
     let mut lit = surroundings.show(|surround| snow::lit(&flakes, law.albedo, surround));
-    // What is behind a cloud is as faint as the cloud is thick.
-    if let Some(layers) = clouds {
+    // Behind a cloud a particle is as faint as the cloud is thick.
+    if let Some(layers) = clouded.and_then(|clouded| clouded.layers.as_ref()) {
         for LitFlake { flake, opacity, .. } in &mut lit {
             let clear = layers.clear_to(flake.center, flake.range_m, range.size());
             *opacity = opacity.map(|v| v * clear);
@@ -137,13 +193,18 @@ impl Shutter {
     }
 }
 
-fn fall_reference(shot: &Shot<'_>, law: &Snow, range: &Plane<f32>, picture: &mut Rgb<f32>) -> Fallen {
-    let setting = &shot.setting;
-    let flakes = shot.lit.shutter.flakes(setting, law, range.size());
+fn fall_reference(
+    context: &FrameContext<'_>,
+    law: &Snow,
+    surroundings: &Surroundings<'_>,
+    picture: &mut Rgb<f32>,
+) -> Fallen {
+    let flakes = context
+        .shutter
+        .flakes(&context.setting, law, surroundings.range.size());
     let wide = picture.map(|&v| f64::from(v));
-    let rays = casting_rays(shot.frame, &shot.prepared, setting);
-    let (exact, mask) = Surroundings::reference(setting, range, rays.as_deref())
-        .show(|surround| snow::snow_reference(&wide, &flakes, law.albedo, surround));
+    let (exact, mask) =
+        surroundings.show(|surround| snow::snow_reference(&wide, &flakes, law.albedo, surround));
     *picture = exact.map(|&v| v as f32);
     Fallen {
         particles: flakes.len(),

@@ -5,14 +5,24 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use imaging::{Rgb, transfer};
-use optics::plan::{StyleStep, StyleTraits};
-use spec::{Frame, FrameRecord};
+use optics::plan::{ErrorBound, Stage, StageId, Variant};
+use spec::{Fidelity, FrameRecord, StyleTier};
 use style::{Beside, RANGE_SCALE_M, Session, StyleError, StyleModel};
 
-use super::Shot;
+use crate::context::FrameContext;
 use crate::engine::Engine;
 use crate::error::RenderError;
+use crate::planning::Assessment;
 
+/// Slope of the decoding of sRGB at white, where it is steepest: what a difference of encoded values becomes in linear light at most.
+const STEEPEST: f64 = 2.4 / 1.055;
+/// Variants of a style: its network and its color table.
+const NETWORK: &str = "network";
+const TABLE: &str = "table";
+/// Nanoseconds per pixel; of a range its fading and the layers that take it.
+const NETWORK_NS: f64 = 10.8;
+const RANGE_NS: f64 = 4.2;
+const TABLE_NS: f64 = 4.2;
 /// Most prepared networks of a slot: each holds a few megabytes, on ONNX Runtime some hundred.
 const MAX_SESSIONS: usize = 8;
 
@@ -37,17 +47,17 @@ impl Networks {
     /// `.lut` for the color table, in `.noise` for a network that was fed noise of (job seed, frame).
     pub(crate) fn run<'a>(
         &mut self,
-        shot: &Shot<'_>,
+        context: &FrameContext<'_>,
         scattered: &'a Rgb<f32>,
         record: &mut FrameRecord,
     ) -> Result<Cow<'a, Rgb<f32>>, RenderError> {
-        let (frame, step) = (shot.frame, shot.plan.style.form);
-        let Some(name) = frame.water.style.as_ref().filter(|_| step != StyleStep::Skip) else {
+        let (frame, variant) = (context.frame, context.plan.variant(StageId::Style));
+        let Some(name) = frame.water.style.as_ref().filter(|_| !variant.is_skipped()) else {
             return Ok(Cow::Borrowed(scattered));
         };
         let model = find(name, &self.engine)?;
-        let is_table = step == StyleStep::Table;
-        let range = shot.range();
+        let is_table = *variant == Variant::Fast(TABLE);
+        let range = context.range();
         if model.card.takes_range && range.is_none() {
             return Ok(Cow::Borrowed(scattered));
         }
@@ -92,16 +102,48 @@ impl Networks {
     }
 }
 
-/// What the plan has to know of a frame's style.
-pub(crate) fn traits(frame: &Frame, engine: &Engine) -> Result<StyleTraits, RenderError> {
+/// The network of a style, or its color table if it is asked for, or within the tolerance of the network.
+pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Stage, RenderError> {
+    let frame = assessment.context.frame;
     let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {
-        return Ok(StyleTraits::default());
+        return Ok(Stage::skipped(StageId::Style));
     };
-    let model = find(name, engine)?;
-    Ok(StyleTraits {
-        table_max_255: model.card.table.map(|table| table.max_255),
-        takes_range: model.card.takes_range,
-    })
+    let card = &find(name, engine)?.card;
+    let distance = card
+        .table
+        .map(|table| frame.alpha * (STEEPEST * table.max_255 / 255.0));
+    let share = match frame.fidelity {
+        Fidelity::Tolerance(tolerance) => Some(tolerance),
+        _ => None,
+    };
+    let is_near = distance
+        .zip(share)
+        .is_some_and(|(distance, share)| distance <= share);
+    let takes_table = match frame.water.style_tier {
+        Some(StyleTier::Lut) => true,
+        Some(StyleTier::Auto) => is_near,
+        Some(StyleTier::Net) | None => false,
+    };
+    let stage = if takes_table {
+        Stage {
+            share,
+            bound: distance.map(ErrorBound::absolute),
+            note: Some("bound: its distance from the network on the same input".to_owned()),
+            ..Stage::new(StageId::Style, Variant::Fast(TABLE))
+        }
+    } else {
+        Stage {
+            bound: None,
+            note: Some("its gain is not known: the bounds hold up to its input".to_owned()),
+            ..Stage::new(StageId::Style, Variant::Fast(NETWORK))
+        }
+    };
+    let ns = match (takes_table, card.takes_range) {
+        (true, _) => TABLE_NS,
+        (false, true) => NETWORK_NS + RANGE_NS,
+        (false, false) => NETWORK_NS,
+    };
+    Ok(stage.costing(ns, assessment.pixels()))
 }
 
 fn find(name: &str, engine: &Engine) -> Result<Arc<StyleModel>, RenderError> {

@@ -2,22 +2,25 @@
 
 use imaging::Plane;
 use imaging::rays::Rays;
-use optics::lamp;
+use optics::lamp::{self, Lighting, Shadow};
+use optics::plan::{StageId, Variant};
 use optics::setting::Setting;
 use optics::snow::Surround;
 
-/// What is in the way of the light of lamps.
+use crate::context::FrameContext;
+
+/// Occlusion of lamps.
 #[derive(Clone, Copy)]
-pub(super) enum Shading<'a> {
-    /// Nothing.
+enum Shading<'a> {
+    /// None.
     None,
-    /// What is looked for in f32 from many places at once.
+    /// Traced in f32, in packets.
     Fast {
         rays: &'a dyn Rays,
-        /// Light up to this arrives whatever is in the way.
+        /// Light up to this is not tested.
         unseen: f64,
     },
-    /// What is looked for from every place, in f64.
+    /// Traced from every place in f64.
     Reference(&'a dyn Rays),
 }
 
@@ -26,21 +29,28 @@ pub(super) enum Shading<'a> {
 pub(super) struct Surroundings<'a> {
     pub(super) setting: &'a Setting,
     pub(super) range: &'a Plane<f32>,
-    pub(super) shading: Shading<'a>,
+    shading: Shading<'a>,
 }
 
 impl<'a> Surroundings<'a> {
-    /// With every shadow that lamps are to cast.
-    pub(super) fn reference(
-        setting: &'a Setting,
-        range: &'a Plane<f32>,
-        rays: Option<&'a (dyn Rays + Sync)>,
-    ) -> Self {
-        Self {
-            setting,
-            range,
-            shading: rays.map_or(Shading::None, |rays| Shading::Reference(rays)),
-        }
+    /// The surroundings of a frame in front of its range, with the shadows of its plan; `None` without range.
+    pub(super) fn new(context: &'a FrameContext<'_>) -> Option<Self> {
+        let casts = |lighting: &Lighting| lighting.lamps.iter().any(|lamp| lamp.shadow() != Shadow::None);
+        let rays = context
+            .rays()
+            .filter(|_| context.setting.lighting.as_ref().is_some_and(casts));
+        Some(Self {
+            setting: &context.setting,
+            range: context.prepared.scene.range.as_ref()?,
+            shading: match (rays, context.plan.stage(StageId::LampShadows)) {
+                (None, _) | (_, None) => Shading::None,
+                (Some(rays), Some(stage)) if stage.variant == Variant::Reference => Shading::Reference(rays),
+                (Some(rays), Some(stage)) => Shading::Fast {
+                    rays,
+                    unseen: stage.share.unwrap_or_default(),
+                },
+            },
+        })
     }
 
     /// Hands out what particles hang in.

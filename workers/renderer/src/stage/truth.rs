@@ -3,14 +3,15 @@
 use std::ops::Range;
 
 use imaging::Rgb;
-use optics::chain::Layers;
-use optics::plan::Line;
+use optics::plan::{Stage, StageId, Variant};
 use spec::truth::{TooMuch, seconds};
 use spec::{FrameRecord, RaySource, TruthRecord};
 use truth::{Asked, ChainLight, Goal, Law, Pixel, Report, Scene, Shutter, Subject, Truth, converge};
 
-use super::{Shot, rays};
+use super::rays;
+use crate::context::FrameContext;
 use crate::error::RenderError;
+use crate::pipeline::Light;
 
 /// What is asked of the truth of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,31 +41,31 @@ pub struct Traced {
 pub type Round<'r> = &'r mut dyn FnMut(&Shutter, &Scene<'_>, &Range<u64>) -> Option<Vec<Pixel>>;
 
 /// Whether an artifact asks for it and the scene has a range.
-pub(crate) fn is_asked(shot: &Shot<'_>) -> bool {
-    shot.frame.is_traced() && shot.prepared.scene.range.is_some()
+pub(crate) fn is_asked(context: &FrameContext<'_>) -> bool {
+    context.frame.is_traced() && context.prepared.scene.range.is_some()
 }
 
-/// Traces a frame. `layers` are the chain's with its glow, before snow.
+/// Traces a frame and compares the chain's light with it.
 pub(crate) fn run(
-    shot: &Shot<'_>,
-    layers: &Layers,
+    context: &FrameContext<'_>,
+    light: &Light,
     record: &mut FrameRecord,
 ) -> Result<Option<Traced>, RenderError> {
-    let frame = shot.frame;
-    let (asked, most) = (frame.truth.unwrap_or_default(), most_paths(shot)?);
+    let frame = context.frame;
+    let (asked, most) = (frame.truth.unwrap_or_default(), most_paths(context)?);
     let tracing = Tracing {
         goal: Goal {
             target: asked.target,
             block: asked.block,
             most_paths: most.paths,
         },
-        law: law(shot),
+        law: law(context),
         seed: asked.seed.unwrap_or(frame.seed),
         is_shared: false,
         limit: most.limit,
     };
-    let pixels = pixels(shot) as usize;
-    let traced = trace(shot, layers, &tracing, &mut |shutter, scene, samples| {
+    let pixels = pixels(context) as usize;
+    let traced = trace(context, light, &tracing, &mut |shutter, scene, samples| {
         Some(shutter.trace(scene, 0..pixels, samples))
     })?;
     record.truth = traced.as_ref().map(|traced| summary(&traced.report));
@@ -72,38 +73,38 @@ pub(crate) fn run(
 }
 
 /// How the water of a frame scatters in its truth.
-pub(crate) fn law(shot: &Shot<'_>) -> Law {
-    let asked = shot.frame.water.phase.unwrap_or_default();
-    Law::asked(asked, shot.setting.water.as_ref())
+pub(crate) fn law(context: &FrameContext<'_>) -> Law {
+    let asked = context.frame.water.phase.unwrap_or_default();
+    Law::asked(asked, context.setting.water.as_ref())
 }
 
 /// Traces a frame round by round; none of a scene without a range, and where the first round is not traced.
 pub(crate) fn trace(
-    shot: &Shot<'_>,
-    layers: &Layers,
+    context: &FrameContext<'_>,
+    light: &Light,
     tracing: &Tracing,
     round: Round<'_>,
 ) -> Result<Option<Traced>, RenderError> {
-    let (frame, prepared) = (shot.frame, &shot.prepared);
+    let (frame, prepared) = (context.frame, context.prepared);
     let range = prepared.scene.range.as_ref();
     let Some((range, solids)) = range.zip(rays::scene_rays(frame, prepared)) else {
         return Ok(None);
     };
     let subject = Subject {
         frame,
-        setting: &shot.setting,
+        setting: &context.setting,
         radiance: &prepared.scene.radiance,
         range,
     };
     let scene = Scene::of_frame(&subject, &*solids, tracing.law.phase())?;
     let shutter = Shutter {
-        camera: shot.setting.eye.camera,
-        width: shot.setting.size.0,
+        camera: context.setting.eye.camera,
+        width: context.setting.size.0,
         frame: frame.index,
         stream: truth::stream(tracing.seed),
         is_shared: tracing.is_shared,
     };
-    let truth = converge(shot.setting.size, &tracing.goal, |samples| {
+    let truth = converge(context.setting.size, &tracing.goal, |samples| {
         round(&shutter, &scene, &samples)
     });
     let Some(truth) = truth else { return Ok(None) };
@@ -117,33 +118,29 @@ pub(crate) fn trace(
         has_sea: scene.sea.is_some(),
         limit: tracing.limit,
     };
-    let scattered = scattered(shot, layers, asked.has_sea);
+    let scattered = scattered(light, asked.has_sea);
     let light = ChainLight {
-        direct: &layers.direct,
+        direct: &light.layers.direct,
         scattered: &scattered,
     };
     let report = Report::new(&truth, &asked, &light, Some(range));
     Ok(Some(Traced { truth, report }))
 }
 
-/// The line of a plan that says what the truth is expected to take; none where no artifact asks for it.
-pub(crate) fn line(shot: &Shot<'_>) -> Option<Line> {
-    let has_range = shot.prepared.scene.range.is_some();
-    let most = most_paths(shot)
+/// The cost of the truth; `None` if no artifact asks for it.
+pub(crate) fn assess(context: &FrameContext<'_>) -> Option<Stage> {
+    let has_range = context.prepared.scene.range.is_some();
+    let most = most_paths(context)
         .ok()
-        .filter(|_| has_range && shot.frame.is_traced())?;
-    Some(Line {
-        stage: "truth",
-        variant: "monte_carlo",
-        terms: None,
-        share: None,
+        .filter(|_| has_range && context.frame.is_traced())?;
+    Some(Stage {
         bound: None,
-        model_error: None,
-        cost_ms: Some(1e3 * seconds(pixels(shot), most.paths)),
+        cost_ms: Some(1e3 * seconds(pixels(context), most.paths)),
         note: Some(format!(
             "never chosen by a plan: an artifact asks for it; at most {} paths of each pixel and channel",
             most.paths
         )),
+        ..Stage::new(StageId::Truth, Variant::Fast("monte_carlo"))
     })
 }
 
@@ -153,32 +150,32 @@ struct Most {
     limit: &'static str,
 }
 
-fn most_paths(shot: &Shot<'_>) -> Result<Most, TooMuch> {
-    let asked = shot.frame.truth.unwrap_or_default();
-    let (paths, by_budget) = asked.most_paths(pixels(shot))?;
+fn most_paths(context: &FrameContext<'_>) -> Result<Most, TooMuch> {
+    let asked = context.frame.truth.unwrap_or_default();
+    let (paths, by_budget) = asked.most_paths(pixels(context))?;
     let limit = if by_budget { "budget_s" } else { "paths_max" };
     Ok(Most { paths, limit })
 }
 
-fn pixels(shot: &Shot<'_>) -> u64 {
-    let (width, height) = shot.setting.size;
+fn pixels(context: &FrameContext<'_>) -> u64 {
+    let (width, height) = context.setting.size;
     width as u64 * height as u64
 }
 
-/// The chain's light that the water scattered: of surfaces and lamps, and the veil where daylight is traced. `layers` hold the
-/// glow in their backscatter.
-pub(crate) fn scattered(shot: &Shot<'_>, layers: &Layers, has_sea: bool) -> Rgb<f32> {
+/// The chain's light that the water scattered: of surfaces and lamps, and the veil if daylight is traced.
+pub(crate) fn scattered(light: &Light, has_sea: bool) -> Rgb<f32> {
+    let Light { layers, airlight, .. } = light;
     let added = if has_sea {
         Some(&layers.backscatter)
     } else {
-        shot.lit.glow.as_ref()
+        airlight.as_ref()
     };
     let Some(added) = added else {
         return layers.forward_scatter.clone();
     };
-    let at = |of: &Rgb<f32>, i: usize, x, y| of.planes()[i].pixel(x, y);
+    let sample = |layer: &Rgb<f32>, i: usize, x, y| layer.planes()[i].pixel(x, y);
     Rgb::from_fn(added.width(), added.height(), |x, y| {
-        [0, 1, 2].map(|i| at(&layers.forward_scatter, i, x, y) + at(added, i, x, y))
+        [0, 1, 2].map(|i| sample(&layers.forward_scatter, i, x, y) + sample(added, i, x, y))
     })
 }
 

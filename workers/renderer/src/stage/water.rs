@@ -3,19 +3,33 @@
 use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
+use optics::plan::{Stage, StageId, assess_water};
 
-use super::{Shot, above};
+use crate::context::FrameContext;
 use crate::error::RenderError;
+use crate::planning::Assessment;
+
+/// Attenuation, veil, occlusion and forward scatter within a share of the tolerance.
+pub(crate) fn assess(assessment: &Assessment<'_>, share: Option<f64>) -> Vec<Stage> {
+    let Assessment { context, bounds, .. } = assessment;
+    match &context.setting.around {
+        Some(water) => assess_water(bounds, water, context.frame.fidelity, share),
+        None => {
+            let scatter = (0..3).map(StageId::ForwardScatter);
+            let stages = std::iter::once(StageId::Attenuation).chain(scatter);
+            stages.map(Stage::skipped).collect()
+        }
+    }
+}
 
 /// Applies the water to the lit scene.
-pub(crate) fn run(shot: &Shot<'_>, kernels: &mut KernelCache) -> Result<Layers, RenderError> {
-    let radiance = shot.lit.radiance();
-    match (&shot.setting.around, shot.lit.path()) {
-        (Some(water), Some(path)) => {
-            let mut layers = chain::water(radiance, path, water, &shot.plan, kernels)?;
-            above::shine_through(&shot.setting, path, shot.lit.pattern.as_ref(), &mut layers);
-            Ok(layers)
-        }
+pub(crate) fn run(
+    context: &FrameContext<'_>,
+    radiance: &Rgb<f32>,
+    kernels: &mut KernelCache,
+) -> Result<Layers, RenderError> {
+    match (&context.setting.around, context.path()) {
+        (Some(water), Some(path)) => Ok(chain::water(radiance, path, water, &context.plan, kernels)?),
         _ => Ok(in_air(radiance)),
     }
 }
@@ -33,11 +47,11 @@ fn in_air(radiance: &Rgb<f32>) -> Layers {
 }
 
 /// Transmittance of every pixel; 1 without water.
-pub(crate) fn transmittance(shot: &Shot<'_>) -> Rgb<f32> {
-    match (&shot.setting.water, shot.lit.path()) {
+pub(crate) fn transmittance(context: &FrameContext<'_>) -> Rgb<f32> {
+    match (&context.setting.water, context.path()) {
         (Some(water), Some(path)) => chain::transmittance(path, water),
         _ => {
-            let (width, height) = shot.setting.size;
+            let (width, height) = context.setting.size;
             let ones = || Plane::filled(width, height, 1.0f32);
             Rgb::new([ones(), ones(), ones()]).expect("planes of one size")
         }

@@ -272,7 +272,7 @@ fn the_noise_of_the_sensor_is_a_tolerance() {
         let job = parse(&job(&fields));
         let mut slot = Slot::new(&engine_without_runtime());
         let plan = slot.plan(&job.resolve(0).unwrap(), &SceneSource::Local);
-        plan.unwrap().water.tolerance
+        plan.unwrap().tolerance
     };
     let noise = json!({"variant": "noise"});
     let camera = json!({"sensor": {"read_noise_e": 30.0, "full_well_e": 10_000.0}});

@@ -1,5 +1,6 @@
 //! When the style network runs, and what happens where it cannot.
 
+use optics::plan::StageId;
 use renderer::{SceneSource, Slot};
 use serde_json::json;
 
@@ -148,10 +149,9 @@ fn a_style_that_looks_at_the_range_is_expected_to_cost_more() {
         let plan = Slot::new(&engine_without_runtime())
             .plan(&job.resolve(0).unwrap(), &SceneSource::Local)
             .unwrap();
-        let lines = plan.lines();
-        let line = lines.into_iter().find(|line| line.stage == "style").unwrap();
-        assert_eq!(line.variant, "network");
-        line.cost_ms.unwrap()
+        let stage = plan.stage(StageId::Style).unwrap();
+        assert_eq!(stage.variant.name(), "network");
+        stage.cost_ms.unwrap()
     };
     let (plain, ranged) = (cost("atlantic"), cost("atlantic-range"));
     assert!(ranged > plain && plain > 0.0, "{ranged} against {plain}");

@@ -215,17 +215,11 @@ fn the_bounds_add_up_to_the_tolerance_or_the_plan_says_why() {
             let plan = slot
                 .plan(&job.resolve(index).unwrap(), &SceneSource::Local)
                 .unwrap();
-            let whole = plan.water.bounds().unwrap().into_iter().fold(0.0, f64::max);
-            assert_eq!(
-                plan.water.exceeds.is_some(),
-                whole > tolerance * 1.000_001,
-                "{whole:e} of {tolerance:e}"
-            );
-            let notes = plan.lines().into_iter().filter_map(|line| line.note);
-            let says_why = notes
-                .into_iter()
-                .any(|note| note.starts_with("exceeds the tolerance: the bounds add up to"));
-            assert_eq!(plan.water.exceeds.is_some(), says_why);
+            let promise = plan.promise().unwrap();
+            let says_why = promise.exceeds.is_some();
+            assert_eq!(says_why, promise.bound > tolerance * 1.000_001, "{promise:?}");
+            let reason = promise.exceeds.unwrap_or_default();
+            assert_eq!(reason.contains("raise `fidelity.tolerance`"), says_why);
             if says_why { explained += 1 } else { kept += 1 }
         }
     }

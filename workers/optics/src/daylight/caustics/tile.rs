@@ -94,6 +94,13 @@ impl Tiles {
         f64::from(self.peak)
     }
 
+    /// The root mean square of all places.
+    #[must_use]
+    pub fn root_mean_square(&self) -> f64 {
+        let squares = self.values.iter().map(|&v| f64::from(v) * f64::from(v));
+        (squares.sum::<f64>() / self.values.len().max(1) as f64).sqrt()
+    }
+
     /// The value of a cell at one of the depths.
     #[must_use]
     pub fn cell(&self, slice: usize, column: usize, row: usize) -> f32 {

@@ -1,7 +1,7 @@
 //! What the chain has wrong of the light of lamps: measured in six waters, with the phase function of Fournier and Forand and
 //! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/truth/lamps.md).
 
-use super::Conditions;
+use super::{Conditions, ModelError};
 use crate::lamp::{Lamp, Lighting};
 
 /// Distances of the measured walls, m.
@@ -87,20 +87,20 @@ const MEASURED: [Measured; 6] = [
 ];
 
 /// Light of lamps on surfaces.
-pub(super) fn surfaces(conditions: &Conditions<'_>) -> Option<String> {
+pub(super) fn surfaces(conditions: &Conditions<'_>) -> Option<ModelError> {
     let (lighting, measured) = single(conditions)?;
-    let (_, farthest) = conditions.stats.range_m?;
+    let (_, farthest) = conditions.bounds.range_m?;
     let wall = nearest(&WALLS_M, farthest)?;
     let found = lighting
         .lamps
         .iter()
         .map(|lamp| measured.surface[usize::from(lamp.is_spot())][wall]);
     let at = format!("{} m", WALLS_M[wall]);
-    Some(measured.says("on surfaces", found.map(|share| [share; 2]), &at))
+    Some(measured.describe("on surfaces", found.map(|share| [share; 2]), &at))
 }
 
 /// Light of lamps in the water.
-pub(super) fn glow(conditions: &Conditions<'_>) -> Option<String> {
+pub(super) fn glow(conditions: &Conditions<'_>) -> Option<ModelError> {
     let (lighting, measured) = single(conditions)?;
     if lighting.phase.rise > 0.0 {
         return None;
@@ -115,38 +115,38 @@ pub(super) fn glow(conditions: &Conditions<'_>) -> Option<String> {
     };
     let found: Option<Vec<[f64; 2]>> = lighting.lamps.iter().map(found).collect();
     let at = "a lamp beside the camera";
-    Some(measured.says("in the water", found?.into_iter(), at))
+    Some(measured.describe("in the water", found?.into_iter(), at))
 }
 
 /// Light of lamps on surfaces where that which scatters more than once is followed.
-pub(super) fn followed_surfaces(conditions: &Conditions<'_>) -> Option<String> {
+pub(super) fn followed_surfaces(conditions: &Conditions<'_>) -> Option<ModelError> {
     let lighting = followed(conditions)?;
-    let (_, farthest) = conditions.stats.range_m?;
+    let (_, farthest) = conditions.bounds.range_m?;
     nearest(&WALLS_M, farthest)?;
     let has_spots = lighting.lamps.iter().any(Lamp::is_spot);
-    let share = if has_spots { "0.89-1.31" } else { "0.98-1.04" };
-    Some(format!(
-        "light on surfaces {share} of the truth, measured in six waters at 1 to 4 m"
-    ))
+    let ratio = if has_spots { [0.89, 1.31] } else { [0.98, 1.04] };
+    let [least, most] = ratio;
+    let about =
+        format!("light on surfaces {least:.2}-{most:.2} of the truth, measured in six waters at 1 to 4 m");
+    Some(ModelError::found(ratio, about))
 }
 
 /// Light of lamps in the water where that which scatters more than once is followed.
-pub(super) fn followed_glow(conditions: &Conditions<'_>) -> Option<String> {
+pub(super) fn followed_glow(conditions: &Conditions<'_>) -> Option<ModelError> {
     let lighting = followed(conditions)?;
     let is_near = |lamp: &Lamp| nearest(&CAMERAS_M, lamp.distance_m()).is_some();
     let has_spots = lighting.lamps.iter().any(Lamp::is_spot);
-    let share = match (lighting.phase.rise > 0.0, has_spots) {
-        (false, false) => "0.71-1.23",
-        (false, true) => "0.62-1.60",
-        (true, false) => "0.84-1.22",
-        (true, true) => "0.84-1.57",
+    let ratio = match (lighting.phase.rise > 0.0, has_spots) {
+        (false, false) => [0.71, 1.23],
+        (false, true) => [0.62, 1.60],
+        (true, false) => [0.84, 1.22],
+        (true, true) => [0.84, 1.57],
     };
-    let says = || {
-        format!(
-            "light in the water {share} of the truth, measured in six waters for a lamp beside the camera"
-        )
-    };
-    lighting.lamps.iter().all(is_near).then(says)
+    let [least, most] = ratio;
+    let about = format!(
+        "light in the water {least:.2}-{most:.2} of the truth, measured in six waters for a lamp beside the camera"
+    );
+    (lighting.lamps.iter().all(is_near)).then(|| ModelError::found(ratio, about))
 }
 
 fn followed<'a>(conditions: &Conditions<'a>) -> Option<&'a Lighting> {
@@ -193,7 +193,7 @@ fn nearest(measured: &[f64], meters: f64) -> Option<usize> {
 }
 
 impl Measured {
-    fn says(&self, what: &str, found: impl Iterator<Item = [f64; 2]>, at: &str) -> String {
+    fn describe(&self, what: &str, found: impl Iterator<Item = [f64; 2]>, at: &str) -> ModelError {
         let (low, high) = found.fold((f64::INFINITY, 0.0f64), |(low, high), [least, greatest]| {
             (low.min(least), high.max(greatest))
         });
@@ -203,7 +203,8 @@ impl Measured {
             format!("{low}-{high}")
         };
         let (a, b) = (self.absorption, self.scattering);
-        format!("light {what} {share} of the truth, measured at a {a}, b {b} per meter for {at}")
+        let about = format!("light {what} {share} of the truth, measured at a {a}, b {b} per meter for {at}");
+        ModelError::found([low, high], about)
     }
 }
 

@@ -5,11 +5,12 @@ use std::borrow::Cow;
 use ::camera::sensor::{self, Chance, Raw, Sensor};
 use ::camera::{balance, jpeg, mosaic, preset, tone};
 use imaging::{Raster, Rgb, Rgb8, transfer};
+use optics::plan::StageId;
 use serde_json::{Value, json};
 use spec::{FrameRecord, Tone, WhiteBalance};
 
-use super::{Cameras, Taking};
-use crate::stage::Shot;
+use super::Cameras;
+use crate::context::FrameContext;
 
 /// The codes of a picture.
 pub(crate) struct Developed {
@@ -34,12 +35,12 @@ impl Developed {
 
 /// The codes of exposed light.
 pub(crate) fn develop(
-    shot: &Shot<'_>,
+    context: &FrameContext<'_>,
     light: &Rgb<f32>,
     cameras: &mut Cameras,
     record: &mut FrameRecord,
 ) -> Developed {
-    let Some(taking) = &shot.taking else {
+    let Some(taking) = &context.taking else {
         let (rgb, clamped) = transfer::encode_rgb8(light);
         return Developed {
             rgb,
@@ -52,13 +53,13 @@ pub(crate) fn develop(
     let mut light = Cow::Borrowed(light);
     let mut raw = None;
     if let Some(sensor) = &taking.parts.sensor {
-        let codes = read(shot, taking, sensor, &light, cameras);
-        light = Cow::Owned(if taking.plan.is_reference {
+        let codes = read(context, sensor, &light, cameras);
+        light = Cow::Owned(if context.runs_reference(StageId::Sensor) {
             mosaic::light_of_reference(&codes, sensor).map(|&v| v as f32)
         } else {
             mosaic::light_of(&codes, sensor)
         });
-        note(record, "sensor", described(shot, sensor));
+        note(record, "sensor", described(context, sensor));
         raw = Some(codes);
     }
     if let Some(law) = taking.parts.balance.filter(|law| *law != WhiteBalance::Off) {
@@ -83,13 +84,13 @@ pub(crate) fn develop(
     }
 }
 
-fn read(shot: &Shot<'_>, taking: &Taking, sensor: &Sensor, light: &Rgb<f32>, cameras: &mut Cameras) -> Raw {
-    let seed = shot.frame.camera.seed.unwrap_or(shot.frame.seed);
+fn read(context: &FrameContext<'_>, sensor: &Sensor, light: &Rgb<f32>, cameras: &mut Cameras) -> Raw {
+    let seed = context.frame.camera.seed.unwrap_or(context.frame.seed);
     let chance = Chance {
         seed,
-        frame: shot.frame.index,
+        frame: context.frame.index,
     };
-    if taking.plan.is_reference {
+    if context.runs_reference(StageId::Sensor) {
         return sensor::read_reference(&light.map(|&v| f64::from(v)), sensor, chance);
     }
     let planes = if sensor.cfa == spec::Cfa::None { 3 } else { 1 };
@@ -102,8 +103,8 @@ fn note(record: &mut FrameRecord, name: &str, value: Value) {
 }
 
 /// What one needs to read the raw codes, and where the numbers come from.
-fn described(shot: &Shot<'_>, sensor: &Sensor) -> Value {
-    let law = preset::complete(&shot.frame.camera).sensor.unwrap_or_default();
+fn described(context: &FrameContext<'_>, sensor: &Sensor) -> Value {
+    let law = preset::complete(&context.frame.camera).sensor.unwrap_or_default();
     let name = law.preset.as_deref().unwrap_or(preset::SENSORS[0].name);
     let source = preset::SensorPreset::find(name).map(|preset| {
         let assumed = if preset.is_assumed() {

@@ -1,15 +1,18 @@
-//! Exposure that follows its metering over the frames of a sequence. A frame can still be rendered alone: what was metered before
-//! is metered again, at a sixteenth of the sides.
+//! Exposure that follows its metering over the frames of a sequence. A frame can still be rendered alone: earlier frames are metered
+//! again, at a sixteenth of the sides and at one tolerance for any fidelity, so that the factor is known before the frame is
+//! planned and is the same in its reference.
 
 use ::camera::exposure::{lagging, metered};
 use imaging::Rgb;
-use spec::{Camera, Exposure, Frame};
+use spec::{Camera, Exposure, Fidelity, Frame};
 
 use super::shutter::falloff;
-use crate::stage::Shot;
+use crate::context::FrameContext;
 
 /// A small picture for metering: its sides over those of the frame.
 const SMALLER: usize = 16;
+/// The tolerance of small pictures.
+const TOLERANCE: f64 = 3e-4;
 /// What was metered this many times the lag before counts for less than a millionth.
 const LAGS: f64 = 14.0;
 
@@ -39,6 +42,7 @@ pub(crate) fn metered_frames(frame: &Frame) -> Vec<Frame> {
                 ..camera.clone()
             },
             artifacts: Vec::new(),
+            fidelity: Fidelity::Tolerance(TOLERANCE),
             ..frame.clone()
         }
     };
@@ -46,12 +50,12 @@ pub(crate) fn metered_frames(frame: &Frame) -> Vec<Frame> {
 }
 
 /// The exposure of the next frame of a sequence, from that before it and the light of its small picture.
-pub(crate) fn followed(shot: &Shot<'_>, light: &Rgb<f32>, before: Option<f64>) -> Option<f64> {
-    let exposure = shot.taking.as_ref()?.parts.exposure?;
+pub(crate) fn follow(context: &FrameContext<'_>, light: &Rgb<f32>, before: Option<f64>) -> Option<f64> {
+    let exposure = context.taking.as_ref()?.parts.exposure?;
     let Exposure::Auto(metering) = exposure else {
         return None;
     };
-    let now = metered(light, falloff(shot), &metering);
+    let now = metered(light, falloff(context), &metering);
     Some(match before {
         Some(before) => lagging(before, now, metering.lag_frames),
         None => now,

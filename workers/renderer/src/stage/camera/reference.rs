@@ -1,33 +1,31 @@
 //! The optics of the camera in f64, for frames that ask for the reference.
 
+use ::camera::defocus::Focus;
 use ::camera::geometry::{coordinates_reference, resample_reference};
 use ::camera::vignette::FallOff;
 use ::camera::{defocus, exposure};
-use imaging::Rgb;
+use imaging::{Plane, Rgb};
 use spec::Metering;
 
 use super::Taking;
-use crate::stage::Shot;
 
-/// Geometry and defocus.
-pub(super) fn gather(shot: &Shot<'_>, taking: &Taking, light: &Rgb<f32>) -> Rgb<f32> {
-    let mut picture = wide(light);
-    if let Some(source) = &taking.parts.source {
-        let planes = [0, 1, 2].map(|channel| {
-            let map = coordinates_reference(&taking.parts.lens, source, taking.parts.size, channel);
-            resample_reference(&picture.planes()[channel], &map)
-        });
-        picture = Rgb::new(planes).expect("three planes of one map");
-    }
-    if let (true, Some(focus), Some(range)) = (taking.plan.defocus, taking.parts.focus, shot.range()) {
-        let radii = range.map(|&meters| focus.radius_px(f64::from(meters)));
-        picture = defocus::blur_reference(&picture, &radii);
-    }
-    let picture = narrow(&picture);
-    match taking.shift_px {
-        Some(shift) => super::shutter::shifted(&picture, shift),
-        None => picture,
-    }
+/// A picture along the map of the lens.
+pub(super) fn resample(taking: &Taking, light: &Rgb<f32>) -> Rgb<f32> {
+    let Some(source) = &taking.parts.source else {
+        return light.clone();
+    };
+    let wide = wide(light);
+    let planes = [0, 1, 2].map(|channel| {
+        let map = coordinates_reference(&taking.parts.lens, source, taking.parts.size, channel);
+        resample_reference(&wide.planes()[channel], &map)
+    });
+    narrow(&Rgb::new(planes).expect("three planes of one map"))
+}
+
+/// Blur out of focus.
+pub(super) fn blur(picture: &Rgb<f32>, focus: &Focus, range: &Plane<f32>) -> Rgb<f32> {
+    let radii = range.map(|&meters| focus.radius_px(f64::from(meters)));
+    narrow(&defocus::blur_reference(&wide(picture), &radii))
 }
 
 /// The factor that meters a picture before its fall-off.

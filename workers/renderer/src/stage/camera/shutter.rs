@@ -6,33 +6,36 @@ use ::camera::geometry::pupil_error_px;
 use ::camera::vignette::FallOff;
 use ::camera::{defocus, exposure, vignette};
 use imaging::{Plane, Rgb};
+use optics::plan::{StageId, Variant};
 use optics::range::is_hole;
 use serde_json::json;
-use spec::{Exposure, FrameRecord, Port};
+use spec::{Exposure, Fidelity, FrameRecord, Port};
 
-use super::{haze_before, reference};
-use crate::stage::Shot;
+use super::{Taking, haze_before, reference};
+use crate::context::FrameContext;
 
 /// The light of a moment behind port and lens: haze in linear light, geometry, defocus and the movement of a picture.
-pub(crate) fn gather(shot: &Shot<'_>, scattered: &Rgb<f32>) -> Rgb<f32> {
-    let haze = haze_before(shot.frame);
+pub(crate) fn gather(context: &FrameContext<'_>, scattered: &Rgb<f32>) -> Rgb<f32> {
+    let haze = haze_before(context.frame);
     let light = if haze.is_empty() {
         Cow::Borrowed(scattered)
     } else {
         Cow::Owned(optics::haze(scattered.clone(), &haze))
     };
-    let Some(taking) = &shot.taking else {
+    let Some(taking) = &context.taking else {
         return light.into_owned();
     };
-    if taking.plan.is_reference {
-        return reference::gather(shot, taking, &light);
-    }
     let mut picture = match &taking.sampling {
-        Some(sampling) => sampling.picture(&light),
         None => light.into_owned(),
+        Some(_) if context.runs_reference(StageId::Geometry) => reference::resample(taking, &light),
+        Some(sampling) => sampling.picture(&light),
     };
-    if let (true, Some(focus), Some(range)) = (taking.plan.defocus, taking.parts.focus, shot.range()) {
-        picture = defocus::blur(&picture, &focus.radii(range));
+    if let (Some(focus), Some(range)) = (taking.parts.focus, context.range()) {
+        match context.plan.variant(StageId::Defocus) {
+            Variant::Skip => {}
+            Variant::Reference => picture = reference::blur(&picture, &focus, range),
+            _ => picture = defocus::blur(&picture, &focus.radii(range)),
+        }
     }
     match taking.shift_px {
         Some(shift) => shifted(&picture, shift),
@@ -75,37 +78,54 @@ fn add_moved(sums: &mut Plane<f32>, plane: &Plane<f32>, across: f64, down: f64) 
     }
 }
 
-/// The picture with vignette and exposure; what they are goes into the record. `before` is the factor of the frame before it in
-/// a sequence whose exposure lags.
+/// An exposed picture.
+pub(crate) struct Exposed {
+    pub(crate) picture: Rgb<f32>,
+    /// The factor of the exposure.
+    pub(crate) gain: f64,
+}
+
+/// The picture with vignette and exposure; their numbers go into the record. `lagging` is the factor of a sequence whose exposure
+/// lags.
 pub(crate) fn expose(
-    shot: &Shot<'_>,
+    context: &FrameContext<'_>,
     mut picture: Rgb<f32>,
     lagging: Option<f64>,
     record: &mut FrameRecord,
-) -> Rgb<f32> {
-    let Some(taking) = &shot.taking else {
-        return picture;
+) -> Exposed {
+    let Some(taking) = &context.taking else {
+        return Exposed { picture, gain: 1.0 };
     };
-    let falloff = falloff(shot);
-    let gain = match taking.parts.exposure {
-        None => 1.0,
-        Some(Exposure::Fixed(gain)) => gain,
-        Some(Exposure::Auto(metering)) => match lagging {
-            Some(gain) => gain,
-            None if taking.plan.is_reference => reference::metered(&picture, falloff, &metering),
-            None => exposure::metered(&picture, falloff, &metering),
-        },
+    let falloff = falloff(context);
+    let is_reference = context.frame.fidelity == Fidelity::REFERENCE;
+    let gain = match (taking.parts.exposure, lagging) {
+        (None, _) => 1.0,
+        (Some(Exposure::Fixed(gain)), _) | (Some(Exposure::Auto(_)), Some(gain)) => gain,
+        (Some(Exposure::Auto(metering)), None) if is_reference => {
+            reference::metered(&picture, falloff, &metering)
+        }
+        (Some(Exposure::Auto(metering)), None) => exposure::metered(&picture, falloff, &metering),
     };
+    describe(context, taking, gain, record);
+    if is_reference {
+        picture = reference::expose(&picture, falloff, gain);
+    } else if falloff.is_some() || gain != 1.0 {
+        vignette::expose(&mut picture, falloff, gain);
+    }
+    Exposed { picture, gain }
+}
+
+fn describe(context: &FrameContext<'_>, taking: &Taking, gain: f64, record: &mut FrameRecord) {
     let numbers = record.optics.entry("camera").or_insert_with(|| json!({}));
     numbers["exposure_gain"] = json!(gain);
-    if let Some(lens) = shot.lens() {
+    if let Some(lens) = context.lens() {
         numbers["lens"] = json!(lens);
     }
-    if let Some(error) = port_error(shot) {
+    if let Some(error) = port_error(context) {
         numbers["port_error_px"] = json!(error);
     }
     if let Some(focus) = taking.parts.focus {
-        let radii = shot.range().map(|range| focus.radii(range));
+        let radii = context.range().map(|range| focus.radii(range));
         let most = radii.map_or(0.0, |radii| radii.data().iter().copied().fold(0.0, f32::max));
         numbers["largest_blur_px"] = json!(most);
         if f64::from(most) >= defocus::MOST_PX {
@@ -113,20 +133,13 @@ pub(crate) fn expose(
             record.warnings.push(warning);
         }
     }
-    if taking.plan.is_reference {
-        return reference::expose(&picture, falloff, gain);
-    }
-    if falloff.is_some() || gain != 1.0 {
-        vignette::expose(&mut picture, falloff, gain);
-    }
-    picture
 }
 
 /// What a flat port whose pupil has a place of its own leaves of error in the corner at the median range, px.
-fn port_error(shot: &Shot<'_>) -> Option<f64> {
-    let taking = shot.taking.as_ref()?;
-    let port = ::camera::preset::complete(&shot.frame.camera).port?;
-    let mut meters: Vec<f32> = shot
+fn port_error(context: &FrameContext<'_>) -> Option<f64> {
+    let taking = context.taking.as_ref()?;
+    let port = ::camera::preset::complete(&context.frame.camera).port?;
+    let mut meters: Vec<f32> = context
         .range()?
         .data()
         .iter()
@@ -148,7 +161,7 @@ fn port_error(shot: &Shot<'_>) -> Option<f64> {
 }
 
 /// The fall-off, where the plan runs it.
-pub(crate) fn falloff<'a>(shot: &'a Shot<'_>) -> Option<&'a FallOff> {
-    let taking = shot.taking.as_ref()?;
-    taking.parts.falloff.as_ref().filter(|_| taking.plan.vignette)
+pub(crate) fn falloff<'a>(context: &'a FrameContext<'_>) -> Option<&'a FallOff> {
+    let falloff = context.taking.as_ref()?.parts.falloff.as_ref();
+    falloff.filter(|_| !context.plan.variant(StageId::Vignette).is_skipped())
 }

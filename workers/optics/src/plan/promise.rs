@@ -1,0 +1,189 @@
+//! What a plan promises: one number and one sentence, wherever they are printed or stored.
+
+use spec::Promise;
+
+use super::{MOST_TERMS, Plan, StageId, Variant};
+
+/// The largest tolerance of a description.
+const MOST_TOLERANCE: f64 = 1.0;
+/// A bound may exceed a tolerance by the rounding of its own sum.
+const SUM_ROUNDING: f64 = 1e-9;
+
+impl Plan {
+    /// What the plan promises; `None` if the frame asks for no tolerance.
+    #[must_use]
+    pub fn promise(&self) -> Option<Promise> {
+        let tolerance = self.tolerance?;
+        let errors = self.errors().map(super::ErrorBound::up_to_white);
+        let bound = errors.into_iter().fold(0.0, f64::max);
+        let unbounded: Vec<_> = self.unbounded().map(|id| id.name().to_owned()).collect();
+        let apart = if unbounded.is_empty() {
+            String::new()
+        } else {
+            format!(", apart from {}, whose errors have no bound", join(&unbounded))
+        };
+        let exceeds = self.find_excess(bound, tolerance);
+        let text = format!(
+            "Every sample of the exposed light, from black to white, is within {bound:.2e} of the exact chain{apart}."
+        );
+        Some(Promise {
+            bound,
+            tolerance,
+            unbounded,
+            exceeds,
+            text,
+        })
+    }
+
+    /// Stages before the picture that run without a bound.
+    pub fn unbounded(&self) -> impl Iterator<Item = StageId> {
+        let promised = self.stages.iter().filter(|stage| stage.id.is_promised());
+        promised
+            .filter(|stage| stage.is_unbounded())
+            .map(|stage| stage.id)
+    }
+
+    /// Why the bound exceeds the tolerance, and what to change.
+    fn find_excess(&self, bound: f64, tolerance: f64) -> Option<String> {
+        if bound <= tolerance * (1.0 + SUM_ROUNDING) {
+            return None;
+        }
+        let worst = self.find_largest();
+        let culprit = worst.map_or(String::new(), |(id, error)| {
+            format!(", most of it ({error:.2e}) from {}", id.name())
+        });
+        let remedy = match worst.map(|(id, _)| id) {
+            Some(StageId::Lamps | StageId::LampShadows | StageId::Glow) => {
+                " or lower the intensity of the lamps or move them away from surfaces"
+            }
+            Some(StageId::Exposure) => " or lower `camera.exposure`",
+            Some(StageId::Defocus) => " or lower `camera.defocus.aperture_m`",
+            Some(StageId::ForwardScatter(_)) if self.needs_most_kernels() => {
+                " or choose a water that scatters less"
+            }
+            _ => "",
+        };
+        let enough = round_up(bound);
+        let raise = if enough <= MOST_TOLERANCE {
+            format!("raise `fidelity.tolerance` to {enough:e}")
+        } else {
+            "no tolerance is large enough".to_owned()
+        };
+        Some(format!(
+            "the bounds add up to {bound:.2e} and the tolerance is {tolerance:.2e}{culprit}; {raise}{remedy}"
+        ))
+    }
+
+    /// The stage that adds most to the error of the exposed light, and that error.
+    fn find_largest(&self) -> Option<(StageId, f64)> {
+        let promised: Vec<_> = self
+            .stages
+            .iter()
+            .filter(|stage| stage.id.is_promised())
+            .collect();
+        let share = |at: usize| {
+            let gain = super::compose_gain(promised[at + 1..].iter().copied().filter(|stage| {
+                let own = promised[at].id.channel();
+                stage
+                    .id
+                    .channel()
+                    .is_none_or(|channel| own.is_none_or(|own| own == channel))
+            }));
+            promised[at].bound.unwrap_or_default().behind(gain).up_to_white()
+        };
+        let shares = (0..promised.len()).map(|at| (promised[at].id, share(at)));
+        shares.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    fn needs_most_kernels(&self) -> bool {
+        let scatter = (0..3).map(|channel| self.variant(StageId::ForwardScatter(channel)));
+        scatter
+            .filter_map(Variant::kernels)
+            .any(|terms| terms >= MOST_TERMS)
+    }
+}
+
+/// The next number of one digit.
+fn round_up(value: f64) -> f64 {
+    let scale = 10f64.powf(value.log10().floor());
+    let digit = (value / scale).ceil();
+    format!("{digit}e{}", scale.log10().round())
+        .parse()
+        .unwrap_or(value)
+}
+
+fn join(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [only] => only.clone(),
+        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ErrorBound, Gain, Stage};
+    use super::*;
+
+    fn plan(bound: f64, gain: f64) -> Plan {
+        let lamps = Stage {
+            bound: Some(ErrorBound::absolute(bound)),
+            ..Stage::new(StageId::Lamps, Variant::Fast("f32"))
+        };
+        let exposure = Stage {
+            bound: Some(ErrorBound::relative(1e-7)),
+            gain: Gain::factor(gain),
+            ..Stage::new(StageId::Exposure, Variant::Fast("fixed"))
+        };
+        let style = Stage {
+            bound: Some(ErrorBound::absolute(1.0)),
+            ..Stage::new(StageId::Style, Variant::Fast("table"))
+        };
+        Plan {
+            tolerance: Some(3e-4),
+            stages: vec![lamps, exposure, style],
+        }
+    }
+
+    #[test]
+    fn an_exposure_amplifies_errors_and_a_style_is_not_counted() {
+        let promise = plan(1e-5, 20.0).promise().unwrap();
+        assert!((promise.bound - (2e-4 + 1e-7)).abs() < 1e-12, "{promise:?}");
+        assert_eq!(promise.exceeds, None);
+        assert!(
+            promise.text.contains("within 2.00e-4 of the exact chain."),
+            "{}",
+            promise.text
+        );
+    }
+
+    #[test]
+    fn a_bound_above_the_tolerance_names_the_stage_and_the_remedy() {
+        let exceeds = plan(1e-4, 20.0).promise().unwrap().exceeds.unwrap();
+        assert!(
+            exceeds.contains("2.00e-3") && exceeds.contains("from lamps"),
+            "{exceeds}"
+        );
+        assert!(
+            exceeds.contains("raise `fidelity.tolerance` to 3e-3"),
+            "{exceeds}"
+        );
+        assert!(exceeds.contains("lower the intensity"), "{exceeds}");
+    }
+
+    #[test]
+    fn stages_without_a_bound_are_named() {
+        let mut plan = plan(1e-5, 1.0);
+        plan.stages[0].bound = None;
+        let promise = plan.promise().unwrap();
+        assert_eq!(promise.unbounded, ["lamps"]);
+        assert!(promise.text.contains("apart from lamps,"), "{}", promise.text);
+    }
+
+    #[test]
+    fn a_limit_is_rounded_up_to_one_digit() {
+        assert_eq!(round_up(2.0001e-3), 3e-3);
+        assert_eq!(round_up(9.5e-4), 1e-3);
+        assert_eq!(round_up(0.3), 0.3);
+    }
+}

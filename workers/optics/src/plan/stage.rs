@@ -1,0 +1,293 @@
+//! One stage of a plan.
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+
+use super::{ErrorBound, Gain, ModelError, Shadows};
+use crate::forward_scatter::{Kernels, Nodes};
+use crate::layering::Layering;
+
+/// The stages in the order in which light passes through them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum StageId {
+    /// Daylight at the depth of the scene, one factor for each channel.
+    SceneLight,
+    /// Irradiance of surfaces by daylight.
+    Surfaces,
+    /// Shadows of the sun.
+    SunShadow,
+    /// Ambient occlusion of daylight.
+    AmbientAccess,
+    /// The pattern of the waves on surfaces and in the water.
+    Caustics,
+    /// Paths through patches of murkier water.
+    Turbidity,
+    /// Light of lamps on surfaces.
+    Lamps,
+    /// Shadows of lamps on surfaces.
+    LampShadows,
+    /// Attenuation, and the rounding of all of the water.
+    Attenuation,
+    /// The veil by direction.
+    Veil,
+    /// Occlusion-aware forward scatter: gates that stop spread light.
+    Occlusion,
+    /// Forward scatter of a channel.
+    ForwardScatter(u8),
+    /// Airlight of lamps.
+    Glow,
+    /// Shadows of lamps in their airlight.
+    GlowShadows,
+    /// Clouds of sediment.
+    Sediment,
+    /// Marine snow.
+    Snow,
+    /// Several poses or moments in one exposure.
+    Movement,
+    /// Lens, port and supersampling.
+    Geometry,
+    /// Blur out of focus.
+    Defocus,
+    /// Fall-off towards the corners.
+    Vignette,
+    /// The factor of the exposure.
+    Exposure,
+    /// The style network.
+    Style,
+    /// Haze of artificial lights.
+    Haze,
+    /// Noise and codes of the sensor.
+    Sensor,
+    /// Color from the mosaic of the sensor.
+    Demosaic,
+    /// White balance.
+    WhiteBalance,
+    /// Compression.
+    Jpeg,
+    /// Enhancement methods.
+    Enhance,
+    /// The variant of the method `ibla`.
+    Ibla,
+    /// Monte Carlo reference.
+    Truth,
+}
+
+impl StageId {
+    /// The name in plans, records and the API.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SceneLight => "scene_light",
+            Self::Surfaces => "surfaces",
+            Self::SunShadow => "sun_shadow",
+            Self::AmbientAccess => "ambient_access",
+            Self::Caustics => "caustics",
+            Self::Turbidity => "turbidity",
+            Self::Lamps => "lamps",
+            Self::LampShadows => "lamp_shadows",
+            Self::Attenuation => "attenuation",
+            Self::Veil => "veil",
+            Self::Occlusion => "occlusion",
+            Self::ForwardScatter(channel) => {
+                ["forward_scatter.r", "forward_scatter.g", "forward_scatter.b"][usize::from(channel % 3)]
+            }
+            Self::Glow => "glow",
+            Self::GlowShadows => "glow_shadows",
+            Self::Sediment => "sediment",
+            Self::Snow => "snow",
+            Self::Movement => "camera.movement",
+            Self::Geometry => "camera.geometry",
+            Self::Defocus => "camera.defocus",
+            Self::Vignette => "camera.vignette",
+            Self::Exposure => "camera.exposure",
+            Self::Style => "style",
+            Self::Haze => "haze",
+            Self::Sensor => "camera.sensor",
+            Self::Demosaic => "camera.demosaic",
+            Self::WhiteBalance => "camera.white_balance",
+            Self::Jpeg => "camera.jpeg",
+            Self::Enhance => "enhance",
+            Self::Ibla => "enhance.ibla",
+            Self::Truth => "truth",
+        }
+    }
+
+    /// Whether the promise of a plan counts its error: up to the exposed light.
+    #[must_use]
+    pub fn is_promised(self) -> bool {
+        self <= Self::Exposure
+    }
+
+    /// The only channel that it changes; `None` for all three.
+    #[must_use]
+    pub fn channel(self) -> Option<usize> {
+        match self {
+            Self::ForwardScatter(channel) => Some(usize::from(channel)),
+            _ => None,
+        }
+    }
+}
+
+/// The variant of a stage that runs.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Variant {
+    /// None: the stage changes nothing, or less than its share.
+    Skip,
+    /// The fast one of this name.
+    Fast(&'static str),
+    /// In f64.
+    Reference,
+    /// Forward scatter with a kernel narrower than a pixel.
+    Pointwise,
+    /// Forward scatter interpolated between these kernels.
+    Interpolated(Nodes),
+    /// Forward scatter with two kernels on each path or behind gates: the nodes of each layer, nearest first, of one layer without gates.
+    Layered(Vec<Kernels>),
+    /// Gates between these layers.
+    Gated(Layering),
+    /// Shadows of these lamps.
+    Shadows(Box<Shadows>),
+}
+
+impl Variant {
+    /// The name in plans, records and the API.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Skip => "skip",
+            Self::Fast(name) => name,
+            Self::Reference => "reference",
+            Self::Pointwise => "pointwise",
+            Self::Interpolated(_) | Self::Layered(_) => "chebyshev",
+            Self::Gated(_) => "gated",
+            Self::Shadows(shadows) => shadows.variant(),
+        }
+    }
+
+    /// Whether nothing runs.
+    #[must_use]
+    pub fn is_skipped(&self) -> bool {
+        self.name() == "skip"
+    }
+
+    /// Kernels of forward scatter; `None` without a transform.
+    #[must_use]
+    pub fn kernels(&self) -> Option<usize> {
+        match self {
+            Self::Interpolated(nodes) => Some(nodes.terms()),
+            Self::Layered(layers) => Some(layers.iter().map(Kernels::terms).sum()),
+            _ => None,
+        }
+    }
+}
+
+/// A stage of a plan: the variant that runs, its error, its cost, and the distance of its model from the truth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stage {
+    /// Which stage.
+    pub id: StageId,
+    /// What runs.
+    pub variant: Variant,
+    /// Kernels, lamps, rays or layers.
+    pub terms: Option<usize>,
+    /// Part of the tolerance assigned to it, at its output.
+    pub share: Option<f64>,
+    /// The largest error it can add at its own output. `None` where nothing bounds it, or where it is the reference.
+    pub bound: Option<ErrorBound>,
+    /// How an error at its input appears at its output.
+    pub gain: Gain,
+    /// Expected milliseconds; `None` in f64.
+    pub cost_ms: Option<f64>,
+    /// Distance of its model from radiative transfer.
+    pub model_error: ModelError,
+    /// What to know about it.
+    pub note: Option<String>,
+}
+
+impl Stage {
+    /// A stage without error, at no cost, that passes errors as they are.
+    #[must_use]
+    pub fn new(id: StageId, variant: Variant) -> Self {
+        let cost_ms = (variant != Variant::Reference).then_some(0.0);
+        Self {
+            id,
+            variant,
+            terms: None,
+            share: None,
+            bound: Some(ErrorBound::EXACT),
+            gain: Gain::ONE,
+            cost_ms,
+            model_error: ModelError::NoModel,
+            note: None,
+        }
+    }
+
+    /// A stage that does not run.
+    #[must_use]
+    pub fn skipped(id: StageId) -> Self {
+        Self::new(id, Variant::Skip)
+    }
+
+    /// The same stage at this many nanoseconds for each of some pixels; in f64 and where nothing runs the cost stays.
+    #[must_use]
+    pub fn costing(mut self, ns: f64, pixels: usize) -> Self {
+        if self.variant != Variant::Reference && !self.variant.is_skipped() {
+            // Two digits are more than the cost model is worth.
+            self.cost_ms = Some((ns * pixels as f64 / 1e4).round() / 100.0);
+        }
+        self
+    }
+
+    /// Whether it runs without anything that bounds its error.
+    #[must_use]
+    pub fn is_unbounded(&self) -> bool {
+        self.bound.is_none() && self.variant != Variant::Reference && !self.variant.is_skipped()
+    }
+}
+
+impl Serialize for Stage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("stage", self.id.name())?;
+        map.serialize_entry("variant", self.variant.name())?;
+        let mut entry = |name: &str, value: Option<f64>| match value {
+            Some(value) => map.serialize_entry(name, &value),
+            None => Ok(()),
+        };
+        entry("share", self.share)?;
+        entry("bound", self.printed_bound())?;
+        entry("gain", self.printed_gain())?;
+        entry("cost_ms", self.cost_ms)?;
+        if let Some(terms) = self.terms {
+            map.serialize_entry("terms", &terms)?;
+        }
+        if let Some(error) = self.printed_model_error() {
+            map.serialize_entry("model_error", &error)?;
+        }
+        if let Some(note) = &self.note {
+            map.serialize_entry("note", note)?;
+        }
+        map.end()
+    }
+}
+
+impl Stage {
+    /// The error up to white that is printed; `None` of stages without one.
+    #[must_use]
+    pub fn printed_bound(&self) -> Option<f64> {
+        self.bound
+            .map(ErrorBound::up_to_white)
+            .filter(|bound| *bound > 0.0)
+    }
+
+    fn printed_gain(&self) -> Option<f64> {
+        (self.gain != Gain::ONE).then_some(self.gain.absolute)
+    }
+
+    /// What is printed of its model; `None` of stages that do not run or have no truth.
+    #[must_use]
+    pub fn printed_model_error(&self) -> Option<String> {
+        let is_known = self.model_error != ModelError::NoModel && !self.variant.is_skipped();
+        is_known.then(|| self.model_error.to_string())
+    }
+}

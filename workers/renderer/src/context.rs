@@ -1,0 +1,174 @@
+//! A frame before its light: description, scene, surroundings, camera and plan.
+
+use std::borrow::Cow;
+
+use ::camera::geometry::Refraction;
+use imaging::rays::Rays;
+use imaging::{Plane, Rgb};
+use optics::plan::{Plan, StageId, Variant};
+use optics::range::is_hole;
+use optics::setting::Setting;
+use optics::visible_bounds::VisibleBounds;
+use scenes::Labels;
+use spec::{Frame, Intrinsics, LensRecord};
+
+use crate::error::RenderError;
+use crate::stage::camera::{self, Cameras, Taking};
+use crate::stage::daylight::{LastTiles, Pattern};
+use crate::stage::scene::Prepared;
+use crate::stage::snow::Shutter;
+use crate::stage::{daylight, rays, turbidity};
+use crate::stopwatch::Stopwatch;
+
+/// The inputs of the stages of one moment of a frame; none of them changes it.
+pub(crate) struct FrameContext<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) prepared: &'a Prepared,
+    pub(crate) setting: Setting,
+    /// Paths through patches of murkier water; `None` in even water.
+    patchy: Option<Plane<f32>>,
+    /// The pattern of the waves; `None` without caustics.
+    pub(crate) pattern: Option<Pattern>,
+    /// Bounds of the picture, tile by tile; `None` without range.
+    pub(crate) view: Option<VisibleBounds>,
+    /// What occludes the sun and lamps; `None` if neither casts shadows.
+    pub(crate) occluders: Option<Box<dyn Rays + Sync + 'a>>,
+    /// Through what, when and for how long particles are seen.
+    pub(crate) shutter: Shutter,
+    /// The camera; `None` of a pinhole, which shows the scene as it is.
+    pub(crate) taking: Option<Taking>,
+    pub(crate) plan: Plan,
+}
+
+/// Resources that contexts are made with and that another frame may use again.
+#[derive(Default)]
+pub(crate) struct Resources {
+    pub(crate) cameras: Cameras,
+    tiles: LastTiles,
+}
+
+impl<'a> FrameContext<'a> {
+    /// The context of a frame so many frames of its path after its own time, without a plan yet.
+    pub(crate) fn new(
+        frame: &'a Frame,
+        prepared: &'a Prepared,
+        later: f64,
+        resources: &mut Resources,
+        watch: &mut Stopwatch,
+    ) -> Result<Self, RenderError> {
+        let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
+        let taking = camera::taking(frame, prepared, &mut resources.cameras)?;
+        let range = prepared.scene.range.as_ref();
+        let patchy = watch.time("turbidity", || turbidity::run(frame, range?, &setting));
+        let pattern = watch.time("above", || {
+            daylight::pattern(frame, &setting, range?, &mut resources.tiles)
+        });
+        let view =
+            range.map(|range| VisibleBounds::measure(&prepared.scene.radiance, range, &setting.eye.camera));
+        Ok(Self {
+            occluders: rays::occluders(frame, prepared, &setting),
+            shutter: Shutter::new(frame, taking.as_ref().map(|taking| &taking.parts), later),
+            frame,
+            prepared,
+            setting,
+            patchy,
+            pattern,
+            view,
+            taking,
+            plan: Plan::default(),
+        })
+    }
+
+    /// The occluders of the sun and lamps.
+    pub(crate) fn rays(&self) -> Option<&dyn Rays> {
+        self.occluders.as_deref().map(|rays| rays as &dyn Rays)
+    }
+
+    /// Whether a stage runs in f64.
+    pub(crate) fn runs_reference(&self, id: StageId) -> bool {
+        *self.plan.variant(id) == Variant::Reference
+    }
+
+    /// Meters of mean water before each pixel: its range, or its path through patches; `None` without range.
+    pub(crate) fn path(&self) -> Option<&Plane<f32>> {
+        self.patchy.as_ref().or(self.prepared.scene.range.as_ref())
+    }
+
+    /// Mean, least and greatest path as a share of the range; `None` in even water or in a frame of holes.
+    pub(crate) fn path_factors(&self) -> Option<[f64; 3]> {
+        let (path, range) = (self.patchy.as_ref()?, self.prepared.scene.range.as_ref()?);
+        let pairs = path.data().iter().zip(range.data());
+        let factors = pairs
+            .filter(|(_, z)| !is_hole(**z))
+            .map(|(path, z)| f64::from(*path) / f64::from(*z));
+        let (mut count, mut sum, mut least, mut most) = (0.0, 0.0, f64::INFINITY, 0.0f64);
+        for factor in factors {
+            (count, sum) = (count + 1.0, sum + factor);
+            (least, most) = (least.min(factor), most.max(factor));
+        }
+        (count > 0.0).then(|| [sum / count, least, most])
+    }
+
+    /// A layer of the scene as the camera's picture shows it.
+    pub(crate) fn view<'l>(&self, layer: &'l Rgb<f32>) -> Cow<'l, Rgb<f32>> {
+        match self.taking.as_ref().and_then(|taking| taking.sampling.as_ref()) {
+            Some(sampling) => Cow::Owned(sampling.picture(layer)),
+            None => Cow::Borrowed(layer),
+        }
+    }
+
+    /// Labels of the scene as the camera's picture shows them.
+    pub(crate) fn view_labels<'l, T: Copy>(&self, labels: &'l Plane<T>) -> Cow<'l, Plane<T>> {
+        match self.taking.as_ref().and_then(|taking| taking.sampling.as_ref()) {
+            Some(sampling) => Cow::Owned(sampling.labels(labels)),
+            None => Cow::Borrowed(labels),
+        }
+    }
+
+    /// The camera of the picture: in air, of one behind a port.
+    pub(crate) fn intrinsics(&self) -> Intrinsics {
+        match &self.taking {
+            Some(taking) => taking.parts.lens.camera,
+            None => self.prepared.view().camera,
+        }
+    }
+
+    /// What bends the rays of that camera; none of a pinhole.
+    pub(crate) fn lens(&self) -> Option<LensRecord> {
+        let taking = self.taking.as_ref()?;
+        taking.sampling.as_ref()?;
+        let refraction = taking.parts.lens.refraction;
+        Some(LensRecord {
+            model: "brown-conrady".to_owned(),
+            distortion: taking.parts.lens.distortion,
+            flat_port_n_w: match refraction {
+                Refraction::Flat { index } => Some(index),
+                Refraction::None => None,
+            },
+        })
+    }
+
+    /// The range of every pixel of the picture.
+    pub(crate) fn range(&self) -> Option<&Plane<f32>> {
+        match self.taking.as_ref().and_then(|taking| taking.seen.as_ref()) {
+            Some(seen) => seen.range.as_ref(),
+            None => self.prepared.scene.range.as_ref(),
+        }
+    }
+
+    /// The instance of every pixel of the picture.
+    pub(crate) fn instances(&self) -> Option<&Plane<u16>> {
+        match self.taking.as_ref().and_then(|taking| taking.seen.as_ref()) {
+            Some(seen) => seen.instances.as_ref(),
+            None => self.prepared.scene.instances.as_ref(),
+        }
+    }
+
+    /// The labels of the picture.
+    pub(crate) fn labels(&self) -> Option<&Labels> {
+        match self.taking.as_ref().and_then(|taking| taking.seen.as_ref()) {
+            Some(seen) => seen.labels.as_ref(),
+            None => self.prepared.labels.as_ref(),
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! The light of one moment of a frame, from surfaces to the window of the camera: `I = D + F + B`, airlight and particles.
+
+use imaging::{Plane, Rgb};
+use optics::chain::Layers;
+use optics::forward_scatter::KernelCache;
+use spec::FrameRecord;
+
+use crate::context::FrameContext;
+use crate::error::RenderError;
+use crate::stage::{airlight, daylight, lamps, sediment, snow, water};
+use crate::stopwatch::Stopwatch;
+
+/// The light of a moment before its camera.
+pub(crate) struct Light {
+    /// The parts of the image; `scattered` is all of it.
+    pub(crate) layers: Layers,
+    /// Airlight of lamps, a part of the backscatter; `None` without.
+    pub(crate) airlight: Option<Rgb<f32>>,
+    /// Opacity of clouds and snow; `None` if none were drawn.
+    pub(crate) mask: Option<Plane<f32>>,
+}
+
+/// Renders a moment as planned. Numbers and warnings of its stages go into the record.
+pub(crate) fn render(
+    context: &FrameContext<'_>,
+    kernels: &mut KernelCache,
+    record: &mut FrameRecord,
+    watch: &mut Stopwatch,
+) -> Result<Light, RenderError> {
+    let daylit = watch.time("above", || daylight::run(context));
+    let scene = watch.time("lamps", || lamps::run(context, daylit));
+    let radiance = scene
+        .radiance
+        .as_ref()
+        .unwrap_or(&context.prepared.scene.radiance);
+    let mut layers = watch.time("water", || water::run(context, radiance, kernels))?;
+    watch.time("water", || daylight::run_shafts(context, &mut layers));
+    let airlight = watch.time("lamps", || airlight::run(context));
+    if let Some(airlight) = &airlight {
+        airlight::add(airlight, &mut layers);
+    }
+    if context.setting.lighting.is_some()
+        && !scene.has_lamp_light
+        && !airlight.as_ref().is_some_and(lamps::has_light)
+    {
+        record.warnings.push("no lamp lights anything in view".to_owned());
+    }
+    let picture = &mut layers.scattered;
+    let mask = watch.time("snow", || {
+        let clouded = sediment::run(context, picture, record);
+        snow::run(context, clouded, picture, record)
+    });
+    Ok(Light {
+        layers,
+        airlight,
+        mask,
+    })
+}

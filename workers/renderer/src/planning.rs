@@ -1,0 +1,159 @@
+//! The plan of a frame: every stage is assessed from cheap bounds before any light is computed.
+
+use optics::lamp::{self, AirlightBounds, SurfaceBounds};
+use optics::plan::{
+    Budget, Conditions, ModelError, Plan, SceneBounds, Stage, TileGains, Variant, brightest_behind,
+    frame_tolerance,
+};
+use optics::setting::Setting;
+use optics::visible_bounds::TILE_PX;
+use spec::Fidelity;
+
+use crate::context::FrameContext;
+use crate::engine::Engine;
+use crate::error::RenderError;
+use crate::stage::camera::Expected;
+use crate::stage::{
+    airlight, camera, daylight, enhance, haze, lamps, sediment, snow, style, truth, turbidity, water,
+};
+
+/// Everything that stages are assessed from.
+pub(crate) struct Assessment<'a> {
+    pub(crate) context: &'a FrameContext<'a>,
+    /// The scene in the brightest light that it may have.
+    pub(crate) bounds: SceneBounds,
+    /// Light of lamps on surfaces; `None` without lamps.
+    pub(crate) surfaces: Option<SurfaceBounds>,
+    /// Airlight of lamps; `None` without lamps.
+    pub(crate) airlight: Option<AirlightBounds>,
+    pub(crate) budget: Budget,
+}
+
+impl Assessment<'_> {
+    /// The variant of a stage that runs: the reference if the frame asks for it.
+    pub(crate) fn variant(&self, fast: &'static str) -> Variant {
+        if self.is_reference() {
+            Variant::Reference
+        } else {
+            Variant::Fast(fast)
+        }
+    }
+
+    pub(crate) fn is_reference(&self) -> bool {
+        self.context.frame.fidelity == Fidelity::REFERENCE
+    }
+
+    /// Pixels of the picture that the scene is seen in.
+    pub(crate) fn pixels(&self) -> usize {
+        self.bounds.pixels
+    }
+
+    /// No light behind particles is brighter, with airlight up to this.
+    pub(crate) fn brightest_behind(&self, airlight: f64) -> f64 {
+        brightest_behind(&self.bounds, self.context.setting.around.as_ref(), airlight)
+    }
+
+    /// No light of lamps in the water is brighter.
+    pub(crate) fn airlight_peak(&self) -> f64 {
+        self.airlight
+            .as_ref()
+            .map_or(0.0, |bounds| bounds.peak.into_iter().fold(0.0, f64::max))
+    }
+}
+
+/// Plans a moment of a frame whose exposure is expected; within the error that was promised before, if there is one.
+pub(crate) fn plan_frame(
+    context: &FrameContext<'_>,
+    expected: Option<Expected>,
+    promised: Option<f64>,
+    engine: &Engine,
+) -> Result<Plan, RenderError> {
+    let Setting { lighting, around, .. } = &context.setting;
+    let seen = lighting.as_ref().zip(context.view.as_ref());
+    let surfaces = seen.map(|(lighting, view)| lamp::bound_irradiance(lighting, view));
+    let bounds = bound_scene(context, surfaces.as_ref());
+    let tolerance = frame_tolerance(context.frame, &bounds, around.as_ref());
+    let target = tolerance.map(|tolerance| promised.map_or(tolerance, |bound| bound.min(tolerance)));
+    let optics = camera::assess_optics(context, expected, target);
+    let assessment = Assessment {
+        context,
+        airlight: seen.map(|(lighting, view)| lamp::bound_airlight(lighting, view)),
+        surfaces,
+        bounds,
+        budget: Budget::new(target, &optics),
+    };
+    let mut stages = assess_light(&assessment);
+    stages.extend(optics);
+    stages.extend([style::assess(&assessment, engine)?, haze::assess(&assessment)]);
+    stages.extend(camera::assess_electronics(context));
+    stages.extend(enhance::assess(context.frame));
+    stages.extend(truth::assess(context));
+    stages.sort_by_key(|stage| stage.id);
+    judge_models(&mut stages, &assessment);
+    Ok(Plan { tolerance, stages })
+}
+
+/// The stages before the camera. The water gets what the others leave of the tolerance.
+fn assess_light(assessment: &Assessment<'_>) -> Vec<Stage> {
+    let mut stages = daylight::assess(assessment);
+    stages.push(turbidity::assess(assessment));
+    stages.extend(lamps::assess(assessment));
+    stages.extend(airlight::assess(assessment));
+    stages.extend(sediment::assess(assessment));
+    stages.push(snow::assess(assessment));
+    let left = assessment.budget.water(stages.iter());
+    stages.extend(water::assess(assessment, left));
+    stages
+}
+
+/// The scene in the brightest light that it may have.
+fn bound_scene(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> SceneBounds {
+    let radiance = &context.prepared.scene.radiance;
+    let gains = bound_light(context, lamps);
+    match (&context.setting.around, context.path(), &gains) {
+        (Some(water), Some(path), Some(gains)) => SceneBounds::predict(radiance, gains, path, water),
+        (Some(water), Some(path), None) => SceneBounds::measure(radiance, path, water),
+        _ => SceneBounds::in_air(radiance, gains.as_ref()),
+    }
+}
+
+/// By how much lamps and daylight multiply the radiance of a scene at most, tile by tile; `None` if it stays as it is.
+fn bound_light(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> Option<TileGains> {
+    let view = context.view.as_ref()?;
+    let daylight = daylight::bound_light(context);
+    if lamps.is_none() && daylight.is_none() {
+        return None;
+    }
+    let gain = context.setting.gain();
+    let around = daylight.unwrap_or(gain);
+    let most = (0..view.tiles.len()).map(|tile| {
+        let added = lamps.map_or([0.0; 3], |lamps| lamps.irradiance[tile]);
+        [0, 1, 2].map(|i| (around[i] + added[i] / std::f64::consts::PI) as f32)
+    });
+    Some(TileGains {
+        side_px: TILE_PX,
+        columns: view.columns,
+        most: most.collect(),
+        evenness: context.pattern.as_ref().map_or(1.0, |pattern| pattern.evenness()) as f32,
+        least: if daylight.is_some() {
+            [0.0; 3]
+        } else {
+            gain.map(|gain| gain as f32)
+        },
+    })
+}
+
+/// States for each stage how far its model is from the truth.
+fn judge_models(stages: &mut [Stage], assessment: &Assessment<'_>) {
+    let setting = &assessment.context.setting;
+    let Some(water) = &setting.around else { return };
+    let conditions = Conditions {
+        water,
+        lighting: setting.lighting.as_ref(),
+        patches: setting.patches.as_ref(),
+        bounds: &assessment.bounds,
+    };
+    for stage in stages {
+        stage.model_error = ModelError::measured(stage.id, &conditions);
+    }
+}

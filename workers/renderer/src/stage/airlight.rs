@@ -1,0 +1,99 @@
+//! Airlight of lamps: what the water scatters towards the camera before any surface.
+
+use imaging::{Plane, Rgb};
+use optics::chain::Layers;
+use optics::lamp::{self, Airlight, Lighting, REFERENCE_NODES};
+use optics::plan::{Stage, StageId, Use, Variant};
+
+use super::lamps::{self, PATCHES_NS, SHADOW_RAY_NS};
+use crate::context::FrameContext;
+use crate::planning::Assessment;
+
+/// Nanoseconds per pixel of each lamp.
+const AIRLIGHT_NS: f64 = 12.6;
+/// Shadow rays of a pixel to each lamp, and those to the disc that multiply scattered light comes from.
+const RAYS: f64 = 10.0;
+const DISC_RAYS: f64 = 7.0;
+
+/// Airlight and the shadows in it.
+pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
+    let lighting = assessment.context.setting.lighting.as_ref();
+    let scattering = lighting.filter(|lighting| lighting.scattering != [0.0; 3]);
+    let (Some(lighting), Some(bounds)) = (scattering, &assessment.airlight) else {
+        return vec![Stage::skipped(StageId::Glow)];
+    };
+    let share = assessment.budget.airlight();
+    let patches = if lighting.patches.is_some() {
+        PATCHES_NS
+    } else {
+        0.0
+    };
+    let mut light = Stage {
+        share: Some(share),
+        bound: Some(bounds.rounding),
+        ..Stage::new(StageId::Glow, assessment.variant("quadrature"))
+    };
+    if let Some(bound) = &mut light.bound {
+        bound.absolute += share;
+    }
+    let ns = lighting.lamps.len() as f64 * (AIRLIGHT_NS + patches);
+    let mut stages = vec![light.costing(ns, assessment.pixels())];
+    stages.extend(assess_shadows(assessment, lighting));
+    stages
+}
+
+fn assess_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<Stage> {
+    let casting = lamps::needed_shadows(assessment, lighting);
+    let rays = assessment.context.frame.ray_source();
+    let shadows = optics::plan::Shadows::find(lighting, casting.as_ref(), Use::Airlight, rays)?;
+    let discs = if lighting.absorption.is_some() {
+        DISC_RAYS
+    } else {
+        0.0
+    };
+    let ns = shadows.lamps as f64 * (RAYS + discs) * SHADOW_RAY_NS;
+    let stage = lamps::shadow_stage(assessment, StageId::GlowShadows, shadows);
+    Some(stage.costing(ns, assessment.pixels()))
+}
+
+/// The airlight of every pixel; `None` without lamps, or in water that scatters nothing.
+pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
+    let (lighting, range) = (
+        context.setting.lighting.as_ref()?,
+        context.prepared.scene.range.as_ref()?,
+    );
+    let stage = context.plan.stage(StageId::Glow)?;
+    match stage.variant {
+        Variant::Skip => None,
+        Variant::Reference => Some(run_reference(context, lighting, range)),
+        _ => Some(run_fast(context, lighting, range, stage.share.unwrap_or_default()).light),
+    }
+}
+
+fn run_reference(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<f32>) -> Rgb<f32> {
+    let range = range.map(|&z| f64::from(z));
+    let light = match context.rays().filter(|_| lamps::casts_into_water(lighting)) {
+        Some(rays) => lamp::shaded_airlight_reference(&range, lighting, REFERENCE_NODES, rays),
+        None => lamp::airlight_reference(&range, lighting, REFERENCE_NODES),
+    };
+    light.map(|&v| v as f32)
+}
+
+fn run_fast(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<f32>, share: f64) -> Airlight {
+    match (context.plan.variant(StageId::GlowShadows), context.rays()) {
+        (Variant::Shadows(shadows), Some(rays)) if shadows.lamps > 0 => {
+            lamp::shaded_airlight(range, &shadows.lighting, share, rays)
+        }
+        _ => lamp::airlight(range, lighting, share),
+    }
+}
+
+/// Adds airlight to the picture and to its backscatter.
+pub(crate) fn add(airlight: &Rgb<f32>, layers: &mut Layers) {
+    for layer in [&mut layers.backscatter, &mut layers.scattered] {
+        for (sums, added) in layer.planes_mut().into_iter().zip(airlight.planes()) {
+            let pairs = sums.iter_mut().zip(added.data());
+            pairs.for_each(|(sum, added)| *sum += added);
+        }
+    }
+}

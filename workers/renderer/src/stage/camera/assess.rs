@@ -1,0 +1,209 @@
+//! The plan of a camera: what of it runs, its errors and its gains.
+
+use ::camera::{defocus, exposure, geometry, vignette};
+use optics::plan::{ErrorBound, Gain, Stage, StageId, Variant};
+use spec::{Exposure, Fidelity, WhiteBalance};
+
+use super::{Expected, Taking};
+use crate::context::FrameContext;
+
+/// Share of a frame's tolerance that a vignette may change and still be left out.
+const SHARE: f64 = 0.1;
+/// Nanoseconds per pixel; `benches/frame.rs` of the camera measures them.
+const GEOMETRY_NS: f64 = 9.0;
+const CHROMATIC_NS: f64 = 15.0;
+const BLUR_NS: f64 = 4.0;
+/// Of each pixel of a disc.
+const TAP_NS: f64 = 0.3;
+const VIGNETTE_NS: f64 = 1.5;
+const METERING_NS: f64 = 2.5;
+const SENSOR_NS: f64 = 14.0;
+const DEMOSAIC_NS: f64 = 4.0;
+const JPEG_NS: f64 = 30.0;
+
+/// A camera that is planned.
+struct Camera<'a> {
+    taking: &'a Taking,
+    is_reference: bool,
+}
+
+impl Camera<'_> {
+    fn stage(&self, id: StageId, fast: &'static str, ns: f64) -> Stage {
+        let variant = if self.is_reference {
+            Variant::Reference
+        } else {
+            Variant::Fast(fast)
+        };
+        Stage::new(id, variant).costing(ns, self.pixels())
+    }
+
+    fn pixels(&self) -> usize {
+        self.taking.parts.size.0 * self.taking.parts.size.1
+    }
+}
+
+/// The stages from the light before the camera to the exposed light; none of a pinhole.
+pub(crate) fn assess_optics(
+    context: &FrameContext<'_>,
+    expected: Option<Expected>,
+    tolerance: Option<f64>,
+) -> Vec<Stage> {
+    let Some(taking) = &context.taking else {
+        return Vec::new();
+    };
+    let camera = Camera {
+        taking,
+        is_reference: context.frame.fidelity == Fidelity::REFERENCE,
+    };
+    let stages = [
+        assess_movement(&camera),
+        assess_geometry(&camera),
+        assess_defocus(&camera),
+        assess_vignette(&camera, tolerance),
+        expected.and_then(|expected| assess_exposure(&camera, expected, tolerance)),
+    ];
+    stages.into_iter().flatten().collect()
+}
+
+/// The mean of several pictures. The plan of a frame is that of its own pose; [`with_moments`] adds how much worse others are.
+fn assess_movement(camera: &Camera<'_>) -> Option<Stage> {
+    let exposures = camera.taking.moments.len();
+    let note = format!("{exposures} pictures of the scene are taken, each at its cost");
+    let ns = VIGNETTE_NS * exposures as f64;
+    (exposures > 1).then(|| Stage {
+        note: Some(note),
+        bound: Some(ErrorBound::relative(1e-7 * exposures as f64)),
+        ..Stage::new(StageId::Movement, Variant::Fast("poses")).costing(ns, camera.pixels())
+    })
+}
+
+fn assess_geometry(camera: &Camera<'_>) -> Option<Stage> {
+    let parts = &camera.taking.parts;
+    if parts.source.is_none() {
+        let note = format!("no pixel moves by more than {} px", geometry::STILL_PX);
+        return parts.asks_geometry.then(|| Stage {
+            note: Some(note),
+            ..Stage::skipped(StageId::Geometry)
+        });
+    }
+    let ns = if parts.lens.is_chromatic() {
+        CHROMATIC_NS
+    } else {
+        GEOMETRY_NS
+    };
+    Some(Stage {
+        bound: Some(ErrorBound::relative(1e-6)),
+        ..camera.stage(StageId::Geometry, "f32", ns)
+    })
+}
+
+fn assess_defocus(camera: &Camera<'_>) -> Option<Stage> {
+    camera.taking.parts.focus?;
+    let blur_px = camera.taking.most_blur_px;
+    let note = Some(format!("circles of confusion of up to {blur_px:.2} px"));
+    if blur_px < defocus::SHARP_PX {
+        return Some(Stage {
+            note,
+            ..Stage::skipped(StageId::Defocus)
+        });
+    }
+    let taps = std::f64::consts::PI * blur_px * blur_px;
+    Some(Stage {
+        bound: Some(ErrorBound::relative(1e-6)),
+        note,
+        ..camera.stage(StageId::Defocus, "f32", BLUR_NS + TAP_NS * taps)
+    })
+}
+
+fn assess_vignette(camera: &Camera<'_>, tolerance: Option<f64>) -> Option<Stage> {
+    let parts = &camera.taking.parts;
+    let falloff = parts.falloff.as_ref()?;
+    let change = falloff.strength(parts.size);
+    let share = tolerance.map(|tolerance| SHARE * tolerance);
+    if share.is_some_and(|share| change <= share) {
+        return Some(Stage {
+            share,
+            bound: Some(ErrorBound::relative(change)),
+            ..Stage::skipped(StageId::Vignette)
+        });
+    }
+    Some(Stage {
+        share,
+        bound: Some(ErrorBound::relative(3e-7)),
+        gain: Gain::factor(1.0),
+        ..camera.stage(StageId::Vignette, "f32", VIGNETTE_NS)
+    })
+}
+
+fn assess_exposure(camera: &Camera<'_>, expected: Expected, tolerance: Option<f64>) -> Option<Stage> {
+    let exposure = camera.taking.parts.exposure?;
+    let (variant, ns, gain) = match (exposure, expected.target) {
+        (Exposure::Fixed(_), _) => ("fixed", 0.0, Gain::factor(expected.gain)),
+        (Exposure::Auto(_), None) => ("auto", 0.0, Gain::factor(expected.gain)),
+        (Exposure::Auto(_), Some(target)) => {
+            let error = tolerance.unwrap_or(0.0);
+            ("auto", METERING_NS, metered_gain(expected.gain, target, error))
+        }
+    };
+    let note = match expected.target {
+        Some(_) => format!("a factor of at most {:.3}, from a thinned picture", expected.gain),
+        None => format!("a factor of {:.3}", expected.gain),
+    };
+    Some(Stage {
+        bound: Some(ErrorBound::relative(3e-7)),
+        gain,
+        note: Some(note),
+        ..Stage::new(StageId::Exposure, Variant::Fast(variant)).costing(ns, camera.pixels())
+    })
+}
+
+/// The gain of an exposure that is metered: an error of the light moves the metered luminance and with it the factor. Of light up to
+/// white, `|L g - L' g'| <= g e (1 + 1/t)` for an absolute error e, and twice any relative error; the quotient of both factors is at
+/// most `1/(1 - e g/t)`.
+fn metered_gain(gain: f64, target: f64, tolerance: f64) -> Gain {
+    let quotient = 1.0 / (1.0 - (tolerance / target).min(0.5));
+    Gain {
+        absolute: gain * quotient * (1.0 + 1.0 / target),
+        relative: 2.0 * quotient,
+    }
+}
+
+/// The stages from the exposed light to codes; none of a pinhole.
+pub(crate) fn assess_electronics(context: &FrameContext<'_>) -> Vec<Stage> {
+    let Some(taking) = &context.taking else {
+        return Vec::new();
+    };
+    let camera = Camera {
+        taking,
+        is_reference: context.frame.fidelity == Fidelity::REFERENCE,
+    };
+    let parts = &taking.parts;
+    let mut stages = Vec::new();
+    if let Some(sensor) = &parts.sensor {
+        let demosaics = sensor.cfa != spec::Cfa::None;
+        let planes = if demosaics { 1.0 } else { 3.0 };
+        let noise = format!(
+            "noise of white {:.2e}, of black {:.2e}",
+            sensor.noise_at(1.0),
+            sensor.noise_at(0.0)
+        );
+        stages.push(Stage {
+            note: Some(noise),
+            ..camera.stage(StageId::Sensor, "emva1288", SENSOR_NS * planes)
+        });
+        stages.push(if demosaics {
+            Stage::new(StageId::Demosaic, Variant::Fast("bilinear")).costing(DEMOSAIC_NS, camera.pixels())
+        } else {
+            Stage::skipped(StageId::Demosaic)
+        });
+    }
+    if parts.balance.is_some_and(|balance| balance != WhiteBalance::Off) {
+        let gains = Stage::new(StageId::WhiteBalance, Variant::Fast("gains"));
+        stages.push(gains.costing(VIGNETTE_NS, camera.pixels()));
+    }
+    if parts.jpeg.is_some() {
+        let blocks = Stage::new(StageId::Jpeg, Variant::Fast("blocks"));
+        stages.push(blocks.costing(JPEG_NS, camera.pixels()));
+    }
+    stages
+}

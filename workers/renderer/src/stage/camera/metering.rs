@@ -1,0 +1,134 @@
+//! The exposure that is expected of a frame before it is rendered: metered on a thinned picture of its scene.
+
+use std::collections::BTreeMap;
+
+use ::camera::exposure::{MOST_GAIN, metered};
+use ::camera::vignette::FallOff;
+use imaging::geometry::Intrinsics;
+use imaging::{Plane, Rgb};
+use spec::{Camera, Fidelity, Frame, Metering};
+
+use crate::context::FrameContext;
+use crate::stage::scene::Prepared;
+
+/// Pixels that one stands for along a side, at most.
+const STEP_PX: usize = 16;
+/// Pixels of the thinned picture along its shorter side, where the scene has as many.
+const LEAST_PX: usize = 32;
+/// The factor is expected to be no larger than this times that of the thinned picture. A frame that is metered brighter is planned
+/// and rendered again.
+const MARGIN: f64 = 1.5;
+/// The thinned picture is metered at this tolerance: 0.1 % of the target and of light are far below the margin.
+const TOLERANCE: f64 = 1e-3;
+
+/// An exposure before the frame is rendered.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Expected {
+    /// The factor, or the largest if it is still to be metered.
+    pub(crate) gain: f64,
+    /// The target of the metering; `None` if the factor is known.
+    pub(crate) target: Option<f64>,
+}
+
+impl Expected {
+    /// A factor that is known.
+    pub(crate) fn known(gain: f64) -> Self {
+        Self { gain, target: None }
+    }
+
+    /// A factor that is still to be metered, of at most this much.
+    pub(crate) fn metered(gain: f64, metering: &Metering) -> Self {
+        Self {
+            gain: gain.min(MOST_GAIN),
+            target: Some(metering.target),
+        }
+    }
+}
+
+/// Every so many pixels one is kept.
+fn step_of((width, height): (usize, usize)) -> usize {
+    (width.min(height) / LEAST_PX).clamp(1, STEP_PX)
+}
+
+/// The scene with one pixel for each square of pixels, that in its middle.
+pub(crate) fn thin_scene(prepared: &Prepared) -> Prepared {
+    let scene = &prepared.scene;
+    let step = step_of(scene.radiance.size());
+    let camera = prepared.view().camera;
+    let offset = (step / 2) as f64;
+    let thin = Intrinsics {
+        focal_px: camera.focal_px / step as f64,
+        cx: (camera.cx - offset) / step as f64,
+        cy: (camera.cy - offset) / step as f64,
+    };
+    let planes = scene
+        .radiance
+        .planes()
+        .each_ref()
+        .map(|plane| thin_plane(plane, step));
+    Prepared {
+        scene: scenes::Scene {
+            radiance: Rgb::new(planes).expect("planes of one size"),
+            range: scene.range.as_ref().map(|range| thin_plane(range, step)),
+            normals: (scene.normals.as_ref()).map(|axes| axes.each_ref().map(|axis| thin_plane(axis, step))),
+            instances: scene.instances.as_ref().map(|numbers| thin_plane(numbers, step)),
+            intrinsics: Some(thin),
+        },
+        focal_px: thin.focal_px,
+        negative_radiance: 0,
+        holes: 0,
+        pose: prepared.pose,
+        world: prepared.world.clone(),
+        labels: None,
+        classes: None,
+        inputs: BTreeMap::new(),
+    }
+}
+
+fn thin_plane<T: Copy>(plane: &Plane<T>, step: usize) -> Plane<T> {
+    let (width, height) = plane.size();
+    let middle = |i: usize, side: usize| (i * step + step / 2).min(side - 1);
+    Plane::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| {
+        plane.pixel(middle(x, width), middle(y, height))
+    })
+}
+
+/// The frame of a thinned scene: without snow, whose particles are as many in a small picture, without caustics, and with a pinhole.
+pub(crate) fn thin_frame(frame: &Frame, (width, height): (usize, usize)) -> Frame {
+    let mut thin = Frame {
+        camera: Camera {
+            path: frame.camera.path,
+            up: frame.camera.up,
+            ..Camera::pinhole(width, height, frame.camera.hfov_deg)
+        },
+        artifacts: Vec::new(),
+        fidelity: Fidelity::Tolerance(TOLERANCE),
+        ..frame.clone()
+    };
+    thin.water.snow = None;
+    if let Some(above) = &mut thin.water.from_above {
+        // Brighter and darker alike, and the pattern takes longer than the picture.
+        above.caustics = None;
+        above.shafts = None;
+    }
+    thin.water.style = None;
+    thin.enhance.clear();
+    thin
+}
+
+/// The largest factor to be expected from the light of the thinned picture.
+pub(crate) fn expect_factor(context: &FrameContext<'_>, light: &Rgb<f32>, metering: &Metering) -> f64 {
+    let law = ::camera::preset::complete(&context.frame.camera).vignette;
+    let falloff = context.taking.as_ref().zip(law).map(|(taking, law)| {
+        let (width, height) = light.size();
+        let Intrinsics { focal_px, cx, cy } = taking.parts.lens.camera;
+        let scale = width as f64 / taking.parts.size.0 as f64;
+        let camera = Intrinsics {
+            focal_px: focal_px * scale,
+            cx: cx * scale,
+            cy: cy * scale,
+        };
+        FallOff::new(law, camera, (width, height))
+    });
+    MARGIN * metered(light, falloff.as_ref(), metering)
+}
