@@ -14,6 +14,7 @@ pub mod mosaic;
 mod parts;
 mod plan;
 pub mod preset;
+mod rounding;
 pub mod rules;
 pub mod sensor;
 pub mod tone;
