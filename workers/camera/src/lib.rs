@@ -11,6 +11,7 @@ pub mod exposure;
 pub mod geometry;
 pub mod jpeg;
 pub mod mosaic;
+pub mod movement;
 mod parts;
 mod plan;
 pub mod preset;
