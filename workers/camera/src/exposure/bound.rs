@@ -122,7 +122,7 @@ mod tests {
             lag_frames: 0.0,
         };
         let spread = [0.0, 1e-6, 1.0][(number / 4 % 3) as usize];
-        let side = if number % 2 == 0 { 1.0 } else { -1.0 };
+        let side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
         let light = Rgb::from_fn(10, 10, |x, y| {
             [0, 1, 2].map(|channel| {
                 let sample = (5 + channel + 3 * (x + 10 * y)) as u64;
