@@ -56,13 +56,21 @@ fn geometry(bench: &mut Criterion) {
 
 fn light(bench: &mut Criterion) {
     let scene = picture(WIDTH, HEIGHT, 1.0);
+    let radii = |radius: &dyn Fn(usize, usize) -> f64| Plane::from_fn(WIDTH, HEIGHT, radius);
+    let noise = |x: usize, y: usize| ((x * 7919 + y * 104_729) % 1013) as f64 / 1013.0;
     for (name, radii) in [
-        ("radius 1.7", Plane::filled(WIDTH, HEIGHT, 1.7)),
-        ("radius 5", Plane::filled(WIDTH, HEIGHT, 5.0)),
+        ("radius 1.7", radii(&|_, _| 1.7)),
+        ("radius 5", radii(&|_, _| 5.0)),
         (
-            "radii 0 to 5",
-            Plane::from_fn(WIDTH, HEIGHT, |_, y| 5.0 * y as f32 / HEIGHT as f32),
+            "radii 0 to 5 by row",
+            radii(&|_, y| 5.0 * y as f64 / HEIGHT as f64),
         ),
+        (
+            "radii 0.6 to 2 by column",
+            radii(&|x, _| 0.6 + 1.4 * x as f64 / WIDTH as f64),
+        ),
+        ("radii 0.6 to 3 at random", radii(&|x, y| 0.6 + 2.4 * noise(x, y))),
+        ("radii 0 to 16 at random", radii(&|x, y| 16.0 * noise(x, y))),
     ] {
         bench.bench_function(&format!("defocus, {name}"), |b| {
             b.iter(|| defocus::blur(black_box(&scene), &radii));

@@ -3,6 +3,10 @@
 //! `g = clamp(target / y, 1/64, 64)`; y is the sample at `min(n-1, floor(percentile n))` of the ascending luminances
 //! `0.2126 R + 0.7152 G + 0.0722 B` of the vignetted picture. y ≤ 0: 64.
 
+mod bound;
+
+pub use bound::{GainLimits, Luminance, luminance_rounding, metered_slope};
+
 use imaging::{Rgb, vectorized};
 use spec::Metering;
 
@@ -55,8 +59,12 @@ pub fn lagging(before: f64, metered: f64, lag_frames: f64) -> f64 {
     if lag_frames <= 0.0 {
         return metered;
     }
-    let share = 1.0 - libm::exp(-1.0 / lag_frames);
-    before * libm::pow(metered / before, share)
+    before * libm::pow(metered / before, share(lag_frames))
+}
+
+/// The share of the way to the metered factor that a frame goes: `1 - e^(-1/lag)`.
+fn share(lag_frames: f64) -> f64 {
+    1.0 - libm::exp(-1.0 / lag_frames)
 }
 
 fn luminances(picture: &Rgb<f32>, falloff: Option<&FallOff>) -> Vec<f32> {

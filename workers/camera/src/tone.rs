@@ -5,6 +5,10 @@ use spec::Tone;
 
 /// Steps of light between two of which at most a few codes begin.
 const STEPS: usize = 4096;
+/// Step of the sRGB curve where its straight foot ends.
+const SRGB_SEAM: f64 = 1e-7;
+/// Rounding of a curve in codes.
+const CURVE_ROUNDING: f64 = 1e-9;
 
 /// The codes of a picture, and how many samples were clamped.
 #[must_use]
@@ -56,6 +60,37 @@ fn curve(light: f64, tone: Tone) -> f64 {
         Tone::Linear => light,
         Tone::Gamma(gamma) => libm::pow(light, 1.0 / gamma),
     }
+}
+
+/// The largest step of a curve between lights that differ by an error: of 1 in the last code at most.
+///
+/// Curves that flatten towards white are steepest at black, the others at white.
+#[must_use]
+pub fn largest_change(error: f64, tone: Tone) -> f64 {
+    let error = error.clamp(0.0, 1.0);
+    match tone {
+        Tone::Srgb => (curve(error, tone) + SRGB_SEAM).min(1.0),
+        Tone::Gamma(gamma) if gamma < 1.0 => 1.0 - curve(1.0 - error, tone),
+        Tone::Linear | Tone::Gamma(_) => curve(error, tone),
+    }
+}
+
+/// The largest slope of a curve; infinite for powers below 1, whose step is bounded by [`largest_change`] alone.
+#[must_use]
+pub fn largest_slope(tone: Tone) -> f64 {
+    match tone {
+        Tone::Srgb => 12.92,
+        Tone::Linear => 1.0,
+        Tone::Gamma(gamma) if gamma > 1.0 => f64::INFINITY,
+        Tone::Gamma(gamma) => 1.0 / gamma,
+    }
+}
+
+/// The largest difference between codes of this many bits of lights that differ by an error.
+#[must_use]
+pub fn largest_code_change(error: f64, tone: Tone, bits: u8) -> f64 {
+    let largest_code = f64::from((1u32 << bits) - 1);
+    (largest_code * largest_change(error, tone) + CURVE_ROUNDING).ceil()
 }
 
 /// The light at which each code begins, and the code at which each step of light begins.
@@ -116,6 +151,36 @@ mod tests {
                 lower <= *code && *code <= upper
             };
             assert!(codes.data().iter().enumerate().all(expected), "{tone:?}");
+        }
+    }
+
+    #[test]
+    fn no_error_of_light_changes_a_code_by_more_than_its_bound() {
+        let tones = [0.2, 0.5, 1.0, 2.2, 5.0].map(Tone::Gamma);
+        for tone in tones.into_iter().chain([Tone::Srgb, Tone::Linear]) {
+            for error in [0.0, 1e-9, 1e-5, 3e-4, 0.02, 0.7] {
+                let bound = largest_change(error, tone);
+                let linear = largest_slope(tone) * error + SRGB_SEAM;
+                assert!(error == 0.0 || bound <= linear + 1e-12, "{tone:?} of {error}");
+                let (mut largest, mut largest_code) = (0.0f64, 0.0f64);
+                let seam = transfer::decode(0.040_45);
+                let places = (0..=20_000).map(|i| f64::from(i) / 20_000.0);
+                for light in places.chain([seam, seam - error / 2.0, 1.0 - error]) {
+                    let change = (curve(light + error, tone) - curve(light, tone)).abs();
+                    largest = largest.max(change);
+                    let code = |light: f64| (255.0 * curve(light, tone) + 0.5).floor();
+                    largest_code = largest_code.max((code(light + error) - code(light)).abs());
+                }
+                assert!(
+                    largest <= bound + 1e-15,
+                    "{tone:?} of {error}: {largest:e} of {bound:e}"
+                );
+                assert!(
+                    largest >= 0.99 * (bound - SRGB_SEAM),
+                    "{tone:?} of {error}: {largest:e} of {bound:e}"
+                );
+                assert!(largest_code <= largest_code_change(error, tone, 8));
+            }
         }
     }
 

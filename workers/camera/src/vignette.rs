@@ -7,6 +7,13 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb, vectorized};
 use spec::Vignette;
 
+use crate::rounding;
+
+/// Rings of equal area in which limits of the factor are searched.
+const RINGS: usize = 1024;
+/// Relative error of a factor in f64.
+const IN_F64: f64 = 32.0 * f64::EPSILON;
+
 /// The fall-off over a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FallOff {
@@ -53,15 +60,72 @@ impl FallOff {
         vectorized!(row(self, y, gain, &mut *factors));
     }
 
-    /// The largest way of a factor from 1 in a picture of these sides: the largest change of light of radiance 1.
+    /// Limits of the factor in a picture of these sides. The largest one is the gain of an error in the light before it.
     #[must_use]
-    pub fn strength(&self, (width, height): (usize, usize)) -> f64 {
-        // Along a radius the factor is smooth; a sixteenth of the picture is a dense enough walk.
-        let steps = |side: usize| (0..=16).map(move |i| i * (side - 1) / 16);
-        let all = steps(height).flat_map(|y| steps(width).map(move |x| (x, y)));
-        all.map(|(x, y)| (1.0 - self.factor(x, y)).abs())
-            .fold(0.0, f64::max)
+    pub fn limits(&self, (width, height): (usize, usize)) -> Factors {
+        let Intrinsics { cx, cy, .. } = self.camera;
+        let far = |center: f64, side: usize| center.abs().max((side as f64 - 1.0 - center).abs());
+        let (x, y) = (far(cx, width), far(cy, height));
+        let step = (x * x + y * y) / RINGS as f64;
+        let mut factors = Factors {
+            least: f64::INFINITY,
+            largest: 0.0,
+        };
+        for ring in 0..RINGS {
+            let [inner, outer] = [ring, ring + 1].map(|ring| ring as f64 * step);
+            let rest = self.rest(inner * self.per_corner, outer * self.per_corner);
+            // The cosine falls with the radius.
+            factors.least = factors.least.min(self.cosine(outer) * rest.least);
+            factors.largest = factors.largest.max(self.cosine(inner) * rest.largest);
+        }
+        factors
     }
+
+    /// The largest distance of a factor from 1 in a picture of these sides: the largest change of light of radiance 1.
+    #[must_use]
+    pub fn strength(&self, size: (usize, usize)) -> f64 {
+        let Factors { least, largest } = self.limits(size);
+        (1.0 - least).max(largest - 1.0)
+    }
+
+    /// `1 - v + v cos⁴ θ` at a squared radius.
+    fn cosine(&self, r2: f64) -> f64 {
+        let stretch = 1.0 + r2 / (self.camera.focal_px * self.camera.focal_px);
+        1.0 - self.law.v + self.law.v / (stretch * stretch)
+    }
+
+    /// Limits of the polynomial between two values of q.
+    fn rest(&self, inner: f64, outer: f64) -> Factors {
+        let Vignette { v1, v2, v3, .. } = self.law;
+        let q = (inner + outer) / 2.0;
+        let middle = 1.0 + q * (v1 + q * (v2 + q * v3));
+        let slope = v1.abs() + outer * (2.0 * v2.abs() + outer * 3.0 * v3.abs());
+        let away = slope * (outer - inner) / 2.0;
+        Factors {
+            least: (middle - away).max(0.0),
+            largest: (middle + away).max(0.0),
+        }
+    }
+}
+
+/// Limits of the factors of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factors {
+    /// No factor is smaller.
+    pub least: f64,
+    /// No factor is larger.
+    pub largest: f64,
+}
+
+/// Largest error of [`expose`] by rounding where no exposed sample is larger than `exposed_peak` in magnitude. The error of a
+/// sample is relative to its exposed light: where light is cut at white, `exposed_peak` is at most white.
+#[must_use]
+pub fn rounding_bound(falloff: Option<&FallOff>, gain: f64, exposed_peak: f64) -> f64 {
+    if falloff.is_none() && gain == 1.0 {
+        return 0.0;
+    }
+    // One for the factor, one for the product, and what f64 leaves.
+    rounding::absolute(2.0, exposed_peak) + IN_F64 * exposed_peak
 }
 
 /// Multiplies a picture by the fall-off, if there is one, and by the gain of its exposure.
@@ -105,5 +169,87 @@ fn row(falloff: &FallOff, y: usize, gain: f64, factors: &mut [f32]) {
 fn multiply(samples: &mut [f32], factors: &[f32]) {
     for (sample, factor) in samples.iter_mut().zip(factors) {
         *sample *= factor;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use imaging::random::Stream;
+
+    use super::*;
+
+    const SIZE: (usize, usize) = (41, 29);
+
+    fn falloffs() -> impl Iterator<Item = FallOff> {
+        let stream = Stream::stage(1, "falloffs");
+        (0..200).map(move |case| {
+            let unit = |element: u64| stream.unit(case, element);
+            let signed = |element: u64| {
+                if unit(element + 10) < 0.3 {
+                    0.0
+                } else {
+                    2.0 * unit(element) - 1.0
+                }
+            };
+            let law = Vignette {
+                v: unit(0).round() * unit(1),
+                v1: signed(2),
+                v2: signed(3),
+                v3: signed(4),
+            };
+            let (cx, cy) = (40.0 * unit(5), 28.0 * unit(6));
+            let focal_px = 5.0 * libm::exp(6.0 * unit(7));
+            FallOff::new(law, Intrinsics { focal_px, cx, cy }, SIZE)
+        })
+    }
+
+    #[test]
+    fn no_factor_is_beyond_the_limits_and_some_is_near() {
+        for falloff in falloffs() {
+            let all = falloff.reference(SIZE);
+            let all = || all.data().iter().copied();
+            let (least, largest) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+            let limits = falloff.limits(SIZE);
+            assert!(limits.least <= least && largest <= limits.largest, "{falloff:?}");
+            // Pixels are up to a few hundredths of the radius apart.
+            assert!(
+                limits.least > least - 0.2 && limits.largest < largest + 0.2,
+                "{falloff:?}"
+            );
+            let strength = falloff.strength(SIZE);
+            assert!(
+                all().all(|factor| (1.0 - factor).abs() <= strength),
+                "{falloff:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn exposed_light_errs_by_two_roundings() {
+        let stream = Stream::stage(2, "exposed");
+        let mut nearest = 0.0f64;
+        for (case, falloff) in falloffs().enumerate() {
+            let (case, falloff) = (case as u64, (case % 3 > 0).then_some(falloff));
+            let gain = libm::exp(14.0 * stream.unit(case, 0) - 7.0);
+            let peak = libm::exp(-20.0 * stream.unit(case, 1));
+            let light = Rgb::from_fn(SIZE.0, SIZE.1, |x, y| {
+                [2, 3, 4].map(|k| (peak * stream.unit(case, (k + 5 * (x + 64 * y)) as u64)) as f32)
+            });
+            let mut fast = light.clone();
+            expose(&mut fast, falloff.as_ref(), gain);
+            for y in 0..SIZE.1 {
+                for x in 0..SIZE.0 {
+                    let factor = falloff.map_or(1.0, |falloff| falloff.factor(x, y));
+                    for (light, fast) in light.pixel(x, y).into_iter().zip(fast.pixel(x, y)) {
+                        let exact = f64::from(light) * gain * factor;
+                        let bound = rounding_bound(falloff.as_ref(), gain, exact);
+                        let error = (f64::from(fast) - exact).abs();
+                        assert!(error <= bound, "{error:e} of {bound:e}");
+                        nearest = nearest.max(error / bound);
+                    }
+                }
+            }
+        }
+        assert!(nearest > 0.7, "{nearest}");
     }
 }

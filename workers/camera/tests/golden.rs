@@ -228,7 +228,7 @@ fn blur_agrees(case: &Case) {
     let (width, height) = input.size();
     let reference = defocus::blur_reference(&input, &Plane::filled(width, height, radius));
     near("blur", &expected, &reference, EXACT);
-    let fast = defocus::blur(&narrow(&input), &Plane::filled(width, height, radius as f32));
+    let fast = defocus::blur(&narrow(&input), &Plane::filled(width, height, radius));
     near("blur in f32", &expected, &fast, FAST);
 }
 

@@ -14,6 +14,7 @@
 
 mod airlight;
 mod beam;
+mod beyond;
 mod blurred;
 mod bounds;
 mod coarse;
@@ -31,6 +32,7 @@ mod surface;
 mod tiles;
 
 pub use airlight::{Airlight, airlight, airlight_with_nodes, shaded_airlight};
+pub use beyond::most_white_beyond;
 pub use bounds::{AirlightBounds, SurfaceBounds, bound_airlight, bound_irradiance};
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;

@@ -139,7 +139,13 @@ impl VisibleBounds {
 
     /// Regions that hold the water in front of them, and the water of holes up to [`FAR_M`].
     pub(crate) fn water(&self) -> impl Iterator<Item = Region> {
-        self.tiles.iter().flat_map(|tile| {
+        self.water_beyond(0.0)
+    }
+
+    /// The same from this range on.
+    pub(crate) fn water_beyond(&self, near_m: f64) -> impl Iterator<Item = Region> {
+        self.tiles.iter().flat_map(move |tile| {
+            let first = near_m / tile.stretch()[1];
             let end = match tile.range_m {
                 Some([_, farthest]) if !tile.has_holes => farthest / tile.stretch()[0],
                 _ => FAR_M,
@@ -148,9 +154,12 @@ impl VisibleBounds {
             let begins = std::iter::once(0.0)
                 .chain(depths)
                 .take_while(move |depth| *depth < end);
-            begins.map(move |begin| Region {
-                places: tile.between([begin, (GROWTH * begin).max(FIRST_M).min(end)]),
-                px_per_m: f64::INFINITY,
+            begins.filter_map(move |begin| {
+                let last = (GROWTH * begin).max(FIRST_M).min(end);
+                (last >= first).then(|| Region {
+                    places: tile.between([begin.max(first), last]),
+                    px_per_m: f64::INFINITY,
+                })
             })
         })
     }

@@ -55,9 +55,7 @@ impl Assessment<'_> {
 
     /// No light of lamps in the water is brighter.
     pub(crate) fn airlight_peak(&self) -> f64 {
-        self.airlight
-            .as_ref()
-            .map_or(0.0, |bounds| bounds.peak.into_iter().fold(0.0, f64::max))
+        self.airlight.as_ref().map_or(0.0, AirlightBounds::brightest)
     }
 }
 
@@ -73,11 +71,13 @@ pub(crate) fn plan_frame(
     let surfaces = seen.map(|(lighting, view)| lamp::bound_irradiance(lighting, view));
     let bounds = bound_scene(context, surfaces.as_ref());
     let tolerance = frame_tolerance(context.frame, &bounds, around.as_ref());
+    let airlight = seen.map(|(lighting, view)| lamp::bound_airlight(lighting, view));
+    let peak = brightest_light(context, &bounds, airlight.as_ref());
     let target = tolerance.map(|tolerance| promised.map_or(tolerance, |bound| bound.min(tolerance)));
-    let optics = camera::assess_optics(context, expected, target);
+    let optics = camera::assess_optics(context, expected, target, peak);
     let assessment = Assessment {
         context,
-        airlight: seen.map(|(lighting, view)| lamp::bound_airlight(lighting, view)),
+        airlight,
         surfaces,
         bounds,
         budget: Budget::new(target, &optics),
@@ -104,6 +104,17 @@ fn assess_light(assessment: &Assessment<'_>) -> Vec<Stage> {
     let left = assessment.budget.water(stages.iter());
     stages.extend(water::assess(assessment, left));
     stages
+}
+
+/// The brightest light before the camera: that behind particles, or a particle.
+fn brightest_light(
+    context: &FrameContext<'_>,
+    bounds: &SceneBounds,
+    airlight: Option<&AirlightBounds>,
+) -> f64 {
+    let airlight = airlight.map_or(0.0, AirlightBounds::brightest);
+    let behind = brightest_behind(bounds, context.setting.around.as_ref(), airlight);
+    behind.max(snow::bound_flakes(context))
 }
 
 /// The scene in the brightest light that it may have.

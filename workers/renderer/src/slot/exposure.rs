@@ -50,14 +50,14 @@ impl Slot {
             let light = pipeline::render(context, &mut self.kernels, &mut record, watch)?;
             let gathered = self.gather(context, expected, &light, &mut record, watch)?;
             let known = expected
-                .filter(|expected| expected.target.is_none())
+                .filter(|expected| expected.metering.is_none())
                 .map(|expected| expected.gain);
             let exposed = gathered
                 .map(|picture| watch.time("camera", || camera::expose(context, picture, known, &mut record)));
             let gain = exposed.as_ref().map_or(0.0, |exposed| exposed.gain);
             let promise = context.plan.promise();
             match (expected, promise) {
-                (Some(limit), Some(promise)) if limit.target.is_some() && gain > limit.gain => {
+                (Some(limit), Some(promise)) if limit.metering.is_some() && gain > limit.gain => {
                     expected = Some(Expected {
                         gain: AGAIN * gain,
                         ..limit

@@ -68,6 +68,22 @@ fn is_needless(context: &FrameContext<'_>, law: &Snow, behind: f64, share: f64) 
     snow::is_needless(law, setting.size.0 * setting.size.1, least, contrast, share)
 }
 
+/// No particle in view is brighter; 0 without snow.
+pub(crate) fn bound_flakes(context: &FrameContext<'_>) -> f64 {
+    let (Some(law), Some(view)) = (&context.setting.snow, &context.view) else {
+        return 0.0;
+    };
+    let lamps = (context.setting.lighting.as_ref()).map_or([0.0; 3], |lighting| {
+        lamp::most_white_beyond(lighting, view, law.near_m)
+    });
+    let gain = context.setting.gain();
+    let above = context
+        .setting
+        .daylight_at(context.setting.up.map(|v| law.far_m * v));
+    let colors = [0, 1, 2].map(|i| law.albedo[i] * (gain[i] * above[i] + lamps[i]));
+    colors.into_iter().fold(0.0, f64::max)
+}
+
 /// The drawn snow.
 struct Fallen {
     /// Particles whose discs reach into the frame.

@@ -1,12 +1,14 @@
 //! The plan of a camera: what of it runs, its errors and its gains.
 
-use ::camera::{defocus, exposure, geometry, vignette};
+use ::camera::{defocus, exposure, geometry, movement, vignette};
 use optics::plan::{ErrorBound, Gain, Stage, StageId, Variant};
-use spec::{Exposure, Fidelity, WhiteBalance};
+use spec::{Exposure, Fidelity, Metering, WhiteBalance};
 
 use super::{Expected, Taking};
 use crate::context::FrameContext;
 
+/// Rounding of stages with non-negative weights is a share of the light: its bound for light up to white.
+const WHITE: f64 = 1.0;
 /// Share of a frame's tolerance that a vignette may change and still be left out.
 const SHARE: f64 = 0.1;
 /// Nanoseconds per pixel; `benches/frame.rs` of the camera measures them.
@@ -43,10 +45,12 @@ impl Camera<'_> {
 }
 
 /// The stages from the light before the camera to the exposed light; none of a pinhole.
+/// `peak` is the brightest light before the camera.
 pub(crate) fn assess_optics(
     context: &FrameContext<'_>,
     expected: Option<Expected>,
     tolerance: Option<f64>,
+    peak: f64,
 ) -> Vec<Stage> {
     let Some(taking) = &context.taking else {
         return Vec::new();
@@ -57,7 +61,7 @@ pub(crate) fn assess_optics(
     };
     let stages = [
         assess_movement(&camera),
-        assess_geometry(&camera),
+        assess_geometry(&camera, peak),
         assess_defocus(&camera),
         assess_vignette(&camera, tolerance),
         expected.and_then(|expected| assess_exposure(&camera, expected, tolerance)),
@@ -72,27 +76,31 @@ fn assess_movement(camera: &Camera<'_>) -> Option<Stage> {
     let ns = VIGNETTE_NS * exposures as f64;
     (exposures > 1).then(|| Stage {
         note: Some(note),
-        bound: Some(ErrorBound::relative(1e-7 * exposures as f64)),
+        bound: Some(ErrorBound::relative(movement::average_bound(exposures, WHITE))),
         ..Stage::new(StageId::Movement, Variant::Fast("poses")).costing(ns, camera.pixels())
     })
 }
 
-fn assess_geometry(camera: &Camera<'_>) -> Option<Stage> {
+/// Bilinear weights are not negative, but f32 cancels between a bright pixel and its neighbor.
+fn assess_geometry(camera: &Camera<'_>, peak: f64) -> Option<Stage> {
     let parts = &camera.taking.parts;
-    if parts.source.is_none() {
+    let Some(source) = &parts.source else {
         let note = format!("no pixel moves by more than {} px", geometry::STILL_PX);
         return parts.asks_geometry.then(|| Stage {
             note: Some(note),
             ..Stage::skipped(StageId::Geometry)
         });
-    }
+    };
     let ns = if parts.lens.is_chromatic() {
         CHROMATIC_NS
     } else {
         GEOMETRY_NS
     };
     Some(Stage {
-        bound: Some(ErrorBound::relative(1e-6)),
+        bound: Some(ErrorBound {
+            absolute: geometry::sampling_bound(source, 0.0, peak),
+            relative: geometry::sampling_bound(source, WHITE, 0.0),
+        }),
         ..camera.stage(StageId::Geometry, "f32", ns)
     })
 }
@@ -109,7 +117,7 @@ fn assess_defocus(camera: &Camera<'_>) -> Option<Stage> {
     }
     let taps = std::f64::consts::PI * blur_px * blur_px;
     Some(Stage {
-        bound: Some(ErrorBound::relative(1e-6)),
+        bound: Some(ErrorBound::relative(defocus::rounding_bound(blur_px, WHITE))),
         note,
         ..camera.stage(StageId::Defocus, "f32", BLUR_NS + TAP_NS * taps)
     })
@@ -129,41 +137,50 @@ fn assess_vignette(camera: &Camera<'_>, tolerance: Option<f64>) -> Option<Stage>
     }
     Some(Stage {
         share,
-        bound: Some(ErrorBound::relative(3e-7)),
-        gain: Gain::factor(1.0),
+        bound: Some(ErrorBound::relative(vignette::rounding_bound(
+            Some(falloff),
+            1.0,
+            WHITE,
+        ))),
+        gain: Gain::factor(falloff.limits(parts.size).largest),
         ..camera.stage(StageId::Vignette, "f32", VIGNETTE_NS)
     })
 }
 
 fn assess_exposure(camera: &Camera<'_>, expected: Expected, tolerance: Option<f64>) -> Option<Stage> {
-    let exposure = camera.taking.parts.exposure?;
-    let (variant, ns, gain) = match (exposure, expected.target) {
-        (Exposure::Fixed(_), _) => ("fixed", 0.0, Gain::factor(expected.gain)),
-        (Exposure::Auto(_), None) => ("auto", 0.0, Gain::factor(expected.gain)),
-        (Exposure::Auto(_), Some(target)) => {
-            let error = tolerance.unwrap_or(0.0);
-            ("auto", METERING_NS, metered_gain(expected.gain, target, error))
-        }
+    let parts = &camera.taking.parts;
+    let variant = match parts.exposure? {
+        Exposure::Fixed(_) => "fixed",
+        Exposure::Auto(_) => "auto",
     };
-    let note = match expected.target {
-        Some(_) => format!("a factor of at most {:.3}, from a thinned picture", expected.gain),
-        None => format!("a factor of {:.3}", expected.gain),
+    let rounding = vignette::rounding_bound(parts.falloff.as_ref(), expected.gain, WHITE);
+    let stage = match expected.metering {
+        None => Stage {
+            bound: Some(ErrorBound::relative(rounding)),
+            gain: Gain::factor(expected.gain),
+            note: Some(format!("a factor of {:.3}", expected.gain)),
+            ..Stage::new(StageId::Exposure, Variant::Fast(variant))
+        },
+        Some(metering) => Stage {
+            bound: Some(ErrorBound::relative(rounding + exposure::luminance_rounding())),
+            gain: metered_gain(expected.gain, &metering, tolerance.unwrap_or(0.0)),
+            note: Some(format!(
+                "a factor of at most {:.3}, from a thinned picture",
+                expected.gain
+            )),
+            ..Stage::new(StageId::Exposure, Variant::Fast(variant)).costing(METERING_NS, camera.pixels())
+        },
     };
-    Some(Stage {
-        bound: Some(ErrorBound::relative(3e-7)),
-        gain,
-        note: Some(note),
-        ..Stage::new(StageId::Exposure, Variant::Fast(variant)).costing(ns, camera.pixels())
-    })
+    Some(stage)
 }
 
 /// The gain of an exposure that is metered: an error of the light moves the metered luminance and with it the factor. Of light up to
 /// white, `|L g - L' g'| <= g e (1 + 1/t)` for an absolute error e, and twice any relative error; the quotient of both factors is at
 /// most `1/(1 - e g/t)`.
-fn metered_gain(gain: f64, target: f64, tolerance: f64) -> Gain {
-    let quotient = 1.0 / (1.0 - (tolerance / target).min(0.5));
+fn metered_gain(gain: f64, metering: &Metering, tolerance: f64) -> Gain {
+    let quotient = 1.0 / (1.0 - (tolerance / metering.target).min(0.5));
     Gain {
-        absolute: gain * quotient * (1.0 + 1.0 / target),
+        absolute: quotient * exposure::metered_slope(gain, metering, WHITE),
         relative: 2.0 * quotient,
     }
 }

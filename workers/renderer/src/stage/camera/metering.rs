@@ -26,21 +26,21 @@ const TOLERANCE: f64 = 1e-3;
 pub(crate) struct Expected {
     /// The factor, or the largest if it is still to be metered.
     pub(crate) gain: f64,
-    /// The target of the metering; `None` if the factor is known.
-    pub(crate) target: Option<f64>,
+    /// The metering; `None` if the factor is known.
+    pub(crate) metering: Option<Metering>,
 }
 
 impl Expected {
     /// A factor that is known.
     pub(crate) fn known(gain: f64) -> Self {
-        Self { gain, target: None }
+        Self { gain, metering: None }
     }
 
     /// A factor that is still to be metered, of at most this much.
     pub(crate) fn metered(gain: f64, metering: &Metering) -> Self {
         Self {
             gain: gain.min(MOST_GAIN),
-            target: Some(metering.target),
+            metering: Some(*metering),
         }
     }
 }

@@ -126,9 +126,9 @@ fn describe(context: &FrameContext<'_>, taking: &Taking, gain: f64, record: &mut
     }
     if let Some(focus) = taking.parts.focus {
         let radii = context.range().map(|range| focus.radii(range));
-        let most = radii.map_or(0.0, |radii| radii.data().iter().copied().fold(0.0, f32::max));
-        numbers["largest_blur_px"] = json!(most);
-        if f64::from(most) >= defocus::MOST_PX {
+        let most = radii.map_or(0.0, |radii| radii.data().iter().copied().fold(0.0, f64::max));
+        numbers["largest_blur_px"] = json!(most as f32);
+        if most >= defocus::MOST_PX {
             let warning = format!("circles of confusion are cut at {} px", defocus::MOST_PX);
             record.warnings.push(warning);
         }

@@ -1,0 +1,120 @@
+//! Defocus in f64 with the disc of every pixel.
+
+use imaging::{Plane, Rgb};
+
+use super::{POINTS, mirrored};
+
+/// A quadrant of a disc's weights, row by row: `weights[dy][dx]`, the whole disc sums to 1.
+struct Disc {
+    weights: Vec<Vec<f64>>,
+}
+
+impl Disc {
+    fn new(radius: f64) -> Self {
+        let reach = (radius + 0.5).floor().max(0.0) as usize;
+        let square = radius * radius;
+        let point = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / POINTS as f64 - 0.5;
+        let count = |dx: usize, dy: usize| {
+            let rows = (0..POINTS).map(|k| point(dy, k));
+            let inside = rows.map(|y| {
+                let columns = (0..POINTS).map(|k| point(dx, k));
+                columns.filter(|x| x * x + y * y <= square).count()
+            });
+            inside.sum::<usize>() as f64
+        };
+        let mut weights: Vec<Vec<f64>> = (0..=reach)
+            .map(|dy| (0..=reach).map(|dx| count(dx, dy)).collect())
+            .collect();
+        let times = |k: usize| if k == 0 { 1.0 } else { 2.0 };
+        let rows = weights.iter().enumerate();
+        let sum: f64 = rows
+            .flat_map(|(dy, row)| {
+                row.iter()
+                    .enumerate()
+                    .map(move |(dx, w)| w * times(dx) * times(dy))
+            })
+            .sum();
+        if sum == 0.0 {
+            // Smaller than the distance of two points: the pixel itself.
+            return Self {
+                weights: vec![vec![1.0]],
+            };
+        }
+        for row in &mut weights {
+            row.iter_mut().for_each(|weight| *weight /= sum);
+            let used = row
+                .iter()
+                .rposition(|&weight| weight > 0.0)
+                .map_or(0, |last| last + 1);
+            row.truncate(used);
+        }
+        weights.retain(|row| !row.is_empty());
+        Self { weights }
+    }
+}
+
+/// Every pixel's own disc in f64.
+#[must_use]
+pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
+    let (width, height) = picture.size();
+    let mut known: Option<(f64, Disc)> = None;
+    Rgb::from_fn(width, height, |x, y| {
+        let radius = radii.pixel(x, y);
+        let disc = match known.take() {
+            Some((of, disc)) if of == radius => disc,
+            _ => Disc::new(radius),
+        };
+        let gather = |plane: &Plane<f64>| {
+            let mut sum = 0.0;
+            for (dy, row) in disc.weights.iter().enumerate() {
+                for (dx, weight) in row.iter().enumerate() {
+                    for (sy, sx) in signs(dx, dy) {
+                        let x = mirrored(x as isize + sx * dx as isize, width);
+                        let y = mirrored(y as isize + sy * dy as isize, height);
+                        sum += weight * plane.pixel(x, y);
+                    }
+                }
+            }
+            sum
+        };
+        let pixel = picture.planes().each_ref().map(gather);
+        known = Some((radius, disc));
+        pixel
+    })
+}
+
+/// The quadrants that a place of the first one stands for.
+fn signs(dx: usize, dy: usize) -> impl Iterator<Item = (isize, isize)> {
+    let ways = |d: usize| if d == 0 { &[1][..] } else { &[1, -1][..] };
+    ways(dy)
+        .iter()
+        .flat_map(move |&sy| ways(dx).iter().map(move |&sx| (sy, sx)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disc_is_round_and_sums_to_one() {
+        for radius in [0.0, 0.05, 0.25, 0.5, 1.0, 1.7, 4.2, 11.0] {
+            let disc = Disc::new(radius);
+            let times = |k: usize| if k == 0 { 1.0 } else { 2.0 };
+            let rows = disc.weights.iter().enumerate();
+            let sum: f64 = rows
+                .flat_map(|(dy, row)| {
+                    row.iter()
+                        .enumerate()
+                        .map(move |(dx, w)| w * times(dx) * times(dy))
+                })
+                .sum();
+            assert!((sum - 1.0).abs() < 1e-12, "{radius}: {sum}");
+            for (dy, row) in disc.weights.iter().enumerate() {
+                for (dx, weight) in row.iter().enumerate() {
+                    let mirrored = disc.weights.get(dx).and_then(|row| row.get(dy));
+                    assert_eq!(mirrored, Some(weight), "{radius} at ({dx}, {dy})");
+                }
+            }
+        }
+    }
+}
