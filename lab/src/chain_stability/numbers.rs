@@ -2,7 +2,7 @@
 
 use imaging::Plane;
 use optics::attenuation::scattered_share;
-use optics::plan::ScatterStep;
+use optics::plan::StageId;
 use spec::{Fidelity, ScatterModel};
 
 use super::trial::{PLENTY, ROUNDING, TOLERANCE, Trial, from, noise, slope, water};
@@ -94,11 +94,8 @@ pub fn g_close_to_c() -> Finding {
     };
     let errors = excesses.map(|excess| trial(excess.min(0.09)).error(Fidelity::Tolerance(TOLERANCE)));
     let equal = trial(0.0);
-    let skipped = equal
-        .plan(PLENTY)
-        .scatter
-        .iter()
-        .all(|s| s.form == ScatterStep::Skip);
+    let plan = equal.plan(PLENTY);
+    let skipped = (0..3).all(|channel| plan.variant(StageId::ForwardScatter(channel)).is_skipped());
     Finding {
         test: "g_close_to_c",
         tried: "The share of the light that arrives scattered, e^{−GZ} − e^{−cZ}, for c − G from 0.1 down to 1e-7 per meter and \

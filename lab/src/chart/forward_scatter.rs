@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb};
 use optics::attenuation::scattered_share;
 use optics::chain;
 use optics::forward_scatter::{KernelCache, Nodes, scatter, scatter_reference, widest_px};
-use optics::plan::{Form, Plan, ScatterStep, SceneBounds};
+use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::range::is_hole;
 use optics::water::{Scatter, Water};
 use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
@@ -40,7 +40,7 @@ struct Input {
     light: [Plane<f32>; 3],
     gamma: [Plane<f32>; 3],
     rest: Rgb<f32>,
-    steps: [ScatterStep; 3],
+    steps: [Variant; 3],
 }
 
 impl Input {
@@ -66,8 +66,7 @@ impl Input {
                 .range
                 .map(|&z| spread.gamma(channel, f64::from(meters(z)), widest) as f32)
         };
-        let mut plan = Plan::in_air(1);
-        plan.attenuation.form = Form::Fast;
+        let plan = Plan::default().with_variant(StageId::Attenuation, Variant::Fast("f32"));
         let layers = chain::water(
             &scene.radiance,
             &scene.range,
@@ -82,7 +81,7 @@ impl Input {
             light: [0, 1, 2].map(light),
             gamma: [0, 1, 2].map(gamma),
             rest: layers.scattered,
-            steps: planned.scatter.map(|stage| stage.form),
+            steps: [0, 1, 2].map(|channel| planned.variant(StageId::ForwardScatter(channel)).clone()),
         })
     }
 
@@ -144,16 +143,13 @@ pub fn forward_scatter(scene: &ChartScene, runs: usize) -> Vec<Point> {
             scatter(light, gamma, &Nodes::chebyshev(least, most, terms), &mut cache)
         });
     }
-    let most_terms = input.steps.iter().filter_map(|step| match step {
-        ScatterStep::Interpolated(nodes) => Some(nodes.terms()),
-        _ => None,
-    });
+    let most_terms = input.steps.iter().filter_map(Variant::kernels);
     add(
         "planned",
         most_terms.max(),
         &mut |c, light, gamma| match &input.steps[c] {
-            ScatterStep::Interpolated(nodes) => scatter(light, gamma, nodes, &mut cache),
-            ScatterStep::Pointwise => light.clone(),
+            Variant::Interpolated(nodes) => scatter(light, gamma, nodes, &mut cache),
+            Variant::Pointwise => light.clone(),
             _ => light.map(|_| 0.0),
         },
     );

@@ -47,7 +47,7 @@ pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
                 (plan, image.ok())
             });
             let (plan, Some(image)) = answer else { return };
-            let terms = plan.lines().iter().filter_map(|note| note.terms).max();
+            let terms = plan.stages.iter().filter_map(|stage| stage.terms).max();
             let mut point = Point::new(
                 STAGE,
                 (&variant, terms),

@@ -79,6 +79,15 @@ impl Plan {
         self.stage(id).map_or(&Variant::Skip, |stage| &stage.variant)
     }
 
+    /// The same plan with another variant of a stage.
+    #[must_use]
+    pub fn with_variant(mut self, id: StageId, variant: Variant) -> Self {
+        self.stages.retain(|stage| stage.id != id);
+        self.stages.push(Stage::new(id, variant));
+        self.stages.sort_by_key(|stage| stage.id);
+        self
+    }
+
     /// The largest error of each channel of the exposed light, composed through the gains.
     #[must_use]
     pub fn errors(&self) -> [ErrorBound; 3] {
