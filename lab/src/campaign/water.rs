@@ -1,118 +1,118 @@
-//! Water alone: the bound of the plan, and its cost beside that of the cheapest form that would have done.
+//! Random waters: presets and free coefficients, all forms of forward scatter, patches, snow and daylight without shadows.
 
-use optics::chain;
-use optics::forward_scatter::KernelCache;
-use optics::plan::{Form, Plan, ScatterStep, SceneBounds};
-use spec::Fidelity;
+use imaging::geometry::Intrinsics;
+use optics::preset::presets;
+use optics::snow;
+use serde_json::{Value, json};
+use spec::Snow;
 
-use super::cases::Case;
-use super::{Cost, Outcome, codes_of, errors_of};
-use crate::chart::time_once;
+use super::knobs::Knobs;
 
-/// Runs of a frame of which the fastest counts.
-const RUNS: usize = 5;
+/// Most particles in view, for the time that the reference takes.
+const MOST_PARTICLES: f64 = 3000.0;
 
-/// Runs one frame: an outcome for each channel, none where the frame cannot be rendered.
-pub(super) fn run(case: &Case) -> Vec<Outcome> {
-    let Case {
-        radiance,
-        range,
-        water,
-        ..
-    } = case;
-    let stats = SceneBounds::measure(radiance, range, water);
-    let planned_for = |fidelity| Plan::for_water(&stats, water, fidelity);
-    let plan = planned_for(Fidelity::Tolerance(case.tolerance));
-    let doubled = (radiance.map(|&j| f64::from(j)), range.map(|&z| f64::from(z)));
-    let Ok(exact) = chain::water_reference(&doubled.0, &doubled.1, water) else {
-        return Vec::new();
-    };
-    let mut cache = KernelCache::new();
-    let mut render = |plan: &Plan| chain::water(radiance, range, water, plan, &mut cache).ok();
-    let mut errors = |plan: &Plan| {
-        render(plan).map_or([f64::INFINITY; 3], |layers| {
-            errors_of(&layers.scattered, &exact.scattered)
-        })
-    };
-    let planned = errors(&plan);
-    let cheapest = cheapest(case, &plan, &planned_for, &mut errors);
-    let shown = render(&planned_for(Fidelity::DISPLAY));
-    let display_codes = shown.map(|layers| codes_of(&layers.scattered, &exact.scattered));
-    let (mut planned_ms, mut cheapest_ms) = (f64::INFINITY, f64::INFINITY);
-    for _ in 0..RUNS {
-        for (plan, ms) in [(&plan, &mut planned_ms), (&cheapest, &mut cheapest_ms)] {
-            *ms = ms.min(time_once(|| render(plan)));
+/// The optics of a water, and how far it reaches. Patches, snow and daylight come on top.
+pub(super) fn draw_water(knobs: &Knobs) -> Value {
+    let is_free = knobs.chance("water.is_free", 0.4);
+    let mut optics = json!({"forward_scatter": draw_scatter(knobs)});
+    if is_free {
+        optics["absorption_per_m"] = json!(knobs.log_rgb("water.absorption", 0.01, 1.0));
+        optics["scattering_per_m"] = json!(knobs.log_rgb("water.scattering", 0.01, 2.0));
+        optics["veiling_light"] = json!(knobs.log_rgb("water.veil", 0.002, 0.4));
+    } else {
+        optics["preset"] = json!(knobs.pick("water.preset", presets()).name);
+        if knobs.chance("water.is_veil_free", 0.3) {
+            optics["veil_gain"] = json!(knobs.log("water.veil_gain", 1e-3, 3.0));
         }
     }
-    let terms = |plan: &Plan, channel: usize| kernels(&plan.scatter[channel].form);
-    let outcome = |channel: usize| Outcome {
-        seed: case.seed,
-        channel,
-        about: case.about.clone(),
-        tolerance: case.tolerance,
-        bound: plan.bounds().map_or(f64::NAN, |bounds| bounds[channel]),
-        error: planned[channel],
-        display_codes: display_codes.map_or(Some(u8::MAX), |codes| Some(codes[channel])),
-        exceeds: plan.exceeds.is_some(),
-        cost: Some(Cost {
-            terms: terms(&plan, channel),
-            fewest: terms(&cheapest, channel),
-            planned_ms,
-            cheapest_ms,
-        }),
-    };
-    [0, 1, 2].map(outcome).into()
+    let mut water = json!({"optics": optics, "range_scale": knobs.log("water.range_scale", 0.1, 3.0)});
+    if knobs.chance("water.fills_holes", 0.3) {
+        water["holes"] = json!({"range_m": knobs.within("water.hole_m", 1.0, 31.0)});
+    }
+    if !is_free && knobs.chance("water.is_deep", 0.4) {
+        water["depth_m"] = json!(60.0 * knobs.unit("water.depth").powi(2));
+        water["ambient"] = json!(knobs.pick("water.ambient", &["absolute", "exposed"]));
+    }
+    water
 }
 
-/// Of each channel the form of the fewest kernels whose error stays within the tolerance; that of the plan where no cheaper
-/// one does.
-fn cheapest(
-    case: &Case,
-    plan: &Plan,
-    planned_for: &impl Fn(Fidelity) -> Plan,
-    errors: &mut impl FnMut(&Plan) -> [f64; 3],
-) -> Plan {
-    let most = plan
-        .scatter
-        .iter()
-        .map(|stage| kernels(&stage.form))
-        .max()
-        .unwrap_or(0);
-    let mut forms: Vec<[ScatterStep; 3]> = pointless(plan);
-    let steps = |plan: Plan| plan.scatter.map(|stage| stage.form);
-    forms.extend((1..most).map(|terms| steps(planned_for(Fidelity::Terms(terms)))));
-    let mut cheapest = plan.clone();
-    let mut found = [false; 3];
-    for form in forms {
-        let mut cheaper = plan.clone();
-        cheaper.attenuation.form = Form::Fast;
-        for (stage, form) in cheaper.scatter.iter_mut().zip(form) {
-            stage.form = form;
-        }
-        let errors = errors(&cheaper);
-        for channel in 0..3 {
-            let step = &cheaper.scatter[channel].form;
-            let saves = kernels(step) < kernels(&cheapest.scatter[channel].form);
-            if !found[channel] && saves && errors[channel] <= case.tolerance {
-                found[channel] = true;
-                cheapest.scatter[channel].form = step.clone();
-            }
+fn draw_scatter(knobs: &Knobs) -> Value {
+    let gathers = knobs.chance("scatter.gathers", 0.35);
+    let mut scatter = json!({"model": if gathers { "simplified" } else { "jaffe" }});
+    if knobs.chance("scatter.is_direct", 0.2) {
+        scatter["source"] = json!("direct");
+    }
+    if !gathers && knobs.chance("scatter.is_gated", 0.3) {
+        scatter["occlusion"] = json!("gated");
+        scatter["layers"] = json!(knobs.whole("scatter.layers", 1, 4));
+    }
+    if !gathers && knobs.chance("scatter.is_double", 0.25) {
+        scatter["spread"] = json!("two");
+        scatter["law"] = json!(knobs.pick("scatter.law", &["ff", "hg"]));
+        return scatter;
+    }
+    if knobs.chance("scatter.is_free", 0.6) {
+        scatter["spread_px_per_m"] = json!(knobs.log_rgb("scatter.spread", 0.01, 3.0));
+        if knobs.chance("scatter.has_offset", 0.5) {
+            scatter["spread_offset_px"] = json!(knobs.log_rgb("scatter.offset", 0.02, 2.0));
         }
     }
-    cheapest
+    scatter
 }
 
-fn kernels(step: &ScatterStep) -> usize {
-    step.terms().unwrap_or(0)
+/// Patches of turbidity.
+pub(super) fn draw_patches(knobs: &Knobs) -> Value {
+    json!({
+        "contrast": knobs.within("patches.contrast", 0.05, 0.95),
+        "scale_m": knobs.log("patches.scale", 0.1, 100.0),
+    })
 }
 
-/// The forms without any transform.
-fn pointless(plan: &Plan) -> Vec<[ScatterStep; 3]> {
-    let interpolates = plan.scatter.iter().any(|stage| stage.form.terms().is_some());
-    let forms = [ScatterStep::Skip, ScatterStep::Pointwise];
-    forms
-        .into_iter()
-        .filter(|_| interpolates)
-        .map(|form| [form.clone(), form.clone(), form])
-        .collect()
+/// Snow from a few particles to as many as are allowed.
+pub(super) fn draw_snow(knobs: &Knobs, camera: &Intrinsics, size: (usize, usize)) -> Value {
+    let near_m = knobs.log("snow.near", 0.05, 2.0);
+    let mut law = Snow {
+        density_per_m3: 1.0,
+        near_m,
+        far_m: (near_m * knobs.within("snow.reach", 1.1, 21.1)).min(100.0),
+        radius_m: knobs.log("snow.radius", 1e-5, 0.02),
+        radius_spread: knobs.unit("snow.spread"),
+        albedo: knobs.within_rgb("snow.albedo", 0.0, 1.0),
+        ..Snow::of(0.0)
+    };
+    let most = MOST_PARTICLES / snow::expected(&law, snow::solid(camera, size));
+    let most = most.min(snow::MOST_COVER / snow::cover(&law, 0.0)).min(1e6);
+    law.density_per_m3 = 0.999 * most * knobs.log("snow.density", 1e-4, 1.0);
+    let mut snow = json!({
+        "density_per_m3": law.density_per_m3, "near_m": law.near_m, "far_m": law.far_m, "radius_m": law.radius_m,
+        "radius_spread": law.radius_spread, "albedo": law.albedo,
+    });
+    if knobs.chance("snow.has_discs", 0.3) {
+        snow["discs"] = json!("lens");
+    }
+    snow
+}
+
+/// Daylight by depth or slope of the surface; the sun casts no shadows.
+pub(super) fn draw_daylight(knobs: &Knobs, is_albedo: bool) -> Value {
+    let mut above = json!({"veil": knobs.pick("above.veil", &["constant", "field", "physical"])});
+    if knobs.chance("above.is_absolute", 0.5) {
+        above["level"] = json!("absolute");
+    }
+    if knobs.chance("above.is_free", 0.4) {
+        above["p"] = json!(knobs.within_rgb("above.p", 0.0, 3.0));
+        above["q"] = json!(knobs.within_rgb("above.q", -1.0, 1.0));
+    }
+    if is_albedo {
+        above["surfaces"] = json!("normal");
+        above["sun_share"] = json!(knobs.unit("above.sun_share"));
+        above["sun"] = json!({
+            "elevation_deg": knobs.within("above.elevation", 5.0, 90.0),
+            "azimuth_deg": knobs.within("above.azimuth", 0.0, 360.0),
+            "shadow": "none",
+        });
+    } else if knobs.chance("above.is_deep", 0.5) {
+        above["surfaces"] = json!("depth");
+    }
+    above
 }

@@ -14,6 +14,7 @@ mod noise;
 #[expect(dead_code, reason = "the tests of the style crate use more of it")]
 #[path = "../../../style/tests/suite/onnx.rs"]
 mod onnx;
+mod promise;
 mod sediment;
 mod shadows;
 mod style;

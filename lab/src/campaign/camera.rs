@@ -1,0 +1,123 @@
+//! Random cameras: exposure, fall-off, lens and port, defocus, tone and movement.
+
+use serde_json::{Value, json};
+
+use super::knobs::Knobs;
+
+/// A pinhole camera of these sides.
+pub(super) fn draw_pinhole(knobs: &Knobs, (width, height): (usize, usize)) -> Value {
+    json!({"width": width, "height": height, "hfov_deg": knobs.log("camera.hfov", 5.0, 150.0)})
+}
+
+/// Adds parts of a real camera; movement comes on top.
+pub(super) fn add_parts(knobs: &Knobs, camera: &mut Value) {
+    if let Some(exposure) = draw_exposure(knobs) {
+        camera["exposure"] = exposure;
+    }
+    if knobs.chance("camera.has_vignette", 0.4) {
+        camera["vignette"] = draw_vignette(knobs);
+    }
+    if knobs.chance("camera.has_distortion", 0.25) {
+        camera["distortion"] = draw_distortion(knobs);
+    }
+    if knobs.chance("camera.has_port", 0.25) {
+        camera["port"] = draw_port(knobs);
+    }
+    if knobs.chance("camera.has_defocus", 0.35) {
+        camera["defocus"] = json!({
+            "aperture_m": knobs.log("defocus.aperture", 1e-4, 0.1),
+            "focus_m": knobs.log("defocus.focus", 0.05, 100.0),
+        });
+    }
+    if knobs.chance("camera.has_tone", 0.4) {
+        camera["tone"] = match knobs.chance("tone.is_linear", 0.5) {
+            true => json!("linear"),
+            false => json!({"gamma": knobs.log("tone.gamma", 0.2, 5.0)}),
+        };
+    }
+}
+
+/// Mostly a fixed factor or a metered one.
+fn draw_exposure(knobs: &Knobs) -> Option<Value> {
+    match knobs.unit("camera.exposure") {
+        kind if kind < 0.15 => None,
+        kind if kind < 0.55 => Some(json!({"fixed": knobs.log("exposure.fixed", 1e-2, 1e3)})),
+        _ => Some(json!({"auto": draw_metering(knobs)})),
+    }
+}
+
+/// Metering of any percentile, the ends at times.
+pub(super) fn draw_metering(knobs: &Knobs) -> Value {
+    let percentile = match knobs.unit("metering.kind") {
+        kind if kind < 0.1 => 0.01,
+        kind if kind < 0.2 => 0.999,
+        _ => knobs.within("metering.percentile", 0.01, 0.999),
+    };
+    json!({"target": knobs.log("metering.target", 0.01, 4.0), "percentile": percentile})
+}
+
+fn draw_vignette(knobs: &Knobs) -> Value {
+    let mut vignette = json!({"v": knobs.unit("vignette.v")});
+    if knobs.chance("vignette.is_free", 0.6) {
+        // A third of the polynomials reach the limits of a description, where light grows towards the corners.
+        let reach = if knobs.chance("vignette.is_limit", 0.33) {
+            1.0
+        } else {
+            0.3
+        };
+        let [v1, v2, v3] = knobs.within_rgb("vignette.terms", -1.2 * reach, 1.2 * reach);
+        for (name, term) in [("v1", v1), ("v2", v2), ("v3", v3)] {
+            vignette[name] = json!(term.clamp(-1.0, 1.0));
+        }
+    }
+    vignette
+}
+
+fn draw_distortion(knobs: &Knobs) -> Value {
+    let [k1, k2, k3] = knobs.within_rgb("distortion.radial", -0.15, 0.15);
+    let [p1, p2, _] = knobs.within_rgb("distortion.tangential", -0.02, 0.02);
+    json!({"k1": k1, "k2": k2 / 4.0, "k3": k3 / 16.0, "p1": p1, "p2": p2})
+}
+
+fn draw_port(knobs: &Knobs) -> Value {
+    if knobs.chance("port.is_dome", 0.25) {
+        return json!({"kind": "dome", "radius_m": knobs.log("port.radius", 0.02, 1.0)});
+    }
+    let index = match knobs.chance("port.is_chromatic", 0.5) {
+        true => knobs.within_rgb("port.indices", 1.0, 1.5),
+        false => [knobs.within("port.index", 1.0, 1.5); 3],
+    };
+    json!({"kind": "flat", "n_w": index})
+}
+
+/// Adds the movement of an uploaded picture.
+pub(super) fn add_shift(knobs: &Knobs, camera: &mut Value) {
+    let [x, y, _] = knobs.within_rgb("motion.shift", -12.0, 12.0);
+    camera["motion"] = json!({"samples": 1, "x_px": x, "y_px": y});
+}
+
+/// Adds a path past a procedural scene, with a few moments for each frame, or a metering that lags behind.
+pub(super) fn add_path(knobs: &Knobs, camera: &mut Value) {
+    let frames = knobs.whole("path.frames", 2, 40);
+    camera["path"] = json!({
+        "frames": frames,
+        "frame": knobs.whole("path.frame", 0, frames - 1),
+        "sway_m": knobs.within("path.sway", 0.0, 0.1),
+        "sway_deg": knobs.within("path.turn", 0.0, 4.0),
+    });
+    if knobs.chance("path.moves", 0.5) {
+        camera["motion"] = json!({
+            "samples": knobs.whole("motion.samples", 1, 3), "exposure_s": knobs.log("motion.exposure", 1e-3, 0.3)
+        });
+    }
+    if knobs.chance("path.rolls", 0.4) {
+        camera["rolling"] = json!({
+            "readout_s": knobs.within("rolling.readout", 0.0, 0.2), "bands": knobs.whole("rolling.bands", 1, 3)
+        });
+    }
+    if knobs.chance("path.lags", 0.5) {
+        let mut metering = draw_metering(knobs);
+        metering["lag_frames"] = json!(knobs.log("metering.lag", 0.1, 3.0));
+        camera["exposure"] = json!({"auto": metering});
+    }
+}

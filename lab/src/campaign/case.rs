@@ -1,0 +1,115 @@
+//! A frame of the campaign: a description, and the picture that it is about.
+
+use std::sync::Arc;
+
+use imaging::codec::{encode_npy_plane, encode_npy_rgb};
+use imaging::{Plane, Rgb};
+use renderer::{SceneBytes, SceneSource};
+use serde_json::{Value, json};
+use spec::{RangeFile, RangeKind};
+
+use super::knobs::Knobs;
+
+/// A frame to try.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// The job of one frame; its scene is one for uploads where there is a picture.
+    pub job: Value,
+    /// The uploaded scene; `None` of a procedural one.
+    pub picture: Option<Picture>,
+}
+
+/// Radiance and range of an uploaded scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Linear light.
+    pub radiance: Rgb<f32>,
+    /// Meters along the ray.
+    pub range: Plane<f32>,
+}
+
+impl Case {
+    /// A case around a description without a scene.
+    pub(super) fn new(knobs: &Knobs, mut job: Value, picture: Option<Picture>) -> Self {
+        if picture.is_some() {
+            job["scene"]["kind"] = json!("uploaded");
+            job["scene"]["id"] = json!("scn_00000000-0000-0000-0000-000000000000");
+        }
+        job["metrics"] = json!([]);
+        job["seed"] = json!(knobs.seed());
+        Self { job, picture }
+    }
+
+    /// The scene that the renderer takes beside the frame.
+    pub(super) fn source(&self) -> SceneSource {
+        let Some(picture) = &self.picture else {
+            return SceneSource::Local;
+        };
+        SceneSource::Uploaded(Arc::new(SceneBytes {
+            rgb: encode_npy_rgb(&picture.radiance),
+            range: Some(RangeFile {
+                file: encode_npy_plane(&picture.range),
+                kind: RangeKind::Range,
+                unit_m: None,
+                invalid_code: None,
+            }),
+            instances: None,
+            classes: None,
+            world_from_camera: None,
+            intrinsics: None,
+        }))
+    }
+
+    /// The files of a job that renders this frame without a service, the description first. `folder` is where they will be.
+    #[must_use]
+    pub fn files(&self, folder: &str, name: &str) -> Vec<(String, Vec<u8>)> {
+        let mut job = self.job.clone();
+        let mut files = Vec::new();
+        if let Some(picture) = &self.picture {
+            let (rgb, range) = (format!("{name}-rgb.npy"), format!("{name}-range.npy"));
+            let light = job["scene"]["light"].take();
+            job["scene"] = json!({
+                "kind": "files", "rgb": format!("{folder}/{rgb}"), "range": format!("{folder}/{range}")
+            });
+            if !light.is_null() {
+                job["scene"]["light"] = light;
+            }
+            files.push((rgb, encode_npy_rgb(&picture.radiance)));
+            files.push((range, encode_npy_plane(&picture.range)));
+        }
+        files.insert(0, (format!("{name}.json"), job.to_string().into_bytes()));
+        files
+    }
+
+    /// What the frame has, in a line.
+    #[must_use]
+    pub fn about(&self) -> String {
+        let has = |pointer: &str| self.job.pointer(pointer).is_some_and(|value| !value.is_null());
+        let mut words: Vec<String> = Vec::new();
+        for (pointer, word) in [
+            ("/scene/family", "procedural"),
+            ("/water/turbidity", "patches"),
+            ("/water/snow", "snow"),
+            ("/water/from_above", "daylight"),
+        ] {
+            words.extend(has(pointer).then(|| word.to_owned()));
+        }
+        let scatter = &self.job["water"]["optics"]["forward_scatter"];
+        for field in ["model", "spread", "occlusion"] {
+            words.extend(scatter[field].as_str().map(str::to_owned));
+        }
+        let lamps = self.job["lights"].as_array().map_or(0, Vec::len);
+        words.extend((lamps > 0).then(|| format!("{lamps} lamps")));
+        let plain = ["width", "height", "hfov_deg", "up", "bits"];
+        let camera = self.job["camera"].as_object().into_iter().flatten();
+        for (part, value) in camera.filter(|(part, _)| !plain.contains(&part.as_str())) {
+            words.push(match part.as_str() {
+                "exposure" | "supersample" => format!("{part} {value}"),
+                _ => part.clone(),
+            });
+        }
+        let [width, height] = ["width", "height"].map(|side| self.job["camera"][side].clone());
+        words.push(format!("{width}x{height}"));
+        words.join(", ")
+    }
+}

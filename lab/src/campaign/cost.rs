@@ -1,0 +1,149 @@
+//! Cost of the plan of water alone next to that of the cheapest plan that would have done.
+
+use optics::chain;
+use optics::forward_scatter::KernelCache;
+use optics::plan::{Form, Plan, ScatterStep, SceneStats};
+use optics::water::Water;
+use spec::{Fidelity, Frame};
+
+use super::case::Picture;
+use crate::chart::time_once;
+
+/// Runs of a frame of which the fastest counts.
+const RUNS: usize = 5;
+
+/// What the water of one frame costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Kernels of the plan for each channel; 0 where nothing is transformed.
+    pub terms: [usize; 3],
+    /// The fewest kernels that stay within the tolerance.
+    pub fewest: [usize; 3],
+    /// Fastest run as planned.
+    pub planned_ms: f64,
+    /// Fastest run of the cheapest sufficient plan.
+    pub cheapest_ms: f64,
+}
+
+impl Cost {
+    /// Cost of the plan in units of the cheapest sufficient one, channel by channel. A channel costs a transform for each kernel,
+    /// one more to come back, and about half as much as one for everything else: the chart of cost against kernels shows it.
+    #[must_use]
+    pub fn excess(&self) -> [f64; 3] {
+        let cost = |terms: usize| if terms == 0 { 0.5 } else { terms as f64 + 1.5 };
+        [0, 1, 2].map(|channel| cost(self.terms[channel]) / cost(self.fewest[channel]))
+    }
+
+    /// The same of the whole frame by the clock.
+    #[must_use]
+    pub fn excess_ms(&self) -> f64 {
+        self.planned_ms / self.cheapest_ms
+    }
+}
+
+/// Water that a picture is seen through.
+struct Trial<'a> {
+    picture: &'a Picture,
+    water: Water,
+    stats: SceneStats,
+    tolerance: f64,
+    /// Light that f64 gives.
+    exact: imaging::Rgb<f64>,
+    cache: KernelCache,
+}
+
+impl Cost {
+    /// Measures the water of a frame; `None` where it cannot be rendered.
+    pub(super) fn measure(frame: &Frame, picture: &Picture) -> Option<Self> {
+        let Fidelity::Tolerance(tolerance) = frame.fidelity else {
+            return None;
+        };
+        let water = Water::resolve(&frame.water, frame.camera.focal_px(picture.range.width())).ok()?;
+        let light = picture.radiance.map(|&j| f64::from(j));
+        let exact = chain::water_reference(&light, &picture.range.map(|&z| f64::from(z)), &water).ok()?;
+        let mut trial = Trial {
+            stats: SceneStats::measure(&picture.radiance, &picture.range, &water),
+            picture,
+            water,
+            tolerance,
+            exact: exact.scattered,
+            cache: KernelCache::new(),
+        };
+        let planned = trial.plan(Fidelity::Tolerance(tolerance));
+        let cheapest = trial.cheapest(&planned);
+        let (mut planned_ms, mut cheapest_ms) = (f64::INFINITY, f64::INFINITY);
+        for _ in 0..RUNS {
+            for (plan, ms) in [(&planned, &mut planned_ms), (&cheapest, &mut cheapest_ms)] {
+                *ms = ms.min(time_once(|| trial.render(plan)));
+            }
+        }
+        Some(Self {
+            terms: kernels(&planned),
+            fewest: kernels(&cheapest),
+            planned_ms,
+            cheapest_ms,
+        })
+    }
+}
+
+impl Trial<'_> {
+    fn plan(&self, fidelity: Fidelity) -> Plan {
+        Plan::for_water(&self.stats, &self.water, fidelity)
+    }
+
+    fn render(&mut self, plan: &Plan) -> Option<chain::Layers> {
+        let Picture { radiance, range } = self.picture;
+        chain::water(radiance, range, &self.water, plan, &mut self.cache).ok()
+    }
+
+    /// The channels whose error stays within the tolerance.
+    fn sufficient(&mut self, plan: &Plan) -> [bool; 3] {
+        let Some(layers) = self.render(plan) else {
+            return [false; 3];
+        };
+        [0, 1, 2].map(|channel| {
+            let exact = self.exact.planes()[channel].data().iter();
+            let mut pairs = layers.scattered.planes()[channel].data().iter().zip(exact);
+            pairs.all(|(&fast, exact)| (f64::from(fast) - exact).abs() <= self.tolerance)
+        })
+    }
+
+    /// Of each channel the form of the fewest kernels whose error stays within the tolerance; that of the plan where no cheaper
+    /// one does.
+    fn cheapest(&mut self, plan: &Plan) -> Plan {
+        let most = kernels(plan).into_iter().max().unwrap_or(0);
+        let mut forms: Vec<[ScatterStep; 3]> = Vec::new();
+        if most > 0 {
+            forms.extend(
+                [ScatterStep::Skip, ScatterStep::Pointwise].map(|form| [form.clone(), form.clone(), form]),
+            );
+        }
+        for terms in 1..most {
+            forms.push(self.plan(Fidelity::Terms(terms)).scatter.map(|stage| stage.form));
+        }
+        let mut cheapest = plan.clone();
+        let mut found = [false; 3];
+        for form in forms {
+            let mut cheaper = plan.clone();
+            cheaper.attenuation.form = Form::Fast;
+            for (stage, form) in cheaper.scatter.iter_mut().zip(form) {
+                stage.form = form;
+            }
+            let sufficient = self.sufficient(&cheaper);
+            let saves = |channel: usize| kernels(&cheaper)[channel] < kernels(plan)[channel];
+            for channel in (0..3).filter(|&channel| sufficient[channel] && saves(channel)) {
+                if !std::mem::replace(&mut found[channel], true) {
+                    cheapest.scatter[channel].form = cheaper.scatter[channel].form.clone();
+                }
+            }
+        }
+        cheapest
+    }
+}
+
+/// Kernels of each channel.
+fn kernels(plan: &Plan) -> [usize; 3] {
+    plan.scatter
+        .each_ref()
+        .map(|stage| stage.form.terms().unwrap_or(0))
+}

@@ -1,0 +1,234 @@
+//! Frames that are made against one bound each: uploaded pictures with the numbers held where that bound is weakest, and frames
+//! against the interpolation of forward scatter.
+
+#[expect(
+    dead_code,
+    reason = "the tests of the optics crate take its water; here a description stands for it"
+)]
+#[path = "../../../workers/optics/tests/adversary/frames.rs"]
+mod frames;
+
+use serde_json::{Value, json};
+use spec::ScatterModel;
+
+use super::camera::draw_metering;
+use super::case::{Case, Picture};
+use super::knobs::Knobs;
+use super::picture::{COURSES, LIGHTS};
+use super::random::{draw_tolerance, draw_uploaded};
+use frames::{Attack, Frame};
+
+/// Numbers that choose the first and the last of several, or true and false.
+const FIRST: f64 = 0.0;
+const LAST: f64 = 1.0;
+/// Kinds of exposure, as [`super::camera`] chooses them.
+const FIXED: f64 = 0.3;
+const METERED: f64 = 0.9;
+/// Kinds of light, as [`super::picture`] chooses them.
+const DIM: f64 = 0.2;
+const WHITE: f64 = 0.6;
+
+/// The number that picks a name of a list.
+fn number_of(names: &[&str], name: &str) -> f64 {
+    let place = names.iter().position(|other| *other == name).unwrap_or(0);
+    (place as f64 + 0.5) / names.len() as f64
+}
+
+/// One of several lights or courses.
+fn hold_one(knobs: &mut Knobs, held: &str, names: &[&str], choices: &[&str]) {
+    let name = *knobs.pick(&format!("directed.{held}"), choices);
+    knobs.hold(&[(held, number_of(names, name))]);
+}
+
+/// Metering of dark pictures at a percentile between two values of their light.
+pub(super) fn draw_metered(mut knobs: Knobs) -> (Case, Knobs) {
+    knobs.hold(&[
+        ("camera.is_real", FIRST),
+        ("camera.exposure", METERED),
+        ("camera.has_defocus", LAST),
+        ("picture.kind", DIM),
+    ]);
+    hold_one(
+        &mut knobs,
+        "picture.light",
+        &LIGHTS,
+        &["dark side", "signs", "checks", "lamps", "ramp"],
+    );
+    let mut case = draw_uploaded(&knobs);
+    if let Some(picture) = &case.picture {
+        let near = knobs.whole("directed.position", 0, 4) as f64 - 2.0;
+        case.job["camera"]["exposure"]["auto"]["percentile"] = json!(widest_gap(picture, near));
+    }
+    (case, knobs)
+}
+
+/// The percentile at the largest step between the sorted values of a picture, some positions away from it.
+fn widest_gap(picture: &Picture, away: f64) -> f64 {
+    let mut values: Vec<f32> = picture.radiance.planes()[1].data().to_vec();
+    values.sort_by(f32::total_cmp);
+    let step = |at: &usize| values[*at] - values[at - 1];
+    let widest = (1..values.len())
+        .max_by(|a, b| step(a).total_cmp(&step(b)))
+        .unwrap_or(0);
+    ((widest as f64 + away) / values.len() as f64).clamp(0.0, 1.0)
+}
+
+/// One bright pixel, or light and range that alternate from pixel to pixel, much exposed.
+pub(super) fn draw_points(mut knobs: Knobs) -> (Case, Knobs) {
+    knobs.hold(&[
+        ("camera.is_real", FIRST),
+        ("camera.has_defocus", LAST),
+        ("picture.kind", WHITE),
+    ]);
+    hold_one(
+        &mut knobs,
+        "picture.light",
+        &LIGHTS,
+        &["point", "signs", "dark specks", "salt and pepper"],
+    );
+    hold_one(
+        &mut knobs,
+        "range.course",
+        &COURSES,
+        &["stripes", "needles", "noise", "step", "far specks"],
+    );
+    let exposure = if knobs.chance("directed.is_fixed", 0.7) {
+        FIXED
+    } else {
+        METERED
+    };
+    knobs.hold(&[("camera.exposure", exposure)]);
+    (draw_uploaded(&knobs), knobs)
+}
+
+/// Circles of confusion that jump from pixel to pixel, in light that does.
+pub(super) fn draw_defocused(mut knobs: Knobs) -> (Case, Knobs) {
+    knobs.hold(&[
+        ("camera.is_real", FIRST),
+        ("camera.has_defocus", FIRST),
+        ("picture.kind", WHITE),
+    ]);
+    hold_one(
+        &mut knobs,
+        "picture.light",
+        &LIGHTS,
+        &["point", "signs", "lamps", "checks", "dark side"],
+    );
+    hold_one(
+        &mut knobs,
+        "range.course",
+        &COURSES,
+        &["stripes", "needles", "noise", "step", "slope", "wall"],
+    );
+    (draw_uploaded(&knobs), knobs)
+}
+
+/// Lamps next to surfaces, exposed or metered for the dark side.
+pub(super) fn draw_lit(mut knobs: Knobs) -> (Case, Knobs) {
+    knobs.hold(&[
+        ("camera.is_real", FIRST),
+        ("camera.has_defocus", LAST),
+        ("water.has_lamps", FIRST),
+    ]);
+    let exposure = if knobs.chance("directed.is_fixed", 0.4) {
+        FIXED
+    } else {
+        METERED
+    };
+    knobs.hold(&[("camera.exposure", exposure)]);
+    if exposure == METERED {
+        knobs.hold(&[
+            ("metering.kind", LAST),
+            ("metering.percentile", knobs.unit("directed.percentile").powi(3)),
+        ]);
+    }
+    (draw_uploaded(&knobs), knobs)
+}
+
+/// A lens, a port, a fall-off and movement over light that alternates.
+pub(super) fn draw_lens(mut knobs: Knobs) -> (Case, Knobs) {
+    knobs.hold(&[
+        ("camera.is_real", FIRST),
+        ("camera.has_defocus", LAST),
+        ("camera.has_vignette", FIRST),
+        ("vignette.is_free", FIRST),
+        ("vignette.is_limit", FIRST),
+        ("picture.kind", WHITE),
+    ]);
+    let has_distortion = knobs.chance("directed.has_distortion", 0.6);
+    knobs.hold(&[("camera.has_distortion", if has_distortion { FIRST } else { LAST })]);
+    let has_port = knobs.chance("directed.has_port", 0.6);
+    knobs.hold(&[("camera.has_port", if has_port { FIRST } else { LAST })]);
+    hold_one(
+        &mut knobs,
+        "picture.light",
+        &LIGHTS,
+        &["point", "signs", "salt and pepper"],
+    );
+    (draw_uploaded(&knobs), knobs)
+}
+
+/// A frame against the interpolation of forward scatter, exposed so that its brightest light stays below white.
+pub(super) fn draw_scattered(knobs: Knobs) -> (Case, Knobs) {
+    let attack = draw_attack(&knobs);
+    let level = knobs.log("directed.level", 0.2, 1.0);
+    let gain = knobs.log("exposure.fixed", 1e-2, 1e3);
+    let (width, height) = attack.size;
+    let mut job = json!({
+        "camera": {"width": width, "height": height, "hfov_deg": 20.0, "exposure": {"fixed": gain}},
+        "water": {"optics": attacked_optics(attack.model)},
+        // The frame attacks a plan of white light; it is as bright as the exposure leaves it room.
+        "fidelity": {"tolerance": (attack.tolerance * level).clamp(1e-7, 1.0)},
+    });
+    if knobs.chance("directed.is_metered", 0.25) {
+        job["camera"]["exposure"] = json!({"auto": draw_metering(&knobs)});
+    }
+    let Some(Frame { radiance, range, .. }) = attack.frame() else {
+        job["fidelity"] = draw_tolerance(&knobs);
+        return (draw_uploaded(&knobs), knobs);
+    };
+    let radiance = radiance.map(|&v| (f64::from(v) * level / gain) as f32);
+    let case = Case::new(&knobs, job, Some(Picture { radiance, range }));
+    (case, knobs)
+}
+
+fn draw_attack(knobs: &Knobs) -> Attack {
+    let size = (
+        knobs.whole("directed.width", 20, 64),
+        knobs.whole("directed.height", 20, 48),
+    );
+    let narrowest = knobs.log("directed.narrowest", 0.01, 3.0);
+    Attack {
+        model: if knobs.chance("directed.is_jaffe", 0.7) {
+            ScatterModel::Jaffe
+        } else {
+            ScatterModel::Simplified
+        },
+        size,
+        target: (
+            knobs.whole("directed.x", 0, size.0 - 1),
+            knobs.whole("directed.y", 0, size.1 - 1),
+        ),
+        widths_px: (
+            narrowest,
+            narrowest * 3.0 * knobs.log("directed.widest", 1.0, 3000.0),
+        ),
+        tolerance: knobs.log("directed.tolerance", 3e-5, 3e-2),
+        brighter: knobs.chance("directed.is_brighter", 0.5),
+    }
+}
+
+/// The water of such a frame: ranges are kernel scales.
+fn attacked_optics(model: ScatterModel) -> Value {
+    let gathers = model == ScatterModel::Simplified;
+    let attenuation = [if gathers { 0.0 } else { 1000.0 }; 3];
+    let (zero, one) = ([0.0; 3], [1.0; 3]);
+    json!({
+        "beam_attenuation_per_m": attenuation,
+        "veiling_light": zero,
+        "forward_scatter": {
+            "model": if gathers { "simplified" } else { "jaffe" },
+            "g_per_m": zero, "spread_px_per_m": one, "spread_offset_px": zero,
+        },
+    })
+}

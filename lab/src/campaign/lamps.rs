@@ -1,0 +1,84 @@
+//! Random lamps. They are where light and its rounding are worst: from a millimeter to some meters off a surface, their cone just
+//! past it.
+
+use imaging::Plane;
+use imaging::geometry::Intrinsics;
+use serde_json::{Value, json};
+
+use super::knobs::Knobs;
+
+/// Most lamps that a description may have.
+const MOST_LAMPS: usize = 64;
+
+/// Surfaces that lamps stand before.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surfaces<'a> {
+    pub(super) range: &'a Plane<f32>,
+    pub(super) camera: Intrinsics,
+}
+
+impl Surfaces<'_> {
+    /// Where a pixel of the picture meets a surface, in camera axes; 1 m away in holes.
+    fn point(&self, x: usize, y: usize) -> [f64; 3] {
+        let seen_m = f64::from(self.range.pixel(x, y));
+        let range_m = if seen_m.is_finite() && seen_m > 0.0 {
+            seen_m
+        } else {
+            1.0
+        };
+        let ray = self.camera.ray(x as f64, y as f64);
+        let length = (ray.x * ray.x + ray.y * ray.y + 1.0).sqrt();
+        [ray.x, ray.y, 1.0].map(|v| v / length * range_m)
+    }
+}
+
+/// From one lamp to as many as there may be.
+pub(super) fn draw_lamps(knobs: &Knobs, surfaces: Surfaces<'_>) -> Vec<Value> {
+    let count = if knobs.chance("lamps.are_many", 0.08) {
+        MOST_LAMPS
+    } else {
+        knobs.whole("lamps.count", 1, 4)
+    };
+    (0..count)
+        .map(|lamp| draw_lamp(knobs, &format!("lamp{lamp}"), surfaces))
+        .collect()
+}
+
+/// A lamp near the surface that a random pixel shows.
+fn draw_lamp(knobs: &Knobs, name: &str, surfaces: Surfaces<'_>) -> Value {
+    let name = |part: &str| format!("{name}.{part}");
+    let (width, height) = surfaces.range.size();
+    let (x, y) = (
+        knobs.whole(&name("x"), 0, width - 1),
+        knobs.whole(&name("y"), 0, height - 1),
+    );
+    let surface = surfaces.point(x, y);
+    // Two of three are within 5 cm.
+    let away_m = match knobs.chance(&name("is_near"), 0.65) {
+        true => knobs.log(&name("away"), 1e-3, 0.05),
+        false => knobs.log(&name("away"), 0.05, 100.0),
+    };
+    let offset = knobs.within_rgb(&name("offset"), -1.0, 1.0);
+    let position_m = [0, 1, 2].map(|axis| (surface[axis] + offset[axis] * away_m).clamp(-999.0, 999.0));
+    // Most surfaces are then about as bright as white, some far from it.
+    let level = match knobs.chance(&name("is_wild"), 0.2) {
+        true => knobs.log(&name("level"), 1e-4, 1e4),
+        false => knobs.log(&name("level"), 1e-2, 10.0),
+    };
+    let intensity = knobs
+        .within_rgb(&name("tint"), 0.2, 1.0)
+        .map(|tint| (tint * level * away_m * away_m).min(1e6));
+    let mut lamp = json!({"kind": "point", "position_m": position_m, "intensity": intensity});
+    if knobs.chance(&name("is_spot"), 0.5) {
+        let cone_deg = knobs.log(&name("cone"), 0.5, 90.0);
+        // Turned from the surface by about the angle of the cone.
+        let (sin, cos) = (cone_deg.to_radians() * knobs.within(&name("turn"), 0.8, 1.2)).sin_cos();
+        let [dx, dy, dz] = [0, 1, 2].map(|axis| surface[axis] - position_m[axis]);
+        let direction = [dx * cos - dz * sin, dy, dx * sin + dz * cos];
+        let longest = direction.into_iter().map(f64::abs).fold(1e-9, f64::max);
+        lamp["kind"] = json!("spot");
+        lamp["direction"] = json!(direction.map(|v| v / longest));
+        lamp["cone_deg"] = json!(cone_deg);
+    }
+    lamp
+}

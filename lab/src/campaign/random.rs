@@ -1,0 +1,157 @@
+//! Random frames: water alone, uploaded pictures, procedural scenes, and frames of sequences.
+
+use imaging::Plane;
+use imaging::geometry::Intrinsics;
+use serde_json::{Value, json};
+
+use super::camera::{add_parts, add_path, add_shift, draw_pinhole};
+use super::case::Case;
+use super::knobs::Knobs;
+use super::lamps::{Surfaces, draw_lamps};
+use super::picture::{Limits, draw_picture, draw_sides};
+use super::water::{draw_daylight, draw_patches, draw_snow, draw_water};
+
+/// Of water alone every size is tried.
+const WATER: Limits = Limits {
+    sides_px: (1, 64),
+    pixels: 4096,
+};
+/// Uploaded pictures, of which the reference takes one transform for each range.
+const PICTURES: Limits = Limits {
+    sides_px: (20, 64),
+    pixels: 2500,
+};
+/// In patches the reference takes one transform for each pixel.
+const PATCHES: Limits = Limits {
+    sides_px: (12, 32),
+    pixels: 500,
+};
+/// As above for procedural scenes, times the pixels of a supersampled picture.
+const PROCEDURAL: Limits = Limits {
+    sides_px: (20, 48),
+    pixels: 1300,
+};
+/// Each frame of a sequence is rendered several times.
+const SEQUENCES: Limits = Limits {
+    sides_px: (12, 32),
+    pixels: 500,
+};
+
+/// From 0.03 down to 3e-6.
+pub(super) fn draw_tolerance(knobs: &Knobs) -> Value {
+    json!({"tolerance": knobs.log("tolerance", 3e-6, 3e-2)})
+}
+
+/// Water alone, for which the cheapest sufficient plan is known as well.
+pub(super) fn draw_water_alone(knobs: &Knobs) -> Case {
+    let picture = draw_picture(knobs, WATER);
+    let job = json!({
+        "camera": draw_pinhole(knobs, picture.range.size()), "water": draw_water(knobs), "fidelity": draw_tolerance(knobs),
+    });
+    Case::new(knobs, job, Some(picture))
+}
+
+/// An uploaded picture with a camera.
+pub(super) fn draw_uploaded(knobs: &Knobs) -> Case {
+    let limits = if has_patches(knobs) { PATCHES } else { PICTURES };
+    let picture = draw_picture(knobs, limits);
+    let mut job =
+        json!({"camera": draw_pinhole(knobs, picture.range.size()), "fidelity": draw_tolerance(knobs)});
+    if knobs.chance("camera.is_real", 0.9) {
+        add_parts(knobs, &mut job["camera"]);
+    }
+    if knobs.chance("camera.shifts", 0.15) {
+        add_shift(knobs, &mut job["camera"]);
+    }
+    if knobs.chance("camera.has_up", 0.2) {
+        job["camera"]["up"] = json!(knobs.within_rgb("camera.up", -1.0, 1.0));
+    }
+    fill(knobs, &mut job, &picture.range);
+    Case::new(knobs, job, Some(picture))
+}
+
+/// A procedural scene with a camera.
+pub(super) fn draw_procedural(knobs: &Knobs) -> Case {
+    let supersample = match knobs.chance("camera.is_supersampled", 0.15) {
+        true => knobs.whole("camera.supersample", 2, 3),
+        false => 1,
+    };
+    let limits = if has_patches(knobs) { PATCHES } else { PROCEDURAL };
+    let limits = Limits {
+        pixels: limits.pixels / (supersample * supersample),
+        sides_px: (limits.sides_px.0 / supersample, limits.sides_px.1 / supersample),
+    };
+    let (mut job, range) = draw_place(knobs, limits);
+    if knobs.chance("camera.is_real", 0.9) {
+        add_parts(knobs, &mut job["camera"]);
+    }
+    if supersample > 1 {
+        job["camera"]["supersample"] = json!(supersample);
+    }
+    fill(knobs, &mut job, &range);
+    Case::new(knobs, job, None)
+}
+
+/// A frame on a path: moments of a shutter, bands of rows, metering that lags.
+pub(super) fn draw_sequence(knobs: &Knobs) -> Case {
+    let (mut job, range) = draw_place(knobs, SEQUENCES);
+    add_parts(knobs, &mut job["camera"]);
+    add_path(knobs, &mut job["camera"]);
+    fill(knobs, &mut job, &range);
+    Case::new(knobs, job, None)
+}
+
+/// A procedural scene before a pinhole, and the ranges that it sees.
+fn draw_place(knobs: &Knobs, limits: Limits) -> (Value, Plane<f32>) {
+    let size = draw_sides(knobs, limits);
+    let family = knobs.pick("scene.family", scenes::FAMILIES);
+    let seed = knobs.whole("scene.seed", 0, 1000);
+    let mut camera = draw_pinhole(knobs, size);
+    camera["hfov_deg"] = json!(knobs.within("camera.hfov", 30.0, 100.0));
+    let seen = scenes::procedural(family, seed as u64, size.0, size.1, intrinsics(&camera, size));
+    let range = seen.ok().and_then(|scene| scene.range);
+    let range = range.unwrap_or_else(|| Plane::filled(size.0, size.1, 1.0));
+    let scene = json!({"kind": "procedural", "family": family, "seed": seed});
+    let job = json!({"scene": scene, "camera": camera, "fidelity": draw_tolerance(knobs)});
+    (job, range)
+}
+
+fn has_patches(knobs: &Knobs) -> bool {
+    knobs.chance("water.has_patches", 0.2)
+}
+
+/// Adds water, what is in it, and lamps.
+fn fill(knobs: &Knobs, job: &mut Value, range: &Plane<f32>) {
+    let camera = intrinsics(&job["camera"], range.size());
+    let mut water = draw_water(knobs);
+    if has_patches(knobs) {
+        water["turbidity"] = draw_patches(knobs);
+    }
+    if knobs.chance("water.has_snow", 0.25) {
+        water["snow"] = draw_snow(knobs, &camera, range.size());
+    }
+    if knobs.chance("water.has_daylight", 0.25) {
+        let is_albedo = knobs.chance("scene.is_albedo", 0.6);
+        water["from_above"] = draw_daylight(knobs, is_albedo);
+        if is_albedo {
+            job["scene"]["light"] = json!("albedo");
+            water["ambient"] = json!("none");
+        }
+    }
+    if knobs.chance("water.has_lamps", 0.4) {
+        job["lights"] = json!(draw_lamps(knobs, Surfaces { range, camera }));
+        if knobs.chance("lamps.are_single", 0.5) {
+            water["multiple"] = json!("none");
+        }
+        if knobs.chance("lamps.have_phase", 0.3) {
+            water["glow_phase"] = json!("ff");
+        }
+    }
+    job["water"] = water;
+}
+
+/// The pinhole of a description.
+pub(super) fn intrinsics(camera: &Value, (width, height): (usize, usize)) -> Intrinsics {
+    let half_deg = camera["hfov_deg"].as_f64().unwrap_or(80.0) / 2.0;
+    Intrinsics::centered(width as f64 / 2.0 / half_deg.to_radians().tan(), width, height)
+}

@@ -1,0 +1,153 @@
+//! Renders frames of the campaign as those of any job, and holds them against their reference and the promise of their plan.
+
+use std::sync::Arc;
+
+use imaging::{Rgb, transfer};
+use optics::plan::Plan;
+use renderer::{Engine, LinearPicture, SceneSource, Slot};
+use spec::{Fidelity, Frame, Job, Tone, Vocabulary};
+use style::Library;
+
+use super::case::Case;
+
+/// Linear light of white, the most that a sensor or a code holds.
+const WHITE: f64 = 1.0;
+
+/// Renders frames of the campaign.
+pub struct Studio {
+    slot: Slot,
+    vocabulary: Vocabulary,
+}
+
+/// What a plan promises of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Promise {
+    /// The largest error of the linear light after exposure.
+    pub bound: f64,
+    /// Whether the plan gives a reason why that is above the tolerance.
+    pub exceeds: bool,
+    /// Whether a stage runs without a bound, so that nothing is promised.
+    pub is_open: bool,
+}
+
+/// A frame against its reference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// What the plan promised.
+    pub promise: Promise,
+    /// The largest error of the linear light after exposure.
+    pub error: f64,
+    /// Column, row and channel of that error.
+    pub place: [usize; 3],
+    /// Largest difference of 8-bit codes where the plan was made for `display`; `None` where that plan exceeds its tolerance.
+    pub display_codes: Option<u8>,
+}
+
+/// The promise of a plan; `None` where the frame asks for no tolerance.
+fn promise(plan: &Plan) -> Option<Promise> {
+    let bounds = plan.bounds()?;
+    Some(Promise {
+        bound: bounds.into_iter().fold(0.0, f64::max),
+        exceeds: plan.exceeds.is_some(),
+        is_open: false,
+    })
+}
+
+impl Studio {
+    /// A studio without style models of the user.
+    ///
+    /// # Panics
+    /// When the embedded style models are damaged.
+    #[must_use]
+    pub fn new() -> Self {
+        let library = Library::embedded().expect("the embedded style models");
+        Self {
+            vocabulary: renderer::vocabulary(&library, true),
+            slot: Slot::new(&Arc::new(Engine::new(library, None))),
+        }
+    }
+
+    /// The frame of a case; `None` where its description contradicts itself.
+    pub(super) fn resolve(&self, case: &Case) -> Option<Frame> {
+        let job = Job::parse(case.job.to_string().as_bytes(), &self.vocabulary).ok()?;
+        job.resolve(0).ok()
+    }
+
+    /// Renders a frame and its reference; `None` where it cannot be rendered.
+    pub(super) fn measure(&mut self, frame: &Frame, case: &Case) -> Option<Measured> {
+        let source = case.source();
+        let exact = self.light(frame, Fidelity::REFERENCE, &source)?.radiance;
+        let fast = self.light(frame, frame.fidelity, &source)?;
+        let shown = self.light(frame, Fidelity::DISPLAY, &source)?;
+        let white = white(frame);
+        let (error, place) = largest_error(&fast.radiance, &exact, white);
+        let display_codes = promise(&shown.plan)
+            .filter(|promise| !promise.exceeds && !promise.is_open)
+            .map(|_| code_difference(&shown.radiance, &exact, frame.camera.tone));
+        Some(Measured {
+            promise: promise(&fast.plan)?,
+            error,
+            place,
+            display_codes,
+        })
+    }
+
+    fn light(&mut self, frame: &Frame, fidelity: Fidelity, source: &SceneSource) -> Option<LinearPicture> {
+        let frame = Frame {
+            fidelity,
+            ..frame.clone()
+        };
+        self.slot.linear(&frame, source).ok()
+    }
+}
+
+impl Default for Studio {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Light that counts as white in a comparison: an exposed picture holds no more.
+fn white(frame: &Frame) -> f64 {
+    if frame.camera.exposure.is_some() {
+        WHITE
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// The largest difference of two pictures and its column, row and channel; infinite where one is no number.
+fn largest_error(fast: &Rgb<f32>, exact: &Rgb<f32>, white: f64) -> (f64, [usize; 3]) {
+    let width = fast.width().max(1);
+    let mut largest = (0.0, [0; 3]);
+    for (channel, (fast, exact)) in fast.planes().iter().zip(exact.planes()).enumerate() {
+        for (at, (&fast, &exact)) in fast.data().iter().zip(exact.data()).enumerate() {
+            let error = if fast.is_nan() || exact.is_nan() {
+                f64::INFINITY
+            } else {
+                (f64::from(fast).min(white) - f64::from(exact).min(white)).abs()
+            };
+            if error > largest.0 {
+                largest = (error, [at % width, at / width, channel]);
+            }
+        }
+    }
+    largest
+}
+
+/// The largest difference of 8-bit codes.
+fn code_difference(fast: &Rgb<f32>, exact: &Rgb<f32>, tone: Option<Tone>) -> u8 {
+    let codes = |light: &Rgb<f32>| -> Vec<u8> {
+        let exponent = match tone {
+            None | Some(Tone::Srgb) => return transfer::encode_rgb8(light).0.data().to_vec(),
+            Some(Tone::Linear) => 1.0,
+            Some(Tone::Gamma(gamma)) => 1.0 / gamma,
+        };
+        let samples = light.planes().iter().flat_map(|plane| plane.data());
+        samples
+            .map(|&v| (255.0 * f64::from(v).clamp(0.0, WHITE).powf(exponent) + 0.5) as u8)
+            .collect()
+    };
+    let pairs = codes(fast).into_iter().zip(codes(exact));
+    pairs.map(|(fast, exact)| fast.abs_diff(exact)).max().unwrap_or(0)
+}
