@@ -2,7 +2,7 @@
 
 use optics::chain;
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Form, Plan, ScatterStep, SceneStats};
+use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::water::Water;
 use spec::{Fidelity, Frame};
 
@@ -45,7 +45,7 @@ impl Cost {
 struct Trial<'a> {
     picture: &'a Picture,
     water: Water,
-    stats: SceneStats,
+    bounds: SceneBounds,
     tolerance: f64,
     /// Light that f64 gives.
     exact: imaging::Rgb<f64>,
@@ -62,7 +62,7 @@ impl Cost {
         let light = picture.radiance.map(|&j| f64::from(j));
         let exact = chain::water_reference(&light, &picture.range.map(|&z| f64::from(z)), &water).ok()?;
         let mut trial = Trial {
-            stats: SceneStats::measure(&picture.radiance, &picture.range, &water),
+            bounds: SceneBounds::measure(&picture.radiance, &picture.range, &water),
             picture,
             water,
             tolerance,
@@ -88,7 +88,7 @@ impl Cost {
 
 impl Trial<'_> {
     fn plan(&self, fidelity: Fidelity) -> Plan {
-        Plan::for_water(&self.stats, &self.water, fidelity)
+        Plan::for_water(&self.bounds, &self.water, fidelity)
     }
 
     fn render(&mut self, plan: &Plan) -> Option<chain::Layers> {
@@ -108,32 +108,33 @@ impl Trial<'_> {
         })
     }
 
-    /// Of each channel the form of the fewest kernels whose error stays within the tolerance; that of the plan where no cheaper
-    /// one does.
+    /// Of each channel the variant of the fewest kernels whose error stays within the tolerance; that of the plan if no cheaper one
+    /// does.
     fn cheapest(&mut self, plan: &Plan) -> Plan {
         let most = kernels(plan).into_iter().max().unwrap_or(0);
-        let mut forms: Vec<[ScatterStep; 3]> = Vec::new();
+        let mut variants: Vec<[Variant; 3]> = Vec::new();
         if most > 0 {
-            forms.extend(
-                [ScatterStep::Skip, ScatterStep::Pointwise].map(|form| [form.clone(), form.clone(), form]),
-            );
+            variants.extend([Variant::Skip, Variant::Pointwise].map(|one| [one.clone(), one.clone(), one]));
         }
         for terms in 1..most {
-            forms.push(self.plan(Fidelity::Terms(terms)).scatter.map(|stage| stage.form));
+            let plan = self.plan(Fidelity::Terms(terms));
+            variants.push(SCATTER.map(|id| plan.variant(id).clone()));
         }
         let mut cheapest = plan.clone();
         let mut found = [false; 3];
-        for form in forms {
-            let mut cheaper = plan.clone();
-            cheaper.attenuation.form = Form::Fast;
-            for (stage, form) in cheaper.scatter.iter_mut().zip(form) {
-                stage.form = form;
+        for variants in variants {
+            let mut cheaper = plan
+                .clone()
+                .with_variant(StageId::Attenuation, Variant::Fast("f32"));
+            for (id, variant) in SCATTER.into_iter().zip(variants) {
+                cheaper = cheaper.with_variant(id, variant);
             }
             let sufficient = self.sufficient(&cheaper);
             let saves = |channel: usize| kernels(&cheaper)[channel] < kernels(plan)[channel];
             for channel in (0..3).filter(|&channel| sufficient[channel] && saves(channel)) {
                 if !std::mem::replace(&mut found[channel], true) {
-                    cheapest.scatter[channel].form = cheaper.scatter[channel].form.clone();
+                    let id = SCATTER[channel];
+                    cheapest = cheapest.with_variant(id, cheaper.variant(id).clone());
                 }
             }
         }
@@ -141,9 +142,14 @@ impl Trial<'_> {
     }
 }
 
+/// Forward scatter of each channel.
+const SCATTER: [StageId; 3] = [
+    StageId::ForwardScatter(0),
+    StageId::ForwardScatter(1),
+    StageId::ForwardScatter(2),
+];
+
 /// Kernels of each channel.
 fn kernels(plan: &Plan) -> [usize; 3] {
-    plan.scatter
-        .each_ref()
-        .map(|stage| stage.form.terms().unwrap_or(0))
+    SCATTER.map(|id| plan.variant(id).kernels().unwrap_or(0))
 }

@@ -45,11 +45,11 @@ pub struct Measured {
 
 /// The promise of a plan; `None` where the frame asks for no tolerance.
 fn promise(plan: &Plan) -> Option<Promise> {
-    let bounds = plan.bounds()?;
+    let promise = plan.promise()?;
     Some(Promise {
-        bound: bounds.into_iter().fold(0.0, f64::max),
-        exceeds: plan.exceeds.is_some(),
-        is_open: false,
+        bound: promise.bound,
+        exceeds: promise.exceeds.is_some(),
+        is_open: !promise.unbounded.is_empty(),
     })
 }
 
@@ -79,8 +79,7 @@ impl Studio {
         let exact = self.light(frame, Fidelity::REFERENCE, &source)?.radiance;
         let fast = self.light(frame, frame.fidelity, &source)?;
         let shown = self.light(frame, Fidelity::DISPLAY, &source)?;
-        let white = white(frame);
-        let (error, place) = largest_error(&fast.radiance, &exact, white);
+        let (error, place) = largest_error(&fast.radiance, &exact);
         let display_codes = promise(&shown.plan)
             .filter(|promise| !promise.exceeds && !promise.is_open)
             .map(|_| code_difference(&shown.radiance, &exact, frame.camera.tone));
@@ -107,17 +106,8 @@ impl Default for Studio {
     }
 }
 
-/// Light that counts as white in a comparison: an exposed picture holds no more.
-fn white(frame: &Frame) -> f64 {
-    if frame.camera.exposure.is_some() {
-        WHITE
-    } else {
-        f64::INFINITY
-    }
-}
-
 /// The largest difference of two pictures and its column, row and channel; infinite where one is no number.
-fn largest_error(fast: &Rgb<f32>, exact: &Rgb<f32>, white: f64) -> (f64, [usize; 3]) {
+fn largest_error(fast: &Rgb<f32>, exact: &Rgb<f32>) -> (f64, [usize; 3]) {
     let width = fast.width().max(1);
     let mut largest = (0.0, [0; 3]);
     for (channel, (fast, exact)) in fast.planes().iter().zip(exact.planes()).enumerate() {
@@ -125,7 +115,7 @@ fn largest_error(fast: &Rgb<f32>, exact: &Rgb<f32>, white: f64) -> (f64, [usize;
             let error = if fast.is_nan() || exact.is_nan() {
                 f64::INFINITY
             } else {
-                (f64::from(fast).min(white) - f64::from(exact).min(white)).abs()
+                (f64::from(fast).min(WHITE) - f64::from(exact).min(WHITE)).abs()
             };
             if error > largest.0 {
                 largest = (error, [at % width, at / width, channel]);

@@ -24,6 +24,7 @@ fn commit() -> CommitRequest {
         parameters: json!({"alpha": 0.1, "seed": u64::MAX}),
         optics: serde_json::Map::new(),
         plan: json!([]),
+        promise: None,
         measurements: BTreeMap::from([("rgb".to_owned(), BTreeMap::from([("uiqm".to_owned(), 0.1 + 0.2)]))]),
         artifacts: vec![serde_json::from_value(artifact).unwrap()],
         counts: spec::Counts::default(),

@@ -173,6 +173,7 @@ mod tests {
                 .cloned()
                 .unwrap(),
             plan: json!({}),
+            promise: None,
             artifacts: vec![ArtifactEntry {
                 kind: "rgb".to_owned(),
                 digest: "d".to_owned(),

@@ -73,6 +73,7 @@ pub fn record(job: &str, frame: u64) -> FrameRecord {
         frame,
         parameters,
         optics: optics.as_object().cloned().unwrap_or_default(),
+        promise: None,
         plan: json!({"forward_scatter": {"skipped": false, "terms": 8, "bound": 2.7e-4}, "style": {"skipped": false}}),
         measurements: BTreeMap::from([("rgb".to_owned(), measured(1)), ("hscm".to_owned(), measured(2))]),
         artifacts: vec![artifact("rgb", 1), artifact("range", 2)],

@@ -63,5 +63,10 @@ pub fn bound_airlight(lighting: &Lighting, _view: &VisibleBounds) -> AirlightBou
         },
     }
 }
-impl AirlightBounds { /// x
- #[must_use] pub fn brightest(&self) -> f64 { self.peak.into_iter().fold(0.0, f64::max) } }
+impl AirlightBounds {
+    /// x
+    #[must_use]
+    pub fn brightest(&self) -> f64 {
+        self.peak.into_iter().fold(0.0, f64::max)
+    }
+}

@@ -87,7 +87,8 @@ pub fn brightest_behind(bounds: &SceneBounds, around: Option<&Water>, airlight: 
 
 /// The brightest direct light of a channel behind the water.
 fn brightest_direct(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 {
-    if bounds.holes {
+    // A hole shows the scene only where the water attenuates nothing.
+    if bounds.holes && water.direct_attenuation[channel] == 0.0 {
         return f64::from(bounds.brightest[channel]) * water.radiance_gain[channel];
     }
     let direct = bounds.bins.iter().map(|bin| {

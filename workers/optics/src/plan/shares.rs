@@ -8,7 +8,7 @@ const AIRLIGHT: f64 = 0.25;
 /// Share of clouds of sediment, used only if it leaves them out.
 const SEDIMENT: f64 = 0.125;
 /// Share of the snow: wider discs cost next to nothing.
-const SNOW: f64 = 0.125;
+const SNOW: f64 = 0.04;
 /// Share of light for which no shadow is traced.
 const UNSHADOWED: f64 = 1.0 / 16.0;
 /// Minimum share of the tolerance for the light before the camera and for the water, however much the others use up.

@@ -13,7 +13,7 @@ use crate::planning::Assessment;
 const PATH_NS: f64 = 5.3;
 
 /// Optical depths up to which errors are counted as a share of the light; of light behind more, which is faint, they are absolute.
-const DEEPEST: f64 = 3.0;
+const DEEPEST: f64 = 6.0;
 /// The clearest patch that is counted, as a share of the mean.
 const CLEAREST: f64 = 0.01;
 

@@ -12,8 +12,7 @@ const WHITE: f64 = 1.0;
 
 /// The largest error of exposed light that a plan promises.
 fn promise(plan: &Plan) -> f64 {
-    let bounds = plan.bounds().expect("a frame with a tolerance");
-    bounds.into_iter().fold(0.0, f64::max)
+    plan.promise().expect("a frame with a tolerance").bound
 }
 
 /// A structure in turbid water, 8 m deep, in the daylight that is left there: dim, so that a camera multiplies its light.

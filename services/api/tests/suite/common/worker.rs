@@ -204,6 +204,7 @@ pub(crate) fn record(frame: &Frame, digest: &str, bytes: u64) -> FrameRecord {
         parameters: frame.parameters.clone(),
         optics: Map::new(),
         plan: json!([]),
+        promise: None,
         measurements: BTreeMap::from([("rgb".to_owned(), measured)]),
         artifacts: vec![ArtifactEntry {
             kind: "rgb".into(),

@@ -17,7 +17,7 @@ const STEP_PX: usize = 16;
 const LEAST_PX: usize = 32;
 /// The factor is expected to be no larger than this times that of the thinned picture. A frame that is metered brighter is planned
 /// and rendered again.
-const MARGIN: f64 = 1.5;
+const MARGIN: f64 = 1.3;
 /// The thinned picture is metered at this tolerance: 0.1 % of the target and of light are far below the margin.
 const TOLERANCE: f64 = 1e-3;
 
