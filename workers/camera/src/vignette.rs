@@ -9,7 +9,7 @@ use spec::Vignette;
 
 use crate::rounding;
 
-/// Rings of equal area in which limits of the factor are searched.
+/// Rings of equal area; each gets limits of the factor.
 const RINGS: usize = 1024;
 /// Relative error of a factor in f64.
 const IN_F64: f64 = 32.0 * f64::EPSILON;

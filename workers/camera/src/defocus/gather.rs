@@ -1,7 +1,7 @@
-//! Defocus in f32 with the disc of every pixel, a block of a row's pixels at once.
+//! Defocus in f32 with the disc of every pixel, computed for blocks of a row's pixels.
 //!
-//! All pixels of a block read the same samples. Where their discs agree they share a weight, elsewhere each has its own: the
-//! cost follows the largest radius, and depends little on how the radii vary.
+//! All pixels of a block read the same samples. A sample has one weight where the discs of the block agree, and a weight for
+//! each disc elsewhere. The cost follows the largest radius and depends little on how the radii vary.
 
 use imaging::{Plane, Rgb, vectorized};
 
@@ -92,10 +92,10 @@ struct Block {
     pair: Vec<f32>,
 }
 
-/// A row of the discs from its middle outwards, left and right alike.
+/// A row of the discs from its middle outwards; left and right are equal.
 #[derive(Clone, Copy)]
 struct Row {
-    /// Pixels from the middle on whose weight all discs have in common.
+    /// Pixels from the middle on with equal weights in all discs.
     common: usize,
     /// Pixels of the largest disc.
     pixels: usize,
