@@ -64,17 +64,21 @@ pub fn rounding_bound(radius_px: f64, peak: f64) -> f64 {
 fn pad(plane: &Plane<f32>, margin: usize) -> Plane<f32> {
     let (width, height) = plane.size();
     let padded = width.next_multiple_of(LANES) + 2 * margin;
-    let inside = |i: usize, side: usize| mirrored(i as isize - margin as isize, side);
-    let left: Vec<usize> = (0..margin).map(|x| inside(x, width)).collect();
-    let right: Vec<usize> = (margin + width..padded).map(|x| inside(x, width)).collect();
+    let columns: Vec<usize> = (0..padded).map(|x| source_of(x, margin, width)).collect();
+    let (left, right) = (&columns[..margin], &columns[margin + width..]);
     let mut data = Vec::with_capacity(padded * (height + 2 * margin));
     for y in 0..height + 2 * margin {
-        let row = plane.row(inside(y, height));
+        let row = plane.row(source_of(y, margin, height));
         data.extend(left.iter().map(|&x| row[x]));
         data.extend_from_slice(row);
         data.extend(right.iter().map(|&x| row[x]));
     }
     Plane::new(padded, height + 2 * margin, data).expect("a margin on all sides")
+}
+
+/// The column or row that a padded one repeats.
+fn source_of(padded: usize, margin: usize, side: usize) -> usize {
+    mirrored(padded as isize - margin as isize, side)
 }
 
 /// The discs of a block of pixels. Weights are numbers of points.
