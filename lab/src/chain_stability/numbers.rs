@@ -133,9 +133,8 @@ pub fn bright_lamps() -> Finding {
             water: water(ScatterModel::Jaffe, 1.0),
         };
         let plan = trial.plan(Fidelity::Tolerance(TOLERANCE));
-        let bound = plan
-            .bounds()
-            .map_or(f64::NAN, |b| b.into_iter().fold(0.0, f64::max));
+        let bounds = plan.errors().map(|error| error.bound_sample(f64::from(peak)));
+        let bound = bounds.into_iter().fold(0.0, f64::max);
         let error = trial.error(Fidelity::Tolerance(TOLERANCE));
         above = above.max(error / bound);
         relative = relative.max(trial.error(PLENTY) / f64::from(peak));
@@ -247,8 +246,7 @@ pub fn a_tolerance_below_f32() -> Finding {
         water: water(ScatterModel::Jaffe, 1.0),
     };
     let asked = Fidelity::Tolerance(1e-9);
-    let bounds = trial.plan(asked).bounds().unwrap_or([f64::NAN; 3]);
-    let bound = bounds.into_iter().fold(0.0, f64::max);
+    let bound = trial.plan(asked).promise().map_or(f64::NAN, |promise| promise.bound);
     Finding {
         test: "a_tolerance_below_f32",
         tried: "A tolerance of 1e-9.",
@@ -256,7 +254,7 @@ pub fn a_tolerance_below_f32() -> Finding {
             Figure::at_most("error over the stated bound", trial.error(asked) / bound, 1.0),
             Figure::at_least("bound that the plan states", bound, 1e-9),
         ],
-        meaning: "The plan takes many kernels and states a bound above the tolerance: read `bounds` in the record, not the \
+        meaning: "The plan takes many kernels and states a bound above the tolerance: read `promise` in the record, not the \
                   tolerance that was asked for. The `reference` fidelity is the way to more, for small frames.",
         picture: None,
     }

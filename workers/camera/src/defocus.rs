@@ -5,8 +5,8 @@
 //! `r_d + 1/((n-1)/r_d + n/(Z - r_d))`. A pixel of the disc weighs the share of its 8×8 points within the radius; the border
 //! is mirrored with its edge. What is near does not bleed over the edge of what is behind it: each pixel knows its own range alone.
 //!
-//! Weights sum to 1 and none is negative: an error of the light appears in the blurred light no larger than it is. The fast
-//! form has the same discs and errs by rounding alone.
+//! Weights are at least 0 and sum to 1, so an error of the light does not grow (gain 1). The fast form has the same discs and
+//! errs by rounding alone.
 
 mod counts;
 mod gather;
@@ -18,8 +18,8 @@ pub use reference::blur_reference;
 use imaging::{Plane, vectorized};
 use spec::{Defocus, Port};
 
-/// Below this radius in pixels a disc holds points of its own pixel alone and changes nothing: the next pixel's nearest column
-/// of points is 9/16 away.
+/// Below this radius in pixels a disc holds points of a single pixel and is the identity: the nearest points of the next pixel
+/// are more than 9/16 away.
 pub const SHARP_PX: f64 = 0.5625;
 /// Largest radius in pixels: more light than that of a disc of 129 pixels is beyond what a gather of this kind is for.
 pub const MOST_PX: f64 = 64.0;
@@ -56,7 +56,7 @@ impl Focus {
         (self.scale * (nearness(range_m, self.port) - self.sharp).abs()).min(MOST_PX)
     }
 
-    /// The largest radius in pixels of ranges between these two; infinity stands for no range.
+    /// The largest radius in pixels of ranges between these two. Pass infinity as the farthest one if pixels have no range.
     #[must_use]
     pub fn largest_px(&self, nearest_m: f64, farthest_m: f64) -> f64 {
         // The radius falls and rises again with the range.

@@ -3,8 +3,8 @@
 
 use crate::rounding;
 
-/// Largest error in f32 of the mean of so many pictures, each times its weight, added one by one. No sample is larger than
-/// `peak` in magnitude.
+/// Largest error in f32 of a mean of pictures, each times its weight, added one by one. No sample is larger than `peak` in
+/// magnitude.
 #[must_use]
 pub fn average_bound(pictures: usize, peak: f64) -> f64 {
     // The weight, its product and a sum for each picture.

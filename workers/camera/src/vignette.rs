@@ -9,7 +9,7 @@ use spec::Vignette;
 
 use crate::rounding;
 
-/// Rings of equal area in which limits of the factor are searched.
+/// Rings of equal area; each gets limits of the factor.
 const RINGS: usize = 1024;
 /// Relative error of a factor in f64.
 const IN_F64: f64 = 32.0 * f64::EPSILON;
@@ -27,8 +27,7 @@ impl FallOff {
     /// That of a lens whose picture has these sides.
     #[must_use]
     pub fn new(law: Vignette, camera: Intrinsics, (width, height): (usize, usize)) -> Self {
-        let far = |center: f64, side: usize| center.max(side as f64 - 1.0 - center);
-        let (x, y) = (far(camera.cx, width), far(camera.cy, height));
+        let (x, y) = (farthest(camera.cx, width), farthest(camera.cy, height));
         let square = x * x + y * y;
         Self {
             law,
@@ -64,8 +63,7 @@ impl FallOff {
     #[must_use]
     pub fn limits(&self, (width, height): (usize, usize)) -> Factors {
         let Intrinsics { cx, cy, .. } = self.camera;
-        let far = |center: f64, side: usize| center.abs().max((side as f64 - 1.0 - center).abs());
-        let (x, y) = (far(cx, width), far(cy, height));
+        let (x, y) = (farthest(cx, width), farthest(cy, height));
         let step = (x * x + y * y) / RINGS as f64;
         let mut factors = Factors {
             least: f64::INFINITY,
@@ -106,6 +104,11 @@ impl FallOff {
             largest: (middle + away).max(0.0),
         }
     }
+}
+
+/// The distance of the farthest pixel along an axis.
+fn farthest(center: f64, side: usize) -> f64 {
+    center.max(side as f64 - 1.0 - center)
 }
 
 /// Limits of the factors of a picture.

@@ -10,7 +10,7 @@ use imaging::{Plane, Rgb};
 use spec::Distortion;
 
 /// Changes tried from each start; `FATHOM_CLIMB_STEPS` replaces them.
-const STEPS: u64 = 1500;
+const STEPS: u64 = 600;
 
 fn steps() -> u64 {
     let steps = std::env::var("FATHOM_CLIMB_STEPS").ok();

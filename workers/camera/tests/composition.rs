@@ -228,13 +228,13 @@ fn range(dice: Dice, size: (usize, usize)) -> Plane<f32> {
     let [near, far] = [40, 41].map(|element| dice.magnitude(element, 0.1, 30.0));
     let kind = dice.pick(42, 5);
     Plane::from_fn(size.0, size.1, |x, y| {
-        let at = (100_000 + x + 512 * y) as u64;
+        let sample = (100_000 + x + 512 * y) as u64;
         let share = match kind {
             0 => 0.0,
             1 => ((x + y) % 7 / 4) as f64,
             2 => (x + y) as f64 / (size.0 + size.1) as f64,
-            3 if dice.unit(at) < 0.1 => return f32::NAN,
-            _ => dice.unit(at),
+            3 if dice.unit(sample) < 0.1 => return f32::NAN,
+            _ => dice.unit(sample),
         };
         (near + (far - near) * share) as f32
     })
@@ -274,7 +274,7 @@ fn lights(dice: Dice, size: (usize, usize)) -> (Rgb<f64>, Rgb<f32>) {
     (exact, fast)
 }
 
-/// The largest difference of light that is cut at white.
+/// The largest difference of light, both cut at white.
 fn apart(exact: &Rgb<f64>, fast: &Rgb<f32>, white: f64) -> f64 {
     let planes = exact.planes().iter().zip(fast.planes());
     let pairs = planes.flat_map(|(exact, fast)| exact.data().iter().zip(fast.data()));

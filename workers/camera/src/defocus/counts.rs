@@ -53,8 +53,8 @@ impl Counts {
                     rings: rings[rings.len() - 1] - before,
                     start: growth.len(),
                 });
-                let up_to = |ring: i32| rings.partition_point(|&other| other <= ring) as u8;
-                growth.extend((before..=rings[rings.len() - 1]).map(up_to));
+                let all = before..=rings[rings.len() - 1];
+                growth.extend(all.map(|ring| rings.partition_point(|&other| other <= ring) as u8));
                 for ring in rings {
                     if let Some(added) = added.get_mut(ring as usize) {
                         *added += copies(near, far);
@@ -117,12 +117,16 @@ impl Counts {
 
 /// The rings of a pixel's points, ascending.
 fn rings_of(near: usize, far: usize) -> Vec<i32> {
-    let places = |pixel: usize| (0..POINTS as i32).map(move |k| SIDE * pixel as i32 + 2 * k + 1 - SIDE / 2);
-    let mut rings: Vec<i32> = places(near)
-        .flat_map(|a| places(far).map(move |b| (a * a + b * b - 2) / 8))
+    let mut rings: Vec<i32> = points_of(near)
+        .flat_map(|a| points_of(far).map(move |b| (a * a + b * b - 2) / 8))
         .collect();
     rings.sort_unstable();
     rings
+}
+
+/// The points of a pixel along an axis, in sixteenths of a pixel.
+fn points_of(pixel: usize) -> impl Iterator<Item = i32> {
+    (0..POINTS as i32).map(move |k| SIDE * pixel as i32 + 2 * k + 1 - SIDE / 2)
 }
 
 /// Pixels about the center with these distances.

@@ -1,7 +1,7 @@
-//! Defocus in f32 with the disc of every pixel, a block of a row's pixels at once.
+//! Defocus in f32 with the disc of every pixel, computed for blocks of a row's pixels.
 //!
-//! All pixels of a block read the same samples. Where their discs agree they share a weight, elsewhere each has its own: the
-//! cost follows the largest radius, and depends little on how the radii vary.
+//! All pixels of a block read the same samples. A sample has one weight where the discs of the block agree, and a weight for
+//! each disc elsewhere. The cost follows the largest radius and depends little on how the radii vary.
 
 use imaging::{Plane, Rgb, vectorized};
 
@@ -64,17 +64,21 @@ pub fn rounding_bound(radius_px: f64, peak: f64) -> f64 {
 fn pad(plane: &Plane<f32>, margin: usize) -> Plane<f32> {
     let (width, height) = plane.size();
     let padded = width.next_multiple_of(LANES) + 2 * margin;
-    let inside = |i: usize, side: usize| mirrored(i as isize - margin as isize, side);
-    let left: Vec<usize> = (0..margin).map(|x| inside(x, width)).collect();
-    let right: Vec<usize> = (margin + width..padded).map(|x| inside(x, width)).collect();
+    let columns: Vec<usize> = (0..padded).map(|x| source_of(x, margin, width)).collect();
+    let (left, right) = (&columns[..margin], &columns[margin + width..]);
     let mut data = Vec::with_capacity(padded * (height + 2 * margin));
     for y in 0..height + 2 * margin {
-        let row = plane.row(inside(y, height));
+        let row = plane.row(source_of(y, margin, height));
         data.extend(left.iter().map(|&x| row[x]));
         data.extend_from_slice(row);
         data.extend(right.iter().map(|&x| row[x]));
     }
     Plane::new(padded, height + 2 * margin, data).expect("a margin on all sides")
+}
+
+/// The column or row that a padded one repeats.
+fn source_of(padded: usize, margin: usize, side: usize) -> usize {
+    mirrored(padded as isize - margin as isize, side)
 }
 
 /// The discs of a block of pixels. Weights are numbers of points.
@@ -92,10 +96,10 @@ struct Block {
     pair: Vec<f32>,
 }
 
-/// A row of the discs from its middle outwards, left and right alike.
+/// A row of the discs from its middle outwards; left and right are equal.
 #[derive(Clone, Copy)]
 struct Row {
-    /// Pixels from the middle on whose weight all discs have in common.
+    /// Pixels from the middle on with equal weights in all discs.
     common: usize,
     /// Pixels of the largest disc.
     pixels: usize,

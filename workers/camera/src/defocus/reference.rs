@@ -53,7 +53,7 @@ impl Disc {
     }
 }
 
-/// Every pixel's own disc in f64.
+/// The picture with every pixel blurred by its disc, in f64.
 #[must_use]
 pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
     let (width, height) = picture.size();
@@ -83,7 +83,7 @@ pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
     })
 }
 
-/// The quadrants that a place of the first one stands for.
+/// The signs of a first-quadrant place in all quadrants.
 fn signs(dx: usize, dy: usize) -> impl Iterator<Item = (isize, isize)> {
     let ways = |d: usize| if d == 0 { &[1][..] } else { &[1, -1][..] };
     ways(dy)

@@ -27,12 +27,12 @@ pub fn metered_slope(gain: f64, metering: &Metering, exposed_peak: f64) -> f64 {
     gain * (1.0 + exposed_peak / metering.target)
 }
 
-/// What is known of the metered luminance, of white 1, before a picture is metered.
+/// Limits of the metered luminance, white 1, known before a picture is metered.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Luminance {
-    /// The metered luminance is at least this; 0 where that is unknown.
+    /// Lower limit; 0 if unknown.
     pub least: f64,
-    /// The metered luminance is at most this; infinity where that is unknown.
+    /// Upper limit; infinity if unknown.
     pub most: f64,
 }
 
@@ -115,7 +115,7 @@ mod tests {
         metering: Metering,
     }
 
-    /// Pictures whose metered pixels are many and alike, few, or dark, with errors that all point to the same side.
+    /// Pictures with many ties at the metered pixel, with few, and dark ones; all errors have one sign.
     fn case(number: u64) -> Case {
         let stream = Stream::stage(3, "metering");
         let unit = |element: u64| stream.unit(number, element);
@@ -195,6 +195,11 @@ mod tests {
                         let bound = limits.exposed_error(error, peak);
                         assert!((a - b).abs() <= bound, "{number}: {a} {b} {bound:e}");
                         nearest = nearest.max((a - b).abs() / bound);
+                        let linear = limits.slope(Some(&metering), peak) * error;
+                        // Beyond first order: rounding of luminances, and of the error that they carry.
+                        let rest = rounding::absolute(40.0, peak);
+                        let is_small = limits.relative_error <= 1.0;
+                        assert!(!is_small || bound <= linear + rest, "{number}");
                     }
                 }
             }

@@ -20,8 +20,8 @@ pub fn place_bound_px(source: &Source) -> f64 {
 /// Largest error of [`super::Sampling::picture`] along the fast map against [`super::resample_reference`] along the reference.
 ///
 /// No sample of the source picture is larger than `peak` in magnitude; two that are next to each other differ by at most
-/// `difference`, which is at most `peak` where no light is negative. Bilinear weights are not negative and sum to 1, whatever
-/// the supersampling: the gain is 1.
+/// `difference`, which is at most `peak` where no light is negative. Bilinear weights are at least 0 and sum to 1 for any
+/// supersampling: the gain is 1.
 #[must_use]
 pub fn sampling_bound(source: &Source, peak: f64, difference: f64) -> f64 {
     // `a + (b - a) x` twice in a row: each rounds the sum once, the difference, its product and half of it for x.
