@@ -246,7 +246,10 @@ pub fn a_tolerance_below_f32() -> Finding {
         water: water(ScatterModel::Jaffe, 1.0),
     };
     let asked = Fidelity::Tolerance(1e-9);
-    let bound = trial.plan(asked).promise().map_or(f64::NAN, |promise| promise.bound);
+    let bound = trial
+        .plan(asked)
+        .promise()
+        .map_or(f64::NAN, |promise| promise.bound);
     Finding {
         test: "a_tolerance_below_f32",
         tried: "A tolerance of 1e-9.",

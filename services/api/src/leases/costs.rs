@@ -237,6 +237,7 @@ mod tests {
             frame: 0,
             parameters: json!({"camera": {"width": 10, "height": 10}}),
             optics: serde_json::Map::new(),
+            promise: None,
             plan: json!([]),
             measurements: BTreeMap::new(),
             artifacts: vec![ArtifactEntry {

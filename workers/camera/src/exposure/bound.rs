@@ -195,7 +195,7 @@ mod tests {
                         let bound = limits.exposed_error(error, peak);
                         assert!((a - b).abs() <= bound, "{number}: {a} {b} {bound:e}");
                         nearest = nearest.max((a - b).abs() / bound);
-                        let linear = limits.slope(Some(&metering), peak) * error;
+                        let linear = metered_slope(limits.most, &metering, peak) * error;
                         // Beyond first order: rounding of luminances, and of the error that they carry.
                         let rest = rounding::absolute(40.0, peak);
                         let is_small = limits.relative_error <= 1.0;

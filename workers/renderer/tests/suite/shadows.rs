@@ -140,7 +140,7 @@ fn a_lamp_that_nothing_stands_before_needs_no_rays() {
         found["note"]
             .as_str()
             .unwrap()
-            .contains("nothing can be in the way")
+            .contains("nothing can occlude them")
     );
     assert_eq!(found["cost_ms"], json!(0.0));
     assert_eq!(cast, open);
