@@ -7,6 +7,7 @@ mod camera;
 mod common;
 mod daylight;
 mod enhance;
+mod examples;
 mod folders;
 mod labels;
 mod lamps;
