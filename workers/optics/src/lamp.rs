@@ -15,6 +15,7 @@
 mod airlight;
 mod beam;
 mod blurred;
+mod bounds;
 mod coarse;
 mod multiple;
 mod nodes;
@@ -30,6 +31,7 @@ mod surface;
 mod tiles;
 
 pub use airlight::{Airlight, airlight, airlight_with_nodes, shaded_airlight};
+pub use bounds::{AirlightBounds, SurfaceBounds, bound_airlight, bound_irradiance};
 pub use nodes::MOST_NODES;
 pub use normals::normals_of;
 pub use particles::FournierForand;

@@ -26,6 +26,7 @@ pub mod setting;
 pub mod snow;
 pub mod turbidity;
 mod visibility;
+pub mod visible_bounds;
 pub mod water;
 
 pub use blend::style_blend;

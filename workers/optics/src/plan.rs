@@ -17,7 +17,6 @@ mod layered;
 mod levels;
 mod line;
 mod model;
-mod outlook;
 mod scatter;
 mod sediment;
 mod shadows;

@@ -7,8 +7,8 @@
 use imaging::rays::{Cuboid, Rays};
 use imaging::{Plane, Rgb};
 
-use super::outlook::{Outlook, View};
 use crate::lamp::{Lamp, Lighting, Shadow, irradiance_of, places_within};
+use crate::visible_bounds::{Region, VisibleBounds};
 
 /// Lamps as a frame needs them to cast shadows.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +29,7 @@ impl Casting {
         (range, radiance): (&Plane<f32>, &Rgb<f32>),
         rays: &dyn Rays,
     ) -> Self {
-        let outlook = Outlook::new(range, &lighting.camera);
+        let view = VisibleBounds::measure_range(range, &lighting.camera);
         let visible = irradiance_of(radiance, tolerance);
         let of = |choose: &dyn Fn(&Caster<'_>) -> Shadow| Lighting {
             lamps: (lighting.lamps.iter())
@@ -37,7 +37,7 @@ impl Casting {
                     let caster = Caster {
                         lamp,
                         lighting,
-                        outlook: &outlook,
+                        view: &view,
                         rays,
                     };
                     lamp.with_shadow(choose(&caster), lamp.casts_into_water())
@@ -56,7 +56,7 @@ impl Casting {
 struct Caster<'a> {
     lamp: &'a Lamp,
     lighting: &'a Lighting,
-    outlook: &'a Outlook,
+    view: &'a VisibleBounds,
     rays: &'a dyn Rays,
 }
 
@@ -65,7 +65,7 @@ impl Caster<'_> {
     fn on_surfaces(&self, visible: f64) -> Shadow {
         let asked = self.lamp.shadow();
         let disc_m = |distance_m: f64| self.lamp.disc_m(self.lighting, distance_m);
-        if asked == Shadow::None || !self.may_be_hidden(self.outlook.surfaces(), disc_m) {
+        if asked == Shadow::None || !self.may_be_hidden(self.view.surfaces(), disc_m) {
             return Shadow::None;
         }
         match asked {
@@ -81,18 +81,18 @@ impl Caster<'_> {
     fn in_glow(&self) -> Shadow {
         let asked = self.lamp.shadow();
         let (radius_m, _) = asked.disc();
-        if asked == Shadow::None || !self.may_be_hidden(self.outlook.water(), |_| radius_m) {
+        if asked == Shadow::None || !self.may_be_hidden(self.view.water(), |_| radius_m) {
             return Shadow::None;
         }
         asked
     }
 
     /// Whether anything may be in the way of its light, which comes to places at a distance from a disc of this radius.
-    fn may_be_hidden(&self, mut views: impl Iterator<Item = View>, disc_m: impl Fn(f64) -> f64) -> bool {
-        views.any(|view| {
-            let [_, farthest] = view.places.distances(self.lamp.position_m());
+    fn may_be_hidden(&self, mut regions: impl Iterator<Item = Region>, disc_m: impl Fn(f64) -> f64) -> bool {
+        regions.any(|region| {
+            let [_, farthest] = region.places.distances(self.lamp.position_m());
             let lamp = Cuboid::about(self.lamp.position_m(), disc_m(farthest));
-            self.rays.may_hide(&view.places, &lamp)
+            self.rays.may_hide(&region.places, &lamp)
         })
     }
 
@@ -100,19 +100,19 @@ impl Caster<'_> {
     fn penumbra_px(&self, radius_m: f64) -> f64 {
         let place = self.lamp.position_m();
         let clear = self.rays.clearance(place);
-        let of = |view: View| {
-            let [_, farthest] = view.places.distances(place);
-            2.0 * radius_m * (farthest - clear).max(0.0) / clear * view.px_per_m
-        };
-        self.outlook.surfaces().map(of).fold(0.0, f64::max)
+        let penumbras = self.view.surfaces().map(|region| {
+            let [_, farthest] = region.places.distances(place);
+            2.0 * radius_m * (farthest - clear).max(0.0) / clear * region.px_per_m
+        });
+        penumbras.fold(0.0, f64::max)
     }
 
     /// No surface is lit more.
     fn brightest(&self) -> f64 {
-        let of = |view: View| {
-            let [nearest, _] = view.places.distances(self.lamp.position_m());
+        let light = self.view.surfaces().map(|region| {
+            let [nearest, _] = region.places.distances(self.lamp.position_m());
             self.lamp.most_light(self.lighting, nearest)
-        };
-        self.outlook.surfaces().map(of).fold(0.0, f64::max)
+        });
+        light.fold(0.0, f64::max)
     }
 }
