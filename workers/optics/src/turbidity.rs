@@ -11,9 +11,11 @@
 //! a ray is known: `∫₀^Z cos(ψ + q t) dt = Z cos(ψ + q Z/2) sin(q Z/2)/(q Z/2)`. The reference integrates m itself, numerically.
 //! For the light of lamps each ray has a mean of the field of its own: see [`crate::lamp`].
 
+mod bounds;
 mod path;
 mod reference;
 
+pub(crate) use bounds::Stretch;
 pub use path::optical_path;
 pub(crate) use path::{RUN, Rays};
 pub use reference::{REFERENCE_STEP, optical_path_reference};

@@ -190,7 +190,7 @@ impl Tile {
     }
 
     /// Bounding box of its rays between two depths.
-    pub(crate) fn between(&self, [near, far]: [f64; 2]) -> Cuboid {
+    fn between(&self, [near, far]: [f64; 2]) -> Cuboid {
         let least = self.low.map(|slope| (slope * near).min(slope * far));
         let most = self.high.map(|slope| (slope * near).max(slope * far));
         Cuboid {

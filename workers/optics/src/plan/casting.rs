@@ -93,19 +93,19 @@ impl Caster<'_> {
     fn penumbra_px(&self, radius_m: f64) -> f64 {
         let place = self.lamp.position_m();
         let clear = self.rays.clearance(place);
-        let of = |region: Region| {
+        let penumbras = self.view.surfaces().map(|region| {
             let [_, farthest] = region.places.distances(place);
             2.0 * radius_m * (farthest - clear).max(0.0) / clear * region.px_per_m
-        };
-        self.view.surfaces().map(of).fold(0.0, f64::max)
+        });
+        penumbras.fold(0.0, f64::max)
     }
 
     /// No surface is lit more.
     fn brightest(&self) -> f64 {
-        let of = |region: Region| {
+        let light = self.view.surfaces().map(|region| {
             let [nearest, _] = region.places.distances(self.lamp.position_m());
             self.lamp.most_light(self.lighting, nearest)
-        };
-        self.view.surfaces().map(of).fold(0.0, f64::max)
+        });
+        light.fold(0.0, f64::max)
     }
 }

@@ -21,12 +21,12 @@ const WIDE: (usize, usize) = (101, 59);
 const WIDE_FRAMES: u64 = 150;
 const WIDE_PIXELS: u64 = 40;
 
-struct Case {
-    range: Plane<f32>,
-    lighting: Lighting,
+pub(crate) struct Case {
+    pub(crate) range: Plane<f32>,
+    pub(crate) lighting: Lighting,
 }
 
-fn case(seed: u64, multiple: bool) -> Case {
+pub(crate) fn case(seed: u64, multiple: bool) -> Case {
     let stream = Stream::stage(seed, "lamps");
     let unit = |what: u64| stream.unit(0, what);
     let between = |what: u64, least: f64, most: f64| least + (most - least) * unit(what);
@@ -115,7 +115,7 @@ fn phase(asymmetry: f64, unit: f64) -> GlowPhase {
     }
 }
 
-fn exact(range: &Plane<f32>) -> Plane<f64> {
+pub(crate) fn exact(range: &Plane<f32>) -> Plane<f64> {
     range.map(|&z| f64::from(z))
 }
 
@@ -168,7 +168,7 @@ fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
 
 /// Lamps in frames wide enough for their light to be read between rays of every distance: narrow cones, lamps in view, thin bars that
 /// no ray meets.
-fn wide_case(seed: u64) -> Case {
+pub(crate) fn wide_case(seed: u64) -> Case {
     let stream = Stream::stage(seed, "rays");
     let unit = |what: u64| stream.unit(0, what);
     let between = |what: u64, least: f64, most: f64| least + (most - least) * unit(what);

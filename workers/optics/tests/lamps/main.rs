@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod attack;
+mod bounds;
 mod errors;
 mod patches;
 mod shadows;

@@ -3,7 +3,7 @@
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::lamp::{self, Airlight, Lighting, REFERENCE_NODES};
-use optics::plan::{Stage, StageId, Use, Variant};
+use optics::plan::{ErrorBound, Stage, StageId, Use, Variant};
 
 use super::lamps::{self, PATCHES_NS, SHADOW_RAY_NS};
 use crate::context::FrameContext;
@@ -28,14 +28,11 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     } else {
         0.0
     };
-    let mut light = Stage {
+    let light = Stage {
         share: Some(share),
-        bound: Some(bounds.rounding),
+        bound: Some(ErrorBound::absolute(share + bounds.rounding)),
         ..Stage::new(StageId::Glow, assessment.variant("quadrature"))
     };
-    if let Some(bound) = &mut light.bound {
-        bound.absolute += share;
-    }
     let ns = lighting.lamps.len() as f64 * (AIRLIGHT_NS + patches);
     let mut stages = vec![light.costing(ns, assessment.pixels())];
     stages.extend(assess_shadows(assessment, lighting));

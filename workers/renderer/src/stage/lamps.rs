@@ -45,15 +45,11 @@ fn bound_light(assessment: &Assessment<'_>, bounds: &SurfaceBounds) -> ErrorBoun
         .map_or(&[][..], |view| view.tiles.as_slice());
     let errors = tiles.iter().zip(&bounds.rounding).map(|(tile, rounding)| {
         let reflectance = tile.brightest.into_iter().fold(0.0, f32::max);
-        let factor = f64::from(reflectance) / std::f64::consts::PI;
-        (factor * rounding.absolute, rounding.relative)
-    });
-    let (absolute, relative) = errors.fold((0.0f64, 0.0f64), |most, error| {
-        (most.0.max(error.0), most.1.max(error.1))
+        f64::from(reflectance) * rounding / std::f64::consts::PI
     });
     ErrorBound {
-        absolute,
-        relative: relative + lamp::LIT_ROUNDING,
+        absolute: errors.fold(0.0, f64::max),
+        relative: lamp::LIT_ROUNDING,
     }
 }
 

@@ -14,7 +14,9 @@ const SMALL: (u64, u64) = (192, 123);
 
 fn examples() -> Vec<(PathBuf, Value)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let entries = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
     let jobs = entries.filter(|path| path.extension().is_some_and(|ending| ending == "json"));
     let read = |path: PathBuf| {
         let job = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
@@ -31,7 +33,9 @@ fn no_example_exceeds_its_tolerance_at_its_size() {
     for (path, job) in examples {
         let job = parse(&job);
         for index in 0..FRAMES {
-            let plan = slot.plan(&job.resolve(index).unwrap(), &SceneSource::Local).unwrap();
+            let plan = slot
+                .plan(&job.resolve(index).unwrap(), &SceneSource::Local)
+                .unwrap();
             let promise = plan.promise().unwrap();
             assert_eq!(promise.exceeds, None, "{} frame {index}", path.display());
         }
@@ -50,7 +54,10 @@ fn a_small_frame_of_each_example_keeps_its_promise() {
         let record = slot.render(&frame, &SceneSource::Local).unwrap().record;
         let promise = record.promise.unwrap();
         assert_eq!(promise.exceeds, None, "{}", path.display());
-        assert!(promise.bound > 0.0 && promise.bound <= promise.tolerance, "{promise:?}");
+        assert!(
+            promise.bound > 0.0 && promise.bound <= promise.tolerance,
+            "{promise:?}"
+        );
         let planned = slot.plan(&frame, &SceneSource::Local).unwrap().promise().unwrap();
         assert_eq!(planned, promise, "{}", path.display());
     }
