@@ -18,6 +18,7 @@ mod levels;
 mod line;
 mod model;
 mod outlook;
+mod passages;
 mod scatter;
 mod sediment;
 mod shadows;
