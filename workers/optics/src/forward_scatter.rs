@@ -14,9 +14,11 @@ mod buffers;
 mod cache;
 mod channel;
 mod chebyshev;
+mod gate;
 mod gated;
 mod layer;
 mod nodes;
+mod pass;
 mod reference;
 
 pub use bound::{Bound, Errors, ScaleLight};
@@ -24,10 +26,12 @@ pub use cache::KernelCache;
 pub(crate) use channel::Channel;
 pub use chebyshev::{gather, scatter};
 pub(crate) use chebyshev::{gather_channels, scatter_channels};
-pub(crate) use gated::{OPAQUE_GATE, Source, gated_channels};
+pub(crate) use gate::{Gate, OPAQUE_GATE};
+pub(crate) use gated::{Source, gated_channels};
 pub(crate) use layer::{FILL_LEAST, fill_gamma_px};
 pub use nodes::{Kernels, Nodes};
 pub(crate) use nodes::{place, scale_at};
+pub(crate) use reference::scatter_behind_gates;
 pub use reference::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference};
 
 /// Largest kernel scale in frame sides: beyond it the kernel is flat across the frame.

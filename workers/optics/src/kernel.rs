@@ -8,6 +8,7 @@
 mod grid;
 mod transfer;
 
+pub(crate) use grid::GateReach;
 pub use transfer::Transfer;
 
 use std::f64::consts::{PI, TAU};

@@ -14,6 +14,7 @@ mod gates;
 mod layered;
 mod levels;
 mod model;
+mod passages;
 mod promise;
 mod scatter;
 mod shadows;

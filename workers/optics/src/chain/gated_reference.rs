@@ -3,7 +3,9 @@
 use imaging::Plane;
 use imaging::dct::Dct2;
 
-use crate::forward_scatter::{FILL_LEAST, OPAQUE_GATE, fill_gamma_px, scatter_reference, widest_px};
+use crate::forward_scatter::{
+    FILL_LEAST, OPAQUE_GATE, fill_gamma_px, scatter_behind_gates, scatter_reference, widest_px,
+};
 use crate::kernel::Transfer;
 use crate::layering::Layering;
 use crate::range::is_hole;
@@ -75,11 +77,11 @@ impl Gated<'_> {
             .range
             .map(|&z| self.arrival(if z.is_finite() { z } else { 0.0 }));
         let part = |of: fn(&Arrival) -> f64| zip(&lit, &arrivals.map(of), |light, share| light * share);
-        let narrow = scatter_reference(
+        let narrow = scatter_behind_gates(
             &part(|a| a.spread * (1.0 - a.wide)),
             &arrivals.map(|a| a.gammas[0]),
         );
-        let wide = scatter_reference(&part(|a| a.spread * a.wide), &arrivals.map(|a| a.gammas[1]));
+        let wide = scatter_behind_gates(&part(|a| a.spread * a.wide), &arrivals.map(|a| a.gammas[1]));
         let spread = zip(&narrow, &wide, |narrow, wide| narrow + wide);
         zip(&part(|a| a.direct), &spread, |direct, spread| direct + spread)
     }
@@ -91,7 +93,9 @@ impl Gated<'_> {
             return Plane::filled(width, height, 0.0);
         }
         let at = self.arrival(gate_m);
-        let [narrow, wide] = at.gammas.map(|gamma| Transfer::new(gamma).grid(width, height));
+        let [narrow, wide] = at
+            .gammas
+            .map(|gamma| Transfer::behind_gates(gamma).grid(width, height));
         let response = |i: usize| at.direct + at.spread * ((1.0 - at.wide) * narrow[i] + at.wide * wide[i]);
         let mut transform = Dct2::new(width, height);
         let mut light = arriving.data().to_vec();

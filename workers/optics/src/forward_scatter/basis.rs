@@ -22,16 +22,17 @@ pub(super) enum Basis {
         middle: f64,
         scale: f64,
         span: (f32, f32),
+        origin: f32,
     },
 }
 
 impl Basis {
     pub(super) fn new(nodes: &Nodes) -> Self {
-        let (gammas, (least, most)) = match nodes {
+        let (gammas, (least, most), origin) = match nodes {
             Nodes::Exact(gammas) => return Self::Exact(gammas.clone()),
-            Nodes::Chebyshev { gammas, span } => (gammas, *span),
+            Nodes::Chebyshev { gammas, span, origin } => (gammas, *span, *origin),
         };
-        let (low, high) = (place(least), place(most));
+        let (low, high) = (place(least - origin), place(most - origin));
         let middle = (low + high) / 2.0;
         let scale = if gammas.len() > 1 {
             2.0 * HALF / (high - low)
@@ -40,7 +41,7 @@ impl Basis {
         };
         let nodes: Vec<f32> = gammas
             .iter()
-            .map(|&gamma| ((place(gamma) - middle) * scale) as f32)
+            .map(|&gamma| ((place(gamma - origin) - middle) * scale) as f32)
             .collect();
         let weight = |k: usize| {
             let others = nodes.iter().enumerate().filter(|(other, _)| *other != k);
@@ -55,6 +56,7 @@ impl Basis {
             middle,
             scale,
             span: (least as f32, most as f32),
+            origin: origin as f32,
         }
     }
 
@@ -66,16 +68,19 @@ impl Basis {
             middle,
             scale,
             span: (least, most),
+            origin,
             ..
         } = self
         else {
             return;
         };
-        let (shift, middle, scale) = (SHIFT_PX as f32, *middle as f32, *scale as f32);
+        // Scales outside the span are taken for its ends, so that nothing is below the origin but by rounding.
+        let (origin, shift) = (*origin, SHIFT_PX as f32);
+        let (middle, scale) = (*middle as f32, *scale as f32);
         for value in gammas {
             let gamma = if *value > *least { *value } else { *least };
             let gamma = if gamma < *most { gamma } else { *most };
-            *value = (ln(gamma + shift) - middle) * scale;
+            *value = (ln(gamma - origin + shift) - middle) * scale;
         }
     }
 

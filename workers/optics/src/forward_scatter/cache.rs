@@ -6,7 +6,7 @@ use std::sync::Arc;
 use imaging::dct::PairDct;
 
 use super::buffers::{Buffers, MOST_KEPT_BYTES};
-use crate::kernel::Transfer;
+use crate::kernel::{GateReach, Transfer};
 
 /// Memory that cached transfer functions may take: at least 40 of a 768×492 frame, a few frames' worth of nodes. Beyond it the
 /// least recently used goes.
@@ -16,13 +16,22 @@ const CACHE_BYTES: usize = 64 << 20;
 /// its plane. One for each thread, for a frame is computed on one.
 #[derive(Default)]
 pub struct KernelCache {
-    grids: HashMap<(u64, usize, usize), Entry>,
+    grids: HashMap<Key, Entry>,
     clock: u64,
     bytes: usize,
     transform: Option<PairDct>,
     pub(crate) buffers: Buffers,
     hits: u64,
     misses: u64,
+}
+
+/// What a transfer function is cached by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Key {
+    gamma_bits: u64,
+    size: (usize, usize),
+    /// Columns of one behind gates; none of one without gates, whose columns follow from its scale.
+    gated_columns: Option<usize>,
 }
 
 struct Entry {
@@ -38,11 +47,20 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    fn new(gamma: f64, width: usize, height: usize) -> Self {
-        let transfer = Transfer::new(gamma);
-        let columns = transfer.columns(width);
-        let values = transfer.columns_f32((width, height), columns);
-        Self { values, height }
+    fn new(key: Key) -> Self {
+        let (gamma, size) = (f64::from_bits(key.gamma_bits), key.size);
+        let (transfer, columns) = match key.gated_columns {
+            Some(columns) => (Transfer::behind_gates(gamma), columns),
+            None => {
+                let transfer = Transfer::new(gamma);
+                let columns = transfer.columns(size.0);
+                (transfer, columns)
+            }
+        };
+        Self {
+            values: transfer.columns_f32(size, columns),
+            height: size.1,
+        }
     }
 
     /// Columns that are not 0.
@@ -69,15 +87,36 @@ impl KernelCache {
 
     /// H of a kernel scale on the grid of a frame size.
     pub(super) fn transfer(&mut self, gamma: f64, width: usize, height: usize) -> Arc<Grid> {
+        self.grid(Key {
+            gamma_bits: gamma.to_bits(),
+            size: (width, height),
+            gated_columns: None,
+        })
+    }
+
+    /// The same of a kernel whose light passes a gate.
+    pub(super) fn gated_transfer(
+        &mut self,
+        gamma: f64,
+        (width, height): (usize, usize),
+        reach: GateReach,
+    ) -> Arc<Grid> {
+        self.grid(Key {
+            gamma_bits: gamma.to_bits(),
+            size: (width, height),
+            gated_columns: Some(reach.columns(gamma, width)),
+        })
+    }
+
+    fn grid(&mut self, key: Key) -> Arc<Grid> {
         self.clock += 1;
-        let key = (gamma.to_bits(), width, height);
         if let Some(entry) = self.grids.get_mut(&key) {
             entry.used = self.clock;
             self.hits += 1;
             return Arc::clone(&entry.grid);
         }
         self.misses += 1;
-        let grid = Arc::new(Grid::new(gamma, width, height));
+        let grid = Arc::new(Grid::new(key));
         let bytes = grid.bytes();
         while self.bytes + bytes > CACHE_BYTES {
             let Some(oldest) = self
@@ -143,7 +182,7 @@ mod tests {
             assert!(cache.bytes() <= CACHE_BYTES);
         }
         assert!(
-            !cache.grids.contains_key(&(1f64.to_bits(), 512, 512)),
+            !cache.grids.keys().any(|key| key.gamma_bits == 1f64.to_bits()),
             "the oldest is still there"
         );
         assert_eq!(cache.transfer(1.0, 512, 512), first);

@@ -10,6 +10,7 @@ use imaging::vectorized;
 use super::basis::{BLOCK, Basis};
 use super::cache::Grid;
 use super::{KernelCache, Nodes};
+use crate::kernel::GateReach;
 
 /// A channel on its way through the transforms.
 pub(crate) struct Channel<'a> {
@@ -19,6 +20,10 @@ pub(crate) struct Channel<'a> {
     located: Vec<f32>,
     /// Which sum it is added to: two channels of one color share one.
     pub(super) sum: usize,
+    /// Factor of its light in that sum.
+    pub(super) gain: f32,
+    /// How far its kernels count where its light passes a gate.
+    gate: Option<GateReach>,
     size: (usize, usize),
 }
 
@@ -55,6 +60,8 @@ impl<'a> Channel<'a> {
             light,
             located: gamma,
             sum: 0,
+            gain: 1.0,
+            gate: None,
             size,
         }
     }
@@ -63,6 +70,24 @@ impl<'a> Channel<'a> {
     #[must_use]
     pub(crate) fn part_of(self, sum: usize) -> Self {
         Self { sum, ..self }
+    }
+
+    /// The same as light that passes a gate, multiplied by `gain`.
+    #[must_use]
+    pub(super) fn through(self, gate: GateReach, gain: f32) -> Self {
+        Self {
+            gain,
+            gate: Some(gate),
+            ..self
+        }
+    }
+
+    fn transfer(&self, k: usize, cache: &mut KernelCache) -> Arc<Grid> {
+        let gamma = self.nodes.gamma(k);
+        match self.gate {
+            Some(gate) => cache.gated_transfer(gamma, self.size, gate),
+            None => cache.transfer(gamma, self.size.0, self.size.1),
+        }
     }
 
     pub(super) fn size(&self) -> (usize, usize) {
@@ -130,10 +155,8 @@ impl Pair {
 
     /// H of both.
     pub(super) fn transfers(self, channels: &[Channel<'_>], cache: &mut KernelCache) -> [Arc<Grid>; 2] {
-        self.both().map(|Term { channel, k }| {
-            let Channel { nodes, size, .. } = &channels[channel];
-            cache.transfer(nodes.gamma(k), size.0, size.1)
-        })
+        self.both()
+            .map(|Term { channel, k }| channels[channel].transfer(k, cache))
     }
 
     /// The share of both in at most [`BLOCK`] pixels.

@@ -72,6 +72,7 @@ pub(super) fn accumulate(
     let (width, height) = size;
     for pair in pairs(channels.iter().map(Channel::terms)) {
         let [first, second] = pair.transfers(channels, cache);
+        let gains = pair.channels().map(|channel| channels[channel].gain);
         cache.transform(size).forward(
             |place, row| {
                 vectorized!(split(channels, pair, line(place, width), row));
@@ -81,15 +82,20 @@ pub(super) fn accumulate(
                 let [one, other] = pair.channels().map(|channel| channels[channel].sum);
                 let band = line(p, height);
                 match [first.column(p), second.column(p)] {
-                    [Some(first), Some(second)] if one == other => {
+                    [Some(first), Some(second)] if one == other && gains == [1.0; 2] => {
                         add_products(&mut sums[one][band], column, [first, second]);
+                    }
+                    [Some(first), Some(second)] if one == other => {
+                        add_gained(&mut sums[one][band], column, [first, second], gains);
                     }
                     [first, second] => {
                         if let Some(transfer) = first {
-                            add_product(&mut sums[one][band.clone()], column, transfer, |v| v.re);
+                            add_product(&mut sums[one][band.clone()], column, transfer, |v| {
+                                gains[0] * v.re
+                            });
                         }
                         if let Some(transfer) = second {
-                            add_product(&mut sums[other][band], column, transfer, |v| v.im);
+                            add_product(&mut sums[other][band], column, transfer, |v| gains[1] * v.im);
                         }
                     }
                 }
@@ -190,6 +196,21 @@ fn add_products(sum: &mut [f32], column: &[Complex<f32>], [first, second]: [&[f3
         let products = column.iter().zip(first.iter().zip(second));
         for (sum, (value, (one, other))) in sum.iter_mut().zip(products) {
             *sum += value.re * one + value.im * other;
+        }
+    });
+}
+
+/// The same with a factor of each part.
+fn add_gained(
+    sum: &mut [f32],
+    column: &[Complex<f32>],
+    [first, second]: [&[f32]; 2],
+    [one_gain, other_gain]: [f32; 2],
+) {
+    vectorized!({
+        let products = column.iter().zip(first.iter().zip(second));
+        for (sum, (value, (one, other))) in sum.iter_mut().zip(products) {
+            *sum += one_gain * value.re * one + other_gain * value.im * other;
         }
     });
 }

@@ -6,22 +6,22 @@
 //! P_l = S_l + A(G_l) · DCT[ Y ]                            from the farthest layer to the nearest
 //! ```
 //!
-//! with `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))`, what becomes of a spectrum on a path of Z. T at the gate drops out of the middle two lines,
-//! so that only A/T, which is never small, is divided by.
+//! with `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))`, what becomes of a spectrum on a path of Z. Behind a gate P is carried as P/T(G), and the
+//! light of each transform in units of the [`Gate`]: A/T is never small, every transform is of light of order 1, and rounding of one is
+//! never amplified by the gate.
 
 use imaging::fft::Complex;
 use imaging::{Plane, vectorized};
 
 use super::channel::{Channel, folded};
 use super::chebyshev::{accumulate, back, line, zeros};
+use super::gate::Gate;
 use super::layer::{Divided, Layer};
+use super::pass::{Opening, pass};
 use super::{KernelCache, Kernels, widest_px};
 use crate::attenuation::{exp_negative, scattered_share};
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};
-
-/// Nothing passes a gate behind which the beam has this many attenuation lengths.
-pub(crate) const OPAQUE_GATE: f64 = 20.0;
 
 /// One channel that is gated.
 #[derive(Clone, Copy)]
@@ -32,6 +32,16 @@ pub(crate) struct Source<'a> {
     pub(crate) radiance: &'a Plane<f32>,
     /// Kernels of each layer.
     pub(crate) kernels: &'a [Kernels],
+}
+
+/// One channel at a layer that is behind a gate, or before all of them.
+#[derive(Clone, Copy)]
+struct Behind<'a> {
+    source: &'a Source<'a>,
+    /// Its place among the sources.
+    sum: usize,
+    /// The gate in front of the layer; none before the nearest layer.
+    gate: Option<Gate>,
 }
 
 /// What arrives of each channel, but for the direct light of the nearest layer, which nothing can stop. Never negative.
@@ -51,39 +61,40 @@ pub(crate) fn gated_channels(
         light
     });
     let divided = Divided::new(size, depth, light.collect(), layering);
+    let gates: Vec<Vec<Option<Gate>>> = sources
+        .iter()
+        .map(|source| {
+            let ranges = layering.gates_m.iter();
+            ranges
+                .map(|&meters| Gate::in_frame(water, source.channel, meters, size))
+                .collect()
+        })
+        .collect();
     let mut spectra = zeros(sources.len(), size, cache);
     for l in (0..layering.count()).rev() {
-        // A layer without a pixel hides nothing and shows nothing.
-        let Some(layer) = divided.layer(l, cache) else {
-            continue;
-        };
+        let layer = divided.layer(l, cache);
         if l + 1 < layering.count() {
-            let gates = sources
-                .iter()
-                .map(|source| Gate::new(source.channel, water, layering.gates_m[l], size, cache));
-            let gates: Vec<Option<Gate>> = gates.collect();
-            pass(&mut spectra, gates, &layer.mask, size, cache);
+            let openings: Vec<Option<Opening>> =
+                gates.iter().map(|gates| Opening::between(gates, l)).collect();
+            let mask = layer.as_ref().map(|layer| layer.mask.as_slice());
+            pass(&mut spectra, &openings, mask, size, cache);
         }
+        // A layer without a pixel hides nothing and shows nothing.
+        let Some(layer) = layer else { continue };
+        let seen: Vec<Behind<'_>> = sources
+            .iter()
+            .enumerate()
+            .filter(|(sum, _)| gates[*sum][..l].iter().all(Option::is_some))
+            .map(|(sum, source)| Behind {
+                source,
+                sum,
+                gate: l.checked_sub(1).and_then(|front| gates[sum][front]),
+            })
+            .collect();
         if l > 0 {
-            add_direct(&layer, sources, water, size, &mut spectra, cache);
+            add_direct(&layer, &seen, water, size, &mut spectra, cache);
         }
-        let mut channels = Vec::new();
-        for (sum, source) in sources.iter().enumerate() {
-            let parts = spread(source.channel, &layer, &layer.light[sum], water, size, cache);
-            let nodes = [&source.kernels[l].narrow, &source.kernels[l].wide];
-            for (part, nodes) in parts.into_iter().zip(nodes) {
-                match (part, nodes) {
-                    (Some([light, gamma]), Some(nodes)) => {
-                        channels.push(Channel::folded(light, gamma, nodes, size).part_of(sum));
-                    }
-                    (part, _) => cache.buffers.give(part.into_iter().flatten()),
-                }
-            }
-        }
-        accumulate(&channels, size, &mut spectra, cache);
-        cache
-            .buffers
-            .give(channels.into_iter().flat_map(Channel::into_buffers));
+        add_spread(&layer, l, &seen, water, size, &mut spectra, cache);
         cache.buffers.give(layer.into_buffers());
     }
     let planes = back(&spectra, size, cache);
@@ -94,139 +105,69 @@ pub(crate) fn gated_channels(
     planes
 }
 
-/// A/T of one channel at the range of a gate, column by column.
-struct Gate(Vec<f32>);
-
-impl Gate {
-    /// None where nothing passes.
-    fn new(
-        channel: usize,
-        water: &Water,
-        gate_m: f64,
-        (width, height): (usize, usize),
-        cache: &mut KernelCache,
-    ) -> Option<Self> {
-        if water.direct_attenuation[channel] * gate_m > OPAQUE_GATE {
-            return None;
-        }
-        let at = water.arrival(channel, gate_m, widest_px(width, height))?;
-        let mut response = cache.buffers.take(width * height);
-        response.fill(1.0);
-        let ratio = at.spread / at.direct;
-        for (gamma, share) in at.gammas.into_iter().zip([1.0 - at.wide, at.wide]) {
-            let (weight, kernel) = ((share * ratio) as f32, cache.transfer(gamma, width, height));
-            if weight == 0.0 {
-                continue;
-            }
-            for p in 0..kernel.columns() {
-                let column = &mut response[line(p, height)];
-                let kernel = kernel.column(p).unwrap_or_default();
-                vectorized!({
-                    for (to, h) in column.iter_mut().zip(kernel) {
-                        *to += weight * h;
-                    }
-                });
-            }
-        }
-        Some(Self(response))
-    }
-}
-
-/// Takes light back to a gate, stops what the mask covers, and lets the rest go on. None of what has no gate passes.
-fn pass(
-    spectra: &mut [Vec<f32>],
-    gates: Vec<Option<Gate>>,
-    mask: &[f32],
+/// Adds what arrives of layer `l` spread by its kernels.
+fn add_spread(
+    layer: &Layer,
+    l: usize,
+    seen: &[Behind<'_>],
+    water: &Water,
     size: (usize, usize),
+    spectra: &mut [Vec<f32>],
     cache: &mut KernelCache,
 ) {
-    let mut open: Vec<(&mut Vec<f32>, Vec<f32>)> = Vec::new();
-    for (spectrum, gate) in spectra.iter_mut().zip(gates) {
-        match gate {
-            Some(Gate(response)) => open.push((spectrum, response)),
-            None => spectrum.fill(0.0),
+    let mut channels = Vec::new();
+    for Behind { source, sum, gate } in seen {
+        let parts = spread(source.channel, layer, &layer.light[*sum], water, size, cache);
+        let nodes = [&source.kernels[l].narrow, &source.kernels[l].wide];
+        for (kernel, (part, nodes)) in parts.into_iter().zip(nodes).enumerate() {
+            match (part, nodes) {
+                (Some([mut light, gamma]), Some(nodes)) => {
+                    let unit = gate.map(|gate| gate.units()[kernel]);
+                    if let Some(unit) = unit {
+                        let scale = (1.0 / unit) as f32;
+                        vectorized!(light.iter_mut().for_each(|v| *v *= scale));
+                    }
+                    let channel = Channel::folded(light, gamma, nodes, size).part_of(*sum);
+                    channels.push(match gate {
+                        Some(gate) => {
+                            let gain = gate.units()[kernel] / gate.direct;
+                            channel.through(gate.reaches()[kernel], gain as f32)
+                        }
+                        None => channel,
+                    });
+                }
+                (part, _) => cache.buffers.give(part.into_iter().flatten()),
+            }
         }
     }
-    let (width, height) = size;
-    let mut passed = zeros(2, size, cache);
-    for pair in open.chunks_mut(2) {
-        let transform = cache.transform(size);
-        transform.inverse(
-            |p, column| {
-                let band = line(p, height);
-                column.fill(Complex::default());
-                for (part, (spectrum, response)) in pair.iter().enumerate() {
-                    let (values, response) = (&spectrum[band.clone()], &response[band.clone()]);
-                    match part {
-                        0 => vectorized!(quotients(values, response, column, |to, v| to.re = v)),
-                        _ => vectorized!(quotients(values, response, column, |to, v| to.im = v)),
-                    }
-                }
-            },
-            width,
-            |place, row| {
-                let pixels = line(place, width);
-                let covers = &mask[pixels.clone()];
-                for (part, passed) in passed.iter_mut().enumerate() {
-                    let to = &mut passed[pixels.clone()];
-                    match part {
-                        0 => vectorized!(uncovered(row, covers, to, |v| v.re)),
-                        _ => vectorized!(uncovered(row, covers, to, |v| v.im)),
-                    }
-                }
-            },
-        );
-        transform.forward(
-            |place, row| {
-                let pixels = line(place, width);
-                let lights = passed[0][pixels.clone()].iter().zip(&passed[1][pixels]);
-                row.iter_mut()
-                    .zip(lights)
-                    .for_each(|(to, (&one, &other))| *to = Complex::new(one, other));
-            },
-            width,
-            |p, column| {
-                let band = line(p, height);
-                for (part, (spectrum, response)) in pair.iter_mut().enumerate() {
-                    let (to, response) = (&mut spectrum[band.clone()], &response[band.clone()]);
-                    match part {
-                        0 => vectorized!(products(column, response, to, |v| v.re)),
-                        _ => vectorized!(products(column, response, to, |v| v.im)),
-                    }
-                }
-            },
-        );
-    }
-    cache.buffers.give(passed);
-    cache.buffers.give(open.into_iter().map(|(_, response)| response));
+    accumulate(&channels, size, spectra, cache);
+    cache
+        .buffers
+        .give(channels.into_iter().flat_map(Channel::into_buffers));
 }
 
-#[inline(always)]
-fn quotients(values: &[f32], by: &[f32], to: &mut [Complex<f32>], set: impl Fn(&mut Complex<f32>, f32)) {
-    for (to, (value, by)) in to.iter_mut().zip(values.iter().zip(by)) {
-        set(to, value / by);
-    }
+/// Attenuation from a pixel to the gate before it, `e^{−c (Z − G)}`.
+#[derive(Clone, Copy)]
+struct Path {
+    attenuation: f32,
+    /// G as the sum of two numbers, so that Z − G keeps its digits.
+    gate_m: [f32; 2],
 }
 
-#[inline(always)]
-fn uncovered(row: &[Complex<f32>], covers: &[f32], to: &mut [f32], part: impl Fn(Complex<f32>) -> f32) {
-    for (to, (&value, cover)) in to.iter_mut().zip(row.iter().zip(covers)) {
-        let value = part(value);
-        *to = if value > 0.0 { value } else { 0.0 } * (1.0 - cover);
-    }
-}
-
-#[inline(always)]
-fn products(column: &[Complex<f32>], by: &[f32], to: &mut [f32], part: impl Fn(Complex<f32>) -> f32) {
-    for (to, (&value, by)) in to.iter_mut().zip(column.iter().zip(by)) {
-        *to = part(value) * by;
+impl Path {
+    fn new(attenuation: f64, gate_m: f64) -> Self {
+        let high = gate_m as f32;
+        Self {
+            attenuation: attenuation as f32,
+            gate_m: [high, (gate_m - f64::from(high)) as f32],
+        }
     }
 }
 
 /// Adds what arrives of a layer on its own ray.
 fn add_direct(
     layer: &Layer,
-    sources: &[Source<'_>],
+    seen: &[Behind<'_>],
     water: &Water,
     size: (usize, usize),
     spectra: &mut [Vec<f32>],
@@ -234,36 +175,46 @@ fn add_direct(
 ) {
     let (width, height) = size;
     let rows = |part: usize| {
-        let source = sources.get(part)?;
-        Some((
-            water.direct_attenuation[source.channel] as f32,
-            &layer.light[part],
-        ))
+        let Behind { source, sum, gate } = seen.get(part)?;
+        let path = Path::new(
+            water.direct_attenuation[source.channel],
+            gate.map_or(0.0, |gate| gate.range_m),
+        );
+        Some((path, &layer.light[*sum]))
     };
-    for first in (0..sources.len()).step_by(2) {
+    for first in (0..seen.len()).step_by(2) {
         let [one, other] = [rows(first), rows(first + 1)];
-        let pair = &mut spectra[first..(first + 2).min(sources.len())];
         cache.transform(size).forward(
             |place, row| {
                 let pixels = line(place, width);
                 let (mask, range) = (&layer.mask[pixels.clone()], &layer.range[pixels.clone()]);
                 row.fill(Complex::default());
-                if let Some((c, light)) = one {
-                    vectorized!(arriving(mask, range, &light[pixels.clone()], c, row, |to, v| {
-                        to.re = v
-                    }));
+                if let Some((path, light)) = one {
+                    vectorized!(arriving(
+                        mask,
+                        range,
+                        &light[pixels.clone()],
+                        path,
+                        row,
+                        |to, v| { to.re = v }
+                    ));
                 }
-                if let Some((c, light)) = other {
-                    vectorized!(arriving(mask, range, &light[pixels.clone()], c, row, |to, v| {
-                        to.im = v
-                    }));
+                if let Some((path, light)) = other {
+                    vectorized!(arriving(
+                        mask,
+                        range,
+                        &light[pixels.clone()],
+                        path,
+                        row,
+                        |to, v| { to.im = v }
+                    ));
                 }
             },
             width,
             |p, column| {
                 let band = line(p, height);
-                for (part, spectrum) in pair.iter_mut().enumerate() {
-                    let to = spectrum[band.clone()].iter_mut().zip(column);
+                for (part, Behind { sum, .. }) in seen[first..].iter().take(2).enumerate() {
+                    let to = spectra[*sum][band.clone()].iter_mut().zip(column);
                     to.for_each(|(to, value)| *to += if part == 0 { value.re } else { value.im });
                 }
             },
@@ -276,12 +227,19 @@ fn arriving(
     mask: &[f32],
     range: &[f32],
     light: &[f32],
-    attenuation: f32,
+    path: Path,
     row: &mut [Complex<f32>],
     set: impl Fn(&mut Complex<f32>, f32),
 ) {
+    let Path {
+        attenuation,
+        gate_m: [high, low],
+    } = path;
     for (to, ((&mask, &z), &light)) in row.iter_mut().zip(mask.iter().zip(range).zip(light)) {
-        set(to, mask * light * exp_negative(attenuation * z));
+        let beyond = z - high - low;
+        // A fill far from its layer may be no pixel's range; no light is there.
+        let beyond = if beyond > 0.0 { beyond } else { 0.0 };
+        set(to, mask * light * exp_negative(attenuation * beyond));
     }
 }
 

@@ -68,14 +68,18 @@ impl Divided {
     /// One layer; none where no pixel is of it.
     pub(super) fn layer(&self, layer: usize, cache: &mut KernelCache) -> Option<Layer> {
         let (nearest, farthest) = self.spans_m[layer]?;
-        let bounds = (nearest as f32, farthest as f32);
+        // Ranges are filled from the nearest of the layer on: rounding is that of their differences.
+        let nearest = if layer > 0 { nearest as f32 } else { 0.0 };
+        let reach = farthest as f32 - nearest;
         let (of, layer) = (self.layers.as_slice(), layer as u8);
         let mut mask = cache.buffers.take(of.len());
         vectorized!(choose(&mut mask, of, |of| of == layer));
+        let own =
+            || std::iter::once((&self.range, nearest)).chain(self.light.iter().map(|light| (light, 0.0)));
         let mut values = Vec::new();
-        for own in std::iter::once(&self.range).chain(&self.light) {
+        for (own, from) in own() {
             let mut value = cache.buffers.take(of.len());
-            vectorized!(product(&mut value, own, &mask));
+            vectorized!(product(&mut value, own, from, &mask));
             values.push(value);
         }
         if layer > 0 {
@@ -85,10 +89,9 @@ impl Divided {
                 [&mut mask, &mut known].into_iter().chain(&mut values).collect(),
                 cache,
             );
-            let limits = std::iter::once(bounds).chain(std::iter::repeat((0.0, f32::MAX)));
-            let own = std::iter::once(&self.range).chain(&self.light);
-            for ((value, own), limits) in values.iter_mut().zip(own).zip(limits) {
-                vectorized!(means(value, &mask, (of, layer), own, limits));
+            let most = std::iter::once(reach).chain(std::iter::repeat(f32::MAX));
+            for ((value, (own, from)), most) in values.iter_mut().zip(own()).zip(most) {
+                vectorized!(means(value, &mask, (of, layer), own, (from, most)));
             }
             vectorized!(cover(&mut mask, &known, (of, layer)));
             cache.buffers.give([known]);
@@ -165,28 +168,28 @@ fn choose(chosen: &mut [f32], of: &[u8], is_chosen: impl Fn(u8) -> bool) {
 }
 
 #[inline(always)]
-fn product(to: &mut [f32], a: &[f32], b: &[f32]) {
-    for (to, (a, b)) in to.iter_mut().zip(a.iter().zip(b)) {
-        *to = a * b;
+fn product(to: &mut [f32], values: &[f32], from: f32, mask: &[f32]) {
+    for (to, (value, mask)) in to.iter_mut().zip(values.iter().zip(mask)) {
+        *to = (value - from) * mask;
     }
 }
 
-/// A layer's own values where it is, elsewhere the mean of those near: sums in `means` over `weights`, within limits.
+/// A layer's own values where it is, elsewhere the mean of those near: `from` and sums in `means` over `weights`, at most `most` more.
 #[inline(always)]
 fn means(
     means: &mut [f32],
     weights: &[f32],
     (of, layer): (&[u8], u8),
     own: &[f32],
-    (least, most): (f32, f32),
+    (from, most): (f32, f32),
 ) {
     for ((mean, &weight), (&of, &own)) in means.iter_mut().zip(weights).zip(of.iter().zip(own)) {
         let near = weight > FILL_LEAST as f32;
         let filled = *mean / if near { weight } else { 1.0 };
         let filled = if near { filled } else { 0.0 };
-        let filled = if filled > least { filled } else { least };
+        let filled = if filled > 0.0 { filled } else { 0.0 };
         let filled = if filled < most { filled } else { most };
-        *mean = if of == layer { own } else { filled };
+        *mean = if of == layer { own } else { from + filled };
     }
 }
 

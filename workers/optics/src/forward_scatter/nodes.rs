@@ -34,6 +34,8 @@ pub enum Nodes {
         gammas: Vec<f64>,
         /// The interval of scales that they span.
         span: (f64, f64),
+        /// Where s begins, at most the least scale: a kernel divided by one of this scale is interpolated like one of γ − origin.
+        origin: f64,
     },
 }
 
@@ -54,7 +56,13 @@ impl Nodes {
     /// `terms` nodes over `least..=most`; two if the interval is narrow, one if it is a point.
     #[must_use]
     pub fn chebyshev(least: f64, most: f64, terms: usize) -> Self {
-        let (low, high) = (place(least), place(most));
+        Self::chebyshev_from(0.0, (least, most), terms)
+    }
+
+    /// The same in `s = ln(γ − origin + 0.3)`.
+    #[must_use]
+    pub(crate) fn chebyshev_from(origin: f64, (least, most): (f64, f64), terms: usize) -> Self {
+        let (low, high) = (place(least - origin), place(most - origin));
         let terms = match high - low {
             width if width < POINT => 1,
             width if width < NARROW => 2,
@@ -62,11 +70,12 @@ impl Nodes {
         };
         let node = |k: usize| {
             let cosine = (PI * (k as f64 + 0.5) / terms as f64).cos();
-            (((low + high) / 2.0 - (high - low) / 2.0 * cosine).exp() - SHIFT_PX).max(0.0)
+            scale_at((low + high) / 2.0 - (high - low) / 2.0 * cosine).max(0.0) + origin
         };
         Self::Chebyshev {
             gammas: (0..terms).map(node).collect(),
             span: (least, most),
+            origin,
         }
     }
 

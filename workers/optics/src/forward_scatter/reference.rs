@@ -19,6 +19,16 @@ pub const MAX_REFERENCE_PIXELS: usize = 1 << 16;
 /// When the planes differ in size.
 #[must_use]
 pub fn scatter_reference(source: &Plane<f64>, gamma: &Plane<f64>) -> Plane<f64> {
+    scatter_with(Transfer::new, source, gamma)
+}
+
+/// The same for light that passes gates.
+#[must_use]
+pub(crate) fn scatter_behind_gates(source: &Plane<f64>, gamma: &Plane<f64>) -> Plane<f64> {
+    scatter_with(Transfer::behind_gates, source, gamma)
+}
+
+fn scatter_with(transfer_of: fn(f64) -> Transfer, source: &Plane<f64>, gamma: &Plane<f64>) -> Plane<f64> {
     assert_eq!(
         source.size(),
         gamma.size(),
@@ -36,7 +46,7 @@ pub fn scatter_reference(source: &Plane<f64>, gamma: &Plane<f64>) -> Plane<f64> 
             .iter()
             .for_each(|&index| work[index] = source.data()[index]);
         transform.forward(&mut work);
-        let transfer = Transfer::new(scale).grid(width, height);
+        let transfer = transfer_of(scale).grid(width, height);
         for ((sum, sample), h) in sum.iter_mut().zip(&work).zip(&transfer) {
             *sum += sample * h;
         }

@@ -18,6 +18,12 @@ const NO_FOLDING: f64 = 6.0;
 const INTERPOLATED_BELOW: f64 = 0.3;
 const INTERPOLATED_FROM: f64 = 0.05;
 const GAMMA_NODES: usize = 12;
+/// Behind gates H is divided by a response of at least exp(−20), so that folded terms count down to exp(−34).
+const GATED_LIMIT: f64 = 34.0;
+/// Narrower kernels have H above 1e-3, beside which exp(−22) is nothing.
+const GATED_ABOVE: f64 = 2.0;
+/// Wider ones have H below exp(−31).
+const GATED_NO_FOLDING: f64 = 10.0;
 
 type Coefficients = [[f64; TERMS]; TERMS];
 
@@ -35,12 +41,26 @@ impl Transfer {
         let gamma = gamma.max(0.0);
         let folded = (gamma < NO_FOLDING).then(|| {
             if gamma >= INTERPOLATED_BELOW {
-                fit(|fx, fy| folded_sum(fx, fy, gamma))
+                fit(|fx, fy| folded_sum(fx, fy, gamma, EXPONENT_LIMIT))
             } else {
                 TABLE.interpolate(gamma)
             }
         });
         Self { gamma, folded }
+    }
+
+    /// The same for light that passes gates: folded terms are kept as long as they are not small beside the response of a gate, so that
+    /// H divided by it stays smooth in γ.
+    #[must_use]
+    pub(crate) fn behind_gates(gamma: f64) -> Self {
+        if gamma <= GATED_ABOVE {
+            return Self::new(gamma);
+        }
+        let is_folded = gamma < GATED_NO_FOLDING;
+        Self {
+            gamma,
+            folded: is_folded.then(|| fit(|fx, fy| folded_sum(fx, fy, gamma, GATED_LIMIT))),
+        }
     }
 
     /// H at a frequency in cycles per pixel, |f| ≤ 1/2 per axis. H(0, 0) = 1.
@@ -112,8 +132,8 @@ pub(super) fn even_chebyshev(f: f64) -> [f64; TERMS] {
 }
 
 /// The terms other than m = n = 0, summed as far as they count.
-fn folded_sum(fx: f64, fy: f64, gamma: f64) -> f64 {
-    let radius = EXPONENT_LIMIT / (TAU * gamma);
+fn folded_sum(fx: f64, fy: f64, gamma: f64, limit: f64) -> f64 {
+    let radius = limit / (TAU * gamma);
     let reach = radius.ceil() as i64 + 1;
     let mut sum = 0.0;
     for n in -reach..=reach {
@@ -189,7 +209,7 @@ impl SmallGamma {
                 if gamma == 0.0 {
                     fit(|fx, fy| 1.0 - sinc(fx) * sinc(fy))
                 } else {
-                    fit(|fx, fy| folded_sum(fx, fy, gamma))
+                    fit(|fx, fy| folded_sum(fx, fy, gamma, EXPONENT_LIMIT))
                 }
             })
             .collect();
@@ -253,11 +273,24 @@ mod tests {
             let transfer = Transfer::new(gamma);
             for (fx, fy) in [(0.0, 0.5), (0.13, 0.31), (0.5, 0.5), (0.02, 0.44)] {
                 let direct = sinc(fx) * sinc(fy) * (-TAU * gamma * f64::hypot(fx, fy)).exp()
-                    + folded_sum(fx, fy, gamma);
+                    + folded_sum(fx, fy, gamma, EXPONENT_LIMIT);
                 assert!(
                     (transfer.at_frequency(fx, fy) - direct).abs() < FIT,
                     "γ = {gamma} at ({fx}, {fy})"
                 );
+            }
+        }
+    }
+
+    /// A jump of H as small as exp(−22) would be one of a quarter after a division by exp(−20).
+    #[test]
+    fn behind_gates_the_transfer_is_smooth_where_folding_ends() {
+        for gamma in [EXPONENT_LIMIT / TAU / 0.5, NO_FOLDING, 7.0, GATED_NO_FOLDING] {
+            let [below, above] = [gamma - 1e-6, gamma + 1e-6].map(Transfer::behind_gates);
+            for (fx, fy) in [(0.5, 0.0), (0.45, 0.1), (0.5, 0.2), (0.3, 0.3)] {
+                let jump = below.at_frequency(fx, fy) - above.at_frequency(fx, fy);
+                let gate = (-20f64).exp() + above.at_frequency(fx, fy);
+                assert!(jump.abs() < 1e-4 * gate, "γ = {gamma} at ({fx}, {fy}): {jump:e}");
             }
         }
     }

@@ -6,14 +6,23 @@ use spec::Fidelity;
 
 use super::Variant;
 use super::gates;
+use super::passages::{Passage, Passages, Through};
 use super::scatter::{Chosen, ScatterNeed, WORST_MARGIN, fewest, largest_share, samples, widened};
 use crate::forward_scatter::{Bound, Kernels, Nodes, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
-use crate::water::{Scatter, Spread, Tail, Water};
+use crate::water::{Scatter, Spread, Tail};
 
 /// A layer is divided into this many ranges of equal ratio.
 const STEPS: i32 = 16;
+/// Origins that are tried behind a gate, as shares of the scale of the kernel at the gate.
+const ORIGINS: &[f64] = &[0.0, 0.5, 1.0];
+/// Where a gate amplifies errors less than this many times more than its smoothest kernels, the first origin serves best.
+const FEW_TIMES: f64 = 30.0;
+/// The quotient of two kernels that are integrated over pixels differs by so much from a kernel integrated over pixels.
+const QUOTIENT_MARGIN: f64 = 1.5;
+/// What is left for interpolation where rounding at gates uses up the share.
+const LEAST_SHARE: f64 = 0.125;
 
 /// The light of one layer that one of its kernels spreads.
 struct Part {
@@ -21,6 +30,15 @@ struct Part {
     span: (f64, f64),
     /// Parts of it with the largest light of each.
     bins: Vec<((f64, f64), f64)>,
+    /// The gate in front.
+    way: Option<Way>,
+}
+
+/// The way of a layer's light through gates.
+struct Way {
+    through: Through,
+    /// 0 of the narrow kernel, 1 of the wide one.
+    kernel: usize,
 }
 
 impl Part {
@@ -54,18 +72,94 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
     if arriving <= share {
         return (Variant::Skip, Some(arriving));
     }
-    let amplified = need
+    let rounding = need
         .layering
-        .map_or(1.0, |layering| amplification(need.water, need.channel, layering));
-    let each = share / (amplified * parts().count() as f64);
-    let mut left = 0.0;
+        .map_or(0.0, |layering| gate_rounding(need, layering));
+    let left = (share - rounding).max(LEAST_SHARE * share);
+    let each = left / parts().count() as f64;
+    let mut error = rounding;
     let nodes = |part: &Part| {
-        let (nodes, error) = fewest(&bound(part), widened(part.span.0, part.span.1), each, false);
-        left += error;
+        let (nodes, added) = part.nodes(each);
+        error += added;
         nodes
     };
     let kernels = kernels(&layers, nodes);
-    (Variant::Layered(kernels), Some(left * amplified))
+    (Variant::Layered(kernels), Some(error))
+}
+
+impl Part {
+    /// The fewest nodes whose error arrives with at most `most`, and that error.
+    fn nodes(&self, most: f64) -> (Nodes, f64) {
+        let Some(way) = &self.way else {
+            let bound = Bound::new(samples(&self.bins, widened(self.span.0, self.span.1)));
+            return fewest(&bound, widened(self.span.0, self.span.1), most, false);
+        };
+        let shares = if way.gain(0.0) > FEW_TIMES * way.gain(1.0) {
+            ORIGINS
+        } else {
+            &ORIGINS[..1]
+        };
+        let choices = shares.iter().map(|&share| self.nodes_from(way, share, most));
+        let best = choices.min_by(|(a, a_error), (b, b_error)| {
+            let exceeds = |error: f64| (error / most).max(1.0);
+            exceeds(*a_error)
+                .total_cmp(&exceeds(*b_error))
+                .then(a.terms().cmp(&b.terms()))
+        });
+        best.expect("at least one origin")
+    }
+
+    /// The same with kernels interpolated from the origin `share` γ of the gate.
+    fn nodes_from(&self, way: &Way, share: f64, most: f64) -> (Nodes, f64) {
+        let origin = share * way.through.gate.gammas[way.kernel];
+        let beyond = |(near, far): (f64, f64)| ((near - origin).max(0.0), (far - origin).max(0.0));
+        let bins: Vec<_> = self
+            .bins
+            .iter()
+            .map(|&(scales, light)| (beyond(scales), light))
+            .collect();
+        let (least, far) = beyond(self.span);
+        let wide = widened(least, far);
+        let margin = if share > 0.0 { QUOTIENT_MARGIN } else { 1.0 };
+        let gain = margin * way.gain(share);
+        let (nodes, error) = fewest(&Bound::new(samples(&bins, wide)), wide, most / gain, false);
+        let span = (wide.0 + origin, wide.1 + origin);
+        let nodes = if origin > 0.0 {
+            Nodes::chebyshev_from(origin, span, nodes.terms())
+        } else {
+            nodes
+        };
+        (nodes, error * gain)
+    }
+}
+
+impl Way {
+    fn gain(&self, share: f64) -> f64 {
+        self.through.gain(self.kernel, share)
+    }
+}
+
+/// What rounding at all gates may add.
+fn gate_rounding(need: &ScatterNeed<'_>, layering: &Layering) -> f64 {
+    let ScatterNeed {
+        bounds,
+        water,
+        channel,
+        ..
+    } = *need;
+    let passages = Passages::new(water, channel, layering, bounds.widest_px);
+    // Channels share transforms, so that each has the rounding of the brightest.
+    let light = |l: usize| {
+        let spans = layering.spans_m.iter().skip(l).flatten();
+        let lights = spans.flat_map(|&span| [0, 1, 2].map(|c| gates::brightest(bounds, water, c, span)));
+        lights.fold(0.0, f64::max)
+    };
+    let layers = 1..layering.count();
+    let rounding = layers.map(|l| match passages.of_layer(l) {
+        Passage::Through(through) => through.rounding(light(l)),
+        Passage::Open | Passage::Closed => 0.0,
+    });
+    rounding.sum()
 }
 
 fn kernels(layers: &[[Option<Part>; 2]], mut nodes: impl FnMut(&Part) -> Nodes) -> Vec<Kernels> {
@@ -74,20 +168,6 @@ fn kernels(layers: &[[Option<Part>; 2]], mut nodes: impl FnMut(&Part) -> Nodes) 
         wide: wide.as_ref().map(&mut nodes),
     });
     kernels.collect()
-}
-
-/// How much larger than where it is made an error may arrive. At a gate light is divided by the response of the way to it, which
-/// amplifies the highest frequencies by `e^{(c−G) Z}` at most, and then goes the way again.
-fn amplification(water: &Water, channel: usize, layering: &Layering) -> f64 {
-    let Scatter::Jaffe { g, .. } = water.scatter else {
-        return 1.0;
-    };
-    let excess = (water.direct_attenuation[channel] - g[channel]).max(0.0);
-    layering
-        .gates_m
-        .iter()
-        .map(|gate_m| (excess * gate_m).exp())
-        .product()
 }
 
 /// The narrow and the wide part of each layer; of one layer without gates.
@@ -120,19 +200,25 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
             let light = spread_by(radiance, (near, far.max(near)));
             (near <= far && light > 0.0).then_some(((near, far), light))
         });
-        return vec![kernels.parts((nearest, farthest), &bins.collect::<Vec<_>>())];
+        return vec![kernels.parts((nearest, farthest), &bins.collect::<Vec<_>>(), None)];
     };
-    let of_layer = |span: &Option<(f64, f64)>| {
+    let passages = Passages::new(water, channel, layering, bounds.widest_px);
+    let of_layer = |(l, span): (usize, &Option<(f64, f64)>)| {
         let Some((near, far)) = *span else {
             return [None, None];
+        };
+        let through = match passages.of_layer(l) {
+            Passage::Open => None,
+            Passage::Through(through) => Some(through),
+            Passage::Closed => return [None, None],
         };
         // What is hidden takes ranges and light of its layer, in any combination.
         let light = gates::brightest(bounds, water, channel, (near, far));
         let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));
         let lit = steps.filter(|(_, light)| *light > 0.0);
-        kernels.parts((near, far), &lit.collect::<Vec<_>>())
+        kernels.parts((near, far), &lit.collect::<Vec<_>>(), through)
     };
-    layering.spans_m.iter().map(of_layer).collect()
+    layering.spans_m.iter().enumerate().map(of_layer).collect()
 }
 
 /// A span of ranges in steps of equal ratio.
@@ -151,8 +237,13 @@ struct Two {
 
 impl Two {
     /// What the narrow and the wide kernel spread of lit ranges.
-    fn parts(&self, span: (f64, f64), lit: &[((f64, f64), f64)]) -> [Option<Part>; 2] {
-        let of = |spread: Spread, taken: &dyn Fn((f64, f64)) -> f64| {
+    fn parts(
+        &self,
+        span: (f64, f64),
+        lit: &[((f64, f64), f64)],
+        through: Option<Through>,
+    ) -> [Option<Part>; 2] {
+        let of = |kernel: usize, spread: Spread, taken: &dyn Fn((f64, f64)) -> f64| {
             let gammas = |(near, far): (f64, f64)| {
                 let gamma = |meters: f64| spread.gamma(self.channel, meters, self.widest_px);
                 (gamma(near), gamma(far))
@@ -164,13 +255,16 @@ impl Two {
             (!bins.is_empty()).then(|| Part {
                 span: gammas(span),
                 bins,
+                way: through.map(|through| Way { through, kernel }),
             })
         };
         match self.tail {
-            None => [of(self.spread, &|_| 1.0), None],
+            None => [of(0, self.spread, &|_| 1.0), None],
             Some(tail) => [
-                of(self.spread, &|(near, _)| 1.0 - tail.share_at(self.channel, near)),
-                of(tail.spread, &|(_, far)| tail.share_at(self.channel, far)),
+                of(0, self.spread, &|(near, _)| {
+                    1.0 - tail.share_at(self.channel, near)
+                }),
+                of(1, tail.spread, &|(_, far)| tail.share_at(self.channel, far)),
             ],
         }
     }

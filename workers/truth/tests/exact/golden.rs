@@ -116,9 +116,67 @@ fn light_from_above(case: &Case) {
     case.agrees(&means, "radiance", "standard_error");
 }
 
-/// Its single pixels have a heavy tail: blocks of 6 × 6 are compared, and the frame.
+/// Side of the blocks that are compared, pixels: single pixels have a heavy tail.
+const BLOCK: usize = 6;
+
+/// Pixels of each block of a frame; those at the right and lower edge are wider and higher by what is left of the sides.
+fn blocks((width, height): (usize, usize)) -> Vec<Vec<usize>> {
+    let edges = |side: usize| {
+        let count = (side / BLOCK).max(1);
+        (0..count).map(move |block| {
+            let end = if block + 1 == count {
+                side
+            } else {
+                (block + 1) * BLOCK
+            };
+            block * BLOCK..end
+        })
+    };
+    let rows = edges(height).flat_map(|rows| edges(width).map(move |columns| (rows.clone(), columns)));
+    rows.map(|(rows, columns)| {
+        rows.flat_map(|y| columns.clone().map(move |x| y * width + x))
+            .collect()
+    })
+    .collect()
+}
+
+/// Light of a part of a frame's pixels, stored with its standard errors.
+struct Stored {
+    values: Vec<f64>,
+    errors: Vec<f64>,
+}
+
+impl Stored {
+    /// Checks the mean of some pixels. Few paths miss the rare bright ones: `tail` of the light is allowed beside the noise.
+    fn agrees(&self, ours: &[Mean], pixels: &[usize], tail: f64, what: &str) {
+        let n = pixels.len() as f64;
+        let sum = |value: &dyn Fn(usize) -> f64| pixels.iter().map(|&i| value(i)).sum::<f64>();
+        let mean = Mean {
+            mean: sum(&|i| ours[i].mean) / n,
+            error: sum(&|i| ours[i].error.powi(2)).sqrt() / n,
+        };
+        let stored = sum(&|i| self.values[i]) / n;
+        let error = sum(&|i| self.errors[i].powi(2)).sqrt() / n;
+        println!("   {what}: {mean:?}, stored {stored:.6} ± {error:.6}");
+        mean.agrees(stored, error.hypot((tail * stored).max(1e-6) / 4.0), what);
+    }
+
+    /// Checks all blocks of a frame, and the frame.
+    fn agrees_by_blocks(&self, ours: &[Mean], size: (usize, usize), tail: f64, what: &str) {
+        assert_eq!(
+            [ours.len(), self.values.len(), self.errors.len()],
+            [size.0 * size.1; 3]
+        );
+        for (block, pixels) in blocks(size).iter().enumerate() {
+            self.agrees(ours, pixels, tail, &format!("{what} block {block}"));
+        }
+        let all: Vec<usize> = (0..ours.len()).collect();
+        self.agrees(ours, &all, tail, &format!("{what} frame"));
+    }
+}
+
 fn lamp_frame(case: &Case) {
-    let (width, height) = (case.number("/width") as usize, case.number("/height") as usize);
+    let size @ (width, height) = (case.number("/width") as usize, case.number("/height") as usize);
     let (low, high) = (case.triple("/box_lo"), case.triple("/box_hi"));
     let solids = Solids(vec![
         Solid::Wall(case.number("/wall_z")),
@@ -143,31 +201,50 @@ fn lamp_frame(case: &Case) {
         radiance(&scene, along, i as u64, 2048)
     };
     let pixels: Vec<_> = (0..width * height).map(pixel).collect();
-    for (name, part) in [("order0", 0), ("order1", 1), ("total", 3)] {
-        let (values, errors) = (case.array(name), case.array(&format!("{name}_se")));
-        let compare = |block: &[usize], what: &str| {
-            let n = block.len() as f64;
-            let mean = |value: &dyn Fn(usize) -> f64| block.iter().map(|&i| value(i)).sum::<f64>() / n;
-            let error = |error: &dyn Fn(usize) -> f64| {
-                block.iter().map(|&i| error(i).powi(2)).sum::<f64>().sqrt() / n
-            };
-            let ours = Mean {
-                mean: mean(&|i| pixels[i][part].mean),
-                error: error(&|i| pixels[i][part].error),
-            };
-            let (stored, spread) = (mean(&|i| values[i]), error(&|i| errors[i]));
-            println!("   {name} {what}: {ours:?}, stored {stored:.6} ± {spread:.6}");
-            // Few paths miss the rare bright ones: a tenth beside the noise.
-            let tail = if part == 0 { 1e-6 } else { 0.1 * stored };
-            ours.agrees(stored, spread.hypot(tail / 4.0), &format!("{name} {what}"));
+    for (name, part, tail) in [("order0", 0, 0.0), ("order1", 1, 0.1), ("total", 3, 0.1)] {
+        let stored = Stored {
+            values: case.array(name),
+            errors: case.array(&format!("{name}_se")),
         };
-        for corner in 0..12 {
-            let (left, top) = (corner % 4 * 6, corner / 4 * 6);
-            let block: Vec<usize> = (0..36).map(|i| (top + i / 6) * width + left + i % 6).collect();
-            compare(&block, &format!("block {corner}"));
-        }
-        compare(&(0..width * height).collect::<Vec<_>>(), "frame");
+        let ours: Vec<Mean> = pixels.iter().map(|parts| parts[part]).collect();
+        stored.agrees_by_blocks(&ours, size, tail, name);
     }
+}
+
+#[test]
+fn blocks_cover_frames_of_any_size_once() {
+    for (size, count) in [
+        ((24, 18), 12),
+        ((20, 16), 6),
+        ((6, 6), 1),
+        ((4, 3), 1),
+        ((13, 5), 2),
+    ] {
+        let blocks = blocks(size);
+        assert_eq!(blocks.len(), count, "{size:?}");
+        let mut all: Vec<usize> = blocks.into_iter().flatten().collect();
+        all.sort_unstable();
+        assert_eq!(all, (0..size.0 * size.1).collect::<Vec<_>>(), "{size:?}");
+    }
+    // Pixel 0 is in the first block and the last pixel in the last one, whatever is left of the sides.
+    let blocks = blocks((20, 16));
+    assert_eq!((blocks[0][6], blocks[0].len()), (20, 36));
+    assert_eq!((blocks[5][0], blocks[5].len()), (6 * 20 + 12, 80));
+}
+
+#[test]
+fn frames_of_20_by_16_agree_by_blocks_and_a_wrong_corner_does_not() {
+    const SIZE: (usize, usize) = (20, 16);
+    let even = |mean: f64| vec![Mean { mean, error: 1e-3 }; SIZE.0 * SIZE.1];
+    let stored = Stored {
+        values: vec![0.5; SIZE.0 * SIZE.1],
+        errors: vec![1e-3; SIZE.0 * SIZE.1],
+    };
+    stored.agrees_by_blocks(&even(0.5), SIZE, 0.0, "even");
+    let mut wrong = even(0.5);
+    wrong[SIZE.0 * SIZE.1 - 1].mean = 0.7;
+    let checked = std::panic::catch_unwind(|| stored.agrees_by_blocks(&wrong, SIZE, 0.0, "corner"));
+    assert!(checked.is_err(), "the last pixel belongs to no block");
 }
 
 fn cases() -> Vec<PathBuf> {

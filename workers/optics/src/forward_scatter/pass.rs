@@ -1,0 +1,160 @@
+//! Light taken back to a gate, stopped where something is, and sent on.
+
+use imaging::fft::Complex;
+use imaging::vectorized;
+
+use super::KernelCache;
+use super::chebyshev::{line, zeros};
+use super::gate::Gate;
+
+/// A gate that light of one channel passes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Opening {
+    gate: Gate,
+    /// T of this gate over T of the next nearer one, in whose unit the light goes on.
+    onward: f64,
+}
+
+impl Opening {
+    /// Gate number `l` of a channel; none where nothing passes it or a nearer one.
+    pub(super) fn between(gates: &[Option<Gate>], l: usize) -> Option<Self> {
+        let is_open = gates[..=l].iter().all(Option::is_some);
+        let gate = gates[l].filter(|_| is_open)?;
+        let next = l.checked_sub(1).and_then(|next| gates[next]);
+        Some(Self {
+            gate,
+            onward: gate.direct / next.map_or(1.0, |next| next.direct),
+        })
+    }
+
+    /// A/T column by column.
+    fn response(&self, size: (usize, usize), cache: &mut KernelCache) -> Vec<f32> {
+        let (width, height) = size;
+        let mut response = cache.buffers.take(width * height);
+        response.fill(1.0);
+        let parts = self.gate.ratios().into_iter().zip(self.gate.reaches());
+        for (ratio, reach) in parts.filter(|(ratio, _)| *ratio != 0.0) {
+            let (weight, kernel) = (ratio as f32, cache.gated_transfer(reach.gamma_px, size, reach));
+            for p in 0..kernel.columns() {
+                let column = &mut response[line(p, height)];
+                let kernel = kernel.column(p).unwrap_or_default();
+                vectorized!({
+                    for (to, h) in column.iter_mut().zip(kernel) {
+                        *to += weight * h;
+                    }
+                });
+            }
+        }
+        response
+    }
+}
+
+/// Takes light back to a gate, stops what the mask covers, and lets the rest go on. None of what has no opening passes; without a
+/// mask nothing is covered.
+pub(super) fn pass(
+    spectra: &mut [Vec<f32>],
+    openings: &[Option<Opening>],
+    mask: Option<&[f32]>,
+    size: (usize, usize),
+    cache: &mut KernelCache,
+) {
+    let mut open: Vec<(&mut Vec<f32>, Vec<f32>, f32)> = Vec::new();
+    for (spectrum, opening) in spectra.iter_mut().zip(openings) {
+        match opening {
+            Some(opening) => open.push((spectrum, opening.response(size, cache), opening.onward as f32)),
+            None => spectrum.fill(0.0),
+        }
+    }
+    let (width, height) = size;
+    let mut passed = zeros(2, size, cache);
+    for pair in open.chunks_mut(2) {
+        let transform = cache.transform(size);
+        transform.inverse(
+            |p, column| {
+                let band = line(p, height);
+                column.fill(Complex::default());
+                for (part, (spectrum, response, _)) in pair.iter().enumerate() {
+                    let (values, response) = (&spectrum[band.clone()], &response[band.clone()]);
+                    match part {
+                        0 => vectorized!(quotients(values, response, column, |to, v| to.re = v)),
+                        _ => vectorized!(quotients(values, response, column, |to, v| to.im = v)),
+                    }
+                }
+            },
+            width,
+            |place, row| {
+                let pixels = line(place, width);
+                let covers = mask.map(|mask| &mask[pixels.clone()]);
+                for (part, passed) in passed.iter_mut().enumerate() {
+                    let to = &mut passed[pixels.clone()];
+                    match part {
+                        0 => vectorized!(uncovered(row, covers, to, |v| v.re)),
+                        _ => vectorized!(uncovered(row, covers, to, |v| v.im)),
+                    }
+                }
+            },
+        );
+        transform.forward(
+            |place, row| {
+                let pixels = line(place, width);
+                let lights = passed[0][pixels.clone()].iter().zip(&passed[1][pixels]);
+                row.iter_mut()
+                    .zip(lights)
+                    .for_each(|(to, (&one, &other))| *to = Complex::new(one, other));
+            },
+            width,
+            |p, column| {
+                let band = line(p, height);
+                for (part, (spectrum, response, onward)) in pair.iter_mut().enumerate() {
+                    let (to, response) = (&mut spectrum[band.clone()], &response[band.clone()]);
+                    match part {
+                        0 => vectorized!(products(column, response, *onward, to, |v| v.re)),
+                        _ => vectorized!(products(column, response, *onward, to, |v| v.im)),
+                    }
+                }
+            },
+        );
+    }
+    cache.buffers.give(passed);
+    cache
+        .buffers
+        .give(open.into_iter().map(|(_, response, _)| response));
+}
+
+#[inline(always)]
+fn quotients(values: &[f32], by: &[f32], to: &mut [Complex<f32>], set: impl Fn(&mut Complex<f32>, f32)) {
+    for (to, (value, by)) in to.iter_mut().zip(values.iter().zip(by)) {
+        set(to, value / by);
+    }
+}
+
+#[inline(always)]
+fn uncovered(
+    row: &[Complex<f32>],
+    covers: Option<&[f32]>,
+    to: &mut [f32],
+    part: impl Fn(Complex<f32>) -> f32,
+) {
+    for (to, &value) in to.iter_mut().zip(row) {
+        let value = part(value);
+        *to = if value > 0.0 { value } else { 0.0 };
+    }
+    if let Some(covers) = covers {
+        for (to, cover) in to.iter_mut().zip(covers) {
+            *to *= 1.0 - cover;
+        }
+    }
+}
+
+#[inline(always)]
+fn products(
+    column: &[Complex<f32>],
+    by: &[f32],
+    onward: f32,
+    to: &mut [f32],
+    part: impl Fn(Complex<f32>) -> f32,
+) {
+    for (to, (&value, by)) in to.iter_mut().zip(column.iter().zip(by)) {
+        *to = part(value) * by * onward;
+    }
+}

@@ -1,0 +1,115 @@
+//! How errors of light that passes gates arrive at the camera.
+//!
+//! At a gate light is divided by the response A of the way to the camera, and what the gate lets through is multiplied by A again. The
+//! product with A, a positive kernel of mass `e^{−GZ}`, amplifies nothing. The quotient does: A falls from `e^{−GZ}` to T at high
+//! frequencies. But a kernel of scale γ from behind the gate is smooth: for any origin θ ≤ γ at the gate
+//!
+//! ```text
+//! H(γ) / A = [H(γ) / H(θ)] · [H(θ) / A],        |H(θ) / A| ≤ min(1, (T/n)^{θ/γ₁}) / T
+//! ```
+//!
+//! The first factor is interpolated like a kernel of scale γ − θ, whose bound is known; the second is one filter for all of them. With
+//! θ = 0 errors are amplified by 1/T at most, with θ = γ₁ by 1/n, but interpolation between kernels of scale γ − γ₁ takes more nodes.
+
+use crate::forward_scatter::Gate;
+use crate::layering::Layering;
+use crate::water::{Scatter, Water};
+
+/// What f32 may lose at a gate, and where light behind it is filled in, of light up to 1.
+const ROUNDING: f64 = 5e-7;
+
+/// The gates of one channel of a frame.
+pub(super) struct Passages {
+    gates: Vec<Option<Gate>>,
+    /// G and c, 1/m.
+    spread_attenuation: f64,
+    direct_attenuation: f64,
+}
+
+/// The way of a layer's light to the camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Passage {
+    /// No gate is in front.
+    Open,
+    /// Through the gate in front, and those before it.
+    Through(Through),
+    /// Some gate lets nothing pass.
+    Closed,
+}
+
+/// A gate, and the way on from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Through {
+    pub(super) gate: Gate,
+    /// Largest response of the way from the gate to the camera.
+    onward: f64,
+    /// How much larger an error may arrive where it has the worst sign in every pixel.
+    sharpness: f64,
+}
+
+impl Passages {
+    /// `widest_px` is the widest kernel of the frame.
+    pub(super) fn new(water: &Water, channel: usize, layering: &Layering, widest_px: f64) -> Self {
+        let c = water.direct_attenuation[channel];
+        let g = match water.scatter {
+            Scatter::Jaffe { g, .. } => g[channel].min(c),
+            Scatter::None | Scatter::Simplified { .. } => c,
+        };
+        let gates = layering.gates_m.iter();
+        Self {
+            gates: gates
+                .map(|&range_m| Gate::new(water, channel, range_m, widest_px))
+                .collect(),
+            spread_attenuation: g,
+            direct_attenuation: c,
+        }
+    }
+
+    /// The way of the light of layer `l`, 0 the nearest.
+    pub(super) fn of_layer(&self, l: usize) -> Passage {
+        let Some(front) = l.checked_sub(1) else {
+            return Passage::Open;
+        };
+        let gates: Option<Vec<Gate>> = self.gates[..=front].iter().copied().collect();
+        let Some(gates) = gates else {
+            return Passage::Closed;
+        };
+        let gate = gates[front];
+        let reverse = gates.windows(2).map(|pair| self.reverse(&pair[0], &pair[1]));
+        let mass = (-self.spread_attenuation * gates[0].range_m).exp();
+        Passage::Through(Through {
+            gate,
+            onward: mass * reverse.product::<f64>(),
+            sharpness: gates.iter().map(|gate| self.sharpness(gate)).product(),
+        })
+    }
+
+    /// How much larger the sum of a filter's absolute values is than its largest response, for quotients by the response of a gate:
+    /// they fall to almost 0 around a frequency that is proportional to (c − G) Z, and ring there.
+    fn sharpness(&self, gate: &Gate) -> f64 {
+        let amplification = (self.direct_attenuation - self.spread_attenuation) * gate.range_m;
+        1.0 - (-amplification).exp_m1() * (0.9 * amplification.sqrt()).max(1.0)
+    }
+
+    /// The largest response of a farther gate divided by that of a nearer one: gates of close cuts may be in reverse order.
+    fn reverse(&self, near: &Gate, far: &Gate) -> f64 {
+        (self.direct_attenuation * (near.range_m - far.range_m).max(0.0)).exp()
+    }
+}
+
+impl Through {
+    /// Factor by which an error of light that a kernel of this layer spreads arrives, `kernel` 0 the narrow and 1 the wide one,
+    /// interpolated from the origin `share` γ of the gate.
+    pub(super) fn gain(&self, kernel: usize, share: f64) -> f64 {
+        let ratio = self.gate.ratios()[kernel];
+        self.onward * self.sharpness * ratio.powf(-share).min(1.0) / self.gate.direct
+    }
+
+    /// What rounding behind the gate may add, with light as bright as `light` there in any channel.
+    pub(super) fn rounding(&self, light: f64) -> f64 {
+        ROUNDING * light * self.onward
+    }
+}
+
+#[cfg(test)]
+mod tests;
