@@ -33,7 +33,7 @@ pub use shadows::{Shadows, Use};
 pub use shares::Budget;
 pub use stage::{Stage, StageId, Variant};
 pub(crate) use veil::BY_DIRECTION;
-pub use water::{PILED_UP, assess_water};
+pub use water::{assess_water, water_gain};
 
 use serde::Serialize;
 use spec::Fidelity;
@@ -54,7 +54,7 @@ impl Plan {
     #[must_use]
     pub fn for_water(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) -> Self {
         let tolerance = levels::tolerance(bounds, water, fidelity);
-        let share = Budget::new(tolerance, &[]).water(std::iter::empty());
+        let share = Budget::new(tolerance, &[]).water(std::iter::empty(), Gain::ONE);
         let conditions = Conditions {
             water,
             lighting: None,

@@ -6,7 +6,6 @@ use ::camera::geometry::Refraction;
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
 use optics::plan::{Plan, StageId, Variant};
-use optics::range::is_hole;
 use optics::setting::Setting;
 use optics::visible_bounds::VisibleBounds;
 use scenes::Labels;
@@ -27,6 +26,8 @@ pub(crate) struct FrameContext<'a> {
     pub(crate) setting: Setting,
     /// Paths through patches of murkier water; `None` in even water.
     patchy: Option<Plane<f32>>,
+    /// Mean, least and greatest path as a share of the range; `None` in even water or in a frame of holes.
+    pub(crate) path_factors: Option<[f64; 3]>,
     /// The pattern of the waves; `None` without caustics.
     pub(crate) pattern: Option<Pattern>,
     /// Bounds of the picture, tile by tile; `None` without range.
@@ -71,6 +72,10 @@ impl<'a> FrameContext<'a> {
             frame,
             prepared,
             setting,
+            path_factors: patchy
+                .as_ref()
+                .zip(range)
+                .and_then(|(path, range)| turbidity::factors(path, range)),
             patchy,
             pattern,
             view,
@@ -92,21 +97,6 @@ impl<'a> FrameContext<'a> {
     /// Meters of mean water before each pixel: its range, or its path through patches; `None` without range.
     pub(crate) fn path(&self) -> Option<&Plane<f32>> {
         self.patchy.as_ref().or(self.prepared.scene.range.as_ref())
-    }
-
-    /// Mean, least and greatest path as a share of the range; `None` in even water or in a frame of holes.
-    pub(crate) fn path_factors(&self) -> Option<[f64; 3]> {
-        let (path, range) = (self.patchy.as_ref()?, self.prepared.scene.range.as_ref()?);
-        let pairs = path.data().iter().zip(range.data());
-        let factors = pairs
-            .filter(|(_, z)| !is_hole(**z))
-            .map(|(path, z)| f64::from(*path) / f64::from(*z));
-        let (mut count, mut sum, mut least, mut most) = (0.0, 0.0, f64::INFINITY, 0.0f64);
-        for factor in factors {
-            (count, sum) = (count + 1.0, sum + factor);
-            (least, most) = (least.min(factor), most.max(factor));
-        }
-        (count > 0.0).then(|| [sum / count, least, most])
     }
 
     /// A layer of the scene as the camera's picture shows it.

@@ -3,11 +3,13 @@
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::forward_scatter::KernelCache;
+use optics::plan::Stage;
 use spec::FrameRecord;
 
 use crate::context::FrameContext;
 use crate::error::RenderError;
-use crate::stage::{airlight, daylight, lamps, sediment, snow, water};
+use crate::planning::Assessment;
+use crate::stage::{airlight, daylight, lamps, sediment, snow, turbidity, water};
 use crate::stopwatch::Stopwatch;
 
 /// The light of a moment before its camera.
@@ -18,6 +20,18 @@ pub(crate) struct Light {
     pub(crate) airlight: Option<Rgb<f32>>,
     /// Opacity of clouds and snow; `None` if none were drawn.
     pub(crate) mask: Option<Plane<f32>>,
+}
+
+/// Plans the stages of a moment. The water gets what the others leave of the tolerance.
+pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
+    let mut stages = daylight::assess(assessment);
+    stages.push(turbidity::assess(assessment));
+    stages.extend(lamps::assess(assessment));
+    stages.extend(airlight::assess(assessment));
+    stages.extend(sediment::assess(assessment));
+    stages.push(snow::assess(assessment));
+    stages.extend(water::assess(assessment, &stages));
+    stages
 }
 
 /// Renders a moment as planned. Numbers and warnings of its stages go into the record.

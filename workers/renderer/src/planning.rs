@@ -12,10 +12,9 @@ use spec::Fidelity;
 use crate::context::FrameContext;
 use crate::engine::Engine;
 use crate::error::RenderError;
+use crate::pipeline;
 use crate::stage::camera::Expected;
-use crate::stage::{
-    airlight, camera, daylight, enhance, haze, lamps, sediment, snow, style, truth, turbidity, water,
-};
+use crate::stage::{camera, daylight, enhance, haze, snow, style, truth};
 
 /// Everything that stages are assessed from.
 pub(crate) struct Assessment<'a> {
@@ -82,7 +81,7 @@ pub(crate) fn plan_frame(
         bounds,
         budget: Budget::new(target, &optics),
     };
-    let mut stages = assess_light(&assessment);
+    let mut stages = pipeline::assess(&assessment);
     stages.extend(optics);
     stages.extend([style::assess(&assessment, engine)?, haze::assess(&assessment)]);
     stages.extend(camera::assess_electronics(context));
@@ -91,19 +90,6 @@ pub(crate) fn plan_frame(
     stages.sort_by_key(|stage| stage.id);
     judge_models(&mut stages, &assessment);
     Ok(Plan { tolerance, stages })
-}
-
-/// The stages before the camera. The water gets what the others leave of the tolerance.
-fn assess_light(assessment: &Assessment<'_>) -> Vec<Stage> {
-    let mut stages = daylight::assess(assessment);
-    stages.push(turbidity::assess(assessment));
-    stages.extend(lamps::assess(assessment));
-    stages.extend(airlight::assess(assessment));
-    stages.extend(sediment::assess(assessment));
-    stages.push(snow::assess(assessment));
-    let left = assessment.budget.water(stages.iter());
-    stages.extend(water::assess(assessment, left));
-    stages
 }
 
 /// The brightest light before the camera: that behind particles, or a particle.

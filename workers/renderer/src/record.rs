@@ -51,7 +51,7 @@ fn numbers(context: &FrameContext<'_>) -> Map<String, Value> {
         .water
         .as_ref()
         .map_or_else(Map::new, numbers_of_water);
-    if let Some([mean, least, most]) = context.path_factors() {
+    if let Some([mean, least, most]) = context.path_factors {
         let factors = json!({"mean": mean, "least": least, "most": most});
         numbers.insert("turbidity".to_owned(), factors);
     }

@@ -3,7 +3,8 @@
 use spec::{Fidelity, Frame};
 
 use super::scatter::largest_share;
-use super::{ErrorBound, PILED_UP, SceneBounds};
+use super::water::PILED_UP;
+use super::{ErrorBound, SceneBounds};
 use crate::water::{Scatter, Water};
 
 /// Relative rounding of f32 in attenuation and transforms: the largest of some ten thousand frames is half of it.

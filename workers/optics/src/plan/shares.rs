@@ -1,7 +1,7 @@
 //! How the stages of a frame share its tolerance, so that their errors together stay within it.
 
 use super::levels::{DEFAULT_TOLERANCE, ROUNDING};
-use super::{ErrorBound, Gain, PILED_UP, Stage, StageId, compose, compose_gain};
+use super::{ErrorBound, Gain, Stage, StageId, compose, compose_gain};
 
 /// Share of the quadrature of airlight: more nodes cost little compared with more kernels.
 const AIRLIGHT: f64 = 0.25;
@@ -72,15 +72,16 @@ impl Budget {
         UNSHADOWED * self.whole
     }
 
-    /// What is left for attenuation, veil and scatter beside these stages; `None` if the frame asks for no tolerance.
+    /// What is left for attenuation, veil and scatter beside these stages, in water with this gain; `None` if the frame asks for no
+    /// tolerance.
     #[must_use]
-    pub fn water<'a>(&self, others: impl Iterator<Item = &'a Stage>) -> Option<f64> {
+    pub fn water<'a>(&self, others: impl Iterator<Item = &'a Stage>, gain: Gain) -> Option<f64> {
         self.tolerance?;
         let mut used = ErrorBound::relative(ROUNDING);
         for stage in others.filter(|stage| stage.id.is_promised()) {
             let enters_water = stage.id < StageId::Attenuation;
-            let gain = Gain::factor(if enters_water { PILED_UP } else { 1.0 });
-            used = used.plus(stage.bound.unwrap_or_default().behind(gain));
+            let own = if enters_water { gain } else { Gain::ONE };
+            used = used.plus(stage.bound.unwrap_or_default().behind(own));
         }
         let relative = used.relative * self.gain.relative / self.gain.absolute;
         Some((self.whole - used.absolute - relative).max(LEAST * self.whole))
@@ -102,7 +103,7 @@ mod tests {
         assert!((bright.whole() - 1.5e-5).abs() < 1e-12);
         let plain = Budget::new(Some(3e-4), &[]);
         assert_eq!(plain.whole(), 3e-4);
-        let left = plain.water(std::iter::empty()).unwrap();
+        let left = plain.water(std::iter::empty(), Gain::ONE).unwrap();
         assert!((left - (3e-4 - ROUNDING)).abs() < 1e-15);
     }
 

@@ -20,14 +20,14 @@ pub enum StageId {
     AmbientAccess,
     /// The pattern of the waves on surfaces and in the water.
     Caustics,
-    /// Paths through patches of murkier water.
-    Turbidity,
     /// Light of lamps on surfaces.
     Lamps,
     /// Shadows of lamps on surfaces.
     LampShadows,
     /// Attenuation, and the rounding of all of the water.
     Attenuation,
+    /// Paths through patches of murkier water, whose errors appear behind it.
+    Turbidity,
     /// The veil by direction.
     Veil,
     /// Occlusion-aware forward scatter: gates that stop spread light.

@@ -2,7 +2,7 @@
 
 use imaging::Plane;
 use optics::plan::{ErrorBound, Stage, StageId};
-use optics::range::farthest;
+use optics::range::{farthest, is_hole};
 use optics::setting::Setting;
 use optics::turbidity;
 use spec::{Fidelity, Frame};
@@ -14,8 +14,6 @@ const PATH_NS: f64 = 5.3;
 
 /// Optical depths up to which errors are counted as a share of the light; of light behind more, which is faint, they are absolute.
 const DEEPEST: f64 = 6.0;
-/// The clearest patch that is counted, as a share of the mean.
-const CLEAREST: f64 = 0.01;
 
 /// An error `e` of an optical depth x changes direct light by `e` times itself, and the veil by `e/x` times itself at most. The
 /// error is a share of the path or of the range, whichever is longer.
@@ -35,24 +33,35 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
     let path_m = assessment.bounds.range_m.map_or(0.0, |(_, farthest)| farthest);
     let share = turbidity::path_rounding(range_m.max(path_m), patches.scale_m());
     let c = water.direct_attenuation().into_iter().fold(0.0, f64::max);
-    let clearest = patches.extremes().0.max(CLEAREST);
-    let deepest = ((c * path_m).min(DEEPEST) / clearest).min(c * range_m.max(path_m));
-    let is_clearer = patches.extremes().0 < CLEAREST;
-    let beyond = if is_clearer {
-        c * range_m
-    } else {
-        DEEPEST * (-DEEPEST).exp() / clearest
-    };
+    // In clear patches a path is shorter than the range that its rounding is a share of.
+    let [_, least, _] = assessment.context.path_factors.unwrap_or([1.0; 3]);
+    let stretch = 1.0 / least.clamp(f64::MIN_POSITIVE, 1.0);
+    let deepest = ((c * path_m).min(DEEPEST) * stretch).min(c * range_m.max(path_m));
+    let beyond = DEEPEST * (-DEEPEST).exp() * stretch;
     let brightest = assessment.bounds.brightest.into_iter().fold(0.0, f32::max);
     let bound = ErrorBound {
         absolute: share * beyond * f64::from(brightest),
-        relative: share * (1.0 / clearest + deepest),
+        relative: share * (stretch + deepest),
     };
     Stage {
         bound: Some(bound),
         ..Stage::new(StageId::Turbidity, assessment.variant("closed_form"))
     }
     .costing(PATH_NS, assessment.pixels())
+}
+
+/// Mean, least and greatest path as a share of the range; `None` in a frame of holes.
+pub(crate) fn factors(path: &Plane<f32>, range: &Plane<f32>) -> Option<[f64; 3]> {
+    let pairs = path.data().iter().zip(range.data());
+    let factors = pairs
+        .filter(|(_, z)| !is_hole(**z))
+        .map(|(path, z)| f64::from(*path) / f64::from(*z));
+    let (mut count, mut sum, mut least, mut most) = (0.0, 0.0, f64::INFINITY, 0.0f64);
+    for factor in factors {
+        (count, sum) = (count + 1.0, sum + factor);
+        (least, most) = (least.min(factor), most.max(factor));
+    }
+    (count > 0.0).then(|| [sum / count, least, most])
 }
 
 /// The paths; `None` in even water.

@@ -3,17 +3,20 @@
 use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
-use optics::plan::{Stage, StageId, assess_water};
+use optics::plan::{Stage, StageId, assess_water, water_gain};
 
 use crate::context::FrameContext;
 use crate::error::RenderError;
 use crate::planning::Assessment;
 
-/// Attenuation, veil, occlusion and forward scatter within a share of the tolerance.
-pub(crate) fn assess(assessment: &Assessment<'_>, share: Option<f64>) -> Vec<Stage> {
+/// Attenuation, veil, occlusion and forward scatter, within what the other stages leave of the tolerance.
+pub(crate) fn assess(assessment: &Assessment<'_>, others: &[Stage]) -> Vec<Stage> {
     let Assessment { context, bounds, .. } = assessment;
     match &context.setting.around {
-        Some(water) => assess_water(bounds, water, context.frame.fidelity, share),
+        Some(water) => {
+            let share = assessment.budget.water(others.iter(), water_gain(bounds, water));
+            assess_water(bounds, water, context.frame.fidelity, share)
+        }
         None => {
             let scatter = (0..3).map(StageId::ForwardScatter);
             let stages = std::iter::once(StageId::Attenuation).chain(scatter);

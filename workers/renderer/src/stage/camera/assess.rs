@@ -69,15 +69,28 @@ pub(crate) fn assess_optics(
     stages.into_iter().flatten().collect()
 }
 
-/// The mean of several pictures. The plan of a frame is that of its own pose; [`with_moments`] adds how much worse others are.
+/// The mean of several pictures, or of shifted copies of one. Both are means in f32 in the reference, too, so that their rounding
+/// counts twice. The plan of a frame is that of its own pose; how much worse other moments are is added when they are planned.
 fn assess_movement(camera: &Camera<'_>) -> Option<Stage> {
-    let exposures = camera.taking.moments.len();
+    let Taking {
+        moments, shift_px, ..
+    } = camera.taking;
+    let exposures = moments.len();
+    let (variant, rounding, pictures) = match shift_px {
+        _ if exposures > 1 => ("poses", movement::average_bound(exposures, WHITE), exposures),
+        Some(shift) => (
+            "shift",
+            movement::shift_bound(*shift, WHITE),
+            movement::copies(*shift),
+        ),
+        None => return None,
+    };
     let note = format!("{exposures} pictures of the scene are taken, each at its cost");
-    let ns = VIGNETTE_NS * exposures as f64;
-    (exposures > 1).then(|| Stage {
-        note: Some(note),
-        bound: Some(ErrorBound::relative(movement::average_bound(exposures, WHITE))),
-        ..Stage::new(StageId::Movement, Variant::Fast("poses")).costing(ns, camera.pixels())
+    Some(Stage {
+        note: (exposures > 1).then_some(note),
+        bound: Some(ErrorBound::relative(2.0 * rounding)),
+        ..Stage::new(StageId::Movement, Variant::Fast(variant))
+            .costing(VIGNETTE_NS * pictures as f64, camera.pixels())
     })
 }
 
