@@ -13,33 +13,14 @@ use spec::ScatterModel;
 
 use super::camera::draw_metering;
 use super::case::{Case, Picture};
-use super::knobs::Knobs;
-use super::picture::{COURSES, LIGHTS};
+use super::knobs::{FIRST, Knobs, LAST};
+use super::picture::{COURSES, DIM, LIGHTS, WHITE};
 use super::random::{draw_tolerance, draw_uploaded};
 use frames::{Attack, Frame};
 
-/// Numbers that choose the first and the last of several, or true and false.
-const FIRST: f64 = 0.0;
-const LAST: f64 = 1.0;
 /// Kinds of exposure, as [`super::camera`] chooses them.
 const FIXED: f64 = 0.3;
 const METERED: f64 = 0.9;
-/// Kinds of light, as [`super::picture`] chooses them.
-const DIM: f64 = 0.2;
-const WHITE: f64 = 0.6;
-
-/// The number that picks a name of a list.
-fn number_of(names: &[&str], name: &str) -> f64 {
-    let place = names.iter().position(|other| *other == name).unwrap_or(0);
-    (place as f64 + 0.5) / names.len() as f64
-}
-
-/// One of several lights or courses.
-fn hold_one(knobs: &mut Knobs, held: &str, names: &[&str], choices: &[&str]) {
-    let name = *knobs.pick(&format!("directed.{held}"), choices);
-    knobs.hold(&[(held, number_of(names, name))]);
-}
-
 /// Metering of dark pictures at a percentile between two values of their light.
 pub(super) fn draw_metered(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
@@ -48,8 +29,7 @@ pub(super) fn draw_metered(mut knobs: Knobs) -> (Case, Knobs) {
         ("camera.has_defocus", LAST),
         ("picture.kind", DIM),
     ]);
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "picture.light",
         &LIGHTS,
         &["dark side", "signs", "checks", "lamps", "ramp"],
@@ -80,14 +60,12 @@ pub(super) fn draw_points(mut knobs: Knobs) -> (Case, Knobs) {
         ("camera.has_defocus", LAST),
         ("picture.kind", WHITE),
     ]);
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "picture.light",
         &LIGHTS,
         &["point", "signs", "dark specks", "salt and pepper"],
     );
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "range.course",
         &COURSES,
         &["stripes", "needles", "noise", "step", "far specks"],
@@ -108,14 +86,12 @@ pub(super) fn draw_defocused(mut knobs: Knobs) -> (Case, Knobs) {
         ("camera.has_defocus", FIRST),
         ("picture.kind", WHITE),
     ]);
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "picture.light",
         &LIGHTS,
         &["point", "signs", "lamps", "checks", "dark side"],
     );
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "range.course",
         &COURSES,
         &["stripes", "needles", "noise", "step", "slope", "wall"],
@@ -159,12 +135,7 @@ pub(super) fn draw_lens(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[("camera.has_distortion", if has_distortion { FIRST } else { LAST })]);
     let has_port = knobs.chance("directed.has_port", 0.6);
     knobs.hold(&[("camera.has_port", if has_port { FIRST } else { LAST })]);
-    hold_one(
-        &mut knobs,
-        "picture.light",
-        &LIGHTS,
-        &["point", "signs", "salt and pepper"],
-    );
+    knobs.hold_one("picture.light", &LIGHTS, &["point", "signs", "salt and pepper"]);
     (draw_uploaded(&knobs), knobs)
 }
 

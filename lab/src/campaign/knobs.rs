@@ -5,9 +5,18 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use imaging::random::Stream;
 
+use super::Family;
+
+/// The number that picks the first of several, and for which a chance is taken.
+pub(super) const FIRST: f64 = 0.0;
+/// The number that picks the last of several, and for which no chance is taken.
+pub(super) const LAST: f64 = 1.0;
+
 /// What the random numbers of a frame follow from.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Setting {
+    /// The family keeps the numbers of one seed apart.
+    pub(super) family: Family,
     pub(super) seed: u64,
     /// A description that contradicts itself is drawn again: how often.
     pub(super) attempt: u64,
@@ -37,6 +46,13 @@ impl Knobs {
         }
     }
 
+    /// Holds the number that picks one of `names` at one of some `choices`.
+    pub(super) fn hold_one(&mut self, held: &str, names: &[&str], choices: &[&str]) {
+        let chosen = self.pick(&format!("{held}.choice"), choices);
+        let place = names.iter().position(|name| name == chosen).unwrap_or(0);
+        self.hold(&[(held, (place as f64 + 0.5) / names.len() as f64)]);
+    }
+
     /// The names of all numbers that were drawn.
     pub(super) fn names(&self) -> Vec<String> {
         self.used.borrow().iter().cloned().collect()
@@ -47,21 +63,17 @@ impl Knobs {
         self.setting.seed
     }
 
-    /// Numbers by pixel, apart from those with names.
-    pub(super) fn noise(&self, purpose: &str) -> Stream {
-        Stream::stage(self.setting.seed, purpose)
+    /// The stream of random numbers for a purpose.
+    pub(super) fn stream(&self, purpose: &str) -> Stream {
+        let Setting { family, seed, .. } = self.setting;
+        Stream::stage(seed, &format!("{}.{purpose}", family.name()))
     }
 
     /// From 0 to 1.
     pub(super) fn unit(&self, name: &str) -> f64 {
         self.used.borrow_mut().insert(name.to_owned());
-        let Setting {
-            seed,
-            attempt,
-            turned,
-        } = &self.setting;
-        let drawn = || Stream::stage(*seed, name).unit(*attempt, 0);
-        turned.get(name).copied().unwrap_or_else(drawn)
+        let drawn = || self.stream(name).unit(self.setting.attempt, 0);
+        self.setting.turned.get(name).copied().unwrap_or_else(drawn)
     }
 
     /// Evenly between two numbers.

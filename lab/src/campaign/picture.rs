@@ -36,6 +36,12 @@ pub(super) const LIGHTS: [&str; 10] = [
     "dark side",
 ];
 
+/// So many of them, the first, are bright all over or light up half of the picture.
+pub(super) const BRIGHT: usize = 6;
+/// The numbers that choose how bright a picture is: from black to white, and white.
+pub(super) const DIM: f64 = 0.2;
+pub(super) const WHITE: f64 = 0.6;
+
 /// Least and most side, and most pixels of a picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
@@ -59,7 +65,7 @@ pub(super) fn draw_picture(knobs: &Knobs, limits: Limits) -> Picture {
     let course = knobs.pick("picture.light", &LIGHTS);
     let peak = draw_peak(knobs);
     let dim = peak * knobs.log("picture.dim", 1e-4, 0.2);
-    let stream = knobs.noise("light");
+    let stream = knobs.stream("picture.noise");
     let spot = (
         knobs.whole("picture.x", 0, width - 1),
         knobs.whole("picture.y", 0, height - 1),
@@ -110,7 +116,7 @@ fn draw_range(knobs: &Knobs, (width, height): (usize, usize), block: f64) -> Pla
     } else {
         0.0
     };
-    let stream = knobs.noise("range");
+    let stream = knobs.stream("range.noise");
     Plane::from_fn(width, height, |x, y| {
         if stream.unit(address(x, y), 1) < holes {
             return [f32::NAN, 0.0, -1.0, f32::INFINITY][(x + y) % 4];

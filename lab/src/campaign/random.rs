@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 
 use super::camera::{add_parts, add_path, add_shift, draw_pinhole};
 use super::case::Case;
-use super::knobs::Knobs;
+use super::knobs::{Knobs, LAST};
 use super::lamps::{Surfaces, draw_lamps};
-use super::picture::{Limits, draw_picture, draw_sides};
+use super::picture::{BRIGHT, LIGHTS, Limits, WHITE, draw_picture, draw_sides};
 use super::water::{draw_daylight, draw_patches, draw_snow, draw_water};
 
 /// Of water alone every size is tried.
@@ -42,13 +42,27 @@ pub(super) fn draw_tolerance(knobs: &Knobs) -> Value {
     json!({"tolerance": knobs.log("tolerance", 3e-6, 3e-2)})
 }
 
-/// Water alone, for which the cheapest sufficient plan is known as well.
-pub(super) fn draw_water_alone(knobs: &Knobs) -> Case {
-    let picture = draw_picture(knobs, WATER);
+/// Bright pictures in water alone, of one kernel for each path: what such water costs at least is known as well.
+pub(super) fn draw_water_alone(mut knobs: Knobs) -> (Case, Knobs) {
+    knobs.hold(&[
+        ("picture.kind", WHITE),
+        ("scatter.is_gated", LAST),
+        ("scatter.is_double", LAST),
+        ("water.is_veil_free", LAST),
+        ("water.is_deep", LAST),
+    ]);
+    knobs.hold_one("picture.light", &LIGHTS, &LIGHTS[..BRIGHT]);
+    let picture = draw_picture(&knobs, WATER);
+    let mut camera = draw_pinhole(&knobs, picture.range.size());
+    // Kernels as wide as in pictures of the usual sizes.
+    let half = picture.range.width() as f64 / 2.0 / knobs.log("camera.focal", 60.0, 900.0);
+    camera["hfov_deg"] = json!((2.0 * half.atan().to_degrees()).max(1.0));
     let job = json!({
-        "camera": draw_pinhole(knobs, picture.range.size()), "water": draw_water(knobs), "fidelity": draw_tolerance(knobs),
+        "camera": camera,
+        "water": draw_water(&knobs),
+        "fidelity": draw_tolerance(&knobs),
     });
-    Case::new(knobs, job, Some(picture))
+    (Case::new(&knobs, job, Some(picture)), knobs)
 }
 
 /// An uploaded picture with a camera.
