@@ -94,6 +94,7 @@ impl Case {
         ] {
             words.extend(has(pointer).then(|| word.to_owned()));
         }
+        words.extend((!has("/water")).then(|| "air".to_owned()));
         let scatter = &self.job["water"]["optics"]["forward_scatter"];
         for field in ["model", "spread", "occlusion"] {
             words.extend(scatter[field].as_str().map(str::to_owned));

@@ -24,17 +24,17 @@ const PICTURES: Limits = Limits {
 /// In patches the reference takes one transform for each pixel.
 const PATCHES: Limits = Limits {
     sides_px: (12, 32),
-    pixels: 500,
+    pixels: 400,
 };
 /// As above for procedural scenes, times the pixels of a supersampled picture.
 const PROCEDURAL: Limits = Limits {
     sides_px: (20, 48),
-    pixels: 1300,
+    pixels: 1000,
 };
 /// Each frame of a sequence is rendered several times.
 const SEQUENCES: Limits = Limits {
     sides_px: (12, 32),
-    pixels: 500,
+    pixels: 400,
 };
 
 /// From 0.03 down to 3e-6.
@@ -134,8 +134,11 @@ fn has_patches(knobs: &Knobs) -> bool {
     knobs.chance("water.has_patches", 0.2)
 }
 
-/// Adds water, what is in it, and lamps.
+/// Adds water, what is in it, and lamps; a few frames stay in air.
 fn fill(knobs: &Knobs, job: &mut Value, range: &Plane<f32>) {
+    if !knobs.chance("water.is_there", 0.96) {
+        return;
+    }
     let camera = intrinsics(&job["camera"], range.size());
     let mut water = draw_water(knobs);
     if has_patches(knobs) {
