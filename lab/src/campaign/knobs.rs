@@ -7,73 +7,74 @@ use imaging::random::Stream;
 
 use super::Family;
 
-/// The number that picks the first of several, and for which a chance is taken.
+/// The number that picks the first choice and makes every chance true.
 pub(super) const FIRST: f64 = 0.0;
-/// The number that picks the last of several, and for which no chance is taken.
+/// The number that picks the last choice and makes every chance false.
 pub(super) const LAST: f64 = 1.0;
 
-/// What the random numbers of a frame follow from.
+/// Source of the random numbers of a frame. Two families share no numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Setting {
-    /// The family keeps the numbers of one seed apart.
+pub struct Origin {
     pub(super) family: Family,
     pub(super) seed: u64,
-    /// A description that contradicts itself is drawn again: how often.
+    /// Earlier draws of this seed whose descriptions contradict themselves.
     pub(super) attempt: u64,
-    /// Numbers that replace drawn ones.
+    /// Numbers that a search has set.
     pub(super) turned: BTreeMap<String, f64>,
 }
 
 /// The random numbers of one frame.
 #[derive(Debug)]
 pub(super) struct Knobs {
-    setting: Setting,
+    origin: Origin,
     used: RefCell<BTreeSet<String>>,
 }
 
 impl Knobs {
-    pub(super) fn new(setting: &Setting) -> Self {
+    pub(super) fn new(origin: &Origin) -> Self {
         Self {
-            setting: setting.clone(),
+            origin: origin.clone(),
             used: RefCell::default(),
         }
     }
 
-    /// Replaces numbers of these names, except those that are replaced already.
+    /// Sets numbers, unless a search has set them.
     pub(super) fn hold(&mut self, held: &[(&str, f64)]) {
         for &(name, value) in held {
-            self.setting.turned.entry(name.to_owned()).or_insert(value);
+            self.origin.turned.entry(name.to_owned()).or_insert(value);
         }
     }
 
-    /// Holds the number that picks one of `names` at one of some `choices`.
+    /// Sets the number that picks one of `names`, so that it picks one of `choices`.
     pub(super) fn hold_one(&mut self, held: &str, names: &[&str], choices: &[&str]) {
         let chosen = self.pick(&format!("{held}.choice"), choices);
         let place = names.iter().position(|name| name == chosen).unwrap_or(0);
         self.hold(&[(held, (place as f64 + 0.5) / names.len() as f64)]);
     }
 
-    /// The names of all numbers that were drawn.
+    /// Names of the numbers drawn until now.
     pub(super) fn names(&self) -> Vec<String> {
         self.used.borrow().iter().cloned().collect()
     }
 
     /// The seed of the frame.
     pub(super) fn seed(&self) -> u64 {
-        self.setting.seed
+        self.origin.seed
     }
 
     /// The stream of random numbers for a purpose.
     pub(super) fn stream(&self, purpose: &str) -> Stream {
-        let Setting { family, seed, .. } = self.setting;
+        let Origin { family, seed, .. } = self.origin;
         Stream::stage(seed, &format!("{}.{purpose}", family.name()))
     }
 
     /// From 0 to 1.
     pub(super) fn unit(&self, name: &str) -> f64 {
         self.used.borrow_mut().insert(name.to_owned());
-        let drawn = || self.stream(name).unit(self.setting.attempt, 0);
-        self.setting.turned.get(name).copied().unwrap_or_else(drawn)
+        match self.origin.turned.get(name) {
+            Some(&turned) => turned,
+            None => self.stream(name).unit(self.origin.attempt, 0),
+        }
     }
 
     /// Evenly between two numbers.

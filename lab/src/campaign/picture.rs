@@ -5,9 +5,9 @@ use imaging::{Plane, Rgb};
 use super::case::Picture;
 use super::knobs::Knobs;
 
-/// Distinct ranges of a frame: the reference takes one transform for each.
+/// Distinct ranges of a frame. The reference runs one transform for each.
 const LEVELS: f64 = 48.0;
-/// Course of the range over the picture.
+/// Patterns of range.
 pub(super) const COURSES: [&str; 12] = [
     "wall",
     "slope",
@@ -22,7 +22,7 @@ pub(super) const COURSES: [&str; 12] = [
     "needles",
     "stripes",
 ];
-/// Course of the light.
+/// Patterns of light.
 pub(super) const LIGHTS: [&str; 10] = [
     "even",
     "noise",
@@ -36,13 +36,14 @@ pub(super) const LIGHTS: [&str; 10] = [
     "dark side",
 ];
 
-/// So many of them, the first, are bright all over or light up half of the picture.
+/// Patterns at the start of [`LIGHTS`] with many bright pixels.
 pub(super) const BRIGHT: usize = 6;
-/// The numbers that choose how bright a picture is: from black to white, and white.
+/// The number that makes the brightest pixels of a picture dimmer than white.
 pub(super) const DIM: f64 = 0.2;
+/// The number that makes them white.
 pub(super) const WHITE: f64 = 0.6;
 
-/// Least and most side, and most pixels of a picture.
+/// Shortest and longest side and the largest area of a picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     pub(super) sides_px: (usize, usize),
@@ -72,12 +73,12 @@ pub(super) fn draw_picture(knobs: &Knobs, limits: Limits) -> Picture {
     );
     let tint = knobs.within_rgb("picture.tint", 0.5, 1.0);
     let radiance = Rgb::from_fn(width, height, |x, y| {
-        let even = ((x as f64 / block) as usize + (y as f64 / block) as usize).is_multiple_of(2);
+        let check = (x as f64 / block) as usize + (y as f64 / block) as usize;
         let noise = stream.unit(address(x, y), 0);
         let is_bright = match *course {
             "even" | "noise" | "ramp" => true,
             "salt and pepper" => noise > 0.5,
-            "checks" => even,
+            "checks" => check.is_multiple_of(2),
             "lamps" => noise > 0.985,
             "dark specks" => noise < 0.98,
             "point" => (x, y) == spot,
@@ -95,7 +96,7 @@ pub(super) fn draw_picture(knobs: &Knobs, limits: Limits) -> Picture {
     Picture { radiance, range }
 }
 
-/// Light of the brightest pixels: usually that of white, at times dimmer or brighter, seldom none.
+/// Light of the brightest pixels: black, dimmer than white, white or brighter.
 fn draw_peak(knobs: &Knobs) -> f64 {
     match knobs.unit("picture.kind") {
         kind if kind < 0.03 => 0.0,
