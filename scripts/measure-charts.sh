@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures again what docs/charts.md, docs/campaign, docs/stability-chain.md, docs/ladder and docs/speed.md show. About ten
+# Measures again what docs/charts.md, docs/campaign, docs/stability-chain.md, docs/ladder and docs/speed.md show. About fifteen
 # minutes on a quiet machine with four cores; times are of the machine it runs on.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 
 "$lab" bench render --out docs
 "$lab" chart --runs 9 --out "$work/charts"
-"$lab" campaign --scenes 10000 --out docs/campaign
+"$lab" campaign --out docs/campaign
 "$lab" stability --chain --out docs
 for water in jerlov-IB jerlov-1C jerlov-3C; do
     "$lab" ladder --water "$water" --out "docs/ladder/$water.png"

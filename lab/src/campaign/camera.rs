@@ -9,7 +9,7 @@ pub(super) fn draw_pinhole(knobs: &Knobs, (width, height): (usize, usize)) -> Va
     json!({"width": width, "height": height, "hfov_deg": knobs.log("camera.hfov", 5.0, 150.0)})
 }
 
-/// Adds parts of a real camera; movement comes on top.
+/// Adds the parts of a real camera except movement.
 pub(super) fn add_parts(knobs: &Knobs, camera: &mut Value) {
     if let Some(exposure) = draw_exposure(knobs) {
         camera["exposure"] = exposure;
@@ -37,7 +37,7 @@ pub(super) fn add_parts(knobs: &Knobs, camera: &mut Value) {
     }
 }
 
-/// Mostly a fixed factor or a metered one.
+/// A fixed factor from 0.01 to 1000, metering, or none.
 fn draw_exposure(knobs: &Knobs) -> Option<Value> {
     match knobs.unit("camera.exposure") {
         kind if kind < 0.15 => None,
@@ -46,7 +46,7 @@ fn draw_exposure(knobs: &Knobs) -> Option<Value> {
     }
 }
 
-/// Metering of any percentile, the ends at times.
+/// Metering of any percentile.
 pub(super) fn draw_metering(knobs: &Knobs) -> Value {
     let percentile = match knobs.unit("metering.kind") {
         kind if kind < 0.1 => 0.01,
@@ -59,7 +59,7 @@ pub(super) fn draw_metering(knobs: &Knobs) -> Value {
 fn draw_vignette(knobs: &Knobs) -> Value {
     let mut vignette = json!({"v": knobs.unit("vignette.v")});
     if knobs.chance("vignette.is_free", 0.6) {
-        // A third of the polynomials reach the limits of a description, where light grows towards the corners.
+        // A third reach the limits of the description, where light can increase towards the corners.
         let reach = if knobs.chance("vignette.is_limit", 0.33) {
             1.0
         } else {

@@ -10,10 +10,10 @@ use spec::{RangeFile, RangeKind};
 
 use super::knobs::Knobs;
 
-/// A frame to try.
+/// A frame of the campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// The job of one frame; its scene is one for uploads where there is a picture.
+    /// The job of this one frame. It names an uploaded scene if there is a picture.
     pub job: Value,
     /// The uploaded scene; `None` of a procedural one.
     pub picture: Option<Picture>,
@@ -29,7 +29,7 @@ pub struct Picture {
 }
 
 impl Case {
-    /// A case around a description without a scene.
+    /// Completes a description: its scene if there is a picture, and its seed.
     pub(super) fn new(knobs: &Knobs, mut job: Value, picture: Option<Picture>) -> Self {
         if picture.is_some() {
             job["scene"]["kind"] = json!("uploaded");
@@ -40,7 +40,7 @@ impl Case {
         Self { job, picture }
     }
 
-    /// The scene that the renderer takes beside the frame.
+    /// The scene data that the renderer needs in addition to the frame.
     pub(super) fn source(&self) -> SceneSource {
         let Some(picture) = &self.picture else {
             return SceneSource::Local;
@@ -60,7 +60,7 @@ impl Case {
         }))
     }
 
-    /// The files of a job that renders this frame without a service, the description first. `folder` is where they will be.
+    /// Names and contents of the files that reproduce this frame with `fathom render`, the job first, for this folder.
     #[must_use]
     pub fn files(&self, folder: &str, name: &str) -> Vec<(String, Vec<u8>)> {
         let mut job = self.job.clone();
@@ -81,10 +81,13 @@ impl Case {
         files
     }
 
-    /// What the frame has, in a line.
+    fn has(&self, pointer: &str) -> bool {
+        self.job.pointer(pointer).is_some_and(|value| !value.is_null())
+    }
+
+    /// The parts of the frame in one line.
     #[must_use]
     pub fn about(&self) -> String {
-        let has = |pointer: &str| self.job.pointer(pointer).is_some_and(|value| !value.is_null());
         let mut words: Vec<String> = Vec::new();
         for (pointer, word) in [
             ("/scene/family", "procedural"),
@@ -92,8 +95,9 @@ impl Case {
             ("/water/snow", "snow"),
             ("/water/from_above", "daylight"),
         ] {
-            words.extend(has(pointer).then(|| word.to_owned()));
+            words.extend(self.has(pointer).then(|| word.to_owned()));
         }
+        words.extend((!self.has("/water")).then(|| "air".to_owned()));
         let scatter = &self.job["water"]["optics"]["forward_scatter"];
         for field in ["model", "spread", "occlusion"] {
             words.extend(scatter[field].as_str().map(str::to_owned));

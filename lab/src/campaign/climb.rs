@@ -1,22 +1,23 @@
-//! Hill climbing: from the random frames that came closest to their bounds, a few numbers are turned at a time, and what comes
-//! closer is kept.
+//! Hill climbing from the frames that came closest to their bounds: each step changes a few numbers and is kept if its error is a
+//! larger share of the bound.
 
 use imaging::random::Stream;
 
+use super::knobs::Knobs;
 use super::{Outcome, Studio};
 
-/// Most numbers that are turned in one step.
+/// Most numbers changed in one step.
 const MOST_TURNS: f64 = 4.0;
-/// How far a number is turned in half of all cases; in the others it is drawn again.
+/// Half of the changes are at most this large; the others draw the number again.
 const NEAR: f64 = 0.1;
 
-/// A search that is still to run.
+/// A search and its first frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Climb {
     start: Outcome,
 }
 
-/// Searches from the frames with the largest share of their bounds, one kind of frames after the other.
+/// Searches from the frames whose errors are the largest shares of their bounds: the first of each kind, then the second.
 #[must_use]
 pub fn starts(outcomes: &[Outcome], count: usize) -> Vec<Climb> {
     let mut kinds: Vec<&'static str> = outcomes.iter().map(|outcome| outcome.origin.kind()).collect();
@@ -37,10 +38,10 @@ pub fn starts(outcomes: &[Outcome], count: usize) -> Vec<Climb> {
 }
 
 impl Climb {
-    /// Renders this many frames, each a step from the best so far: a function of the start.
+    /// Renders this many frames, each one step from the best until then. The result is a function of the start.
     #[must_use]
     pub fn run(&self, studio: &mut Studio, frames: usize) -> Vec<Outcome> {
-        let stream = Stream::stage(self.start.origin.setting.seed, "climb");
+        let stream = Stream::stage(self.start.origin.seed, "climb");
         let mut best = self.start.clone();
         let mut found = Vec::new();
         for step in 0..frames as u64 {
@@ -48,15 +49,12 @@ impl Climb {
             let mut origin = best.origin.clone();
             let turns = 1 + (MOST_TURNS * stream.unit(step, 0)) as u64;
             for turn in 0..turns {
-                let draw = |what: u64| stream.unit(step, 1 + 4 * turn + what);
-                let name = &names[(draw(0) * names.len() as f64) as usize];
-                let value = if draw(1) < 0.5 {
-                    let before = super::Knobs::new(&origin.setting).unit(name);
-                    (before + NEAR * (2.0 * draw(2) - 1.0)).clamp(0.0, 1.0)
-                } else {
-                    draw(2)
-                };
-                origin.setting.turned.insert(name.clone(), value);
+                let [name, kind, value] = [1, 2, 3].map(|draw| stream.unit(step, 4 * turn + draw));
+                let name = &names[(name * names.len() as f64) as usize];
+                let before = Knobs::new(&origin).unit(name);
+                let near = (before + NEAR * (2.0 * value - 1.0)).clamp(0.0, 1.0);
+                let value = if kind < 0.5 { near } else { value };
+                origin.turned.insert(name.clone(), value);
             }
             let Some(outcome) = origin.run(studio) else {
                 continue;

@@ -1,4 +1,4 @@
-//! Cost of the plan of water alone next to that of the cheapest plan that would have done.
+//! Cost of the plan of water alone, compared with the cheapest plan that keeps the tolerance.
 
 use optics::chain;
 use optics::forward_scatter::KernelCache;
@@ -9,13 +9,13 @@ use spec::{Fidelity, Frame};
 use super::case::Picture;
 use crate::chart::time_once;
 
-/// Runs of a frame of which the fastest counts.
+/// Runs of a frame; the fastest counts.
 const RUNS: usize = 5;
 
-/// What the water of one frame costs.
+/// Cost of the water of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// Kernels of the plan for each channel; 0 where nothing is transformed.
+    /// Kernels of the plan for each channel; 0 without a transform.
     pub terms: [usize; 3],
     /// The fewest kernels that stay within the tolerance.
     pub fewest: [usize; 3],
@@ -26,12 +26,11 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Cost of the plan in units of the cheapest sufficient one, channel by channel. A channel costs a transform for each kernel,
-    /// one more to come back, and about half as much as one for everything else: the chart of cost against kernels shows it.
+    /// Cost of the plan over that of the cheapest sufficient one for each channel, in transforms: one for each kernel, the inverse, and
+    /// about half of one for all else, as measured by the chart of cost against kernels.
     #[must_use]
     pub fn excess(&self) -> [f64; 3] {
-        let cost = |terms: usize| if terms == 0 { 0.5 } else { terms as f64 + 1.5 };
-        [0, 1, 2].map(|channel| cost(self.terms[channel]) / cost(self.fewest[channel]))
+        [0, 1, 2].map(|channel| transforms(self.terms[channel]) / transforms(self.fewest[channel]))
     }
 
     /// The same of the whole frame by the clock.
@@ -41,13 +40,12 @@ impl Cost {
     }
 }
 
-/// Water that a picture is seen through.
+/// A picture in water, and its reference.
 struct Trial<'a> {
     picture: &'a Picture,
     water: Water,
     bounds: SceneBounds,
     tolerance: f64,
-    /// Light that f64 gives.
     exact: imaging::Rgb<f64>,
     cache: KernelCache,
 }
@@ -96,7 +94,7 @@ impl Trial<'_> {
         chain::water(radiance, range, &self.water, plan, &mut self.cache).ok()
     }
 
-    /// The channels whose error stays within the tolerance.
+    /// Whether the error of each channel is within the tolerance.
     fn sufficient(&mut self, plan: &Plan) -> [bool; 3] {
         let Some(layers) = self.render(plan) else {
             return [false; 3];
@@ -108,8 +106,7 @@ impl Trial<'_> {
         })
     }
 
-    /// Of each channel the variant of the fewest kernels whose error stays within the tolerance; that of the plan if no cheaper one
-    /// does.
+    /// The plan with the fewest kernels in each channel whose errors are within the tolerance.
     fn cheapest(&mut self, plan: &Plan) -> Plan {
         let most = kernels(plan).into_iter().max().unwrap_or(0);
         let mut variants: Vec<[Variant; 3]> = Vec::new();
@@ -148,6 +145,11 @@ const SCATTER: [StageId; 3] = [
     StageId::ForwardScatter(1),
     StageId::ForwardScatter(2),
 ];
+
+/// Cost in transforms of a channel with this many kernels.
+fn transforms(kernels: usize) -> f64 {
+    if kernels == 0 { 0.5 } else { kernels as f64 + 1.5 }
+}
 
 /// Kernels of each channel.
 fn kernels(plan: &Plan) -> [usize; 3] {

@@ -1,9 +1,9 @@
-//! Frames that are made against one bound each: uploaded pictures with the numbers held where that bound is weakest, and frames
-//! against the interpolation of forward scatter.
+//! Adversaries of single bounds. Most are uploaded pictures with some numbers set where a bound is weakest; one family attacks the
+//! interpolation of forward scatter.
 
 #[expect(
     dead_code,
-    reason = "the tests of the optics crate take its water; here a description stands for it"
+    reason = "`Frame::water` is only read by the tests of the optics crate"
 )]
 #[path = "../../../workers/optics/tests/adversary/frames.rs"]
 mod frames;
@@ -13,34 +13,17 @@ use spec::ScatterModel;
 
 use super::camera::draw_metering;
 use super::case::{Case, Picture};
-use super::knobs::Knobs;
-use super::picture::{COURSES, LIGHTS};
+use super::knobs::{FIRST, Knobs, LAST};
+use super::picture::{COURSES, DIM, LIGHTS, WHITE};
 use super::random::{draw_tolerance, draw_uploaded};
 use frames::{Attack, Frame};
 
-/// Numbers that choose the first and the last of several, or true and false.
-const FIRST: f64 = 0.0;
-const LAST: f64 = 1.0;
-/// Kinds of exposure, as [`super::camera`] chooses them.
+/// The number that makes an exposure fixed.
 const FIXED: f64 = 0.3;
+/// The number that makes it metered.
 const METERED: f64 = 0.9;
-/// Kinds of light, as [`super::picture`] chooses them.
-const DIM: f64 = 0.2;
-const WHITE: f64 = 0.6;
 
-/// The number that picks a name of a list.
-fn number_of(names: &[&str], name: &str) -> f64 {
-    let place = names.iter().position(|other| *other == name).unwrap_or(0);
-    (place as f64 + 0.5) / names.len() as f64
-}
-
-/// One of several lights or courses.
-fn hold_one(knobs: &mut Knobs, held: &str, names: &[&str], choices: &[&str]) {
-    let name = *knobs.pick(&format!("directed.{held}"), choices);
-    knobs.hold(&[(held, number_of(names, name))]);
-}
-
-/// Metering of dark pictures at a percentile between two values of their light.
+/// A dark picture, metered at a percentile between two values of its light.
 pub(super) fn draw_metered(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("camera.is_real", FIRST),
@@ -48,46 +31,42 @@ pub(super) fn draw_metered(mut knobs: Knobs) -> (Case, Knobs) {
         ("camera.has_defocus", LAST),
         ("picture.kind", DIM),
     ]);
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "picture.light",
         &LIGHTS,
         &["dark side", "signs", "checks", "lamps", "ramp"],
     );
     let mut case = draw_uploaded(&knobs);
     if let Some(picture) = &case.picture {
-        let near = knobs.whole("directed.position", 0, 4) as f64 - 2.0;
-        case.job["camera"]["exposure"]["auto"]["percentile"] = json!(widest_gap(picture, near));
+        let away = knobs.whole("directed.position", 0, 4) as f64 - 2.0;
+        case.job["camera"]["exposure"]["auto"]["percentile"] = json!(widest_gap(picture, away));
     }
     (case, knobs)
 }
 
-/// The percentile at the largest step between the sorted values of a picture, some positions away from it.
+/// The percentile of the largest step between sorted values of a picture, moved by some positions.
 fn widest_gap(picture: &Picture, away: f64) -> f64 {
     let mut values: Vec<f32> = picture.radiance.planes()[1].data().to_vec();
     values.sort_by(f32::total_cmp);
-    let step = |at: &usize| values[*at] - values[at - 1];
-    let widest = (1..values.len())
-        .max_by(|a, b| step(a).total_cmp(&step(b)))
-        .unwrap_or(0);
-    ((widest as f64 + away) / values.len() as f64).clamp(0.0, 1.0)
+    let steps = values.windows(2).map(|pair| pair[1] - pair[0]).enumerate();
+    let widest = steps.max_by(|a, b| a.1.total_cmp(&b.1));
+    let position = widest.map_or(0, |(below, _)| below + 1);
+    ((position as f64 + away) / values.len() as f64).clamp(0.0, 1.0)
 }
 
-/// One bright pixel, or light and range that alternate from pixel to pixel, much exposed.
+/// One bright pixel, or light and range that alternate from pixel to pixel.
 pub(super) fn draw_points(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("camera.is_real", FIRST),
         ("camera.has_defocus", LAST),
         ("picture.kind", WHITE),
     ]);
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "picture.light",
         &LIGHTS,
         &["point", "signs", "dark specks", "salt and pepper"],
     );
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "range.course",
         &COURSES,
         &["stripes", "needles", "noise", "step", "far specks"],
@@ -101,21 +80,19 @@ pub(super) fn draw_points(mut knobs: Knobs) -> (Case, Knobs) {
     (draw_uploaded(&knobs), knobs)
 }
 
-/// Circles of confusion that jump from pixel to pixel, in light that does.
+/// Circles of confusion and light that change from pixel to pixel.
 pub(super) fn draw_defocused(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("camera.is_real", FIRST),
         ("camera.has_defocus", FIRST),
         ("picture.kind", WHITE),
     ]);
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "picture.light",
         &LIGHTS,
         &["point", "signs", "lamps", "checks", "dark side"],
     );
-    hold_one(
-        &mut knobs,
+    knobs.hold_one(
         "range.course",
         &COURSES,
         &["stripes", "needles", "noise", "step", "slope", "wall"],
@@ -123,7 +100,7 @@ pub(super) fn draw_defocused(mut knobs: Knobs) -> (Case, Knobs) {
     (draw_uploaded(&knobs), knobs)
 }
 
-/// Lamps next to surfaces, exposed or metered for the dark side.
+/// Lamps next to surfaces, with metering of low percentiles.
 pub(super) fn draw_lit(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("camera.is_real", FIRST),
@@ -159,16 +136,11 @@ pub(super) fn draw_lens(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[("camera.has_distortion", if has_distortion { FIRST } else { LAST })]);
     let has_port = knobs.chance("directed.has_port", 0.6);
     knobs.hold(&[("camera.has_port", if has_port { FIRST } else { LAST })]);
-    hold_one(
-        &mut knobs,
-        "picture.light",
-        &LIGHTS,
-        &["point", "signs", "salt and pepper"],
-    );
+    knobs.hold_one("picture.light", &LIGHTS, &["point", "signs", "salt and pepper"]);
     (draw_uploaded(&knobs), knobs)
 }
 
-/// A frame against the interpolation of forward scatter, exposed so that its brightest light stays below white.
+/// A frame against the interpolation of forward scatter. Its brightest light is below white after exposure.
 pub(super) fn draw_scattered(knobs: Knobs) -> (Case, Knobs) {
     let attack = draw_attack(&knobs);
     let level = knobs.log("directed.level", 0.2, 1.0);
@@ -177,7 +149,7 @@ pub(super) fn draw_scattered(knobs: Knobs) -> (Case, Knobs) {
     let mut job = json!({
         "camera": {"width": width, "height": height, "hfov_deg": 20.0, "exposure": {"fixed": gain}},
         "water": {"optics": attacked_optics(attack.model)},
-        // The frame attacks a plan of white light; it is as bright as the exposure leaves it room.
+        // The attack is against the plan of white light at `attack.tolerance`; this frame is `level` times white.
         "fidelity": {"tolerance": (attack.tolerance * level).clamp(1e-7, 1.0)},
     });
     if knobs.chance("directed.is_metered", 0.25) {

@@ -5,63 +5,76 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use imaging::random::Stream;
 
-/// What the random numbers of a frame follow from.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Setting {
+use super::Family;
+
+/// The number that picks the first choice and makes every chance true.
+pub(super) const FIRST: f64 = 0.0;
+/// The number that picks the last choice and makes every chance false.
+pub(super) const LAST: f64 = 1.0;
+
+/// Source of the random numbers of a frame. Two families share no numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Origin {
+    pub(super) family: Family,
     pub(super) seed: u64,
-    /// A description that contradicts itself is drawn again: how often.
+    /// Earlier draws of this seed whose descriptions contradict themselves.
     pub(super) attempt: u64,
-    /// Numbers that replace drawn ones.
+    /// Numbers that a search has set.
     pub(super) turned: BTreeMap<String, f64>,
 }
 
 /// The random numbers of one frame.
 #[derive(Debug)]
 pub(super) struct Knobs {
-    setting: Setting,
+    origin: Origin,
     used: RefCell<BTreeSet<String>>,
 }
 
 impl Knobs {
-    pub(super) fn new(setting: &Setting) -> Self {
+    pub(super) fn new(origin: &Origin) -> Self {
         Self {
-            setting: setting.clone(),
+            origin: origin.clone(),
             used: RefCell::default(),
         }
     }
 
-    /// Replaces numbers of these names, except those that are replaced already.
+    /// Sets numbers, unless a search has set them.
     pub(super) fn hold(&mut self, held: &[(&str, f64)]) {
         for &(name, value) in held {
-            self.setting.turned.entry(name.to_owned()).or_insert(value);
+            self.origin.turned.entry(name.to_owned()).or_insert(value);
         }
     }
 
-    /// The names of all numbers that were drawn.
+    /// Sets the number that picks one of `names`, so that it picks one of `choices`.
+    pub(super) fn hold_one(&mut self, held: &str, names: &[&str], choices: &[&str]) {
+        let chosen = self.pick(&format!("{held}.choice"), choices);
+        let place = names.iter().position(|name| name == chosen).unwrap_or(0);
+        self.hold(&[(held, (place as f64 + 0.5) / names.len() as f64)]);
+    }
+
+    /// Names of the numbers drawn until now.
     pub(super) fn names(&self) -> Vec<String> {
         self.used.borrow().iter().cloned().collect()
     }
 
     /// The seed of the frame.
     pub(super) fn seed(&self) -> u64 {
-        self.setting.seed
+        self.origin.seed
     }
 
-    /// Numbers by pixel, apart from those with names.
-    pub(super) fn noise(&self, purpose: &str) -> Stream {
-        Stream::stage(self.setting.seed, purpose)
+    /// The stream of random numbers for a purpose.
+    pub(super) fn stream(&self, purpose: &str) -> Stream {
+        let Origin { family, seed, .. } = self.origin;
+        Stream::stage(seed, &format!("{}.{purpose}", family.name()))
     }
 
     /// From 0 to 1.
     pub(super) fn unit(&self, name: &str) -> f64 {
         self.used.borrow_mut().insert(name.to_owned());
-        let Setting {
-            seed,
-            attempt,
-            turned,
-        } = &self.setting;
-        let drawn = || Stream::stage(*seed, name).unit(*attempt, 0);
-        turned.get(name).copied().unwrap_or_else(drawn)
+        match self.origin.turned.get(name) {
+            Some(&turned) => turned,
+            None => self.stream(name).unit(self.origin.attempt, 0),
+        }
     }
 
     /// Evenly between two numbers.

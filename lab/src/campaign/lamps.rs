@@ -1,5 +1,5 @@
-//! Random lamps. They are where light and its rounding are worst: from a millimeter to some meters off a surface, their cone just
-//! past it.
+//! Random lamps at positions where light and its rounding are worst: from 1 mm to 100 m off a surface, with the edge of the cone on
+//! it.
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
@@ -10,7 +10,7 @@ use super::knobs::Knobs;
 /// Most lamps that a description may have.
 const MOST_LAMPS: usize = 64;
 
-/// Surfaces that lamps stand before.
+/// The visible surfaces of a scene.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surfaces<'a> {
     pub(super) range: &'a Plane<f32>,
@@ -18,7 +18,7 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl Surfaces<'_> {
-    /// Where a pixel of the picture meets a surface, in camera axes; 1 m away in holes.
+    /// The surface point of a pixel, in camera axes; 1 m away in holes.
     fn point(&self, x: usize, y: usize) -> [f64; 3] {
         let seen_m = f64::from(self.range.pixel(x, y));
         let range_m = if seen_m.is_finite() && seen_m > 0.0 {
@@ -32,7 +32,7 @@ impl Surfaces<'_> {
     }
 }
 
-/// From one lamp to as many as there may be.
+/// Draws 1 to 4 lamps, or 64.
 pub(super) fn draw_lamps(knobs: &Knobs, surfaces: Surfaces<'_>) -> Vec<Value> {
     let count = if knobs.chance("lamps.are_many", 0.08) {
         MOST_LAMPS
@@ -44,35 +44,34 @@ pub(super) fn draw_lamps(knobs: &Knobs, surfaces: Surfaces<'_>) -> Vec<Value> {
         .collect()
 }
 
-/// A lamp near the surface that a random pixel shows.
+/// Draws a lamp near the surface point of a random pixel.
 fn draw_lamp(knobs: &Knobs, name: &str, surfaces: Surfaces<'_>) -> Value {
-    let name = |part: &str| format!("{name}.{part}");
     let (width, height) = surfaces.range.size();
     let (x, y) = (
-        knobs.whole(&name("x"), 0, width - 1),
-        knobs.whole(&name("y"), 0, height - 1),
+        knobs.whole(&format!("{name}.x"), 0, width - 1),
+        knobs.whole(&format!("{name}.y"), 0, height - 1),
     );
     let surface = surfaces.point(x, y);
-    // Two of three are within 5 cm.
-    let away_m = match knobs.chance(&name("is_near"), 0.65) {
-        true => knobs.log(&name("away"), 1e-3, 0.05),
-        false => knobs.log(&name("away"), 0.05, 100.0),
+    // Two of three lamps are within 5 cm.
+    let away_m = match knobs.chance(&format!("{name}.is_near"), 0.65) {
+        true => knobs.log(&format!("{name}.away"), 1e-3, 0.05),
+        false => knobs.log(&format!("{name}.away"), 0.05, 100.0),
     };
-    let offset = knobs.within_rgb(&name("offset"), -1.0, 1.0);
+    let offset = knobs.within_rgb(&format!("{name}.offset"), -1.0, 1.0);
     let position_m = [0, 1, 2].map(|axis| (surface[axis] + offset[axis] * away_m).clamp(-999.0, 999.0));
-    // Most surfaces are then about as bright as white, some far from it.
-    let level = match knobs.chance(&name("is_wild"), 0.2) {
-        true => knobs.log(&name("level"), 1e-4, 1e4),
-        false => knobs.log(&name("level"), 1e-2, 10.0),
+    // Most of these make the surface about as bright as white.
+    let level = match knobs.chance(&format!("{name}.is_wild"), 0.2) {
+        true => knobs.log(&format!("{name}.level"), 1e-4, 1e4),
+        false => knobs.log(&format!("{name}.level"), 1e-2, 10.0),
     };
     let intensity = knobs
-        .within_rgb(&name("tint"), 0.2, 1.0)
+        .within_rgb(&format!("{name}.tint"), 0.2, 1.0)
         .map(|tint| (tint * level * away_m * away_m).min(1e6));
     let mut lamp = json!({"kind": "point", "position_m": position_m, "intensity": intensity});
-    if knobs.chance(&name("is_spot"), 0.5) {
-        let cone_deg = knobs.log(&name("cone"), 0.5, 90.0);
-        // Turned from the surface by about the angle of the cone.
-        let (sin, cos) = (cone_deg.to_radians() * knobs.within(&name("turn"), 0.8, 1.2)).sin_cos();
+    if knobs.chance(&format!("{name}.is_spot"), 0.5) {
+        let cone_deg = knobs.log(&format!("{name}.cone"), 0.5, 90.0);
+        // The axis misses the surface point by about the angle of the cone.
+        let (sin, cos) = (cone_deg.to_radians() * knobs.within(&format!("{name}.turn"), 0.8, 1.2)).sin_cos();
         let [dx, dy, dz] = [0, 1, 2].map(|axis| surface[axis] - position_m[axis]);
         let direction = [dx * cos - dz * sin, dy, dx * sin + dz * cos];
         let longest = direction.into_iter().map(f64::abs).fold(1e-9, f64::max);

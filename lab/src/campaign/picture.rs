@@ -5,9 +5,9 @@ use imaging::{Plane, Rgb};
 use super::case::Picture;
 use super::knobs::Knobs;
 
-/// Distinct ranges of a frame: the reference takes one transform for each.
+/// Distinct ranges of a frame. The reference runs one transform for each.
 const LEVELS: f64 = 48.0;
-/// Course of the range over the picture.
+/// Patterns of range.
 pub(super) const COURSES: [&str; 12] = [
     "wall",
     "slope",
@@ -22,7 +22,7 @@ pub(super) const COURSES: [&str; 12] = [
     "needles",
     "stripes",
 ];
-/// Course of the light.
+/// Patterns of light.
 pub(super) const LIGHTS: [&str; 10] = [
     "even",
     "noise",
@@ -36,7 +36,14 @@ pub(super) const LIGHTS: [&str; 10] = [
     "dark side",
 ];
 
-/// Least and most side, and most pixels of a picture.
+/// Patterns at the start of [`LIGHTS`] with many bright pixels.
+pub(super) const BRIGHT: usize = 6;
+/// The number that makes the brightest pixels of a picture dimmer than white.
+pub(super) const DIM: f64 = 0.2;
+/// The number that makes them white.
+pub(super) const WHITE: f64 = 0.6;
+
+/// Shortest and longest side and the largest area of a picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     pub(super) sides_px: (usize, usize),
@@ -59,19 +66,19 @@ pub(super) fn draw_picture(knobs: &Knobs, limits: Limits) -> Picture {
     let course = knobs.pick("picture.light", &LIGHTS);
     let peak = draw_peak(knobs);
     let dim = peak * knobs.log("picture.dim", 1e-4, 0.2);
-    let stream = knobs.noise("light");
+    let stream = knobs.stream("picture.noise");
     let spot = (
         knobs.whole("picture.x", 0, width - 1),
         knobs.whole("picture.y", 0, height - 1),
     );
     let tint = knobs.within_rgb("picture.tint", 0.5, 1.0);
     let radiance = Rgb::from_fn(width, height, |x, y| {
-        let even = ((x as f64 / block) as usize + (y as f64 / block) as usize).is_multiple_of(2);
+        let check = (x as f64 / block) as usize + (y as f64 / block) as usize;
         let noise = stream.unit(address(x, y), 0);
         let is_bright = match *course {
             "even" | "noise" | "ramp" => true,
             "salt and pepper" => noise > 0.5,
-            "checks" => even,
+            "checks" => check.is_multiple_of(2),
             "lamps" => noise > 0.985,
             "dark specks" => noise < 0.98,
             "point" => (x, y) == spot,
@@ -89,7 +96,7 @@ pub(super) fn draw_picture(knobs: &Knobs, limits: Limits) -> Picture {
     Picture { radiance, range }
 }
 
-/// Light of the brightest pixels: usually that of white, at times dimmer or brighter, seldom none.
+/// Light of the brightest pixels: black, dimmer than white, white or brighter.
 fn draw_peak(knobs: &Knobs) -> f64 {
     match knobs.unit("picture.kind") {
         kind if kind < 0.03 => 0.0,
@@ -110,7 +117,7 @@ fn draw_range(knobs: &Knobs, (width, height): (usize, usize), block: f64) -> Pla
     } else {
         0.0
     };
-    let stream = knobs.noise("range");
+    let stream = knobs.stream("range.noise");
     Plane::from_fn(width, height, |x, y| {
         if stream.unit(address(x, y), 1) < holes {
             return [f32::NAN, 0.0, -1.0, f32::INFINITY][(x + y) % 4];

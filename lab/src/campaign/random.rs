@@ -6,49 +6,63 @@ use serde_json::{Value, json};
 
 use super::camera::{add_parts, add_path, add_shift, draw_pinhole};
 use super::case::Case;
-use super::knobs::Knobs;
+use super::knobs::{Knobs, LAST};
 use super::lamps::{Surfaces, draw_lamps};
-use super::picture::{Limits, draw_picture, draw_sides};
+use super::picture::{BRIGHT, LIGHTS, Limits, WHITE, draw_picture, draw_sides};
 use super::water::{draw_daylight, draw_patches, draw_snow, draw_water};
 
-/// Of water alone every size is tried.
+/// Water alone, in all sizes.
 const WATER: Limits = Limits {
     sides_px: (1, 64),
     pixels: 4096,
 };
-/// Uploaded pictures, of which the reference takes one transform for each range.
+/// Uploaded pictures. The reference runs one transform for each distinct range.
 const PICTURES: Limits = Limits {
     sides_px: (20, 64),
     pixels: 2500,
 };
-/// In patches the reference takes one transform for each pixel.
+/// Frames with patches. The reference runs one transform for each pixel.
 const PATCHES: Limits = Limits {
     sides_px: (12, 32),
-    pixels: 500,
+    pixels: 400,
 };
-/// As above for procedural scenes, times the pixels of a supersampled picture.
+/// Procedural scenes, before supersampling. Their ranges are all distinct.
 const PROCEDURAL: Limits = Limits {
     sides_px: (20, 48),
-    pixels: 1300,
+    pixels: 1000,
 };
-/// Each frame of a sequence is rendered several times.
+/// Frames on a path, which are rendered several times.
 const SEQUENCES: Limits = Limits {
     sides_px: (12, 32),
-    pixels: 500,
+    pixels: 400,
 };
 
-/// From 0.03 down to 3e-6.
+/// A tolerance from 3e-6 to 3e-2.
 pub(super) fn draw_tolerance(knobs: &Knobs) -> Value {
     json!({"tolerance": knobs.log("tolerance", 3e-6, 3e-2)})
 }
 
-/// Water alone, for which the cheapest sufficient plan is known as well.
-pub(super) fn draw_water_alone(knobs: &Knobs) -> Case {
-    let picture = draw_picture(knobs, WATER);
+/// A bright picture in water alone, with one kernel for each path: the frames whose cheapest sufficient plan is searched.
+pub(super) fn draw_water_alone(mut knobs: Knobs) -> (Case, Knobs) {
+    knobs.hold(&[
+        ("picture.kind", WHITE),
+        ("scatter.is_gated", LAST),
+        ("scatter.is_double", LAST),
+        ("water.is_veil_free", LAST),
+        ("water.is_deep", LAST),
+    ]);
+    knobs.hold_one("picture.light", &LIGHTS, &LIGHTS[..BRIGHT]);
+    let picture = draw_picture(&knobs, WATER);
+    let mut camera = draw_pinhole(&knobs, picture.range.size());
+    // Focal lengths of full-size pictures make the kernels as wide as there.
+    let half = picture.range.width() as f64 / 2.0 / knobs.log("camera.focal", 60.0, 900.0);
+    camera["hfov_deg"] = json!((2.0 * half.atan().to_degrees()).max(1.0));
     let job = json!({
-        "camera": draw_pinhole(knobs, picture.range.size()), "water": draw_water(knobs), "fidelity": draw_tolerance(knobs),
+        "camera": camera,
+        "water": draw_water(&knobs),
+        "fidelity": draw_tolerance(&knobs),
     });
-    Case::new(knobs, job, Some(picture))
+    (Case::new(&knobs, job, Some(picture)), knobs)
 }
 
 /// An uploaded picture with a camera.
@@ -101,7 +115,7 @@ pub(super) fn draw_sequence(knobs: &Knobs) -> Case {
     Case::new(knobs, job, None)
 }
 
-/// A procedural scene before a pinhole, and the ranges that it sees.
+/// A procedural scene with a pinhole camera, and its ranges.
 fn draw_place(knobs: &Knobs, limits: Limits) -> (Value, Plane<f32>) {
     let size = draw_sides(knobs, limits);
     let family = knobs.pick("scene.family", scenes::FAMILIES);
@@ -120,8 +134,11 @@ fn has_patches(knobs: &Knobs) -> bool {
     knobs.chance("water.has_patches", 0.2)
 }
 
-/// Adds water, what is in it, and lamps.
+/// Adds water, its contents and lamps, except to a few frames in air.
 fn fill(knobs: &Knobs, job: &mut Value, range: &Plane<f32>) {
+    if !knobs.chance("water.is_there", 0.96) {
+        return;
+    }
     let camera = intrinsics(&job["camera"], range.size());
     let mut water = draw_water(knobs);
     if has_patches(knobs) {
@@ -151,7 +168,7 @@ fn fill(knobs: &Knobs, job: &mut Value, range: &Plane<f32>) {
 }
 
 /// The pinhole of a description.
-pub(super) fn intrinsics(camera: &Value, (width, height): (usize, usize)) -> Intrinsics {
+fn intrinsics(camera: &Value, (width, height): (usize, usize)) -> Intrinsics {
     let half_deg = camera["hfov_deg"].as_f64().unwrap_or(80.0) / 2.0;
     Intrinsics::centered(width as f64 / 2.0 / half_deg.to_radians().tan(), width, height)
 }

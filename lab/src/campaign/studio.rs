@@ -1,4 +1,4 @@
-//! Renders frames of the campaign as those of any job, and holds them against their reference and the promise of their plan.
+//! Renders frames of the campaign and compares them with their references and the promises of their plans.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use style::Library;
 
 use super::case::Case;
 
-/// Linear light of white, the most that a sensor or a code holds.
+/// Linear light of white, the largest in an exposed picture.
 const WHITE: f64 = 1.0;
 
 /// Renders frames of the campaign.
@@ -19,31 +19,31 @@ pub struct Studio {
     vocabulary: Vocabulary,
 }
 
-/// What a plan promises of a frame.
+/// Promise of a plan for its frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Promise {
     /// The largest error of the linear light after exposure.
     pub bound: f64,
-    /// Whether the plan gives a reason why that is above the tolerance.
+    /// Whether the plan has a reason for a bound above the tolerance.
     pub exceeds: bool,
-    /// Whether a stage runs without a bound, so that nothing is promised.
+    /// Whether a stage runs without a bound. The promise then is void.
     pub is_open: bool,
 }
 
-/// A frame against its reference.
+/// Comparison of a frame with its reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// What the plan promised.
+    /// Promise of the plan.
     pub promise: Promise,
     /// The largest error of the linear light after exposure.
     pub error: f64,
     /// Column, row and channel of that error.
     pub place: [usize; 3],
-    /// Largest difference of 8-bit codes where the plan was made for `display`; `None` where that plan exceeds its tolerance.
+    /// Largest difference of 8-bit codes with the fidelity `display`; `None` if that plan exceeds its tolerance.
     pub display_codes: Option<u8>,
 }
 
-/// The promise of a plan; `None` where the frame asks for no tolerance.
+/// The promise of a plan; `None` without a tolerance.
 fn promise(plan: &Plan) -> Option<Promise> {
     let promise = plan.promise()?;
     Some(Promise {
@@ -67,13 +67,13 @@ impl Studio {
         }
     }
 
-    /// The frame of a case; `None` where its description contradicts itself.
+    /// The frame of a case; `None` if the description is invalid.
     pub(super) fn resolve(&self, case: &Case) -> Option<Frame> {
         let job = Job::parse(case.job.to_string().as_bytes(), &self.vocabulary).ok()?;
         job.resolve(0).ok()
     }
 
-    /// Renders a frame and its reference; `None` where it cannot be rendered.
+    /// Renders a frame and its reference; `None` if one of them fails.
     pub(super) fn measure(&mut self, frame: &Frame, case: &Case) -> Option<Measured> {
         let source = case.source();
         let exact = self.light(frame, Fidelity::REFERENCE, &source)?.radiance;
@@ -127,17 +127,19 @@ fn largest_error(fast: &Rgb<f32>, exact: &Rgb<f32>) -> (f64, [usize; 3]) {
 
 /// The largest difference of 8-bit codes.
 fn code_difference(fast: &Rgb<f32>, exact: &Rgb<f32>, tone: Option<Tone>) -> u8 {
-    let codes = |light: &Rgb<f32>| -> Vec<u8> {
-        let exponent = match tone {
-            None | Some(Tone::Srgb) => return transfer::encode_rgb8(light).0.data().to_vec(),
-            Some(Tone::Linear) => 1.0,
-            Some(Tone::Gamma(gamma)) => 1.0 / gamma,
-        };
-        let samples = light.planes().iter().flat_map(|plane| plane.data());
-        samples
-            .map(|&v| (255.0 * f64::from(v).clamp(0.0, WHITE).powf(exponent) + 0.5) as u8)
-            .collect()
-    };
-    let pairs = codes(fast).into_iter().zip(codes(exact));
+    let pairs = codes(fast, tone).into_iter().zip(codes(exact, tone));
     pairs.map(|(fast, exact)| fast.abs_diff(exact)).max().unwrap_or(0)
+}
+
+/// 8-bit codes of a picture without noise and white balance.
+fn codes(light: &Rgb<f32>, tone: Option<Tone>) -> Vec<u8> {
+    let exponent = match tone {
+        None | Some(Tone::Srgb) => return transfer::encode_rgb8(light).0.data().to_vec(),
+        Some(Tone::Linear) => 1.0,
+        Some(Tone::Gamma(gamma)) => 1.0 / gamma,
+    };
+    let samples = light.planes().iter().flat_map(|plane| plane.data());
+    samples
+        .map(|&v| (255.0 * f64::from(v).clamp(0.0, WHITE).powf(exponent) + 0.5) as u8)
+        .collect()
 }

@@ -8,10 +8,10 @@ use spec::Snow;
 
 use super::knobs::Knobs;
 
-/// Most particles in view, for the time that the reference takes.
+/// Most particles in view. The reference is slow with more.
 const MOST_PARTICLES: f64 = 3000.0;
 
-/// The optics of a water, and how far it reaches. Patches, snow and daylight come on top.
+/// Optics, scale, holes and depth of a water.
 pub(super) fn draw_water(knobs: &Knobs) -> Value {
     let is_free = knobs.chance("water.is_free", 0.4);
     let mut optics = json!({"forward_scatter": draw_scatter(knobs)});
@@ -68,7 +68,7 @@ pub(super) fn draw_patches(knobs: &Knobs) -> Value {
     })
 }
 
-/// Snow from a few particles to as many as are allowed.
+/// Snow from a few particles to the most that a description or the reference can have.
 pub(super) fn draw_snow(knobs: &Knobs, camera: &Intrinsics, size: (usize, usize)) -> Value {
     let near_m = knobs.log("snow.near", 0.05, 2.0);
     let mut law = Snow {
@@ -93,7 +93,7 @@ pub(super) fn draw_snow(knobs: &Knobs, camera: &Intrinsics, size: (usize, usize)
     snow
 }
 
-/// Daylight by depth or slope of the surface; the sun casts no shadows.
+/// Daylight by the depth or slope of surfaces, without shadows.
 pub(super) fn draw_daylight(knobs: &Knobs, is_albedo: bool) -> Value {
     let mut above = json!({"veil": knobs.pick("above.veil", &["constant", "field", "physical"])});
     if knobs.chance("above.is_absolute", 0.5) {

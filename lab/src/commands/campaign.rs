@@ -15,13 +15,13 @@ use crate::{drawing, machine};
 /// Options of `fathom-lab campaign`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Random frames to try
+    /// Random frames
     #[arg(long, default_value_t = 2000, value_parser = clap::value_parser!(u64).range(0..=10_000_000))]
     frames: u64,
-    /// Frames to try that are made against one bound each
+    /// Directed frames, each against one bound
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u64).range(0..=10_000_000))]
     directed: u64,
-    /// Searches from the random frames that came closest to their bounds
+    /// Searches from the frames that came closest to their bounds
     #[arg(long, default_value_t = 20)]
     climbs: usize,
     /// Frames of each search
@@ -40,15 +40,11 @@ pub(crate) struct Arguments {
 
 /// Runs the command: fails if an error exceeds its bound.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let family = match &arguments.family {
-        Some(name) => Some(Family::parse(name).ok_or_else(|| {
-            Failure::BadInput(format!("`--family` is `{name}`, which is none; see --help"))
-        })?),
-        None => None,
-    };
+    let family = arguments.family.as_deref().map(parse_family).transpose()?;
     let origins = Origin::list(arguments.seed, arguments.frames, arguments.directed, family);
-    let run = |origin: &Origin, studio: &mut Studio| origin.run(studio).into_iter().collect();
-    let mut outcomes = run_all("frames", &origins, run);
+    let mut outcomes = run_all("frames", &origins, |origin, studio| {
+        origin.run(studio).into_iter().collect()
+    });
     let unrendered = origins.len() - outcomes.len();
     let climbs = starts(&outcomes, arguments.climbs);
     outcomes.extend(run_all("searches", &climbs, |climb, studio| {
@@ -78,6 +74,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+fn parse_family(name: &str) -> Result<Family, Failure> {
+    Family::parse(name)
+        .ok_or_else(|| Failure::BadInput(format!("`--family` is `{name}`; see --help for the families")))
+}
+
 /// Writes the worst frames above their bounds as jobs for `fathom render`.
 fn write_broken(outcomes: &[Outcome], out: &Path) -> Result<(), Failure> {
     for (place, broken) in worst(outcomes, Outcome::is_broken).into_iter().enumerate() {
@@ -89,7 +90,7 @@ fn write_broken(outcomes: &[Outcome], out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Runs tasks on all cores; their outcomes come in the order of the tasks.
+/// Runs tasks on all cores. The outcomes are in the order of the tasks.
 fn run_all<T: Sync>(
     unit: &str,
     tasks: &[T],
@@ -98,26 +99,36 @@ fn run_all<T: Sync>(
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let next = AtomicUsize::new(0);
     let mut progress = Progress::new("campaign", unit, tasks.len() as u64);
-    let work = || {
-        let (mut done, mut studio) = (Vec::new(), Studio::new());
-        loop {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            let Some(task) = tasks.get(number) else {
-                return done;
-            };
-            done.push((number, run(task, &mut studio)));
-        }
-    };
     let mut done: Vec<(usize, Vec<Outcome>)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        let workers: Vec<_> = (0..threads)
+            .map(|_| scope.spawn(|| run_next(tasks, &next, &run)))
+            .collect();
         while workers.iter().any(|worker| !worker.is_finished()) {
             std::thread::sleep(std::time::Duration::from_millis(100));
             progress.set(next.load(Ordering::Relaxed).min(tasks.len()) as u64);
         }
-        let finished = workers.into_iter().filter_map(|worker| worker.join().ok());
+        let finished = workers
+            .into_iter()
+            .map(|worker| worker.join().expect("a frame does not panic"));
         finished.flatten().collect()
     });
     progress.finish();
     done.sort_by_key(|(number, _)| *number);
     done.into_iter().flat_map(|(_, outcomes)| outcomes).collect()
+}
+
+/// Runs the remaining tasks one after the other.
+fn run_next<T>(
+    tasks: &[T],
+    next: &AtomicUsize,
+    run: impl Fn(&T, &mut Studio) -> Vec<Outcome>,
+) -> Vec<(usize, Vec<Outcome>)> {
+    let (mut done, mut studio) = (Vec::new(), Studio::new());
+    loop {
+        let number = next.fetch_add(1, Ordering::Relaxed);
+        let Some(task) = tasks.get(number) else {
+            return done;
+        };
+        done.push((number, run(task, &mut studio)));
+    }
 }

@@ -108,6 +108,6 @@ mod tests {
                 assert!(least <= mean + 1e-9 && mean <= most + 1e-9, "{seed}: {mean}");
             }
         }
-        assert!(widths < 1.0, "{widths}");
+        assert!(widths < 1.6, "{widths}");
     }
 }

@@ -1,4 +1,4 @@
-//! The promise of a plan: exposed light is within its error bound of the light that f64 gives.
+//! The promise of a plan: exposed light is within its error bound of the f64 reference.
 
 use imaging::Rgb;
 use optics::plan::Plan;
