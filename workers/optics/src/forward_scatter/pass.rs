@@ -1,4 +1,4 @@
-//! Light taken back to a gate, stopped where something is, and sent on.
+//! The gate between two layers: light is taken back to it, stopped at covered pixels, and sent on.
 
 use imaging::fft::Complex;
 use imaging::vectorized;
@@ -11,12 +11,12 @@ use super::gate::Gate;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Opening {
     gate: Gate,
-    /// T of this gate over T of the next nearer one, in whose unit the light goes on.
+    /// T of this gate over T of the next nearer one, the unit of the light from here on.
     onward: f64,
 }
 
 impl Opening {
-    /// Gate number `l` of a channel; none where nothing passes it or a nearer one.
+    /// Gate number `l` of a channel; `None` if it or a nearer one is opaque.
     pub(super) fn between(gates: &[Option<Gate>], l: usize) -> Option<Self> {
         let is_open = gates[..=l].iter().all(Option::is_some);
         let gate = gates[l].filter(|_| is_open)?;
@@ -49,8 +49,8 @@ impl Opening {
     }
 }
 
-/// Takes light back to a gate, stops what the mask covers, and lets the rest go on. None of what has no opening passes; without a
-/// mask nothing is covered.
+/// Takes light back to a gate, multiplies it by the uncovered share of each pixel, and sends it on. A channel without an opening becomes
+/// dark; without a mask all pixels are open.
 pub(super) fn pass(
     spectra: &mut [Vec<f32>],
     openings: &[Option<Opening>],
