@@ -237,7 +237,7 @@ fn arriving(
     } = path;
     for (to, ((&mask, &z), &light)) in row.iter_mut().zip(mask.iter().zip(range).zip(light)) {
         let beyond = z - high - low;
-        // Outside of a layer without fill the range is 0, and so is the mask.
+        // The nearest layer is not filled: outside of it range and mask are 0.
         let beyond = if beyond > 0.0 { beyond } else { 0.0 };
         set(to, mask * light * exp_negative(attenuation * beyond));
     }
