@@ -1,4 +1,4 @@
-//! Light that passes gates is within the bound of its plan, whatever the water between the gate and the camera amplifies.
+//! The error of light that passes gates is within the bound of its plan, up to the largest amplification by a gate.
 #![allow(clippy::unwrap_used)]
 
 #[path = "gates/attack.rs"]
@@ -13,7 +13,7 @@ use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use scenes::{Gated, Kernel, Scene, Slant};
 use spec::{Fidelity, PhaseFunction};
 
-/// The largest error of a frame beside its bound.
+/// Largest error and bound of a frame.
 #[derive(Debug, Clone, Copy)]
 struct Outcome {
     bound: f64,
@@ -61,36 +61,30 @@ fn outcome(scene: &Scene, cache: &mut KernelCache) -> Outcome {
 /// Random scenes of one seed: none exceeds its bound.
 fn search(seed: u64, count: u64) {
     let mut cache = KernelCache::new();
-    let (mut worst, mut loose, mut beyond, mut failed) = (0.0f64, Vec::new(), 0, Vec::new());
+    let (mut ratios, mut exceeding, mut failed) = (Vec::new(), 0, Vec::new());
     for index in 0..count {
         let scene = scenes::random(seed, index);
         let outcome = outcome(&scene, &mut cache);
-        let Outcome {
-            bound,
-            error,
-            is_gated,
-        } = outcome;
-        worst = worst.max(error / bound);
-        if is_gated {
-            loose.push(bound / error.max(1e-12));
-            beyond += u32::from(bound > scene.tolerance);
+        if outcome.is_gated {
+            ratios.push(outcome.error / outcome.bound);
+            exceeding += u32::from(outcome.bound > scene.tolerance);
         }
-        if error > bound {
+        if outcome.error > outcome.bound {
             failed.push(format!("{}: {outcome:?}", scene.name));
         }
     }
-    loose.sort_by(f64::total_cmp);
+    ratios.sort_by(f64::total_cmp);
+    let (median, worst) = (ratios[ratios.len() / 2], ratios[ratios.len() - 1]);
     println!(
-        "{count} scenes, {} gated, {beyond} of them bounded above their tolerance: worst error/bound {worst:.3}, median bound/error {:.1}",
-        loose.len(),
-        loose.get(loose.len() / 2).unwrap_or(&0.0)
+        "{count} scenes, {} gated, {exceeding} of them bounded above their tolerance: error/bound {median:.3} in the median, at most {worst:.3}",
+        ratios.len(),
     );
     assert!(failed.is_empty(), "{} of {count}: {failed:#?}", failed.len());
 }
 
 #[test]
 fn random_gated_frames_stay_within_their_bounds() {
-    search(1, 60);
+    search(1, 40);
 }
 
 #[test]
@@ -120,7 +114,7 @@ fn light_from_behind_many_attenuation_lengths_stays_within_its_bound() {
         slant(4.0, 10.0),
         slant(1.0, 1.0),
         slant(0.3, 1.0),
-        // Kernels as wide at the gate as they are deep, and about as wide as where folded terms are left out.
+        // At the gate these kernels are 1.2, 5.9 and 19 pixels wide; beyond 6 the transfer function has no folded terms.
         one(8.3, 0.5),
         one(8.3, 2.45),
         one(8.3, 8.0),
@@ -134,8 +128,22 @@ fn light_from_behind_many_attenuation_lengths_stays_within_its_bound() {
     }
 }
 
-/// Waters and kernels from the least to the largest amplification, at tolerances of few and of many kernels.
-fn attacks() -> impl Iterator<Item = Attack> {
+#[test]
+fn gates_in_reverse_order_stay_within_their_bounds() {
+    let mut cache = KernelCache::new();
+    for scattering in [0.5, 2.0, 4.0, 8.0] {
+        let scene = scenes::gates_in_reverse_order(scattering);
+        let stats = SceneStats::measure(&scene.radiance, &scene.range, &scene.water);
+        let gates_m = stats.layering.unwrap().gates_m;
+        assert!(gates_m[0] > gates_m[1], "{gates_m:?}");
+        let outcome = outcome(&scene, &mut cache);
+        println!("{scattering}: {outcome:?}");
+        assert!(outcome.error <= outcome.bound, "{scattering}: {outcome:?}");
+    }
+}
+
+/// Waters and kernels from the least to the largest amplification.
+fn waters(scatterings: &[f64]) -> Vec<Gated> {
     let kernels = [
         Kernel::Two(PhaseFunction::Ff),
         Kernel::Two(PhaseFunction::Hg),
@@ -153,7 +161,7 @@ fn attacks() -> impl Iterator<Item = Attack> {
         },
     ];
     let waters = kernels.into_iter().flat_map(|kernel| {
-        [0.1, 0.4, 1.0, 2.5, 5.0, 8.0].map(|scattering| Gated {
+        scatterings.iter().map(move |&scattering| Gated {
             absorption: 1e-6,
             scattering,
             g: Some(0.0),
@@ -162,32 +170,59 @@ fn attacks() -> impl Iterator<Item = Attack> {
             layers: 3,
         })
     });
-    waters.flat_map(|water| {
-        let walls = [2.5 * 1.26, 2.5 * 2.0, 2.5 * 6.0].into_iter();
-        walls.flat_map(move |wall_m| {
-            [(3e-3, true), (3e-3, false), (3e-4, true), (3e-5, false)].map(|(tolerance, is_brighter)| {
-                Attack {
+    waters.collect()
+}
+
+/// Attacks on a wall at each of some ranges behind a plate at 2.4 m. The bound has to be within reach of the worst.
+fn attack(waters: &[Gated], walls_m: &[f64], aims: &[(f64, bool)]) {
+    let (mut cache, mut ratios) = (KernelCache::new(), Vec::new());
+    for &water in waters {
+        for &wall_m in walls_m {
+            for &(tolerance, is_brighter) in aims {
+                let attack = Attack {
                     water,
                     gate_m: 2.4,
                     wall_m,
                     tolerance,
                     is_brighter,
-                }
-            })
-        })
-    })
+                };
+                let Some(scene) = attack.scene() else { continue };
+                let outcome = outcome(&scene, &mut cache);
+                assert!(outcome.error <= outcome.bound, "{attack:?}: {outcome:?}");
+                ratios.push(outcome.error / outcome.bound);
+            }
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let (median, worst) = (ratios[ratios.len() / 2], ratios[ratios.len() - 1]);
+    println!(
+        "{} attacks: error/bound {median:.3} in the median, at most {worst:.3}",
+        ratios.len()
+    );
+    assert!(worst > 0.1, "no attack: {worst}");
 }
 
 #[test]
 fn light_of_the_worst_range_in_every_pixel_stays_within_its_bound() {
-    let (mut cache, mut nearest, mut count) = (KernelCache::new(), 0.0f64, 0);
-    for attack in attacks() {
-        let Some(scene) = attack.scene() else { continue };
-        let outcome = outcome(&scene, &mut cache);
-        assert!(outcome.error <= outcome.bound, "{attack:?}: {outcome:?}");
-        nearest = nearest.max(outcome.error / outcome.bound);
-        count += 1;
-    }
-    println!("{count} attacks: worst error/bound {nearest:.3}");
-    assert!(count > 200 && nearest > 0.1, "{count} attacks, {nearest}");
+    attack(
+        &waters(&[0.3, 2.0, 8.0]),
+        &[3.15, 6.0],
+        &[(3e-3, true), (3e-4, false)],
+    );
+}
+
+#[test]
+#[ignore = "a minute"]
+fn many_attacks_stay_within_their_bounds() {
+    attack(
+        &waters(&[0.1, 0.3, 0.7, 1.5, 3.0, 5.0, 8.0]),
+        &[3.05, 3.6, 6.0, 15.0],
+        &[
+            (1e-2, false),
+            (3e-3, true),
+            (3e-4, false),
+            (3e-4, true),
+            (3e-5, true),
+        ],
+    );
 }

@@ -74,7 +74,7 @@ impl Basis {
         else {
             return;
         };
-        // Scales outside the span are taken for its ends, so that nothing is below the origin but by rounding.
+        // Scales outside the span count as its ends, so that γ − origin is negative by rounding at most.
         let (origin, shift) = (*origin, SHIFT_PX as f32);
         let (middle, scale) = (*middle as f32, *scale as f32);
         for value in gammas {

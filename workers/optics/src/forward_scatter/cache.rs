@@ -25,12 +25,12 @@ pub struct KernelCache {
     misses: u64,
 }
 
-/// What a transfer function is cached by.
+/// Identity of a cached transfer function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Key {
     gamma_bits: u64,
     size: (usize, usize),
-    /// Columns of one behind gates; none of one without gates, whose columns follow from its scale.
+    /// Number of columns of a kernel behind gates; `None` without gates, where it follows from the scale.
     gated_columns: Option<usize>,
 }
 

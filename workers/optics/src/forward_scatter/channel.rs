@@ -22,7 +22,7 @@ pub(crate) struct Channel<'a> {
     pub(super) sum: usize,
     /// Factor of its light in that sum.
     pub(super) gain: f32,
-    /// How far its kernels count where its light passes a gate.
+    /// Reach of its kernels if its light passes a gate.
     gate: Option<GateReach>,
     size: (usize, usize),
 }
@@ -72,7 +72,7 @@ impl<'a> Channel<'a> {
         Self { sum, ..self }
     }
 
-    /// The same as light that passes a gate, multiplied by `gain`.
+    /// The same for light that passes a gate, multiplied by `gain`.
     #[must_use]
     pub(super) fn through(self, gate: GateReach, gain: f32) -> Self {
         Self {

@@ -1,31 +1,31 @@
 //! The gate between two layers, in numbers.
 //!
-//! Light at the range G of a gate arrives under `A = T + n H(γ₁) + v H(γ₂)`, `n = w (1−m)`, `v = w m`. What is behind is divided by it, so
-//! that of a layer's kernels `H(γ) / A` counts. For γ ≥ γ₁ that is at most 1/max(n, T), although A falls to T at high frequencies: light is
-//! carried in these units, and nothing is small that a division makes large again.
+//! The path from the range G of a gate has the response `A = T + n H(γ₁) + v H(γ₂)`, `n = w (1−m)`, `v = w m`. Light from behind is divided
+//! by A, so each of its kernels acts as `H(γ) / A`. For γ ≥ γ₁ that is at most 1/max(n, T), although A falls to T at high frequencies.
+//! Light in units of max(n, T) therefore stays of order 1 on both sides of the division.
 
 use super::widest_px;
 use crate::kernel::GateReach;
 use crate::water::{Arrival, Water};
 
-/// Nothing passes a gate behind which the beam has this many attenuation lengths.
+/// A gate at more attenuation lengths than this is opaque.
 pub(crate) const OPAQUE_GATE: f64 = 20.0;
 
-/// What becomes of the light of one channel between a gate and the camera.
+/// Response of the path from a gate to the camera, in one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Gate {
     /// Its range, meters.
     pub(crate) range_m: f64,
-    /// T, what keeps its ray.
+    /// T, the direct transmittance.
     pub(crate) direct: f64,
-    /// n and v, what the narrow and the wide kernel spread.
+    /// n and v, the shares that the narrow and the wide kernel spread.
     pub(crate) spread: [f64; 2],
     /// γ₁ and γ₂, pixels.
     pub(crate) gammas: [f64; 2],
 }
 
 impl Gate {
-    /// A gate of a frame whose widest kernel is of scale `widest_px`; none where nothing passes.
+    /// A gate of a frame whose widest kernel has the scale `widest_px`; `None` if it is opaque.
     pub(crate) fn new(water: &Water, channel: usize, range_m: f64, widest_px: f64) -> Option<Self> {
         if water.direct_attenuation[channel] * range_m > OPAQUE_GATE {
             return None;
@@ -59,12 +59,12 @@ impl Gate {
         self.spread.map(|spread| spread / self.direct)
     }
 
-    /// max(n, T) and max(v, T), the units of light that each kernel spreads.
+    /// max(n, T) and max(v, T), the units of the light of each kernel.
     pub(super) fn units(&self) -> [f64; 2] {
         self.spread.map(|spread| spread.max(self.direct))
     }
 
-    /// Where kernels behind the gate count, of narrow and of wide ones.
+    /// Reach of the narrow and of the wide kernels behind the gate.
     pub(super) fn reaches(&self) -> [GateReach; 2] {
         let ratios = self.ratios();
         [0, 1].map(|part| GateReach {

@@ -6,9 +6,9 @@
 //! P_l = S_l + A(G_l) · DCT[ Y ]                            from the farthest layer to the nearest
 //! ```
 //!
-//! with `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))`, what becomes of a spectrum on a path of Z. Behind a gate P is carried as P/T(G), and the
-//! light of each transform in units of the [`Gate`]: A/T is never small, every transform is of light of order 1, and rounding of one is
-//! never amplified by the gate.
+//! `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))` is the response of a path of Z. Behind a gate the spectra hold P/T(G), and the light of each
+//! transform is in units of the [`Gate`]. A/T is at least 1 and all transforms are of light of order 1, so that the division does not
+//! amplify their rounding.
 
 use imaging::fft::Complex;
 use imaging::{Plane, vectorized};
@@ -40,11 +40,11 @@ struct Behind<'a> {
     source: &'a Source<'a>,
     /// Its place among the sources.
     sum: usize,
-    /// The gate in front of the layer; none before the nearest layer.
+    /// The gate in front of the layer; `None` for the nearest layer.
     gate: Option<Gate>,
 }
 
-/// What arrives of each channel, but for the direct light of the nearest layer, which nothing can stop. Never negative.
+/// Light that arrives in each channel, except the direct light of the nearest layer, which passes no gate. Never negative.
 pub(crate) fn gated_channels(
     range: &Plane<f32>,
     sources: &[Source<'_>],
@@ -79,7 +79,7 @@ pub(crate) fn gated_channels(
             let mask = layer.as_ref().map(|layer| layer.mask.as_slice());
             pass(&mut spectra, &openings, mask, size, cache);
         }
-        // A layer without a pixel hides nothing and shows nothing.
+        // An empty layer has no light.
         let Some(layer) = layer else { continue };
         let seen: Vec<Behind<'_>> = sources
             .iter()
@@ -105,7 +105,7 @@ pub(crate) fn gated_channels(
     planes
 }
 
-/// Adds what arrives of layer `l` spread by its kernels.
+/// Adds the light of layer `l` that its kernels spread.
 fn add_spread(
     layer: &Layer,
     l: usize,
@@ -164,7 +164,7 @@ impl Path {
     }
 }
 
-/// Adds what arrives of a layer on its own ray.
+/// Adds the direct light of a layer.
 fn add_direct(
     layer: &Layer,
     seen: &[Behind<'_>],
@@ -237,7 +237,7 @@ fn arriving(
     } = path;
     for (to, ((&mask, &z), &light)) in row.iter_mut().zip(mask.iter().zip(range).zip(light)) {
         let beyond = z - high - low;
-        // A fill far from its layer may be no pixel's range; no light is there.
+        // The nearest layer is not filled: outside of it range and mask are 0.
         let beyond = if beyond > 0.0 { beyond } else { 0.0 };
         set(to, mask * light * exp_negative(attenuation * beyond));
     }

@@ -174,7 +174,7 @@ fn product(to: &mut [f32], values: &[f32], from: f32, mask: &[f32]) {
     }
 }
 
-/// A layer's own values where it is, elsewhere the mean of those near: `from` and sums in `means` over `weights`, at most `most` more.
+/// The layer's values on its pixels, elsewhere the mean of nearby ones: `from` plus the ratio of `means` to `weights`, at most `from + most`.
 #[inline(always)]
 fn means(
     means: &mut [f32],

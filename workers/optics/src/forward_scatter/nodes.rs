@@ -34,7 +34,7 @@ pub enum Nodes {
         gammas: Vec<f64>,
         /// The interval of scales that they span.
         span: (f64, f64),
-        /// Where s begins, at most the least scale: a kernel divided by one of this scale is interpolated like one of γ − origin.
+        /// Subtracted from γ in s; at most the least scale. 0 without gates.
         origin: f64,
     },
 }

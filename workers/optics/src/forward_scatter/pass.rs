@@ -1,5 +1,6 @@
-//! Light taken back to a gate, stopped where something is, and sent on.
+//! The gate between two layers: light is taken back to it, stopped at covered pixels, and sent on.
 
+use imaging::dct::PairDct;
 use imaging::fft::Complex;
 use imaging::vectorized;
 
@@ -11,12 +12,12 @@ use super::gate::Gate;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Opening {
     gate: Gate,
-    /// T of this gate over T of the next nearer one, in whose unit the light goes on.
+    /// T of this gate over T of the next nearer one, the unit of the light from here on.
     onward: f64,
 }
 
 impl Opening {
-    /// Gate number `l` of a channel; none where nothing passes it or a nearer one.
+    /// Gate number `l` of a channel; `None` if it or a nearer one is opaque.
     pub(super) fn between(gates: &[Option<Gate>], l: usize) -> Option<Self> {
         let is_open = gates[..=l].iter().all(Option::is_some);
         let gate = gates[l].filter(|_| is_open)?;
@@ -49,8 +50,8 @@ impl Opening {
     }
 }
 
-/// Takes light back to a gate, stops what the mask covers, and lets the rest go on. None of what has no opening passes; without a
-/// mask nothing is covered.
+/// Takes light back to a gate, multiplies it by the uncovered share of each pixel, and sends it on. A channel without an opening becomes
+/// dark; without a mask all pixels are open.
 pub(super) fn pass(
     spectra: &mut [Vec<f32>],
     openings: &[Option<Opening>],
@@ -58,67 +59,87 @@ pub(super) fn pass(
     size: (usize, usize),
     cache: &mut KernelCache,
 ) {
-    let mut open: Vec<(&mut Vec<f32>, Vec<f32>, f32)> = Vec::new();
+    let mut open = Vec::new();
     for (spectrum, opening) in spectra.iter_mut().zip(openings) {
         match opening {
-            Some(opening) => open.push((spectrum, opening.response(size, cache), opening.onward as f32)),
+            Some(opening) => open.push(Open {
+                spectrum,
+                response: opening.response(size, cache),
+                onward: opening.onward as f32,
+            }),
             None => spectrum.fill(0.0),
         }
     }
-    let (width, height) = size;
     let mut passed = zeros(2, size, cache);
     for pair in open.chunks_mut(2) {
         let transform = cache.transform(size);
-        transform.inverse(
-            |p, column| {
-                let band = line(p, height);
-                column.fill(Complex::default());
-                for (part, (spectrum, response, _)) in pair.iter().enumerate() {
-                    let (values, response) = (&spectrum[band.clone()], &response[band.clone()]);
-                    match part {
-                        0 => vectorized!(quotients(values, response, column, |to, v| to.re = v)),
-                        _ => vectorized!(quotients(values, response, column, |to, v| to.im = v)),
-                    }
-                }
-            },
-            width,
-            |place, row| {
-                let pixels = line(place, width);
-                let covers = mask.map(|mask| &mask[pixels.clone()]);
-                for (part, passed) in passed.iter_mut().enumerate() {
-                    let to = &mut passed[pixels.clone()];
-                    match part {
-                        0 => vectorized!(uncovered(row, covers, to, |v| v.re)),
-                        _ => vectorized!(uncovered(row, covers, to, |v| v.im)),
-                    }
-                }
-            },
-        );
-        transform.forward(
-            |place, row| {
-                let pixels = line(place, width);
-                let lights = passed[0][pixels.clone()].iter().zip(&passed[1][pixels]);
-                row.iter_mut()
-                    .zip(lights)
-                    .for_each(|(to, (&one, &other))| *to = Complex::new(one, other));
-            },
-            width,
-            |p, column| {
-                let band = line(p, height);
-                for (part, (spectrum, response, onward)) in pair.iter_mut().enumerate() {
-                    let (to, response) = (&mut spectrum[band.clone()], &response[band.clone()]);
-                    match part {
-                        0 => vectorized!(products(column, response, *onward, to, |v| v.re)),
-                        _ => vectorized!(products(column, response, *onward, to, |v| v.im)),
-                    }
-                }
-            },
-        );
+        take_back(pair, mask, transform, &mut passed);
+        send_on(pair, &passed, transform);
     }
     cache.buffers.give(passed);
-    cache
-        .buffers
-        .give(open.into_iter().map(|(_, response, _)| response));
+    cache.buffers.give(open.into_iter().map(|open| open.response));
+}
+
+/// One channel at its gate.
+struct Open<'a> {
+    spectrum: &'a mut Vec<f32>,
+    response: Vec<f32>,
+    onward: f32,
+}
+
+/// Uncovered light of one or two channels at the gate.
+fn take_back(pair: &[Open<'_>], mask: Option<&[f32]>, transform: &mut PairDct, passed: &mut [Vec<f32>]) {
+    let (width, height) = transform.size();
+    transform.inverse(
+        |p, column| {
+            column.fill(Complex::default());
+            for (part, open) in pair.iter().enumerate() {
+                let band = line(p, height);
+                let (values, response) = (&open.spectrum[band.clone()], &open.response[band]);
+                match part {
+                    0 => vectorized!(quotients(values, response, column, |to, v| to.re = v)),
+                    _ => vectorized!(quotients(values, response, column, |to, v| to.im = v)),
+                }
+            }
+        },
+        width,
+        |place, row| {
+            let pixels = line(place, width);
+            let covers = mask.map(|mask| &mask[pixels.clone()]);
+            for (part, passed) in passed.iter_mut().enumerate() {
+                let light = &mut passed[pixels.clone()];
+                match part {
+                    0 => vectorized!(uncovered(row, covers, light, |v| v.re)),
+                    _ => vectorized!(uncovered(row, covers, light, |v| v.im)),
+                }
+            }
+        },
+    );
+}
+
+/// Spectra of the light beyond the gate.
+fn send_on(pair: &mut [Open<'_>], passed: &[Vec<f32>], transform: &mut PairDct) {
+    let (width, height) = transform.size();
+    transform.forward(
+        |place, row| {
+            let pixels = line(place, width);
+            let lights = passed[0][pixels.clone()].iter().zip(&passed[1][pixels]);
+            row.iter_mut()
+                .zip(lights)
+                .for_each(|(value, (&one, &other))| *value = Complex::new(one, other));
+        },
+        width,
+        |p, column| {
+            for (part, open) in pair.iter_mut().enumerate() {
+                let band = line(p, height);
+                let (values, response) = (&mut open.spectrum[band.clone()], &open.response[band]);
+                match part {
+                    0 => vectorized!(products(column, response, open.onward, values, |v| v.re)),
+                    _ => vectorized!(products(column, response, open.onward, values, |v| v.im)),
+                }
+            }
+        },
+    );
 }
 
 #[inline(always)]

@@ -10,25 +10,25 @@ use crate::attenuation::exp_negative;
 
 /// H below this is left out: one step of f32 beside light of 1.
 const NOTHING: f64 = 1e-7;
-/// The same behind gates, beside the response of the gate.
+/// The same behind gates, relative to the response of the gate.
 const NOTHING_BEHIND_GATES: f64 = 4e-7;
 /// Folded terms add to H, at most as much as three more of the first.
 const FOLDED: f64 = 4.0;
 
-/// Frequencies of kernels beyond which light that passes a gate has nothing left of them.
+/// Highest frequencies of the kernels of light that passes a gate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct GateReach {
-    /// How much more than at frequency 0 the gate may amplify, as a natural logarithm, at least 0.
+    /// Largest amplification of a kernel by the gate as a natural logarithm, at least 0.
     pub(crate) amplification: f64,
     /// Scale of the kernel at the range of the gate, pixels.
     pub(crate) gamma_px: f64,
 }
 
 impl GateReach {
-    /// Columns of the spectrum in which a kernel of scale `gamma_px` counts. It is divided by the response of the gate, which is at least
-    /// 1, and at least the kernel at the gate in the same unit.
+    /// Columns of the spectrum where a kernel of scale `gamma_px` over the response of the gate is above the threshold. In the unit of
+    /// the kernel the response is at least 1, and at least the kernel of scale [`GateReach::gamma_px`].
     pub(crate) fn columns(&self, gamma_px: f64, width: usize) -> usize {
-        /// Gates of similar frames share their kernels.
+        /// Similar frames share their kernels.
         const STEP: usize = 16;
         let nothing = (FOLDED / NOTHING_BEHIND_GATES).ln();
         let alone = (nothing + self.amplification) / gamma_px;

@@ -20,9 +20,9 @@ const INTERPOLATED_FROM: f64 = 0.05;
 const GAMMA_NODES: usize = 12;
 /// Behind gates H is divided by a response of at least exp(−20), so that folded terms count down to exp(−34).
 const GATED_LIMIT: f64 = 34.0;
-/// Narrower kernels have H above 1e-3, beside which exp(−22) is nothing.
+/// Narrower kernels have H above 1e-3, so exp(−22) is negligible.
 const GATED_ABOVE: f64 = 2.0;
-/// Wider ones have H below exp(−31).
+/// Wider ones have folded terms below exp(−31).
 const GATED_NO_FOLDING: f64 = 10.0;
 
 type Coefficients = [[f64; TERMS]; TERMS];
@@ -49,8 +49,8 @@ impl Transfer {
         Self { gamma, folded }
     }
 
-    /// The same for light that passes gates: folded terms are kept as long as they are not small beside the response of a gate, so that
-    /// H divided by it stays smooth in γ.
+    /// The same for light that passes gates. Folded terms are kept until they are negligible relative to the response of a gate, so that
+    /// H divided by it is smooth in γ.
     #[must_use]
     pub(crate) fn behind_gates(gamma: f64) -> Self {
         if gamma <= GATED_ABOVE {

@@ -15,13 +15,14 @@ use crate::water::{Scatter, Spread, Tail};
 
 /// A layer is divided into this many ranges of equal ratio.
 const STEPS: i32 = 16;
-/// Origins that are tried behind a gate, as shares of the scale of the kernel at the gate.
+/// Origins to try behind a gate, as shares of the kernel's scale at the gate.
 const ORIGINS: &[f64] = &[0.0, 0.5, 1.0];
-/// Where a gate amplifies errors less than this many times more than its smoothest kernels, the first origin serves best.
+/// Below this ratio of the gains of the first and the last origin, the first one needs the fewest nodes.
 const FEW_TIMES: f64 = 30.0;
-/// The quotient of two kernels that are integrated over pixels differs by so much from a kernel integrated over pixels.
+/// Kernels divided by one at the gate are not integrated over pixels: their error may be larger by this factor. The largest
+/// seen is 1.1.
 const QUOTIENT_MARGIN: f64 = 1.5;
-/// What is left for interpolation where rounding at gates uses up the share.
+/// Minimum part of the share reserved for interpolation if rounding at gates exceeds it.
 const LEAST_SHARE: f64 = 0.125;
 
 /// The light of one layer that one of its kernels spreads.
@@ -139,7 +140,7 @@ impl Way {
     }
 }
 
-/// What rounding at all gates may add.
+/// Bound of the rounding at all gates.
 fn gate_rounding(need: &ScatterNeed<'_>, layering: &Layering) -> f64 {
     let ScatterNeed {
         bounds,
@@ -148,7 +149,7 @@ fn gate_rounding(need: &ScatterNeed<'_>, layering: &Layering) -> f64 {
         ..
     } = *need;
     let passages = Passages::new(water, channel, layering, bounds.widest_px);
-    // Channels share transforms, so that each has the rounding of the brightest.
+    // Channels share transforms, so each has the rounding of the brightest.
     let light = |l: usize| {
         let spans = layering.spans_m.iter().skip(l).flatten();
         let lights = spans.flat_map(|&span| [0, 1, 2].map(|c| gates::brightest(bounds, water, c, span)));

@@ -1,5 +1,5 @@
-//! Frames that are made against the bound of gated forward scatter: each pixel of a wall has the range and the light with which
-//! interpolation errs most in one pixel next to a plate.
+//! Frames made against the bound of gated forward scatter: each pixel of a wall has the range and the light that add most to the
+//! interpolation error of one pixel next to a plate.
 
 use imaging::dct::Dct2;
 use imaging::{Plane, Rgb};
@@ -44,7 +44,7 @@ struct Part<'a> {
 }
 
 impl Attack {
-    /// The frame; none where the plan interpolates nothing behind the plate.
+    /// The frame; `None` if the plan does not interpolate behind the plate.
     pub(crate) fn scene(&self) -> Option<Scene> {
         let choices: Vec<f64> = (0..CHOICES)
             .map(|j| self.wall_m * DEPTH.powf(j as f64 / (CHOICES - 1) as f64))
@@ -86,7 +86,7 @@ impl Attack {
         Some(scene(radiance, range_of(&|x, y| choices[worst(x, y).0])))
     }
 
-    /// For each range by how much interpolation changes what the target gets of every pixel, were it of that range.
+    /// For each range the interpolation error at the target of unit light in each pixel.
     fn errors(&self, scene: &Scene, choices: &[f64]) -> Option<Vec<Plane<f64>>> {
         let bounds = SceneBounds::measure(&scene.radiance, &scene.range, &scene.water);
         let plan = Plan::for_water(&bounds, &scene.water, Fidelity::Tolerance(self.tolerance));
@@ -121,7 +121,7 @@ impl Attack {
         Some(choices.iter().map(error).collect())
     }
 
-    /// Spectrum of what the target gets of light behind the gate: kernels are even, so that the way back is the way there.
+    /// Spectrum of the target's response to light behind the gate. Kernels are even, so the operators apply in reverse order.
     fn seen_from_gate(&self) -> Vec<f64> {
         let [narrow, wide] = self.gammas(self.gate_m).map(grid);
         let (spread, direct) = (

@@ -234,7 +234,7 @@ fn picture(draw: &mut Draw, (width, height): (usize, usize), nearest: f64) -> (R
     (radiance, range.map(|&z| z as f32))
 }
 
-/// A plate before a slanted wall in water that scatters much and absorbs nothing.
+/// A plate before a slanted wall in water that almost only scatters.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slant {
     pub(crate) scattering: f64,
@@ -277,5 +277,34 @@ impl Slant {
             water: water.water(),
             tolerance: 3e-4,
         }
+    }
+}
+
+/// Plates at close ranges. The gate of the nearer cut is the farther one, so light from the other gate is divided by the response of a
+/// longer path than its own.
+pub(crate) fn gates_in_reverse_order(scattering: f64) -> Scene {
+    let water = Gated {
+        absorption: 1e-6,
+        scattering,
+        g: Some(0.0),
+        kernel: Kernel::Two(PhaseFunction::Ff),
+        focal_px: 60.0,
+        layers: 3,
+    };
+    let (width, height) = (64, 48);
+    let range = |x: usize, y: usize| match (x, y) {
+        (4..24, 4..44) => 2.05,
+        (28..32, 4..10) => 2.99,
+        (40..52, 10..40) => 2.3,
+        (52..60, 10..40) => 2.95,
+        _ => 9.0 + 0.02 * x as f32,
+    };
+    let stream = Stream::stage(1, "reverse");
+    Scene {
+        name: format!("{water:?}"),
+        radiance: Rgb::from_fn(width, height, |x, y| [stream.unit(x as u64, y as u64) as f32; 3]),
+        range: Plane::from_fn(width, height, range),
+        water: water.water(),
+        tolerance: 3e-4,
     }
 }

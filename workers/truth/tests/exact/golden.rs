@@ -116,10 +116,10 @@ fn light_from_above(case: &Case) {
     case.agrees(&means, "radiance", "standard_error");
 }
 
-/// Side of the blocks that are compared, pixels: single pixels have a heavy tail.
+/// Side of the compared blocks, pixels. Single pixels have a heavy tail.
 const BLOCK: usize = 6;
 
-/// Pixels of each block of a frame; those at the right and lower edge are wider and higher by what is left of the sides.
+/// Pixels of each block of a frame. The last blocks of a row and of a column include the remainder of the sides.
 fn blocks((width, height): (usize, usize)) -> Vec<Vec<usize>> {
     let edges = |side: usize| {
         let count = (side / BLOCK).max(1);
@@ -147,7 +147,7 @@ struct Stored {
 }
 
 impl Stored {
-    /// Checks the mean of some pixels. Few paths miss the rare bright ones: `tail` of the light is allowed beside the noise.
+    /// Checks the mean of some pixels. Few paths miss the rare bright ones, so a share `tail` of the light is allowed in addition to noise.
     fn agrees(&self, ours: &[Mean], pixels: &[usize], tail: f64, what: &str) {
         let n = pixels.len() as f64;
         let sum = |value: &dyn Fn(usize) -> f64| pixels.iter().map(|&i| value(i)).sum::<f64>();
@@ -226,7 +226,6 @@ fn blocks_cover_frames_of_any_size_once() {
         all.sort_unstable();
         assert_eq!(all, (0..size.0 * size.1).collect::<Vec<_>>(), "{size:?}");
     }
-    // Pixel 0 is in the first block and the last pixel in the last one, whatever is left of the sides.
     let blocks = blocks((20, 16));
     assert_eq!((blocks[0][6], blocks[0].len()), (20, 36));
     assert_eq!((blocks[5][0], blocks[5].len()), (6 * 20 + 12, 80));

@@ -3,14 +3,12 @@ use imaging::dct::Dct2;
 use super::*;
 use crate::kernel::Transfer;
 
-/// Side of the torus on which filters are summed: kernels up to a quarter of it wide, which repeat less and less beyond.
+/// Side of the mirror box, pixels.
 const SIDE: usize = 32;
 
-/// A filter given on the grid of the cosine transform, summed over its absolute values on the mirror box: what the pixel at the corner
-/// may get.
+/// Sum of the absolute values of a filter on the mirror box, given on the grid of the cosine transform: the larger of those around a
+/// corner and around the middle.
 fn mass(filter: &[f64]) -> f64 {
-    // The response at the pixel (x, y) to light at (0, 0) is the smallest sum over mirror images; the largest is at a corner, where
-    // all four fall on one pixel.
     let mut transform = Dct2::new(SIDE, SIDE);
     let mut sums: f64 = 0.0;
     for at in [0, SIDE / 2 * SIDE + SIDE / 2] {
@@ -46,7 +44,7 @@ fn gate(amplification: f64, gamma: f64, ratio: f64, wide: f64) -> Gate {
     }
 }
 
-/// Gates of a water that loses no light, with so many attenuation lengths in a meter.
+/// Gates of a water that scatters only, with `amplification` attenuation lengths per meter.
 fn passages(amplification: f64, gates: &[Gate]) -> Passages {
     Passages {
         gates: gates.iter().copied().map(Some).collect(),

@@ -7,10 +7,10 @@ use optics::layering::Layering;
 
 use super::{Prototype, is_seen, transfer, zip};
 
-/// Where less of the kernel that fills meets anything known, nothing is known.
+/// Least sum of the fill kernel over known pixels; below it the fill is 0.
 const FILL_LEAST: f64 = 1e-6;
 
-/// A layer as if nothing were in front of it: its light, already by how much of it is at each pixel, and its range.
+/// A layer with its hidden parts filled in. The light is multiplied by the mask.
 struct Shown {
     mask: Plane<f64>,
     light: Plane<f64>,
@@ -34,7 +34,7 @@ impl Prototype<'_> {
             .data()
             .to_vec();
             transform.forward(&mut direct);
-            // The nodes of a layer span the scales of its own ranges.
+            // Each layer has nodes that span its ranges.
             let spread = Prototype::new(self.water, &shown.range).spread(&shown.light, &shown.range);
             for (sum, (direct, spread)) in spectrum.iter_mut().zip(direct.iter().zip(&spread)) {
                 *sum += direct + spread;
@@ -83,7 +83,7 @@ impl Prototype<'_> {
         spectrum.iter_mut().zip(&response).for_each(|(v, a)| *v *= a);
     }
 
-    /// What becomes of a spectrum on the way from a gate.
+    /// Response of the path from a gate to the camera.
     fn response(&self, gate_m: f64) -> Vec<f64> {
         let scales = self.water.scales(gate_m);
         let [narrow, wide] = scales.map(|gamma| transfer(gamma, self.range.size()));
