@@ -48,8 +48,13 @@ impl Daylight {
         if self.surfaces != SurfaceLight::Normal {
             return most;
         }
-        let table = share_by_slope(&self.fields[channel].shape);
-        let around = table.into_iter().fold(0.0, f64::max);
+        let shape = &self.fields[channel].shape;
+        // Radiance that rises to the zenith lights surfaces that face up most.
+        let around = if shape.p >= 2.0 * shape.q.abs() {
+            1.0
+        } else {
+            share_by_slope(shape).into_iter().fold(0.0, f64::max)
+        };
         most * self.sun.map_or(around, |sun| around.max(peak / sun.rise))
     }
 

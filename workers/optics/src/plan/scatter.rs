@@ -113,10 +113,44 @@ fn within(light: &SpreadLight, share: f64) -> (Variant, f64) {
     (Variant::Interpolated(nodes), error)
 }
 
-/// The fewest nodes over a span of scales whose error is at most `share`, and that error.
+/// The fewest nodes over a span of scales whose error is at most `share`, and that error. Errors fall about as a power of the number of
+/// nodes, so the search interpolates their logarithms between a number that is too small and one that suffices.
 pub(super) fn fewest(bound: &Bound, wide: (f64, f64), share: f64, gathers: bool) -> (Nodes, f64) {
-    let with = |terms: usize| {
-        let nodes = Nodes::chebyshev(wide.0, wide.1, terms);
+    let mut too_few = Search::new(bound, wide, gathers, 1);
+    if too_few.error <= share {
+        return (too_few.nodes, too_few.error);
+    }
+    let mut enough = Search::new(bound, wide, gathers, GALLOP[0]);
+    for terms in GALLOP.into_iter().skip(1) {
+        if enough.error <= share {
+            break;
+        }
+        too_few = std::mem::replace(&mut enough, Search::new(bound, wide, gathers, terms));
+    }
+    while enough.error <= share && enough.terms > too_few.terms + 1 {
+        let between = Search::new(bound, wide, gathers, too_few.guess(&enough, share));
+        if between.error <= share {
+            enough = between;
+        } else {
+            too_few = between;
+        }
+    }
+    (enough.nodes, enough.error)
+}
+
+/// Numbers of nodes that are tried first.
+const GALLOP: [usize; 6] = [3, 6, 12, 20, 36, MOST_TERMS];
+
+/// A number of nodes and its error.
+struct Search {
+    terms: usize,
+    nodes: Nodes,
+    error: f64,
+}
+
+impl Search {
+    fn new(bound: &Bound, (least, most): (f64, f64), gathers: bool, terms: usize) -> Self {
+        let nodes = Nodes::chebyshev(least, most, terms);
         let gammas: Vec<f64> = (0..nodes.terms()).map(|k| nodes.gamma(k)).collect();
         let errors = bound.errors(&gammas);
         let error = if gathers {
@@ -124,16 +158,17 @@ pub(super) fn fewest(bound: &Bound, wide: (f64, f64), share: f64, gathers: bool)
         } else {
             WORST_MARGIN * errors.worst
         };
-        (nodes, error)
-    };
-    let mut best = with(1);
-    for terms in 2..=MOST_TERMS {
-        if best.1 <= share {
-            break;
-        }
-        best = with(terms);
+        Self { terms, nodes, error }
     }
-    best
+
+    /// The number between this one and one that suffices at which the error is expected to be `share`.
+    fn guess(&self, enough: &Self, share: f64) -> usize {
+        let fallen = (self.error / share).ln() / (self.error / enough.error).ln();
+        let span = (enough.terms - self.terms) as f64;
+        let steps = (fallen * span).ceil();
+        let steps = if steps.is_finite() { steps as usize } else { 1 };
+        self.terms + steps.clamp(1, enough.terms - self.terms - 1)
+    }
 }
 
 fn is_point(least: f64, most: f64) -> bool {

@@ -18,8 +18,8 @@ const LEAST_PX: usize = 32;
 /// The factor is expected to be no larger than this times that of the thinned picture. A frame that is metered brighter is planned
 /// and rendered again.
 const MARGIN: f64 = 1.3;
-/// The thinned picture is metered at this tolerance: 0.1 % of the target and of light are far below the margin.
-const TOLERANCE: f64 = 1e-3;
+/// Kernels of the thinned picture: its error is far below the margin.
+const TERMS: usize = 4;
 
 /// An exposure before the frame is rendered.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,7 +102,7 @@ pub(crate) fn thin_frame(frame: &Frame, (width, height): (usize, usize)) -> Fram
             ..Camera::pinhole(width, height, frame.camera.hfov_deg)
         },
         artifacts: Vec::new(),
-        fidelity: Fidelity::Tolerance(TOLERANCE),
+        fidelity: Fidelity::Terms(TERMS),
         ..frame.clone()
     };
     thin.water.snow = None;
