@@ -107,10 +107,16 @@ fn brightest_light(
 fn bound_scene(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> SceneBounds {
     let radiance = &context.prepared.scene.radiance;
     let gains = bound_light(context, lamps);
-    match (&context.setting.around, context.path(), &gains) {
-        (Some(water), Some(path), Some(gains)) => SceneBounds::predict(radiance, gains, path, water),
+    match (
+        &context.setting.around,
+        context.path(),
+        gains.zip(context.view.as_ref()),
+    ) {
+        (Some(water), Some(path), Some((gains, view))) => {
+            SceneBounds::predict(radiance, view, &gains, path, water)
+        }
         (Some(water), Some(path), None) => SceneBounds::measure(radiance, path, water),
-        _ => SceneBounds::in_air(radiance, gains.as_ref()),
+        (_, _, gains) => SceneBounds::in_air(radiance).brightened(gains.as_ref().map(|(gains, _)| gains)),
     }
 }
 

@@ -9,6 +9,7 @@ use crate::extremes::{greatest, least};
 use crate::forward_scatter::widest_px;
 use crate::layering::Layering;
 use crate::range::{bounds, filled as filled_range, is_hole};
+use crate::visible_bounds::VisibleBounds;
 use crate::water::{Scatter, Water};
 
 /// Distinct ranges are counted up to here: with more, interpolation takes fewer kernels than there are ranges.
@@ -54,7 +55,7 @@ pub struct SceneBounds {
 /// each tile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TileGains {
-    /// Columns and rows of a tile, pixels; a multiple of 16.
+    /// Columns and rows of a tile, pixels.
     pub side_px: usize,
     /// Tiles in a row.
     pub columns: usize,
@@ -77,16 +78,34 @@ impl SceneBounds {
     /// Measures a scene as it is lit. `radiance` and `range` are of one size.
     #[must_use]
     pub fn measure(radiance: &Rgb<f32>, range: &Plane<f32>, water: &Water) -> Self {
-        Self::new(radiance, None, range, water)
+        Self::new(radiance, Extremes::measure(radiance), None, range, water)
     }
 
-    /// Bounds a scene whose radiance will be multiplied by light.
+    /// Bounds a scene whose radiance will be multiplied by light. `view` holds the bounds of that radiance.
     #[must_use]
-    pub fn predict(radiance: &Rgb<f32>, gains: &TileGains, range: &Plane<f32>, water: &Water) -> Self {
-        Self::new(radiance, Some(gains), range, water)
+    pub fn predict(
+        radiance: &Rgb<f32>,
+        view: &VisibleBounds,
+        gains: &TileGains,
+        range: &Plane<f32>,
+        water: &Water,
+    ) -> Self {
+        Self::new(
+            radiance,
+            Extremes::predict(view, gains),
+            Some(gains),
+            range,
+            water,
+        )
     }
 
-    fn new(radiance: &Rgb<f32>, gains: Option<&TileGains>, range: &Plane<f32>, water: &Water) -> Self {
+    fn new(
+        radiance: &Rgb<f32>,
+        extremes: Extremes,
+        gains: Option<&TileGains>,
+        range: &Plane<f32>,
+        water: &Water,
+    ) -> Self {
         let stand_in = match water.holes {
             HoleRule::RangeM(meters) if range.data().iter().any(|&z| is_hole(z)) => Some(meters as f32),
             _ => None,
@@ -104,7 +123,7 @@ impl SceneBounds {
             brightest,
             darkest,
             mean_square,
-        } = Extremes::find(radiance, gains);
+        } = extremes;
         let mut bins = bins::binned(radiance, gains, range);
         if let Some(z) = stand_in {
             let meters = (f64::from(z), f64::from(z));
@@ -132,9 +151,9 @@ impl SceneBounds {
 
     /// Bounds a scene without water.
     #[must_use]
-    pub fn in_air(radiance: &Rgb<f32>, gains: Option<&TileGains>) -> Self {
+    pub fn in_air(radiance: &Rgb<f32>) -> Self {
         let (width, height) = radiance.size();
-        let extremes = Extremes::find(radiance, gains);
+        let extremes = Extremes::measure(radiance);
         Self {
             range_m: None,
             lit_m: [None; 3],
@@ -151,6 +170,21 @@ impl SceneBounds {
     }
 }
 
+impl SceneBounds {
+    /// The same in light of at most these gains.
+    #[must_use]
+    pub fn brightened(mut self, gains: Option<&TileGains>) -> Self {
+        if let Some(gains) = gains {
+            for c in 0..3 {
+                let most = gains.most.iter().map(|gain| gain[c]).fold(0.0, f32::max);
+                self.brightest[c] *= most;
+                self.mean_square[c] *= f64::from(most * most);
+            }
+        }
+        self
+    }
+}
+
 /// The light of each channel, or its bounds.
 struct Extremes {
     brightest: [f32; 3],
@@ -159,27 +193,32 @@ struct Extremes {
 }
 
 impl Extremes {
-    fn find(radiance: &Rgb<f32>, gains: Option<&TileGains>) -> Self {
-        let darkest = [0, 1, 2].map(|c| least(radiance.planes()[c].data()));
+    fn measure(radiance: &Rgb<f32>) -> Self {
+        let planes = radiance.planes().each_ref().map(Plane::data);
+        Self {
+            brightest: planes.map(greatest),
+            darkest: planes.map(least),
+            mean_square: planes.map(|samples| f64::from(square_sum(samples)) / samples.len().max(1) as f64),
+        }
+    }
+
+    /// Bounds from those of each tile.
+    fn predict(view: &VisibleBounds, gains: &TileGains) -> Self {
         let mut found = Self {
             brightest: [0.0; 3],
-            darkest: gains.map_or(darkest, |gains| [0, 1, 2].map(|c| darkest[c] * gains.least[c])),
+            darkest: [f32::INFINITY; 3],
             mean_square: [0.0; 3],
         };
-        let (width, height) = radiance.size();
-        let side = gains.map_or(width.max(1), |gains| gains.side_px);
-        for y in 0..height {
+        let count = view.tiles.len().max(1) as f64;
+        let evenness = f64::from(gains.evenness);
+        for (tile, gain) in view.tiles.iter().zip(&gains.most) {
             for c in 0..3 {
-                for (tile, samples) in radiance.planes()[c].row(y).chunks(side).enumerate() {
-                    let gain = gains.map_or(1.0, |gains| gains.at(tile * side, y)[c]);
-                    found.brightest[c] = found.brightest[c].max(gain * greatest(samples));
-                    found.mean_square[c] += f64::from(gain * gain * square_sum(samples));
-                }
+                let brightest = gain[c] * tile.brightest[c];
+                found.brightest[c] = found.brightest[c].max(brightest);
+                found.darkest[c] = found.darkest[c].min(gains.least[c] * tile.darkest[c]);
+                found.mean_square[c] += (evenness * f64::from(brightest)).powi(2) / count;
             }
         }
-        let evenness = gains.map_or(1.0, |gains| f64::from(gains.evenness));
-        let share = evenness * evenness / (width * height).max(1) as f64;
-        found.mean_square = found.mean_square.map(|sum| sum * share);
         found
     }
 }
@@ -230,9 +269,11 @@ fn distinct(range: &[f32], stand_in: Option<f32>) -> Option<Vec<f32>> {
 
 #[cfg(test)]
 mod tests {
+    use imaging::geometry::Intrinsics;
     use spec::Optics;
 
     use super::*;
+    use crate::visible_bounds::TILE_PX;
 
     fn clear(holes: HoleRule) -> Water {
         let request = spec::Water {
@@ -276,9 +317,9 @@ mod tests {
         let range = Plane::from_fn(40, 20, |x, _| if x < 20 { 2.0 } else { 9.0 });
         let radiance = Rgb::from_fn(40, 20, |x, y| [0.1 + 0.01 * x as f32, 0.02 * y as f32, 0.5]);
         let gains = TileGains {
-            side_px: 16,
-            columns: 3,
-            most: (0..6).map(|tile| [1.0 + tile as f32, 2.0, 0.5]).collect(),
+            side_px: TILE_PX,
+            columns: 2,
+            most: (0..2).map(|tile| [1.0 + tile as f32, 2.0, 0.5]).collect(),
             least: [0.5; 3],
             evenness: 1.0,
         };
@@ -287,12 +328,14 @@ mod tests {
             [0, 1, 2].map(|c| radiance.pixel(x, y)[c] * gain[c])
         });
         let water = clear(HoleRule::Background);
-        let predicted = SceneBounds::predict(&radiance, &gains, &range, &water);
+        let camera = Intrinsics::centered(30.0, 40, 20);
+        let view = VisibleBounds::measure(&radiance, &range, &camera);
+        let predicted = SceneBounds::predict(&radiance, &view, &gains, &range, &water);
         let measured = SceneBounds::measure(&lit, &range, &water);
         assert_eq!(predicted.brightest, measured.brightest);
         assert_eq!(predicted.bins, measured.bins);
         for (predicted, measured) in predicted.mean_square.iter().zip(measured.mean_square) {
-            assert!((predicted / measured - 1.0).abs() < 1e-5);
+            assert!(predicted >= &(measured * (1.0 - 1e-6)), "{predicted} {measured}");
         }
         assert_eq!(predicted.darkest, [0.05, 0.0, 0.25]);
     }

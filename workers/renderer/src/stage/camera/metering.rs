@@ -15,9 +15,10 @@ use crate::stage::scene::Prepared;
 const STEP_PX: usize = 16;
 /// Pixels of the thinned picture along its shorter side, where the scene has as many.
 const LEAST_PX: usize = 32;
-/// The factor is expected to be no larger than this times that of the thinned picture. A frame that is metered brighter is planned
-/// and rendered again.
-const MARGIN: f64 = 1.3;
+/// The factor is expected to be larger than that of the thinned picture by no more than this share, and this over the root of the pixels
+/// that the percentile leaves on its smaller side. A frame that is metered brighter is planned and rendered again.
+const MARGIN: f64 = 0.04;
+const SAMPLING: f64 = 0.8;
 /// Kernels of the thinned picture: its error is far below the margin.
 const TERMS: usize = 4;
 
@@ -130,5 +131,8 @@ pub(crate) fn expect_factor(context: &FrameContext<'_>, light: &Rgb<f32>, meteri
         };
         FallOff::new(law, camera, (width, height))
     });
-    MARGIN * metered(light, falloff.as_ref(), metering)
+    let pixels = (light.width() * light.height()) as f64;
+    let rarest = metering.percentile.min(1.0 - metering.percentile) * pixels;
+    let margin = 1.0 + MARGIN + SAMPLING / rarest.max(1.0).sqrt();
+    margin * metered(light, falloff.as_ref(), metering)
 }
