@@ -1,0 +1,128 @@
+//! The plan of daylight: what of it a tolerance needs.
+
+use optics::plan::{ErrorBound, Stage, StageId, Variant};
+use spec::{RaySource, SurfaceLight};
+
+use super::{farthest_surface, on_surfaces};
+use crate::planning::Assessment;
+
+/// Nanoseconds per pixel: daylight on surfaces under an even sky and with the sun, a ray to the sun, each ray of ambient occlusion where
+/// some are traced, and caustics with the tiles that they are looked up in.
+const OVERCAST_NS: f64 = 7.0;
+const SUNNY_NS: f64 = 9.0;
+const SUN_RAY_NS: f64 = 30.0;
+const AMBIENT_RAY_NS: f64 = 20.0;
+const CAUSTICS_NS: f64 = 40.0;
+/// A ray through a range image; of those of ambient occlusion there is one for each fifth pixel.
+const SCREEN_RAY_NS: f64 = 1_000.0;
+/// Shadows of the sun and caustics are each left out if that changes no more than this part of the tolerance.
+const SKIP_SHARE: f64 = 0.0625;
+
+/// Daylight on surfaces with the sun's shadows, ambient occlusion and caustics; or one factor for the whole scene.
+pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
+    let context = assessment.context;
+    let (Some(daylight), Some(far)) = (on_surfaces(&context.setting), farthest_surface(context)) else {
+        return vec![assess_factor(assessment)];
+    };
+    let is_sloped = daylight.surfaces() == SurfaceLight::Normal;
+    let reflectance = optics::brightest(&context.prepared.scene.radiance);
+    let peak = context
+        .pattern
+        .as_ref()
+        .map_or(1.0, |pattern| pattern.peak().max(1.0));
+    let sun = daylight.sun().filter(|_| is_sloped);
+    let ns = if sun.is_some() { SUNNY_NS } else { OVERCAST_NS };
+    let surfaces = Stage {
+        bound: Some(daylight.rounding(reflectance, far, peak)),
+        ..Stage::new(
+            StageId::Surfaces,
+            assessment.variant(if is_sloped { "by_normal" } else { "by_depth" }),
+        )
+    };
+    let sunlight = (0..3).map(|c| f64::from(reflectance[c]) * daylight.most_sunlight(c, far));
+    let sunlight = sunlight.fold(0.0, f64::max);
+    let mut stages = vec![
+        Stage::skipped(StageId::SceneLight),
+        surfaces.costing(ns, assessment.pixels()),
+    ];
+    if sun.is_some_and(|sun| sun.casts_shadows) {
+        stages.push(assess_sun_shadow(assessment, sunlight));
+    }
+    if is_sloped && daylight.ambient_rays() > 0 {
+        stages.push(assess_ambient(assessment, daylight.ambient_rays()));
+    }
+    if sun.is_some() && context.pattern.is_some() {
+        // Brighter by no more than the peak, and darker by no more than all of it.
+        stages.push(assess_caustics(assessment, sunlight * (peak - 1.0).max(1.0)));
+    }
+    stages
+}
+
+/// One factor for each channel.
+fn assess_factor(assessment: &Assessment<'_>) -> Stage {
+    let gain = assessment.context.setting.gain();
+    if [[0.0; 3], [1.0; 3]].contains(&gain) {
+        return Stage::skipped(StageId::SceneLight);
+    }
+    Stage::new(StageId::SceneLight, Variant::Fast("daylight"))
+}
+
+fn is_by_screen(assessment: &Assessment<'_>) -> bool {
+    assessment.context.frame.ray_source() == RaySource::Screen
+}
+
+/// A stage of sunlight: left out if that changes no more than its share.
+fn assess_sunlight(assessment: &Assessment<'_>, id: StageId, fast: &'static str, changed: f64) -> Stage {
+    let share = SKIP_SHARE * assessment.budget.whole();
+    if !assessment.is_reference() && changed <= share {
+        return Stage {
+            share: Some(share),
+            bound: Some(ErrorBound::absolute(changed)),
+            note: Some("sunlight changes no more than its share".to_owned()),
+            ..Stage::skipped(id)
+        };
+    }
+    Stage {
+        share: Some(share),
+        bound: None,
+        ..Stage::new(id, assessment.variant(fast))
+    }
+}
+
+fn assess_sun_shadow(assessment: &Assessment<'_>, sunlight: f64) -> Stage {
+    let by_screen = is_by_screen(assessment);
+    let (variant, ns) = if by_screen {
+        ("rays_of_range_image", SCREEN_RAY_NS)
+    } else {
+        ("rays", SUN_RAY_NS)
+    };
+    let mut stage = assess_sunlight(assessment, StageId::SunShadow, variant, sunlight);
+    if !stage.variant.is_skipped() {
+        stage.note = Some(if by_screen { OFF_SCREEN } else { EDGES }.to_owned());
+    }
+    stage.costing(ns, assessment.pixels())
+}
+
+const OFF_SCREEN: &str = "the error is not known: what the picture does not show casts no shadow";
+const EDGES: &str = "at edges a pixel may fall on the other side";
+
+fn assess_ambient(assessment: &Assessment<'_>, rays: usize) -> Stage {
+    let by_screen = is_by_screen(assessment);
+    let (variant, ns, note) = if by_screen {
+        ("rays_of_range_image", SCREEN_RAY_NS / 5.0, OFF_SCREEN)
+    } else {
+        let note = "traced at every fourth pixel of one surface, at each pixel between surfaces";
+        ("rays", AMBIENT_RAY_NS, note)
+    };
+    Stage {
+        terms: Some(rays),
+        bound: None,
+        note: Some(note.to_owned()),
+        ..Stage::new(StageId::AmbientAccess, assessment.variant(variant))
+    }
+    .costing(ns * rays as f64, assessment.pixels())
+}
+
+fn assess_caustics(assessment: &Assessment<'_>, changed: f64) -> Stage {
+    assess_sunlight(assessment, StageId::Caustics, "tiles", changed).costing(CAUSTICS_NS, assessment.pixels())
+}
