@@ -4,7 +4,7 @@ use super::levels::{DEFAULT_TOLERANCE, ROUNDING};
 use super::{ErrorBound, Gain, Stage, StageId, compose, compose_gain};
 
 /// Share of the quadrature of airlight: more nodes cost little compared with more kernels.
-const AIRLIGHT: f64 = 0.4;
+const AIRLIGHT: f64 = 0.25;
 /// Share of clouds of sediment, used only if it leaves them out.
 const SEDIMENT: f64 = 0.125;
 /// Share of the snow: wider discs cost next to nothing.
