@@ -19,8 +19,8 @@ const LEAST_PX: usize = 32;
 /// that the percentile leaves on its smaller side. A frame that is metered brighter is planned and rendered again.
 const MARGIN: f64 = 0.04;
 const SAMPLING: f64 = 0.8;
-/// Kernels of the thinned picture: its error is far below the margin.
-const TERMS: usize = 4;
+/// Tolerance of the thinned picture: loose, and yet below the margin of dark scenes.
+const TOLERANCE: f64 = 3e-3;
 
 /// An exposure before the frame is rendered.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,7 +103,7 @@ pub(crate) fn thin_frame(frame: &Frame, (width, height): (usize, usize)) -> Fram
             ..Camera::pinhole(width, height, frame.camera.hfov_deg)
         },
         artifacts: Vec::new(),
-        fidelity: Fidelity::Terms(TERMS),
+        fidelity: Fidelity::Tolerance(TOLERANCE),
         ..frame.clone()
     };
     thin.water.snow = None;
