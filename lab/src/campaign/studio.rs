@@ -106,7 +106,7 @@ impl Default for Studio {
     }
 }
 
-/// The largest difference of two pictures and its column, row and channel; infinite where one is no number.
+/// The largest difference of two pictures and its column, row and channel; infinite for a NaN.
 fn largest_error(fast: &Rgb<f32>, exact: &Rgb<f32>) -> (f64, [usize; 3]) {
     let width = fast.width().max(1);
     let mut largest = (0.0, [0; 3]);

@@ -26,7 +26,7 @@ pub struct RecordOf<V, M> {
     pub optics: M,
     /// The plan: per stage its variant, terms, bound, gain and expected cost.
     pub plan: V,
-    /// The error that the plan promises not to exceed; `None` if the frame asked for no tolerance, and in records of older versions.
+    /// The promised error bound; `None` without a tolerance, and in records of older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub promise: Option<Promise>,
     /// Metric values by subject (`rgb`, `hscm`, …) and metric (`uiqm`, `uiqm@table1`, …).
@@ -49,12 +49,12 @@ pub struct RecordOf<V, M> {
     pub provenance: Provenance,
 }
 
-/// The error that the plan of a frame promises not to exceed.
+/// The promised error bound of a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Promise {
     /// The largest error of any sample of the exposed light, from black to white, against the exact chain in f64.
     pub bound: f64,
-    /// The largest error that the frame asks for.
+    /// The tolerance of the frame.
     pub tolerance: f64,
     /// Stages that run without a bound: the promise does not count them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -49,7 +49,7 @@ impl ErrorBound {
         self.bound_sample(1.0)
     }
 
-    /// Both errors at once.
+    /// The sum of two errors.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {

@@ -43,9 +43,9 @@ use crate::water::Water;
 /// The plan of a frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
-    /// The largest error of the exposed light that the frame asks for; `None` if it asks for kernels or for the reference.
+    /// The tolerated error of the exposed light; `None` for a fixed number of kernels and for the reference.
     pub tolerance: Option<f64>,
-    /// In the order in which light passes through them.
+    /// The stages in the order of light.
     pub stages: Vec<Stage>,
 }
 

@@ -19,7 +19,7 @@ use crate::stage::snow::Shutter;
 use crate::stage::{daylight, rays, turbidity};
 use crate::stopwatch::Stopwatch;
 
-/// The inputs of the stages of one moment of a frame; none of them changes it.
+/// The inputs of the stages of one moment of a frame. Stages do not change them.
 pub(crate) struct FrameContext<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) prepared: &'a Prepared,
@@ -32,7 +32,7 @@ pub(crate) struct FrameContext<'a> {
     pub(crate) pattern: Option<Pattern>,
     /// Bounds of the picture, tile by tile; `None` without range.
     pub(crate) view: Option<VisibleBounds>,
-    /// What occludes the sun and lamps; `None` if neither casts shadows.
+    /// Occluders of the sun and lamps; `None` if neither casts shadows.
     pub(crate) occluders: Option<Box<dyn Rays + Sync + 'a>>,
     /// Through what, when and for how long particles are seen.
     pub(crate) shutter: Shutter,
@@ -49,7 +49,7 @@ pub(crate) struct Resources {
 }
 
 impl<'a> FrameContext<'a> {
-    /// The context of a frame so many frames of its path after its own time, without a plan yet.
+    /// The context of a frame without a plan yet, `later` frames of its path after its time.
     pub(crate) fn new(
         frame: &'a Frame,
         prepared: &'a Prepared,

@@ -22,7 +22,7 @@ pub(crate) struct Light {
     pub(crate) mask: Option<Plane<f32>>,
 }
 
-/// Plans the stages of a moment. The water gets what the others leave of the tolerance.
+/// Plans the stages of a moment. The water gets the remainder of the tolerance.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     let mut stages = daylight::assess(assessment);
     stages.push(turbidity::assess(assessment));

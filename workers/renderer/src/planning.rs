@@ -29,7 +29,7 @@ pub(crate) struct Assessment<'a> {
 }
 
 impl Assessment<'_> {
-    /// The variant of a stage that runs: the reference if the frame asks for it.
+    /// The variant of a stage: the reference for frames of that fidelity.
     pub(crate) fn variant(&self, fast: &'static str) -> Variant {
         if self.is_reference() {
             Variant::Reference
@@ -58,7 +58,7 @@ impl Assessment<'_> {
     }
 }
 
-/// Plans a moment of a frame whose exposure is expected; within the error that was promised before, if there is one.
+/// Plans a moment of a frame for its expected exposure, within an earlier promise if there is one.
 pub(crate) fn plan_frame(
     context: &FrameContext<'_>,
     expected: Option<Expected>,

@@ -29,7 +29,7 @@ pub(super) fn binned(radiance: &Rgb<f32>, gains: Option<&TileGains>, range: &Pla
                 for (tile, meters) in range.row(y).chunks(gains.side_px).enumerate() {
                     let x = tile * gains.side_px;
                     let light = rows.map(|row| &row[x..x + meters.len()]);
-                    vectorized!(fill(light, meters, gains.at(x, y), &mut brightest));
+                    vectorized!(fill(light, meters, gains.tile_gain(x, y), &mut brightest));
                 }
             }
         }

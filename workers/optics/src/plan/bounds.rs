@@ -1,4 +1,4 @@
-//! What a plan needs to know of a scene.
+//! Bounds of a scene that plans are made from.
 
 use imaging::{Plane, Rgb, vectorized};
 use spec::{HoleRule, ScatterSource};
@@ -12,10 +12,10 @@ use crate::range::{bounds, filled as filled_range, is_hole};
 use crate::visible_bounds::VisibleBounds;
 use crate::water::{Scatter, Water};
 
-/// Distinct ranges are counted up to here: with more, interpolation takes fewer kernels than there are ranges.
+/// Most distinct ranges that are counted: with more, interpolation needs fewer kernels than there are ranges.
 const MOST_DISTINCT: usize = 32;
 
-/// Pixels whose range lies between two distances less than an eighth apart.
+/// Pixels between two ranges that differ by less than an eighth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RangeBin {
     /// The two distances in meters.
@@ -27,7 +27,7 @@ pub struct RangeBin {
 /// Bounds of a scene as it enters the water.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneBounds {
-    /// Nearest and farthest valid range in meters, holes by the water's rule; none if every pixel is a hole.
+    /// Nearest and farthest valid range in meters, holes by the water's rule; `None` if every pixel is a hole.
     pub range_m: Option<(f64, f64)>,
     /// The same of the pixels that spread light in a channel: their radiance is not 0, and it is not all lost on the way.
     pub lit_m: [Option<(f64, f64)>; 3],
@@ -43,7 +43,7 @@ pub struct SceneBounds {
     pub holes: bool,
     /// The lit ranges, nearest first, with the largest radiance of each channel there.
     pub bins: Vec<RangeBin>,
-    /// The layers of the frame, if the water asks for gates and something occludes something.
+    /// The layers of the frame; `None` without occlusion-aware scatter, or without an edge in depth.
     pub layering: Option<Layering>,
     /// The widest kernel that the frame's size admits, pixels.
     pub widest_px: f64,
@@ -69,7 +69,7 @@ pub struct TileGains {
 
 impl TileGains {
     /// The bound of a pixel's tile.
-    pub(super) fn at(&self, x: usize, y: usize) -> [f32; 3] {
+    pub(super) fn tile_gain(&self, x: usize, y: usize) -> [f32; 3] {
         self.most[y / self.side_px * self.columns + x / self.side_px]
     }
 }
@@ -236,7 +236,7 @@ fn square_sum(samples: &[f32]) -> f32 {
     })
 }
 
-/// The range from which on no spread light is left in f32.
+/// Beyond this range spread light vanishes in f32.
 fn opaque_m(water: &Water, channel: usize) -> f32 {
     match water.scatter {
         Scatter::Jaffe {
@@ -248,7 +248,7 @@ fn opaque_m(water: &Water, channel: usize) -> f32 {
     }
 }
 
-/// The distinct valid ranges, none if there are more than [`MOST_DISTINCT`].
+/// The distinct valid ranges; `None` if there are more than [`MOST_DISTINCT`].
 fn distinct(range: &[f32], stand_in: Option<f32>) -> Option<Vec<f32>> {
     let mut seen: Vec<f32> = stand_in.into_iter().collect();
     let mut last = f32::NAN;
@@ -324,7 +324,7 @@ mod tests {
             evenness: 1.0,
         };
         let lit = Rgb::from_fn(40, 20, |x, y| {
-            let gain = gains.at(x, y);
+            let gain = gains.tile_gain(x, y);
             [0, 1, 2].map(|c| radiance.pixel(x, y)[c] * gain[c])
         });
         let water = clear(HoleRule::Background);

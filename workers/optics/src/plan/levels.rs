@@ -12,12 +12,12 @@ pub(super) const ROUNDING: f64 = 2e-6;
 /// Rounding of a transform is noise over the whole frame, in proportion to the root mean square of its light; its largest sample is this
 /// many times that.
 const NOISE_PEAK: f64 = 5.0;
-/// The tolerance of plans for frames that ask for kernels.
+/// The tolerance of plans for a fixed number of kernels.
 pub(super) const DEFAULT_TOLERANCE: f64 = 3e-4;
-/// No 8-bit code changes by more than one for any error up to this, however dark the picture is.
+/// An error up to this changes 8-bit codes by at most one, even in black.
 const DARK: f64 = 1.0 / 255.0 / 12.92;
 
-/// The largest error of the exposed light that a frame asks for; `None` if it asks for kernels or for the reference.
+/// The tolerated error of the exposed light of a frame; `None` for a fixed number of kernels and for the reference.
 #[must_use]
 pub fn frame_tolerance(frame: &Frame, bounds: &SceneBounds, around: Option<&Water>) -> Option<f64> {
     // Snow may be darker than anything in the water, airlight lifts darkness to another slope of the curve, and an exposure
@@ -88,7 +88,7 @@ pub fn brightest_behind(bounds: &SceneBounds, around: Option<&Water>, airlight: 
 
 /// The brightest direct light of a channel behind the water.
 fn brightest_direct(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 {
-    // A hole shows the scene only where the water attenuates nothing.
+    // A hole shows the scene only in water without attenuation.
     if bounds.holes && water.direct_attenuation[channel] == 0.0 {
         return f64::from(bounds.brightest[channel]) * water.radiance_gain[channel];
     }

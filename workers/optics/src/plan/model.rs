@@ -20,7 +20,7 @@ const SKY_RATIOS: std::ops::RangeInclusive<f64> = 0.25..=6.0;
 /// Distance of the model of a stage from radiative transfer.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum ModelError {
-    /// The stage has no truth: style, haze, enhancement, or nothing that is physics.
+    /// The stage has no physical truth: style, haze, enhancement.
     #[default]
     NoModel,
     /// Measured against Monte Carlo: model over truth, least and greatest.
@@ -30,7 +30,7 @@ pub enum ModelError {
         /// Of which light, and where it was measured.
         about: String,
     },
-    /// Nothing was measured under conditions like these.
+    /// Conditions like these were not measured.
     NotMeasured,
 }
 
@@ -75,7 +75,7 @@ impl std::fmt::Display for ModelError {
     }
 }
 
-/// What measurements depend on.
+/// Conditions of a measurement.
 #[derive(Debug, Clone, Copy)]
 pub struct Conditions<'a> {
     /// The water.

@@ -1,4 +1,4 @@
-//! What a plan promises: one number and one sentence, wherever they are printed or stored.
+//! The promise of a plan: one number and one sentence for every place that prints or stores them.
 
 use spec::Promise;
 
@@ -6,11 +6,11 @@ use super::{MOST_TERMS, Plan, StageId, Variant};
 
 /// The largest tolerance of a description.
 const MOST_TOLERANCE: f64 = 1.0;
-/// A bound may exceed a tolerance by the rounding of its own sum.
+/// A bound may exceed a tolerance by the rounding of the sum of its parts.
 const SUM_ROUNDING: f64 = 1e-9;
 
 impl Plan {
-    /// What the plan promises; `None` if the frame asks for no tolerance.
+    /// The promise; `None` without a tolerance.
     #[must_use]
     pub fn promise(&self) -> Option<Promise> {
         let tolerance = self.tolerance?;

@@ -138,7 +138,7 @@ pub(super) fn fewest(bound: &Bound, wide: (f64, f64), share: f64, gathers: bool)
     (enough.nodes, enough.error)
 }
 
-/// Numbers of nodes that are tried first.
+/// First numbers of nodes of the search.
 const GALLOP: [usize; 6] = [3, 6, 12, 20, 36, MOST_TERMS];
 
 /// A number of nodes and its error.
@@ -161,7 +161,7 @@ impl Search {
         Self { terms, nodes, error }
     }
 
-    /// The number between this one and one that suffices at which the error is expected to be `share`.
+    /// The number of nodes at the expected crossing of `share`, between this one and one that suffices.
     fn guess(&self, enough: &Self, share: f64) -> usize {
         let fallen = (self.error / share).ln() / (self.error / enough.error).ln();
         let span = (enough.terms - self.terms) as f64;

@@ -21,7 +21,7 @@ pub struct Shadows {
     pub lighting: Lighting,
     /// Lamps that cast one.
     pub lamps: usize,
-    /// Lamps that are described with one, but that nothing can occlude.
+    /// Lamps described with a shadow but without a possible occluder.
     pub spared: usize,
     /// Soft lamps whose penumbras are narrower than a pixel.
     pub hardened: usize,
@@ -29,7 +29,7 @@ pub struct Shadows {
     pub samples: usize,
     /// The most that the frame asks for.
     pub most_samples: usize,
-    /// What occludes them.
+    /// The source of occluders.
     pub rays: RaySource,
 }
 
@@ -75,7 +75,7 @@ impl Shadows {
         }
     }
 
-    /// What a plan says of them.
+    /// The note in the plan.
     #[must_use]
     pub fn note(&self) -> String {
         if self.lamps == 0 {

@@ -9,16 +9,16 @@ const AIRLIGHT: f64 = 0.25;
 const SEDIMENT: f64 = 0.125;
 /// Share of the snow: wider discs cost next to nothing.
 const SNOW: f64 = 0.04;
-/// Share of light for which no shadow is traced.
+/// Share of light without shadow rays.
 const UNSHADOWED: f64 = 1.0 / 16.0;
-/// Minimum share of the tolerance for the light before the camera and for the water, however much the others use up.
+/// Minimum share of the tolerance reserved for the light before the camera and for the water.
 const LEAST: f64 = 0.125;
 
 /// The error that the stages before the camera may make, from the tolerance of the exposed light backwards through the gains
 /// of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
-    /// The largest error of the exposed light; `None` if the frame asks for no tolerance.
+    /// The tolerated error of the exposed light; `None` without a tolerance.
     pub tolerance: Option<f64>,
     /// From the light before the camera to the exposed light.
     gain: Gain,
@@ -42,7 +42,7 @@ impl Budget {
         }
     }
 
-    /// The largest absolute error of the light before the camera; with a default for frames that ask for no tolerance.
+    /// The largest absolute error of the light before the camera, from a default tolerance if the frame has none.
     #[must_use]
     pub fn whole(&self) -> f64 {
         self.whole
@@ -54,7 +54,7 @@ impl Budget {
         AIRLIGHT * self.whole
     }
 
-    /// What clouds of sediment may change at most if they are left out.
+    /// Largest effect of clouds of sediment that may be left out.
     #[must_use]
     pub fn sediment(&self) -> f64 {
         SEDIMENT * self.whole
@@ -72,8 +72,7 @@ impl Budget {
         UNSHADOWED * self.whole
     }
 
-    /// What is left for attenuation, veil and scatter beside these stages, in water with this gain; `None` if the frame asks for no
-    /// tolerance.
+    /// The share of attenuation, veil and scatter next to these stages, in water with this gain; `None` without a tolerance.
     #[must_use]
     pub fn water<'a>(&self, others: impl Iterator<Item = &'a Stage>, gain: Gain) -> Option<f64> {
         self.tolerance?;

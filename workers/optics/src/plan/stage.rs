@@ -7,7 +7,7 @@ use super::{ErrorBound, Gain, ModelError, Shadows};
 use crate::forward_scatter::{Kernels, Nodes};
 use crate::layering::Layering;
 
-/// The stages in the order in which light passes through them.
+/// The stages in the order of light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum StageId {
     /// Daylight at the depth of the scene, one factor for each channel.
@@ -131,7 +131,7 @@ impl StageId {
 /// The variant of a stage that runs.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Variant {
-    /// None: the stage changes nothing, or less than its share.
+    /// The stage is left out: its effect is 0 or within its share.
     Skip,
     /// The fast one of this name.
     Fast(&'static str),
@@ -164,7 +164,7 @@ impl Variant {
         }
     }
 
-    /// Whether nothing runs.
+    /// Whether the stage is left out.
     #[must_use]
     pub fn is_skipped(&self) -> bool {
         self.name() == "skip"
@@ -186,13 +186,13 @@ impl Variant {
 pub struct Stage {
     /// Which stage.
     pub id: StageId,
-    /// What runs.
+    /// The variant that runs.
     pub variant: Variant,
     /// Kernels, lamps, rays or layers.
     pub terms: Option<usize>,
     /// Part of the tolerance assigned to it, at its output.
     pub share: Option<f64>,
-    /// The largest error it can add at its own output. `None` where nothing bounds it, or where it is the reference.
+    /// The largest error that it adds at its output; `None` without a bound.
     pub bound: Option<ErrorBound>,
     /// How an error at its input appears at its output.
     pub gain: Gain,
@@ -228,7 +228,7 @@ impl Stage {
         Self::new(id, Variant::Skip)
     }
 
-    /// The same stage at this many nanoseconds for each of some pixels; in f64 and where nothing runs the cost stays.
+    /// The same stage at this cost per pixel; a reference or a skipped stage keeps its cost.
     #[must_use]
     pub fn costing(mut self, ns: f64, pixels: usize) -> Self {
         if self.variant != Variant::Reference && !self.variant.is_skipped() {
@@ -272,7 +272,7 @@ impl Serialize for Stage {
 }
 
 impl Stage {
-    /// The error up to white that is printed; `None` of stages without one.
+    /// The printed bound, for light up to white; `None` of stages without one.
     #[must_use]
     pub fn printed_bound(&self) -> Option<f64> {
         self.bound
@@ -284,7 +284,7 @@ impl Stage {
         (self.gain != Gain::ONE).then_some(self.gain.absolute)
     }
 
-    /// What is printed of its model; `None` of stages that do not run or have no truth.
+    /// The printed model error; `None` of skipped stages and of those without a truth.
     #[must_use]
     pub fn printed_model_error(&self) -> Option<String> {
         let is_known = self.model_error != ModelError::NoModel && !self.variant.is_skipped();

@@ -10,7 +10,7 @@ use crate::water::{Scatter, Water};
 
 /// Attenuation is left out if that changes no more than this part of the tolerance.
 const SKIP_SHARE: f64 = 0.125;
-/// Minimum share of the tolerance for forward scatter, however much the other stages use up.
+/// Minimum share of the tolerance reserved for forward scatter.
 const LEAST_SHARE: f64 = 0.125;
 /// Spread light of several pixels with kernels of different widths may add up in one pixel to this much.
 pub(super) const PILED_UP: f64 = 2.0;
@@ -64,8 +64,7 @@ pub fn assess_water(
     stages
 }
 
-/// How an error of the light on surfaces appears behind the water: what arrives directly of the nearest surface, and the spread light that
-/// may pile up.
+/// Gain of errors of the light on surfaces: direct transmittance of the nearest surface, and spread light that may pile up.
 #[must_use]
 pub fn water_gain(bounds: &SceneBounds, water: &Water) -> Gain {
     let Some((nearest, farthest)) = bounds.range_m else {
@@ -96,7 +95,7 @@ fn used_by(stage: &Stage, share: Option<f64>) -> f64 {
     }
 }
 
-/// Attenuation. Its bound is the rounding of all of the water, or what is lost if it is left out.
+/// Attenuation. Its bound is the rounding of all of the water, and its effect if it is left out.
 fn assess_attenuation(bounds: &SceneBounds, water: &Water, fidelity: Fidelity, share: Option<f64>) -> Stage {
     if fidelity == Fidelity::REFERENCE {
         return Stage::new(StageId::Attenuation, Variant::Reference);

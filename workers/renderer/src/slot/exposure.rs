@@ -1,4 +1,4 @@
-//! The exposure of a frame: its moments, the factor that is expected of it, and the one that is metered.
+//! The exposure of a frame: its moments, the expected factor and the metered one.
 
 use imaging::Rgb;
 use optics::forward_scatter::KernelCache;
@@ -17,7 +17,7 @@ use crate::stage::scene;
 use crate::stage::seen::Seen;
 use crate::stopwatch::Stopwatch;
 
-/// A frame that is metered brighter than expected is planned for this much more.
+/// Reserve of the second plan of a frame whose metered factor exceeds the expected one.
 const AGAIN: f64 = 1.05;
 
 /// Caches for thinned pictures, apart from those of frames.
@@ -34,8 +34,8 @@ pub(super) struct Taken {
 }
 
 impl Slot {
-    /// Plans, renders and exposes a frame. A frame that is metered brighter than expected is planned for that and rendered again,
-    /// within the error that was promised first.
+    /// Plans, renders and exposes a frame. If the metered factor exceeds the expected one, plans for it and renders again within the
+    /// first promise.
     pub(super) fn take(
         &mut self,
         context: &mut FrameContext<'_>,
@@ -93,8 +93,7 @@ impl Slot {
         }))
     }
 
-    /// The mean of the pictures of all moments of a frame, each row from its own. The labels of the frame become those of its
-    /// bands.
+    /// The mean of the pictures of all moments of a frame, row by row. The labels of the frame become those of its bands.
     fn average_moments(
         &mut self,
         context: &mut FrameContext<'_>,
@@ -132,7 +131,7 @@ impl Slot {
         if let Some(seen) = &mut seen {
             seen.find_boxes();
         }
-        // Half of an even exposure lies between two of its pictures: labels of the frame's own pose are nearer.
+        // The middle of an even number of pictures is between two of them: labels of the frame's pose are nearer.
         if let Some(taking) = context.taking.as_mut().filter(|_| rolls) {
             taking.seen = seen;
         }
@@ -253,7 +252,7 @@ fn worse(one: ErrorBound, other: ErrorBound) -> ErrorBound {
     }
 }
 
-/// Adds how much worse than its own pose the worst moment of a frame is.
+/// Adds the excess of the worst moment of a frame over its pose.
 fn count_moments(context: &mut FrameContext<'_>, worst: ErrorBound) {
     let before = context
         .plan

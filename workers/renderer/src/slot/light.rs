@@ -30,7 +30,7 @@ pub struct WaterLight {
 }
 
 impl Slot {
-    /// The light of a frame in its water, as far as a truth has it: with the veil of daylight if `has_daylight`.
+    /// The light of a frame in its water without snow: with the veil of daylight if `has_daylight`.
     ///
     /// # Errors
     /// As [`Slot::render`].
@@ -50,8 +50,7 @@ impl Slot {
         })
     }
 
-    /// Traces a frame, whatever its artifacts, round by round; `None` of a scene without a range, and if the first round is not
-    /// traced.
+    /// Traces a frame round by round; `None` of a scene without a range, and if the first round is not traced.
     ///
     /// # Errors
     /// As [`Slot::render`].

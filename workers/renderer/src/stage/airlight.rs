@@ -1,4 +1,4 @@
-//! Airlight of lamps: what the water scatters towards the camera before any surface.
+//! Airlight of lamps: light that the water scatters towards the camera.
 
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
@@ -11,7 +11,7 @@ use crate::planning::Assessment;
 
 /// Nanoseconds per pixel of each lamp.
 const AIRLIGHT_NS: f64 = 12.6;
-/// Shadow rays of a pixel to each lamp, and those to the disc that multiply scattered light comes from.
+/// Shadow rays of a pixel to each lamp, and those to the disc of multiply scattered light.
 const RAYS: f64 = 10.0;
 const DISC_RAYS: f64 = 7.0;
 
@@ -53,7 +53,7 @@ fn assess_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<St
     Some(stage.costing(ns, assessment.pixels()))
 }
 
-/// The airlight of every pixel; `None` without lamps, or in water that scatters nothing.
+/// The airlight of every pixel; `None` without lamps, or in water without scattering.
 pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
     let (lighting, range) = (
         context.setting.lighting.as_ref()?,

@@ -149,7 +149,7 @@ pub(crate) fn haze_behind(frame: &Frame, has_camera: bool) -> Vec<Haze> {
     frame.haze().into_iter().filter(comes).collect()
 }
 
-/// The frame with the tolerance that the noise of its sensor hides, if it asks for that.
+/// The frame with the tolerance of its sensor noise; `None` for frames of another fidelity.
 pub(crate) fn with_tolerance(frame: &Frame) -> Option<Frame> {
     if frame.fidelity != Fidelity::NOISE {
         return None;

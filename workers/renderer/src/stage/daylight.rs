@@ -183,7 +183,7 @@ fn sunlight(
     Some(light)
 }
 
-/// Lets the pattern show in the veil, if the frame asks for it.
+/// Adds the pattern to the veil, for frames with shafts.
 pub(crate) fn run_shafts(context: &FrameContext<'_>, layers: &mut Layers) {
     let setting = &context.setting;
     let daylight = setting.water.as_ref().and_then(Water::daylight);

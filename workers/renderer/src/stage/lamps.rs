@@ -11,7 +11,7 @@ use crate::planning::Assessment;
 /// Nanoseconds per pixel: normals and light of each lamp on surfaces, and the same in patches of turbidity on top.
 const SURFACE_NS: f64 = 6.6;
 pub(super) const PATCHES_NS: f64 = 6.0;
-/// Each shadow ray to a lamp through a scene, the most to a soft lamp, and those to the disc that multiply scattered light comes from.
+/// Each shadow ray to a lamp through a scene, the most to a soft lamp, and those to the disc of multiply scattered light.
 pub(super) const SHADOW_RAY_NS: f64 = 17.5;
 const SOFT_RAYS: usize = 3;
 const DISC_RAYS: f64 = 0.6;
@@ -68,7 +68,7 @@ fn assess_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<St
     Some(shadow_stage(assessment, StageId::LampShadows, shadows).costing(ns, assessment.pixels()))
 }
 
-/// The shadows that are needed; `None` if the reference casts all of them as described.
+/// The necessary shadows; `None` if the reference casts all of them as described.
 pub(super) fn needed_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<Casting> {
     let (rays, view) = (assessment.context.rays()?, assessment.context.view.as_ref()?);
     (!assessment.is_reference()).then(|| Casting::needed(assessment.budget.whole(), lighting, view, rays))

@@ -1,4 +1,4 @@
-//! What occludes light.
+//! Occluders of light.
 
 use imaging::rays::Rays;
 use optics::Screen;

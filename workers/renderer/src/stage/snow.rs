@@ -16,7 +16,7 @@ use super::surroundings::Surroundings;
 use crate::context::FrameContext;
 use crate::planning::Assessment;
 
-/// Seconds that the shutter is open if the description does not say it.
+/// Exposure time of descriptions without one, s.
 const EXPOSURE_S: f64 = 0.01;
 /// Nanoseconds per pixel, and of each particle in view.
 const SNOW_NS: f64 = 19.6;

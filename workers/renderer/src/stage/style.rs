@@ -14,7 +14,7 @@ use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::planning::Assessment;
 
-/// Slope of the decoding of sRGB at white, where it is steepest: what a difference of encoded values becomes in linear light at most.
+/// Slope of the decoding of sRGB at white, where it is steepest: the largest difference in linear light over that of encoded values.
 const STEEPEST: f64 = 2.4 / 1.055;
 /// Variants of a style: its network and its color table.
 const NETWORK: &str = "network";
@@ -102,7 +102,7 @@ impl Networks {
     }
 }
 
-/// The network of a style, or its color table if it is asked for, or within the tolerance of the network.
+/// The network of a style, or its color table if that is requested or within the tolerance of the network.
 pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Stage, RenderError> {
     let frame = assessment.context.frame;
     let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {

@@ -127,7 +127,7 @@ pub(crate) fn trace(
     Ok(Some(Traced { truth, report }))
 }
 
-/// The cost of the truth; `None` if no artifact asks for it.
+/// The cost of the truth; `None` without an artifact of it.
 pub(crate) fn assess(context: &FrameContext<'_>) -> Option<Stage> {
     let has_range = context.prepared.scene.range.is_some();
     let most = most_paths(context)

@@ -9,7 +9,7 @@ use crate::context::FrameContext;
 use crate::error::RenderError;
 use crate::planning::Assessment;
 
-/// Attenuation, veil, occlusion and forward scatter, within what the other stages leave of the tolerance.
+/// Attenuation, veil, occlusion and forward scatter, within the remainder of the tolerance.
 pub(crate) fn assess(assessment: &Assessment<'_>, others: &[Stage]) -> Vec<Stage> {
     let Assessment { context, bounds, .. } = assessment;
     match &context.setting.around {

@@ -1,4 +1,4 @@
-//! The plan of a camera: what of it runs, its errors and its gains.
+//! The plan of a camera: its variants, errors and gains.
 
 use ::camera::{defocus, exposure, geometry, movement, vignette};
 use optics::plan::{ErrorBound, Gain, Stage, StageId, Variant};
@@ -23,7 +23,7 @@ const SENSOR_NS: f64 = 14.0;
 const DEMOSAIC_NS: f64 = 4.0;
 const JPEG_NS: f64 = 30.0;
 
-/// A camera that is planned.
+/// The camera of a plan.
 struct Camera<'a> {
     taking: &'a Taking,
     is_reference: bool,
@@ -44,7 +44,7 @@ impl Camera<'_> {
     }
 }
 
-/// The stages from the light before the camera to the exposed light; none of a pinhole.
+/// The stages from the light before the camera to the exposed light; empty for a pinhole.
 /// `peak` is the brightest light before the camera.
 pub(crate) fn assess_optics(
     context: &FrameContext<'_>,
@@ -70,7 +70,7 @@ pub(crate) fn assess_optics(
 }
 
 /// The mean of several pictures, or of shifted copies of one. Both are means in f32 in the reference, too, so that their rounding
-/// counts twice. The plan of a frame is that of its own pose; how much worse other moments are is added when they are planned.
+/// counts twice. The plan of a frame is that of its pose; the excess of other moments is added later.
 fn assess_movement(camera: &Camera<'_>) -> Option<Stage> {
     let Taking {
         moments, shift_px, ..
@@ -187,7 +187,7 @@ fn assess_exposure(camera: &Camera<'_>, expected: Expected, tolerance: Option<f6
     Some(stage)
 }
 
-/// The gain of an exposure that is metered: an error of the light moves the metered luminance and with it the factor. Of light up to
+/// The gain of a metered exposure: an error of the light moves the metered luminance and with it the factor. Of light up to
 /// white, `|L g - L' g'| <= g e (1 + 1/t)` for an absolute error e, and twice any relative error; the quotient of both factors is at
 /// most `1/(1 - e g/t)`.
 fn metered_gain(gain: f64, metering: &Metering, tolerance: f64) -> Gain {
@@ -198,7 +198,7 @@ fn metered_gain(gain: f64, metering: &Metering, tolerance: f64) -> Gain {
     }
 }
 
-/// The stages from the exposed light to codes; none of a pinhole.
+/// The stages from the exposed light to codes; empty for a pinhole.
 pub(crate) fn assess_electronics(context: &FrameContext<'_>) -> Vec<Stage> {
     let Some(taking) = &context.taking else {
         return Vec::new();

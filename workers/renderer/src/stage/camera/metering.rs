@@ -1,4 +1,4 @@
-//! The exposure that is expected of a frame before it is rendered: metered on a thinned picture of its scene.
+//! The expected exposure of a frame before it is rendered, metered on a thinned picture of its scene.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ pub(crate) struct Expected {
 }
 
 impl Expected {
-    /// A factor that is known.
+    /// A known factor.
     pub(crate) fn known(gain: f64) -> Self {
         Self { gain, metering: None }
     }
@@ -46,7 +46,7 @@ impl Expected {
     }
 }
 
-/// Every so many pixels one is kept.
+/// The distance of kept pixels.
 fn step_of((width, height): (usize, usize)) -> usize {
     (width.min(height) / LEAST_PX).clamp(1, STEP_PX)
 }
@@ -108,7 +108,7 @@ pub(crate) fn thin_frame(frame: &Frame, (width, height): (usize, usize)) -> Fram
     };
     thin.water.snow = None;
     if let Some(above) = &mut thin.water.from_above {
-        // Brighter and darker alike, and the pattern takes longer than the picture.
+        // On average it changes little, and the pattern costs more than the picture.
         above.caustics = None;
         above.shafts = None;
     }

@@ -1,4 +1,4 @@
-//! The plan of daylight: what of it a tolerance needs.
+//! The plan of daylight.
 
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use spec::{RaySource, SurfaceLight};
