@@ -61,7 +61,8 @@ impl<'a> FrameContext<'a> {
         let taking = camera::taking(frame, prepared, &mut resources.cameras)?;
         let range = prepared.scene.range.as_ref();
         let patchy = watch.time("turbidity", || turbidity::run(frame, range?, &setting));
-        let pattern = watch.time("above", || {
+        let has_daylight = frame.water.from_above.is_some();
+        let pattern = watch.time_if(has_daylight, "above", || {
             daylight::pattern(frame, &setting, range?, &mut resources.tiles)
         });
         let view =

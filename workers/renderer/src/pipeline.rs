@@ -41,22 +41,21 @@ pub(crate) fn render(
     record: &mut FrameRecord,
     watch: &mut Stopwatch,
 ) -> Result<Light, RenderError> {
-    let daylit = watch.time("above", || daylight::run(context));
-    let scene = watch.time("lamps", || lamps::run(context, daylit));
+    let has_lamps = context.setting.lighting.is_some();
+    let has_daylight = context.frame.water.from_above.is_some();
+    let daylit = watch.time_if(has_daylight, "above", || daylight::run(context));
+    let scene = watch.time_if(has_lamps, "lamps", || lamps::run(context, daylit));
     let radiance = scene
         .radiance
         .as_ref()
         .unwrap_or(&context.prepared.scene.radiance);
     let mut layers = watch.time("water", || water::run(context, radiance, kernels))?;
     watch.time("water", || daylight::run_shafts(context, &mut layers));
-    let airlight = watch.time("lamps", || airlight::run(context));
+    let airlight = watch.time_if(has_lamps, "lamps", || airlight::run(context));
     if let Some(airlight) = &airlight {
         airlight::add(airlight, &mut layers);
     }
-    if context.setting.lighting.is_some()
-        && !scene.has_lamp_light
-        && !airlight.as_ref().is_some_and(lamps::has_light)
-    {
+    if has_lamps && !scene.has_lamp_light && !airlight.as_ref().is_some_and(lamps::has_light) {
         record.warnings.push("no lamp lights anything in view".to_owned());
     }
     let picture = &mut layers.scattered;

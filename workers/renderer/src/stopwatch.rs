@@ -25,6 +25,11 @@ impl Stopwatch {
         value
     }
 
+    /// As [`Self::time`], but a frame without the stage gets no time for it.
+    pub(crate) fn time_if<T>(&mut self, is_used: bool, stage: &str, run: impl FnOnce() -> T) -> T {
+        if is_used { self.time(stage, run) } else { run() }
+    }
+
     /// All stages and `total`.
     pub(crate) fn stop(mut self) -> BTreeMap<String, f64> {
         self.stages.insert("total".to_owned(), milliseconds(self.start));
