@@ -12,11 +12,11 @@ use scenes::Labels;
 use spec::{Frame, Intrinsics, LensRecord};
 
 use crate::error::RenderError;
-use crate::stage::camera::{self, Cameras, Taking};
-use crate::stage::daylight::{LastTiles, Pattern};
-use crate::stage::scene::Prepared;
-use crate::stage::snow::Shutter;
-use crate::stage::{daylight, rays, turbidity};
+use crate::inputs::camera::{self, Cameras, Taking};
+use crate::inputs::caustics::{self, LastTiles, Pattern};
+use crate::inputs::scene::Prepared;
+use crate::inputs::shutter::Shutter;
+use crate::inputs::{patches, rays};
 use crate::stopwatch::Stopwatch;
 
 /// The inputs of the stages of one moment of a frame. Stages do not change them.
@@ -60,10 +60,10 @@ impl<'a> FrameContext<'a> {
         let setting = Setting::resolve(frame, &prepared.view()).map_err(RenderError::Setting)?;
         let taking = camera::taking(frame, prepared, &mut resources.cameras)?;
         let range = prepared.scene.range.as_ref();
-        let patchy = watch.time("turbidity", || turbidity::run(frame, range?, &setting));
+        let patchy = watch.time("turbidity", || patches::find_paths(frame, range?, &setting));
         let has_daylight = frame.water.from_above.is_some();
         let pattern = watch.time_if(has_daylight, "above", || {
-            daylight::pattern(frame, &setting, range?, &mut resources.tiles)
+            caustics::find_pattern(frame, &setting, range?, &mut resources.tiles)
         });
         let view =
             range.map(|range| VisibleBounds::measure(&prepared.scene.radiance, range, &setting.eye.camera));
@@ -76,7 +76,7 @@ impl<'a> FrameContext<'a> {
             path_factors: patchy
                 .as_ref()
                 .zip(range)
-                .and_then(|(path, range)| turbidity::factors(path, range)),
+                .and_then(|(path, range)| patches::measure_paths(path, range)),
             patchy,
             pattern,
             view,

@@ -3,6 +3,7 @@
 //! [`Slot::render`] is the way of one frame: scene, water, style, haze, encoding, enhancement, measurement. The same
 //! code runs for a service ([`worker`]) and without one ([`local`]), so both give the same bytes.
 
+mod assessment;
 mod attempt;
 mod content;
 mod context;
@@ -10,6 +11,8 @@ mod engine;
 mod error;
 mod file;
 pub mod http;
+mod inputs;
+mod light;
 pub mod local;
 mod pipeline;
 mod planning;

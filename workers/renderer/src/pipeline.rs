@@ -1,26 +1,15 @@
 //! The light of one moment of a frame, from surfaces to the window of the camera: `I = D + F + B`, airlight and particles.
 
-use imaging::{Plane, Rgb};
-use optics::chain::Layers;
 use optics::forward_scatter::KernelCache;
 use optics::plan::Stage;
 use spec::FrameRecord;
 
+use crate::assessment::Assessment;
 use crate::context::FrameContext;
 use crate::error::RenderError;
-use crate::planning::Assessment;
+use crate::light::Light;
 use crate::stage::{airlight, daylight, lamps, sediment, snow, turbidity, water};
 use crate::stopwatch::Stopwatch;
-
-/// The light of a moment before its camera.
-pub(crate) struct Light {
-    /// The parts of the image; `scattered` is all of it.
-    pub(crate) layers: Layers,
-    /// Airlight of lamps, a part of the backscatter; `None` without.
-    pub(crate) airlight: Option<Rgb<f32>>,
-    /// Opacity of clouds and snow; `None` if none were drawn.
-    pub(crate) mask: Option<Plane<f32>>,
-}
 
 /// Plans the stages of a moment. The water gets the remainder of the tolerance.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {

@@ -2,61 +2,18 @@
 
 use optics::lamp::{self, AirlightBounds, SurfaceBounds};
 use optics::plan::{
-    Budget, Conditions, ModelError, Plan, SceneBounds, Stage, TileGains, Variant, brightest_behind,
-    frame_tolerance,
+    Budget, Conditions, ModelError, Plan, SceneBounds, Stage, TileGains, brightest_behind, frame_tolerance,
 };
 use optics::setting::Setting;
 use optics::visible_bounds::TILE_PX;
-use spec::Fidelity;
 
+use crate::assessment::Assessment;
 use crate::context::FrameContext;
 use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::pipeline;
 use crate::stage::camera::Expected;
 use crate::stage::{camera, daylight, enhance, haze, snow, style, truth};
-
-/// Everything that stages are assessed from.
-pub(crate) struct Assessment<'a> {
-    pub(crate) context: &'a FrameContext<'a>,
-    /// The scene in the brightest light that it may have.
-    pub(crate) bounds: SceneBounds,
-    /// Light of lamps on surfaces; `None` without lamps.
-    pub(crate) surfaces: Option<SurfaceBounds>,
-    /// Airlight of lamps; `None` without lamps.
-    pub(crate) airlight: Option<AirlightBounds>,
-    pub(crate) budget: Budget,
-}
-
-impl Assessment<'_> {
-    /// The variant of a stage: the reference for frames of that fidelity.
-    pub(crate) fn variant(&self, fast: &'static str) -> Variant {
-        if self.is_reference() {
-            Variant::Reference
-        } else {
-            Variant::Fast(fast)
-        }
-    }
-
-    pub(crate) fn is_reference(&self) -> bool {
-        self.context.frame.fidelity == Fidelity::REFERENCE
-    }
-
-    /// Pixels of the picture that the scene is seen in.
-    pub(crate) fn pixels(&self) -> usize {
-        self.bounds.pixels
-    }
-
-    /// No light behind particles is brighter, with airlight up to this.
-    pub(crate) fn brightest_behind(&self, airlight: f64) -> f64 {
-        brightest_behind(&self.bounds, self.context.setting.around.as_ref(), airlight)
-    }
-
-    /// No light of lamps in the water is brighter.
-    pub(crate) fn airlight_peak(&self) -> f64 {
-        self.airlight.as_ref().map_or(0.0, AirlightBounds::brightest)
-    }
-}
 
 /// Plans a moment of a frame for its expected exposure, within an earlier promise if there is one.
 pub(crate) fn plan_frame(

@@ -16,10 +16,11 @@ use crate::context::{FrameContext, Resources};
 use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::file::File;
+use crate::inputs::camera::rendered_parts;
+use crate::inputs::scene::{self, Prepared};
 use crate::planning::plan_frame;
 use crate::source::SceneSource;
 use crate::stage::files::{self, Pictures};
-use crate::stage::scene::{self, Prepared};
 use crate::stage::style::Networks;
 use crate::stage::{camera, enhance, haze, labels, measure, truth};
 use crate::stopwatch::Stopwatch;
@@ -186,7 +187,7 @@ impl Slot {
 
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
     fn scene(&mut self, frame: &Frame, source: &SceneSource) -> Result<Arc<Prepared>, RenderError> {
-        let view = camera::rendered_parts(frame)?.and_then(|parts| parts.source);
+        let view = rendered_parts(frame)?.and_then(|parts| parts.source);
         let Camera {
             width,
             height,

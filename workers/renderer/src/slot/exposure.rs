@@ -8,13 +8,15 @@ use spec::{Exposure, Frame, FrameRecord};
 use super::Slot;
 use crate::context::{FrameContext, Resources};
 use crate::error::RenderError;
-use crate::pipeline::{self, Light};
+use crate::inputs::movement::Moment;
+use crate::inputs::scene;
+use crate::inputs::seen::Seen;
+use crate::light::Light;
+use crate::pipeline;
 use crate::planning::plan_frame;
 use crate::record;
 use crate::source::SceneSource;
-use crate::stage::camera::{self, Average, Expected, Moment};
-use crate::stage::scene;
-use crate::stage::seen::Seen;
+use crate::stage::camera::{self, Average, Expected};
 use crate::stopwatch::Stopwatch;
 
 /// Reserve of the second plan of a frame whose metered factor exceeds the expected one.

@@ -6,8 +6,8 @@ use optics::lamp::{self, Airlight, Lighting, REFERENCE_NODES};
 use optics::plan::{ErrorBound, Stage, StageId, Use, Variant};
 
 use super::lamps::{self, PATCHES_NS, SHADOW_RAY_NS};
+use crate::assessment::Assessment;
 use crate::context::FrameContext;
-use crate::planning::Assessment;
 
 /// Nanoseconds per pixel of each lamp.
 const AIRLIGHT_NS: f64 = 12.6;

@@ -7,8 +7,8 @@ use optics::plan::{Stage, StageId, Variant};
 use spec::Haze;
 
 use super::camera;
+use crate::assessment::Assessment;
 use crate::context::FrameContext;
-use crate::planning::Assessment;
 
 /// Nanoseconds per pixel of each light.
 const HAZE_NS: f64 = 5.0;

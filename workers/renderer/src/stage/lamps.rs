@@ -5,8 +5,8 @@ use optics::daylight;
 use optics::lamp::{self, Irradiance, Lighting, Shadow, SurfaceBounds};
 use optics::plan::{Casting, ErrorBound, Shadows, Stage, StageId, Use, Variant};
 
+use crate::assessment::Assessment;
 use crate::context::FrameContext;
-use crate::planning::Assessment;
 
 /// Nanoseconds per pixel: normals and light of each lamp on surfaces, and the same in patches of turbidity on top.
 const SURFACE_NS: f64 = 6.6;

@@ -9,8 +9,8 @@ use serde_json::json;
 use spec::FrameRecord;
 
 use super::surroundings::Surroundings;
+use crate::assessment::Assessment;
 use crate::context::FrameContext;
-use crate::planning::Assessment;
 
 /// Nanoseconds per pixel of the rays through clouds without a lamp, of which half are empty in the mean, and of each lamp in them.
 const SEDIMENT_NS: f64 = 150.0;

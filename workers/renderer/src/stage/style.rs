@@ -9,10 +9,10 @@ use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use spec::{Fidelity, FrameRecord, StyleTier};
 use style::{Beside, RANGE_SCALE_M, Session, StyleError, StyleModel};
 
+use crate::assessment::Assessment;
 use crate::context::FrameContext;
 use crate::engine::Engine;
 use crate::error::RenderError;
-use crate::planning::Assessment;
 
 /// Slope of the decoding of sRGB at white, where it is steepest: the largest difference in linear light over that of encoded values.
 const STEEPEST: f64 = 2.4 / 1.055;

@@ -8,10 +8,10 @@ use spec::truth::{TooMuch, seconds};
 use spec::{FrameRecord, RaySource, TruthRecord};
 use truth::{Asked, ChainLight, Goal, Law, Pixel, Report, Scene, Shutter, Subject, Truth, converge};
 
-use super::rays;
 use crate::context::FrameContext;
 use crate::error::RenderError;
-use crate::pipeline::Light;
+use crate::inputs::rays;
+use crate::light::Light;
 
 /// What is asked of the truth of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]

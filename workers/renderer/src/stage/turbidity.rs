@@ -1,13 +1,10 @@
 //! Paths through patches of murkier water. They are geometry: closed forms of the range, known before any light is planned.
 
-use imaging::Plane;
 use optics::plan::{ErrorBound, Stage, StageId};
-use optics::range::{farthest, is_hole};
-use optics::setting::Setting;
+use optics::range::farthest;
 use optics::turbidity;
-use spec::{Fidelity, Frame};
 
-use crate::planning::Assessment;
+use crate::assessment::Assessment;
 
 /// Nanoseconds per pixel.
 const PATH_NS: f64 = 5.3;
@@ -48,30 +45,4 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
         ..Stage::new(StageId::Turbidity, assessment.variant("closed_form"))
     }
     .costing(PATH_NS, assessment.pixels())
-}
-
-/// Mean, least and greatest path as a share of the range; `None` in a frame of holes.
-pub(crate) fn factors(path: &Plane<f32>, range: &Plane<f32>) -> Option<[f64; 3]> {
-    let pairs = path.data().iter().zip(range.data());
-    let factors = pairs
-        .filter(|(_, z)| !is_hole(**z))
-        .map(|(path, z)| f64::from(*path) / f64::from(*z));
-    let (mut count, mut sum, mut least, mut most) = (0.0, 0.0, f64::INFINITY, 0.0f64);
-    for factor in factors {
-        (count, sum) = (count + 1.0, sum + factor);
-        (least, most) = (least.min(factor), most.max(factor));
-    }
-    (count > 0.0).then(|| [sum / count, least, most])
-}
-
-/// The paths; `None` in even water.
-pub(crate) fn run(frame: &Frame, range: &Plane<f32>, setting: &Setting) -> Option<Plane<f32>> {
-    let (water, field, eye) = (setting.water.as_ref()?, setting.patches.as_ref()?, &setting.eye);
-    Some(match (frame.fidelity, &frame.water.turbidity) {
-        (Fidelity::REFERENCE, Some(patches)) => {
-            let range = range.map(|&z| f64::from(z));
-            turbidity::optical_path_reference(&range, patches, field, eye, water.holes()).map(|&t| t as f32)
-        }
-        _ => turbidity::optical_path(range, field, eye, water.holes()),
-    })
 }

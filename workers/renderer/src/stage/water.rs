@@ -5,9 +5,9 @@ use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Stage, StageId, assess_water, water_gain};
 
+use crate::assessment::Assessment;
 use crate::context::FrameContext;
 use crate::error::RenderError;
-use crate::planning::Assessment;
 
 /// Attenuation, veil, occlusion and forward scatter, within the remainder of the tolerance.
 pub(crate) fn assess(assessment: &Assessment<'_>, others: &[Stage]) -> Vec<Stage> {

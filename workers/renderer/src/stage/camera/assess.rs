@@ -4,8 +4,9 @@ use ::camera::{defocus, exposure, geometry, movement, vignette};
 use optics::plan::{ErrorBound, Gain, Stage, StageId, Variant};
 use spec::{Exposure, Fidelity, Metering, WhiteBalance};
 
-use super::{Expected, Taking};
+use super::Expected;
 use crate::context::FrameContext;
+use crate::inputs::camera::Taking;
 
 /// Rounding of stages with non-negative weights is a share of the light: its bound for light up to white.
 const WHITE: f64 = 1.0;

@@ -9,8 +9,8 @@ use optics::plan::StageId;
 use serde_json::{Value, json};
 use spec::{FrameRecord, Tone, WhiteBalance};
 
-use super::Cameras;
 use crate::context::FrameContext;
+use crate::inputs::camera::Cameras;
 
 /// The codes of a picture.
 pub(crate) struct Developed {

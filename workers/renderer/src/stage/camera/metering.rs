@@ -9,7 +9,7 @@ use imaging::{Plane, Rgb};
 use spec::{Camera, Fidelity, Frame, Metering};
 
 use crate::context::FrameContext;
-use crate::stage::scene::Prepared;
+use crate::inputs::scene::Prepared;
 
 /// Pixels that one stands for along a side, at most.
 const STEP_PX: usize = 16;

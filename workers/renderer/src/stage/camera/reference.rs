@@ -7,7 +7,7 @@ use ::camera::{defocus, exposure};
 use imaging::{Plane, Rgb};
 use spec::Metering;
 
-use super::Taking;
+use crate::inputs::camera::Taking;
 
 /// A picture along the map of the lens.
 pub(super) fn resample(taking: &Taking, light: &Rgb<f32>) -> Rgb<f32> {

@@ -11,8 +11,9 @@ use optics::range::is_hole;
 use serde_json::json;
 use spec::{Exposure, Fidelity, FrameRecord, Port};
 
-use super::{Taking, haze_before, reference};
+use super::{haze_before, reference};
 use crate::context::FrameContext;
+use crate::inputs::camera::Taking;
 
 /// The light of a moment behind port and lens: haze in linear light, geometry, defocus and the movement of a picture.
 pub(crate) fn gather(context: &FrameContext<'_>, scattered: &Rgb<f32>) -> Rgb<f32> {

@@ -4,7 +4,7 @@ use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use spec::{RaySource, SurfaceLight};
 
 use super::{farthest_surface, on_surfaces};
-use crate::planning::Assessment;
+use crate::assessment::Assessment;
 
 /// Nanoseconds per pixel: daylight on surfaces under an even sky and with the sun, a ray to the sun, each ray of ambient occlusion where
 /// some are traced, and caustics with the tiles that they are looked up in.

@@ -1,0 +1,59 @@
+//! How a camera sees particles.
+
+use ::camera::Parts;
+use ::camera::defocus::Focus;
+use optics::setting::Setting;
+use optics::snow::{self, Flake, Seeing};
+use spec::{Frame, Snow};
+
+use super::movement::FRAMES_PER_S;
+
+/// Exposure time of descriptions without one, s.
+const EXPOSURE_S: f64 = 0.01;
+
+/// Through what, when and for how long particles are seen.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Shutter {
+    /// The focus of the lens, and how many pixels of the picture that is drawn are one of the camera's.
+    focus: Option<(Focus, f64)>,
+    exposure_s: f64,
+    time_s: f64,
+}
+
+impl Shutter {
+    /// That of a frame's camera, so many frames after the frame's own time.
+    pub(crate) fn new(frame: &Frame, parts: Option<&Parts>, later: f64) -> Self {
+        let camera = ::camera::preset::complete(&frame.camera);
+        let rate = camera.frames_per_s.unwrap_or(FRAMES_PER_S);
+        let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor);
+        // Each picture of a movement is open for its part of the time.
+        let exposure_s = match (camera.motion, camera.path) {
+            (Some(motion), Some(_)) => motion.exposure_s / motion.samples as f64,
+            (Some(motion), None) => motion.exposure_s,
+            (None, _) => sensor.map_or(EXPOSURE_S, |sensor| sensor.exposure_s),
+        };
+        let scale = |parts: &Parts| {
+            let shown = parts.lens.camera.focal_px * parts.lens.magnification();
+            parts.source.map_or(1.0, |source| source.camera.focal_px / shown)
+        };
+        Self {
+            focus: parts.and_then(|parts| Some((parts.focus?, scale(parts)))),
+            exposure_s,
+            time_s: camera.path.map_or(0.0, |path| (path.frame as f64 + later) / rate),
+        }
+    }
+
+    /// The particles in view, the farthest first.
+    pub(crate) fn flakes(&self, setting: &Setting, law: &Snow, size: (usize, usize)) -> Vec<Flake> {
+        let blur_px = |range_m: f64| {
+            self.focus
+                .map_or(0.0, |(focus, scale)| scale * focus.radius_px(range_m))
+        };
+        let seeing = Seeing {
+            blur_px: &blur_px,
+            exposure_s: self.exposure_s,
+            time_s: self.time_s,
+        };
+        snow::flakes(&setting.eye, law, setting.world, size, &seeing)
+    }
+}
