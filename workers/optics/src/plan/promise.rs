@@ -54,23 +54,25 @@ impl Plan {
         });
         let remedy = match worst.map(|(id, _)| id) {
             Some(StageId::Lamps | StageId::LampShadows | StageId::Glow) => {
-                " or lower the intensity of the lamps or move them away from surfaces"
+                Some("lower the intensity of the lamps or move them away from surfaces")
             }
-            Some(StageId::Exposure) => " or lower `camera.exposure`",
-            Some(StageId::Defocus) => " or lower `camera.defocus.aperture_m`",
+            Some(StageId::Exposure) => Some("lower `camera.exposure`"),
+            Some(StageId::Defocus) => Some("lower `camera.defocus.aperture_m`"),
             Some(StageId::ForwardScatter(_)) if self.needs_most_kernels() => {
-                " or choose a water that scatters less"
+                Some("choose a water that scatters less")
             }
-            _ => "",
+            _ => None,
         };
         let enough = round_up(bound);
-        let raise = if enough <= MOST_TOLERANCE {
-            format!("raise `fidelity.tolerance` to {enough:e}")
-        } else {
-            "no tolerance is large enough".to_owned()
+        let raise = (enough <= MOST_TOLERANCE).then(|| format!("raise `fidelity.tolerance` to {enough:e}"));
+        let remedies = match (raise, remedy) {
+            (Some(raise), Some(remedy)) => format!("{raise} or {remedy}"),
+            (Some(raise), None) => raise,
+            (None, Some(remedy)) => format!("no tolerance is large enough: {remedy}"),
+            (None, None) => "no tolerance is large enough".to_owned(),
         };
         Some(format!(
-            "the bounds add up to {bound:.2e} and the tolerance is {tolerance:.2e}{culprit}; {raise}{remedy}"
+            "the bounds add up to {bound:.2e} and the tolerance is {tolerance:.2e}{culprit}; {remedies}"
         ))
     }
 
