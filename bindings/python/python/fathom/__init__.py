@@ -70,8 +70,9 @@ def render(
 def plan(job: Job | Mapping[str, Any] | str | os.PathLike[str], index: int = 0) -> dict[str, Any]:
     """Return the plan of a frame, with the keys of its record.
 
-    `plan` lists every stage with its variant, error bound, gain and expected cost in ms. `promise` holds the `bound` on the
-    error of the exposed light, the `tolerance`, and both in a sentence, `text`; `None` if the job asks for no tolerance.
+    `plan` lists every stage with its variant, error bound, gain and expected cost in ms. `promise` holds the `bound`
+    on the error of the exposed light, the `tolerance`, and both in a sentence, `text`; `None` if the job asks for no
+    tolerance.
     """
     return _job(job).plan(index)
 

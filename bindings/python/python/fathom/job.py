@@ -95,7 +95,7 @@ class Job:
         return result
 
     def plan(self, index: int) -> dict[str, Any]:
-        """Return the plan of a frame: `plan`, a list of stages, and `promise`, the error it promises; see `fathom.plan`."""
+        """Return the `plan` of a frame, a list of stages, and its `promise` of an error: see `fathom.plan`."""
         result: dict[str, Any] = json.loads(self._native.plan(self._position(index)))
         return result
 

@@ -39,8 +39,11 @@ pub(crate) struct ImageRecord {
     parameters: BTreeMap<String, Value>,
     /// The numbers that the water ran with.
     optics: BTreeMap<String, Value>,
-    /// For each stage its form, share of the tolerance, bound and cost.
+    /// For each stage its variant, share of the tolerance, bound, gain and cost.
     plan: Value,
+    /// The error bound of the exposed light; missing without a tolerance.
+    #[schema(nullable = false)]
+    promise: Option<PromisedError>,
     /// Metrics by picture (`rgb`, an enhancement) and name.
     measurements: BTreeMap<String, BTreeMap<String, f64>>,
     /// The stored files.
@@ -56,6 +59,24 @@ pub(crate) struct ImageRecord {
     scene: Option<SceneInView>,
     /// With what it was made.
     provenance: Provenance,
+}
+
+/// The promised error bound of a frame.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes the body; `spec` writes it")]
+pub(crate) struct PromisedError {
+    /// The largest error of any sample of the exposed light, from black to white, against the exact chain in f64.
+    bound: f64,
+    /// The tolerance of the frame.
+    tolerance: f64,
+    /// Stages that run without a bound; missing without any.
+    #[schema(nullable = false)]
+    unbounded: Option<Vec<String>>,
+    /// Why the bound exceeds the tolerance, and what to change; missing if it does not.
+    #[schema(nullable = false)]
+    exceeds: Option<String>,
+    /// All of it in one sentence.
+    text: String,
 }
 
 /// A stored file.
