@@ -57,6 +57,7 @@ impl Evidence<'_> {
             self.sides(),
             self.measurements(),
             self.numbers(),
+            self.promise(),
             self.origin(),
         ];
         checks.into_iter().flatten().collect()
@@ -157,6 +158,24 @@ impl Evidence<'_> {
             faults.push(format!(
                 "/warnings has more than {WARNINGS} texts, or one beyond {WARNING_BYTES} bytes"
             ));
+        }
+        faults
+    }
+
+    /// A promise is a bound and a few short sentences.
+    fn promise(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        if let Some(promise) = &self.record.promise {
+            let sentences = [Some(&promise.text), promise.exceeds.as_ref()];
+            let mut texts = sentences.into_iter().flatten().chain(&promise.unbounded);
+            if promise.unbounded.len() > WARNINGS || texts.any(|text| text.len() > WARNING_BYTES) {
+                faults.push(format!(
+                    "/promise names more than {WARNINGS} stages, or has a text beyond {WARNING_BYTES} bytes"
+                ));
+            }
+            if promise.bound < 0.0 || promise.tolerance <= 0.0 {
+                faults.push("/promise has a bound below 0 or a tolerance of 0 or less".to_owned());
+            }
         }
         faults
     }

@@ -185,7 +185,7 @@ impl<'a> Glow<'a> {
         sum
     }
 
-    /// The angles at which the ray enters and leaves a narrow cone, and how many times finer its parts have to be.
+    /// The angles where the ray enters and leaves a narrow cone, and the factor by which its parts are finer.
     fn narrow_cone(&self) -> Option<([f64; 2], usize)> {
         let Beam::Spot { axis, cos_cone } = self.lamp.beam else {
             return None;

@@ -12,7 +12,7 @@ use crate::range::{bounds, filled as filled_range, is_hole};
 use crate::visible_bounds::VisibleBounds;
 use crate::water::{Scatter, Water};
 
-/// Most distinct ranges that are counted: with more, interpolation needs fewer kernels than there are ranges.
+/// Counting of distinct ranges stops here: beyond it, interpolation needs fewer kernels than there are ranges.
 const MOST_DISTINCT: usize = 32;
 
 /// Pixels between two ranges that differ by less than an eighth.

@@ -1,7 +1,7 @@
 use imaging::Rgb8;
 use imaging::codec::encode_png;
 use serde_json::json;
-use spec::{ArtifactEntry, Job, Provenance, Vocabulary};
+use spec::{ArtifactEntry, Job, Promise, Provenance, Vocabulary};
 
 use super::*;
 
@@ -63,6 +63,16 @@ fn record(frame: &Frame, puts: &[Put]) -> FrameRecord {
     }
 }
 
+fn promise(bound: f64, text: &str) -> Promise {
+    Promise {
+        bound,
+        tolerance: 3e-4,
+        unbounded: Vec::new(),
+        exceeds: None,
+        text: text.to_owned(),
+    }
+}
+
 #[test]
 fn an_honest_record_has_no_fault_and_each_lie_is_named() {
     let (frame, worker) = (frame(), worker());
@@ -78,7 +88,7 @@ fn an_honest_record_has_no_fault_and_each_lie_is_named() {
         evidence.faults()
     };
     assert!(faults(&puts, &honest).is_empty(), "{:?}", faults(&puts, &honest));
-    let changes: [(&str, Lie); 14] = [
+    let changes: [(&str, Lie); 16] = [
         ("/parameters/alpha", |record| {
             record.parameters["alpha"] = json!(0.5)
         }),
@@ -111,6 +121,12 @@ fn an_honest_record_has_no_fault_and_each_lie_is_named() {
             record.timings_ms.insert("plan".to_owned(), -1.0);
         }),
         ("/warnings", |record| record.warnings = vec!["x".repeat(5000)]),
+        ("/promise has a bound", |record| {
+            record.promise = Some(promise(-1.0, "within"));
+        }),
+        ("/promise names", |record| {
+            record.promise = Some(promise(1e-4, &"x".repeat(5000)));
+        }),
         ("/provenance/code_version", |record| {
             record.provenance.code_version = "2".to_owned()
         }),

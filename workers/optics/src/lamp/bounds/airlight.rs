@@ -8,7 +8,7 @@ use super::profile::{MARGIN, Profile, largest_sine};
 use super::{FADE, STEP, most_decayed};
 use crate::visible_bounds::VisibleBounds;
 
-/// Tiles of the view to a side of a block of rays that are bounded together.
+/// Side of a block of rays in tiles of the view. One bound holds for all rays of a block.
 const BLOCK: usize = 2;
 /// Segments of a ray, of equal angles about the lamp.
 const SEGMENTS: usize = 14;
@@ -120,7 +120,7 @@ struct At {
     to_axis: [f64; 2],
 }
 
-/// What a segment sends to the camera by the angle about the lamp, times its distance from the ray.
+/// Light that a segment sends to the camera per angle about the lamp, times the distance of lamp and ray.
 #[derive(Default)]
 struct Sent {
     light: [f64; 3],
@@ -196,7 +196,7 @@ impl<'a> Bounded<'a> {
         glow
     }
 
-    /// What the place in a ray may change where light is read between rays.
+    /// Error of light interpolated between rays, from the position along the ray.
     fn read(&self, most: f64) -> f64 {
         if self.lighting.absorption.is_some() {
             4.0 * PLACE * most
@@ -258,13 +258,13 @@ impl<'a> Bounded<'a> {
         sent
     }
 
-    /// Error of the light that is scattered on its way by that of its exponent.
+    /// Error of forward-scattered light due to the error of its exponent.
     fn spread_error(&self, absorption: f64, at: &At) -> f64 {
         let [least, most] = at.path.map(|path| absorption * path);
         EXPONENT * STEP * MOST_SWELL * most_decayed(least, most)
     }
 
-    /// The widest scale of the kernel, and the most light of all that is scattered on its way.
+    /// The widest scale of the kernel, and the largest share of forward-scattered light.
     fn spread(&self, absorption: f64, channel: usize, at: &At) -> [f64; 2] {
         let b = self.lighting.scattering[channel];
         // Where light swells by more than it is absorbed it is most farther on.

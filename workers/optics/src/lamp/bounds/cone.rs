@@ -1,4 +1,4 @@
-//! The rays of a tile as a cone, and intervals of what a lamp is to a segment of them.
+//! The rays of a tile as a cone, and intervals of distance and angle between a lamp and a segment of them.
 
 use imaging::vector::dot;
 
@@ -43,7 +43,7 @@ impl Cone {
 pub(super) struct Passing {
     /// Distance of the lamp from the camera, m.
     pub(super) away_m: f64,
-    /// Nothing is nearer to the lamp, m.
+    /// Least distance from the lamp, m.
     radius_m: f64,
     /// Cosines and sines of the least and the greatest angle between a ray and the lamp.
     cos: [f64; 2],
@@ -56,7 +56,7 @@ pub(super) struct Passing {
     chord: f64,
 }
 
-/// What a lamp is to all places of a segment of the rays.
+/// Intervals of distance and angle between a lamp and all points of a segment of the rays.
 #[derive(Clone, Copy)]
 pub(super) struct Segment {
     /// Least and greatest distance from the lamp, m.
@@ -110,7 +110,7 @@ impl Passing {
         (self.away_m * most).max(self.radius_m)
     }
 
-    /// Least and greatest range at which a ray is nearest to the lamp, below 0 behind the camera, m.
+    /// Least and greatest range of the points closest to the lamp, negative behind the camera, m.
     pub(super) fn nearest_m(&self) -> [f64; 2] {
         [self.away_m * self.cos[1], self.away_m * self.cos[0]]
     }
@@ -182,7 +182,7 @@ impl Passing {
         }
     }
 
-    /// Least and greatest angle to an axis of the directions in which the lamp sees the rays between two ranges.
+    /// Least and greatest angle between an axis and the directions from the lamp to the rays between two ranges.
     fn angles_to(&self, axis: [f64; 3], [from, to]: [f64; 2]) -> [f64; 2] {
         const ALL: [f64; 2] = [0.0, std::f64::consts::PI];
         let way = |range: f64| [0, 1, 2].map(|i| self.offset[i] + (range - self.central_m) * self.center[i]);

@@ -11,7 +11,7 @@ use crate::turbidity::{self, Stretch};
 pub(super) struct Factor {
     /// Least and greatest mean.
     pub(super) bounds: [f64; 2],
-    /// The most by which f32 changes a mean from the camera on, as a share of the means.
+    /// Largest relative error in f32 of a mean over a path that begins at the camera.
     error: f64,
     /// How many times as long two of these are together as the stretch between their ends.
     lengths: f64,
@@ -69,7 +69,7 @@ impl Factor {
         }
     }
 
-    /// The most by which f32 changes a mean, as a share of it.
+    /// Largest relative error of a mean in f32.
     pub(super) fn error(&self) -> f64 {
         self.error * self.lengths.max(1.0)
     }

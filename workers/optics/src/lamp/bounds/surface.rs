@@ -8,7 +8,7 @@ use super::profile::{MARGIN, Profile, largest_sine};
 use super::{FADE, STEP, most_decayed};
 use crate::visible_bounds::{Tile, VisibleBounds};
 
-/// Ranges of a segment of rays differ by this factor at most, as long as there are no more segments than this.
+/// Largest ratio of ranges within a segment of rays, and the largest number of segments; the number takes precedence.
 const GROWTH: f64 = 1.12;
 const SEGMENTS: usize = 8;
 /// The fast form moves surfaces beyond a thousand kilometers to there: light that this changes, as a share of the intensity.
@@ -23,7 +23,7 @@ const EXPONENT: f64 = 7.0;
 const COSINE: f64 = 8.0;
 /// Relative error of the power of the loss of scattered light.
 const POWER: f64 = 2e-6;
-/// By how much a share of the way changes what the scale of the kernel exceeds its least by, at most.
+/// Largest change of the kernel's scale above its minimum, per share of the path.
 const SCALE_POWER: f64 = 1.4;
 /// Error of the blurred profile in f32: alone, and by the slope of the profile.
 const BLUR: [f64; 2] = [1e-6, 4e-7];
