@@ -25,7 +25,6 @@ use crate::node::{Node, float};
 use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
-pub(crate) use daylight::{above, may_show};
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
 pub(crate) use places::places;

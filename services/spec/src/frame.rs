@@ -8,6 +8,7 @@ use spec_derive::Described;
 
 use crate::artifact::ArtifactKind;
 use crate::camera::Camera;
+use crate::daylight::Daylight;
 use crate::encode::Encode;
 use crate::inhabited::{Ground, Life};
 use crate::light::{Haze, Light, RaySource};
@@ -42,20 +43,21 @@ pub struct Frame {
     /// share of the styled image
     #[field(within(0.0, 1.0), default = 1)]
     pub alpha: f64,
+    /// the sky above the water, `none` by night, or `auto`
+    #[field(default = "auto")]
+    pub daylight: Daylight,
     /// lamps in the water, and haze in drawing order
     #[field(max = 64, default = [])]
     pub lights: Vec<Light>,
-    /// what shadows ask whether something is in the way; absent: `auto`
-    #[field(fixed)]
-    pub rays: Option<RaySource>,
     /// enhancement methods to run on the result
     #[field(names = Enhancement, max = 64, distinct, default = [])]
     pub enhance: Vec<String>,
     /// metrics to measure
     #[field(names = Metric, max = 64, distinct, default = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"])]
     pub metrics: Vec<String>,
-    /// how exact the water must be
-    #[field(default = {"tolerance": 3e-4})]
+    /// how close to the reference the picture must be: `picture`, within one code of the 8-bit picture or a third of the noise of the
+    /// sensor; `reference`, the slow f64 reference; or a number
+    #[field(default = "picture")]
     pub fidelity: Fidelity,
     /// how well the artifacts `truth` and `truth_report` must know the light; absent: as its defaults
     #[field(fixed)]
@@ -117,11 +119,11 @@ impl Frame {
         self.lamp_count() > 0
     }
 
-    /// What its shadows ask whether something is in the way: never [`RaySource::Auto`].
+    /// Where its shadow rays look for occluders.
     #[must_use]
     pub fn ray_source(&self) -> RaySource {
-        match (self.rays, &self.scene) {
-            (None | Some(RaySource::Auto | RaySource::Scene), Scene::Procedural { .. }) => RaySource::Scene,
+        match self.scene {
+            Scene::Procedural { .. } => RaySource::Scene,
             _ => RaySource::Screen,
         }
     }
@@ -152,8 +154,9 @@ pub enum Scene {
         /// seed of the scene, apart from the job's seed
         #[field(within(0, EXACT), default = 0)]
         seed: u64,
-        /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
-        light: Option<SceneLight>,
+        /// what lights its surfaces
+        #[field(default = "water")]
+        lighting: SceneLighting,
         /// what lives on and about it, and what hangs there; absent: nothing
         life: Option<Life>,
         /// what current and grain make of its bottom; absent: an even one
@@ -164,8 +167,9 @@ pub enum Scene {
         /// an uploaded scene, which brings its own size
         #[field(names = SceneId)]
         id: String,
-        /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
-        light: Option<SceneLight>,
+        /// what lights its surfaces
+        #[field(default = "in_air")]
+        lighting: SceneLighting,
     },
     /// Files of this machine; only for rendering without a service.
     Files {
@@ -190,8 +194,9 @@ pub enum Scene {
         /// code that means no return in that file
         #[field(within(0, 65_535))]
         invalid_code: Option<u16>,
-        /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
-        light: Option<SceneLight>,
+        /// what lights its surfaces
+        #[field(default = "in_air")]
+        lighting: SceneLighting,
     },
     /// A collection of uploaded scenes.
     Collection {
@@ -205,31 +210,31 @@ pub enum Scene {
         /// its scenes when the job was accepted; filled in
         #[field(names = SceneId)]
         id: Option<String>,
-        /// whether the picture is lit already or shows the reflectance of its surfaces; absent: `baked`
-        light: Option<SceneLight>,
+        /// what lights its surfaces
+        #[field(default = "in_air")]
+        lighting: SceneLighting,
     },
 }
 
-/// What the picture of a scene shows.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Described)]
+/// What lights the surfaces of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
-pub enum SceneLight {
-    /// Light that comes from the scene.
-    #[default]
-    Baked,
-    /// Reflectance, which light from above and lamps shine on.
-    Albedo,
+pub enum SceneLighting {
+    /// The picture contains its illumination, as a photograph in air does.
+    InAir,
+    /// The picture is reflectance, lit by the daylight and the lamps in the water.
+    Water,
 }
 
 impl Scene {
-    /// What its picture shows.
+    /// What lights its surfaces.
     #[must_use]
-    pub fn light(&self) -> SceneLight {
-        let (Self::Procedural { light, .. }
-        | Self::Uploaded { light, .. }
-        | Self::Files { light, .. }
-        | Self::Collection { light, .. }) = self;
-        light.unwrap_or_default()
+    pub fn lighting(&self) -> SceneLighting {
+        let (Self::Procedural { lighting, .. }
+        | Self::Uploaded { lighting, .. }
+        | Self::Files { lighting, .. }
+        | Self::Collection { lighting, .. }) = self;
+        *lighting
     }
 
     /// Id of the uploaded scene, if it is one.
@@ -277,40 +282,18 @@ impl Scene {
     }
 }
 
-/// How exact the water must be.
+/// How close to the reference the picture must be.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {
+    /// Within one code of the 8-bit picture, or a third of the noise of the sensor.
+    Picture,
+    /// The slow f64 reference.
+    Reference,
     /// largest error in linear light
     #[field(within(1e-7, 1.0))]
     Tolerance(f64),
     /// kernels of the fast forward scatter
     #[field(within(1, 64))]
     Terms(usize),
-    /// `reference`, the slow f64 form; `display`, within one code of the 8-bit picture; or `noise`, within what the sensor's
-    /// noise hides
-    #[field(fixed)]
-    Variant(Variant),
-}
-
-/// A fidelity with a name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-#[described(name = "FidelityVariant")]
-pub enum Variant {
-    /// The slow f64 form.
-    Reference,
-    /// One code of the 8-bit picture.
-    Display,
-    /// A third of the least noise of the sensor.
-    Noise,
-}
-
-impl Fidelity {
-    /// The slow f64 form.
-    pub const REFERENCE: Self = Self::Variant(Variant::Reference);
-    /// One code of the 8-bit picture.
-    pub const DISPLAY: Self = Self::Variant(Variant::Display);
-    /// What the noise of the sensor hides.
-    pub const NOISE: Self = Self::Variant(Variant::Noise);
 }

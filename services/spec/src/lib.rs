@@ -53,16 +53,16 @@ pub use camera::{
 };
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
-pub use daylight::{Caustics, DaylightLevel, FromAbove, Sun, SunShadow, SurfaceLight, VeilForm};
+pub use daylight::{Daylight, NamedDaylight, Sky};
 pub use described::{Beyond, Described, beyond};
 pub use encode::Encode;
-pub use frame::{Fidelity, Frame, Scene, SceneLight, Variant};
+pub use frame::{Fidelity, Frame, Scene, SceneLighting};
 pub use inhabited::{Ground, Life};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::{Draft, Job};
 pub use json::{MAX_BYTES, MAX_DEPTH, read as read_json};
 pub use leaves::{Leaf, LeafKind, Leaves, List};
-pub use light::{Haze, HazeBlend, HazeSpace, Light, PointLamp, RaySource, ShadowForm, SpotLamp};
+pub use light::{Haze, HazeBlend, HazeSpace, Light, PointLamp, RaySource, SpotLamp};
 pub use merkle::MerkleTree;
 pub use normal::normal_quantile;
 pub use own_water::{JERLOV_TYPES, OwnWater};
@@ -76,10 +76,7 @@ pub use scene_record::{InstanceRecord, LensRecord, SceneRecord};
 pub use set_state::SetState;
 pub use shard_member::shard_member;
 pub use suggest::nearest;
-pub use suspended::{Sediment, Snow, SnowDaylight, SnowDiscs, Turbidity};
-pub use truth::{Phase, Truth, TruthRecord};
+pub use suspended::{Sediment, Snow, Turbidity};
+pub use truth::{Truth, TruthRecord};
 pub use vocabulary::Vocabulary;
-pub use water::{
-    Ambient, ForwardScatter, HoleRule, Multiple, Occlusion, Optics, PhaseFunction, ScatterModel,
-    ScatterSource, ScatterSpread, StyleTier, Water,
-};
+pub use water::{ForwardScatter, HoleRule, Optics, PhaseFunction, ScatterModel, ScatterSource, Water};

@@ -80,16 +80,9 @@ pub struct PointLamp {
     /// linear radiance times m², per steradian
     #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
-    /// what its light is cut off by on surfaces, snow and sediment; absent: `none`
-    pub shadow: Option<ShadowForm>,
-    /// radius of the sphere that shines, for soft shadows
-    #[field(within(0.0, 0.5), unit = "m")]
-    pub radius_m: Option<f64>,
-    /// places of that sphere that are looked for; absent: 16
-    #[field(within(1, 256))]
-    pub samples: Option<u64>,
-    /// whether things cast shadows into the glow of the water, too
-    pub glow_shadow: Option<bool>,
+    /// radius of the sphere that shines: the larger, the softer its shadows
+    #[field(within(0.0, 0.5), unit = "m", default = 0.02)]
+    pub radius_m: f64,
 }
 
 /// A lamp that shines about an axis.
@@ -107,38 +100,16 @@ pub struct SpotLamp {
     /// angle from the axis at which no light is left
     #[field(within(0.5, 90.0), default = 30, unit = "degree")]
     pub cone_deg: f64,
-    /// what its light is cut off by on surfaces, snow and sediment; absent: `none`
-    pub shadow: Option<ShadowForm>,
-    /// radius of the sphere that shines, for soft shadows
-    #[field(within(0.0, 0.5), unit = "m")]
-    pub radius_m: Option<f64>,
-    /// places of that sphere that are looked for; absent: 16
-    #[field(within(1, 256))]
-    pub samples: Option<u64>,
-    /// whether things cast shadows into the glow of the water, too
-    pub glow_shadow: Option<bool>,
+    /// radius of the sphere that shines: the larger, the softer its shadows
+    #[field(within(0.0, 0.5), unit = "m", default = 0.02)]
+    pub radius_m: f64,
 }
 
-/// How things cut off the light of a lamp.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-pub enum ShadowForm {
-    /// Not at all.
-    None,
-    /// With sharp edges: the lamp is a point.
-    Hard,
-    /// With soft edges: the lamp is a sphere.
-    Soft,
-}
-
-/// What shadows ask whether something is in the way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
+/// Where shadow rays look for occluders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RaySource {
-    /// The solids of a procedural scene, else the range image.
-    Auto,
     /// The solids of a procedural scene.
     Scene,
-    /// The range image: only what the picture shows is in the way.
+    /// The range image: only what the picture shows occludes.
     Screen,
 }

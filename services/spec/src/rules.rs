@@ -2,6 +2,7 @@
 //! know.
 
 use crate::camera::Camera;
+use crate::daylight::Daylight;
 use crate::water::{Optics, Water};
 
 /// The rules of waters, handed in by the crate that knows them.
@@ -11,8 +12,6 @@ pub struct WaterRules {
     pub faults: fn(&Water, Sight) -> Vec<Fault>,
     /// What a user should know of these optics, though nothing is wrong.
     pub warning: fn(&Optics) -> Option<String>,
-    /// The same of a water that lamps light.
-    pub lit_warning: fn(&Water) -> Option<String>,
 }
 
 impl Default for WaterRules {
@@ -21,7 +20,6 @@ impl Default for WaterRules {
         Self {
             faults: |_, _| Vec::new(),
             warning: |_| None,
-            lit_warning: |_| None,
         }
     }
 }
@@ -47,6 +45,8 @@ impl Default for CameraRules {
 pub struct Sight {
     /// Whether lamps light it.
     pub lamps: bool,
+    /// The daylight over it.
+    pub daylight: Daylight,
     /// Whether its light is traced by Monte Carlo.
     pub traced: bool,
     /// The largest cross-section of the view at 1 m, m²; absent if it is not known.

@@ -10,12 +10,12 @@ pub struct Snow {
     /// particles per cubic meter; at most 400 000 in view
     #[field(within(0.0, 1e6), unit = "1/m³")]
     pub density_per_m3: f64,
-    /// median radius
-    #[field(within(1e-5, 0.02), default = 0.001, unit = "m")]
+    /// least radius
+    #[field(within(1e-5, 0.02), default = 0.00015, unit = "m")]
     pub radius_m: f64,
-    /// standard deviation of its logarithm
-    #[field(within(0.0, 1.0), default = 0.5)]
-    pub radius_spread: f64,
+    /// slope of Junge's power law of radii, from `radius_m` to ten times it
+    #[field(within(1.5, 6.0), default = 4)]
+    pub spectrum: f64,
     /// depth of the nearest along the optical axis
     #[field(within(0.05, 100.0), default = 0.2, unit = "m")]
     pub near_m: f64,
@@ -25,39 +25,12 @@ pub struct Snow {
     /// share of the light that a particle sends back
     #[field(within(0.0, 1.0), default = [0.5, 0.5, 0.5])]
     pub albedo: [f64; 3],
-    /// how a particle is drawn; absent: `soft`
-    pub discs: Option<SnowDiscs>,
-    /// slope of Junge's power law of radii, from `radius_m` to ten times it; absent: log-normal radii
-    #[field(within(1.5, 6.0))]
-    pub spectrum: Option<f64>,
     /// share of particles that are irregular aggregates of smaller ones; absent: 0
     #[field(within(0.0, 1.0))]
     pub aggregates: Option<f64>,
     /// current that carries the particles, in the world's axes: drawn as streaks while the shutter is open; absent: none
     #[field(vector, within(-5.0, 5.0), unit = "m/s")]
     pub drift_m_per_s: Option<[f64; 3]>,
-    /// light from above that meets a particle; absent: `even`
-    pub daylight: Option<SnowDaylight>,
-}
-
-/// How a particle of snow is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-pub enum SnowDiscs {
-    /// A Gaussian spot of the particle's size, sharp at any distance.
-    Soft,
-    /// The blur circle that the camera's defocus makes of it at its distance.
-    Lens,
-}
-
-/// Light from above that meets a particle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-pub enum SnowDaylight {
-    /// That of the camera's depth everywhere.
-    Even,
-    /// That of the particle's own depth, by `diffuse_attenuation_per_m`.
-    Depth,
 }
 
 impl Snow {
@@ -66,16 +39,13 @@ impl Snow {
     pub const fn of(density_per_m3: f64) -> Self {
         Self {
             density_per_m3,
-            radius_m: 0.001,
-            radius_spread: 0.5,
+            radius_m: 0.000_15,
+            spectrum: 4.0,
             near_m: 0.2,
             far_m: 3.0,
             albedo: [0.5; 3],
-            discs: None,
-            spectrum: None,
             aggregates: None,
             drift_m_per_s: None,
-            daylight: None,
         }
     }
 }

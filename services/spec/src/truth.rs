@@ -112,35 +112,6 @@ pub fn seconds(pixels: u64, paths: u64) -> f64 {
     3.0 * pixels as f64 * paths as f64 / NOMINAL_PATHS_PER_S
 }
 
-/// How water scatters in the truth.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-#[described(default = "ff")]
-pub enum Phase {
-    /// Fournier–Forand.
-    Ff {
-        /// b_b/b; absent: the water's
-        #[field(within(0.002, 0.5))]
-        #[serde(skip_serializing_if = "Option::is_none")]
-        backscatter_fraction: Option<f64>,
-    },
-    /// Henyey–Greenstein.
-    Hg {
-        /// mean cosine; absent: as the glow of lamps has it, by the water's b_b/b
-        #[field(within(-0.98, 0.98))]
-        #[serde(skip_serializing_if = "Option::is_none")]
-        g: Option<f64>,
-    },
-}
-
-impl Default for Phase {
-    fn default() -> Self {
-        Self::Ff {
-            backscatter_fraction: None,
-        }
-    }
-}
-
 /// What was traced of a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TruthRecord {

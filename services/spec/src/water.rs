@@ -4,9 +4,7 @@
 use serde::{Deserialize, Serialize};
 use spec_derive::Described;
 
-use crate::daylight::FromAbove;
 use crate::suspended::{Sediment, Snow, Turbidity};
-use crate::truth::Phase;
 
 /// The water and its style.
 #[derive(Debug, Clone, PartialEq, Deserialize, Described)]
@@ -16,12 +14,9 @@ pub struct Water {
     /// multiplies every per-meter quantity
     #[field(above(0.0, 1000.0), default = 1)]
     pub range_scale: f64,
-    /// depth of the camera below the surface
+    /// depth of the camera below the surface; absent: 5 by day
     #[field(within(0.0, 12_000.0), unit = "m")]
     pub depth_m: Option<f64>,
-    /// what daylight's decay with depth does to the scene
-    #[field(default = "none")]
-    pub ambient: Ambient,
     /// what a pixel without a valid range means
     #[field(default = "background")]
     pub holes: HoleRule,
@@ -34,16 +29,6 @@ pub struct Water {
     pub turbidity: Option<Turbidity>,
     /// clouds of stirred sediment near the bottom and behind thrusters; absent: none
     pub sediment: Option<Sediment>,
-    /// network, color table, or what the tolerance allows; absent: `net`
-    pub style_tier: Option<StyleTier>,
-    /// what becomes of light of lamps that is scattered more than once; absent: `quasi_single`
-    pub multiple: Option<Multiple>,
-    /// phase function of the glow of lamps; absent: `hg`
-    pub glow_phase: Option<PhaseFunction>,
-    /// how the water scatters in the artifact `truth`, and nowhere else; absent: `ff`
-    pub phase: Option<Phase>,
-    /// light from above by direction and depth; absent: as `ambient` and the veiling light have it
-    pub from_above: Option<FromAbove>,
 }
 
 impl Default for Water {
@@ -52,17 +37,11 @@ impl Default for Water {
             optics: None,
             range_scale: 1.0,
             depth_m: None,
-            ambient: Ambient::default(),
             holes: HoleRule::default(),
             style: None,
             snow: None,
             turbidity: None,
             sediment: None,
-            style_tier: None,
-            multiple: None,
-            glow_phase: None,
-            phase: None,
-            from_above: None,
         }
     }
 }
@@ -122,9 +101,20 @@ pub struct Optics {
     #[field(within(0.002, 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_fraction: Option<f64>,
-    /// absent: `jaffe` if a and b are known, else none
+    /// phase function of the water, of the airlight of lamps, the forward scatter and the Monte Carlo truth alike
+    #[field(default = "ff")]
+    pub phase: PhaseFunction,
+    /// a published model of forward scatter; absent: two kernels from a and b, or none where these are not known
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forward_scatter: Option<ForwardScatter>,
+}
+
+impl Optics {
+    /// Whether the description sets the veiling light, so that daylight does not.
+    #[must_use]
+    pub fn sets_veil(&self) -> bool {
+        self.veiling_light.is_some() || self.veil_gain.is_some()
+    }
 }
 
 /// Forward scatter of a frame.
@@ -149,19 +139,6 @@ pub struct ForwardScatter {
     /// the light `jaffe` spreads
     #[field(default = "radiance")]
     pub source: ScatterSource,
-    /// kernels of each path in `jaffe`: `two` follow from `law` and b; absent: `one`
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub spread: Option<ScatterSpread>,
-    /// phase function that two kernels are fitted to; absent: `ff`
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub law: Option<PhaseFunction>,
-    /// whether near objects stop the spread light of what is behind them; absent: `none`
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub occlusion: Option<Occlusion>,
-    /// most layers of a `gated` frame; absent: 3
-    #[field(within(1, 4))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub layers: Option<usize>,
 }
 
 impl From<ScatterModel> for ForwardScatter {
@@ -173,10 +150,6 @@ impl From<ScatterModel> for ForwardScatter {
             spread_px_per_m: None,
             spread_offset_px: None,
             source: ScatterSource::default(),
-            spread: None,
-            law: None,
-            occlusion: None,
-            layers: None,
         }
     }
 }
@@ -204,58 +177,15 @@ pub enum ScatterSource {
     Direct,
 }
 
-/// How many kernels spread the light of one path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-pub enum ScatterSpread {
-    /// One Cauchy kernel.
-    One,
-    /// A narrow and a wide one, whose tail is that of Monte Carlo.
-    Two,
-}
-
 /// A phase function.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum PhaseFunction {
-    /// Fournier–Forand: two kernels are fitted to it with b_b/b = 0.018; the glow rises toward the back as it does.
+    /// Fournier–Forand with the water's backscatter fraction.
     #[default]
     Ff,
-    /// Henyey–Greenstein: two kernels are fitted to it with g = 0.924.
+    /// Henyey–Greenstein with the mean cosine that has the water's backscatter fraction.
     Hg,
-}
-
-/// Whether spread light knows what is in front.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-pub enum Occlusion {
-    /// Light from behind passes through near objects.
-    None,
-    /// Near objects stop it where they stand.
-    Gated,
-}
-
-/// What daylight's decay with depth does to the scene.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-pub enum Ambient {
-    /// The picture is what the camera would see in air, already lit.
-    #[default]
-    None,
-    /// Radiance and a given veiling light are multiplied by exp(−K_d h).
-    Absolute,
-    /// Radiance is multiplied by exp(−K_d h) over its largest channel, as a camera that exposes for the depth shows it.
-    Exposed,
-}
-
-/// What becomes of light of lamps that is scattered more than once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-pub enum Multiple {
-    /// It is lost.
-    None,
-    /// It is joined to the light that was scattered once or not at all, by the formulas of quasi-single scattering.
-    QuasiSingle,
 }
 
 /// What a pixel without a valid range means.
@@ -270,16 +200,4 @@ pub enum HoleRule {
     /// range that takes the place of a hole's
     #[field(within(0.001, 100_000.0), unit = "m")]
     RangeM(f64),
-}
-
-/// What of a style model is run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
-#[serde(rename_all = "snake_case")]
-pub enum StyleTier {
-    /// The network.
-    Net,
-    /// Its color table.
-    Lut,
-    /// The table where its measured distance from the network is within the tolerance, else the network.
-    Auto,
 }

@@ -17,6 +17,8 @@ pub(crate) struct Container {
     pub(crate) default: Option<LitStr>,
     /// The field that decides which others there are, from serde.
     pub(crate) tag: Option<LitStr>,
+    /// Whether it is a word or an object, from serde.
+    pub(crate) untagged: bool,
 }
 
 impl Container {
@@ -40,6 +42,7 @@ impl Container {
                     Ok(value) => Some(value.parse()?),
                     Err(_) => None,
                 };
+                container.untagged |= meta.path.is_ident("untagged");
                 if meta.path.is_ident("tag") {
                     container.tag = value;
                 }

@@ -15,6 +15,9 @@ pub(crate) fn derive(
     if let Some(tag) = &container.tag {
         return tagged(input, container, &tag.value(), data);
     }
+    if container.untagged {
+        return untagged(input, container, data);
+    }
     let is_word = |variant: &&Variant| matches!(variant.fields, Fields::Unit);
     let words: Vec<_> = data.variants.iter().filter(is_word).map(name_of).collect();
     let (mut fields, mut numbers) = (Vec::new(), Vec::new());
@@ -111,6 +114,26 @@ fn tagged(
                 presence: #presence,
                 options: &[#(#options),*],
             };
+        }
+    })
+}
+
+/// An enum of words beside an object.
+fn untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn::Result<TokenStream> {
+    let mut types = data.variants.iter().map(value_of);
+    let (Some(words), Some(object), None) = (types.next(), types.next(), types.next()) else {
+        let message = "words and an object were expected";
+        return Err(syn::Error::new_spanned(&input.ident, message));
+    };
+    let (words, object) = (words?, object?);
+    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
+    Ok(quote! {
+        impl crate::described::Described for #name {
+            const NAME: &'static str = #type_name;
+            const SHAPE: crate::schema::Shape = crate::schema::Shape::Either(
+                crate::schema::Names::Fixed(#words::WORDS),
+                &<#object as crate::described::Described>::SHAPE,
+            );
         }
     })
 }

@@ -80,7 +80,6 @@ impl Checker<'_> {
         let is_rendered = |scene: &Node| scene.get("family").is_some();
         let all_rendered = scenes.iter().all(|(_, scene)| is_rendered(scene));
         let none_rendered = !scenes.iter().any(|(_, scene)| is_rendered(scene));
-        self.noise(document);
         self.depths(document);
         for (pointer, camera) in places(document, "camera") {
             let side = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
@@ -145,23 +144,6 @@ impl Checker<'_> {
             {
                 let message = "`camera.bits` of 16 need `encode` with the format \"png\"";
                 self.refuse(|| FieldError::new(&format!("{pointer}/bits"), message));
-            }
-        }
-    }
-
-    /// A tolerance that the noise hides needs a sensor in every frame.
-    fn noise(&mut self, document: &Node) {
-        let cameras = places(document, "camera");
-        let senses =
-            |(_, camera): &(String, &Node)| camera.get("sensor").is_some() || camera.get("preset").is_some();
-        if !cameras.is_empty() && cameras.iter().all(senses) {
-            return;
-        }
-        for (pointer, fidelity) in places(document, "fidelity") {
-            let variant = fidelity.get("variant").map(|variant| variant.strings(""));
-            if variant.into_iter().flatten().any(|(_, name)| name == "noise") {
-                let message = "the fidelity `noise` needs `camera.sensor` in every frame";
-                self.refuse(|| FieldError::new(&pointer, message));
             }
         }
     }

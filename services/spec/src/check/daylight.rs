@@ -1,63 +1,57 @@
-//! What must fit together between light from above and the scene that it falls on.
+//! Daylight, the water that it shines into, and the scene that it lights.
 
-use super::{Checker, places};
+use super::{Checker, has_lamps, places};
 use crate::invalid::FieldError;
 use crate::node::Node;
 
 impl Checker<'_> {
-    /// A picture that is lit already is not lit again, and reflectance alone is no light.
+    /// A sky needs water and sets its veil; reflectance needs light.
     pub(super) fn daylight(&mut self, document: &Node) {
-        let scenes = places(document, "scene");
-        let is = |wanted: &str| scenes.iter().any(|(_, scene)| may_show(scene, wanted));
-        let (baked, albedo) = (is("baked"), is("albedo"));
-        for (pointer, water) in places(document, "water") {
-            let surfaces = above(&pointer, water)
-                .into_iter()
-                .flat_map(|(at, above)| named(&at, above, "surfaces"));
-            for at in surfaces.filter_map(|(at, name)| (name == "normal").then_some(at)) {
-                if baked {
-                    let message = "`water.from_above.surfaces` is \"normal\", but the scene is lit already";
-                    self.refuse(|| {
-                        FieldError::new(&at, message)
-                            .value(&"normal".into())
-                            .limit("`scene.light` \"albedo\", or \"depth\"")
-                    });
-                }
+        let waters: Vec<_> = places(document, "water");
+        let optics: Vec<_> = waters
+            .iter()
+            .filter_map(|(pointer, water)| Some((pointer, water.get("optics")?)))
+            .flat_map(|(pointer, optics)| optics.alternatives(&format!("{pointer}/optics")))
+            .collect();
+        let skies: Vec<_> = places(document, "daylight")
+            .into_iter()
+            .filter(|(_, daylight)| daylight.get("sun_elevation_deg").is_some())
+            .collect();
+        for (pointer, _) in &skies {
+            if optics.is_empty() {
+                let message = "`daylight` describes a sky, but `water.optics` is not given: there is no water for it to light";
+                self.refuse(|| FieldError::new(pointer, message));
             }
-            for (at, name) in named(&pointer, water, "ambient") {
-                if albedo && name != "none" {
+        }
+        for (pointer, optics) in &optics {
+            for field in ["veiling_light", "veil_gain"] {
+                if optics.get(field).is_some() && !skies.is_empty() {
                     let message = format!(
-                        "`water.ambient` is \"{name}\", but the scene shows reflectance, which `water.from_above.surfaces` lights"
+                        "`water.optics.{field}` is given, but `daylight` describes a sky, which sets the veil; remove one of them"
                     );
-                    self.refuse(|| {
-                        FieldError::new(&at, message)
-                            .value(&name.into())
-                            .limit("\"none\"")
-                    });
+                    self.refuse(|| FieldError::new(&format!("{pointer}/{field}"), message));
                 }
             }
         }
+        self.unlit_scene(document, !skies.is_empty());
     }
-}
 
-/// Every light from above that a water can have.
-pub(crate) fn above<'a>(pointer: &str, water: &'a Node) -> Vec<(String, &'a Node)> {
-    let above = water.get("from_above");
-    above.map_or_else(Vec::new, |above| {
-        above.alternatives(&format!("{pointer}/from_above"))
-    })
-}
-
-/// Every text that can stand in a field.
-fn named<'a>(pointer: &str, object: &'a Node, field: &str) -> Vec<(String, &'a str)> {
-    let node = object.get(field);
-    node.map_or_else(Vec::new, |node| node.strings(&format!("{pointer}/{field}")))
-}
-
-/// Whether the picture of a scene may be of this kind.
-pub(crate) fn may_show(scene: &Node, kind: &str) -> bool {
-    match scene.get("light") {
-        Some(light) => light.strings("").iter().any(|(_, name)| *name == kind),
-        None => kind == "baked",
+    /// A scene of reflectance in a night without lamps is black.
+    fn unlit_scene(&mut self, document: &Node, has_sky: bool) {
+        let is_night = places(document, "daylight")
+            .iter()
+            .all(|(_, daylight)| daylight.strings("").iter().any(|(_, word)| *word == "none"));
+        if has_sky || !is_night || has_lamps(document) {
+            return;
+        }
+        for (pointer, scene) in places(document, "scene") {
+            let lighting = scene.get("lighting").map(|lighting| lighting.strings(""));
+            let is_reflectance = lighting.into_iter().flatten().any(|(_, word)| word == "water");
+            if is_reflectance {
+                let message = "`scene.lighting` is \"water\", but `daylight` is \"none\" and there are no lamps: the scene is \
+                               black; add a lamp or daylight, or set `scene.lighting` to \"in_air\"";
+                self.refuse(|| FieldError::new(&format!("{pointer}/lighting"), message));
+            }
+        }
     }
 }

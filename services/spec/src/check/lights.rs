@@ -1,9 +1,7 @@
 //! What must fit together within and between the lights.
 
-use serde_json::Value;
-
 use super::Checker;
-use super::places::{is_zero, lists, places};
+use super::places::{is_zero, lists};
 use crate::invalid::FieldError;
 use crate::node::Node;
 
@@ -11,8 +9,6 @@ impl Checker<'_> {
     pub(super) fn lights(&mut self, document: &Node) {
         self.light_spaces(document);
         self.lamp_axes(document);
-        self.lamp_shadows(document);
-        self.rays(document);
     }
 
     fn lamp_axes(&mut self, document: &Node) {
@@ -21,57 +17,6 @@ impl Checker<'_> {
                 let message = "this lamp's `direction` is [0, 0, 0], which is none";
                 self.refuse(|| {
                     FieldError::new(&format!("{pointer}/direction"), message).limit("a length above 0")
-                });
-            }
-        }
-    }
-
-    /// What belongs to a kind of shadow stands beside it.
-    fn lamp_shadows(&mut self, document: &Node) {
-        for (pointer, light) in lights(document) {
-            let forms: Vec<&str> = match light.get("shadow") {
-                Some(form) => form.strings("").into_iter().map(|(_, form)| form).collect(),
-                None => vec!["none"],
-            };
-            let can_be = |form: &str| forms.contains(&form);
-            // A radius that is wrong by itself is missing here.
-            let radius = format!("{pointer}/radius_m");
-            let is_wrong = self.errors.iter().any(|error| error.pointer.starts_with(&radius));
-            if can_be("soft") && light.get("radius_m").is_none() && !is_wrong {
-                let message = "a lamp with a soft shadow needs `radius_m`";
-                self.refuse(|| {
-                    FieldError::new(&format!("{pointer}/shadow"), message).value(&Value::from("soft"))
-                });
-            }
-            for field in ["radius_m", "samples"] {
-                if light.get(field).is_some() && !can_be("soft") {
-                    let message = format!("this lamp's `{field}` needs its `shadow` to be \"soft\"");
-                    self.refuse(|| FieldError::new(&format!("{pointer}/{field}"), message));
-                }
-            }
-            if light.get("glow_shadow").is_some() && forms.iter().all(|form| *form == "none") {
-                let message = "this lamp's `glow_shadow` needs its `shadow` to be \"hard\" or \"soft\"";
-                self.refuse(|| FieldError::new(&format!("{pointer}/glow_shadow"), message));
-            }
-        }
-    }
-
-    /// Solids are known of procedural scenes alone.
-    fn rays(&mut self, document: &Node) {
-        for (pointer, _) in places(document, "rays")
-            .iter()
-            .flat_map(|(pointer, rays)| rays.strings(pointer))
-            .filter(|(_, rays)| *rays == "scene")
-        {
-            if places(document, "scene")
-                .iter()
-                .any(|(_, scene)| scene.get("family").is_none())
-            {
-                let message = "`rays` asks for the solids of the scene, which only a procedural one has";
-                self.refuse(|| {
-                    FieldError::new(&pointer, message)
-                        .value(&Value::from("scene"))
-                        .limit("\"auto\" or \"screen\"")
                 });
             }
         }

@@ -1,6 +1,6 @@
 //! What the truth of a frame cannot be traced with.
 
-use super::{Checker, above, places};
+use super::{Checker, places};
 use crate::artifact::ArtifactKind;
 use crate::invalid::FieldError;
 use crate::node::Node;
@@ -53,28 +53,6 @@ impl Checker<'_> {
                     "a hole is open water, whatever range stands for it",
                 );
             }
-            for (pointer, above) in above(&pointer, water) {
-                self.untraced_daylight(&pointer, above);
-            }
-        }
-    }
-
-    /// Daylight is traced through a flat sea surface onto reflectance.
-    fn untraced_daylight(&mut self, pointer: &str, above: &Node) {
-        let surfaces = above.get("surfaces").map(|surfaces| surfaces.strings(""));
-        if surfaces.into_iter().flatten().any(|(_, name)| name == "depth") {
-            self.untraced(
-                &format!("{pointer}/surfaces"),
-                "water.from_above.surfaces",
-                "the light of a picture that is lit already has no direction; \"normal\" over a scene of reflectance is traced",
-            );
-        }
-        if above.get("caustics").is_some() {
-            self.untraced(
-                &format!("{pointer}/caustics"),
-                "water.from_above.caustics",
-                "the sea surface of the truth is flat",
-            );
         }
     }
 

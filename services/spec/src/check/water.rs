@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::Checker;
 use super::extremes::each_draw;
 use super::{has_lamps, is_traced, places};
+use crate::daylight::Daylight;
 use crate::invalid::FieldError;
 use crate::node::{Drawn, LawNode, Node};
 use crate::rules::Sight;
@@ -21,7 +22,7 @@ impl Checker<'_> {
         };
         let alternatives = water.alternatives("");
         let has = |name| alternatives.iter().any(|(_, water)| water.get(name).is_some());
-        if !(has("optics") || has("snow") || has("from_above"))
+        if !(has("optics") || has("snow"))
             || self
                 .errors
                 .iter()
@@ -29,15 +30,18 @@ impl Checker<'_> {
         {
             return;
         }
-        let sight = Sight {
-            lamps: has_lamps(document),
-            traced: is_traced(document),
-            solid: widest(document),
-        };
         let mut found = BTreeSet::new();
-        each_draw(water, frames, &mut |draw| {
-            self.try_water(water, sight, &draw, &mut found)
-        });
+        for daylight in daylights(document) {
+            let sight = Sight {
+                lamps: has_lamps(document),
+                daylight,
+                traced: is_traced(document),
+                solid: widest(document),
+            };
+            each_draw(water, frames, &mut |draw| {
+                self.try_water(water, sight, &draw, &mut found)
+            });
+        }
     }
 
     /// Adds the errors of one water; of each place and field only the first.
@@ -64,6 +68,15 @@ impl Checker<'_> {
             }
         }
     }
+}
+
+/// The kinds of daylight that a frame can have; no rule depends on the numbers of a sky.
+fn daylights(document: &Node) -> Vec<Daylight> {
+    let alternatives = places(document, "daylight").into_iter();
+    let daylight = |(_, node): (String, &Node)| Daylight::deserialize(node.value(&|law| law.draw(0))).ok();
+    let mut all: Vec<_> = alternatives.filter_map(daylight).collect();
+    all.dedup();
+    all
 }
 
 /// `W H / f²` of the widest and highest camera that the laws can yield.
