@@ -76,7 +76,7 @@ impl Studio {
     /// Renders a frame and its reference; `None` if one of them fails.
     pub(super) fn measure(&mut self, frame: &Frame, case: &Case) -> Option<Measured> {
         let source = case.source();
-        let exact = self.light(frame, Fidelity::REFERENCE, &source)?.radiance;
+        let exact = self.light(frame, Fidelity::Reference, &source)?.radiance;
         let fast = self.light(frame, frame.fidelity, &source)?;
         let shown = self.light(frame, Fidelity::DISPLAY, &source)?;
         let (error, place) = largest_error(&fast.radiance, &exact);

@@ -28,6 +28,7 @@ mod caustics;
 mod field;
 mod gaze;
 mod limits;
+mod model;
 mod seen;
 mod slope;
 mod sun;
@@ -40,13 +41,12 @@ pub use caustics::{
 };
 pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, Shape, decay_from, fresnel};
 pub use gaze::Gaze;
+pub use model::{Caustics, DaylightLevel, DaylightModel, Sun, SurfaceLight, VeilModel};
 pub use seen::{Surfaces, access, access_reference, sunlit, sunlit_reference};
 pub use slope::{SLOPES, share_by_slope};
 pub use sun::SunLight;
 pub use surface::{Reaching, surfaces, surfaces_reference, with_lamps};
 pub use veil::{VeilOf, veil, veil_reference};
-
-use spec::{Caustics, SurfaceLight, VeilForm};
 
 /// The veil's exponent keeps at least this share of c: light cannot decay faster upwards than along a ray.
 pub const MOST_DECAY: f64 = 0.95;
@@ -54,7 +54,7 @@ pub const MOST_DECAY: f64 = 0.95;
 /// Light from above in one water, as one camera meets it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Daylight {
-    pub(crate) veil: VeilForm,
+    pub(crate) veil: VeilModel,
     pub(crate) surfaces: SurfaceLight,
     pub(crate) sun: Option<SunLight>,
     /// Rays that tell how much of the light from all around reaches a surface.
@@ -77,7 +77,7 @@ impl Daylight {
     /// Whether the veil depends on the direction.
     #[must_use]
     pub fn varies(&self) -> bool {
-        self.veil != VeilForm::Constant
+        self.veil != VeilModel::Constant
     }
 
     /// Whether radiance by direction matters to any of it.
@@ -145,7 +145,7 @@ impl Daylight {
 
     /// How the veil depends on the direction.
     #[must_use]
-    pub fn veil_form(&self) -> VeilForm {
+    pub fn veil_form(&self) -> VeilModel {
         self.veil
     }
 

@@ -77,7 +77,7 @@ pub struct Lamp {
 }
 
 impl Lamp {
-    /// A lamp that shines in all directions. `position_m` in meters (right, down, ahead of the camera), `intensity` in linear
+    /// A lamp without shadow that shines in all directions. `position_m` in meters (right, down, ahead of the camera), `intensity` in linear
     /// radiance times m² for red, green and blue.
     ///
     /// # Errors
@@ -86,7 +86,7 @@ impl Lamp {
         Self::of_point(&PointLamp {
             position_m,
             intensity,
-            ..PointLamp::default()
+            radius_m: 0.0,
         })
     }
 
@@ -95,18 +95,16 @@ impl Lamp {
         if !beyond.is_empty() {
             return Err(beyond);
         }
-        let shadow = Shadow::described(lamp.shadow, lamp.radius_m, lamp.samples);
-        let bare = Self {
+        Ok(Self {
             position_m: lamp.position_m,
             intensity: lamp.intensity,
             beam: Beam::Point,
             shadow: Shadow::None,
             glow_shadow: false,
-        };
-        Ok(bare.with_shadow(shadow, lamp.glow_shadow.unwrap_or(false)))
+        })
     }
 
-    /// A lamp that shines about `direction`, of any length but 0, within `cone_deg` degrees on each side of it.
+    /// A lamp without shadow that shines about `direction`, of any length but 0, within `cone_deg` degrees on each side of it.
     ///
     /// # Errors
     /// Every number beyond its limits.
@@ -121,7 +119,7 @@ impl Lamp {
             intensity,
             direction,
             cone_deg,
-            ..SpotLamp::default()
+            radius_m: 0.0,
         })
     }
 
@@ -148,15 +146,13 @@ impl Lamp {
         }
         let axis = direction.map(|v| v / length);
         let cos_cone = cone_deg.to_radians().cos().max(0.0);
-        let shadow = Shadow::described(lamp.shadow, lamp.radius_m, lamp.samples);
-        let bare = Self {
+        Ok(Self {
             position_m,
             intensity,
             beam: Beam::Spot { axis, cos_cone },
             shadow: Shadow::None,
             glow_shadow: false,
-        };
-        Ok(bare.with_shadow(shadow, lamp.glow_shadow.unwrap_or(false)))
+        })
     }
 
     /// The same lamp, whose light is cut off in this way on surfaces, and in the water too if `glow` says so.
@@ -169,7 +165,7 @@ impl Lamp {
         }
     }
 
-    /// The lamps among the lights of a frame, in their order.
+    /// The lamps among the lights of a frame, in their order, with their shadows on surfaces.
     ///
     /// # Errors
     /// Everything that is wrong with them, such as a direction of length 0 that laws have yielded.
@@ -178,8 +174,12 @@ impl Lamp {
         for light in lights {
             match light {
                 Light::Haze(_) => continue,
-                Light::Point(lamp) => Self::of_point(lamp),
-                Light::Spot(lamp) => Self::of_spot(lamp),
+                Light::Point(lamp) => {
+                    Self::of_point(lamp).map(|bare| bare.with_shadow(Shadow::of_lamp(lamp.radius_m), false))
+                }
+                Light::Spot(lamp) => {
+                    Self::of_spot(lamp).map(|bare| bare.with_shadow(Shadow::of_lamp(lamp.radius_m), false))
+                }
             }
             .map_or_else(|wrong| errors.extend(wrong), |lamp| lamps.push(lamp));
         }

@@ -17,6 +17,7 @@ pub mod kernel;
 pub mod lamp;
 pub mod layering;
 mod legendre;
+pub mod medium;
 pub mod own_water;
 pub mod plan;
 pub mod preset;

@@ -2,7 +2,7 @@
 
 mod behavior;
 
-use spec::{Fault, Invalid, OwnWater};
+use spec::{Fault, Invalid, Optics, OwnWater};
 
 use crate::preset::{self, Preset, diffuse_in_disguise, self_test};
 use crate::water::{Water, WaterError};
@@ -60,11 +60,11 @@ pub fn own(new: &OwnWater, others: &[Preset]) -> Result<Preset, Vec<OwnError>> {
     }
     let preset = preset_of(new);
     // Where a, b and c are all given, c has to be their sum: the description takes all three to check it.
-    let mut description = preset.description();
-    if let Some(optics) = &mut description.optics {
-        optics.beam_attenuation_per_m = new.beam_attenuation_per_m;
-    }
-    let contradictions = Water::validate(&description, false);
+    let optics = Optics {
+        beam_attenuation_per_m: new.beam_attenuation_per_m,
+        ..preset.optics()
+    };
+    let contradictions = Water::validate(&optics.into(), false);
     errors.extend(contradictions.into_iter().map(OwnError::Water));
     if errors.is_empty() {
         let beside: Vec<Preset> = others

@@ -86,11 +86,11 @@ impl Preset {
         }
     }
 
-    /// The description of this water by its numbers.
+    /// The optics of this water by its numbers.
     #[must_use]
-    pub fn description(&self) -> spec::Water {
+    pub fn optics(&self) -> Optics {
         let parts = all_known(self.absorption).zip(all_known(self.scattering));
-        let optics = Optics {
+        Optics {
             absorption_per_m: all_known(self.absorption),
             scattering_per_m: all_known(self.scattering),
             beam_attenuation_per_m: all_known(self.beam_attenuation).filter(|_| parts.is_none()),
@@ -98,8 +98,7 @@ impl Preset {
             veiling_light: self.veiling_light,
             backscatter_fraction: self.backscatter_fraction,
             ..Optics::default()
-        };
-        optics.into()
+        }
     }
 
     /// Why a frame cannot be rendered with this preset alone, if so.

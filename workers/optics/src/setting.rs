@@ -2,11 +2,12 @@
 
 use imaging::geometry::Intrinsics;
 use imaging::vector::dot;
-use spec::{Beyond, Frame, Scene, SceneLight, Snow, SnowDaylight, SurfaceLight};
+use spec::{Beyond, Frame, Scene, SceneLighting, Snow};
 
-use crate::daylight::Gaze;
+use crate::daylight::{Gaze, SurfaceLight};
 use crate::eye::Eye;
 use crate::lamp::{GlowPhase, LAMP_RADIUS_M, Lamp, Lighting};
+use crate::medium::{Medium, Surroundings};
 use crate::sediment::Clouds;
 use crate::snow::{self, World};
 use crate::turbidity::Field;
@@ -87,16 +88,17 @@ impl Setting {
             Vec::new()
         });
         let is_wet = view.has_range && frame.water.optics.is_some();
+        let medium = Medium::choose(&frame.water, &Surroundings::of_frame(frame)).filter(|_| is_wet);
         let resolve = if lamps.is_empty() {
             Water::resolve
         } else {
             Water::resolve_lit
         };
-        let water = is_wet.then(|| resolve(&frame.water, view.camera.focal_px));
+        let water = medium.as_ref().map(|medium| resolve(medium, view.camera.focal_px));
         let water = water.and_then(|water| {
             let refused = |wrong: Vec<_>| errors.extend(wrong.into_iter().map(SettingError::Water));
             let water = water.map_err(refused).ok()?;
-            let water = if frame.scene.light() == SceneLight::Albedo {
+            let water = if frame.scene.lighting() == SceneLighting::Water {
                 water.around_reflectance()
             } else {
                 water
@@ -138,7 +140,7 @@ impl Setting {
             patches,
             snow,
             world,
-            depth_m: frame.water.depth_m,
+            depth_m: medium.and_then(|medium| medium.depth_m),
         })
     }
 
@@ -148,13 +150,12 @@ impl Setting {
         self.water.as_ref().map_or([0.0; 3], Water::direct_attenuation)
     }
 
-    /// Factor of the light from above at a place in camera axes against that at the camera, where the snow asks for it:
-    /// `e^{−K_d Δh}` of what the place is deeper, but not from above the surface.
+    /// Factor of daylight at a place in camera axes against that at the camera: `e^{−K_d Δh}` of what the place is deeper, but not from
+    /// above the surface; 1 by night and where the decay is not known.
     #[must_use]
     pub fn daylight_at(&self, place: [f64; 3]) -> [f64; 3] {
-        let asked = self.snow.and_then(|snow| snow.daylight) == Some(SnowDaylight::Depth);
-        let known = self.water.as_ref().and_then(Water::diffuse_attenuation);
-        let Some(diffuse) = known.filter(|_| asked) else {
+        let water = self.water.as_ref().filter(|water| water.daylight().is_some());
+        let Some(diffuse) = water.and_then(Water::diffuse_attenuation) else {
             return [1.0; 3];
         };
         let rise = dot(self.up, place).min(self.depth_m.unwrap_or(f64::INFINITY));

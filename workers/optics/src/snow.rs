@@ -22,7 +22,7 @@ pub use spot::Spot;
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
-use spec::{Beyond, Snow, SnowDiscs};
+use spec::{Beyond, Snow};
 
 use crate::eye::Eye;
 
@@ -33,8 +33,6 @@ pub const MOST_COVER: f64 = 1.0;
 /// The largest radius of Junge's law over the least: a spectrum of marine particles is followed over about a decade of sizes
 /// (McCave 1984; Jackson et al. 1997 measured slopes of diameters between 3 and 4 with several instruments).
 const RADII: f64 = 10.0;
-/// Logarithms of radii are cut at this many standard deviations.
-const TAIL: f64 = 3.0;
 
 /// Everything wrong with it.
 #[must_use]
@@ -98,34 +96,25 @@ pub fn expected(snow: &Snow, solid: f64) -> f64 {
 /// `median² e^{2 s²}` of log-normal radii.
 #[must_use]
 pub fn cover(snow: &Snow, attenuation: f64) -> f64 {
-    let area = match snow.discs {
-        Some(SnowDiscs::Lens) => std::f64::consts::PI,
-        Some(SnowDiscs::Soft) | None => std::f64::consts::TAU,
-    };
     let length = snow.far_m - snow.near_m;
     let thinned = if attenuation * length > 1e-9 {
         (-attenuation * snow.near_m).exp() * -(-attenuation * length).exp_m1() / attenuation
     } else {
         length
     };
-    area * snow.density_per_m3 * mean_square(snow) * thinned
+    std::f64::consts::PI * snow.density_per_m3 * mean_square(snow) * thinned
 }
 
-/// `E[r²]`, m². Of Junge's law between r and R r with the slope s: `r² (s − 1)/(3 − s) (R^{3−s} − 1)/(1 − R^{1−s})`.
+/// `E[r²]`, m², of Junge's law between r and R r with the slope s: `r² (s − 1)/(3 − s) (R^{3−s} − 1)/(1 − R^{1−s})`.
 fn mean_square(snow: &Snow) -> f64 {
-    let least = snow.radius_m.powi(2);
-    match snow.spectrum {
-        None => least * (2.0 * snow.radius_spread.powi(2)).exp(),
-        Some(slope) => {
-            let rest = 3.0 - slope;
-            let grown = if rest.abs() < 1e-9 {
-                RADII.ln()
-            } else {
-                (RADII.powf(rest) - 1.0) / rest
-            };
-            least * (slope - 1.0) * grown / (1.0 - RADII.powf(1.0 - slope))
-        }
-    }
+    let slope = snow.spectrum;
+    let rest = 3.0 - slope;
+    let grown = if rest.abs() < 1e-9 {
+        RADII.ln()
+    } else {
+        (RADII.powf(rest) - 1.0) / rest
+    };
+    snow.radius_m.powi(2) * (slope - 1.0) * grown / (1.0 - RADII.powf(1.0 - slope))
 }
 
 /// Whether it may be left out: its density is 0, or expected pixels × contrast ≤ tolerance. `pixels` of the frame, the least
@@ -137,10 +126,7 @@ pub fn is_needless(snow: &Snow, pixels: usize, attenuation: f64, contrast: f64, 
 
 /// The largest radius.
 fn largest_m(snow: &Snow) -> f64 {
-    match snow.spectrum {
-        None => snow.radius_m * (TAIL * snow.radius_spread).exp(),
-        Some(_) => RADII * snow.radius_m,
-    }
+    RADII * snow.radius_m
 }
 
 /// The particles of one world: of a seed, and of frames that share their particles.
@@ -173,10 +159,7 @@ impl Seeing<'_> {
 
     /// The largest circle of confusion of this snow: that of its nearest or farthest particles.
     fn most_blur_px(&self, snow: &Snow) -> f64 {
-        match snow.discs {
-            Some(SnowDiscs::Lens) => (self.blur_px)(snow.near_m).max((self.blur_px)(snow.far_m)),
-            Some(SnowDiscs::Soft) | None => 0.0,
-        }
+        (self.blur_px)(snow.near_m).max((self.blur_px)(snow.far_m))
     }
 }
 

@@ -10,10 +10,11 @@ pub use error::WaterError;
 pub use properties::{Properties, properties};
 pub use rules::RULES;
 
-use spec::{HoleRule, Multiple, Optics, PhaseFunction, ScatterSource, SurfaceLight};
+use spec::{HoleRule, PhaseFunction, ScatterSource};
 
-use crate::daylight::{Daylight, Field, Gaze, VeilOf};
+use crate::daylight::{Daylight, Field, Gaze, SurfaceLight, VeilOf};
 use crate::lamp::{GlowPhase, asymmetry_of};
+use crate::medium::{Medium, Multiple};
 use derive::Request;
 
 /// Width of the forward-scatter kernel: `γ(Z) = offset + per_meter · Z` in pixels, for each channel.
@@ -139,34 +140,29 @@ impl Water {
     ///
     /// # Errors
     /// Every contradiction and every missing number at once, each with its field, value and limit.
-    pub fn resolve(description: &spec::Water, focal_px: f64) -> Result<Self, Vec<WaterError>> {
-        Self::complete(description, false, focal_px)
+    pub fn resolve(medium: &Medium, focal_px: f64) -> Result<Self, Vec<WaterError>> {
+        Self::complete(medium, false, focal_px)
     }
 
     /// The same for a water that lamps light, which takes scattering.
     ///
     /// # Errors
     /// As [`Water::resolve`].
-    pub fn resolve_lit(description: &spec::Water, focal_px: f64) -> Result<Self, Vec<WaterError>> {
-        Self::complete(description, true, focal_px)
+    pub fn resolve_lit(medium: &Medium, focal_px: f64) -> Result<Self, Vec<WaterError>> {
+        Self::complete(medium, true, focal_px)
     }
 
-    /// The same checks for a description whose camera is not known yet.
+    /// The same checks for water whose camera is not known yet.
     #[must_use]
-    pub fn validate(description: &spec::Water, lamps: bool) -> Vec<WaterError> {
+    pub fn validate(medium: &Medium, lamps: bool) -> Vec<WaterError> {
         /// Any focal length will do: no limit depends on it.
         const ANY_FOCAL_PX: f64 = 1000.0;
-        let completed = Self::complete(description, lamps, ANY_FOCAL_PX);
+        let completed = Self::complete(medium, lamps, ANY_FOCAL_PX);
         completed.err().unwrap_or_default()
     }
 
-    fn complete(description: &spec::Water, lamps: bool, focal_px: f64) -> Result<Self, Vec<WaterError>> {
-        let unknown = Optics::default();
-        let request = Request {
-            water: description,
-            optics: description.optics.as_ref().unwrap_or(&unknown),
-            lamps,
-        };
+    fn complete(medium: &Medium, lamps: bool, focal_px: f64) -> Result<Self, Vec<WaterError>> {
+        let request = Request { medium, lamps };
         derive::resolve(&request, focal_px)
     }
 

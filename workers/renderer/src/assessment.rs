@@ -29,7 +29,7 @@ impl Assessment<'_> {
     }
 
     pub(crate) fn is_reference(&self) -> bool {
-        self.context.frame.fidelity == Fidelity::REFERENCE
+        self.context.frame.fidelity == Fidelity::Reference
     }
 
     /// Pixels of the picture that the scene is seen in.

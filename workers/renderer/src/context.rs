@@ -5,9 +5,11 @@ use std::borrow::Cow;
 use ::camera::geometry::Refraction;
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
+use optics::daylight::Daylight;
 use optics::plan::{Plan, StageId, Variant};
 use optics::setting::Setting;
 use optics::visible_bounds::VisibleBounds;
+use optics::water::Water;
 use scenes::Labels;
 use spec::{Frame, Intrinsics, LensRecord};
 
@@ -45,7 +47,9 @@ pub(crate) struct FrameContext<'a> {
 #[derive(Default)]
 pub(crate) struct Resources {
     pub(crate) cameras: Cameras,
-    tiles: LastTiles,
+    pub(crate) tiles: LastTiles,
+    /// Whether waves draw no caustics: they are even on average, and their pattern costs more than a thinned picture.
+    pub(crate) is_calm: bool,
 }
 
 impl<'a> FrameContext<'a> {
@@ -61,9 +65,12 @@ impl<'a> FrameContext<'a> {
         let taking = camera::taking(frame, prepared, &mut resources.cameras)?;
         let range = prepared.scene.range.as_ref();
         let patchy = watch.time("turbidity", || patches::find_paths(frame, range?, &setting));
-        let has_daylight = frame.water.from_above.is_some();
-        let pattern = watch.time_if(has_daylight, "above", || {
-            caustics::find_pattern(frame, &setting, range?, &mut resources.tiles)
+        let daylight = setting.water.as_ref().and_then(Water::daylight);
+        let has_waves = !resources.is_calm && daylight.is_some_and(Daylight::has_waves);
+        let pattern = range.filter(|_| has_waves).and_then(|range| {
+            watch.time("above", || {
+                caustics::find_pattern(frame, &setting, range, &mut resources.tiles)
+            })
         });
         let view =
             range.map(|range| VisibleBounds::measure(&prepared.scene.radiance, range, &setting.eye.camera));

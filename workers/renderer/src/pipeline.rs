@@ -2,6 +2,7 @@
 
 use optics::forward_scatter::KernelCache;
 use optics::plan::Stage;
+use optics::water::Water;
 use spec::FrameRecord;
 
 use crate::assessment::Assessment;
@@ -31,7 +32,7 @@ pub(crate) fn render(
     watch: &mut Stopwatch,
 ) -> Result<Light, RenderError> {
     let has_lamps = context.setting.lighting.is_some();
-    let has_daylight = context.frame.water.from_above.is_some();
+    let has_daylight = context.setting.water.as_ref().and_then(Water::daylight).is_some();
     let daylit = watch.time_if(has_daylight, "above", || daylight::run(context));
     let scene = watch.time_if(has_lamps, "lamps", || lamps::run(context, daylit));
     let radiance = scene

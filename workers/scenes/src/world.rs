@@ -3,7 +3,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
-use spec::{Ground, Life, Path, SceneLight, Waypoint};
+use spec::{Ground, Life, Path, SceneLighting, Waypoint};
 
 use crate::labels::Labels;
 use crate::path::CameraPath;
@@ -146,7 +146,7 @@ impl World {
         intrinsics: &Intrinsics,
         labeled: bool,
     ) -> (Scene, Option<Labels>) {
-        let (mut scene, labels) = self.with_surfaces(SceneLight::Albedo, pose, size, intrinsics);
+        let (mut scene, labels) = self.with_surfaces(SceneLighting::Water, pose, size, intrinsics);
         scene.normals = labels.surfaces.as_ref().map(|surfaces| surfaces.normals.clone());
         (scene, labeled.then_some(labels))
     }
@@ -159,18 +159,18 @@ impl World {
         size: (usize, usize),
         intrinsics: &Intrinsics,
     ) -> (Scene, Labels) {
-        self.with_surfaces(SceneLight::Baked, pose, size, intrinsics)
+        self.with_surfaces(SceneLighting::InAir, pose, size, intrinsics)
     }
 
     fn with_surfaces(
         &self,
-        light: SceneLight,
+        light: SceneLighting,
         pose: &CameraPose,
         size: (usize, usize),
         intrinsics: &Intrinsics,
     ) -> (Scene, Labels) {
         let wanted = Wanted {
-            reflectance: light == SceneLight::Albedo,
+            reflectance: light == SceneLighting::Water,
             surfaces: true,
         };
         let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, wanted);

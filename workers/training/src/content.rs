@@ -9,6 +9,7 @@ use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, transfer};
 use optics::chain;
+use optics::medium::Medium;
 use optics::water::Water;
 use spec::{ForwardScatter, HoleRule, Optics, ScatterModel};
 
@@ -173,14 +174,14 @@ fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
         spread_offset_px: Some([gamma_px; 3]),
         ..ScatterModel::Simplified.into()
     };
-    let mut description = spec::Water::from(Optics {
+    let mut medium = Medium::from(Optics {
         beam_attenuation_per_m: Some(rgb("attenuation", 0.3, 1.7).map(|share| strength * share)),
         veiling_light: Some(rgb("veil", 0.0, 0.5)),
         forward_scatter: (chance.unit("blur") < 0.5).then(|| kernel(chance.between("sigma", 0, 0.3, 1.7))),
         ..Optics::default()
     });
-    description.holes = HoleRule::RangeM(FAR_M);
-    let water = Water::resolve(&description, 1.0).expect("a water with all its numbers");
+    medium.holes = HoleRule::RangeM(FAR_M);
+    let water = Water::resolve(&medium, 1.0).expect("a water with all its numbers");
     let radiance = air.light.to_rgb().map(|&light| f64::from(light));
     let range = air.range.iter().map(|&range| f64::from(range)).collect();
     let range = Plane::new(SIDE, SIDE, range).expect("one sample for each pixel");

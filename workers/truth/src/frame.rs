@@ -7,9 +7,10 @@ use imaging::random::Stream;
 use imaging::rays::Rays;
 use imaging::vector::vec3;
 use imaging::{Plane, Rgb};
+use optics::daylight::SurfaceLight;
 use optics::setting::Setting;
 use optics::water::Water;
-use spec::{Frame, SurfaceLight};
+use spec::Frame;
 
 use crate::dice::Address;
 use crate::estimate::Pixel;
@@ -31,15 +32,6 @@ pub enum NoTruth {
     /// More light scattered than lost.
     #[error("water.optics: scattering exceeds beam attenuation")]
     MoreScatteredThanLost,
-    /// Daylight that has no direction cannot be traced.
-    #[error(
-        "water.from_above.surfaces: `depth` dims a picture that is lit already, which is not traced; take `normal` over a scene of \
-         reflectance"
-    )]
-    LitByDepth,
-    /// The surface of the sea is flat.
-    #[error("water.from_above.caustics: the sea surface of the truth is flat")]
-    Waves,
     /// Clouds of sediment are not traced.
     #[error("water.sediment: clouds are not traced")]
     Clouds,
@@ -109,15 +101,14 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// The sea over surfaces that daylight lights; none where it does not.
+/// The sea over surfaces that daylight lights; `None` where it does not. Its surface is calm: waves redistribute sunlight, but their
+/// mean over the picture is that of a calm sea.
 fn sea(setting: &Setting) -> Result<Option<Sea>, NoTruth> {
     let Some(daylight) = setting.water.as_ref().and_then(Water::daylight) else {
         return Ok(None);
     };
     match daylight.surfaces() {
-        SurfaceLight::None => Ok(None),
-        SurfaceLight::Depth => Err(NoTruth::LitByDepth),
-        SurfaceLight::Normal if daylight.has_waves() => Err(NoTruth::Waves),
+        SurfaceLight::None | SurfaceLight::Depth => Ok(None),
         SurfaceLight::Normal => Sea::of_daylight(daylight).ok_or(NoTruth::TooDeep).map(Some),
     }
 }

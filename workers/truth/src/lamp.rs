@@ -27,12 +27,12 @@ impl Lamp {
     }
 
     fn of(light: &Light) -> Option<Self> {
-        let lamp = |place: [f64; 3], intensity, radius_m: Option<f64>| Self {
+        let lamp = |place: [f64; 3], intensity, radius_m: f64| Self {
             place: place.into(),
             intensity,
             beam: None,
-            radius_m: radius_m.unwrap_or(0.0).max(LAMP_RADIUS_M),
-            disc_m: radius_m.unwrap_or(0.0),
+            radius_m: radius_m.max(LAMP_RADIUS_M),
+            disc_m: radius_m,
         };
         match light {
             Light::Haze(_) => None,

@@ -3,6 +3,7 @@
 use optics::lamp::{AVERAGE_BACKSCATTER_FRACTION, FournierForand, asymmetry_of};
 use optics::water::Water;
 use serde::Serialize;
+use spec::PhaseFunction;
 
 use crate::phase::Phase;
 
@@ -25,16 +26,14 @@ pub enum Law {
 }
 
 impl Law {
-    /// What a description asks for, with the numbers of its water where it gives none.
+    /// The phase function of a description, with the backscatter fraction of its water.
     #[must_use]
-    pub fn asked(asked: spec::Phase, water: Option<&Water>) -> Self {
-        let of_water = water.map_or(AVERAGE_BACKSCATTER_FRACTION, Water::backscatter_fraction);
-        match asked {
-            spec::Phase::Ff { backscatter_fraction } => Self::FournierForand {
-                backscatter_fraction: backscatter_fraction.unwrap_or(of_water),
-            },
-            spec::Phase::Hg { g } => Self::HenyeyGreenstein {
-                g: g.unwrap_or_else(|| asymmetry_of(of_water)),
+    pub fn of_water(phase: PhaseFunction, water: Option<&Water>) -> Self {
+        let backscatter_fraction = water.map_or(AVERAGE_BACKSCATTER_FRACTION, Water::backscatter_fraction);
+        match phase {
+            PhaseFunction::Ff => Self::FournierForand { backscatter_fraction },
+            PhaseFunction::Hg => Self::HenyeyGreenstein {
+                g: asymmetry_of(backscatter_fraction),
             },
         }
     }

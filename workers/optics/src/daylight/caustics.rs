@@ -25,7 +25,8 @@ pub use tile::{Tiles, slices};
 use std::f64::consts::{PI, TAU};
 
 use imaging::random::Stream;
-use spec::Caustics;
+
+use super::model::Caustics;
 
 /// Waves of the surface.
 const WAVES: usize = 24;

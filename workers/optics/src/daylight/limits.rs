@@ -1,8 +1,6 @@
 //! Limits of daylight on surfaces that are known before any of it is computed.
 
-use spec::SurfaceLight;
-
-use super::Daylight;
+use super::{Daylight, SurfaceLight};
 use super::slope::share_by_slope;
 use crate::error_bound::ErrorBound;
 

@@ -1,10 +1,9 @@
 //! The sun as the water lets it through.
 
 use imaging::vector::DVec3;
-use spec::{Sun, SunShadow};
-
 use super::field::{Field, MOST_GAIN, REFRACTIVE_INDEX};
 use super::gaze::Gaze;
+use super::model::Sun;
 
 /// The share b/20 of the scattering takes light out of the sun's own direction; the rest goes on nearly straight.
 const LOST_BY_SCATTERING: f64 = 0.05;
@@ -33,7 +32,7 @@ impl SunLight {
             share,
             rise: (1.0 - sine * sine).sqrt(),
             azimuth: sun.azimuth_deg.to_radians(),
-            casts_shadows: sun.shadow == SunShadow::Hard,
+            casts_shadows: sun.casts_shadows,
         }
     }
 

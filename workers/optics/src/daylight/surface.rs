@@ -13,12 +13,11 @@
 
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
-use spec::SurfaceLight;
 
 use super::field::MOST_GAIN;
 use super::slope::{SLOPES, between, share_by_slope};
 use super::veil::{Row, rises_of};
-use super::{Daylight, SunLight};
+use super::{Daylight, SunLight, SurfaceLight};
 use crate::attenuation::{exp_negative, masked};
 use crate::range::is_hole;
 

@@ -6,7 +6,6 @@
 
 use imaging::rays::{Rays, Start};
 use imaging::vector::dot;
-use spec::ShadowForm;
 
 /// The golden angle.
 const TURN: f64 = 2.399_963_229_728_653;
@@ -15,8 +14,8 @@ pub(super) const SPREAD_PLACES: usize = 16;
 /// A straight edge across a disc of N places hides a share of them that differs by up to this times N^(−3/4) from its share of the
 /// area, for N up to 256.
 const EDGE_ERROR: f64 = 1.4;
-/// Places of a lamp that gives none.
-const PLACES: u64 = 16;
+/// Light samples of a lamp with a radius.
+const SAMPLES: usize = 16;
 
 /// How things cut off the light of a lamp.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -36,18 +35,14 @@ pub enum Shadow {
 }
 
 impl Shadow {
-    /// The shadow that a lamp's fields describe. A sphere without a size is a point.
-    pub(super) fn described(form: Option<ShadowForm>, radius_m: Option<f64>, samples: Option<u64>) -> Self {
-        match form {
-            None | Some(ShadowForm::None) => Self::None,
-            Some(ShadowForm::Hard) => Self::Hard,
-            Some(ShadowForm::Soft) => match radius_m.filter(|radius| *radius > 0.0) {
-                None => Self::Hard,
-                Some(radius_m) => Self::Soft {
-                    radius_m,
-                    samples: samples.unwrap_or(PLACES) as usize,
-                },
-            },
+    /// The shadow in the light of a lamp of this radius: of a point without one.
+    pub(super) fn of_lamp(radius_m: f64) -> Self {
+        if radius_m == 0.0 {
+            return Self::Hard;
+        }
+        Self::Soft {
+            radius_m,
+            samples: SAMPLES,
         }
     }
 

@@ -3,6 +3,7 @@
 
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
+use crate::medium::Medium;
 use spec::{ForwardScatter, Optics, ScatterModel};
 
 use crate::chain;
@@ -13,7 +14,7 @@ use crate::water::Water;
 #[derive(Clone, Copy)]
 pub(super) struct Machine {
     /// The color of one pixel: request, radiance, range in meters.
-    pub(super) pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]>,
+    pub(super) pixel: fn(&Medium, [f64; 3], f64) -> Option<[f64; 3]>,
     /// A random value of a seed.
     pub(super) draw: fn(u64) -> u64,
 }
@@ -28,7 +29,7 @@ const NEAR_M: f64 = 1e-3;
 const RANGES_M: [f64; 7] = [NEAR_M, 0.1, 1.0, 3.0, 10.0, 100.0, FAR_M];
 const SLACK: f64 = 1e-12;
 
-fn pixel(request: &spec::Water, radiance: [f64; 3], range_m: f64) -> Option<[f64; 3]> {
+fn pixel(request: &Medium, radiance: [f64; 3], range_m: f64) -> Option<[f64; 3]> {
     let water = Water::resolve(request, 1.0).ok()?;
     let scene = Rgb::from_fn(1, 1, |_, _| radiance);
     let layers = chain::water_reference(&scene, &Plane::from_fn(1, 1, |_, _| range_m), &water).ok()?;
@@ -90,8 +91,8 @@ pub(super) fn test(preset: &Preset, machine: Machine) -> Vec<String> {
     defects
 }
 
-fn request(c: [f64; 3], veil: [f64; 3]) -> spec::Water {
-    spec::Water::from(Optics {
+fn request(c: [f64; 3], veil: [f64; 3]) -> Medium {
+    Medium::from(Optics {
         beam_attenuation_per_m: Some(c),
         veiling_light: Some(veil),
         forward_scatter: Some(ForwardScatter::from(ScatterModel::None)),
@@ -128,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_swap_of_red_and_blue_is_found() {
-        let pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let pixel: fn(&Medium, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             let mut swapped = request.clone();
             let beam = swapped
                 .optics
@@ -142,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_zero_that_means_near_is_found() {
-        let pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let pixel: fn(&Medium, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             if range_m == 0.0 {
                 Some(radiance)
             } else {
@@ -154,7 +155,7 @@ mod tests {
 
     #[test]
     fn an_infinity_that_is_a_distance_of_its_own_is_found() {
-        let pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let pixel: fn(&Medium, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             super::pixel(request, radiance, if range_m.is_nan() { 2.0 } else { range_m })
         };
         all_find(Machine { pixel, ..OURS }, "do not mean the same");
@@ -162,11 +163,11 @@ mod tests {
 
     #[test]
     fn a_veil_that_is_missing_and_a_scene_that_is_dimmed_are_found() {
-        let dark: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let dark: fn(&Medium, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             super::pixel(request, radiance, range_m.min(50.0)).map(|v| v.map(|v| 0.8 * v))
         };
         all_find(Machine { pixel: dark, ..OURS }, "close by it is not the scene");
-        let blind: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let blind: fn(&Medium, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             super::pixel(request, radiance, range_m).map(|v| v.map(|v| v + 1e-6 * range_m.clamp(0.0, 1e6)))
         };
         all_find(Machine { pixel: blind, ..OURS }, "far away it is not the veil");
@@ -174,7 +175,7 @@ mod tests {
 
     #[test]
     fn light_below_black_is_found() {
-        let pixel: fn(&spec::Water, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
+        let pixel: fn(&Medium, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             super::pixel(request, radiance, range_m).map(|v| v.map(|v| v - 1e-9))
         };
         all_find(Machine { pixel, ..OURS }, "below black");

@@ -20,7 +20,7 @@ pub(super) fn assess(
     let Scatter::Jaffe { layers: Some(_), .. } = water.scatter else {
         return None;
     };
-    if fidelity == Fidelity::REFERENCE {
+    if fidelity == Fidelity::Reference {
         return Some(Stage::new(StageId::Occlusion, Variant::Reference));
     }
     let Some(layering) = &bounds.layering else {

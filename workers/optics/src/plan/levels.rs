@@ -20,16 +20,19 @@ const DARK: f64 = 1.0 / 255.0 / 12.92;
 /// The tolerated error of the exposed light of a frame; `None` for a fixed number of kernels and for the reference.
 #[must_use]
 pub fn frame_tolerance(frame: &Frame, bounds: &SceneBounds, around: Option<&Water>) -> Option<f64> {
-    // Snow may be darker than anything in the water, airlight lifts darkness to another slope of the curve, and an exposure
-    // may do either.
-    let is_covered = frame.has_lamps() || frame.water.snow.is_some() || frame.camera.exposure.is_some();
-    match around {
-        Some(_) if is_covered && frame.fidelity == Fidelity::DISPLAY => Some(DARK),
-        Some(water) => tolerance(bounds, water, frame.fidelity),
-        None => match frame.fidelity {
-            Fidelity::Tolerance(tolerance) => Some(tolerance),
-            _ => None,
-        },
+    match frame.fidelity {
+        Fidelity::Tolerance(tolerance) => Some(tolerance),
+        Fidelity::Terms(_) | Fidelity::Reference => None,
+        Fidelity::Picture => {
+            // Snow may be darker than anything in the water, airlight lifts darkness to another slope of the curve, and an exposure
+            // may do either.
+            let is_covered =
+                frame.has_lamps() || frame.water.snow.is_some() || frame.camera.exposure.is_some();
+            Some(match around {
+                Some(water) if !is_covered => display_tolerance(bounds, water),
+                _ => DARK,
+            })
+        }
     }
 }
 
@@ -37,10 +40,8 @@ pub fn frame_tolerance(frame: &Frame, bounds: &SceneBounds, around: Option<&Wate
 pub(super) fn tolerance(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) -> Option<f64> {
     match fidelity {
         Fidelity::Tolerance(tolerance) => Some(tolerance),
-        Fidelity::DISPLAY => Some(display_tolerance(bounds, water)),
-        Fidelity::Terms(_) | Fidelity::REFERENCE => None,
-        // The frame has its tolerance by now; one without a sensor has none.
-        Fidelity::NOISE => None,
+        Fidelity::Picture => Some(display_tolerance(bounds, water)),
+        Fidelity::Terms(_) | Fidelity::Reference => None,
     }
 }
 

@@ -3,7 +3,7 @@
 
 mod lamps;
 
-use spec::VeilForm;
+use crate::daylight::VeilModel;
 
 use super::{SceneBounds, StageId};
 use crate::daylight::Daylight;
@@ -110,8 +110,8 @@ fn veil_by_direction(conditions: &Conditions<'_>) -> Option<ModelError> {
     };
     let known = ["horizon", "p", "q"].into_iter().all(is_derived) && (0..3).all(is_like);
     let brightness = match daylight.veil_form() {
-        VeilForm::Physical => "",
-        VeilForm::Constant | VeilForm::Field => "; brightness of the horizon: a convention",
+        VeilModel::Physical => "",
+        VeilModel::Constant | VeilModel::Field => "; brightness of the horizon: a convention",
     };
     (known && conditions.patches.is_none()).then(|| {
         let about = format!(

@@ -40,7 +40,7 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
         channel,
         layering,
     } = *need;
-    if fidelity == Fidelity::REFERENCE && water.scatter != Scatter::None {
+    if fidelity == Fidelity::Reference && water.scatter != Scatter::None {
         return (Variant::Reference, None);
     }
     if layering.is_some() || matches!(water.scatter, Scatter::Jaffe { tail: Some(_), .. }) {

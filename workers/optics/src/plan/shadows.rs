@@ -84,7 +84,7 @@ impl Shadows {
         let edges = "edges fall where rays meet them, which no bound counts";
         let mut note = match self.rays {
             RaySource::Screen => format!("{edges}; from the range image: what it does not show casts none"),
-            RaySource::Auto | RaySource::Scene => format!("{edges}; from the solids of the scene"),
+            RaySource::Scene => format!("{edges}; from the solids of the scene"),
         };
         if self.spared > 0 {
             note += &format!("; nothing can occlude {} more", self.spared);

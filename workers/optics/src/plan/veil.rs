@@ -17,7 +17,7 @@ pub(super) fn assess(
     tolerance: Option<f64>,
 ) -> Option<Stage> {
     let daylight = water.daylight().filter(|daylight| daylight.varies())?;
-    if fidelity == Fidelity::REFERENCE {
+    if fidelity == Fidelity::Reference {
         return Some(Stage::new(StageId::Veil, Variant::Reference));
     }
     let rises = daylight.gaze.rises;

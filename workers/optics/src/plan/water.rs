@@ -97,7 +97,7 @@ fn used_by(stage: &Stage, share: Option<f64>) -> f64 {
 
 /// Attenuation. Its bound is the rounding of all of the water, and its effect if it is left out.
 fn assess_attenuation(bounds: &SceneBounds, water: &Water, fidelity: Fidelity, share: Option<f64>) -> Stage {
-    if fidelity == Fidelity::REFERENCE {
+    if fidelity == Fidelity::Reference {
         return Stage::new(StageId::Attenuation, Variant::Reference);
     }
     let lost = [0, 1, 2].map(|channel| levels::attenuation_effect(bounds, water, channel));

@@ -35,7 +35,7 @@ pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, toler
         if most <= share {
             continue;
         }
-        let reach = flake.spot.reach(most / share);
+        let reach = flake.spot.reach();
         let span = |center: f64, reach: f64, side: usize| {
             let first = (center - reach).ceil().max(0.0) as usize;
             first..((center + reach).floor() + 1.0).clamp(0.0, side as f64) as usize
@@ -50,9 +50,9 @@ pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, toler
         let color = color.map(|v| v as f32);
         let mut profile = Profile::new(&flake.spot, flake.center, columns.clone(), &mut weights);
         for row in rows {
-            let down = profile.row(row);
+            profile.fill_row(row);
             let weights = &*profile.weights;
-            let opacity = opacity.map(|v| (v * down) as f32);
+            let opacity = opacity.map(|v| v as f32);
             let at = row * width + columns.start..row * width + columns.end;
             let behind = &range.data()[at.clone()];
             let base = image.planes().each_ref().map(|plane| &plane.data()[at.clone()]);
@@ -88,17 +88,7 @@ struct Profile<'a> {
 impl<'a> Profile<'a> {
     fn new(spot: &Spot, center: [f64; 2], columns: Range<usize>, weights: &'a mut Vec<f32>) -> Self {
         weights.clear();
-        match *spot {
-            // The weights of every row, up to a factor.
-            Spot::Soft { sigma } => {
-                weights.extend(
-                    columns
-                        .clone()
-                        .map(|x| falloff(x as f64 - center[0], sigma) as f32),
-                );
-            }
-            Spot::Disc { .. } => weights.resize(columns.len(), 0.0),
-        }
+        weights.resize(columns.len(), 0.0);
         Self {
             spot: *spot,
             center,
@@ -107,24 +97,15 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Readies the weights for a row; returns the factor that they still need.
-    fn row(&mut self, row: usize) -> f64 {
-        let away = row as f64 - self.center[1];
-        match self.spot {
-            Spot::Soft { sigma } => falloff(away, sigma),
-            Spot::Disc { radius, edge, streak } => {
-                let start = (self.first as f64 - self.center[0]) as f32;
-                let disc = [radius, edge].map(|v| v as f32);
-                let streak = streak.map(|v| v as f32);
-                vectorized!(across(self.weights, (start, away as f32), disc, streak));
-                1.0
-            }
-        }
+    /// Computes the weights of a row.
+    fn fill_row(&mut self, row: usize) {
+        let away = (row as f64 - self.center[1]) as f32;
+        let start = (self.first as f64 - self.center[0]) as f32;
+        let Spot { radius, edge, streak } = self.spot;
+        let disc = [radius, edge].map(|v| v as f32);
+        let streak = streak.map(|v| v as f32);
+        vectorized!(across(self.weights, (start, away), disc, streak));
     }
-}
-
-fn falloff(distance: f64, sigma: f64) -> f64 {
-    (-distance * distance / (2.0 * sigma * sigma)).exp()
 }
 
 /// [`Spot::at`] of a disc along a row in f32.

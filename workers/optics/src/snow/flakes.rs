@@ -6,18 +6,17 @@ use imaging::vector::dot;
 use spec::Snow;
 
 use super::spot::Spot;
-use super::{RADII, Seeing, TAIL, World, largest_m};
+use super::{RADII, Seeing, World, largest_m};
 use crate::eye::Eye;
 
 /// Cells hold this many particles on average, unless they would be wider than [`WIDEST_CELL_M`].
 const PER_CELL: f64 = 8.0;
 const WIDEST_CELL_M: f64 = 16.0;
+/// Reach of the smallest disc and its edge, px.
+const EDGE_PX: f64 = 1.0;
 /// Draws of one particle, and most particles of one cell: with a mean of 8 one chance in 10^150.
-const DRAWS: u64 = 5;
+const DRAWS: u64 = 4;
 const MOST_IN_CELL: u64 = 200;
-/// Discs end at this many σ at the latest, where 1e-14 of the opacity is left.
-pub(super) const REACH: f64 = 8.0;
-
 /// A particle in view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flake {
@@ -85,14 +84,14 @@ fn seen(
         let length = streak[0].hypot(streak[1]);
         streak.map(|v| v * (MOST_STREAK_PX / length.max(MOST_STREAK_PX)))
     });
-    let (spot, opacity) = Spot::of(snow, size, (seeing.blur_px)(range_m), streak);
+    let (spot, opacity) = Spot::of(size, (seeing.blur_px)(range_m), streak);
     let center = [
         camera.cx + camera.focal_px * x / z,
         camera.cy + camera.focal_px * y / z,
     ];
     let reaches =
         |center: f64, side: usize, reach: f64| center >= -reach && center <= side as f64 - 1.0 + reach;
-    let [across, down] = spot.farthest();
+    let [across, down] = spot.reach();
     (reaches(center[0], width, across) && reaches(center[1], height, down)).then_some(Flake {
         place,
         radius_m,
@@ -137,14 +136,14 @@ impl<'a> Cells<'a> {
         let speed = snow.drift_m_per_s.map_or(0.0, |drift| dot(drift, drift).sqrt());
         let drawn_out = (camera.focal_px * speed * seeing.exposure_s / snow.near_m).min(MOST_STREAK_PX);
         let slopes = [(width, camera.cx), (height, camera.cy)].map(|(pixels, middle)| {
-            // Half a pixel of σ, that many times, beyond the outermost pixels, or the widest blur.
-            let beyond = 0.5 * REACH + seeing.most_blur_px(snow) + drawn_out;
+            // The least disc and the widest blur beyond the outermost pixels.
+            let beyond = EDGE_PX + seeing.most_blur_px(snow) + drawn_out;
             (
                 (-beyond - middle) / camera.focal_px,
                 (pixels as f64 - 1.0 + beyond - middle) / camera.focal_px,
             )
         });
-        let margin = REACH * largest_m(snow);
+        let margin = 2.0 * largest_m(snow);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for depth in [snow.near_m, snow.far_m] {
             for across in [slopes[0].0 * depth - margin, slopes[0].1 * depth + margin] {
@@ -240,13 +239,7 @@ impl<'a> Cells<'a> {
         for particle in 0..count {
             let draw = |choice: u64| self.dice.unit(self.index, base + 1 + DRAWS * particle + choice);
             let world = [0, 1, 2].map(|axis| self.side * (cell[axis] as f64 + draw(axis as u64)));
-            // A normal number after Box and Muller 1958.
-            let length = (-2.0 * (1.0 - draw(3)).ln()).sqrt();
-            let normal = length * (std::f64::consts::TAU * draw(4)).cos();
-            let radius = match self.snow.spectrum {
-                Some(slope) => self.junge(slope, draw(3)),
-                None => self.snow.radius_m * (self.snow.radius_spread * normal.clamp(-TAIL, TAIL)).exp(),
-            };
+            let radius = self.junge(self.snow.spectrum, draw(3));
             let address = base + 1 + DRAWS * particle;
             match self.snow.aggregates {
                 Some(share) if self.part(address, MOST_PARTS, 1) < share => {

@@ -6,18 +6,17 @@
 
 mod above;
 
-use spec::{
-    Ambient, ForwardScatter, Multiple, Occlusion, Optics, PhaseFunction, ScatterModel, ScatterSpread,
-};
+use spec::{ForwardScatter, PhaseFunction, ScatterModel};
 
 use super::{Scatter, Spread, Tail, Water, WaterError, two_kernels};
+use crate::daylight::DaylightModel;
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
+use crate::medium::{Ambient, Kernels, Medium, Multiple};
 use crate::preset::{self, Channels, Preset, all_known};
 
 const G_SHARE_OF_SCATTERING: f64 = 0.05;
 const SPREAD_OFFSET_RAD: f64 = 0.009;
 const SPREAD_PER_SCATTERING_RAD: f64 = 0.009;
-const MOST_LAYERS: usize = 3;
 const VEIL_GAIN: f64 = 0.3;
 const VEIL_DEPTH_M: f64 = 5.0;
 
@@ -28,14 +27,14 @@ const CHANNELS: [char; 3] = ['R', 'G', 'B'];
 /// What is asked for.
 #[derive(Clone, Copy)]
 pub(super) struct Request<'a> {
-    pub(super) water: &'a spec::Water,
-    pub(super) optics: &'a Optics,
+    pub(super) medium: &'a Medium,
     /// Whether lamps light the water, which takes scattering.
     pub(super) lamps: bool,
 }
 
 pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec<WaterError>> {
-    let Request { water, optics, .. } = *request;
+    let water = request.medium;
+    let optics = &water.optics;
     let mut checks = Checks::default();
     checks.limits(request);
     let preset = optics.preset.as_deref().and_then(|name| checks.preset(name));
@@ -93,13 +92,13 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         let reason = "give it, or diffuse_attenuation_per_m to derive its color from";
         checks.missing("veiling_light", reason);
     }
-    let medium = Medium {
+    let coefficients = Coefficients {
         absorption,
         scattering,
         attenuation,
         focal_px,
     };
-    let scatter = checks.scatter(optics.forward_scatter.as_ref(), &medium);
+    let scatter = checks.scatter(water, &coefficients);
     checks.lamps(request, scattering.is_some() || !is_complete);
     let multiple = checks.multiple(request, scattering.is_some() || !is_complete);
     if !checks.errors.is_empty() {
@@ -123,7 +122,7 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         scatter: scaled_scatter(scatter, scale),
         backscatter_fraction: backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
         multiple,
-        glow_phase: request.water.glow_phase.unwrap_or(PhaseFunction::Hg),
+        glow_phase: water.airlight_phase,
         daylight,
         holes: water.holes,
         derived: checks.derived,
@@ -176,8 +175,8 @@ fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
     }
 }
 
-/// What is known of the medium before the range scale.
-struct Medium {
+/// Coefficients before the range scale.
+struct Coefficients {
     absorption: Option<[f64; 3]>,
     scattering: Option<[f64; 3]>,
     attenuation: Option<[f64; 3]>,
@@ -193,24 +192,28 @@ struct Checks {
 impl Checks {
     /// Every number within the limits of its field.
     fn limits(&mut self, request: &Request<'_>) {
-        let scatter = request.optics.forward_scatter.as_ref();
-        let beyond = [
-            spec::beyond(request.optics),
-            scatter.map(spec::beyond).unwrap_or_default(),
+        let Medium {
+            optics,
+            range_scale,
+            depth_m,
+            holes,
+            daylight,
+            ..
+        } = request.medium;
+        let described = spec::Water {
+            range_scale: *range_scale,
+            depth_m: *depth_m,
+            ..spec::Water::default()
+        };
+        let all = [
+            spec::beyond(optics),
+            optics.forward_scatter.iter().flat_map(spec::beyond).collect(),
+            spec::beyond(&described),
+            spec::beyond(holes),
+            daylight.iter().flat_map(DaylightModel::beyond).collect(),
         ];
-        let places = [spec::beyond(request.water), spec::beyond(&request.water.holes)];
-        let all = beyond.into_iter().chain(places).flatten();
+        let all = all.into_iter().flatten();
         self.errors.extend(all.map(WaterError::Beyond));
-        let above = request.water.from_above.as_ref();
-        let sun = above.and_then(|above| above.sun.as_ref());
-        let caustics = above.and_then(|above| above.caustics.as_ref());
-        let beyond = [
-            above.map(spec::beyond),
-            sun.map(spec::beyond),
-            caustics.map(spec::beyond),
-        ];
-        self.errors
-            .extend(beyond.into_iter().flatten().flatten().map(WaterError::Beyond));
     }
 
     fn missing(&mut self, field: &'static str, reason: &'static str) {
@@ -243,7 +246,7 @@ impl Checks {
         if !request.lamps {
             return;
         }
-        if request.optics.backscatter_fraction.is_none() {
+        if request.medium.optics.backscatter_fraction.is_none() {
             self.derived.push("backscatter_fraction");
         }
         if !scatters {
@@ -254,7 +257,7 @@ impl Checks {
 
     /// How light of lamps that scatters more than once is followed. b is what it takes; a is what c leaves beside it.
     fn multiple(&mut self, request: &Request<'_>, scatters: bool) -> Option<Multiple> {
-        let asked = request.water.multiple;
+        let asked = request.medium.multiple;
         if asked == Some(Multiple::QuasiSingle) && !scatters && !request.lamps {
             let reason = "`multiple` \"quasi_single\" follows light by a and b apart";
             self.missing("scattering_per_m", reason);
@@ -265,12 +268,12 @@ impl Checks {
     /// exp(−K_d h) where depth and K_d are known; an error where ambient light asks for it and they are not.
     fn decay(&mut self, request: &Request<'_>, diffuse_attenuation: Option<[f64; 3]>) -> Option<[f64; 3]> {
         let decay = request
-            .water
+            .medium
             .depth_m
             .zip(diffuse_attenuation)
             .map(|(h, kd)| kd.map(|k| (-k * h).exp()));
-        if request.water.ambient != Ambient::None && decay.is_none() {
-            let field = if request.water.depth_m.is_none() {
+        if request.medium.ambient != Ambient::None && decay.is_none() {
+            let field = if request.medium.depth_m.is_none() {
                 "depth_m"
             } else {
                 "diffuse_attenuation_per_m"
@@ -286,11 +289,11 @@ impl Checks {
         request: &Request<'_>,
         diffuse_attenuation: Option<[f64; 3]>,
     ) -> Option<[f64; 3]> {
-        let depth_m = request.water.depth_m.unwrap_or(VEIL_DEPTH_M);
+        let depth_m = request.medium.depth_m.unwrap_or(VEIL_DEPTH_M);
         let daylight = diffuse_attenuation?.map(|k| (-k * depth_m).exp());
         self.derived.push("veiling_light");
         let brightest = daylight.into_iter().fold(f64::MIN_POSITIVE, f64::max);
-        Some(daylight.map(|e| request.optics.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
+        Some(daylight.map(|e| request.medium.optics.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
     }
 
     /// No part of the beam attenuation exceeds it in any channel.
@@ -309,76 +312,72 @@ impl Checks {
         }
     }
 
-    fn scatter(&mut self, request: Option<&ForwardScatter>, medium: &Medium) -> Scatter {
-        let known = medium.absorption.is_some() && medium.scattering.is_some();
-        let usual = ForwardScatter::from(if known {
+    fn scatter(&mut self, medium: &Medium, known: &Coefficients) -> Scatter {
+        let has_parts = known.absorption.is_some() && known.scattering.is_some();
+        let usual = ForwardScatter::from(if has_parts {
             ScatterModel::Jaffe
         } else {
             ScatterModel::None
         });
-        let request = request.unwrap_or(&usual);
-        self.errors.extend(two_kernels::contradictions(request));
-        match request.model {
+        let described = medium.optics.forward_scatter.as_ref().unwrap_or(&usual);
+        self.errors.extend(two_kernels::contradictions(medium));
+        match described.model {
             ScatterModel::None => Scatter::None,
             ScatterModel::Simplified => self
-                .spread(request, medium)
+                .spread(described, known)
                 .map_or(Scatter::None, |spread| Scatter::Simplified { spread }),
             ScatterModel::Jaffe => {
-                let g = self.g(request, medium);
-                let kernels = match request.spread {
-                    Some(ScatterSpread::Two) => self.two_kernels(request, medium),
-                    Some(ScatterSpread::One) | None => {
-                        self.spread(request, medium).map(|spread| (spread, None))
-                    }
+                let g = self.g(described, known);
+                let kernels = match medium.kernels {
+                    Kernels::Two => self.two_kernels(medium.optics.phase, known),
+                    Kernels::One => self.spread(described, known).map(|spread| (spread, None)),
                 };
-                let layers = (request.occlusion == Some(Occlusion::Gated))
-                    .then_some(request.layers.unwrap_or(MOST_LAYERS));
                 g.zip(kernels)
                     .map_or(Scatter::None, |(g, (spread, tail))| Scatter::Jaffe {
                         g,
-                        source: request.source,
+                        source: described.source,
                         spread,
                         tail,
-                        layers,
+                        layers: medium.layers,
                     })
             }
         }
     }
 
-    fn two_kernels(&mut self, request: &ForwardScatter, medium: &Medium) -> Option<(Spread, Option<Tail>)> {
-        let Some(b) = medium.scattering else {
-            self.missing("scattering_per_m", "the two kernels of `spread` follow from it");
+    fn two_kernels(&mut self, phase: PhaseFunction, known: &Coefficients) -> Option<(Spread, Option<Tail>)> {
+        let Some(b) = known.scattering else {
+            self.missing("scattering_per_m", "the two kernels of forward scatter follow from it");
             return None;
         };
         self.derived.extend(["spread_px_per_m", "spread_offset_px"]);
-        let (narrow, tail) = two_kernels::kernels(request.law.unwrap_or_default(), b, medium.focal_px);
+        let (narrow, tail) = two_kernels::kernels(phase, b, known.focal_px);
         Some((narrow, Some(tail)))
     }
 
-    fn g(&mut self, request: &ForwardScatter, medium: &Medium) -> Option<[f64; 3]> {
+    fn g(&mut self, request: &ForwardScatter, known: &Coefficients) -> Option<[f64; 3]> {
         if request.g_per_m.is_none() {
-            let Some((a, b)) = medium.absorption.zip(medium.scattering) else {
+            let Some((a, b)) = known.absorption.zip(known.scattering) else {
                 let reason = "give it, or both absorption_per_m and scattering_per_m";
                 self.missing("g_per_m", reason);
                 return None;
             };
             self.derived.push("g_per_m");
             // The sum of rounded a and b may fall short of a given c by rounding; G may not exceed it.
-            let limit = medium.attenuation.unwrap_or([f64::INFINITY; 3]);
+            let limit = known.attenuation.unwrap_or([f64::INFINITY; 3]);
             return Some(each(|i| (a[i] + G_SHARE_OF_SCATTERING * b[i]).min(limit[i])));
         }
-        self.within_attenuation("g_per_m", request.g_per_m, medium.attenuation);
+        self.within_attenuation("g_per_m", request.g_per_m, known.attenuation);
         request.g_per_m
     }
 
-    fn spread(&mut self, request: &ForwardScatter, medium: &Medium) -> Option<Spread> {
+    fn spread(&mut self, request: &ForwardScatter, known: &Coefficients) -> Option<Spread> {
         if let Some(per_m) = request.spread_px_per_m {
             return Some(Spread {
                 offset_px: request.spread_offset_px.unwrap_or([0.0; 3]),
                 per_m,
             });
         }
-        let Some(b) = medium.scattering else {
+        let Some(b) = known.scattering else {
             let reason = "give it, or scattering_per_m to derive it from";
             self.missing("spread_px_per_m", reason);
             return None;
@@ -386,11 +385,11 @@ impl Checks {
         self.derived.push("spread_px_per_m");
         let offset_px = request.spread_offset_px.unwrap_or_else(|| {
             self.derived.push("spread_offset_px");
-            [SPREAD_OFFSET_RAD * medium.focal_px; 3]
+            [SPREAD_OFFSET_RAD * known.focal_px; 3]
         });
         Some(Spread {
             offset_px,
-            per_m: b.map(|b| SPREAD_PER_SCATTERING_RAD * b * medium.focal_px),
+            per_m: b.map(|b| SPREAD_PER_SCATTERING_RAD * b * known.focal_px),
         })
     }
 }

@@ -36,7 +36,7 @@ pub fn properties(preset: &Preset) -> Properties {
         return own;
     }
     // A focal length of one pixel: a radian is a pixel.
-    let Ok(water) = Water::resolve(&preset.description(), 1.0) else {
+    let Ok(water) = Water::resolve(&preset.optics().into(), 1.0) else {
         return own;
     };
     let mut derived = own.derived;

@@ -3,9 +3,10 @@
 //! Fits to the light of beams in Monte Carlo runs up to b Z of about 8: angles of both kernels and the share of the wide one are
 //! linear in the optical path b Z.
 
-use spec::{ForwardScatter, Occlusion, PhaseFunction, ScatterModel, ScatterSource, ScatterSpread};
+use spec::{PhaseFunction, ScatterModel, ScatterSource};
 
 use super::{Spread, Tail, WaterError};
+use crate::medium::{Kernels, Medium};
 
 /// A number that grows with the optical path: `at_zero + slope b Z`.
 #[derive(Clone, Copy)]
@@ -57,40 +58,20 @@ pub(super) fn kernels(law: PhaseFunction, scattering: [f64; 3], focal_px: f64) -
 }
 
 /// Gates and two kernels belong to the light that `jaffe` spreads from the scene itself.
-pub(super) fn contradictions(request: &ForwardScatter) -> Vec<WaterError> {
-    let gathers = request.model == ScatterModel::Simplified;
-    let is_direct = request.model == ScatterModel::Jaffe && request.source == ScatterSource::Direct;
-    let is_gated = request.occlusion == Some(Occlusion::Gated);
-    let is_two = request.spread == Some(ScatterSpread::Two);
-    let contradictions = [
-        (
-            is_gated && gathers,
-            "occlusion",
-            "is `gated`, which goes with the model `jaffe`, not with `simplified`",
-        ),
-        (
-            is_gated && is_direct,
-            "occlusion",
-            "is `gated`, which goes with the source `radiance`, not with `direct`",
-        ),
-        (
-            is_two && gathers,
-            "spread",
-            "is `two`, which goes with the model `jaffe`, not with `simplified`",
-        ),
-        (
-            is_two && request.spread_px_per_m.is_some(),
-            "spread_px_per_m",
-            "is given, but the kernels of the spread `two` follow from `law` and b",
-        ),
-        (
-            is_two && request.spread_offset_px.is_some(),
-            "spread_offset_px",
-            "is given, but the kernels of the spread `two` follow from `law` and b",
-        ),
-    ];
-    let wrong = contradictions.into_iter().filter(|(is_wrong, ..)| *is_wrong);
-    wrong
-        .map(|(_, field, reason)| WaterError::Contradiction { field, reason })
-        .collect()
+pub(super) fn contradictions(medium: &Medium) -> Vec<WaterError> {
+    let Some(described) = &medium.optics.forward_scatter else {
+        return Vec::new();
+    };
+    let gathers = described.model == ScatterModel::Simplified;
+    let is_direct = described.model == ScatterModel::Jaffe && described.source == ScatterSource::Direct;
+    let is_gated = medium.layers.is_some();
+    let is_two = medium.kernels == Kernels::Two;
+    let reason = if (is_gated || is_two) && gathers {
+        "is `simplified`, which has neither two kernels nor layers"
+    } else if is_gated && is_direct {
+        "is `jaffe` with the source `direct`, which has no layers"
+    } else {
+        return Vec::new();
+    };
+    vec![WaterError::Contradiction { field: "model", reason }]
 }

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use imaging::Plane;
-use optics::daylight::{self, Blur, Tiles, Waves};
+use optics::daylight::{self, SurfaceLight, Blur, Tiles, Waves};
 use optics::range::of_surfaces;
 use optics::setting::Setting;
-use spec::{Frame, SurfaceLight};
+use spec::Frame;
 
 /// Waves above the scene and their light at several depths.
 pub(crate) struct Pattern {

@@ -24,7 +24,7 @@ pub(crate) fn measure_paths(path: &Plane<f32>, range: &Plane<f32>) -> Option<[f6
 pub(crate) fn find_paths(frame: &Frame, range: &Plane<f32>, setting: &Setting) -> Option<Plane<f32>> {
     let (water, field, eye) = (setting.water.as_ref()?, setting.patches.as_ref()?, &setting.eye);
     Some(match (frame.fidelity, &frame.water.turbidity) {
-        (Fidelity::REFERENCE, Some(patches)) => {
+        (Fidelity::Reference, Some(patches)) => {
             let range = range.map(|&z| f64::from(z));
             turbidity::optical_path_reference(&range, patches, field, eye, water.holes()).map(|&t| t as f32)
         }

@@ -9,7 +9,7 @@ use spec::{Fidelity, Frame, RaySource};
 
 use super::scene::Prepared;
 
-/// The origin of the surfaces that rays meet: never [`RaySource::Auto`].
+/// Where rays look for occluders: a procedural scene without its world has its range image alone.
 pub(crate) fn source(frame: &Frame, prepared: &Prepared) -> RaySource {
     match (frame.ray_source(), &prepared.world, &prepared.pose) {
         (RaySource::Scene, Some(_), Some(_)) => RaySource::Scene,
@@ -22,7 +22,7 @@ pub(crate) fn scene_rays<'a>(frame: &Frame, prepared: &'a Prepared) -> Option<Bo
     let range = prepared.scene.range.as_ref()?;
     Some(match (source(frame, prepared), &prepared.world, &prepared.pose) {
         (RaySource::Scene, Some(world), Some(pose)) => Box::new(world.rays(pose)),
-        _ if frame.fidelity == Fidelity::REFERENCE => {
+        _ if frame.fidelity == Fidelity::Reference => {
             Box::new(Screen::reference(range, prepared.view().camera))
         }
         _ => Box::new(Screen::new(range, prepared.view().camera)),

@@ -13,7 +13,7 @@ use optics::setting::View;
 use scenes::uploaded;
 use scenes::{CameraPath, CameraPose, Labels, SceneError, World};
 use serde_json::json;
-use spec::{Classes, Frame, RangeKind, Scene, SceneFiles, SceneLight};
+use spec::{Classes, Frame, RangeKind, Scene, SceneFiles, SceneLighting};
 
 use crate::error::RenderError;
 use crate::source::{SceneBytes, SceneSource};
@@ -138,7 +138,7 @@ impl Place {
             size: (width, height),
             camera: Intrinsics::centered(frame.camera.focal_px(width), width, height),
         });
-        let (scene, labels) = if frame.scene.light() == SceneLight::Albedo {
+        let (scene, labels) = if frame.scene.lighting() == SceneLighting::Water {
             let labeled = needs_labels(frame);
             self.world.render_reflectance(&pose, size, &camera, labeled)
         } else if needs_labels(frame) {

@@ -23,10 +23,21 @@ use crate::stopwatch::Stopwatch;
 const AGAIN: f64 = 1.05;
 
 /// Caches for thinned pictures, apart from those of frames.
-#[derive(Default)]
 pub(super) struct Thin {
     resources: Resources,
     kernels: KernelCache,
+}
+
+impl Default for Thin {
+    fn default() -> Self {
+        Self {
+            resources: Resources {
+                is_calm: true,
+                ..Resources::default()
+            },
+            kernels: KernelCache::default(),
+        }
+    }
 }
 
 /// The light of a frame, and the exposed picture; `None` of a pinhole, whose picture is that light.

@@ -28,15 +28,18 @@ pub(crate) fn haze_behind(frame: &Frame, has_camera: bool) -> Vec<Haze> {
     frame.haze().into_iter().filter(comes).collect()
 }
 
-/// The frame with the tolerance of its sensor noise; `None` for frames of another fidelity.
+/// The least tolerance of a picture in 8-bit codes: one code of the darkest light.
+const DARK_CODE: f64 = 1.0 / 255.0 / 12.92;
+
+/// The frame with the tolerance of its sensor noise; `None` without a sensor and for frames of another fidelity.
 pub(crate) fn with_tolerance(frame: &Frame) -> Option<Frame> {
-    if frame.fidelity != Fidelity::NOISE {
+    if frame.fidelity != Fidelity::Picture {
         return None;
     }
     let camera = ::camera::preset::complete(&frame.camera);
     let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor)?;
     Some(Frame {
-        fidelity: Fidelity::Tolerance(sensor.tolerance().clamp(1e-7, 1.0)),
+        fidelity: Fidelity::Tolerance(sensor.tolerance().clamp(DARK_CODE, 1.0)),
         ..frame.clone()
     })
 }

@@ -9,13 +9,12 @@ use std::borrow::Cow;
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
-use optics::daylight::{self, Daylight, RAYS_PER_CELL, Reaching, Refraction, SunLight, Surfaces};
+use optics::daylight::{self, Daylight, SurfaceLight, RAYS_PER_CELL, Reaching, Refraction, SunLight, Surfaces};
 use optics::lamp;
 use optics::plan::{Plan, StageId, Variant};
 use optics::range::{farthest, of_surfaces};
 use optics::setting::Setting;
 use optics::water::Water;
-use spec::SurfaceLight;
 
 use crate::context::FrameContext;
 use crate::inputs::caustics::Pattern;

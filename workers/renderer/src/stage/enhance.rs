@@ -154,9 +154,8 @@ mod tests {
     #[test]
     fn without_a_tolerance_the_exact_variant_runs() {
         for fidelity in [
-            Fidelity::REFERENCE,
-            Fidelity::DISPLAY,
-            Fidelity::NOISE,
+            Fidelity::Reference,
+            Fidelity::Picture,
             Fidelity::Terms(4),
         ] {
             let stage = choose_ibla(&VARIANTS, fidelity);

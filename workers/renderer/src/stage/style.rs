@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use imaging::{Rgb, transfer};
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
-use spec::{Fidelity, FrameRecord, StyleTier};
+use spec::{Fidelity, FrameRecord};
 use style::{Beside, RANGE_SCALE_M, Session, StyleError, StyleModel};
 
 use crate::assessment::Assessment;
@@ -102,7 +102,7 @@ impl Networks {
     }
 }
 
-/// The network of a style, or its color table if that is requested or within the tolerance of the network.
+/// The network of a style, or its color table if that is within the tolerance of the network.
 pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Stage, RenderError> {
     let frame = assessment.context.frame;
     let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {
@@ -119,12 +119,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Sta
     let is_near = distance
         .zip(share)
         .is_some_and(|(distance, share)| distance <= share);
-    let takes_table = match frame.water.style_tier {
-        Some(StyleTier::Lut) => true,
-        Some(StyleTier::Auto) => is_near,
-        Some(StyleTier::Net) | None => false,
-    };
-    let stage = if takes_table {
+    let stage = if is_near {
         Stage {
             share,
             bound: distance.map(ErrorBound::absolute),
@@ -138,7 +133,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Sta
             ..Stage::new(StageId::Style, Variant::Fast(NETWORK))
         }
     };
-    let ns = match (takes_table, card.takes_range) {
+    let ns = match (is_near, card.takes_range) {
         (true, _) => TABLE_NS,
         (false, true) => NETWORK_NS + RANGE_NS,
         (false, false) => NETWORK_NS,

@@ -74,8 +74,9 @@ pub(crate) fn run(
 
 /// How the water of a frame scatters in its truth.
 pub(crate) fn law(context: &FrameContext<'_>) -> Law {
-    let asked = context.frame.water.phase.unwrap_or_default();
-    Law::asked(asked, context.setting.water.as_ref())
+    let optics = context.frame.water.optics.as_ref();
+    let phase = optics.map(|optics| optics.phase).unwrap_or_default();
+    Law::of_water(phase, context.setting.water.as_ref())
 }
 
 /// Traces a frame round by round; none of a scene without a range, and where the first round is not traced.
@@ -113,7 +114,7 @@ pub(crate) fn trace(
         law: tracing.law,
         rays: match rays::source(frame, prepared) {
             RaySource::Scene => "scene",
-            RaySource::Screen | RaySource::Auto => "screen",
+            RaySource::Screen => "screen",
         },
         has_sea: scene.sea.is_some(),
         limit: tracing.limit,

@@ -1,11 +1,15 @@
 //! What light from above needs of a water, and how it follows from the rest.
 
-use spec::{Ambient, DaylightLevel, FromAbove, HoleRule, PhaseFunction, SurfaceLight, VeilForm};
+use spec::{HoleRule, PhaseFunction};
 
 use super::super::{Spread, two_kernels};
 use super::{Checks, G_SHARE_OF_SCATTERING, Request, WaterError, each};
-use crate::daylight::{Blur, Daylight, Field, Gaze, MOST_DECAY, Shape, SunLight, decay_from};
+use crate::daylight::{
+    Blur, Daylight, DaylightLevel, DaylightModel, Field, Gaze, MOST_DECAY, Shape, SunLight, SurfaceLight, VeilModel,
+    decay_from,
+};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
+use crate::medium::Ambient;
 
 /// What is known of the water.
 pub(super) struct Known {
@@ -22,21 +26,19 @@ pub(super) struct Known {
 /// Whether light from above says how bright the veil is.
 pub(super) fn sets_veil(request: &Request<'_>) -> bool {
     request
-        .water
-        .from_above
-        .is_some_and(|above| above.veil == Some(VeilForm::Physical))
+        .medium
+        .daylight
+        .is_some_and(|above| above.veil == VeilModel::Physical)
 }
 
 /// Whether anything depends on the direction that light comes from.
-fn varies(above: &FromAbove) -> bool {
-    let is_directed = above.veil.is_some_and(|veil| veil != VeilForm::Constant);
-    is_directed || above.surfaces() == SurfaceLight::Normal
+fn varies(above: &DaylightModel) -> bool {
+    above.veil != VeilModel::Constant || above.surfaces == SurfaceLight::Normal
 }
 
 /// The sun, where it shines on anything.
-fn sun(above: &FromAbove) -> Option<SunLight> {
-    let share = above.sun_share.filter(|share| *share > 0.0)?;
-    Some(SunLight::new(share, &above.sun.unwrap_or_default()))
+fn sun(above: &DaylightModel) -> Option<SunLight> {
+    (above.sun_share > 0.0).then(|| SunLight::new(above.sun_share, &above.sun))
 }
 
 impl Checks {
@@ -46,7 +48,7 @@ impl Checks {
         request: &Request<'_>,
         known: Option<([f64; 3], [f64; 3])>,
     ) -> Option<[f64; 3]> {
-        request.water.from_above?;
+        request.medium.daylight?;
         let (a, b) = known?;
         self.derived.push("diffuse_attenuation_per_m");
         Some(each(|i| decay_from(a[i], b[i])))
@@ -54,9 +56,9 @@ impl Checks {
 
     /// Light from above, where it is asked for and everything that it takes is there.
     pub(super) fn daylight(&mut self, request: &Request<'_>, known: &Known) -> Option<Daylight> {
-        let above = request.water.from_above.as_ref()?;
+        let above = request.medium.daylight.as_ref()?;
         self.contradictions_above(request, above);
-        if request.water.depth_m.is_none() {
+        if request.medium.depth_m.is_none() {
             self.missing("depth_m", "light from above decays with it");
         }
         if known.diffuse_attenuation.is_none() && known.is_complete {
@@ -68,9 +70,9 @@ impl Checks {
             self.missing("scattering_per_m", "caustics are blurred by it");
         }
         let shapes = self.shapes(above, known);
-        let (depth_m, decay) = request.water.depth_m.zip(known.diffuse_attenuation)?;
+        let (depth_m, decay) = request.medium.depth_m.zip(known.diffuse_attenuation)?;
         let (shapes, c) = shapes.zip(known.attenuation)?;
-        let scale = request.water.range_scale;
+        let scale = request.medium.range_scale;
         let decay = each(|i| decay[i].min(MOST_DECAY * c[i]));
         let fields = [0, 1, 2].map(|i| Field {
             shape: shapes[i],
@@ -79,55 +81,49 @@ impl Checks {
             scattering: known.scattering.map_or(0.0, |b| b[i]) * scale,
         });
         Some(Daylight {
-            veil: above.veil.unwrap_or(VeilForm::Constant),
-            surfaces: above.surfaces(),
+            veil: above.veil,
+            surfaces: above.surfaces,
             sun: sun(above),
-            rays: above.ambient_rays.unwrap_or(0),
+            rays: above.ambient_rays,
             caustics: above.caustics.map(|waves| (waves, blur(known, c))),
-            has_shafts: above.shafts == Some(true),
+            has_shafts: above.shafts,
             scale,
             fields,
             depth: depth_m / scale,
-            level: level(request, above, decay.map(|k| (-k * depth_m).exp())),
+            level: level(above, decay.map(|k| (-k * depth_m).exp())),
             gaze: Gaze::unknown(known.focal_px),
         })
     }
 
-    fn contradictions_above(&mut self, request: &Request<'_>, above: &FromAbove) {
-        let is_physical = above.veil == Some(VeilForm::Physical);
-        let apart = matches!(
-            (above.level, request.water.ambient),
-            (Some(DaylightLevel::Exposed), Ambient::Absolute)
-                | (Some(DaylightLevel::Absolute), Ambient::Exposed)
-        );
+    fn contradictions_above(&mut self, request: &Request<'_>, above: &DaylightModel) {
+        let is_physical = above.veil == VeilModel::Physical;
         let contradictions = [
             (
-                is_physical && request.optics.veiling_light.is_some(),
+                is_physical && request.medium.optics.veiling_light.is_some(),
                 "veiling_light",
-                "is given, but the veil of `from_above` is `physical`, which follows from daylight",
+                "is given, but daylight sets the veil",
             ),
             (
-                is_physical && request.optics.veil_gain.is_some(),
+                is_physical && request.medium.optics.veil_gain.is_some(),
                 "veil_gain",
-                "is given, but the veil of `from_above` is `physical`, which follows from daylight",
+                "is given, but daylight sets the veil",
             ),
             (
-                above.veil.is_some_and(|veil| veil != VeilForm::Constant)
-                    && request.water.holes != HoleRule::Background,
+                above.veil != VeilModel::Constant
+                    && request.medium.holes != HoleRule::Background,
                 "holes",
                 "is not `background`: a veil that depends on the direction shows open water where there is no range",
             ),
             (
-                above.surfaces() != SurfaceLight::None && request.water.ambient != Ambient::None,
+                above.surfaces != SurfaceLight::None && request.medium.ambient != Ambient::None,
                 "ambient",
-                "is not `none`, but `surfaces` of `from_above` light the scene in its place",
+                "is not `none`, but daylight lights the surfaces",
             ),
             (
                 above.caustics.is_some_and(|waves| !waves.cells.is_power_of_two()),
                 "cells",
                 "of `caustics` is no power of two: 32, 64, 128, 256 or 512",
             ),
-            (apart, "level", "of `from_above` is not the one of `ambient`"),
         ];
         let wrong = contradictions.into_iter().filter(|(is_wrong, ..)| *is_wrong);
         self.errors
@@ -135,15 +131,16 @@ impl Checks {
     }
 
     /// The shape of the radiance field of each channel. It need not be known where nothing depends on the direction.
-    fn shapes(&mut self, above: &FromAbove, known: &Known) -> Option<[Shape; 3]> {
+    fn shapes(&mut self, above: &DaylightModel, known: &Known) -> Option<[Shape; 3]> {
         let fraction = known.backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION);
         let of_water =
             |(a, b): ([f64; 3], [f64; 3])| [0, 1, 2].map(|i| Shape::of_water(a[i], b[i] * fraction));
         let given = above.horizon.map(|horizon| horizon.map(Shape::of_horizon));
         let Some(own) = given.or_else(|| known.absorption.zip(known.scattering).map(of_water)) else {
             if varies(above) && known.is_complete {
-                let reason = "give it, or absorption_per_m and scattering_per_m to derive it from";
-                self.missing("horizon", reason);
+                let reason = "the directions of daylight follow from it and scattering_per_m; give both, or set `daylight` to \
+                              \"none\"";
+                self.missing("absorption_per_m", reason);
             }
             // Any will do where none is looked at.
             return (!varies(above)).then(|| [Shape::of_water(1.0, 0.0); 3]);
@@ -164,8 +161,8 @@ impl Checks {
 
 /// The light at the camera, where daylight lights surfaces by their depth.
 pub(super) fn gain(request: &Request<'_>, daylight: Option<&Daylight>) -> Option<[f64; 3]> {
-    let above = request.water.from_above.as_ref()?;
-    let lights = above.surfaces() != SurfaceLight::None;
+    let above = request.medium.daylight.as_ref()?;
+    let lights = above.surfaces != SurfaceLight::None;
     daylight.filter(|_| lights).map(Daylight::level)
 }
 
@@ -196,12 +193,8 @@ fn window(known: &Known, decay: [f64; 3], channel: usize) -> f64 {
 }
 
 /// The irradiance at the camera over that which is white.
-fn level(request: &Request<'_>, above: &FromAbove, irradiance: [f64; 3]) -> [f64; 3] {
-    let is_absolute = match above.level {
-        Some(level) => level == DaylightLevel::Absolute,
-        None => request.water.ambient == Ambient::Absolute,
-    };
-    if is_absolute {
+fn level(above: &DaylightModel, irradiance: [f64; 3]) -> [f64; 3] {
+    if above.level == DaylightLevel::Absolute {
         return irradiance;
     }
     let brightest = irradiance.into_iter().fold(f64::MIN_POSITIVE, f64::max);

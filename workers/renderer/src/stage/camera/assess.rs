@@ -58,7 +58,7 @@ pub(crate) fn assess_optics(
     };
     let camera = Camera {
         taking,
-        is_reference: context.frame.fidelity == Fidelity::REFERENCE,
+        is_reference: context.frame.fidelity == Fidelity::Reference,
     };
     let stages = [
         assess_movement(&camera),
@@ -206,7 +206,7 @@ pub(crate) fn assess_electronics(context: &FrameContext<'_>) -> Vec<Stage> {
     };
     let camera = Camera {
         taking,
-        is_reference: context.frame.fidelity == Fidelity::REFERENCE,
+        is_reference: context.frame.fidelity == Fidelity::Reference,
     };
     let parts = &taking.parts;
     let mut stages = Vec::new();

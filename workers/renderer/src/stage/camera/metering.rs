@@ -94,7 +94,7 @@ fn thin_plane<T: Copy>(plane: &Plane<T>, step: usize) -> Plane<T> {
     })
 }
 
-/// The frame of a thinned scene: without snow, whose particles are as many in a small picture, without caustics, and with a pinhole.
+/// The frame of a thinned scene: without snow, whose particles are as many in a small picture, and with a pinhole.
 pub(crate) fn thin_frame(frame: &Frame, (width, height): (usize, usize)) -> Frame {
     let mut thin = Frame {
         camera: Camera {
@@ -107,11 +107,6 @@ pub(crate) fn thin_frame(frame: &Frame, (width, height): (usize, usize)) -> Fram
         ..frame.clone()
     };
     thin.water.snow = None;
-    if let Some(above) = &mut thin.water.from_above {
-        // On average it changes little, and the pattern costs more than the picture.
-        above.caustics = None;
-        above.shafts = None;
-    }
     thin.water.style = None;
     thin.enhance.clear();
     thin

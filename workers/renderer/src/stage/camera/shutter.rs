@@ -98,7 +98,7 @@ pub(crate) fn expose(
         return Exposed { picture, gain: 1.0 };
     };
     let falloff = falloff(context);
-    let is_reference = context.frame.fidelity == Fidelity::REFERENCE;
+    let is_reference = context.frame.fidelity == Fidelity::Reference;
     let gain = match (taking.parts.exposure, lagging) {
         (None, _) => 1.0,
         (Some(Exposure::Fixed(gain)), _) | (Some(Exposure::Auto(_)), Some(gain)) => gain,

@@ -1,7 +1,8 @@
 //! The plan of daylight.
 
+use optics::daylight::SurfaceLight;
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
-use spec::{RaySource, SurfaceLight};
+use spec::RaySource;
 
 use super::{farthest_surface, on_surfaces};
 use crate::assessment::Assessment;
