@@ -1,0 +1,198 @@
+//! The water of a frame with every model chosen: between a description, which states physics, and [`crate::water::Water`], which is
+//! all numbers.
+
+use serde::Deserialize;
+use spec::{Daylight, Frame, HoleRule, NamedDaylight, Optics, PhaseFunction, SceneLighting, Sky};
+
+use crate::daylight::DaylightModel;
+use crate::preset::{self, Channels, all_known};
+
+/// Depth of the camera by day where none is given, m.
+const DAY_DEPTH_M: f64 = 5.0;
+
+/// Water with its models.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Medium {
+    /// The described optics.
+    pub optics: Optics,
+    /// Multiplies every per-meter quantity.
+    pub range_scale: f64,
+    /// Depth of the camera below the surface, m.
+    pub depth_m: Option<f64>,
+    /// The rule for pixels without a valid range.
+    pub holes: HoleRule,
+    /// What the decay of daylight with depth does to the scene where no [`DaylightModel`] lights its surfaces.
+    pub ambient: Ambient,
+    /// Kernels of forward scatter by the Jaffe–McGlamery form.
+    pub kernels: Kernels,
+    /// Most layers of occlusion-aware forward scatter; `None`: near objects occlude no scattered light.
+    pub layers: Option<usize>,
+    /// How multiply scattered light of lamps is computed; `None` chooses [`Multiple::QuasiSingle`] with lamps.
+    pub multiple: Option<Multiple>,
+    /// The phase function of the airlight of lamps.
+    pub airlight_phase: PhaseFunction,
+    /// Daylight by direction and depth; `None`: `ambient` and the veiling light.
+    pub daylight: Option<DaylightModel>,
+}
+
+impl Default for Medium {
+    fn default() -> Self {
+        Self {
+            optics: Optics::default(),
+            range_scale: 1.0,
+            depth_m: None,
+            holes: HoleRule::default(),
+            ambient: Ambient::None,
+            kernels: Kernels::One,
+            layers: None,
+            multiple: None,
+            airlight_phase: PhaseFunction::Hg,
+            daylight: None,
+        }
+    }
+}
+
+impl From<Optics> for Medium {
+    /// The published models in water of these optics.
+    fn from(optics: Optics) -> Self {
+        Self {
+            optics,
+            ..Self::default()
+        }
+    }
+}
+
+/// Kernels of one path through the water.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kernels {
+    /// One Cauchy kernel, as published.
+    One,
+    /// A narrow and a wide one, fitted to Monte Carlo runs.
+    Two,
+}
+
+/// What the decay of daylight with depth does to a scene that contains its illumination.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ambient {
+    /// Nothing.
+    None,
+    /// Radiance and a given veiling light are multiplied by exp(−K_d h).
+    Absolute,
+    /// Radiance is multiplied by exp(−K_d h) over its largest channel, as by a camera that exposes for the depth.
+    Exposed,
+}
+
+/// How multiply scattered light of lamps is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Multiple {
+    /// It is lost.
+    None,
+    /// It is added to singly scattered and direct light by the formulas of quasi-single scattering.
+    QuasiSingle,
+}
+
+/// The conditions of a frame that its models depend on.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings {
+    /// The described daylight.
+    pub daylight: Daylight,
+    /// Whether point or spot lamps shine.
+    pub has_lamps: bool,
+    /// Whether the picture is reflectance.
+    pub is_reflectance: bool,
+    /// Frames per second of a moving camera; `None` of a still.
+    pub frames_per_s: Option<f64>,
+}
+
+impl Surroundings {
+    /// Those of a frame.
+    #[must_use]
+    pub fn of_frame(frame: &Frame) -> Self {
+        const FRAMES_PER_S: f64 = 25.0;
+        Self {
+            daylight: frame.daylight,
+            has_lamps: frame.has_lamps(),
+            is_reflectance: frame.scene.lighting() == SceneLighting::Water,
+            frames_per_s: frame
+                .camera
+                .path
+                .map(|_| frame.camera.frames_per_s.unwrap_or(FRAMES_PER_S)),
+        }
+    }
+}
+
+impl Medium {
+    /// The water of a description with the models that its physics calls for; `None` without optics.
+    #[must_use]
+    pub fn choose(water: &spec::Water, surroundings: &Surroundings) -> Option<Self> {
+        let mut optics = water.optics.clone()?;
+        let known = Known::of_optics(&optics);
+        let sky = known.sky(surroundings, water.depth_m);
+        if sky.is_none() && !known.has_veil && is_night(surroundings, water.depth_m) {
+            optics.veiling_light = Some([0.0; 3]);
+        }
+        let depth_m = water.depth_m.or(sky.map(|_| DAY_DEPTH_M));
+        let is_reflectance = surroundings.is_reflectance;
+        Some(Self {
+            kernels: if optics.forward_scatter.is_none() && known.has_scattering {
+                Kernels::Two
+            } else {
+                Kernels::One
+            },
+            airlight_phase: optics.phase,
+            ambient: if sky.is_some() && !is_reflectance {
+                Ambient::Exposed
+            } else {
+                Ambient::None
+            },
+            daylight: sky.map(|sky| DaylightModel::from_sky(&sky, is_reflectance, surroundings.frames_per_s)),
+            optics,
+            range_scale: water.range_scale,
+            depth_m,
+            holes: water.holes,
+            layers: None,
+            multiple: None,
+        })
+    }
+}
+
+/// Whether lamps are all the light of a frame.
+fn is_night(surroundings: &Surroundings, depth_m: Option<f64>) -> bool {
+    match surroundings.daylight {
+        Daylight::Sky(_) => false,
+        Daylight::Named(NamedDaylight::None) => true,
+        Daylight::Named(NamedDaylight::Auto) => surroundings.has_lamps && depth_m.is_none(),
+    }
+}
+
+/// What optics and their preset know.
+struct Known {
+    has_veil: bool,
+    has_scattering: bool,
+}
+
+impl Known {
+    fn of_optics(optics: &Optics) -> Self {
+        let preset = optics.preset.as_deref().and_then(preset::find);
+        let decomposition = preset.filter(|_| optics.beam_attenuation_per_m.is_none());
+        let is_known = |given: Option<[f64; 3]>, own: Option<Channels>| given.or(own.and_then(all_known)).is_some();
+        Self {
+            has_veil: optics.sets_veil() || preset.is_some_and(|preset| preset.veiling_light.is_some()),
+            has_scattering: is_known(optics.absorption_per_m, decomposition.map(|preset| preset.absorption))
+                && is_known(optics.scattering_per_m, decomposition.map(|preset| preset.scattering)),
+        }
+    }
+
+    /// The sky over the water. Daylight that is not described needs a and b, from which its veil follows, and no veil that is given.
+    fn sky(&self, surroundings: &Surroundings, depth_m: Option<f64>) -> Option<Sky> {
+        match surroundings.daylight {
+            Daylight::Sky(sky) => Some(sky),
+            Daylight::Named(_) if is_night(surroundings, depth_m) => None,
+            Daylight::Named(_) => (self.has_scattering && !self.has_veil).then(Sky::default),
+        }
+    }
+}
