@@ -123,6 +123,16 @@ impl Surroundings {
                 .map(|_| frame.camera.frames_per_s.unwrap_or(FRAMES_PER_S)),
         }
     }
+
+    /// Whether there is no daylight: none is described, or lamps shine and neither daylight nor a depth is given.
+    #[must_use]
+    pub fn is_night(&self, depth_m: Option<f64>) -> bool {
+        match self.daylight {
+            Daylight::Sky(_) => false,
+            Daylight::Named(NamedDaylight::None) => true,
+            Daylight::Named(NamedDaylight::Auto) => self.has_lamps && depth_m.is_none(),
+        }
+    }
 }
 
 impl Medium {
@@ -132,7 +142,7 @@ impl Medium {
         let mut optics = water.optics.clone()?;
         let known = Known::of_optics(&optics);
         let sky = known.sky(surroundings, water.depth_m);
-        if sky.is_none() && !known.has_veil && is_night(surroundings, water.depth_m) {
+        if sky.is_none() && !known.has_veil && surroundings.is_night(water.depth_m) {
             optics.veiling_light = Some([0.0; 3]);
         }
         let depth_m = water.depth_m.or(sky.map(|_| DAY_DEPTH_M));
@@ -160,15 +170,6 @@ impl Medium {
     }
 }
 
-/// Whether lamps are all the light of a frame.
-fn is_night(surroundings: &Surroundings, depth_m: Option<f64>) -> bool {
-    match surroundings.daylight {
-        Daylight::Sky(_) => false,
-        Daylight::Named(NamedDaylight::None) => true,
-        Daylight::Named(NamedDaylight::Auto) => surroundings.has_lamps && depth_m.is_none(),
-    }
-}
-
 /// What optics and their preset know.
 struct Known {
     has_veil: bool,
@@ -191,7 +192,7 @@ impl Known {
     fn sky(&self, surroundings: &Surroundings, depth_m: Option<f64>) -> Option<Sky> {
         match surroundings.daylight {
             Daylight::Sky(sky) => Some(sky),
-            Daylight::Named(_) if is_night(surroundings, depth_m) => None,
+            Daylight::Named(_) if surroundings.is_night(depth_m) => None,
             Daylight::Named(_) => (self.has_scattering && !self.has_veil).then(Sky::default),
         }
     }
