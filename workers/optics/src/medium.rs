@@ -28,8 +28,6 @@ pub struct Medium {
     pub kernels: Kernels,
     /// Most layers of occlusion-aware forward scatter; `None`: near objects occlude no scattered light.
     pub layers: Option<usize>,
-    /// How multiply scattered light of lamps is computed; `None` chooses [`Multiple::QuasiSingle`] with lamps.
-    pub multiple: Option<Multiple>,
     /// The phase function of the airlight of lamps.
     pub airlight_phase: PhaseFunction,
     /// Daylight by direction and depth; `None`: `ambient` and the veiling light.
@@ -46,7 +44,6 @@ impl Default for Medium {
             ambient: Ambient::None,
             kernels: Kernels::One,
             layers: None,
-            multiple: None,
             airlight_phase: PhaseFunction::Hg,
             daylight: None,
         }
@@ -83,16 +80,6 @@ pub enum Ambient {
     Absolute,
     /// Radiance is multiplied by exp(−K_d h) over its largest channel, as by a camera that exposes for the depth.
     Exposed,
-}
-
-/// How multiply scattered light of lamps is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Multiple {
-    /// It is lost.
-    None,
-    /// It is added to singly scattered and direct light by the formulas of quasi-single scattering.
-    QuasiSingle,
 }
 
 /// The conditions of a frame that its models depend on.
@@ -155,7 +142,6 @@ impl Medium {
             depth_m,
             holes: water.holes,
             layers: None,
-            multiple: None,
         })
     }
 }
@@ -179,11 +165,17 @@ impl Known {
     fn of_optics(optics: &Optics) -> Self {
         let preset = optics.preset.as_deref().and_then(preset::find);
         let decomposition = preset.filter(|_| optics.beam_attenuation_per_m.is_none());
-        let is_known = |given: Option<[f64; 3]>, own: Option<Channels>| given.or(own.and_then(all_known)).is_some();
+        let is_known =
+            |given: Option<[f64; 3]>, own: Option<Channels>| given.or(own.and_then(all_known)).is_some();
         Self {
             has_veil: optics.sets_veil() || preset.is_some_and(|preset| preset.veiling_light.is_some()),
-            has_scattering: is_known(optics.absorption_per_m, decomposition.map(|preset| preset.absorption))
-                && is_known(optics.scattering_per_m, decomposition.map(|preset| preset.scattering)),
+            has_scattering: is_known(
+                optics.absorption_per_m,
+                decomposition.map(|preset| preset.absorption),
+            ) && is_known(
+                optics.scattering_per_m,
+                decomposition.map(|preset| preset.scattering),
+            ),
         }
     }
 
