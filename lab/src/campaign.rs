@@ -1,8 +1,8 @@
 //! Random and directed frames against the promise of their plans: the exposed light of a frame is within the plan's bound of the
 //! light of the f64 reference, and water costs little more than by the cheapest sufficient plan.
 //!
-//! Each frame is an ordinary job with a camera, a function of its family and seed. Shadows, sediment and caustics are left out
-//! because they have no bound.
+//! Each frame is an ordinary job with a camera, a function of its family and seed. Edges of shadows, caustics and sediment have no
+//! bound; frames in which one of them matters are counted apart.
 
 mod camera;
 mod case;
@@ -219,7 +219,7 @@ mod tests {
             "{}",
             markdown(&outcomes)
         );
-        assert!(summary.display_codes <= 1, "{}", markdown(&outcomes));
+        assert!(summary.picture_codes <= 1, "{}", markdown(&outcomes));
     }
 
     #[test]

@@ -7,7 +7,6 @@
 pub mod campaign;
 pub mod chain_stability;
 pub mod chart;
-pub mod effects;
 pub mod frame_truth;
 pub mod ibla;
 mod johnson;

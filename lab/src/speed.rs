@@ -8,6 +8,7 @@ use imaging::random::Stream;
 use optics::chain;
 use optics::forward_scatter::KernelCache;
 use optics::kernel::Transfer;
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds};
 use optics::preset::presets;
 use optics::water::Water;
@@ -151,7 +152,7 @@ fn render(
 }
 
 fn at_scale(preset: &str, range_scale: f64, width: usize) -> Option<Water> {
-    let request = spec::Water {
+    let request = Medium {
         range_scale,
         ..Optics {
             preset: Some(preset.to_owned()),

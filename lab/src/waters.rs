@@ -3,6 +3,7 @@
 use imaging::{Plane, Rgb, transfer};
 use optics::chain;
 use optics::forward_scatter::KernelCache;
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds};
 use optics::preset::{Channels, Preset, all_known, find, presets};
 use optics::visibility;
@@ -191,7 +192,7 @@ fn score(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
     const SIZE: (usize, usize) = (96, 64);
     const CARD: [usize; 4] = [36, 22, 60, 42];
     const FOCAL_PX: f64 = 60.0;
-    let request = spec::Water {
+    let request = Medium {
         range_scale: turbidity,
         ..Optics {
             preset: Some(preset.to_owned()),

@@ -67,12 +67,12 @@ impl Case {
         let mut files = Vec::new();
         if let Some(picture) = &self.picture {
             let (rgb, range) = (format!("{name}-rgb.npy"), format!("{name}-range.npy"));
-            let light = job["scene"]["light"].take();
+            let lighting = job["scene"]["lighting"].take();
             job["scene"] = json!({
                 "kind": "files", "rgb": format!("{folder}/{rgb}"), "range": format!("{folder}/{range}")
             });
-            if !light.is_null() {
-                job["scene"]["light"] = light;
+            if !lighting.is_null() {
+                job["scene"]["lighting"] = lighting;
             }
             files.push((rgb, encode_npy_rgb(&picture.radiance)));
             files.push((range, encode_npy_plane(&picture.range)));
@@ -93,15 +93,14 @@ impl Case {
             ("/scene/family", "procedural"),
             ("/water/turbidity", "patches"),
             ("/water/snow", "snow"),
-            ("/water/from_above", "daylight"),
+            ("/water/sediment", "sediment"),
+            ("/daylight/sun_elevation_deg", "sky"),
         ] {
             words.extend(self.has(pointer).then(|| word.to_owned()));
         }
         words.extend((!self.has("/water")).then(|| "air".to_owned()));
-        let scatter = &self.job["water"]["optics"]["forward_scatter"];
-        for field in ["model", "spread", "occlusion"] {
-            words.extend(scatter[field].as_str().map(str::to_owned));
-        }
+        let model = &self.job["water"]["optics"]["forward_scatter"]["model"];
+        words.extend(model.as_str().map(str::to_owned));
         let lamps = self.job["lights"].as_array().map_or(0, Vec::len);
         words.extend((lamps > 0).then(|| format!("{lamps} lamps")));
         let plain = ["width", "height", "hfov_deg", "up", "bits"];

@@ -2,6 +2,7 @@
 
 use optics::chain;
 use optics::forward_scatter::KernelCache;
+use optics::medium::{Medium, Surroundings};
 use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::water::Water;
 use spec::{Fidelity, Frame};
@@ -56,7 +57,8 @@ impl Cost {
         let Fidelity::Tolerance(tolerance) = frame.fidelity else {
             return None;
         };
-        let water = Water::resolve(&frame.water, frame.camera.focal_px(picture.range.width())).ok()?;
+        let medium = Medium::choose(&frame.water, &Surroundings::of_frame(frame))?;
+        let water = Water::resolve(&medium, frame.camera.focal_px(picture.range.width())).ok()?;
         let light = picture.radiance.map(|&j| f64::from(j));
         let exact = chain::water_reference(&light, &picture.range.map(|&z| f64::from(z)), &water).ok()?;
         let mut trial = Trial {

@@ -68,6 +68,10 @@ fn draw_lamp(knobs: &Knobs, name: &str, surfaces: Surfaces<'_>) -> Value {
         .within_rgb(&format!("{name}.tint"), 0.2, 1.0)
         .map(|tint| (tint * level * away_m * away_m).min(1e6));
     let mut lamp = json!({"kind": "point", "position_m": position_m, "intensity": intensity});
+    lamp["radius_m"] = match knobs.chance(&format!("{name}.is_point"), 0.3) {
+        true => json!(0.0),
+        false => json!(knobs.log(&format!("{name}.radius"), 1e-3, 0.5)),
+    };
     if knobs.chance(&format!("{name}.is_spot"), 0.5) {
         let cone_deg = knobs.log(&format!("{name}.cone"), 0.5, 90.0);
         // The axis misses the surface point by about the angle of the cone.

@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 
 use super::camera::{add_parts, add_path, add_shift, draw_pinhole};
 use super::case::Case;
-use super::knobs::{Knobs, LAST};
+use super::knobs::{FIRST, Knobs, LAST};
 use super::lamps::{Surfaces, draw_lamps};
 use super::picture::{BRIGHT, LIGHTS, Limits, WHITE, draw_picture, draw_sides};
-use super::water::{draw_daylight, draw_patches, draw_snow, draw_water};
+use super::water::{draw_patches, draw_sediment, draw_sky, draw_snow, draw_water};
 
 /// Water alone, in all sizes.
 const WATER: Limits = Limits {
@@ -46,8 +46,8 @@ pub(super) fn draw_tolerance(knobs: &Knobs) -> Value {
 pub(super) fn draw_water_alone(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("picture.kind", WHITE),
-        ("scatter.is_gated", LAST),
-        ("scatter.is_double", LAST),
+        ("scatter.is_published", FIRST),
+        ("water.has_veil", FIRST),
         ("water.is_veil_free", LAST),
         ("water.is_deep", LAST),
     ]);
@@ -130,6 +130,11 @@ fn draw_place(knobs: &Knobs, limits: Limits) -> (Value, Plane<f32>) {
     (job, range)
 }
 
+/// Whether the description sets the veil, so that daylight does not.
+pub(super) fn has_veil(knobs: &Knobs) -> bool {
+    knobs.chance("water.has_veil", 0.5)
+}
+
 fn has_patches(knobs: &Knobs) -> bool {
     knobs.chance("water.has_patches", 0.2)
 }
@@ -137,6 +142,7 @@ fn has_patches(knobs: &Knobs) -> bool {
 /// Adds water, its contents and lamps, except to a few frames in air.
 fn fill(knobs: &Knobs, job: &mut Value, range: &Plane<f32>) {
     if !knobs.chance("water.is_there", 0.96) {
+        job["scene"]["lighting"] = json!("in_air");
         return;
     }
     let camera = intrinsics(&job["camera"], range.size());
@@ -147,23 +153,20 @@ fn fill(knobs: &Knobs, job: &mut Value, range: &Plane<f32>) {
     if knobs.chance("water.has_snow", 0.25) {
         water["snow"] = draw_snow(knobs, &camera, range.size());
     }
-    if knobs.chance("water.has_daylight", 0.25) {
-        let is_albedo = knobs.chance("scene.is_albedo", 0.6);
-        water["from_above"] = draw_daylight(knobs, is_albedo);
-        if is_albedo {
-            job["scene"]["light"] = json!("albedo");
-            water["ambient"] = json!("none");
-        }
+    if knobs.chance("water.has_sediment", 0.05) {
+        water["sediment"] = draw_sediment(knobs);
     }
-    if knobs.chance("water.has_lamps", 0.4) {
+    let has_veil = has_veil(knobs);
+    if !has_veil && knobs.chance("water.has_sky", 0.5) {
+        job["daylight"] = draw_sky(knobs);
+    }
+    let has_lamps = knobs.chance("water.has_lamps", 0.4);
+    if has_lamps {
         job["lights"] = json!(draw_lamps(knobs, Surfaces { range, camera }));
-        if knobs.chance("lamps.are_single", 0.5) {
-            water["multiple"] = json!("none");
-        }
-        if knobs.chance("lamps.have_phase", 0.3) {
-            water["glow_phase"] = json!("ff");
-        }
     }
+    // Without lamps, a veil that is given is all the light of the water.
+    let is_reflectance = (has_lamps || !has_veil) && knobs.chance("scene.is_reflectance", 0.6);
+    job["scene"]["lighting"] = json!(if is_reflectance { "water" } else { "in_air" });
     job["water"] = water;
 }
 

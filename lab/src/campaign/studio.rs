@@ -37,10 +37,12 @@ pub struct Measured {
     pub promise: Promise,
     /// The largest error of the linear light after exposure.
     pub error: f64,
+    /// Share of the samples whose error is above the bound: edges, where a stage runs without a bound.
+    pub above: f64,
     /// Column, row and channel of that error.
     pub place: [usize; 3],
-    /// Largest difference of 8-bit codes with the fidelity `display`; `None` if that plan exceeds its tolerance.
-    pub display_codes: Option<u8>,
+    /// Largest difference of 8-bit codes with the fidelity `picture`; `None` if that plan exceeds its tolerance.
+    pub picture_codes: Option<u8>,
 }
 
 /// The promise of a plan; `None` without a tolerance.
@@ -78,16 +80,18 @@ impl Studio {
         let source = case.source();
         let exact = self.light(frame, Fidelity::Reference, &source)?.radiance;
         let fast = self.light(frame, frame.fidelity, &source)?;
-        let shown = self.light(frame, Fidelity::DISPLAY, &source)?;
+        let shown = self.light(frame, Fidelity::Picture, &source)?;
         let (error, place) = largest_error(&fast.radiance, &exact);
-        let display_codes = promise(&shown.plan)
+        let picture_codes = promise(&shown.plan)
             .filter(|promise| !promise.exceeds && !promise.is_open)
             .map(|_| code_difference(&shown.radiance, &exact, frame.camera.tone));
+        let promise = promise(&fast.plan)?;
         Some(Measured {
-            promise: promise(&fast.plan)?,
+            promise,
             error,
+            above: share_above(&fast.radiance, &exact, promise.bound),
             place,
-            display_codes,
+            picture_codes,
         })
     }
 
@@ -112,17 +116,33 @@ fn largest_error(fast: &Rgb<f32>, exact: &Rgb<f32>) -> (f64, [usize; 3]) {
     let mut largest = (0.0, [0; 3]);
     for (channel, (fast, exact)) in fast.planes().iter().zip(exact.planes()).enumerate() {
         for (at, (&fast, &exact)) in fast.data().iter().zip(exact.data()).enumerate() {
-            let error = if fast.is_nan() || exact.is_nan() {
-                f64::INFINITY
-            } else {
-                (f64::from(fast).min(WHITE) - f64::from(exact).min(WHITE)).abs()
-            };
+            let error = sample_error(fast, exact);
             if error > largest.0 {
                 largest = (error, [at % width, at / width, channel]);
             }
         }
     }
     largest
+}
+
+/// The error of a sample; infinite for a NaN.
+fn sample_error(fast: f32, exact: f32) -> f64 {
+    if fast.is_nan() || exact.is_nan() {
+        return f64::INFINITY;
+    }
+    (f64::from(fast).min(WHITE) - f64::from(exact).min(WHITE)).abs()
+}
+
+/// Share of the samples whose error is above a bound.
+fn share_above(fast: &Rgb<f32>, exact: &Rgb<f32>, bound: f64) -> f64 {
+    let planes = fast.planes().iter().zip(exact.planes());
+    let pairs = planes.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data()));
+    let (mut count, mut above) = (0usize, 0usize);
+    for (&fast, &exact) in pairs {
+        count += 1;
+        above += usize::from(sample_error(fast, exact) > bound);
+    }
+    above as f64 / count.max(1) as f64
 }
 
 /// The largest difference of 8-bit codes.

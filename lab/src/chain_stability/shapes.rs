@@ -3,6 +3,7 @@
 use imaging::{Plane, Rgb};
 use optics::chain::check_radiance;
 use optics::forward_scatter::KernelCache;
+use optics::medium::Medium;
 use optics::water::Water;
 use spec::{Fidelity, ForwardScatter, HoleRule, Optics, ScatterModel};
 
@@ -61,7 +62,7 @@ pub fn prime_sizes() -> Finding {
 }
 
 fn with_holes(rule: HoleRule) -> Water {
-    let request = spec::Water {
+    let request = Medium {
         holes: rule,
         ..Optics {
             beam_attenuation_per_m: Some([0.37, 0.12, 0.09]),

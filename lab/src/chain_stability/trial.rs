@@ -4,6 +4,7 @@ use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};
 use optics::forward_scatter::KernelCache;
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
@@ -34,7 +35,7 @@ pub(super) fn from(g: [f64; 3], model: ScatterModel, spread: [f64; 3]) -> Water 
         g_per_m: Some(g),
         ..model.into()
     };
-    let request = spec::Water::from(Optics {
+    let request = Medium::from(Optics {
         beam_attenuation_per_m: Some([0.37, 0.12, 0.09]),
         veiling_light: Some([0.03, 0.12, 0.18]),
         forward_scatter: Some(scatter),

@@ -4,6 +4,7 @@ use imaging::{Plane, Rgb};
 use optics::attenuation::scattered_share;
 use optics::chain;
 use optics::forward_scatter::{KernelCache, Nodes, scatter, scatter_reference, widest_px};
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::range::is_hole;
 use optics::water::{Scatter, Water};
@@ -26,7 +27,7 @@ const SAME_HALF: f32 = 1.471;
 /// A coastal water seen by a camera of 80° across.
 pub(super) fn coastal(width: usize, model: ScatterModel) -> Option<Water> {
     let scatter = ForwardScatter::from(model);
-    let request = spec::Water::from(Optics {
+    let request = Medium::from(Optics {
         preset: Some(WATER.to_owned()),
         forward_scatter: Some(scatter),
         ..Optics::default()

@@ -14,7 +14,6 @@ use lab::chart::{
     self, ChartScene, Measure, Point, STAGES, cost, cost_chart, csv, error_chart, error_sheet, mark_pareto,
     standard_scenes, summary,
 };
-use lab::effects;
 use scenes::uploaded::decode;
 use serde_json::json;
 use spec::{RangeFile, RangeKind, SceneFiles};
@@ -118,12 +117,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         machine::describe(),
         summary(&points, scene)
     );
-    let effects = effects::read(effects::SHIPPED).context("the table of effects")?;
-    let tables = format!(
-        "{tables}\n## effects, against the truth\n\nAs `fathom-lab truth-effects` measured them for this version.\n\n{}",
-        effects::markdown(&effects)
-    );
-    drawing::write(&arguments.out, "effects", &effects::bars(&effects))?;
     files::write(&arguments.out.join("figures.md"), tables.as_bytes())?;
     files::write(&arguments.out.join("chart.csv"), csv(&points).as_bytes())?;
     println!("{} points: {}", points.len(), arguments.out.display());

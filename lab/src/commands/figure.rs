@@ -170,7 +170,7 @@ fn scene(arguments: &Arguments) -> Result<Value, Failure> {
     if let Some((family, seed)) = arguments.scene.split_once(':')
         && let Ok(seed) = seed.parse::<u64>()
     {
-        return Ok(json!({"kind": "procedural", "family": family, "seed": seed}));
+        return Ok(json!({"kind": "procedural", "family": family, "seed": seed, "lighting": "in_air"}));
     }
     let mut scene = json!({"kind": "files", "rgb": arguments.scene});
     let paths = [("range", &arguments.range), ("z_depth", &arguments.z_depth)];

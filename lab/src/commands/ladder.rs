@@ -1,8 +1,7 @@
-//! `fathom-lab ladder`: what each effect buys in a water, from attenuation alone to everything.
+//! `fathom-lab ladder`: what each effect of the published chain changes in a water, from attenuation alone to everything.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
 use cli::sheet::{Tile, sheet};
@@ -10,10 +9,8 @@ use cli::styles::StyleArguments;
 use cli::table::table;
 use imaging::{Rgb8, transfer};
 use lab::chart::{difference, time};
-use lab::effects;
 use serde_json::{Value, json};
 
-use super::truth_effects;
 use crate::machine;
 use crate::studio::{Studio, raster};
 
@@ -35,15 +32,14 @@ pub(crate) struct Arguments {
     /// Where to write the sheet (.png, .jpg or .webp); the figures go beside it as .md
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// What effects gain against the truth, a table of `fathom-lab truth-effects`; without, the one that comes with the program
-    #[arg(long, value_name = "FILE")]
-    effects: Option<PathBuf>,
     #[command(flatten)]
     style: StyleArguments,
 }
 
 const TILE_PX: usize = 384;
 const RUNS: usize = 5;
+/// Brightness of the constant veil.
+const VEIL_GAIN: f64 = 0.3;
 /// The stages that a rung can add to.
 const COUNTED: [&str; 3] = ["water", "style", "haze"];
 
@@ -124,29 +120,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     );
     rows.iter()
         .for_each(|row| text.push_str(&format!("| {} |\n", row.join(" | "))));
-    let measured = measured(arguments.effects.as_deref())?;
-    text.push_str(&format!(
-        "\n## Against the truth\n\n{SCENES}\n\n{}",
-        effects::markdown(&measured)
-    ));
     files::write(&arguments.out.with_extension("md"), text.as_bytes())?;
     println!("{}", table(&columns, &rows));
-    println!("{SCENES}");
-    println!("{}", table(&effects::HEAD, &effects::cells(&measured)));
     println!("{}", arguments.out.display());
     Ok(())
-}
-
-/// Of which scenes the effects are.
-const SCENES: &str = "What an effect gains, each in one small scene of its own and not in this one: mean and rms of the green light over the mean \
-                      of the Monte Carlo truth, 1 and 0 where all is right, with the 95 % interval; ms of a core for the light of 768 x 492.";
-
-/// The rows of a table, or of the one that comes with the program.
-fn measured(path: Option<&Path>) -> Result<Vec<effects::Row>, Failure> {
-    let Some(path) = path else {
-        return Ok(effects::read(effects::SHIPPED).context("the table of effects")?);
-    };
-    truth_effects::read(path)
 }
 
 /// Name, differences to the rung before and to the last (largest codes, mean ΔE), fastest run.
@@ -179,7 +156,7 @@ fn description(arguments: &Arguments, model: &str, style: Option<&str>, lit: boo
     let (family, seed) = arguments.scene.split_once(':').ok_or_else(bad)?;
     let seed: u64 = seed.parse().map_err(|_| bad())?;
     let mut water = json!({
-        "optics": {"preset": arguments.water, "forward_scatter": {"model": model}},
+        "optics": {"preset": arguments.water, "veil_gain": VEIL_GAIN, "forward_scatter": {"model": model}},
         "range_scale": arguments.range_scale,
     });
     if let Some(style) = style {
@@ -188,7 +165,7 @@ fn description(arguments: &Arguments, model: &str, style: Option<&str>, lit: boo
     let light = |x: f64| json!({"kind": "haze", "x": x, "y": 1, "size": 0.2, "intensity": 0.9});
     let lights: Vec<Value> = [0.0, 1.0].into_iter().filter(|_| lit).map(light).collect();
     Ok(json!({
-        "scene": {"kind": "procedural", "family": family, "seed": seed},
+        "scene": {"kind": "procedural", "family": family, "seed": seed, "lighting": "in_air"},
         "camera": {"width": 768, "height": 492, "hfov_deg": 80},
         "water": water, "alpha": 0.4, "lights": lights, "metrics": [], "artifacts": ["rgb"]
     }))

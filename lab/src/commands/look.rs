@@ -54,7 +54,7 @@ const ROWS: [Row; 6] = [
         name: "top minus bottom, L*, in daylight",
         of: |look| Some(look.fall),
         range: [5.0, 25.0],
-        applies: |job| job.pointer("/water/from_above").is_some(),
+        applies: is_day,
     },
     Row {
         name: "clipped, %, with lamps",
@@ -81,6 +81,14 @@ const ROWS: [Row; 6] = [
         applies: |_| true,
     },
 ];
+
+/// Whether daylight lights the frames of a job.
+fn is_day(job: &Value) -> bool {
+    match job.get("daylight") {
+        Some(daylight) => daylight.is_object(),
+        None => job.get("lights").is_none() || job.pointer("/water/depth_m").is_some(),
+    }
+}
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {

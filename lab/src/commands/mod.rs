@@ -5,7 +5,6 @@ mod bench;
 mod camera;
 mod campaign;
 mod chart;
-mod effect_sheets;
 mod figure;
 mod ibla;
 mod ladder;
@@ -16,7 +15,6 @@ mod suspended;
 mod table1;
 mod training_scores;
 mod truth;
-mod truth_effects;
 mod truth_lamps;
 mod waters;
 
@@ -29,7 +27,7 @@ pub(crate) enum Command {
     Chart(chart::Arguments),
     /// Try random frames against the promise of the plan
     Campaign(campaign::Arguments),
-    /// Show what each effect of the chain buys in a water
+    /// Show what each published effect changes in a water
     Ladder(ladder::Arguments),
     /// Map where methods fail
     Stability(stability::Arguments),
@@ -57,10 +55,6 @@ pub(crate) enum Command {
     Truth(truth::Arguments),
     /// Measure the light of lamps in six waters by Monte Carlo, beside that of the chain
     TruthLamps(truth_lamps::Arguments),
-    /// Measure what each effect brings the chain nearer to the truth, and what it costs
-    TruthEffects(truth_effects::Arguments),
-    /// Draw scenes without and with each effect that has a truth
-    EffectSheets(effect_sheets::Arguments),
     /// Measure how fast rendering and the service are on this machine
     Bench(bench::Arguments),
 }
@@ -84,8 +78,6 @@ impl Command {
             Self::TrainingScores(arguments) => training_scores::run(&arguments),
             Self::Truth(arguments) => truth::run(&arguments),
             Self::TruthLamps(arguments) => truth_lamps::run(&arguments),
-            Self::TruthEffects(arguments) => truth_effects::run(&arguments),
-            Self::EffectSheets(arguments) => effect_sheets::run(&arguments),
             Self::Bench(arguments) => bench::run(&arguments),
         }
     }

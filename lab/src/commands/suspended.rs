@@ -26,8 +26,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let snow = json!({"density_per_m3": 400, "radius_m": 0.0015, "near_m": 0.25, "far_m": 4, "albedo": [0.45, 0.45, 0.42]});
     let patches = json!({"contrast": 0.9, "scale_m": 1.2});
     let day = json!({"optics": "jerlov-1C"});
-    let night = json!({"optics": {"preset": "jerlov-1C", "veil_gain": 0.02}, "depth_m": 60, "ambient": "absolute",
-                       "snow": snow, "turbidity": patches});
+    let night = json!({"optics": "jerlov-1C", "snow": snow, "turbidity": patches});
     let spot = |side: f64| {
         json!({"kind": "spot", "position_m": [0.45 * side, -0.25, 0.0], "intensity": [25, 25, 25],
                "direction": [-0.12 * side, 0.1, 1.0], "cone_deg": 50})

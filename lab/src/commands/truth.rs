@@ -12,7 +12,7 @@ use imaging::codec;
 use lab::frame_truth::round;
 use renderer::{Traced, Tracing};
 use serde_json::json;
-use spec::Frame;
+use spec::{Frame, PhaseFunction};
 use truth::{Goal, Law};
 
 use crate::studio::Studio;
@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     /// Seed of the paths; without, the job's
     #[arg(long)]
     seed: Option<u64>,
-    /// How the water scatters, by its backscatter fraction; without, as the job's `water.phase`
+    /// How the water scatters, by its backscatter fraction; without, as the job's `water.optics.phase`
     #[arg(long, value_enum)]
     phase: Option<Kind>,
     /// Trace all channels on one path, for attenuations within a factor of 3 of each other
@@ -56,7 +56,7 @@ pub(crate) struct Arguments {
 enum Kind {
     /// Fournier-Forand with the water's backscatter fraction
     Ff,
-    /// Henyey-Greenstein with the water's backscatter fraction, as the chain has it
+    /// Henyey-Greenstein with the water's backscatter fraction
     Hg,
 }
 
@@ -90,12 +90,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             pixels * arguments.paths_max
         )));
     }
-    let phase = match arguments.phase {
-        Some(Kind::Ff) => spec::Phase::Ff {
-            backscatter_fraction: None,
-        },
-        Some(Kind::Hg) => spec::Phase::Hg { g: None },
-        None => frame.water.phase.unwrap_or_default(),
+    let law = match arguments.phase {
+        Some(Kind::Ff) => Law::of_water(PhaseFunction::Ff, chain.setting.water.as_ref()),
+        Some(Kind::Hg) => Law::of_water(PhaseFunction::Hg, chain.setting.water.as_ref()),
+        None => chain.law,
     };
     let tracing = Tracing {
         goal: Goal {
@@ -103,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             block: usize::from(arguments.block),
             most_paths: arguments.paths_max,
         },
-        law: Law::asked(phase, chain.setting.water.as_ref()),
+        law,
         seed: arguments.seed.unwrap_or(frame.seed),
         is_shared: arguments.shared,
         limit: if arguments.budget_s.is_some() {

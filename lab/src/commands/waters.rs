@@ -140,8 +140,8 @@ impl Pictures {
     }
 
     fn frame(&self, family: &str, seed: u64, camera: &Value, water: &Value) -> Result<Frame, Failure> {
-        let document = json!({"scene": {"kind": "procedural", "family": family, "seed": seed}, "camera": camera,
-            "water": water, "alpha": 0.6, "artifacts": ["rgb", "range"], "metrics": []});
+        let document = json!({"scene": {"kind": "procedural", "family": family, "seed": seed, "lighting": "in_air"},
+            "camera": camera, "water": water, "alpha": 0.6, "artifacts": ["rgb", "range"], "metrics": []});
         self.studio.frame(&document, 0)
     }
 

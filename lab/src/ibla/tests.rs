@@ -1,6 +1,7 @@
 use imaging::geometry::Intrinsics;
 use optics::chain;
 use optics::forward_scatter::KernelCache;
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use spec::Fidelity;
@@ -20,7 +21,7 @@ fn frame(seed: u64) -> Rgb8 {
     let camera = Intrinsics::centered(focal_px, SIZE.0, SIZE.1);
     let family = scenes::FAMILIES[seed as usize % scenes::FAMILIES.len()];
     let scene = scenes::procedural(family, seed, SIZE.0, SIZE.1, camera).unwrap();
-    let request = spec::Water::from(Optics {
+    let request = Medium::from(Optics {
         preset: Some(WATERS[seed as usize % WATERS.len()].to_owned()),
         ..Optics::default()
     });

@@ -78,7 +78,7 @@ pub fn markdown(cells: &[Cell]) -> String {
 const INTRODUCTION: &str = "Each entry is the truth over the chain with single scattering, and in brackets the chain with multiple scattering \
                             over the truth, least and greatest of several places. The chain scatters as Henyey and Greenstein say; \
                             where the truth does, too, only the chain's orders are wrong. Where the truth scatters as Fournier and \
-                            Forand say, a second pair in the brackets is the chain with `glow_phase` `ff`, which rises toward the back \
+                            Forand say, a second pair in the brackets is the chain with that phase function, which rises toward the back \
                             (`rising` below).\n\n";
 
 fn tables(text: &mut String, cells: &[Cell], law: Law, is_spot: bool) {

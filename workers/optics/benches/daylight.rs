@@ -5,19 +5,23 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
-use optics::daylight::{Daylight, Gaze, Reaching, Tiles, caustics, shafts, slices, surfaces};
+use optics::daylight::{
+    Caustics, Daylight, DaylightModel, Gaze, Reaching, SurfaceLight, Tiles, caustics, shafts, slices,
+    surfaces,
+};
 use optics::lamp::normals_of;
+use optics::medium::Medium;
 use optics::water::Water;
-use spec::{Caustics, FromAbove, Optics, SurfaceLight};
+use spec::Optics;
 
 const SIZE: (usize, usize) = (768, 492);
 
 fn daylight(sun_share: f64) -> Daylight {
-    let described = spec::Water {
+    let medium = Medium {
         depth_m: Some(6.0),
-        from_above: Some(FromAbove {
-            surfaces: Some(SurfaceLight::Normal),
-            sun_share: Some(sun_share),
+        daylight: Some(DaylightModel {
+            surfaces: SurfaceLight::Normal,
+            sun_share,
             caustics: Some(Caustics {
                 tile_m: 3.0,
                 cells: 128,
@@ -25,16 +29,16 @@ fn daylight(sun_share: f64) -> Daylight {
                 wind_deg: 20.0,
                 fps: None,
             }),
-            ..FromAbove::default()
+            ..DaylightModel::default()
         }),
-        ..spec::Water::from(Optics {
+        ..Medium::from(Optics {
             absorption_per_m: Some([0.353, 0.077, 0.066]),
             scattering_per_m: Some([0.164, 0.184, 0.195]),
             ..Optics::default()
         })
     };
     let camera = Intrinsics::centered(460.0, SIZE.0, SIZE.1);
-    let water = Water::resolve(&described, camera.focal_px).expect("a water");
+    let water = Water::resolve(&medium, camera.focal_px).expect("a water");
     let water = water.seen_by(Gaze::new(camera, SIZE, [0.0, -0.9, 0.4]));
     *water.daylight().expect("daylight")
 }

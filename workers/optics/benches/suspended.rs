@@ -33,8 +33,7 @@ fn suspended(bench: &mut Criterion) {
             density_per_m3: density,
             near_m: 0.2,
             far_m: 3.0,
-            radius_m: 1e-3,
-            radius_spread: 0.5,
+            radius_m: 8e-4,
             albedo: [0.5; 3],
             ..Snow::of(0.0)
         };

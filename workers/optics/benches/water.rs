@@ -8,12 +8,11 @@ use imaging::fft::Complex;
 use imaging::{Plane, Rgb};
 use optics::forward_scatter::KernelCache;
 use optics::kernel::Transfer;
+use optics::medium::{Kernels, Medium};
 use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use optics::{chain, haze};
-use spec::{
-    Fidelity, ForwardScatter, Haze, HazeBlend, HazeSpace, Occlusion, Optics, ScatterModel, ScatterSpread,
-};
+use spec::{Fidelity, Haze, HazeBlend, HazeSpace, Optics, ScatterModel};
 
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;
@@ -38,16 +37,19 @@ fn range(near_m: f32, far_m: f32) -> Plane<f32> {
 }
 
 fn water_of(preset: &str, model: ScatterModel) -> Water {
-    water_with(preset, model.into())
+    resolve(&medium_of(preset, model))
 }
 
-fn water_with(preset: &str, scatter: ForwardScatter) -> Water {
-    let request = spec::Water::from(Optics {
+fn medium_of(preset: &str, model: ScatterModel) -> Medium {
+    Medium::from(Optics {
         preset: Some(preset.to_owned()),
-        forward_scatter: Some(scatter),
+        forward_scatter: Some(model.into()),
         ..Optics::default()
-    });
-    Water::resolve(&request, 600.0).expect("a renderable preset")
+    })
+}
+
+fn resolve(medium: &Medium) -> Water {
+    Water::resolve(medium, 600.0).expect("a renderable preset")
 }
 
 fn water(bench: &mut Criterion) {
@@ -75,22 +77,17 @@ fn water(bench: &mut Criterion) {
             fixed,
         );
     }
-    let two = ForwardScatter {
-        spread: Some(ScatterSpread::Two),
-        ..ScatterModel::Jaffe.into()
-    };
-    let gated = |layers| ForwardScatter {
-        occlusion: Some(Occlusion::Gated),
-        layers: Some(layers),
-        ..two
-    };
-    for (name, scatter) in [
-        ("one kernel", ScatterModel::Jaffe.into()),
-        ("two kernels", two),
-        ("two layers", gated(2)),
-        ("three layers", gated(3)),
+    for (name, kernels, layers) in [
+        ("one kernel", Kernels::One, None),
+        ("two kernels", Kernels::Two, None),
+        ("two layers", Kernels::Two, Some(2)),
+        ("three layers", Kernels::Two, Some(3)),
     ] {
-        let water = water_with("jerlov-1C", scatter);
+        let water = resolve(&Medium {
+            kernels,
+            layers,
+            ..medium_of("jerlov-1C", ScatterModel::Jaffe)
+        });
         stage(
             &format!("{name} K=8"),
             water.clone(),

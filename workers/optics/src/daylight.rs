@@ -41,7 +41,7 @@ pub use caustics::{
 };
 pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, Shape, decay_from, fresnel};
 pub use gaze::Gaze;
-pub use model::{Caustics, DaylightLevel, DaylightModel, Sun, SurfaceLight, VeilModel};
+pub use model::{Caustics, DaylightModel, Sun, SurfaceLight, VeilModel};
 pub use seen::{
     Surfaces, access, access_reference, occlude_veil, sunlit, sunlit_reference, veil_access, veil_access_reference,
 };

@@ -28,8 +28,6 @@ pub struct Medium {
     pub kernels: Kernels,
     /// Most layers of occlusion-aware forward scatter; `None`: near objects occlude no scattered light.
     pub layers: Option<usize>,
-    /// How multiply scattered light of lamps is computed; `None` chooses [`Multiple::QuasiSingle`] with lamps.
-    pub multiple: Option<Multiple>,
     /// The phase function of the airlight of lamps.
     pub airlight_phase: PhaseFunction,
     /// Daylight by direction and depth; `None`: `ambient` and the veiling light.
@@ -46,7 +44,6 @@ impl Default for Medium {
             ambient: Ambient::None,
             kernels: Kernels::One,
             layers: None,
-            multiple: None,
             airlight_phase: PhaseFunction::Hg,
             daylight: None,
         }
@@ -83,16 +80,6 @@ pub enum Ambient {
     Absolute,
     /// Radiance is multiplied by exp(−K_d h) over its largest channel, as by a camera that exposes for the depth.
     Exposed,
-}
-
-/// How multiply scattered light of lamps is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Multiple {
-    /// It is lost.
-    None,
-    /// It is added to singly scattered and direct light by the formulas of quasi-single scattering.
-    QuasiSingle,
 }
 
 /// The conditions of a frame that its models depend on.
@@ -168,7 +155,6 @@ impl Medium {
             depth_m,
             holes: water.holes,
             layers: None,
-            multiple: None,
         })
     }
 }

@@ -14,7 +14,7 @@ use spec::{HoleRule, PhaseFunction, ScatterSource};
 
 use crate::daylight::{Daylight, Field, Gaze, SurfaceLight, VeilOf};
 use crate::lamp::{GlowPhase, asymmetry_of};
-use crate::medium::{Medium, Multiple};
+use crate::medium::Medium;
 use derive::Request;
 
 /// Width of the forward-scatter kernel: `γ(Z) = offset + per_meter · Z` in pixels, for each channel.
@@ -128,7 +128,6 @@ pub struct Water {
     pub(crate) radiance_gain: [f64; 3],
     pub(crate) scatter: Scatter,
     pub(crate) backscatter_fraction: f64,
-    pub(crate) multiple: Option<Multiple>,
     pub(crate) glow_phase: PhaseFunction,
     pub(crate) daylight: Option<Daylight>,
     pub(crate) holes: HoleRule,
@@ -220,18 +219,10 @@ impl Water {
         self.scattering
     }
 
-    /// How light of lamps that is scattered more than once is followed; none without lamps.
-    #[must_use]
-    pub fn multiple(&self) -> Option<Multiple> {
-        self.multiple
-    }
-
-    /// Absorption a, 1/m, where light of lamps that is scattered more than once is followed; c − b where it is not given.
+    /// Absorption a, 1/m, which multiply scattered light of lamps depends on; c − b where it is not given, `None` without scattering.
     #[must_use]
     pub fn followed_absorption(&self) -> Option<[f64; 3]> {
-        let b = self
-            .scattering
-            .filter(|_| self.multiple == Some(Multiple::QuasiSingle))?;
+        let b = self.scattering?;
         let rest = [0, 1, 2].map(|i| (self.direct_attenuation[i] - b[i]).max(0.0));
         Some(self.absorption.unwrap_or(rest))
     }

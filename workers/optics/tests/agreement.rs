@@ -10,13 +10,12 @@ mod scenes;
 use imaging::{Plane, Rgb};
 use optics::chain::{Layers, water, water_reference};
 use optics::forward_scatter::KernelCache;
+use optics::medium::{Kernels, Medium};
 use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 
 use scenes::{SCENES, Scene};
-use spec::{
-    Fidelity, ForwardScatter, Occlusion, Optics, PhaseFunction, ScatterModel, ScatterSource, ScatterSpread,
-};
+use spec::{Fidelity, ForwardScatter, Optics, PhaseFunction, ScatterModel, ScatterSource};
 
 /// A single pixel, single lines, primes, odd, even and composite sides.
 const SIZES: [(usize, usize); 8] = [
@@ -48,7 +47,7 @@ fn forms() -> [(&'static str, Water); 3] {
             g_per_m: Some([0.13, 0.042, 0.0315]),
             ..model.into()
         };
-        let request = spec::Water::from(Optics {
+        let request = Medium::from(Optics {
             beam_attenuation_per_m: Some([0.37, 0.12, 0.09]),
             backscatter_attenuation_per_m: Some([0.25, 0.12, 0.11]),
             veiling_light: Some([0.03, 0.12, 0.18]),
@@ -70,28 +69,26 @@ fn forms() -> [(&'static str, Water); 3] {
 
 /// Two kernels, of both laws, alone and behind gates.
 fn wide_forms() -> Vec<(&'static str, Water)> {
-    let form = |name, law, occlusion, layers| {
-        let scatter = ForwardScatter {
-            spread: Some(ScatterSpread::Two),
-            law: Some(law),
-            occlusion: Some(occlusion),
-            layers: Some(layers),
-            ..ScatterModel::Jaffe.into()
-        };
-        let request = spec::Water::from(Optics {
+    let form = |name, phase, layers| {
+        let optics = Optics {
             absorption_per_m: Some([0.35, 0.08, 0.06]),
             scattering_per_m: Some([0.2, 0.22, 0.5]),
             veiling_light: Some([0.03, 0.12, 0.18]),
-            forward_scatter: Some(scatter),
+            phase,
             ..Optics::default()
-        });
-        (name, Water::resolve(&request, 40.0).expect("a consistent water"))
+        };
+        let medium = Medium {
+            kernels: Kernels::Two,
+            layers,
+            ..optics.into()
+        };
+        (name, Water::resolve(&medium, 40.0).expect("a consistent water"))
     };
     vec![
-        form("two kernels", PhaseFunction::Ff, Occlusion::None, 1),
-        form("two kernels of hg", PhaseFunction::Hg, Occlusion::None, 1),
-        form("gated, two layers", PhaseFunction::Ff, Occlusion::Gated, 2),
-        form("gated, four layers", PhaseFunction::Hg, Occlusion::Gated, 4),
+        form("two kernels", PhaseFunction::Ff, None),
+        form("two kernels of hg", PhaseFunction::Hg, None),
+        form("gated, two layers", PhaseFunction::Ff, Some(2)),
+        form("gated, four layers", PhaseFunction::Hg, Some(4)),
     ]
 }
 

@@ -8,6 +8,7 @@ use imaging::{Plane, Rgb};
 use optics::chain::{Layers, water};
 use optics::forward_scatter::{KernelCache, Nodes, gather, scatter};
 use optics::kernel::Transfer;
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::water::Water;
 use spec::{Fidelity, ForwardScatter, HoleRule, Optics, ScatterModel};
@@ -38,13 +39,13 @@ fn dot(a: &Plane<f32>, b: &Plane<f32>) -> f64 {
         .sum()
 }
 
-fn request() -> spec::Water {
+fn request() -> Medium {
     let scatter = ForwardScatter {
         spread_px_per_m: Some([0.7; 3]),
         g_per_m: Some([0.1; 3]),
         ..ScatterModel::Jaffe.into()
     };
-    spec::Water::from(Optics {
+    Medium::from(Optics {
         beam_attenuation_per_m: Some([0.4, 0.2, 0.15]),
         veiling_light: Some([0.03, 0.12, 0.18]),
         forward_scatter: Some(scatter),
@@ -52,17 +53,14 @@ fn request() -> spec::Water {
     })
 }
 
-fn with_g(g: [f64; 3]) -> spec::Water {
+fn with_g(g: [f64; 3]) -> Medium {
     let mut request = request();
-    let scatter = request
-        .optics
-        .as_mut()
-        .and_then(|optics| optics.forward_scatter.as_mut());
+    let scatter = request.optics.forward_scatter.as_mut();
     scatter.expect("the request has it").g_per_m = Some(g);
     request
 }
 
-fn render(request: &spec::Water, range: &Plane<f32>, fidelity: Fidelity) -> (Layers, Plan, Rgb<f32>) {
+fn render(request: &Medium, range: &Plane<f32>, fidelity: Fidelity) -> (Layers, Plan, Rgb<f32>) {
     let radiance = Rgb::new([noise(0), noise(1), noise(2)]).expect("planes of one size");
     let optics = Water::resolve(request, 500.0).expect("a consistent water");
     let plan = Plan::for_water(
@@ -189,13 +187,10 @@ fn where_all_scattered_light_is_lost_none_is_spread() {
 fn only_the_red_coefficient_changes_only_red() {
     let range = noise(3).map(|r| 1.0 + 9.0 * r);
     let (before, ..) = render(&request(), &range, Fidelity::Terms(5));
-    let redder = spec::Water {
-        optics: request().optics.map(|optics| Optics {
-            beam_attenuation_per_m: Some([0.5, 0.2, 0.15]),
-            ..optics
-        }),
-        ..request()
-    };
+    let redder = Medium::from(Optics {
+        beam_attenuation_per_m: Some([0.5, 0.2, 0.15]),
+        ..request().optics
+    });
     let (after, ..) = render(&redder, &range, Fidelity::Terms(5));
     assert_ne!(after.scattered.planes()[0], before.scattered.planes()[0]);
     let others = after.scattered.planes()[1..]
@@ -216,7 +211,7 @@ const SHARED_TRANSFORM: f32 = 1e-6;
 fn range_scale_is_the_same_as_a_longer_range() {
     let range = noise(3).map(|r| 1.0 + 4.0 * r);
     let (scaled, ..) = render(
-        &spec::Water {
+        &Medium {
             range_scale: 2.0,
             ..request()
         },
@@ -234,7 +229,7 @@ fn holes_follow_their_rule() {
     let range = Plane::from_fn(WIDTH, HEIGHT, |x, _| if x == 3 { f32::NAN } else { 4.0 });
     let (background, ..) = render(&request(), &range, Fidelity::Terms(5));
     assert_eq!((background.holes, background.direct.pixel(3, 3)), (29, [0.0; 3]));
-    let rule = |holes| spec::Water { holes, ..request() };
+    let rule = |holes| Medium { holes, ..request() };
     let (replaced, ..) = render(&rule(HoleRule::RangeM(4.0)), &range, Fidelity::Terms(5));
     let (flat, ..) = render(&request(), &Plane::filled(WIDTH, HEIGHT, 4.0), Fidelity::Terms(5));
     assert_eq!((replaced.holes, &replaced.scattered), (29, &flat.scattered));

@@ -5,7 +5,7 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::eye::Eye;
 use optics::snow::{Flake, Seeing, Surround, World, flakes, lit, snow, snow_reference};
-use spec::{Snow, SnowDiscs};
+use spec::Snow;
 
 /// f32 over up to some thousand faint layers on one pixel, as tiny frames have them: at most 6e-8 for each, of either sign.
 const ROUNDING: f64 = 1e-5;
@@ -19,8 +19,7 @@ const SNOWS: [(&str, Snow); 4] = [
             near_m: 0.1,
             far_m: 3.0,
             radius_m: 6e-4,
-            discs: Some(SnowDiscs::Lens),
-            spectrum: Some(3.0),
+            spectrum: 3.0,
             aggregates: Some(0.4),
             drift_m_per_s: Some([0.3, -0.1, 0.2]),
             ..Snow::of(200.0)
@@ -32,8 +31,7 @@ const SNOWS: [(&str, Snow); 4] = [
             density_per_m3: 800.0,
             near_m: 0.1,
             far_m: 4.0,
-            radius_m: 3e-4,
-            radius_spread: 0.5,
+            radius_m: 2e-4,
             albedo: [0.9, 0.8, 0.7],
             ..Snow::of(0.0)
         },
@@ -44,8 +42,7 @@ const SNOWS: [(&str, Snow); 4] = [
             density_per_m3: 300.0,
             near_m: 0.1,
             far_m: 3.0,
-            radius_m: 2e-3,
-            radius_spread: 0.3,
+            radius_m: 1e-3,
             albedo: [0.5; 3],
             ..Snow::of(0.0)
         },
@@ -56,8 +53,7 @@ const SNOWS: [(&str, Snow); 4] = [
             density_per_m3: 900.0,
             near_m: 0.05,
             far_m: 2.0,
-            radius_m: 5e-3,
-            radius_spread: 0.4,
+            radius_m: 3e-3,
             albedo: [1.0; 3],
             ..Snow::of(0.0)
         },

@@ -6,6 +6,7 @@ use imaging::{Plane, Rgb};
 use optics::chain::{water, water_reference};
 use optics::eye::Eye;
 use optics::forward_scatter::KernelCache;
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds};
 use optics::range::is_hole;
 use optics::snow::World;
@@ -100,7 +101,7 @@ fn the_scalar_form_is_the_quadrature_too() {
 fn the_plan_bounds_the_chain_in_patchy_water() {
     let size = (48, 31);
     let eye = eye(size);
-    let request = spec::Water::from(Optics {
+    let request = Medium::from(Optics {
         preset: Some("jerlov-3C".to_owned()),
         ..Optics::default()
     });

@@ -5,8 +5,9 @@
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, transfer};
 use optics::chain;
+use optics::medium::{Ambient, Medium};
 use optics::water::Water;
-use spec::{Ambient, Optics};
+use spec::Optics;
 use style::Library;
 use style::net::onnx;
 use training::{Photo, contrast_kept};
@@ -43,12 +44,12 @@ fn photo(seed: u64) -> (Photo, Plane<f32>) {
         veiling_light: Some([0.012, 0.085, 0.165]),
         ..Optics::default()
     };
-    let description = spec::Water {
+    let medium = Medium {
         depth_m: Some(6.0),
         ambient: Ambient::Exposed,
         ..optics.into()
     };
-    let water = Water::resolve(&description, focal_px).unwrap();
+    let water = Water::resolve(&medium, focal_px).unwrap();
     let radiance = scene.radiance.map(|&light| f64::from(light));
     let range = scene.range.unwrap();
     let doubled = range.map(|&range| f64::from(range));

@@ -4,9 +4,10 @@
 
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb, transfer};
+use optics::medium::{Ambient, Medium};
 use optics::water::Water;
 use optics::{chain, haze};
-use spec::{Ambient, ForwardScatter, Haze, HazeBlend, HazeSpace, Optics, ScatterModel};
+use spec::{ForwardScatter, Haze, HazeBlend, HazeSpace, Optics, ScatterModel};
 use style::net::{Network, Scratch};
 use training::network::{forward, ranged};
 use training::tensor::Tensor;
@@ -29,12 +30,12 @@ fn photo() -> Photo {
         }),
         ..Optics::default()
     };
-    let description = spec::Water {
+    let medium = Medium {
         depth_m: Some(0.9),
         ambient: Ambient::Exposed,
         ..optics.into()
     };
-    let water = Water::resolve(&description, focal_px).unwrap();
+    let water = Water::resolve(&medium, focal_px).unwrap();
     let radiance = scene.radiance.map(|&light| f64::from(light));
     let range = scene.range.unwrap().map(|&range| f64::from(range));
     let layers = chain::water_reference(&radiance, &range, &water).unwrap();

@@ -108,7 +108,7 @@ fn sea(setting: &Setting) -> Result<Option<Sea>, NoTruth> {
         return Ok(None);
     };
     match daylight.surfaces() {
-        SurfaceLight::None | SurfaceLight::Depth => Ok(None),
+        SurfaceLight::None => Ok(None),
         SurfaceLight::Normal => Sea::of_daylight(daylight).ok_or(NoTruth::TooDeep).map(Some),
     }
 }

@@ -68,13 +68,8 @@ impl Shape {
     /// The shape that follows from absorption and backscattering b_b, 1/m.
     #[must_use]
     pub fn of_water(absorption: f64, backscattering: f64) -> Self {
-        let horizon = (0.47 * backscattering / absorption.max(f64::MIN_POSITIVE)).min(MOST_HORIZON);
-        Self::of_horizon(horizon.max(LEAST_HORIZON))
-    }
-
-    /// The shape that goes with a horizon of this radiance over the irradiance.
-    #[must_use]
-    pub fn of_horizon(horizon: f64) -> Self {
+        let horizon = 0.47 * backscattering / absorption.max(f64::MIN_POSITIVE);
+        let horizon = horizon.min(MOST_HORIZON).max(LEAST_HORIZON);
         let q = ((0.45 * (1.0 / horizon).ln() - 0.76) / 1.03).clamp(0.0, BRIGHT_CEILING);
         Self {
             horizon,

@@ -1,7 +1,7 @@
 //! Limits of daylight on surfaces that are known before any of it is computed.
 
-use super::{Daylight, SurfaceLight};
 use super::slope::share_by_slope;
+use super::{Daylight, SurfaceLight};
 use crate::error_bound::ErrorBound;
 
 /// One rounding of f32.
@@ -43,9 +43,6 @@ impl Daylight {
         let most = self
             .irradiance(channel, highest)
             .max(self.irradiance(channel, lowest));
-        if self.surfaces != SurfaceLight::Normal {
-            return most;
-        }
         let shape = &self.fields[channel].shape;
         // Radiance that rises to the zenith lights surfaces that face up most.
         let around = if shape.p >= 2.0 * shape.q.abs() {
@@ -91,11 +88,7 @@ impl Daylight {
         let lens = (camera.cx.abs() + camera.cy.abs()) / camera.focal_px;
         let place = (8.0 + lens) * steepest * farthest;
         let sunny = self.sun.map_or(0.0, |sun| COSINE * peak / sun.rise);
-        let cosines = if self.surfaces == SurfaceLight::Normal {
-            SLOPE + sunny
-        } else {
-            0.0
-        };
+        let cosines = SLOPE + sunny;
         let [highest, lowest] = self.heights(farthest);
         let most = |channel: usize| {
             let irradiance = self

@@ -24,14 +24,6 @@ const AMBIENT_RAYS: usize = 8;
 pub struct DaylightModel {
     /// How the veil depends on the line of sight.
     pub veil: VeilModel,
-    /// The irradiance that counts as white.
-    pub level: DaylightLevel,
-    /// Radiance of the horizon over the downwelling irradiance, 1e-5..=1; `None`: from a, b and b_b/b.
-    pub horizon: Option<[f64; 3]>,
-    /// Slope of the logarithm of radiance with the cosine from the vertical; `None`: derived.
-    pub p: Option<[f64; 3]>,
-    /// Its curvature; `None`: derived.
-    pub q: Option<[f64; 3]>,
     /// How daylight lights surfaces.
     pub surfaces: SurfaceLight,
     /// Share of the sun in the irradiance just below the surface, 0..=1.
@@ -52,10 +44,6 @@ impl Default for DaylightModel {
     fn default() -> Self {
         Self {
             veil: VeilModel::Constant,
-            level: DaylightLevel::Exposed,
-            horizon: None,
-            p: None,
-            q: None,
             surfaces: SurfaceLight::None,
             sun_share: 0.0,
             sun: Sun::default(),
@@ -117,9 +105,6 @@ impl DaylightModel {
         check("sun_share", self.sun_share, 0.0, 1.0);
         check("sun_elevation_deg", self.sun.elevation_deg, 5.0, 90.0);
         check("sun_azimuth_deg", self.sun.azimuth_deg, -360.0, 360.0);
-        for horizon in self.horizon.into_iter().flatten() {
-            check("horizon", horizon, 1e-5, 1.0);
-        }
         if let Some(waves) = self.caustics {
             check("slope", waves.slope, 0.0, STEEPEST);
             check("tile_m", waves.tile_m, 0.5, 20.0);
@@ -151,24 +136,12 @@ pub enum VeilModel {
     Physical,
 }
 
-/// The irradiance that counts as white.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DaylightLevel {
-    /// That of the brightest channel at the depth of the camera.
-    Exposed,
-    /// That just below the surface of the sea.
-    Absolute,
-}
-
 /// How daylight lights surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceLight {
     /// By one factor for the whole scene.
     None,
-    /// By their depth.
-    Depth,
     /// By depth and slope, with the sun, shadows and caustics.
     Normal,
 }

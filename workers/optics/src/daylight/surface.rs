@@ -9,7 +9,7 @@
 //!
 //! with s the direction to the sun and μ_s its cosine from the vertical, V whether the sun is seen, C its caustics, A the share of
 //! the light from all around that nothing hides, and D how much of it falls on a slope ([`share_by_slope`]). N is the irradiance of
-//! white: J is in units of the radiance of a white horizontal patch. Without normals `J = ρ e(X)`.
+//! white: J is in units of the radiance of a white horizontal patch.
 
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
@@ -17,7 +17,7 @@ use imaging::{Plane, Rgb};
 use super::field::MOST_GAIN;
 use super::slope::{SLOPES, between, share_by_slope};
 use super::veil::{Row, rises_of};
-use super::{Daylight, SunLight, SurfaceLight};
+use super::{Daylight, SunLight};
 use crate::attenuation::{exp_negative, masked};
 use crate::range::is_hole;
 
@@ -42,8 +42,7 @@ impl Daylight {
     }
 }
 
-/// J of every pixel from ρ, range and unit normals in camera axes. Without a range it is 0, where daylight goes by the normal, and
-/// ρ e at the camera where it does not. `normals` are not looked at where daylight goes by depth alone.
+/// J of every pixel from ρ, range and unit normals in camera axes; 0 without a range.
 #[must_use]
 pub fn surfaces_reference(
     reflectance: &Rgb<f64>,
@@ -53,7 +52,6 @@ pub fn surfaces_reference(
     reaching: Reaching<'_>,
 ) -> Rgb<f64> {
     let gaze = &daylight.gaze;
-    let is_sloped = daylight.surfaces == SurfaceLight::Normal;
     let toward = daylight.sun.map(|sun| (sun, sun.toward(gaze)));
     let bands = [0, 1, 2].map(|c| {
         let field = &daylight.fields[c];
@@ -62,13 +60,10 @@ pub fn surfaces_reference(
         Plane::from_fn(range.width(), range.height(), |x, y| {
             let (rho, z) = (albedo.pixel(x, y), range.pixel(x, y));
             if is_hole(z) {
-                return if is_sloped { 0.0 } else { rho * daylight.level[c] };
+                return 0.0;
             }
             let height = daylight.height(gaze.rise(x, y), z);
             let arriving = rho * daylight.irradiance(c, height);
-            if !is_sloped {
-                return arriving;
-            }
             let n = [0, 1, 2].map(|i| normals[i].pixel(x, y));
             let dot = |v: [f64; 3]| n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
             let around = reaching
@@ -109,21 +104,14 @@ pub fn surfaces(
         let row = Row::new(&daylight.gaze, y);
         vectorized!(rises_of(row, &mut rises));
         let range = range.row(y);
-        let is_sloped = daylight.surfaces == SurfaceLight::Normal;
-        if is_sloped {
-            let normals = normals.each_ref().map(|plane| plane.row(y));
-            vectorized!(place_row(sight, range, &rises, normals, &mut places));
-            if let Some(lit) = reaching.sunlight {
-                vectorized!(dim(lit.row(y), &mut places.direct));
-            }
+        let normals = normals.each_ref().map(|plane| plane.row(y));
+        vectorized!(place_row(sight, range, &rises, normals, &mut places));
+        if let Some(lit) = reaching.sunlight {
+            vectorized!(dim(lit.row(y), &mut places.direct));
         }
         for (c, band) in bands.iter_mut().enumerate() {
             let (channel, band) = (&channels[c], band.row_mut(y));
             let albedo = reflectance.planes()[c].row(y);
-            if !is_sloped {
-                vectorized!(by_depth(channel, (range, &rises, albedo), band));
-                continue;
-            }
             look_up(&channel.table, &places, band);
             if let Some(access) = reaching.access {
                 vectorized!(dim(access.planes()[c].row(y), band));
@@ -294,18 +282,6 @@ fn height(z: f32, rise: f32, depth: f32) -> f32 {
 fn grown(x: f32) -> f32 {
     const MOST: f32 = MOST_GAIN as f32;
     exp_negative(-(if x < MOST { x } else { MOST }))
-}
-
-#[inline(always)]
-fn by_depth(channel: &Channel, (range, rises, albedo): (&[f32], &[f32], &[f32]), to: &mut [f32]) {
-    let Channel {
-        level, decay, depth, ..
-    } = *channel;
-    for (((to, &z), &rise), &rho) in to.iter_mut().zip(range).zip(rises).zip(albedo) {
-        let (valid, z) = masked(z);
-        let z = if valid { z } else { 0.0 };
-        *to = rho * level * grown(decay * height(z, rise, depth));
-    }
 }
 
 /// Takes A D in `to`.

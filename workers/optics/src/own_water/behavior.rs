@@ -1,9 +1,9 @@
 //! What a picture in any water must do, tried with every preset: channels that keep to themselves, one meaning of a missing
 //! range, the two ends of the range, and a seed of 0 that is a seed.
 
+use crate::medium::Medium;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
-use crate::medium::Medium;
 use spec::{ForwardScatter, Optics, ScatterModel};
 
 use crate::chain;
@@ -131,10 +131,7 @@ mod tests {
     fn a_swap_of_red_and_blue_is_found() {
         let pixel: fn(&Medium, [f64; 3], f64) -> Option<[f64; 3]> = |request, radiance, range_m| {
             let mut swapped = request.clone();
-            let beam = swapped
-                .optics
-                .as_mut()
-                .and_then(|optics| optics.beam_attenuation_per_m.as_mut());
+            let beam = swapped.optics.beam_attenuation_per_m.as_mut();
             beam.expect("it is given").reverse();
             super::pixel(&swapped, radiance, range_m)
         };

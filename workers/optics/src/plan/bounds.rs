@@ -273,10 +273,11 @@ mod tests {
     use spec::Optics;
 
     use super::*;
+    use crate::medium::Medium;
     use crate::visible_bounds::TILE_PX;
 
     fn clear(holes: HoleRule) -> Water {
-        let request = spec::Water {
+        let request = Medium {
             holes,
             ..Optics {
                 beam_attenuation_per_m: Some([0.1; 3]),

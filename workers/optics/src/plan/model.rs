@@ -103,17 +103,15 @@ fn unscattered(conditions: &Conditions<'_>) -> Option<ModelError> {
 fn veil_by_direction(conditions: &Conditions<'_>) -> Option<ModelError> {
     let daylight = conditions.water.daylight().filter(|daylight| daylight.varies())?;
     let (a, b) = conditions.water.absorption.zip(conditions.water.scattering)?;
-    let is_derived = |field| conditions.water.derived().contains(&field);
     let is_like = |i: usize| {
         let depth = daylight.fields()[i].decay * daylight.depth();
         SKY_DEPTHS.contains(&depth) && SKY_RATIOS.contains(&(b[i] / a[i]))
     };
-    let known = ["horizon", "p", "q"].into_iter().all(is_derived) && (0..3).all(is_like);
     let brightness = match daylight.veil_form() {
         VeilModel::Physical => "",
         VeilModel::Constant | VeilModel::Field => "; brightness of the horizon: a convention",
     };
-    (known && conditions.patches.is_none()).then(|| {
+    ((0..3).all(is_like) && conditions.patches.is_none()).then(|| {
         let about = format!(
             "radiance of open water by direction 0.89-1.20 of the truth, measured in two waters under an even sky{brightness}"
         );

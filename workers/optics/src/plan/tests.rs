@@ -5,6 +5,7 @@ use spec::{ForwardScatter, Optics, ScatterModel};
 
 use super::*;
 use crate::forward_scatter::Nodes;
+use crate::medium::Medium;
 
 fn wall(range_m: &[f32]) -> (Rgb<f32>, Plane<f32>) {
     let radiance = Rgb::from_fn(range_m.len(), 1, |_, _| [0.5f32; 3]);
@@ -17,7 +18,7 @@ fn water(model: ScatterModel, g: f64, spread_px_per_m: f64) -> Water {
         g_per_m: Some([g; 3]),
         ..model.into()
     };
-    let request = spec::Water::from(Optics {
+    let request = Medium::from(Optics {
         beam_attenuation_per_m: Some([0.4; 3]),
         veiling_light: Some([0.1; 3]),
         forward_scatter: Some(scatter),
@@ -125,7 +126,7 @@ fn the_promise_of_a_plan_stays_within_its_tolerance() {
 #[test]
 fn one_code_of_a_bright_picture_allows_more_than_one_of_a_dark_one() {
     let terms = |veil: f64| {
-        let request = spec::Water::from(Optics {
+        let request = Medium::from(Optics {
             beam_attenuation_per_m: Some([0.4; 3]),
             veiling_light: Some([veil; 3]),
             forward_scatter: Some(ForwardScatter {
@@ -136,7 +137,7 @@ fn one_code_of_a_bright_picture_allows_more_than_one_of_a_dark_one() {
             ..Optics::default()
         });
         let water = Water::resolve(&request, 500.0).unwrap();
-        red(&plan(&SLOPE, &water, Fidelity::DISPLAY)).kernels().unwrap()
+        red(&plan(&SLOPE, &water, Fidelity::Picture)).kernels().unwrap()
     };
     assert!(terms(0.6) < terms(0.0), "{} and {}", terms(0.6), terms(0.0));
 }
@@ -144,7 +145,7 @@ fn one_code_of_a_bright_picture_allows_more_than_one_of_a_dark_one() {
 #[test]
 fn attenuation_that_nobody_sees_is_left_out() {
     let request = |c: f64| {
-        spec::Water::from(Optics {
+        Medium::from(Optics {
             beam_attenuation_per_m: Some([c; 3]),
             veiling_light: Some([0.1; 3]),
             forward_scatter: Some(ForwardScatter::from(ScatterModel::None)),
@@ -166,7 +167,7 @@ fn attenuation_that_nobody_sees_is_left_out() {
 #[test]
 fn every_physical_stage_that_runs_says_what_its_model_is_wrong_by() {
     let water = |scattering: f64| {
-        let request = spec::Water::from(Optics {
+        let request = Medium::from(Optics {
             absorption_per_m: Some([0.1; 3]),
             scattering_per_m: Some([scattering; 3]),
             veiling_light: Some([0.1; 3]),

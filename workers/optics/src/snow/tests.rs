@@ -6,8 +6,7 @@ const SNOW: Snow = Snow {
     density_per_m3: 400.0,
     near_m: 0.2,
     far_m: 3.0,
-    radius_m: 0.002,
-    radius_spread: 0.4,
+    radius_m: 0.0014,
     albedo: [0.8; 3],
     ..Snow::of(0.0)
 };
@@ -62,33 +61,29 @@ fn the_number_of_particles_follows_the_density() {
 }
 
 #[test]
-fn radii_are_log_normal_and_places_even() {
-    let all = flakes(
-        &eye(),
-        &Snow {
-            density_per_m3: 20_000.0,
-            radius_m: 1e-4,
-            ..SNOW
-        },
-        WORLD,
-        SIZE,
-        &Seeing::STILL,
-    );
-    let logs: Vec<f64> = all
-        .iter()
-        .map(|flake| (flake.radius_m / 1e-4).ln() / 0.4)
-        .collect();
-    let (n, mean) = (logs.len() as f64, logs.iter().sum::<f64>() / logs.len() as f64);
-    let square = logs.iter().map(|v| v * v).sum::<f64>() / n;
+fn radii_follow_junge_and_places_are_even() {
+    let snow = Snow {
+        density_per_m3: 20_000.0,
+        radius_m: 1e-4,
+        ..SNOW
+    };
+    let all = flakes(&eye(), &snow, WORLD, SIZE, &Seeing::STILL);
+    let n = all.len() as f64;
+    assert!(n > 50_000.0, "{n}");
+    let share =
+        |is_counted: &dyn Fn(&Flake) -> bool| all.iter().filter(|flake| is_counted(flake)).count() as f64 / n;
+    // The share above twice the least radius is (2^-3 − 10^-3)/(1 − 10^-3).
+    let large = share(&|flake| flake.radius_m > 2.0 * snow.radius_m);
     assert!(
-        n > 50_000.0 && mean.abs() < 4.0 / n.sqrt() && (square - 1.0).abs() < 0.05,
-        "{mean} {square}"
+        (large - 0.124).abs() < 4.0 * (0.125 * 0.875 / n).sqrt(),
+        "{large}"
     );
-    assert!(logs.iter().all(|v| v.abs() <= TAIL + 1e-9));
+    let within = share(&|flake| (0.999..RADII).contains(&(flake.radius_m / snow.radius_m)));
+    assert_eq!(within, 1.0);
     // Half of a frustum's volume lies beyond this depth.
     let half = (0.5 * (SNOW.far_m.powi(3) + SNOW.near_m.powi(3))).cbrt();
-    let beyond = all.iter().filter(|flake| flake.place[2] > half).count() as f64;
-    assert!((beyond / n - 0.5).abs() < 0.02, "{}", beyond / n);
+    let beyond = share(&|flake| flake.place[2] > half);
+    assert!((beyond - 0.5).abs() < 0.02, "{beyond}");
 }
 
 #[test]
@@ -192,7 +187,7 @@ fn everything_wrong_is_said_at_once() {
         near_m: 0.0,
         far_m: 1e9,
         radius_m: f64::NAN,
-        radius_spread: 2.0,
+        spectrum: 7.0,
         albedo: [1.5, 0.5, -0.1],
         ..Snow::of(0.0)
     };
@@ -203,7 +198,7 @@ fn everything_wrong_is_said_at_once() {
         [
             "density_per_m3",
             "radius_m",
-            "radius_spread",
+            "spectrum",
             "near_m",
             "far_m",
             "albedo",
@@ -244,17 +239,13 @@ fn blurred(snow: &Snow, time_s: f64) -> Vec<Flake> {
 #[test]
 fn near_particles_are_wide_and_faint_and_those_in_focus_small() {
     let snow = Snow {
-        discs: Some(SnowDiscs::Lens),
         radius_m: 2e-4,
         ..SNOW
     };
     let all = blurred(&snow, 0.0);
     let mean = |near: f64, far: f64| {
         let found = all.iter().filter(|flake| (near..far).contains(&flake.range_m));
-        let spots = found.map(|flake| match flake.spot {
-            Spot::Disc { radius, .. } => (radius, flake.opacity),
-            Spot::Soft { .. } => panic!("a lens draws discs"),
-        });
+        let spots = found.map(|flake| (flake.spot.radius, flake.opacity));
         let (count, sum) = spots.fold((0.0, (0.0, 0.0)), |(count, sum), (radius, opacity)| {
             (count + 1.0, (sum.0 + radius, sum.1 + opacity))
         });
@@ -263,26 +254,6 @@ fn near_particles_are_wide_and_faint_and_those_in_focus_small() {
     let (near, focused) = (mean(0.2, 0.6), mean(1.7, 2.3));
     assert!(near.0 > 8.0 * focused.0, "{near:?} {focused:?}");
     assert!(near.1 < focused.1, "{near:?} {focused:?}");
-}
-
-#[test]
-fn radii_of_a_spectrum_follow_junge() {
-    let snow = Snow {
-        spectrum: Some(4.0),
-        ..SNOW
-    };
-    let all = flakes(&eye(), &snow, WORLD, SIZE, &Seeing::STILL);
-    assert!(all.len() > 100);
-    let over = |times: f64| {
-        all.iter()
-            .filter(|flake| flake.radius_m > times * snow.radius_m)
-            .count() as f64
-    };
-    let share = over(2.0) / all.len() as f64;
-    // The share above twice the least is (2^-3 − 10^-3)/(1 − 10^-3); four standard deviations.
-    let spread = (0.125 * 0.875 / all.len() as f64).sqrt();
-    assert!((share - 0.124).abs() < 4.0 * spread, "{share}");
-    assert!(over(RADII) == 0.0 && over(0.999) as usize == all.len());
 }
 
 #[test]
@@ -302,7 +273,6 @@ fn aggregates_have_the_area_of_their_particles() {
 #[test]
 fn the_current_carries_particles_and_draws_them_out() {
     let snow = Snow {
-        discs: Some(SnowDiscs::Lens),
         drift_m_per_s: Some([0.5, 0.0, 0.0]),
         ..SNOW
     };
@@ -316,9 +286,7 @@ fn the_current_carries_particles_and_draws_them_out() {
     });
     assert!(met.count() > now.len() / 2);
     for flake in &now {
-        let Spot::Disc { streak, .. } = flake.spot else {
-            panic!("a lens draws discs")
-        };
+        let streak = flake.spot.streak;
         // f v t / z.
         let wanted = 60.0 * 0.5 * 0.02 / flake.place[2];
         assert!((streak[0] - wanted).abs() < 1e-9 && streak[1] == 0.0);

@@ -11,7 +11,7 @@ use spec::{ForwardScatter, PhaseFunction, ScatterModel};
 use super::{Scatter, Spread, Tail, Water, WaterError, two_kernels};
 use crate::daylight::DaylightModel;
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
-use crate::medium::{Ambient, Kernels, Medium, Multiple};
+use crate::medium::{Ambient, Kernels, Medium};
 use crate::preset::{self, Channels, Preset, all_known};
 
 const G_SHARE_OF_SCATTERING: f64 = 0.05;
@@ -100,7 +100,6 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
     };
     let scatter = checks.scatter(water, &coefficients);
     checks.lamps(request, scattering.is_some() || !is_complete);
-    let multiple = checks.multiple(request, scattering.is_some() || !is_complete);
     if !checks.errors.is_empty() {
         return Err(checks.errors);
     }
@@ -121,7 +120,6 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
             .unwrap_or_else(|| radiance_gain(water.ambient, decay)),
         scatter: scaled_scatter(scatter, scale),
         backscatter_fraction: backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION),
-        multiple,
         glow_phase: water.airlight_phase,
         daylight,
         holes: water.holes,
@@ -255,16 +253,6 @@ impl Checks {
         }
     }
 
-    /// How light of lamps that scatters more than once is followed. b is what it takes; a is what c leaves beside it.
-    fn multiple(&mut self, request: &Request<'_>, scatters: bool) -> Option<Multiple> {
-        let asked = request.medium.multiple;
-        if asked == Some(Multiple::QuasiSingle) && !scatters && !request.lamps {
-            let reason = "`multiple` \"quasi_single\" follows light by a and b apart";
-            self.missing("scattering_per_m", reason);
-        }
-        request.lamps.then(|| asked.unwrap_or(Multiple::QuasiSingle))
-    }
-
     /// exp(−K_d h) where depth and K_d are known; an error where ambient light asks for it and they are not.
     fn decay(&mut self, request: &Request<'_>, diffuse_attenuation: Option<[f64; 3]>) -> Option<[f64; 3]> {
         let decay = request
@@ -346,7 +334,10 @@ impl Checks {
 
     fn two_kernels(&mut self, phase: PhaseFunction, known: &Coefficients) -> Option<(Spread, Option<Tail>)> {
         let Some(b) = known.scattering else {
-            self.missing("scattering_per_m", "the two kernels of forward scatter follow from it");
+            self.missing(
+                "scattering_per_m",
+                "the two kernels of forward scatter follow from it",
+            );
             return None;
         };
         self.derived.extend(["spread_px_per_m", "spread_offset_px"]);

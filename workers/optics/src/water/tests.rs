@@ -1,8 +1,9 @@
 //! Waters are completed by the book, and contradictions are named all at once.
 
-use spec::{Ambient, ForwardScatter, ScatterModel};
+use spec::{ForwardScatter, Optics, ScatterModel};
 
 use super::*;
+use crate::medium::Ambient;
 
 const FOCAL_PX: f64 = 600.0;
 
@@ -26,20 +27,20 @@ fn close(actual: [f64; 3], expected: [f64; 3]) -> bool {
     actual.iter().zip(expected).all(|(a, e)| (a - e).abs() < 1e-12)
 }
 
-fn resolve(description: impl Into<spec::Water>) -> Result<Water, Vec<WaterError>> {
-    Water::resolve(&description.into(), FOCAL_PX)
+fn resolve(medium: impl Into<Medium>) -> Result<Water, Vec<WaterError>> {
+    Water::resolve(&medium.into(), FOCAL_PX)
 }
 
-fn faults(description: impl Into<spec::Water>) -> Vec<WaterError> {
-    Water::validate(&description.into(), false)
+fn faults(medium: impl Into<Medium>) -> Vec<WaterError> {
+    Water::validate(&medium.into(), false)
 }
 
-fn fields(description: impl Into<spec::Water>) -> Vec<&'static str> {
-    faults(description).iter().map(WaterError::field).collect()
+fn fields(medium: impl Into<Medium>) -> Vec<&'static str> {
+    faults(medium).iter().map(WaterError::field).collect()
 }
 
-fn errors(description: impl Into<spec::Water>) -> Vec<String> {
-    faults(description).iter().map(ToString::to_string).collect()
+fn errors(medium: impl Into<Medium>) -> Vec<String> {
+    faults(medium).iter().map(ToString::to_string).collect()
 }
 
 #[test]
@@ -69,7 +70,7 @@ fn a_derived_veil_has_the_color_of_daylight_at_depth_and_a_fixed_brightness() {
     };
     let at = |depth: f64| kd.map(|k| 0.3 * f64::exp(-(k - 0.1) * depth));
     assert!(close(resolve(request.clone()).unwrap().veiling_light, at(5.0)));
-    let deep = spec::Water {
+    let deep = Medium {
         depth_m: Some(12.0),
         ambient: Ambient::Absolute,
         ..request.clone().into()
@@ -98,7 +99,7 @@ fn a_given_veil_is_darkened_with_the_scene_in_absolute_light_only() {
             diffuse_attenuation_per_m: Some(kd),
             ..coefficients()
         };
-        let request = spec::Water {
+        let request = Medium {
             depth_m: Some(3.0),
             ambient,
             ..optics.into()
@@ -127,7 +128,7 @@ fn range_scale_multiplies_what_acts_along_the_ray() {
         ..coefficients()
     };
     let one = resolve(request.clone()).unwrap();
-    let two = spec::Water {
+    let two = Medium {
         range_scale: 2.0,
         ..request.into()
     };
@@ -157,7 +158,7 @@ fn every_error_is_named_at_once_with_value_and_limit() {
         }),
         ..Optics::default()
     };
-    let wrong = spec::Water {
+    let wrong = Medium {
         depth_m: Some(-3.0),
         range_scale: 0.0,
         ..optics.into()
@@ -226,13 +227,13 @@ fn what_cannot_be_derived_must_be_given() {
         ["beam_attenuation_per_m"]
     );
     assert_eq!(fields(preset("jerlov-4C")), ["preset"]);
-    let deep = spec::Water {
+    let deep = Medium {
         ambient: Ambient::Absolute,
         ..coefficients().into()
     };
     assert_eq!(fields(deep.clone()), ["depth_m"]);
     assert_eq!(
-        fields(spec::Water {
+        fields(Medium {
             depth_m: Some(2.0),
             ..deep
         }),

@@ -1,11 +1,12 @@
 //! Water whose veil depends on the direction, against its reference and the bounds of its plans.
 
 use imaging::geometry::Intrinsics;
-use optics::daylight::Gaze;
+use optics::daylight::{DaylightModel, Gaze, VeilModel};
 use optics::forward_scatter::KernelCache;
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds, StageId};
 use optics::water::Water;
-use spec::{Fidelity, FromAbove, Optics, ScatterModel, VeilForm};
+use spec::{Fidelity, Optics, ScatterModel};
 
 use super::scenes::SCENES;
 use super::{fast, largest_error, reference};
@@ -21,21 +22,25 @@ const UPS: [[f64; 3]; 4] = [
 /// The reference of forward scatter takes long.
 const FEW_SIZES: [(usize, usize); 4] = [(1, 1), (1, 7), (13, 17), (31, 8)];
 
-fn directed(model: ScatterModel, above: FromAbove, depth_m: f64) -> Water {
-    let request = spec::Water {
+fn directed(model: ScatterModel, veil: VeilModel, (backscatter_fraction, depth_m): (f64, f64)) -> Water {
+    let medium = Medium {
         depth_m: Some(depth_m),
         range_scale: 1.3,
-        from_above: Some(above),
-        ..spec::Water::from(Optics {
+        daylight: Some(DaylightModel {
+            veil,
+            ..DaylightModel::default()
+        }),
+        ..Medium::from(Optics {
             absorption_per_m: Some([0.35, 0.08, 0.06]),
             scattering_per_m: Some([0.2, 0.22, 0.5]),
             backscatter_attenuation_per_m: Some([0.5, 0.3, 0.4]),
-            veiling_light: (above.veil == Some(VeilForm::Field)).then_some([0.02, 0.06, 0.09]),
+            veiling_light: (veil == VeilModel::Field).then_some([0.02, 0.06, 0.09]),
+            backscatter_fraction: Some(backscatter_fraction),
             forward_scatter: Some(model.into()),
             ..Optics::default()
         })
     };
-    Water::resolve(&request, 30.0).unwrap()
+    Water::resolve(&medium, 30.0).unwrap()
 }
 
 fn seen(water: &Water, up: [f64; 3], (width, height): (usize, usize)) -> Water {
@@ -43,30 +48,16 @@ fn seen(water: &Water, up: [f64; 3], (width, height): (usize, usize)) -> Water {
     water.seen_by(Gaze::new(camera, (width, height), up))
 }
 
+/// Models of water; the last two have nearly the least and the largest backscatter, so the steepest and the flattest fields.
 fn forms() -> Vec<Water> {
-    let above = |veil| FromAbove {
-        veil: Some(veil),
-        ..FromAbove::default()
-    };
-    let steep = FromAbove {
-        horizon: Some([0.15, 0.02, 0.5]),
-        p: Some([10.0, 0.0, 3.0]),
-        q: Some([-5.0, 5.0, 0.0]),
-        ..above(VeilForm::Field)
-    };
-    let even = FromAbove {
-        p: Some([1e-3; 3]),
-        q: Some([0.0; 3]),
-        ..above(VeilForm::Field)
-    };
     [
-        (ScatterModel::None, above(VeilForm::Field), 6.0),
-        (ScatterModel::Jaffe, above(VeilForm::Physical), 2.0),
-        (ScatterModel::Simplified, above(VeilForm::Field), 9.0),
-        (ScatterModel::Jaffe, steep, 0.0),
-        (ScatterModel::None, even, 11_000.0),
+        (ScatterModel::None, VeilModel::Field, (0.0183, 6.0)),
+        (ScatterModel::Jaffe, VeilModel::Physical, (0.0183, 2.0)),
+        (ScatterModel::Simplified, VeilModel::Field, (0.0183, 9.0)),
+        (ScatterModel::Jaffe, VeilModel::Field, (0.002, 0.0)),
+        (ScatterModel::None, VeilModel::Field, (0.5, 11_000.0)),
     ]
-    .map(|(model, above, depth_m)| directed(model, above, depth_m))
+    .map(|(model, veil, place)| directed(model, veil, place))
     .into()
 }
 

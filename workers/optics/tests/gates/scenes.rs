@@ -2,8 +2,9 @@
 
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
+use optics::medium::{Kernels, Medium};
 use optics::water::Water;
-use spec::{ForwardScatter, Occlusion, Optics, PhaseFunction, ScatterModel, ScatterSpread};
+use spec::{ForwardScatter, Optics, PhaseFunction, ScatterModel};
 
 /// A frame and its plan's tolerance.
 #[derive(Debug, Clone)]
@@ -44,23 +45,28 @@ impl Gated {
             g_per_m: self.g.map(|g| [g; 3]),
             spread_px_per_m,
             spread_offset_px,
-            spread: matches!(self.kernel, Kernel::Two(_)).then_some(ScatterSpread::Two),
-            law: match self.kernel {
-                Kernel::One { .. } => None,
-                Kernel::Two(law) => Some(law),
-            },
-            occlusion: Some(Occlusion::Gated),
-            layers: Some(self.layers),
             ..ScatterModel::Jaffe.into()
         };
         let optics = Optics {
             absorption_per_m: Some([self.absorption; 3]),
             scattering_per_m: Some([self.scattering; 3]),
             veiling_light: Some([0.0; 3]),
+            phase: match self.kernel {
+                Kernel::One { .. } => PhaseFunction::default(),
+                Kernel::Two(phase) => phase,
+            },
             forward_scatter: Some(scatter),
             ..Optics::default()
         };
-        Water::resolve(&optics.into(), self.focal_px).expect("a consistent water")
+        let medium = Medium {
+            kernels: match self.kernel {
+                Kernel::One { .. } => Kernels::One,
+                Kernel::Two(_) => Kernels::Two,
+            },
+            layers: Some(self.layers),
+            ..optics.into()
+        };
+        Water::resolve(&medium, self.focal_px).expect("a consistent water")
     }
 }
 

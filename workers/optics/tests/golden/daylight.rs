@@ -4,15 +4,16 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::chain::{water, water_reference};
 use optics::daylight::{
-    Blur, Daylight, Field, Gaze, RAYS_PER_CELL, REFRACTIVE_INDEX, Reaching, Refraction, SLOPES, Shape, Tiles,
-    Waves, caustics, caustics_reference, decay_from, share_by_slope, slices, surfaces_reference,
-    tile_reference,
+    Blur, Caustics, Daylight, DaylightModel, Field, Gaze, RAYS_PER_CELL, REFRACTIVE_INDEX, Reaching,
+    Refraction, SLOPES, Shape, Sun, SurfaceLight, Tiles, VeilModel, Waves, caustics, caustics_reference,
+    decay_from, share_by_slope, slices, surfaces_reference, tile_reference,
 };
 use optics::forward_scatter::KernelCache;
+use optics::medium::Medium;
 use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use serde_json::Value;
-use spec::{Caustics, Fidelity, FromAbove, Optics, ScatterModel, Sun, SurfaceLight, VeilForm};
+use spec::{Fidelity, Optics, ScatterModel};
 
 use crate::case::Case;
 
@@ -30,15 +31,15 @@ fn number(case: &Case, key: &str) -> f64 {
     case.number(key).unwrap_or_else(|| panic!("`{key}` is missing"))
 }
 
-fn described(case: &Case) -> spec::Water {
+fn medium(case: &Case) -> Medium {
     let triple = |key: &str| Some(case.triple(key).unwrap_or_else(|| panic!("`{key}` is missing")));
-    spec::Water {
+    Medium {
         depth_m: Some(number(case, "depth_m")),
-        from_above: Some(FromAbove {
-            veil: Some(VeilForm::Field),
-            ..FromAbove::default()
+        daylight: Some(DaylightModel {
+            veil: VeilModel::Field,
+            ..DaylightModel::default()
         }),
-        ..spec::Water::from(Optics {
+        ..Medium::from(Optics {
             absorption_per_m: triple("absorption"),
             scattering_per_m: triple("scattering"),
             diffuse_attenuation_per_m: triple("K_d"),
@@ -57,7 +58,7 @@ fn gaze(case: &Case, size: (usize, usize)) -> Gaze {
 
 pub(crate) fn from_above(case: &Case) {
     let range = case.range();
-    let of = Water::resolve(&described(case), number(case, "focal_px"))
+    let of = Water::resolve(&medium(case), number(case, "focal_px"))
         .unwrap_or_else(|errors| panic!("{errors:?}"))
         .seen_by(gaze(case, range.size()));
     for (field, expected) in of
@@ -97,22 +98,24 @@ pub(crate) fn from_above(case: &Case) {
 
 /// Surfaces under an even sky and with the sun, against the case: without rays and caustics.
 fn surfaces(case: &Case, range: &Plane<f64>) {
-    let lit = FromAbove {
-        surfaces: Some(SurfaceLight::Normal),
-        ..FromAbove::default()
+    let lit = DaylightModel {
+        surfaces: SurfaceLight::Normal,
+        ..DaylightModel::default()
     };
-    let sunny = FromAbove {
-        sun_share: case.get("sun").and_then(|sun| sun["share"].as_f64()),
-        sun: Some(sun(case)),
+    let sunny = DaylightModel {
+        sun_share: case
+            .get("sun")
+            .map_or(0.0, |sun| sun["share"].as_f64().expect("a share")),
+        sun: sun(case),
         caustics: Some(waves(case)),
         ..lit
     };
-    let resolve = |above: FromAbove| {
-        let described = spec::Water {
-            from_above: Some(above),
-            ..described(case)
+    let resolve = |above: DaylightModel| {
+        let medium = Medium {
+            daylight: Some(above),
+            ..medium(case)
         };
-        Water::resolve(&described, number(case, "focal_px"))
+        Water::resolve(&medium, number(case, "focal_px"))
             .unwrap_or_else(|errors| panic!("{errors:?}"))
             .seen_by(gaze(case, range.size()))
     };

@@ -4,9 +4,10 @@ use imaging::{Plane, Rgb};
 use optics::chain::{Layers, water, water_reference};
 use optics::forward_scatter::KernelCache;
 use optics::layering::Layering;
+use optics::medium::{Kernels, Medium};
 use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::water::Water;
-use spec::{Fidelity, ForwardScatter, Occlusion, Optics, PhaseFunction, ScatterModel, ScatterSpread};
+use spec::{Fidelity, Optics, PhaseFunction, ScatterModel};
 
 use crate::case::Case;
 use crate::cut::forward_of_cut_kernels;
@@ -24,43 +25,30 @@ const LEAK: (f64, f64) = (0.9, 1.15);
 /// The light of the pole itself beside it.
 const OWN: (f64, f64) = (0.8, 1.18);
 
-fn resolved(case: &Case, scatter: ForwardScatter) -> Water {
-    let law = if case.text("law") == "hg" {
+/// Layers of gated frames.
+const MOST_LAYERS: usize = 3;
+
+fn resolved(case: &Case, kernels: Kernels, layers: Option<usize>) -> Water {
+    let phase = if case.text("law") == "hg" {
         PhaseFunction::Hg
     } else {
         PhaseFunction::Ff
     };
-    let two = scatter.spread == Some(ScatterSpread::Two);
     let optics = Optics {
         absorption_per_m: case.triple("absorption"),
         scattering_per_m: case.triple("scattering"),
         veiling_light: Some([0.0; 3]),
-        forward_scatter: Some(ForwardScatter {
-            law: two.then_some(law),
-            ..scatter
-        }),
+        phase,
+        forward_scatter: Some(ScatterModel::Jaffe.into()),
         ..Optics::default()
     };
+    let medium = Medium {
+        kernels,
+        layers,
+        ..optics.into()
+    };
     let focal_px = case.number("focal_px").unwrap_or(POLE_FOCAL_PX);
-    Water::resolve(&optics.into(), focal_px).unwrap_or_else(|errors| panic!("{errors:?}"))
-}
-
-fn one() -> ForwardScatter {
-    ScatterModel::Jaffe.into()
-}
-
-fn two() -> ForwardScatter {
-    ForwardScatter {
-        spread: Some(ScatterSpread::Two),
-        ..one()
-    }
-}
-
-fn gates() -> ForwardScatter {
-    ForwardScatter {
-        occlusion: Some(Occlusion::Gated),
-        ..two()
-    }
+    Water::resolve(&medium, focal_px).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 
 fn fast(radiance: &Rgb<f64>, range: &Plane<f64>, of: &Water, fidelity: Fidelity) -> (Layers, Plan) {
@@ -75,7 +63,7 @@ fn fast(radiance: &Rgb<f64>, range: &Plane<f64>, of: &Water, fidelity: Fidelity)
 /// with an end reproduce the arrays to 1e-7, so the fast form is compared after subtracting the exact effect of the missing tail.
 pub(crate) fn gated(case: &Case) {
     let (radiance, range) = (case.radiance(), case.range());
-    let layering = Layering::find(&range, 3).expect("something hides something");
+    let layering = Layering::find(&range, MOST_LAYERS).expect("something hides something");
     for (name, found) in [("cuts_m", &layering.cuts_m), ("gates_m", &layering.gates_m)] {
         let expected = case.numbers(name);
         assert_eq!(expected.len(), found.len(), "{name}: {found:?}");
@@ -92,12 +80,12 @@ pub(crate) fn gated(case: &Case) {
         .map(|&z| layering.layer_of(z) as i32)
         .collect();
     assert_eq!(layers, case.integers("layer"));
-    for (name, scatter, layering) in [
-        ("forward_one", one(), None),
-        ("forward_two", two(), None),
-        ("forward_gated", gates(), Some(&layering)),
+    for (name, kernels, layering) in [
+        ("forward_one", Kernels::One, None),
+        ("forward_two", Kernels::Two, None),
+        ("forward_gated", Kernels::Two, Some(&layering)),
     ] {
-        let water = resolved(case, scatter);
+        let water = resolved(case, kernels, layering.map(|_| MOST_LAYERS));
         let exact = water_reference(&radiance, &range, &water).expect("a small frame");
         case.compare("direct", &exact.direct, REFERENCE, "the reference");
         let ends = if name == "forward_one" {
@@ -151,7 +139,7 @@ pub(crate) fn pole(case: &Case) {
     let range = Plane::from_fn(width, height, |x, _| {
         (if is_pole(x) { pole_z } else { wall_z }) * (1.0 + tan(x) * tan(x)).sqrt()
     });
-    let water = resolved(case, gates());
+    let water = resolved(case, Kernels::Two, Some(MOST_LAYERS));
     let angles = case.needed("tan_x").values;
     for (name, is_near, (least, most)) in [("far", false, LEAK), ("near", true, OWN)] {
         let radiance = Rgb::from_fn(width, height, |x, _| {

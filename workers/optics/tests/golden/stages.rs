@@ -6,13 +6,13 @@ use optics::chain::{self, ChainError, Layers};
 use optics::forward_scatter::{KernelCache, MAX_REFERENCE_PIXELS};
 use optics::kernel::{Transfer, pixel};
 use optics::lamp::{self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES};
+use optics::medium::{Ambient, Medium};
 use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use optics::{haze as lay_haze, style_blend};
 use serde_json::Value;
 use spec::{
-    Ambient, Fidelity, ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel,
-    ScatterSource,
+    Fidelity, ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel, ScatterSource,
 };
 
 use crate::case::Case;
@@ -59,7 +59,7 @@ fn water(case: &Case) -> Water {
     case.expect_text("scatter_source", &["radiance", "direct"]);
     case.expect_text("hole_range", &["largest valid range in the frame"]);
     let direct = case.text("scatter_source") == "direct";
-    let request = spec::Water {
+    let request = Medium {
         depth_m: case.number("depth_m"),
         ambient: if case.get("kd_per_m").is_some() {
             Ambient::Absolute
@@ -261,7 +261,7 @@ pub(crate) fn chain(case: &Case) {
     case.expect_text("blend_space", &["srgb-encoded"]);
     let alpha = case.number("alpha").unwrap_or(1.0);
     let variants = [
-        (Fidelity::REFERENCE, FLOAT, CODES_EXACT, "reference"),
+        (Fidelity::Reference, FLOAT, CODES_EXACT, "reference"),
         (Fidelity::Terms(16), FLOAT, CODES_SCATTER, "16 terms"),
         (
             Fidelity::Tolerance(ONE_CODE),
@@ -273,7 +273,7 @@ pub(crate) fn chain(case: &Case) {
     for (fidelity, tolerance, share, what) in variants {
         // A scene without range stays in air.
         let in_water = match case.array("range_m") {
-            Some(range) if fidelity == Fidelity::REFERENCE && range.values.len() > MAX_REFERENCE_PIXELS => {
+            Some(range) if fidelity == Fidelity::Reference && range.values.len() > MAX_REFERENCE_PIXELS => {
                 continue;
             }
             Some(_) => layers(case, fidelity).scattered,

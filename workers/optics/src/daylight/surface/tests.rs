@@ -1,8 +1,8 @@
 use imaging::geometry::Intrinsics;
-use spec::{Sun, SunShadow, VeilForm};
 
 use super::super::field::{Field, Shape};
 use super::super::gaze::Gaze;
+use super::super::model::{Sun, SurfaceLight, VeilModel};
 use super::*;
 use crate::extremes::brightest;
 
@@ -20,10 +20,10 @@ pub(in crate::daylight) fn daylight(size: (usize, usize), up: [f64; 3], share: f
     let sun = Sun {
         elevation_deg: 35.0,
         azimuth_deg: 110.0,
-        shadow: SunShadow::Hard,
+        casts_shadows: true,
     };
     Daylight {
-        veil: VeilForm::Constant,
+        veil: VeilModel::Constant,
         surfaces: SurfaceLight::Normal,
         sun: (share > 0.0).then(|| SunLight::new(share, &sun)),
         rays: 16,
@@ -55,9 +55,8 @@ fn both_forms_agree_within_the_bound_in_every_view() {
         for up in [[0.0, -1.0, 0.0], [0.1, -0.7, 0.7], [0.3, -0.2, -1.0]] {
             for (share, depth) in [(0.0, 6.0), (0.7, 6.0), (1.0, 0.0), (1e-6, 90.0)] {
                 for (sun, around) in [(false, false), (true, false), (false, true), (true, true)] {
-                    for surfaces_by in [SurfaceLight::Depth, SurfaceLight::Normal] {
-                        let mut daylight = daylight(size, up, share, depth);
-                        daylight.surfaces = surfaces_by;
+                    let daylight = daylight(size, up, share, depth);
+                    {
                         let reaching = Reaching {
                             sunlight: sun.then_some(&sunlight),
                             access: around.then_some(&access),

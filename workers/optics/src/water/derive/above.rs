@@ -5,7 +5,7 @@ use spec::{HoleRule, PhaseFunction};
 use super::super::{Spread, two_kernels};
 use super::{Checks, G_SHARE_OF_SCATTERING, Request, WaterError, each};
 use crate::daylight::{
-    Blur, Daylight, DaylightLevel, DaylightModel, Field, Gaze, MOST_DECAY, Shape, SunLight, SurfaceLight, VeilModel,
+    Blur, Daylight, DaylightModel, Field, Gaze, MOST_DECAY, Shape, SunLight, SurfaceLight, VeilModel,
     decay_from,
 };
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
@@ -92,7 +92,7 @@ impl Checks {
             scale,
             fields,
             depth: depth_m / scale,
-            level: level(above, decay.map(|k| (-k * depth_m).exp())),
+            level: level(decay.map(|k| (-k * depth_m).exp())),
             gaze: Gaze::unknown(known.focal_px),
         })
     }
@@ -111,8 +111,7 @@ impl Checks {
                 "is given, but daylight sets the veil",
             ),
             (
-                above.veil != VeilModel::Constant
-                    && request.medium.holes != HoleRule::Background,
+                above.veil != VeilModel::Constant && request.medium.holes != HoleRule::Background,
                 "holes",
                 "is not `background`: a veil that depends on the direction shows open water where there is no range",
             ),
@@ -135,10 +134,7 @@ impl Checks {
     /// The shape of the radiance field of each channel. It need not be known where nothing depends on the direction.
     fn shapes(&mut self, above: &DaylightModel, known: &Known) -> Option<[Shape; 3]> {
         let fraction = known.backscatter_fraction.unwrap_or(AVERAGE_BACKSCATTER_FRACTION);
-        let of_water =
-            |(a, b): ([f64; 3], [f64; 3])| [0, 1, 2].map(|i| Shape::of_water(a[i], b[i] * fraction));
-        let given = above.horizon.map(|horizon| horizon.map(Shape::of_horizon));
-        let Some(own) = given.or_else(|| known.absorption.zip(known.scattering).map(of_water)) else {
+        let Some((a, b)) = known.absorption.zip(known.scattering) else {
             if varies(above) && known.is_complete {
                 let reason = "the directions of daylight follow from it and scattering_per_m; give both, or set `daylight` to \
                               \"none\"";
@@ -148,16 +144,9 @@ impl Checks {
             return (!varies(above)).then(|| [Shape::of_water(1.0, 0.0); 3]);
         };
         if varies(above) {
-            let fields = [("horizon", above.horizon), ("p", above.p), ("q", above.q)];
-            let derived = fields.iter().filter(|(_, value)| value.is_none());
-            self.derived.extend(derived.map(|(field, _)| *field));
+            self.derived.extend(["horizon", "p", "q"]);
         }
-        let chosen = |given: Option<[f64; 3]>, i: usize, own: f64| given.map_or(own, |values| values[i]);
-        Some([0, 1, 2].map(|i| Shape {
-            horizon: own[i].horizon,
-            p: chosen(above.p, i, own[i].p),
-            q: chosen(above.q, i, own[i].q),
-        }))
+        Some([0, 1, 2].map(|i| Shape::of_water(a[i], b[i] * fraction)))
     }
 }
 
@@ -194,11 +183,8 @@ fn window(known: &Known, decay: [f64; 3], channel: usize) -> f64 {
     }
 }
 
-/// The irradiance at the camera over that which is white.
-fn level(above: &DaylightModel, irradiance: [f64; 3]) -> [f64; 3] {
-    if above.level == DaylightLevel::Absolute {
-        return irradiance;
-    }
+/// The irradiance at the camera over that which is white: the brightest channel's.
+fn level(irradiance: [f64; 3]) -> [f64; 3] {
     let brightest = irradiance.into_iter().fold(f64::MIN_POSITIVE, f64::max);
     irradiance.map(|e| e / brightest)
 }
