@@ -59,8 +59,15 @@ SNAPSHOTS = {"openapi": document, "words": words}
 
 
 def make_snapshot(part, binary, work):
-    text = json.dumps(SNAPSHOTS[part](binary, work), indent=1, sort_keys=True, ensure_ascii=False)
-    (KEPT / f"{part}.json").write_text(text + "\n")
+    (KEPT / f"{part}.json").write_text(lines_of(SNAPSHOTS[part](binary, work)) + "\n")
+
+
+def lines_of(value, levels=3):
+    """JSON with its upper levels on lines of their own, so that a change shows in few lines."""
+    if levels == 0 or not isinstance(value, dict):
+        return json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
+    members = (f"{json.dumps(key)}: {lines_of(value[key], levels - 1)}" for key in sorted(value))
+    return "{\n" + ",\n".join(members) + "\n}"
 
 
 def check_snapshot(part, binary, work):
