@@ -1,5 +1,5 @@
-//! A data folder of version 0.1, with finished, failed, cancelled, paused and waiting jobs: everything is listed and served, and
-//! nothing is rendered again.
+//! A data folder of version 0.1, with finished, failed, cancelled, paused and waiting jobs: all are listed and served, and none is
+//! rendered again.
 
 use std::fs::File;
 use std::path::Path;
@@ -40,7 +40,7 @@ fn check_refusal((status, problem): (u16, Value), expected: u16) {
 }
 
 /// Failure: a job, an image or an artifact that is not served, an artifact with other bytes, a frame of an earlier job that is
-/// rendered, a request for one without the sentence that says why not, or a new job that does not end.
+/// rendered, a refusal without its reason, or a new job that does not end.
 #[test]
 fn earlier_jobs_are_listed_and_served_but_not_rendered() {
     let folder = tempfile::tempdir().expect("a temporary folder");

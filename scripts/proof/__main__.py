@@ -126,7 +126,7 @@ def check(binary, work, parts):
         count += len(found)
         print(f"{part}: {len(found)} differences", *found[:MOST_SHOWN], sep="\n  ", flush=True)
     if count:
-        print("after a wanted change: scripts/proof.sh --make, and say in the commit what changed and why")
+        print("after a wanted change: scripts/proof.sh --make, and explain the change in the commit")
     return 1 if count else 0
 
 

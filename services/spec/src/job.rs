@@ -50,7 +50,7 @@ impl Job {
     /// what it rendered then, whatever names and limits there are by now.
     ///
     /// # Errors
-    /// What is no description by its form: the text is damaged, or of version 0.1 of the program.
+    /// A text that does not parse: it is damaged, or the job of version 0.1.
     pub fn trusted(canonical: &str) -> Result<Self, Invalid> {
         let value = json::read(canonical.as_bytes())?;
         refuse_earlier_version(&value)?;

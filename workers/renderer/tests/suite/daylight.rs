@@ -1,4 +1,4 @@
-//! Daylight in whole frames: what the record says, and what changes.
+//! Daylight in whole frames: pictures, plans and records.
 
 use serde_json::{Value, json};
 
