@@ -8,6 +8,7 @@ use imaging::digest::sha256;
 use serde_json::Value;
 
 use crate::check::{Checker, Place, places, whole};
+use crate::earlier::refuse_earlier_version;
 use crate::fields::{DOCUMENT, MAX_FRAMES};
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
@@ -49,9 +50,10 @@ impl Job {
     /// what it rendered then, whatever names and limits there are by now.
     ///
     /// # Errors
-    /// What is no description by its form: the text is damaged, or of another version of the program.
+    /// A text that does not parse: it is damaged, or the job of version 0.1.
     pub fn trusted(canonical: &str) -> Result<Self, Invalid> {
         let value = json::read(canonical.as_bytes())?;
+        refuse_earlier_version(&value)?;
         let mut checker = Checker {
             vocabulary: &Vocabulary::default(),
             trusting: true,
