@@ -35,6 +35,19 @@ struct Part<'v> {
     pointer: String,
 }
 
+impl Part<'_> {
+    /// The errors of the document, with their pointers into what was written.
+    fn take_errors(&mut self, written: &Value) -> Vec<FieldError> {
+        let mut errors = std::mem::take(&mut self.checker.errors);
+        for error in &mut errors {
+            if written.pointer(&error.pointer).is_none() {
+                error.pointer.insert_str(0, &self.pointer);
+            }
+        }
+        errors
+    }
+}
+
 impl<'v> Draft<'v> {
     /// Reads a description.
     ///
@@ -153,16 +166,8 @@ impl<'v> Draft<'v> {
 
     /// The job, if nothing is wrong with it so far.
     pub(super) fn finish(mut self) -> Result<Job, Invalid> {
-        let of_part = |part: &mut Part<'_>| {
-            let mut errors = std::mem::take(&mut part.checker.errors);
-            for error in &mut errors {
-                if self.written.pointer(&error.pointer).is_none() {
-                    error.pointer.insert_str(0, &part.pointer);
-                }
-            }
-            errors
-        };
-        let found: Vec<_> = self.parts.iter_mut().map(of_part).collect();
+        let parts = self.parts.iter_mut();
+        let found: Vec<_> = parts.map(|part| part.take_errors(&self.written)).collect();
         let of_sites = self.join(&found, |site, error| FieldError {
             message: format!("site `{site}`: {}", error.message),
             ..error.clone()
@@ -196,14 +201,10 @@ impl<'v> Draft<'v> {
 
     /// A path goes through one world.
     fn refuse_path_through_sites(&mut self) {
-        let laws = self.job.site.iter().flat_map(Node::laws);
-        let mut has_path = self
-            .job
-            .documents
-            .iter()
-            .flat_map(|document| places(&document.node, "camera"))
-            .map(|(_, camera)| camera.get("path").is_some());
-        if laws.map(|law| law.key()).any(|key| key != "grid") && has_path.any(|has| has) {
+        let mut laws = self.job.site.iter().flat_map(Node::laws);
+        let documents = self.job.documents.iter();
+        let mut cameras = documents.flat_map(|document| places(&document.node, "camera"));
+        if laws.any(|law| law.key() != "grid") && cameras.any(|(_, camera)| camera.get("path").is_some()) {
             let message = "`camera.path` goes through one world, but `site` is drawn for each frame";
             self.errors
                 .push(FieldError::new("/site", message).limit("no law but `grid`"));

@@ -9,7 +9,6 @@ use super::merge::merge;
 use crate::check::{Checker, Place};
 use crate::fields::JOB;
 use crate::invalid::FieldError;
-use crate::json::step;
 use crate::node::Node;
 use crate::schema::{Names, Shape};
 
@@ -44,6 +43,12 @@ struct NamedSite {
     fields: Option<Map<String, Value>>,
 }
 
+/// The fields of a site before those of the job are laid over them.
+struct SiteFields {
+    pointer: String,
+    fields: Map<String, Value>,
+}
+
 impl Sites {
     /// Lays the fields of the job over those of each site that it names.
     ///
@@ -68,59 +73,71 @@ impl Sites {
         }
         let at = Place::default().field("site");
         let name = checker.node(&at, &Shape::Text(Names::WaterName), true, &names)?;
-        let mut bases = BTreeMap::new();
+        let mut sites = BTreeMap::new();
         for site in named {
-            checker.add_site(site, &mut bases);
+            checker.add_site(site, &mut sites);
         }
-        let expand = |(name, (pointer, site)): (String, (String, Map<String, Value>))| {
-            let mut value = merge(&JOB, site, &fields);
+        if !checker.errors.is_empty() {
+            return None;
+        }
+        let descriptions = sites.into_iter().map(|(name, site)| {
+            let mut value = merge(&JOB, site.fields, &fields);
             value.insert("site".to_owned(), json!({"name": name}));
             SiteDescription {
                 name,
-                pointer,
+                pointer: site.pointer,
                 value: value.into(),
             }
-        };
-        checker.errors.is_empty().then(|| Self {
+        });
+        Some(Self {
             name: Some(name),
-            descriptions: bases.into_iter().map(expand).collect(),
+            descriptions: descriptions.collect(),
         })
     }
 }
 
 impl Checker<'_> {
-    /// Adds a site with its pointer, or the errors of its name and of its own fields that belong beside `site`.
-    fn add_site(&mut self, site: NamedSite, bases: &mut BTreeMap<String, (String, Map<String, Value>)>) {
+    /// Adds a site, or the errors of its name and of fields that belong beside `site`.
+    fn add_site(&mut self, site: NamedSite, sites: &mut BTreeMap<String, SiteFields>) {
         let NamedSite {
             name,
             pointer,
             fields,
         } = site;
-        let base = match (fields, SitePreset::find(&name)) {
-            (Some(fields), _) => (pointer.clone(), fields),
-            (None, Some(preset)) => (String::new(), preset.description()),
-            (None, None) => {
-                let message =
-                    format!("`site` \"{name}\" is not a known site; `fathom list sites` lists them");
-                let known = super::SITES.map(|site| site.name);
-                self.refuse(|| {
-                    FieldError::new(&pointer, message)
-                        .value(&name.as_str().into())
-                        .allowed(known, &name)
-                });
-                return;
-            }
+        let site = match (fields, SitePreset::find(&name)) {
+            (Some(fields), _) => SiteFields {
+                pointer: pointer.clone(),
+                fields,
+            },
+            (None, Some(preset)) => SiteFields {
+                pointer: String::new(),
+                fields: preset.description(),
+            },
+            (None, None) => return self.refuse_unknown_site(&name, &pointer),
         };
-        for field in OF_THE_JOB.into_iter().filter(|field| base.1.contains_key(*field)) {
+        for field in OF_THE_JOB
+            .into_iter()
+            .filter(|field| site.fields.contains_key(*field))
+        {
             let message =
                 format!("site `{name}` cannot have `{field}`: give it beside `site`, for all frames");
             self.refuse(|| FieldError::new(&format!("{pointer}/{field}"), message));
         }
-        if bases.get(&name).is_some_and(|known| known.1 != base.1) {
+        if sites.get(&name).is_some_and(|known| known.fields != site.fields) {
             let message = format!("`site` has two different sites named `{name}`: rename one of them");
             self.refuse(|| FieldError::new(&pointer, message).value(&name.as_str().into()));
         }
-        bases.insert(name, base);
+        sites.insert(name, site);
+    }
+
+    fn refuse_unknown_site(&mut self, name: &str, pointer: &str) {
+        let message = format!("`site` \"{name}\" is not a known site; `fathom list sites` lists them");
+        let known = super::SITES.map(|site| site.name);
+        self.refuse(|| {
+            FieldError::new(pointer, message)
+                .value(&name.into())
+                .allowed(known, name)
+        });
     }
 }
 
@@ -153,20 +170,15 @@ fn take_names(site: &Value, pointer: String, named: &mut Vec<NamedSite>) -> Valu
         });
         return name.as_str().into();
     }
-    let take = |(key, value): (&String, &Value)| {
-        let pointer = format!("{pointer}{}", step(key));
-        let value = match value {
-            Value::Array(items) if key == "choice" || key == "grid" => {
-                let items = items.iter().enumerate();
-                items
-                    .map(|(position, item)| take_names(item, format!("{pointer}/{position}"), named))
-                    .collect()
+    let mut names = map.clone();
+    for law in ["choice", "grid"] {
+        if let Some(Value::Array(items)) = names.get_mut(law) {
+            for (position, item) in items.iter_mut().enumerate() {
+                *item = take_names(item, format!("{pointer}/{law}/{position}"), named);
             }
-            _ => value.clone(),
-        };
-        (key.clone(), value)
-    };
-    map.iter().map(take).collect()
+        }
+    }
+    names.into()
 }
 
 /// Returns `site` with the description in place of each name: the inverse of [`take_names`].
