@@ -187,21 +187,23 @@ impl Slot {
 
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
     fn scene(&mut self, frame: &Frame, source: &SceneSource) -> Result<Arc<Prepared>, RenderError> {
-        let view = rendered_parts(frame)?.and_then(|parts| parts.source);
+        let source_view = rendered_parts(frame)?.and_then(|parts| parts.source);
         let Camera {
             width,
             height,
             hfov_deg,
             path,
+            view,
             ..
         } = frame.camera;
         let key = SceneKey {
             scene: frame.scene.clone(),
             camera: Camera {
                 path,
+                view,
                 ..Camera::pinhole(width, height, hfov_deg)
             },
-            view,
+            view: source_view,
             labeled: scene::needs_labels(frame),
         };
         if let Some((last, prepared)) = &self.last_scene
@@ -209,7 +211,7 @@ impl Slot {
         {
             return Ok(Arc::clone(prepared));
         }
-        let prepared = Arc::new(scene::prepare(frame, source, view)?);
+        let prepared = Arc::new(scene::prepare(frame, source, source_view)?);
         self.last_scene = match frame.scene {
             Scene::Files { .. } => None,
             _ => Some((key, Arc::clone(&prepared))),

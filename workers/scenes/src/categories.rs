@@ -94,6 +94,15 @@ vocabulary! {
 }
 
 impl Category {
+    /// Whether it is a part of a structure: neither natural nor lost.
+    pub(crate) fn is_structure(self) -> bool {
+        !self.is_life()
+            && !matches!(
+                self,
+                Self::Background | Self::Seabed | Self::Stone | Self::Debris | Self::Cable
+            )
+    }
+
     /// Whether it lives or floats: such things stop no camera and cast no shadow of contact.
     #[must_use]
     pub fn is_life(self) -> bool {

@@ -128,6 +128,10 @@ fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
         roll: dice.between(26, -0.1, 0.1),
         lamp_m: (target - eye).length() * dice.between(27, 0.9, 1.3),
         ambient: dice.between(28, 0.06, 0.32),
+        floor: 0.0,
+        heights: [least, pipe.height.max(least) + 1.4],
+        stretch: [0.8, 1.8],
+        turn_deg: 20.0,
     }
 }
 

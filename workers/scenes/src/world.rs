@@ -3,10 +3,11 @@
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
-use spec::{Ground, Life, Path, SceneLight, Waypoint};
+use spec::{CameraView, Ground, Life, Path, SceneLight, Waypoint};
 
 use crate::labels::Labels;
 use crate::path::CameraPath;
+use crate::site::view::{self, Stage};
 use crate::site::{self, Picture, Site, Wanted};
 use crate::{CameraPose, Family, LEAST_CLEARANCE_M, Scene, SceneError};
 use crate::{bottom, life};
@@ -62,6 +63,18 @@ impl World {
         Ok(Self { site, structures })
     }
 
+    /// Moves the camera of a single frame: the given values replace those drawn from the seed, the others are drawn again to fit.
+    /// Growth stays where the seed's own view finds it.
+    ///
+    /// # Errors
+    /// [`SceneError::View`] if every camera with these values is too close to a surface.
+    pub fn set_view(&mut self, view: &CameraView) -> Result<(), SceneError> {
+        let stage = Stage::new(&self.site.solids[..self.structures], &self.site.objects);
+        let chosen = self.site.usual.choose(&stage, view)?;
+        self.site.look_from(&chosen);
+        Ok(())
+    }
+
     /// The pose of a single frame.
     #[must_use]
     pub fn pose(&self) -> CameraPose {
@@ -78,9 +91,10 @@ impl World {
     /// round things it may be less than the true distance, never more; growth, ropes, animals and bubbles do not count.
     #[must_use]
     pub fn clearance(&self, point: DVec3) -> f64 {
-        let point = point.as_f32();
-        let solids = self.site.solids[..self.structures].iter();
-        f64::from(solids.map(|solid| solid.distance(point)).fold(point.z, f32::min))
+        f64::from(view::clearance(
+            &self.site.solids[..self.structures],
+            point.as_f32(),
+        ))
     }
 
     /// The path of a camera: between the waypoints of the description, or past the site, through the usual position along
@@ -315,15 +329,11 @@ mod tests {
     #[test]
     fn a_path_through_something_is_refused() {
         let world = World::new("pipeline", 3).unwrap();
-        let (position, target) = (world.pose().position_m, world.target());
-        let start = Waypoint {
-            position_m: position.into(),
-            target_m: target.into(),
-        };
-        let through = Waypoint {
-            position_m: (target + (target - position)).into(),
-            target_m: (target + (target - position) * 3.0).into(),
-        };
+        let [x, y, _]: [f64; 3] = world.target().into();
+        let [start, through] = [3.0, -1.0].map(|height| Waypoint {
+            position_m: [x, y, height],
+            target_m: [x, y + 1.0, height],
+        });
         let path = straight(start, through, 101);
         let error = world.check(&path).unwrap_err();
         assert!(

@@ -76,7 +76,8 @@ fn points_stay_where_they_are_from_frame_to_frame() {
                 }
             }
             assert!(seen > 1000.0, "{family} {seed}: {seen}");
-            assert!(same > 0.97 * seen, "{family} {seed}: {same} of {seen}");
+            // A point moves by up to half a pixel, across the border of a category too.
+            assert!(same > 0.96 * seen, "{family} {seed}: {same} of {seen}");
             // Growth has ragged borders, and a point moves by up to half a pixel.
             assert!(
                 same_growth >= 0.7 * grown,

@@ -109,7 +109,10 @@ impl Place {
         }
     }
 
-    fn new(frame: &Frame, world: World) -> Result<Self, RenderError> {
+    fn new(frame: &Frame, mut world: World) -> Result<Self, RenderError> {
+        if let Some(view) = &frame.camera.view {
+            world.set_view(view)?;
+        }
         let world = Arc::new(world);
         let Some(path) = frame.camera.path else {
             return Ok(Self { world, path: None });

@@ -1,13 +1,14 @@
 //! Puts the solids of a site together.
 
 use imaging::vector::{Vec3, vec3};
+use spec::CameraView;
 
 use super::chance::Dice;
 use super::finish::{Finish, Material, Pattern};
 use super::pose::{Pose, UP, horizontal, up};
 use super::solid::{Ball, Block, Ring, Shape, Solid, Stone, Tube};
+use super::view::{Stage, Usual, Viewpoint, clearance};
 use super::{Object, Site};
-use crate::CameraPose;
 use crate::categories::Category;
 
 /// A camera keeps this far from everything, m.
@@ -32,6 +33,14 @@ pub(crate) struct View {
     pub(crate) travel: Vec3,
     pub(crate) lamp_m: f32,
     pub(crate) ambient: f32,
+    /// Height of the bottom, m; in open water of the lowest end of the site.
+    pub(crate) floor: f32,
+    /// Heights of drawn cameras above the floor, m.
+    pub(crate) heights: [f32; 2],
+    /// Horizontal distances of drawn cameras in parts of that of `eye`.
+    pub(crate) stretch: [f32; 2],
+    /// Largest turn of drawn cameras from this view, degrees.
+    pub(crate) turn_deg: f32,
 }
 
 impl Builder {
@@ -79,18 +88,34 @@ impl Builder {
         Dice::new(self.seed, &format!("{}/{topic}", self.family))
     }
 
+    /// The site, and the view of its seed.
     pub(crate) fn site(self, view: &View) -> Site {
         let (eye, target) = (self.clear_eye(view).as_f64(), view.target.as_f64());
-        Site {
+        let usual = Usual {
+            dice: self.about("view"),
+            view: Viewpoint::between(eye, target),
+            roll: f64::from(view.roll),
+            floor: f64::from(view.floor),
+            heights: view.heights,
+            stretch: view.stretch,
+            turn_deg: view.turn_deg,
+        };
+        let mut site = Site {
             solids: self.solids,
             objects: self.objects,
             pits: Vec::new(),
-            pose: CameraPose::looking(eye, target, f64::from(view.roll)),
+            pose: usual.view.pose(usual.roll),
             target,
+            usual,
             travel: view.travel.as_f64(),
             lamp_m: view.lamp_m,
             ambient: view.ambient,
+        };
+        let chosen = usual.choose(&Stage::new(&site.solids, &site.objects), &CameraView::default());
+        if let Ok(chosen) = chosen {
+            site.look_from(&chosen);
         }
+        site
     }
 
     /// The eye of a view, drawn back until nothing is close to it.
@@ -98,8 +123,7 @@ impl Builder {
         let back = (view.eye - view.target).normalized();
         let mut eye = view.eye;
         for _ in 0..24 {
-            let nearest = self.solids.iter().map(|solid| solid.distance(eye));
-            if nearest.fold(f32::INFINITY, f32::min) >= CLEAR_M {
+            if clearance(&self.solids, vec3(eye.x, eye.y, eye.z.max(CLEAR_M))) >= CLEAR_M {
                 break;
             }
             eye = eye + back * 0.15;
