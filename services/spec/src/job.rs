@@ -24,6 +24,9 @@ pub use draft::Draft;
 /// frame can be resolved by itself, another law changes nothing, and a greater `count` keeps the frames there were.
 /// Grids span the frames instead: cell = i mod product of the axes, axes in the order of their pointers' bytes, the
 /// last one fastest. An axis inside a choice or another grid counts whether or not its place is chosen.
+///
+/// With `camera.path` the frames of one pass over the path share their world: laws of `scene`, of `camera.view` and inside
+/// `camera.path` draw for the number of the pass, which is i / (product of the axes × frames of the path), instead of i.
 #[derive(Debug, Clone)]
 pub struct Job {
     pub(crate) document: Node,
@@ -132,16 +135,32 @@ impl Job {
                 FieldError::new("", message).limit(format!("0..{}", self.frames)),
             ));
         }
-        let mut parameters = self.document.value(&|law| law.draw(index));
+        let path_frames = self.path_frames(index);
+        let pass = index / self.cells / path_frames.unwrap_or(1).max(1);
+        let mut parameters = self.document.value(&|law| match law.law {
+            Law::Grid { .. } => law.draw(index),
+            _ if path_frames.is_some() && is_shared_by_pass(&law.pointer) => law.draw(pass),
+            _ => law.draw(index),
+        });
         // Each cell of the grid goes through the whole path, and then again.
         if let Some(Value::Object(path)) = parameters.pointer_mut("/camera/path")
             && !path.contains_key("frame")
         {
-            let frames = path.get("frames").and_then(Value::as_u64).unwrap_or(1);
+            let frames = path_frames.unwrap_or(1).max(1);
             path.insert("frame".to_owned(), (index / self.cells % frames).into());
         }
         Frame::read(index, parameters)
             .map_err(|error| single(FieldError::new("", format!("frame {index}: {error}"))))
+    }
+
+    /// Frames of the path that a frame is on, of one that stays at a given place 1; `None` without a path.
+    fn path_frames(&self, index: u64) -> Option<u64> {
+        let camera = self.document.get("camera")?.value(&|law| law.draw(index));
+        let path = camera.get("path")?;
+        match path.get("frame") {
+            Some(_) => Some(1),
+            None => path.get("frames").and_then(Value::as_u64),
+        }
     }
 
     /// Names of all style models that a frame can ask for, sorted.
@@ -172,6 +191,21 @@ impl Job {
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+}
+
+/// Whether all frames of a pass over a path share what the law at this pointer draws.
+fn is_shared_by_pass(pointer: &str) -> bool {
+    let mut parts = pointer.split('/').skip(1);
+    match parts.next() {
+        Some("scene") => true,
+        Some("camera") => match parts.find(|part| ["view", "path"].contains(part)) {
+            Some("view") => true,
+            // The path itself decides how long a pass is.
+            Some(_) => parts.next().is_some(),
+            None => false,
+        },
+        _ => false,
     }
 }
 
