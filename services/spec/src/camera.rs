@@ -102,7 +102,7 @@ pub struct CameraView {
     #[field(within(-180.0, 180.0), unit = "degree")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yaw_deg: Option<f64>,
-    /// height of the camera above the bottom, in open water above the lowest end of the site; drawn from the family's range unless given
+    /// height of the camera above the bottom, in open water above a level 6 m below the middle of the site; drawn from the family's range unless given
     #[field(within(0.05, 60.0), unit = "m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,

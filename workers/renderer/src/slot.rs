@@ -60,8 +60,10 @@ pub struct LinearPicture {
 #[derive(PartialEq)]
 struct SceneKey {
     scene: Scene,
-    /// Its sides, field of view and path.
+    /// Its sides, field of view, view and path.
     camera: Camera,
+    /// Depth of the camera, up to which piles reach.
+    depth_m: Option<f64>,
     /// What its lens looks into.
     view: Option<Source>,
     labeled: bool,
@@ -203,6 +205,7 @@ impl Slot {
                 view,
                 ..Camera::pinhole(width, height, hfov_deg)
             },
+            depth_m: frame.water.depth_m,
             view: source_view,
             labeled: scene::needs_labels(frame),
         };

@@ -72,6 +72,10 @@ vocabulary! {
     Flora = 17, "flora";
     /// A bubble of gas.
     Bubble = 18, "bubble";
+    /// A buoy, float or sphere in the water.
+    Buoy = 19, "buoy";
+    /// A crate or frame that hangs in the water.
+    Crate = 20, "crate";
 }
 
 vocabulary! {
@@ -96,11 +100,7 @@ vocabulary! {
 impl Category {
     /// Whether it is a part of a structure: neither natural nor lost.
     pub(crate) fn is_structure(self) -> bool {
-        !self.is_life()
-            && !matches!(
-                self,
-                Self::Background | Self::Seabed | Self::Stone | Self::Debris | Self::Cable
-            )
+        !self.is_life() && !matches!(self, Self::Background | Self::Seabed | Self::Stone | Self::Debris)
     }
 
     /// Whether it lives or floats: such things stop no camera and cast no shadow of contact.

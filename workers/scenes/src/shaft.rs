@@ -5,7 +5,7 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::categories::Category;
 use crate::site::Site;
-use crate::site::builder::{Builder, View};
+use crate::site::builder::{Builder, Heights, View};
 use crate::site::chance::Dice;
 use crate::site::finish::{Courses, Material, Pattern, Unroll};
 use crate::site::pose::{Pose, UP, ZERO, up};
@@ -124,9 +124,10 @@ fn tunnel(builder: &mut Builder, dice: Dice) -> View {
         lamp_m: dice.between(36, 1.9, 3.0),
         ambient: dice.between(37, 0.005, 0.05),
         floor: 0.0,
-        heights: [eye_height; 2],
+        heights: Heights::Camera([eye_height; 2]),
         stretch: [1.0; 2],
         turn_deg: 10.0,
+        least_structure: 0.08,
     }
 }
 
@@ -175,9 +176,10 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
         lamp_m: dice.between(37, 1.7, 2.8),
         ambient: dice.between(38, 0.005, 0.06),
         floor: 0.0,
-        heights: [height; 2],
+        heights: Heights::Camera([height; 2]),
         stretch: [1.0; 2],
         turn_deg: 10.0,
+        least_structure: 0.08,
     }
 }
 

@@ -6,7 +6,7 @@ mod build;
 use imaging::vector::vec3;
 
 use crate::site::Site;
-use crate::site::builder::{Builder, View};
+use crate::site::builder::{Builder, Heights, View};
 use crate::site::chance::Dice;
 use crate::site::pose::{UP, ZERO, up};
 
@@ -52,8 +52,9 @@ pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
         lamp_m: (aim - eye).length() * dice.between(8, 0.85, 1.25),
         ambient: dice.between(9, 0.08, 0.35),
         floor: 0.0,
-        heights: [0.5, (0.65 * top).max(1.5)],
+        heights: Heights::Camera([0.5, (0.65 * top).max(1.5)]),
         stretch: [1.0, 2.4],
         turn_deg: 15.0,
+        least_structure: 0.08,
     })
 }

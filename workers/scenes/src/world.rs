@@ -5,8 +5,10 @@ use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
 use spec::{CameraView, Ground, Life, Path, SceneLight, Waypoint};
 
+use crate::categories::Category;
 use crate::labels::Labels;
 use crate::path::CameraPath;
+use crate::site::solid::Shape;
 use crate::site::view::{self, Stage};
 use crate::site::{self, Picture, Site, Wanted};
 use crate::{CameraPose, Family, LEAST_CLEARANCE_M, Scene, SceneError};
@@ -16,6 +18,12 @@ use crate::{bottom, life};
 const CLEAR_M: f64 = 0.2;
 /// Places tested on each side of the usual pose.
 const STEPS: usize = 60;
+/// Height of piles above the surface of the sea, m.
+const FREEBOARD_M: f32 = 1.0;
+/// Least vertical component of the axis of a pile that reaches the surface.
+const LEAST_RISE: f32 = 0.9;
+/// Least length of such a pile, m.
+const LEAST_PILE_M: f32 = 3.0;
 /// A path is no shorter than this share of its usual length.
 const SHORTEST_SHARE: f64 = 0.02;
 
@@ -73,6 +81,22 @@ impl World {
         let chosen = self.site.usual.choose(&stage, view)?;
         self.site.look_from(&chosen);
         Ok(())
+    }
+
+    /// Extends piles beyond the surface of the sea at this height above the bottom, m, as far as a camera can see them.
+    pub fn raise_piles(&mut self, surface_m: f64) {
+        let top = surface_m.min(self.site.pose.position_m.z + f64::from(site::FAR_M)) as f32 + FREEBOARD_M;
+        for solid in &mut self.site.solids[..self.structures] {
+            let is_pile = self.site.objects[usize::from(solid.object)].category == Category::Pile;
+            let Shape::Tube(tube) = &mut solid.shape else {
+                continue;
+            };
+            let (foot, axis) = (solid.pose.origin, solid.pose.axes[2]);
+            // Collars are piles too, but short.
+            if is_pile && axis.z > LEAST_RISE && tube.length > LEAST_PILE_M {
+                tube.length = tube.length.max((top - foot.z) / axis.z);
+            }
+        }
     }
 
     /// The pose of a single frame.
@@ -241,6 +265,7 @@ mod tests {
     use super::*;
     use crate::FAMILIES;
     use crate::path::tests::{STILL, straight};
+    use crate::site::solid::Solid;
 
     const SEEDS: std::ops::Range<u64> = 0..24;
 
@@ -324,6 +349,27 @@ mod tests {
             }
             assert!(shortest > 0.2, "{family}: {shortest}");
         }
+    }
+
+    #[test]
+    fn piles_reach_beyond_the_surface_and_nothing_below_moves() {
+        const SURFACE_M: f64 = 25.0;
+        let mut raised = 0;
+        for seed in SEEDS {
+            let bare = World::new("structure", seed).unwrap();
+            let mut world = World::new("structure", seed).unwrap();
+            world.raise_piles(SURFACE_M);
+            assert_eq!(bare.pose(), world.pose());
+            for (before, after) in bare.site.solids.iter().zip(&world.site.solids) {
+                let top = |solid: &Solid| solid.corners()[4].z;
+                assert_eq!(before.pose, after.pose);
+                if top(before) != top(after) {
+                    raised += 1;
+                    assert!(top(before) < top(after) && f64::from(top(after)) > SURFACE_M);
+                }
+            }
+        }
+        assert!(raised > 20, "{raised}");
     }
 
     #[test]

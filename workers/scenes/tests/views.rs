@@ -50,7 +50,7 @@ fn drawn_views_are_clear_look_up_and_down_and_show_water_and_things() {
             let pose = world.pose();
             assert!(world.clearance(pose.position_m) >= 0.29, "{family} {seed}");
             let shown = shares(&world);
-            empty += usize::from(shown.water + shown.ground > 0.97);
+            empty += usize::from(shown.water + shown.ground > 0.985);
             water.push(shown.water);
             pitches.push(pitch_deg(&pose));
         }

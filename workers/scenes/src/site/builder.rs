@@ -7,6 +7,7 @@ use super::chance::Dice;
 use super::finish::{Finish, Material, Pattern};
 use super::pose::{Pose, UP, horizontal, up};
 use super::solid::{Ball, Block, Ring, Shape, Solid, Stone, Tube};
+pub(crate) use super::view::Heights;
 use super::view::{Stage, Usual, Viewpoint, clearance};
 use super::{Object, Site};
 use crate::categories::Category;
@@ -33,14 +34,16 @@ pub(crate) struct View {
     pub(crate) travel: Vec3,
     pub(crate) lamp_m: f32,
     pub(crate) ambient: f32,
-    /// Height of the bottom, m; in open water of the lowest end of the site.
+    /// Height of the bottom, m; in open water of a level below the site.
     pub(crate) floor: f32,
-    /// Heights of drawn cameras above the floor, m.
-    pub(crate) heights: [f32; 2],
+    /// Heights of drawn cameras.
+    pub(crate) heights: Heights,
     /// Horizontal distances of drawn cameras in parts of that of `eye`.
     pub(crate) stretch: [f32; 2],
     /// Largest turn of drawn cameras from this view, degrees.
     pub(crate) turn_deg: f32,
+    /// Share of the middle of a drawn frame that must show structures.
+    pub(crate) least_structure: f64,
 }
 
 impl Builder {
@@ -97,6 +100,7 @@ impl Builder {
             roll: f64::from(view.roll),
             floor: f64::from(view.floor),
             heights: view.heights,
+            least_structure: view.least_structure,
             stretch: view.stretch,
             turn_deg: view.turn_deg,
         };

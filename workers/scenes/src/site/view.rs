@@ -24,8 +24,8 @@ const PROBES: [usize; 2] = [12, 8];
 const HALF_FRAME: [f64; 2] = [0.7, 0.42];
 /// Probes look this far, m.
 const PROBE_M: f32 = 9.0;
-/// Share of the probes that must meet a structure. In rooms there is no upper limit.
-const STRUCTURE_SHARE: [f64; 2] = [0.08, 0.7];
+/// Largest share of the probes that may meet a structure, except in rooms.
+const MOST_STRUCTURE: f64 = 0.7;
 
 /// What poses are drawn around.
 #[derive(Clone, Copy)]
@@ -33,14 +33,24 @@ pub(crate) struct Usual {
     pub(crate) dice: Dice,
     pub(crate) view: Viewpoint,
     pub(crate) roll: f64,
-    /// Height of the bottom, m; in open water of the lowest end of the site.
+    /// Height of the bottom, m; in open water of a level below the site.
     pub(crate) floor: f64,
-    /// Heights above the floor, m.
-    pub(crate) heights: [f32; 2],
+    pub(crate) heights: Heights,
     /// Horizontal distances in parts of that of `view`.
     pub(crate) stretch: [f32; 2],
     /// Largest turn from the azimuth of `view`, degrees.
     pub(crate) turn_deg: f32,
+    /// Share of the probes that must meet a structure.
+    pub(crate) least_structure: f64,
+}
+
+/// Range of heights above the floor, m.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Heights {
+    /// Of the camera.
+    Camera([f32; 2]),
+    /// Of the point that it looks at.
+    Target([f32; 2]),
 }
 
 /// A camera that looks past a point: it is above or below the point by whatever `height` and `pitch` give.
@@ -113,8 +123,8 @@ impl<'a> Stage<'a> {
         f64::from(clearance(self.solids, point.as_f32()))
     }
 
-    /// Whether a fair share of a frame shows structures.
-    fn shows_structure(&self, view: &Viewpoint) -> bool {
+    /// Whether at least this share of the middle of a frame shows structures, and not only structures.
+    fn shows_structure(&self, view: &Viewpoint, least: f64) -> bool {
         let pose = view.pose(0.0);
         let eye = pose.position_m.as_f32();
         let [across, down] = PROBES;
@@ -129,7 +139,7 @@ impl<'a> Stage<'a> {
         }
         let share = found as f64 / (across * down) as f64;
         let is_room = self.solids.iter().any(Solid::is_hollow);
-        share >= STRUCTURE_SHARE[0] && (share <= STRUCTURE_SHARE[1] || is_room)
+        share >= least && (share <= MOST_STRUCTURE || is_room)
     }
 
     fn is_structure(&self, number: u16) -> bool {
@@ -163,8 +173,9 @@ impl Usual {
                 .iter()
                 .flat_map(|&share| (0..TRIES).map(move |attempt| self.draw(attempt, share, given)))
         };
-        let is_good =
-            |view: &Viewpoint| stage.clearance(view.eye()) >= CLEAR_M && stage.shows_structure(view);
+        let is_good = |view: &Viewpoint| {
+            stage.clearance(view.eye()) >= CLEAR_M && stage.shows_structure(view, self.least_structure)
+        };
         if let Some(view) = poses().find(is_good) {
             return Ok(view);
         }
@@ -198,13 +209,19 @@ impl Usual {
         let flat = self.view.distance_m * libm::cos(self.view.pitch_deg.to_radians());
         // A steep camera stays above its place: its distance is limited.
         let slope = libm::cos(pitch_deg.to_radians()).max(0.5);
-        let distance_m = flat * between(2, self.stretch) / slope;
+        let distance_m = given
+            .distance_m
+            .unwrap_or(flat * between(2, self.stretch) / slope);
+        let height_m = match self.heights {
+            Heights::Camera(range) => between(3, range),
+            Heights::Target(range) => between(3, range) - distance_m * libm::sin(pitch_deg.to_radians()),
+        };
         Viewpoint {
             target: self.view.target,
             pitch_deg,
             yaw_deg: given.yaw_deg.unwrap_or(self.view.yaw_deg + turn_deg),
-            height_m: self.floor + given.height_m.unwrap_or(between(3, self.heights)),
-            distance_m: given.distance_m.unwrap_or(distance_m),
+            height_m: self.floor + given.height_m.unwrap_or(height_m),
+            distance_m,
         }
     }
 }
