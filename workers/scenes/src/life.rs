@@ -41,6 +41,8 @@ const MOST_SOLIDS: usize = 9_000;
 struct Spot {
     place: Vec3,
     normal: Vec3,
+    /// The object that it is on.
+    host: u16,
     /// From the usual eye, m.
     range: f32,
     /// What the place stands for, m².
@@ -190,6 +192,7 @@ fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<Spot> {
         Some(Spot {
             place,
             normal,
+            host: solid.object,
             range: (place - eye).length(),
             area: solid_angle * met * met / facing,
         })

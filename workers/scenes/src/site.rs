@@ -42,6 +42,8 @@ pub(crate) use shade::LABEL_BEVEL_M;
 pub(crate) struct Object {
     pub(crate) finish: Finish,
     pub(crate) category: Category,
+    /// The object that growth is attached to.
+    pub(crate) host: Option<u16>,
 }
 
 /// A site with its usual view and light.

@@ -6,7 +6,7 @@ use imaging::{Plane, Rgb};
 use spec::{CameraView, Ground, Life, Path, SceneLight, Waypoint};
 
 use crate::categories::Category;
-use crate::labels::Labels;
+use crate::labels::{Labels, Shown};
 use crate::path::CameraPath;
 use crate::site::solid::Shape;
 use crate::site::view::{self, Stage};
@@ -214,13 +214,20 @@ impl World {
         let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, wanted);
         let surfaces = picture.labels.take().expect("labels were asked for");
         let (scene, shown) = scene(picture, size, intrinsics);
-        let category = |&object: &u16| self.site.objects[usize::from(object)].category;
-        let categories: Vec<_> = shown.iter().map(category).collect();
+        let number = |host: u16| shown.binary_search(&host).ok().map(|at| at as u16 + 1);
+        let describe = |&object: &u16| {
+            let object = &self.site.objects[usize::from(object)];
+            Shown {
+                category: object.category,
+                host: object.host.and_then(number),
+            }
+        };
+        let described: Vec<_> = shown.iter().map(describe).collect();
         let instances = scene
             .instances
             .as_ref()
             .expect("procedural scenes have instances");
-        let labels = Labels::procedural(surfaces, instances, &categories, *pose, *intrinsics);
+        let labels = Labels::procedural(surfaces, instances, &described, *pose, *intrinsics);
         (scene, labels)
     }
 }

@@ -53,6 +53,7 @@ impl Builder {
         let ground = Object {
             finish: Finish::new(Material::Sand, Dice::new(seed, family).object(1)),
             category: Category::Seabed,
+            host: None,
         };
         Self {
             seed,
@@ -159,7 +160,20 @@ impl Builder {
 
     /// Begins an object of a finish.
     pub(crate) fn object_of(&mut self, finish: Finish, category: Category) {
-        self.objects.push(Object { finish, category });
+        self.push(finish, category, None);
+    }
+
+    /// Begins growth on an object.
+    pub(crate) fn growth_on(&mut self, host: u16, finish: Finish) {
+        self.push(finish, Category::Growth, Some(host));
+    }
+
+    fn push(&mut self, finish: Finish, category: Category, host: Option<u16>) {
+        self.objects.push(Object {
+            finish,
+            category,
+            host,
+        });
         self.current = self.objects.len() as u16 - 1;
     }
 
