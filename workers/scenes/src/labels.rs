@@ -98,21 +98,26 @@ impl Labels {
         codes: impl Fn(&Plane<u8>) -> Plane<u8>,
         reals: impl Fn(&Plane<f32>) -> Plane<f32>,
     ) -> Self {
-        let find = |number: u16| self.instances.iter().find(|instance| instance.number == number);
-        let class = |number: u16| find(number).map_or(UNLABELED.0, |instance| instance.class);
         let surfaces = self.surfaces.as_ref().map(|surfaces| SurfaceLabels {
             z_depth: reals(&surfaces.z_depth),
             normals: surfaces.normals.each_ref().map(&reals),
             findings: codes(&surfaces.findings),
             ..*surfaces
         });
-        let mut instances = instances(numbers, class);
-        keep_hosts(&mut instances, |number| find(number)?.host);
+        let mut instances = instances(numbers, |number| {
+            self.instance(number)
+                .map_or(UNLABELED.0, |instance| instance.class)
+        });
+        keep_hosts(&mut instances, |number| self.instance(number)?.host);
         Self {
             semantics: codes(&self.semantics),
             instances,
             surfaces,
         }
+    }
+
+    fn instance(&self, number: u16) -> Option<&Instance> {
+        self.instances.iter().find(|instance| instance.number == number)
     }
 
     /// The labels that follow from the instance mask of an uploaded scene. Objects without a class are [`UNLABELED`].

@@ -7,7 +7,7 @@ use crate::site::Site;
 use crate::site::builder::{Builder, Heights, View};
 use crate::site::chance::Dice;
 use crate::site::finish::{Finish, Material};
-use crate::site::pose::{UP, horizontal, up};
+use crate::site::pose::{Pose, UP, horizontal, up};
 use crate::site::solid::Ring;
 
 /// Height above the bottom from which heights of the camera count, m: farther than any picture shows.
@@ -19,7 +19,7 @@ const HALF_LENGTH_M: f32 = 30.0;
 /// Pitch of the links of a chain in parts of their size.
 const LINK_PITCH: f32 = 1.55;
 const CHAIN_LINKS: usize = 48;
-const CATENARY_PARTS: usize = 48;
+const BOW_PARTS: usize = 48;
 const FLOATS: [[f32; 3]; 4] = [
     [0.5, 0.2, 0.03],
     [0.52, 0.42, 0.05],
@@ -164,20 +164,30 @@ fn buoy(builder: &mut Builder, dice: Dice, place: Vec3) {
     }
 }
 
+fn corner(pose: &Pose, half: Vec3, sides: [f32; 3]) -> Vec3 {
+    pose.point_out(half.zip(sides.into(), |half, side| half * side))
+}
+
 /// A crate or an open frame on four slings below a hoisting rope.
 fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
     let half = dice.within(0, [0.3, 0.25, 0.2], [0.9, 0.6, 0.6]);
     let yaw = dice.between(3, -1.5, 1.5);
-    let (along, across) = (horizontal(yaw), horizontal(yaw + std::f32::consts::FRAC_PI_2));
-    let corner =
-        |x: f32, y: f32, z: f32| place + along * (x * half.x) + across * (y * half.y) + up(z * half.z);
+    let pose = Pose::upright(place, yaw);
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     builder.object(Material::Steel, Category::Crate);
     for (i, (x, y)) in corners.into_iter().enumerate() {
         let (next_x, next_y) = corners[(i + 1) % 4];
-        builder.tube(corner(x, y, -1.0), corner(x, y, 1.0), 0.03);
+        builder.tube(
+            corner(&pose, half, [x, y, -1.0]),
+            corner(&pose, half, [x, y, 1.0]),
+            0.03,
+        );
         for z in [-1.0, 1.0] {
-            builder.tube(corner(x, y, z), corner(next_x, next_y, z), 0.03);
+            builder.tube(
+                corner(&pose, half, [x, y, z]),
+                corner(&pose, half, [next_x, next_y, z]),
+                0.03,
+            );
         }
     }
     // Closed, or with a load on its floor.
@@ -191,7 +201,7 @@ fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
     let hook = place + up(half.z + dice.between(5, 0.6, 1.4));
     rope(builder, dice);
     for (x, y) in corners {
-        builder.tube(corner(x, y, 1.0), hook, 0.01);
+        builder.tube(corner(&pose, half, [x, y, 1.0]), hook, 0.01);
     }
     builder.tube(hook, hook + up(HALF_LENGTH_M), 0.014);
 }
@@ -204,15 +214,29 @@ fn cables(builder: &mut Builder, dice: Dice, place: Vec3) {
         builder.object(Material::Rubber, Category::Cable);
         let radius = own.between(0, 0.012, 0.05);
         let half = own.between(2, 12.0, 30.0);
-        let sag = half * own.between(1, 0.1, 0.6);
-        let middle = place + own.within(3, [-0.5, -0.5, -0.4], [0.5, 1.5, 0.4]);
-        let bow = |part: usize| {
-            let share = 2.0 * part as f32 / CATENARY_PARTS as f32 - 1.0;
-            middle + along * (share * half) + up(sag * share * share)
+        let bow = Bow {
+            lowest: place + own.within(3, [-0.5, -0.5, -0.4], [0.5, 1.5, 0.4]),
+            half: along * half,
+            sag: half * own.between(1, 0.1, 0.6),
         };
-        for part in 0..CATENARY_PARTS {
-            let (from, to) = (bow(part), bow(part + 1));
+        for part in 0..BOW_PARTS {
+            let (from, to) = (bow.point(part), bow.point(part + 1));
             builder.tube(from, to + (to - from).normalized() * radius, radius);
         }
+    }
+}
+
+/// A cable that hangs between two ends at one height: a parabola.
+struct Bow {
+    lowest: Vec3,
+    /// Half of the way between its ends.
+    half: Vec3,
+    sag: f32,
+}
+
+impl Bow {
+    fn point(&self, part: usize) -> Vec3 {
+        let share = 2.0 * part as f32 / BOW_PARTS as f32 - 1.0;
+        self.lowest + self.half * share + up(self.sag * share * share)
     }
 }

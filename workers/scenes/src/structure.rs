@@ -53,7 +53,7 @@ pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
         ambient: dice.between(9, 0.08, 0.35),
         floor: 0.0,
         heights: Heights::Camera([0.5, (0.65 * top).max(1.5)]),
-        stretch: [1.0, 2.4],
+        stretch: [0.85, 1.9],
         turn_deg: 15.0,
         least_structure: 0.08,
     })

@@ -214,21 +214,26 @@ impl World {
         let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, wanted);
         let surfaces = picture.labels.take().expect("labels were asked for");
         let (scene, shown) = scene(picture, size, intrinsics);
-        let number = |host: u16| shown.binary_search(&host).ok().map(|at| at as u16 + 1);
-        let describe = |&object: &u16| {
-            let object = &self.site.objects[usize::from(object)];
-            Shown {
-                category: object.category,
-                host: object.host.and_then(number),
-            }
-        };
-        let described: Vec<_> = shown.iter().map(describe).collect();
         let instances = scene
             .instances
             .as_ref()
             .expect("procedural scenes have instances");
-        let labels = Labels::procedural(surfaces, instances, &described, *pose, *intrinsics);
+        let labels = Labels::procedural(surfaces, instances, &self.describe(&shown), *pose, *intrinsics);
         (scene, labels)
+    }
+
+    /// What the instances from 1 on are, by their objects in ascending order.
+    fn describe(&self, shown: &[u16]) -> Vec<Shown> {
+        let objects = shown.iter().map(|&object| self.site.objects[usize::from(object)]);
+        objects
+            .map(|object| Shown {
+                category: object.category,
+                host: object
+                    .host
+                    .and_then(|host| shown.binary_search(&host).ok())
+                    .map(|at| at as u16 + 1),
+            })
+            .collect()
     }
 }
 

@@ -10,7 +10,7 @@ fn job(lamp: &Value, beside: &Value) -> Value {
                          "direction": [-0.3, 0.05, 1], "cone_deg": 60}]);
     let mut job = json!({
         "scene": {"kind": "procedural", "family": "structure", "seed": 5},
-        "camera": {"width": 96, "height": 64},
+        "camera": {"width": 96, "height": 64, "view": {"pitch_deg": -10, "height_m": 1.6, "distance_m": 3}},
         "water": {"optics": {"preset": "jerlov-1C", "veil_gain": 0.0}, "depth_m": 200, "ambient": "absolute"},
         "metrics": [],
         "artifacts": ["rgb"]
@@ -122,7 +122,7 @@ fn a_lamp_that_nothing_stands_before_needs_no_rays() {
     // Straight up into open water.
     let lamp =
         json!({"shadow": "hard", "glow_shadow": true, "position_m": [0.3, 0, 0.3], "direction": [0, 0, 1]});
-    let at = |height: f64| json!({"position_m": [0, -30, height], "target_m": [0.1, -30, height + 20.0]});
+    let at = |height: f64| json!({"position_m": [0, -300, height], "target_m": [0.1, -300, height + 20.0]});
     let path = json!({"frames": 2, "frame": 0, "start": at(20.0), "end": at(21.0)});
     let up = json!({"camera": {"width": 96, "height": 64, "path": path}});
     let (open, _) = picture(

@@ -128,11 +128,10 @@ impl<'a> Stage<'a> {
         let pose = view.pose(0.0);
         let eye = pose.position_m.as_f32();
         let [across, down] = PROBES;
-        let tangent = |at: usize, count: usize, half: f64| half * ((2 * at + 1) as f64 / count as f64 - 1.0);
         let mut found = 0;
         for probe in 0..across * down {
-            let right = tangent(probe % across, across, HALF_FRAME[0]);
-            let below = tangent(probe / across, down, HALF_FRAME[1]);
+            let right = HALF_FRAME[0] * center(probe % across, across);
+            let below = HALF_FRAME[1] * center(probe / across, down);
             let heading = (pose.ahead + pose.right * right + pose.down * below).normalized();
             let met = self.tree.first_met(self.solids, eye, heading.as_f32(), PROBE_M);
             found += usize::from(met.is_some_and(|(_, number)| self.is_structure(number)));
@@ -146,6 +145,11 @@ impl<'a> Stage<'a> {
         let object = self.solids[usize::from(number)].object;
         self.objects[usize::from(object)].category.is_structure()
     }
+}
+
+/// Center of one of `count` equal parts of -1..1.
+fn center(part: usize, count: usize) -> f64 {
+    (2 * part + 1) as f64 / count as f64 - 1.0
 }
 
 /// Distance of a point from the nearest of some solids and from the ground, m; below 0 inside.
@@ -163,38 +167,48 @@ impl Usual {
     /// # Errors
     /// [`SceneError::View`] if every pose with the given values is blocked.
     pub(crate) fn choose(&self, stage: &Stage<'_>, given: &CameraView) -> Result<Viewpoint, SceneError> {
+        let poses = self.poses(given);
+        if let Some(view) = poses.iter().find(|view| self.is_good(stage, view)) {
+            return Ok(*view);
+        }
+        if *given == CameraView::default() {
+            return Ok(self.view);
+        }
+        let nearer = self.approach(given);
+        let mut candidates = poses.iter().chain(&nearer);
+        let found = candidates.find(|view| stage.clearance(view.eye()) >= LEAST_CLEARANCE_M);
+        found
+            .copied()
+            .ok_or_else(|| refuse(given, stage.clearance(poses[0].eye())))
+    }
+
+    fn is_good(&self, stage: &Stage<'_>, view: &Viewpoint) -> bool {
+        stage.clearance(view.eye()) >= CLEAR_M && stage.shows_structure(view, self.least_structure)
+    }
+
+    /// The sequence of poses: some for each elevation.
+    fn poses(&self, given: &CameraView) -> Vec<Viewpoint> {
         let rounds = if given.pitch_deg.is_some() {
             1
         } else {
             LEVELING.len()
         };
-        let poses = || {
-            LEVELING[..rounds]
-                .iter()
-                .flat_map(|&share| (0..TRIES).map(move |attempt| self.draw(attempt, share, given)))
-        };
-        let is_good = |view: &Viewpoint| {
-            stage.clearance(view.eye()) >= CLEAR_M && stage.shows_structure(view, self.least_structure)
-        };
-        if let Some(view) = poses().find(is_good) {
-            return Ok(view);
-        }
-        if *given == CameraView::default() {
-            return Ok(self.view);
-        }
-        let wanted = self.draw(0, 1.0, given);
-        let nearer = (0..APPROACHES).map(|step| Viewpoint {
-            distance_m: wanted.distance_m * (1.0 - step as f64 / APPROACHES as f64),
-            ..wanted
-        });
-        let nearer = nearer.filter(|view| {
-            given
-                .distance_m
-                .is_none_or(|distance| distance == view.distance_m)
-        });
-        let is_clear = |view: &Viewpoint| stage.clearance(view.eye()) >= LEAST_CLEARANCE_M;
-        let found = poses().chain(nearer).find(is_clear);
-        found.ok_or_else(|| refuse(given, stage.clearance(wanted.eye())))
+        let rounds = LEVELING[..rounds].iter();
+        rounds
+            .flat_map(|&share| (0..TRIES).map(move |attempt| self.draw(attempt, share, given)))
+            .collect()
+    }
+
+    /// Ever nearer poses on the way of the first one to the target; none if the distance is given.
+    fn approach(&self, given: &CameraView) -> Vec<Viewpoint> {
+        let steps = if given.distance_m.is_some() { 0 } else { APPROACHES };
+        let first = self.draw(0, 1.0, given);
+        (1..steps)
+            .map(|step| Viewpoint {
+                distance_m: first.distance_m * (1.0 - step as f64 / APPROACHES as f64),
+                ..first
+            })
+            .collect()
     }
 
     /// A pose of the sequence; `share` is that of [`LEVELING`].
